@@ -1,0 +1,1 @@
+"""Compare two pedestrian-detection systems by what the driver notices."""

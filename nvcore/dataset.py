@@ -1,0 +1,307 @@
+"""Recordings, frames and boxes of one comparison, as tables."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+import pandas as pd
+
+from nvcore.errors import InputError
+from nvcore.findings import Finding
+from nvcore.schema import (
+    DATASET_BOX_DTYPES,
+    FRAME_DTYPES,
+    LEFT_OUT_DTYPES,
+    RECORDING_DTYPES,
+    TRUTH,
+    conform,
+)
+
+INPUT_COLUMNS = ("subject", "file", "sha256", "format", "conversion")
+
+
+@dataclass(frozen=True)
+class BoxColumns:
+    """Boxes of one source as arrays, sorted by frame; ``offsets[f]:offsets[f + 1]`` is frame f.
+
+    Attributes
+    ----------
+    x, y, w, h, score
+        px (score: any scale), float64, shape (n,).
+    track
+        int64, shape (n,); NO_TRACK where none.
+    ignore
+        bool, shape (n,).
+    distance_m
+        metres, float64, shape (n,); NaN where unknown.
+    frame_index
+        Row of the frames table, int64, shape (n,).
+    offsets
+        int64, shape (n_frames + 1,).
+    first_row
+        Row of the boxes table at which this source starts.
+    """
+
+    x: np.ndarray
+    y: np.ndarray
+    w: np.ndarray
+    h: np.ndarray
+    score: np.ndarray
+    track: np.ndarray
+    ignore: np.ndarray
+    distance_m: np.ndarray
+    frame_index: np.ndarray
+    offsets: np.ndarray
+    first_row: int
+
+    def __len__(self) -> int:
+        return len(self.x)
+
+
+@dataclass(frozen=True)
+class FrameColumns:
+    """What the kernels need to know of frames and recordings, as arrays.
+
+    Attributes
+    ----------
+    recording
+        Recording of each frame, int32, shape (n_frames,).
+    frame
+        Frame number, int64, shape (n_frames,).
+    gap
+        Frames to the next listed frame (last one: the median gap), float64, shape (n_frames,).
+    first
+        First row of each recording, int64, shape (n_recordings + 1,).
+    width, height, fps, horizon
+        float64, shape (n_recordings,).
+    """
+
+    recording: np.ndarray
+    frame: np.ndarray
+    gap: np.ndarray
+    first: np.ndarray
+    width: np.ndarray
+    height: np.ndarray
+    fps: np.ndarray
+    horizon: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.frame)
+
+
+@dataclass(frozen=True, eq=False)
+class Dataset:
+    """Ground truth and systems of one comparison. Made by `build`; nothing changes it.
+
+    Attributes
+    ----------
+    recordings
+        One row per recording: name, width, height (px), fps, horizon (px, NaN unknown).
+    frames
+        One row per listed frame, frames without boxes too: recording (row of `recordings`),
+        frame, time_s, step_s. Sorted by recording, then frame.
+    boxes
+        Truth and all systems: columns of `DATASET_BOX_DTYPES`, sorted by source, frame_index,
+        file order.
+    systems
+        Names; the boxes of ``systems[i]`` have source ``i + 1``.
+    inputs
+        One row per input file: subject (truth or system), file, sha256, format, conversion.
+    left_out
+        Rows that could not be placed (frame not listed, recording unknown, coordinates that are
+        no box), with subject, recording, frame, file, line and reason. Nothing is lost.
+    findings
+        What readers and `build` had to report.
+    notes
+        Choices made for the user, in words: which frames are evaluated and why.
+    fingerprint
+        sha256 over the input bytes and the reader settings; for data made in memory, over the
+        tables.
+    """
+
+    recordings: pd.DataFrame
+    frames: pd.DataFrame
+    boxes: pd.DataFrame
+    systems: tuple[str, ...]
+    fingerprint: str
+    inputs: pd.DataFrame = field(default_factory=lambda: pd.DataFrame(columns=list(INPUT_COLUMNS)))
+    left_out: pd.DataFrame = field(default_factory=lambda: empty_left_out())
+    findings: tuple[Finding, ...] = ()
+    notes: tuple[str, ...] = ()
+
+    @cached_property
+    def frame_columns(self) -> FrameColumns:
+        """Frames and recordings as arrays for the kernels."""
+        recording = self.frames["recording"].to_numpy()
+        first = np.searchsorted(recording, np.arange(len(self.recordings) + 1))
+        frame = self.frames["frame"].to_numpy()
+        numbers = {
+            name: self.recordings[name].to_numpy() for name in ("width", "height", "fps", "horizon")
+        }
+        gap = frame_gaps(frame, first, numbers["fps"])
+        return FrameColumns(recording, frame, gap, first.astype(np.int64), **numbers)
+
+    @cached_property
+    def source_starts(self) -> np.ndarray:
+        """First box row of every source, shape (n_systems + 2,)."""
+        return np.searchsorted(
+            self.boxes["source"].to_numpy(), np.arange(len(self.systems) + 2)
+        ).astype(np.int64)
+
+    @cached_property
+    def truth(self) -> BoxColumns:
+        """Boxes of the ground truth, ignored ones included."""
+        return self._source(TRUTH)
+
+    def system(self, name: str) -> BoxColumns:
+        """Detections of one system, all scores.
+
+        Raises
+        ------
+        InputError
+            If there is no such system.
+        """
+        if name not in self.systems:
+            raise InputError(f"there is no system {name!r}; there are {', '.join(self.systems)}")
+        return self._source(self.systems.index(name) + 1)
+
+    def _source(self, source: int) -> BoxColumns:
+        start, stop = self.source_starts[source : source + 2]
+        column = {
+            name: self.boxes[name].to_numpy()[start:stop]
+            for name in (
+                "x", "y", "w", "h", "score", "track", "ignore", "distance_m", "frame_index",
+            )
+        }  # fmt: skip
+        offsets = offsets_of(column["frame_index"], len(self.frames))
+        return BoxColumns(**column, offsets=offsets, first_row=int(start))
+
+
+def offsets_of(frame_index: np.ndarray, n_frames: int) -> np.ndarray:
+    """Where each frame's boxes start in a sorted `frame_index`; int64, shape (n_frames + 1,)."""
+    counts = np.bincount(frame_index, minlength=n_frames)
+    return np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
+
+
+def frame_gaps(frame: np.ndarray, first: np.ndarray, fps: np.ndarray) -> np.ndarray:
+    """Frames to the next listed frame; of a recording's last one, the median gap.
+
+    A recording of a single frame has a gap of 1.
+
+    Parameters
+    ----------
+    frame
+        Frame numbers, int64, shape (n_frames,), increasing in each recording.
+    first
+        First row of each recording, shape (n_recordings + 1,).
+    fps
+        Shape (n_recordings,); only its length is used.
+    """
+    gap = np.ones(len(frame))
+    if len(frame) > 1:
+        gap[:-1] = np.diff(frame)
+    for i in range(len(fps)):  # a loop over recordings: hundreds, not millions
+        rows = slice(first[i], first[i + 1])
+        n_rows = first[i + 1] - first[i]
+        if n_rows:
+            gap[first[i + 1] - 1] = np.median(gap[rows][:-1]) if n_rows > 1 else 1.0
+    return gap
+
+
+def empty_left_out() -> pd.DataFrame:
+    """A `Dataset.left_out` without rows."""
+    return conform({}, LEFT_OUT_DTYPES, n_rows=0)
+
+
+def frames_table(
+    frames_by_recording: Sequence[np.ndarray], fps: Sequence[float] | np.ndarray
+) -> pd.DataFrame:
+    """The frames table from each recording's listed frame numbers (sorted, unique)."""
+    lengths = [len(frames) for frames in frames_by_recording]
+    n_rows = sum(lengths)
+    recording = np.repeat(np.arange(len(lengths)), lengths)
+    frame = np.concatenate([*frames_by_recording, np.empty(0, np.int64)]).astype(np.int64)
+    first = np.concatenate([[0], np.cumsum(lengths)]).astype(np.int64)
+    rate = np.repeat(np.asarray(fps, dtype=float), lengths)
+    start = np.repeat(frame[first[:-1][np.array(lengths, dtype=int) > 0]],
+                      [n for n in lengths if n])  # fmt: skip
+    gap = frame_gaps(frame, first, np.asarray(fps, dtype=float))
+    columns: dict[str, object] = {
+        "recording": recording,
+        "frame": frame,
+        "time_s": (frame - start) / rate,
+        "step_s": gap / rate,
+    }
+    return conform(columns, FRAME_DTYPES, n_rows=n_rows)
+
+
+def dataset_from_tables(
+    recordings: pd.DataFrame,
+    frames_by_recording: Sequence[np.ndarray],
+    boxes: pd.DataFrame,
+    systems: Sequence[str],
+    *,
+    fingerprint: str | None = None,
+    **rest: object,
+) -> Dataset:
+    """A dataset from tables in memory.
+
+    Parameters
+    ----------
+    recordings
+        Columns name, width, height, fps, and optionally horizon.
+    frames_by_recording
+        Listed frame numbers of each recording, sorted, unique.
+    boxes
+        frame_index, source and any of the other columns of `DATASET_BOX_DTYPES`, in any order;
+        the order within one frame and source is kept.
+    systems
+        Names of the systems; source i + 1 is ``systems[i]``.
+    fingerprint
+        sha256 of the inputs; None: made from the tables.
+    rest
+        Further fields of `Dataset`.
+
+    Raises
+    ------
+    InputError
+        If the size or the frame rate of a recording is no positive number.
+    """
+    columns: dict[str, object] = {str(name): recordings[name].to_numpy() for name in recordings}
+    recordings = conform(columns, RECORDING_DTYPES, n_rows=len(recordings))
+    if "horizon" not in columns:
+        recordings["horizon"] = np.nan
+    for name in ("width", "height", "fps"):
+        bad = ~(recordings[name].to_numpy() > 0)
+        if bad.any():
+            raise InputError(
+                f"recording {recordings['name'][int(np.argmax(bad))]!r}: expected a positive "
+                f"{name}, found {recordings[name][int(np.argmax(bad))]:g}"
+            )
+    frames = frames_table(frames_by_recording, recordings["fps"].to_numpy())
+    given: dict[str, object] = {str(name): boxes[name].to_numpy() for name in boxes}
+    table = conform(given, DATASET_BOX_DTYPES, n_rows=len(boxes))
+    key = table["source"].to_numpy().astype(np.int64) * max(len(frames), 1)
+    key = key + table["frame_index"].to_numpy()
+    if len(key) > 1 and np.any(np.diff(key) < 0):
+        table = table.iloc[np.argsort(key, kind="stable")].reset_index(drop=True)
+    if fingerprint is None:
+        fingerprint = tables_fingerprint([recordings, frames, table], systems)
+    return Dataset(recordings, frames, table, tuple(systems), fingerprint, **rest)  # type: ignore[arg-type]
+
+
+def tables_fingerprint(tables: Iterable[pd.DataFrame], systems: Sequence[str]) -> str:
+    """sha256 over the values of tables and the names of the systems."""
+    digest = hashlib.sha256("\n".join(systems).encode())
+    for table in tables:
+        for name in table:
+            values = table[name].to_numpy()
+            if values.dtype == object:
+                digest.update("\n".join(map(str, values)).encode())
+            else:
+                digest.update(np.ascontiguousarray(values).tobytes())
+    return digest.hexdigest()

@@ -1,0 +1,63 @@
+"""Errors that a user can mend.
+
+    NvcoreError                     base; the command line shows it without a traceback
+    ├── InputError                  a file or folder cannot be used (carries file and line)
+    │   ├── FormatError             its content is not what the format says
+    │   ├── UnknownFormatError      no reader recognises it, or no reader has that name
+    │   ├── MissingFactError        image size, frame rate, ... are needed and not in the files
+    │   └── SessionError            a session file says something that cannot be done
+    └── ParameterError              a live parameter is outside its range
+
+Every text says what is wrong, where, what was expected, what was found and what to do.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+
+class NvcoreError(Exception):
+    """Base of all errors that a user can mend."""
+
+
+class InputError(NvcoreError):
+    """A file or folder cannot be used.
+
+    Parameters
+    ----------
+    message
+        What is wrong, what was expected, what was found, what to do.
+    file
+        Name of the file as the user gave it, if one is to blame.
+    line
+        1-based line in that file, if one is to blame.
+    """
+
+    def __init__(self, message: str, *, file: str | Path | None = None, line: int | None = None):
+        self.message = message
+        self.file = None if file is None else str(file)
+        self.line = line
+        where = ""
+        if self.file is not None:
+            where = self.file + (f", line {line}" if line is not None else "") + ": "
+        super().__init__(where + message)
+
+
+class FormatError(InputError):
+    """The content of a file is not what its format says."""
+
+
+class UnknownFormatError(InputError):
+    """No reader recognises the file, or no reader has the given name."""
+
+
+class MissingFactError(InputError):
+    """A needed fact (image size, frame rate, ...) is neither in the files nor given."""
+
+
+class SessionError(InputError):
+    """A session file says something that cannot be done."""
+
+
+class ParameterError(NvcoreError):
+    """A live parameter is outside its range."""

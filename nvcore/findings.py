@@ -1,0 +1,62 @@
+"""What is wrong or suspicious in the inputs, one `Finding` each.
+
+Readers, the dataset builder and the audit report through the same type, so that the command line
+and the web show one list, worst first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from enum import StrEnum
+
+
+class Severity(StrEnum):
+    """How bad a finding is: an error makes figures wrong, a warning may, a note does not."""
+
+    ERROR = "error"
+    WARNING = "warning"
+    NOTE = "note"
+
+
+_ORDER = {Severity.ERROR: 0, Severity.WARNING: 1, Severity.NOTE: 2}
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing that is wrong or suspicious in the inputs.
+
+    Attributes
+    ----------
+    severity
+        `error`: the figures are wrong until it is mended; `warning`: they may be; `note`: good to
+        know.
+    code
+        Short stable name in kebab case, such as ``duplicate-track``.
+    subject
+        Whom it is about: ``truth`` or the name of a system.
+    count
+        How many rows, frames or recordings it concerns.
+    message
+        What was found, in a sentence.
+    advice
+        What to do about it, in a sentence.
+    file
+        File it was first seen in; empty where no single file is to blame.
+    example
+        The first case: line, recording, frame.
+    """
+
+    severity: Severity
+    code: str
+    subject: str
+    count: int
+    message: str
+    advice: str
+    file: str = ""
+    example: str = ""
+
+
+def worst_first(findings: Iterable[Finding]) -> tuple[Finding, ...]:
+    """Findings sorted by severity, the order within one severity kept."""
+    return tuple(sorted(findings, key=lambda finding: _ORDER[finding.severity]))

@@ -1,0 +1,221 @@
+"""Every live setting of the analysis: default, range, step, unit and help text, once.
+
+The command line makes its flags from `Params`, the web its sliders.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import MISSING, Field, asdict, dataclass, field, fields
+from typing import Any, Final, Literal, get_args
+
+from nvcore.errors import ParameterError
+
+Distance = Literal["lateral", "ground"]
+Proximity = Literal["height", "horizon", "distance", "none"]
+Match = Literal["iou", "lateral"]
+Aggregate = Literal["max", "sum"]
+Scope = Literal["recording", "encounter"]
+
+MIDPOINT_SHARE: Final = 0.10
+"""Default midpoint of the height sigmoid as a share of the image height."""
+SPREAD_SHARE: Final = 0.02
+"""Default spread of the height sigmoid as a share of the image height."""
+
+
+def _number(
+    default: float | None,
+    *,
+    low: float,
+    high: float,
+    step: float,
+    unit: str,
+    text: str,
+    above_low: bool = False,
+) -> Any:
+    """A numeric setting; `above_low` excludes the lower end of the range."""
+    metadata = {
+        "low": low,
+        "high": high,
+        "step": step,
+        "unit": unit,
+        "help": text,
+        "above_low": above_low,
+        "choices": None,
+    }
+    return field(default=default, metadata=metadata)
+
+
+def _choice(default: str, *, kind: Any, text: str) -> Any:
+    metadata = {"choices": get_args(kind), "unit": "", "help": text}
+    return field(default=default, metadata=metadata)
+
+
+@dataclass(frozen=True)
+class Params:
+    """Settings of one analysis, checked when made.
+
+    Ranges, steps, units and help texts stand in the metadata of the fields. None means: taken
+    from the data (`midpoint`, `spread`, `horizon`) or not applied (thresholds).
+
+    Raises
+    ------
+    ParameterError
+        If a value is outside its range.
+
+    References
+    ----------
+    Paper 11-0360; the defaults marked as choices are argued in ``docs/metrics.md``.
+    """
+
+    alpha: float = _number(
+        0.9, low=0, high=1, step=0.05, unit="",
+        text="Weight of misses against false alarms in similarity: 1 counts misses only, "
+        "0 false alarms only.",
+    )  # fmt: skip
+    distance: Distance = _choice(
+        "lateral", kind=Distance,
+        text="How far a detection is from a pedestrian: sideways only (lateral) or between foot "
+        "points in the picture (ground).",
+    )  # fmt: skip
+    edge_weight: float = _number(
+        0.0, low=0, high=1, step=0.05, unit="",
+        text="Traffic context. 0 (urban): a miss far to the side costs little; 1 (rural): a miss "
+        "at the road's edge costs as much as one straight ahead.",
+    )  # fmt: skip
+    proximity: Proximity = _choice(
+        "height", kind=Proximity,
+        text="What tells how near a pedestrian is: the box's height, its foot point below the "
+        "horizon, the distance in metres, or none (all count the same).",
+    )  # fmt: skip
+    midpoint: float | None = _number(
+        None, low=0, high=10_000, step=1, unit="px",
+        text="Height (or depth below the horizon) at which a pedestrian counts half. Default: "
+        "10 % of the image height.",
+    )  # fmt: skip
+    spread: float | None = _number(
+        None, low=0, high=10_000, step=1, unit="px", above_low=True,
+        text="Softness of the step at the midpoint. Default: 2 % of the image height.",
+    )  # fmt: skip
+    midpoint_m: float = _number(
+        35.0, low=0, high=1_000, step=1, unit="m",
+        text="Distance at which a pedestrian counts half, for proximity by distance.",
+    )  # fmt: skip
+    spread_m: float = _number(
+        7.0, low=0, high=1_000, step=0.5, unit="m", above_low=True,
+        text="Softness of the step at that distance.",
+    )  # fmt: skip
+    horizon: float | None = _number(
+        None, low=-10_000, high=10_000, step=1, unit="px",
+        text="Row of the horizon in the picture, for proximity by horizon. Default: the "
+        "recording's own.",
+    )  # fmt: skip
+    threshold_x: float | None = _number(
+        None, low=-math.inf, high=math.inf, step=0.01, unit="",
+        text="Detections of X with a lower score are left out. Default: every detection counts.",
+    )  # fmt: skip
+    threshold_y: float | None = _number(
+        None, low=-math.inf, high=math.inf, step=0.01, unit="",
+        text="Detections of Y with a lower score are left out. Default: every detection counts.",
+    )  # fmt: skip
+    match: Match = _choice(
+        "iou", kind=Match,
+        text="When a detection matches a pedestrian: by overlap of the boxes (iou) or by sideways "
+        "position alone (lateral).",
+    )  # fmt: skip
+    iou: float = _number(
+        0.5, low=0, high=1, step=0.05, unit="", above_low=True,
+        text="Smallest overlap (intersection over union) of a match.",
+    )  # fmt: skip
+    lateral_tolerance: float = _number(
+        0.02, low=0, high=1, step=0.005, unit="of image width",
+        text="Largest sideways offset of a match by lateral position; half the pedestrian's width "
+        "is always allowed.",
+    )  # fmt: skip
+    coverage: float = _number(
+        0.5, low=0, high=1, step=0.05, unit="",
+        text="Share of its relevant frames in which an encounter must be matched to count as "
+        "detected.",
+    )  # fmt: skip
+    lag_s: float = _number(
+        0.5, low=0, high=60, step=0.1, unit="s",
+        text="A first match later than this after the pedestrian became relevant is late.",
+    )  # fmt: skip
+    gap_s: float = _number(
+        0.5, low=0, high=60, step=0.1, unit="s",
+        text="A longer gap between two matches is a dropout; a longer one after the last match is "
+        "an early loss.",
+    )  # fmt: skip
+    low: float = _number(
+        0.9, low=0, high=1, step=0.01, unit="",
+        text="Frames with a similarity below this are low.",
+    )  # fmt: skip
+    window: float = _number(
+        1.0, low=0, high=600, step=0.1, unit="s",
+        text="Width of the moving mean of similarity.",
+    )  # fmt: skip
+    tolerance: float = _number(
+        0.05, low=0, high=1, step=0.01, unit="of half the image width",
+        text="A miss counts for saliency only when its weighted distance is larger than this.",
+    )  # fmt: skip
+    recency_midpoint: float = _number(
+        0.5, low=0, high=1, step=0.05, unit="of the duration",
+        text="When in the recording a miss starts to be remembered: it counts half here.",
+    )  # fmt: skip
+    recency_spread: float = _number(
+        0.1, low=0, high=10, step=0.01, unit="of the duration", above_low=True,
+        text="Softness of that step.",
+    )  # fmt: skip
+    saliency_aggregate: Aggregate = _choice(
+        "max", kind=Aggregate,
+        text="A recording's saliency: its most salient event (max) or all of them added (sum).",
+    )  # fmt: skip
+    saliency_scope: Scope = _choice(
+        "recording", kind=Scope,
+        text="What recency is measured in: the whole recording (a clip) or the pedestrian's own "
+        "encounter (long drives).",
+    )  # fmt: skip
+
+    def __post_init__(self) -> None:
+        for spec in fields(self):
+            _check(spec, getattr(self, spec.name))
+
+    def given(self) -> dict[str, float | str]:
+        """Settings by name, those that are None left out (for TOML and JSON)."""
+        return {name: value for name, value in asdict(self).items() if value is not None}
+
+
+def _check(spec: Field[Any], value: object) -> None:
+    flag = spec.name
+    choices = spec.metadata["choices"]
+    if choices is not None:
+        if value not in choices:
+            raise ParameterError(f"{flag}: expected one of {', '.join(choices)}, got {value!r}")
+        return
+    if value is None and spec.default is None:
+        return
+    if isinstance(value, bool) or not isinstance(value, int | float) or math.isnan(value):
+        raise ParameterError(f"{flag}: expected a number, got {value!r}")
+    low, high = spec.metadata["low"], spec.metadata["high"]
+    if not low <= value <= high or (spec.metadata["above_low"] and value == low):
+        least = f"more than {low:g}" if spec.metadata["above_low"] else f"{low:g}"
+        raise ParameterError(f"{flag}: expected {least} to {high:g}, got {value:g}")
+
+
+def params_from(values: Mapping[str, object]) -> Params:
+    """`Params` from a mapping by name, such as a session file's ``[parameters]``.
+
+    Raises
+    ------
+    ParameterError
+        If a name is unknown or a value is outside its range.
+    """
+    known = {spec.name for spec in fields(Params)}
+    for name in values:
+        if name not in known:
+            raise ParameterError(
+                f"there is no parameter {name!r}; the parameters are {', '.join(sorted(known))}"
+            )
+    assert all(spec.default is not MISSING for spec in fields(Params))
+    return Params(**values)  # type: ignore[arg-type]

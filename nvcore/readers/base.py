@@ -1,0 +1,152 @@
+"""What a reader gets and what it returns; shared by all formats."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+import pandas as pd
+
+from nvcore.findings import Finding
+from nvcore.schema import READING_DTYPES, conform
+
+Role = Literal["truth", "detections"]
+
+
+@dataclass(frozen=True)
+class SourceFile:
+    """One file to read.
+
+    Attributes
+    ----------
+    path
+        Where it lies on this machine.
+    name
+        How it is shown, and what recording and frame names are taken from: the path as the user
+        gave it, or relative to the folder that was given, with ``/`` between its parts. Where the
+        folder was an upload, the name is hostile: it is never joined to a path.
+    """
+
+    path: Path
+    name: str
+
+
+@dataclass(frozen=True)
+class ReadOptions:
+    """What a reader may need to know beside the files.
+
+    Attributes
+    ----------
+    role
+        Whether the files hold ground truth or a system's detections.
+    classes
+        Class names (or numbers, as text) that count as pedestrians; None: the format's default.
+        Other classes that could be mistaken for pedestrians are ignore regions, the rest is left
+        out; what a reader does with which class is part of its conversion text.
+    size
+        (width, height) of the pictures in pixels, where given by flag.
+    frame_base
+        Number of the first frame in the files, where the format does not say: 0 or 1.
+    box_base
+        0 or 1: coordinate of the first pixel, where files of one format differ (Pascal VOC).
+    recordings
+        Names of the recordings of the ground truth, for readers of detections.
+    images
+        The truth's image list (see `Reading.images`), for results that name images by id.
+    """
+
+    role: Role = "truth"
+    classes: tuple[str, ...] | None = None
+    size: tuple[int, int] | None = None
+    frame_base: int | None = None
+    box_base: int | None = None
+    recordings: tuple[str, ...] = ()
+    images: pd.DataFrame | None = None
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What one call of a reader returns.
+
+    Attributes
+    ----------
+    boxes
+        Columns of `READING_DTYPES`, in file order, in the conventions of the specification:
+        0-based continuous pixels, x, y, w, h. `file` counts the files as they were given.
+    recordings
+        One row per recording: name, width, height, fps (NaN where the files do not say).
+    images
+        Where the format lists its images (and so the evaluated frames): columns recording, frame,
+        image_id, in the order of the file. Else None.
+    conversion
+        In words, what was converted: "frames kept, pixels from 1-based to 0-based; ...".
+    findings
+        Recoverable oddities.
+    """
+
+    boxes: pd.DataFrame
+    recordings: pd.DataFrame
+    conversion: str
+    images: pd.DataFrame | None = None
+    findings: tuple[Finding, ...] = ()
+
+
+Read = Callable[[Sequence[SourceFile], ReadOptions], Reading]
+
+
+@dataclass(frozen=True)
+class Format:
+    """One readable format.
+
+    Attributes
+    ----------
+    name
+        Name for ``--format``.
+    title
+        Name for people.
+    roles
+        What such files can hold.
+    suffixes
+        File name endings that belong to it, with the dot, lower case.
+    recognise
+        (file name, first 64 KiB as text, role) -> whether the content is this format. Formats are
+        asked in the order of the registry; the first that says yes is taken.
+    read
+        The reader.
+    """
+
+    name: str
+    title: str
+    roles: tuple[Role, ...]
+    suffixes: tuple[str, ...]
+    recognise: Callable[[str, str, Role], bool]
+    read: Read = field(repr=False)
+
+
+def reading_boxes(n_rows: int, **columns: object) -> pd.DataFrame:
+    """Boxes table of a reading from the columns that the format has; the rest is unknown."""
+    return conform(columns, READING_DTYPES, n_rows=n_rows)
+
+
+def concat_boxes(tables: Sequence[pd.DataFrame]) -> pd.DataFrame:
+    """Boxes of several files in one table; no file gives an empty table with all columns."""
+    if not tables:
+        return reading_boxes(0)
+    return pd.concat(tables, ignore_index=True) if len(tables) > 1 else tables[0]
+
+
+def recording_row(
+    name: str, *, width: float = np.nan, height: float = np.nan, fps: float = np.nan
+) -> dict[str, object]:
+    """One row of `Reading.recordings`."""
+    return {"name": name, "width": width, "height": height, "fps": fps}
+
+
+def recordings_table(rows: Sequence[dict[str, object]]) -> pd.DataFrame:
+    """The recordings of a reading from `recording_row`s; doubles by name are dropped."""
+    table = pd.DataFrame(rows, columns=["name", "width", "height", "fps"])
+    table = table.astype({"name": object, "width": float, "height": float, "fps": float})
+    return table.drop_duplicates("name", ignore_index=True)

@@ -1,0 +1,193 @@
+"""The two simulated systems: what each detects, with what score, and what it takes for a person.
+
+Both are pure range models with memory. A person is detected as far as `reach` metres; the score is
+a logistic function of log(reach / distance) plus a slowly wandering disturbance, so that losses
+last for some frames instead of flickering at random.
+
+- FIR, far infrared: sees warmth. Long reach; short for cold clothes, crouching bodies and on warm
+  nights; alarmed by hot things.
+- NIR, near infrared: sees what its lamp lights. Shorter reach, less for dark clothes and off to the
+  side; blind near dazzling headlamps; alarmed by reflecting signs and posts.
+"""
+
+from __future__ import annotations
+
+import zlib
+from typing import Final
+
+import numpy as np
+import pandas as pd
+from scipy.signal import lfilter
+
+from nvcore.sample.camera import FPS, HEIGHT, N_FRAMES, WIDTH, Camera, Floats, frame_times
+from nvcore.sample.scene import Recording, Thing
+from nvcore.sample.truth import Sighting, clipped
+
+SEED: Final = 110360
+THRESHOLD: Final = 0.5
+DETECTION_COLUMNS: Final = ("recording", "frame", "x", "y", "w", "h", "score")
+FIR_REACH_M: Final = 72.0
+NIR_REACH_M: Final = 46.0
+_LOWEST_SCORE: Final = 0.12
+_HIGHEST_SCORE: Final = 0.985
+
+
+def wandering(generator: np.random.Generator, *, hold_s: float, n: int = N_FRAMES) -> Floats:
+    """First-order autoregressive noise of unit variance that forgets in about `hold_s` seconds."""
+    keep = float(np.exp(-1 / (FPS * hold_s)))
+    noise = generator.standard_normal(n)
+    noise[1:] *= np.sqrt(1 - keep**2)
+    return np.asarray(lfilter([1.0], [1.0, -keep], noise))
+
+
+def detections(recording: Recording, seen: list[Sighting], *, system: str) -> pd.DataFrame:
+    """Detections of one system in one recording, all scores; columns `DETECTION_COLUMNS`.
+
+    Parameters
+    ----------
+    system
+        ``"FIR"`` or ``"NIR"``.
+    """
+    parts = [
+        _person(_generator(recording, system, 100 + track), one, _log_reach(recording, one, system))
+        for track, one in enumerate(seen)
+    ]
+    things = _tempting(recording, system)
+    parts += [
+        _false_alarm(_generator(recording, system, 200 + number), thing, recording)
+        for number, thing in enumerate(things)
+    ]
+    parts.append(_noise(_generator(recording, system, 300), recording.camera))
+    table = pd.concat(parts, ignore_index=True)
+    table.insert(0, "recording", recording.name)
+    return table.sort_values(["frame", "score"], ascending=[True, False], ignore_index=True)
+
+
+def _generator(recording: Recording, system: str, number: int) -> np.random.Generator:
+    """Random numbers of one object, so that a change of one leaves all others as they were."""
+    return np.random.default_rng([SEED, zlib.crc32(recording.name.encode()), ord(system[0]), number])
+
+
+def _log_reach(recording: Recording, one: Sighting, system: str) -> Floats:
+    from nvcore.sample.body import keyed
+
+    person = one.person
+    reach = np.full(N_FRAMES, np.log(person.height_m / 1.75))
+    crouch, bend = keyed(person.crouch), keyed(person.bend)
+    if system == "FIR":
+        warm = recording.climate.contrast * (0.22 + 0.78 * person.warmth)
+        reach += np.log(FIR_REACH_M * warm * (1 - 0.5 * crouch) * (1 - 0.45 * bend))
+    else:
+        lit = np.exp(-((one.lateral_m / 15) ** 2)) * (person.reflectance / 0.5) ** 0.45
+        reach += np.log(NIR_REACH_M * lit * (1 - 0.4 * crouch) * (1 - 0.2 * bend))
+        reach -= 2.6 * _glare(recording, one)
+    return reach - 2.3 * one.hidden - 1.2 * (1 - one.inside)
+
+
+def _glare(recording: Recording, one: Sighting) -> Floats:
+    """Dazzle by headlamps at a person's place in the image, 0 to 1."""
+    way, columns = recording.way(), (one.edges[:, 0] + one.edges[:, 2]) / 2
+    dazzle = np.zeros(N_FRAMES)
+    for car in recording.cars:
+        if not car.lights:
+            continue
+        ahead = car.z + car.speed * frame_times() - way - car.length_m / 2
+        lamp = np.stack([np.full_like(ahead, car.x), np.full_like(ahead, 0.7), ahead], axis=1)
+        pixels, depth = recording.camera.project(lamp)
+        strength = np.exp(-((np.log(np.maximum(depth, 1.0) / 32) / 0.75) ** 2)) * (depth > 4)
+        spread = 110 * np.sqrt(32 / np.maximum(depth, 8.0))
+        dazzle = np.maximum(dazzle, strength * np.exp(-(((pixels[:, 0] - columns) / spread) ** 2)))
+    return dazzle
+
+
+def _person(generator: np.random.Generator, one: Sighting, log_reach: Floats) -> pd.DataFrame:
+    ease = log_reach - np.log(np.maximum(one.distance_m, 1.0))
+    dips = np.maximum(0.0, wandering(generator, hold_s=0.35) - 1.7)
+    ease = ease + 0.12 * wandering(generator, hold_s=0.8) - 1.1 * dips
+    ease = ease + 0.02 * generator.standard_normal(N_FRAMES)
+    scores = _HIGHEST_SCORE / (1 + np.exp(-5.0 * ease))
+    found = np.flatnonzero(one.annotated & (scores >= _LOWEST_SCORE))
+    # Localisation wanders with the pose and the pixels; small and doubtful boxes are looser.
+    size = one.edges[:, 2:] - one.edges[:, :2]
+    loose = (0.55 + 0.9 * (1 - scores))[:, None]
+    drift = np.stack([wandering(generator, hold_s=0.4) for _ in range(4)], axis=1)
+    middle = (one.edges[:, 2:] + one.edges[:, :2]) / 2
+    middle = middle + loose * drift[:, :2] * (0.2 + np.array([0.07, 0.035]) * size)
+    # Detectors answer with boxes of a typical shape, not with the swing of the legs.
+    usual = np.array([0.36, 0.0]) * size[:, 1:] + np.array([0.0, 1.0]) * size
+    size = 0.6 * size + 0.4 * usual
+    size = size * np.exp(loose * drift[:, 2:] * np.array([0.10, 0.06]))
+    edges = np.concatenate([middle - size / 2, middle + size / 2], axis=1)
+    return _table(found, edges[found], scores[found])
+
+
+def _tempting(recording: Recording, system: str) -> list[Thing]:
+    """What a system may take for a person, as upright things."""
+    kinds = {"FIR": ("cabinet", "lamp", "bush", "house"), "NIR": ("sign", "post", "pole")}[system]
+    things = [t for t in recording.things if t.tempt is not None and t.kind in kinds]
+    if system == "FIR":
+        things += [
+            Thing("engine", car.x + 0.35, car.z - car.length_m / 2, 1.15, tempt=car.tempt)
+            for car in recording.cars
+            if car.tempt is not None and car.speed == 0.0
+        ]
+    return things
+
+
+def _false_alarm(
+    generator: np.random.Generator, thing: Thing, recording: Recording
+) -> pd.DataFrame:
+    ahead = thing.z - recording.way()
+    size_m = min(thing.size_m, 2.1)
+    foot = np.stack([np.full_like(ahead, thing.x), np.zeros_like(ahead), ahead], axis=1)
+    head = foot + np.array([0.0, size_m, 0.0])
+    (low, depth), (high, _) = recording.camera.project(foot), recording.camera.project(head)
+    height = low[:, 1] - high[:, 1]
+    width = 0.42 * height * np.exp(0.06 * wandering(generator, hold_s=0.4))
+    middle = low[:, 0] + 0.03 * height * wandering(generator, hold_s=0.4)
+    shift = 0.03 * height * wandering(generator, hold_s=0.4)
+    edges = np.stack(
+        [middle - width / 2, high[:, 1] + shift, middle + width / 2, low[:, 1] + shift], axis=1
+    )
+    # It looks like a person only while it has about the size of one.
+    alike = -((np.log(np.maximum(height, 1.0) / 52) / 0.55) ** 2)
+    tempt = thing.tempt if thing.tempt is not None else -9.0
+    scores = 0.93 / (1 + np.exp(-2.2 * (tempt + alike + 0.55 * wandering(generator, hold_s=0.5))))
+    inside = (edges[:, 0] > 2) & (edges[:, 2] < WIDTH - 2) & (edges[:, 3] < HEIGHT) & (depth > 2)
+    found = np.flatnonzero(inside & (scores >= _LOWEST_SCORE) & (height >= 12))
+    return _table(found, edges[found], scores[found])
+
+
+def _noise(generator: np.random.Generator, camera: Camera) -> pd.DataFrame:
+    """Faint detections of nothing, two to five frames long, all below the threshold."""
+    n = 34
+    starts = generator.integers(0, N_FRAMES - 5, n)
+    lengths = generator.integers(2, 6, n)
+    frames = np.repeat(starts, lengths) + np.concatenate([np.arange(k) for k in lengths])
+    depth = np.exp(generator.uniform(np.log(12), np.log(75), n))
+    lateral = generator.uniform(-0.26, 0.26, n) * depth
+    foot, _ = camera.project(np.stack([lateral, np.zeros(n), depth], axis=1))
+    height = camera.focal_px * generator.uniform(0.9, 1.9, n) / depth
+    width = height * generator.uniform(0.3, 0.6, n)
+    edges = np.stack(
+        [foot[:, 0] - width / 2, foot[:, 1] - height, foot[:, 0] + width / 2, foot[:, 1]], axis=1
+    )
+    scores = _LOWEST_SCORE + 0.3 * generator.beta(1.2, 3.0, n)
+    edges, scores = np.repeat(edges, lengths, axis=0), np.repeat(scores, lengths)
+    edges = edges + generator.normal(0, 0.6, edges.shape)
+    return _table(frames, edges, scores + generator.uniform(-0.03, 0.03, len(scores)))
+
+
+def _table(frames: np.typing.NDArray[np.int64], edges: Floats, scores: Floats) -> pd.DataFrame:
+    edges = clipped(edges)
+    table = pd.DataFrame(
+        {
+            "frame": frames,
+            "x": edges[:, 0],
+            "y": edges[:, 1],
+            "w": edges[:, 2] - edges[:, 0],
+            "h": edges[:, 3] - edges[:, 1],
+            "score": np.round(scores, 3),
+        }
+    )
+    return table[(table["w"] >= 2) & (table["h"] >= 4)]

@@ -1,0 +1,217 @@
+"""Where every person stands in the image, how far away and how hidden: the truth of a recording."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from nvcore.sample.body import CAPSULES, WHEEL_M, joints, radii
+from nvcore.sample.camera import HEIGHT, N_FRAMES, WIDTH, Camera, Floats, frame_times
+from nvcore.sample.scene import Car, Person, Recording, Thing
+
+MIN_HEIGHT_PX: Final = 8.0
+MIN_INSIDE: Final = 0.5
+MAX_HIDDEN: Final = 0.93
+MIN_DEPTH_M: Final = 2.0
+LIGHT_HIDDEN: Final = 0.1
+HEAVY_HIDDEN: Final = 0.45
+
+TRUTH_COLUMNS: Final = (
+    "recording", "frame", "x", "y", "w", "h", "track", "ignore", "distance_m", "occlusion",
+)  # fmt: skip
+_GRID: Final = np.stack(
+    np.meshgrid((np.arange(8) + 0.5) / 8, (np.arange(16) + 0.5) / 16, indexing="ij"), axis=-1
+).reshape(-1, 2)
+_BLOCKING: Final = {"tree": 0.16, "bush": 0.9, "cabinet": 1.0, "house": 1.0}
+
+
+@dataclass(frozen=True)
+class Sighting:
+    """One person as the camera sees it at every frame.
+
+    Attributes
+    ----------
+    edges
+        Left, top, right, bottom in pixels, not clipped, shape (frames, 4).
+    depth_m
+        Metres along the optical axis, shape (frames,).
+    distance_m
+        Metres over ground from the camera, shape (frames,).
+    lateral_m
+        Metres to the right of the camera, shape (frames,).
+    hidden
+        Share of the box that nearer things cover, shape (frames,).
+    inside
+        Share of the box inside the picture, shape (frames,).
+    annotated
+        Frames that the truth lists, shape (frames,).
+    """
+
+    person: Person
+    edges: Floats
+    depth_m: Floats
+    distance_m: Floats
+    lateral_m: Floats
+    hidden: Floats
+    inside: Floats
+    annotated: NDArray[np.bool_]
+
+    @property
+    def height_px(self) -> Floats:
+        """Height of the unclipped box, shape (frames,)."""
+        return self.edges[:, 3] - self.edges[:, 1]
+
+
+def body_edges(person: Person, world: Floats, camera: Camera) -> tuple[Floats, Floats]:
+    """Unclipped box edges of a person from joints relative to the car, and the depth.
+
+    Parameters
+    ----------
+    world
+        Joints as `nvcore.sample.body.joints` gives them, less the way of the car.
+    """
+    pixels, depth = camera.project(world)
+    ends = np.array([[limb.a, limb.b] for limb in CAPSULES]).ravel()
+    reach = radii(person).ravel()
+    if person.cyclist:
+        ends = np.concatenate([ends, [21, 22]])
+        reach = np.concatenate([reach, [WHEEL_M, WHEEL_M]])
+    at, size = pixels[:, ends], camera.focal_px * reach / np.maximum(depth[:, ends], 0.1)
+    low, high = at - size[..., None], at + size[..., None]
+    edges = np.concatenate([low.min(axis=1), high.max(axis=1)], axis=1)
+    return edges, depth[:, 0]
+
+
+def sightings(recording: Recording) -> list[Sighting]:
+    """Every person of a recording as the camera sees it."""
+    camera, way = recording.camera, recording.way()
+    shift = np.stack([np.zeros_like(way), np.zeros_like(way), way], axis=1)
+    bodies = [joints(person) - shift[:, None, :] for person in recording.people]
+    seen = [
+        body_edges(person, body, camera)
+        for person, body in zip(recording.people, bodies, strict=True)
+    ]
+    solid = [_shrunk(edges) for edges, _ in seen]
+    blockers = [(edges, depth) for edges, (_, depth) in zip(solid, seen, strict=True)]
+    blockers += [_car_edges(car, camera, way) for car in recording.cars]
+    blockers += [_thing_edges(t, camera, way) for t in recording.things if t.kind in _BLOCKING]
+    found = []
+    for index, (person, body) in enumerate(zip(recording.people, bodies, strict=True)):
+        edges, depth = seen[index]
+        others = [blocker for place, blocker in enumerate(blockers) if place != index]
+        found.append(_sighting(person, body, edges, depth, others))
+    return found
+
+
+def truth_table(recording: Recording, seen: list[Sighting]) -> pd.DataFrame:
+    """Truth of one recording: boxes clipped to the picture, in quarters of a pixel."""
+    parts = [_rows(recording.name, track, one) for track, one in enumerate(seen, start=1)]
+    table = pd.concat(parts, ignore_index=True)
+    return table.sort_values(["frame", "track"], kind="stable", ignore_index=True)
+
+
+def clipped(edges: Floats) -> Floats:
+    """Edges clipped to the picture and rounded to quarters, which binary numbers hold exactly."""
+    inside = np.clip(edges, 0.0, [WIDTH, HEIGHT, WIDTH, HEIGHT])
+    return np.asarray(np.round(inside * 4) / 4)
+
+
+def _rows(name: str, track: int, one: Sighting) -> pd.DataFrame:
+    frames = np.flatnonzero(one.annotated)
+    edges = clipped(one.edges[frames])
+    hidden = one.hidden[frames]
+    return pd.DataFrame(
+        {
+            "recording": name,
+            "frame": frames,
+            "x": edges[:, 0],
+            "y": edges[:, 1],
+            "w": edges[:, 2] - edges[:, 0],
+            "h": edges[:, 3] - edges[:, 1],
+            "track": track,
+            "ignore": int(one.person.cyclist),
+            "distance_m": np.round(one.distance_m[frames], 2),
+            "occlusion": (hidden >= LIGHT_HIDDEN).astype(int) + (hidden >= HEAVY_HIDDEN),
+        },
+        columns=list(TRUTH_COLUMNS),
+    )
+
+
+def _sighting(
+    person: Person,
+    body: Floats,
+    edges: Floats,
+    depth: Floats,
+    blockers: list[tuple[Floats, Floats]],
+) -> Sighting:
+    size = edges[:, 2:] - edges[:, :2]
+    cut = np.clip(edges, 0.0, [WIDTH, HEIGHT, WIDTH, HEIGHT])
+    inside = np.prod(cut[:, 2:] - cut[:, :2], axis=1) / np.prod(size, axis=1)
+    hidden = _hidden(edges, depth, blockers)
+    near = depth > MIN_DEPTH_M
+    inside = np.where(near, inside, 0.0)
+    annotated = (inside >= MIN_INSIDE) & (size[:, 1] >= MIN_HEIGHT_PX) & (hidden <= MAX_HIDDEN)
+    return Sighting(
+        person=person,
+        edges=edges,
+        depth_m=depth,
+        distance_m=np.hypot(body[:, 0, 0], body[:, 0, 2]),
+        lateral_m=body[:, 0, 0],
+        hidden=hidden,
+        inside=inside,
+        annotated=annotated,
+    )
+
+
+def _hidden(edges: Floats, depth: Floats, blockers: list[tuple[Floats, Floats]]) -> Floats:
+    """Share of a grid of points in the box that lies behind something nearer."""
+    points = edges[:, None, :2] + _GRID * (edges[:, None, 2:] - edges[:, None, :2])
+    covered = np.zeros(points.shape[:2], dtype=bool)
+    for block, block_depth in blockers:
+        nearer = (block_depth < depth - 0.15) & (block_depth > 0.5)
+        within = (points >= block[:, None, :2]) & (points <= block[:, None, 2:])
+        covered |= within.all(axis=2) & nearer[:, None]
+    return np.asarray(covered.mean(axis=1))
+
+
+def _shrunk(edges: Floats) -> Floats:
+    """The part of a person's box that the body really fills."""
+    margin = 0.2 * (edges[:, 2] - edges[:, 0])
+    return np.stack([edges[:, 0] + margin, edges[:, 1], edges[:, 2] - margin, edges[:, 3]], axis=1)
+
+
+def _box_edges(
+    camera: Camera, left: float, right: float, top: float, near: Floats, far: Floats
+) -> tuple[Floats, Floats]:
+    """Image edges of an upright block that stands on the road, and the depth of its near face."""
+    corners = np.stack(
+        [
+            np.stack([np.full_like(near, x), np.full_like(near, y), np.maximum(z, 0.6)], axis=-1)
+            for x in (left, right)
+            for y in (0.0, top)
+            for z in (near, far)
+        ],
+        axis=1,
+    )
+    pixels, _ = camera.project(corners)
+    return np.concatenate([pixels.min(axis=1), pixels.max(axis=1)], axis=1), near
+
+
+def _car_edges(car: Car, camera: Camera, way: Floats) -> tuple[Floats, Floats]:
+    middle = car.z + car.speed * frame_times() - way
+    half, length = car.width_m / 2, car.length_m / 2
+    edges, _ = _box_edges(
+        camera, car.x - half, car.x + half, car.height_m, middle - length, middle + length
+    )
+    return edges, middle
+
+
+def _thing_edges(thing: Thing, camera: Camera, way: Floats) -> tuple[Floats, Floats]:
+    near = np.full(N_FRAMES, thing.z) - way
+    width = thing.width_m if thing.kind != "tree" else _BLOCKING["tree"] * 2
+    half = width / 2
+    return _box_edges(camera, thing.x - half, thing.x + half, thing.size_m, near, near + thing.depth_m)

@@ -1,0 +1,141 @@
+"""Names, types and units of the tables, and the categories with one sentence each.
+
+Every table of the program is made of these columns; whoever needs a column name or a category
+takes it from here.
+"""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from typing import Final
+
+import numpy as np
+import pandas as pd
+
+NO_TRACK: Final = -1
+"""Value of `track` for a box that belongs to no track (shown as empty)."""
+
+UNKNOWN_OCCLUSION: Final = -1
+"""Value of `occlusion` where the data do not say (shown as empty)."""
+
+TRUTH: Final = 0
+"""Value of `source` for ground truth; system number i (0-based) has source i + 1."""
+
+BOX_DTYPES: Final[dict[str, str]] = {
+    "x": "float64",  # left edge, px, 0-based, continuous
+    "y": "float64",  # top edge, px
+    "w": "float64",  # width, px
+    "h": "float64",  # height, px
+    "score": "float64",  # detector's confidence, any scale; NaN: none given
+    "track": "int64",  # NO_TRACK: none given
+    "ignore": "bool",  # truth only: neither right nor wrong to detect
+    "distance_m": "float64",  # metres from the camera; NaN: unknown
+    "occlusion": "int8",  # 0 none, 1 partial, 2 heavy; UNKNOWN_OCCLUSION
+    "file": "int32",  # index into the files of the reading or the dataset
+    "line": "int32",  # 1-based line (or 1-based record) in that file
+}
+"""Columns that every box has, from the reader to the analysis."""
+
+READING_DTYPES: Final[dict[str, str]] = {"recording": "object", "frame": "int64", **BOX_DTYPES}
+"""Boxes as a reader returns them: recording by name, frame by the recording's own number."""
+
+DATASET_BOX_DTYPES: Final[dict[str, str]] = {
+    "frame_index": "int64",  # row of the frames table
+    "source": "int16",  # TRUTH or system number + 1
+    **BOX_DTYPES,
+}
+"""Boxes of a `Dataset`, sorted by source, then frame_index, then file order."""
+
+FRAME_DTYPES: Final[dict[str, str]] = {
+    "recording": "int32",  # row of the recordings table
+    "frame": "int64",  # the recording's own frame number
+    "time_s": "float64",  # seconds since the recording's first listed frame
+    "step_s": "float64",  # seconds to the next listed frame (last one: the median gap)
+}
+
+RECORDING_DTYPES: Final[dict[str, str]] = {
+    "name": "object",
+    "width": "float64",  # px
+    "height": "float64",  # px
+    "fps": "float64",  # frames per second
+    "horizon": "float64",  # row of the horizon, px; NaN: unknown
+}
+
+LEFT_OUT_DTYPES: Final[dict[str, str]] = {
+    "subject": "object",  # truth or the name of a system
+    "recording": "object",
+    "frame": "int64",
+    "file": "int32",
+    "line": "int32",
+    "reason": "object",
+}
+"""Rows of the inputs that could not be placed."""
+
+
+class Category(StrEnum):
+    """Venn category of an encounter: which of the two systems detected it."""
+
+    BOTH = "both"
+    X_ONLY = "x_only"
+    Y_ONLY = "y_only"
+    NEITHER = "neither"
+    DISTANT = "distant"
+
+
+CATEGORY_TEXT: Final[dict[Category, str]] = {
+    Category.BOTH: "Both systems detected the pedestrian.",
+    Category.X_ONLY: "Only X detected the pedestrian.",
+    Category.Y_ONLY: "Only Y detected the pedestrian.",
+    Category.NEITHER: "Neither system detected the pedestrian.",
+    Category.DISTANT: "The pedestrian never came near enough to count.",
+}
+
+
+class MissClass(StrEnum):
+    """What kind of failure a system shows in one encounter."""
+
+    NEVER = "never"
+    LATE = "late"
+    DROPOUT = "dropout"
+    LOST_EARLY = "lost_early"
+    BRIEF = "brief"
+    NONE = "none"
+
+
+MISS_CLASS_TEXT: Final[dict[MissClass, str]] = {
+    MissClass.NEVER: "Not detected in any relevant frame.",
+    MissClass.LATE: "First detected too long after the pedestrian became relevant.",
+    MissClass.DROPOUT: "Detected, lost for too long, detected again.",
+    MissClass.LOST_EARLY: "Lost too long before the pedestrian stopped being relevant.",
+    MissClass.BRIEF: "Detected in too few relevant frames, in none of the other ways.",
+    MissClass.NONE: "Detected without a failure worth naming.",
+}
+
+
+def conform(columns: dict[str, object], dtypes: dict[str, str], *, n_rows: int) -> pd.DataFrame:
+    """Table with exactly the columns of `dtypes`; what is not given is "unknown".
+
+    Parameters
+    ----------
+    columns
+        Arrays of length `n_rows`, or scalars, by column name.
+    dtypes
+        Column names and dtypes of the table, such as `READING_DTYPES`.
+    n_rows
+        Number of rows; an empty table keeps its columns and dtypes.
+
+    Raises
+    ------
+    AssertionError
+        If a column is not part of the schema.
+    """
+    assert set(columns) <= set(dtypes), set(columns) - set(dtypes)
+    unknown = {"track": NO_TRACK, "occlusion": UNKNOWN_OCCLUSION, "ignore": False}
+    table = {}
+    for name, dtype in dtypes.items():
+        fallback = unknown.get(name, np.nan if dtype == "float64" else 0)
+        value = columns.get(name, fallback)
+        if np.ndim(value) == 0:  # type: ignore[arg-type]
+            value = np.full(n_rows, value, dtype=dtype)
+        table[name] = np.asarray(value).astype(dtype, copy=False)
+    return pd.DataFrame(table, copy=False)

@@ -1,0 +1,316 @@
+"""Similarity: how well the detections of a frame fit its pedestrians (paper, equations 1, 2)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from nvcore.dataset import BoxColumns, FrameColumns
+from nvcore.errors import ParameterError
+from nvcore.kernels import (
+    BY_DISTANCE,
+    BY_HEIGHT,
+    BY_HORIZON,
+    EQUAL,
+    maximin_frames,
+    nearest_frames,
+    over_ranges,
+    proximity_weights,
+)
+from nvcore.params import MIDPOINT_SHARE, SPREAD_SHARE, Distance, Params
+
+_MODES = {"height": BY_HEIGHT, "horizon": BY_HORIZON, "distance": BY_DISTANCE, "none": EQUAL}
+
+
+@dataclass(frozen=True)
+class Weights:
+    """Proximity weights of one source.
+
+    Attributes
+    ----------
+    k
+        In (0, 1), larger is nearer (1 throughout without proximity); float64, shape (n,).
+    n_without_distance
+        Boxes weighted by height because proximity by distance was asked for and they have none.
+    """
+
+    k: np.ndarray
+    n_without_distance: int
+
+
+@dataclass(frozen=True)
+class Nearest:
+    """Distance of each box to the nearest member of the other set, px; infinite if it is empty.
+
+    Attributes
+    ----------
+    truth
+        Per truth box, to the counted detections; float64, shape (n_truth,).
+    detections
+        Per detection, to the pedestrians; float64, shape (n_det,).
+    """
+
+    truth: np.ndarray
+    detections: np.ndarray
+
+
+@dataclass(frozen=True)
+class SetDistances:
+    """Weighted MaxiMin distances of every frame.
+
+    Attributes
+    ----------
+    d_miss
+        D(G, S), the effect of misses, px, 0 is best; float64, shape (n_frames,).
+    d_false
+        D(S, G), the effect of false alarms, px, 0 is best; float64, shape (n_frames,).
+    salient_row
+        Truth row at which D(G, S) stands, -1 without pedestrians; int64, shape (n_frames,).
+    """
+
+    d_miss: np.ndarray
+    d_false: np.ndarray
+    salient_row: np.ndarray
+
+
+def weigh_proximity(boxes: BoxColumns, frames: FrameColumns, params: Params) -> Weights:
+    """Proximity weight of every box: near ones count more.
+
+    By height ``k = 1 / (1 + exp(-(h - midpoint) / spread))``; by horizon with the depth of the
+    foot point below the horizon in place of h; by distance
+    ``k = 1 / (1 + exp((distance - midpoint_m) / spread_m))``, boxes without a distance by height.
+
+    Raises
+    ------
+    ParameterError
+        If proximity is by horizon and neither the parameter nor a recording gives the horizon.
+
+    References
+    ----------
+    Paper 11-0360, weighting function; ``docs/metrics.md``, proximity.
+    """
+    midpoint = _per_recording(params.midpoint, MIDPOINT_SHARE * frames.height)
+    spread = _per_recording(params.spread, SPREAD_SHARE * frames.height)
+    horizon = _per_recording(params.horizon, frames.horizon)
+    if params.proximity == "horizon" and np.isnan(horizon).any():
+        raise ParameterError(
+            "proximity by horizon needs the row of the horizon: give --horizon, or horizon for "
+            "every recording in the session file"
+        )
+    k = np.empty(len(boxes))
+    n_without = over_ranges(
+        proximity_weights, len(frames), boxes.offsets, boxes.y, boxes.h, boxes.distance_m,
+        frames.recording, midpoint, spread, horizon, float(params.midpoint_m),
+        float(params.spread_m), _MODES[params.proximity], k,
+    )  # fmt: skip
+    return Weights(k, int(sum(n_without)))
+
+
+def _per_recording(value: float | None, default: np.ndarray) -> np.ndarray:
+    return default if value is None else np.full(len(default), float(value))
+
+
+def find_nearest(
+    truth: BoxColumns,
+    detections: BoxColumns,
+    is_counted: np.ndarray,
+    frames: FrameColumns,
+    *,
+    distance: Distance = "lateral",
+) -> Nearest:
+    """Distance of every box to the nearest member of the other set, frame by frame.
+
+    Does not depend on alpha, edge weight or the sigmoid, so that these can be moved live.
+
+    Parameters
+    ----------
+    truth, detections
+        Boxes, px, sorted by frame.
+    is_counted
+        Detections that belong to S; bool, shape (n_det,).
+    frames
+        The listed frames.
+    distance
+        ``"lateral"``: |c_a - c_b|; ``"ground"``: Euclidean between foot points.
+    """
+    near_truth, near_detections = np.empty(len(truth)), np.empty(len(detections))
+    over_ranges(
+        nearest_frames, len(frames),
+        truth.offsets, truth.x, truth.y, truth.w, truth.h, ~truth.ignore,
+        detections.offsets, detections.x, detections.y, detections.w, detections.h, is_counted,
+        distance == "ground", frames.recording, frames.width, near_truth, near_detections,
+    )  # fmt: skip
+    return Nearest(near_truth, near_detections)
+
+
+def measure_sets(
+    truth: BoxColumns,
+    k_truth: np.ndarray,
+    detections: BoxColumns,
+    k_detections: np.ndarray,
+    is_counted: np.ndarray,
+    nearest: Nearest,
+    frames: FrameColumns,
+    *,
+    track: np.ndarray | None = None,
+    edge_weight: float = 0.0,
+) -> SetDistances:
+    """Weighted MaxiMin distances D(G, S) and D(S, G) of every frame, px; 0 is best.
+
+    ``D(A, B) = max over a of k(a) * min(border(a), min over b of d(a, b))``, ``D(empty, B) = 0``,
+    ``border(a) = edge_weight * W/2 + (1 - edge_weight) * min(c_a, W - c_a)``.
+
+    Parameters
+    ----------
+    track
+        Track of each truth box where it differs from ``truth.track`` (linked), for ties.
+
+    References
+    ----------
+    Paper 11-0360, equation 1.
+    """
+    n_frames = len(frames)
+    d_miss, d_false = np.empty(n_frames), np.empty(n_frames)
+    salient_row, unused = np.empty(n_frames, np.int64), np.empty(n_frames, np.int64)
+    sets = (
+        (truth, k_truth, nearest.truth, ~truth.ignore,
+         truth.track if track is None else track, d_miss, salient_row),
+        (detections, k_detections, nearest.detections, is_counted,
+         detections.track, d_false, unused),
+    )  # fmt: skip
+    for boxes, k, near, member, tracks, d, argmax in sets:
+        over_ranges(
+            maximin_frames, n_frames, boxes.offsets, boxes.x, boxes.w, k, near, member, tracks,
+            float(edge_weight), frames.recording, frames.width, d, argmax,
+        )  # fmt: skip
+    return SetDistances(d_miss, d_false, salient_row)
+
+
+def trace_similarity(
+    distances: SetDistances, frames: FrameColumns, *, alpha: float = 0.9
+) -> np.ndarray:
+    """Similarity of every frame, in [0, 1], 1 is best; float64, shape (n_frames,).
+
+    ``M = 1 - (alpha * D(G, S) + (1 - alpha) * D(S, G)) / (W / 2)``. A frame with neither
+    pedestrians nor detections has 1.
+
+    References
+    ----------
+    Paper 11-0360, equation 2.
+    """
+    half_width = 0.5 * frames.width
+    per_frame = half_width[0] if len(half_width) == 1 else half_width[frames.recording]
+    effect = alpha * distances.d_miss
+    effect += (1 - alpha) * distances.d_false
+    effect /= per_frame
+    return np.subtract(1, effect, out=effect)
+
+
+def smooth(values: np.ndarray, frames: FrameColumns, *, window: float = 1.0) -> np.ndarray:
+    """Moving mean over the frames within ``window / 2`` seconds, never across recordings.
+
+    Compared in frame numbers, so that a frame exactly half a window away always counts.
+    """
+    half_width = 0.5 * window * frames.fps[frames.recording] * (1 + 1e-9)
+    # one axis for all recordings, with more than a window between them
+    apart = np.concatenate([[0.0], np.where(np.diff(frames.recording) != 0, 1.0, 0.0)])
+    step = np.concatenate([[0.0], np.diff(frames.frame).astype(float)])
+    axis = np.cumsum(np.where(apart > 0, 2 * half_width.max(initial=0) + 1, step))
+    start = np.searchsorted(axis, axis - half_width, side="left")
+    stop = np.searchsorted(axis, axis + half_width, side="right")
+    total = np.concatenate([[0.0], np.cumsum(values)])
+    mean: np.ndarray = (total[stop] - total[start]) / (stop - start)
+    return mean
+
+
+def runs_of(key: np.ndarray, recording: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """First and last row of every maximal run of equal `key` >= 0 within one recording.
+
+    Parameters
+    ----------
+    key, recording
+        Integers, shape (n_frames,); rows with a negative key belong to no run.
+
+    Returns
+    -------
+    first, last
+        int64, shape (n_runs,), both inclusive.
+    """
+    if not len(key):
+        return np.empty(0, np.int64), np.empty(0, np.int64)
+    changes = (np.diff(key) != 0) | (np.diff(recording) != 0)
+    first = np.flatnonzero(np.concatenate([[True], changes]))
+    last = np.concatenate([first[1:] - 1, [len(key) - 1]])
+    inside = key[first] >= 0
+    return first[inside], last[inside]
+
+
+def find_low_intervals(
+    similarity: np.ndarray, frames: FrameColumns, *, low: float = 0.9
+) -> pd.DataFrame:
+    """Maximal runs of consecutive listed frames with a similarity below `low`.
+
+    Returns
+    -------
+    One row per interval: recording (row of the recordings), first_row, last_row (of the frames),
+    duration_s, severity_s (sum of ``(low - M) * time step``, seconds; larger is worse), min_
+    similarity and worst_row (the frame where it stands).
+    """
+    is_low = similarity < low
+    first, last = runs_of(np.where(is_low, 0, -1), frames.recording)
+    rate = frames.fps[frames.recording[first]] if len(first) else np.empty(0)
+    lack = np.concatenate([[0.0], np.cumsum(np.where(is_low, (low - similarity) * frames.gap, 0))])
+    gaps = np.concatenate([[0.0], np.cumsum(frames.gap)])
+    low_rows = np.flatnonzero(is_low)
+    if len(first):
+        starts = np.searchsorted(low_rows, first)
+        least = np.minimum.reduceat(similarity[low_rows], starts)  # no run is empty
+        lengths = last - first + 1
+        at_least = similarity[low_rows] == np.repeat(least, lengths)
+        hits = np.flatnonzero(at_least)
+        worst = low_rows[hits[np.searchsorted(hits, starts)]]
+    else:
+        least, worst = np.empty(0), np.empty(0, np.int64)
+    return pd.DataFrame(
+        {
+            "recording": frames.recording[first],
+            "first_row": first,
+            "last_row": last,
+            "duration_s": (gaps[last + 1] - gaps[first]) / rate,
+            "severity_s": (lack[last + 1] - lack[first]) / rate,
+            "min_similarity": least,
+            "worst_row": worst,
+        }
+    )
+
+
+@dataclass(frozen=True)
+class SimilaritySummary:
+    """Aggregates of similarity over frames; NaN without frames.
+
+    Attributes
+    ----------
+    mean, minimum, percentile_5
+        In [0, 1], 1 is best.
+    share_low
+        Share of frames below `low`, 0 is best.
+    """
+
+    mean: float
+    minimum: float
+    percentile_5: float
+    share_low: float
+
+
+def summarise_similarity(similarity: np.ndarray, *, low: float = 0.9) -> SimilaritySummary:
+    """Mean, minimum, 5th percentile (linear interpolation) and share of low frames."""
+    if not len(similarity):
+        return SimilaritySummary(np.nan, np.nan, np.nan, np.nan)
+    return SimilaritySummary(
+        mean=float(similarity.mean()),
+        minimum=float(similarity.min()),
+        percentile_5=float(np.percentile(similarity, 5)),
+        share_low=float(np.count_nonzero(similarity < low) / len(similarity)),
+    )

@@ -1,0 +1,28 @@
+"""Fixtures for all tests."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+
+
+@pytest.fixture(scope="session")
+def realdata() -> Path:
+    """Folder of the real recordings; tests that need it are skipped where it is absent."""
+    folder = Path(os.environ.get("NVCORE_REALDATA", ROOT.parent / "shared" / "realdata"))
+    if not folder.is_dir():
+        pytest.skip(f"real recordings not found in {folder}; set NVCORE_REALDATA")
+    return folder
+
+
+@pytest.fixture(scope="session")
+def golden(realdata: Path) -> Path:
+    """Folder of the reference figures, beside the real recordings."""
+    folder = realdata.parent / "golden"
+    if not folder.is_dir():
+        pytest.skip(f"reference figures not found in {folder}")
+    return folder
