@@ -232,19 +232,28 @@ def analyse(
     )
     shared = (dataset, params, tracks, encounters, k_truth)
     # numpy and the kernels release the lock: the two systems run side by side
+    pairs = list(zip(names, (params.threshold_x, params.threshold_y), strict=True))
     with ThreadPoolExecutor(2) as pool:
         jobs = [
-            pool.submit(score_system, name, threshold, *shared, stages)
-            for name, threshold in zip(names, (params.threshold_x, params.threshold_y), strict=True)
+            pool.submit(score_system, name, threshold, *shared, stages) for name, threshold in pairs
         ]
         result_x, result_y = (job.result() for job in jobs)
-    is_distant = result_x.encounters["n_relevant"].to_numpy() == 0
-    category = categorise(
-        is_distant,
-        result_x.encounters["is_detected"].to_numpy(),
-        result_y.encounters["is_detected"].to_numpy(),
+    judged_keys = [_judged_key(*pair, params) for pair in pairs]
+    category = stages.get(
+        ("category", *judged_keys),
+        lambda: categorise(
+            result_x.encounters["n_relevant"].to_numpy() == 0,
+            result_x.encounters["is_detected"].to_numpy(),
+            result_y.encounters["is_detected"].to_numpy(),
+        ),
     )
-    venn = count_categories(category)
+    venn = stages.get(("venn", *judged_keys), lambda: count_categories(category))
+    boxes = stages.get(
+        ("boxes", *(_match_key(*pair, params) for pair in pairs)),
+        lambda: count_boxes(
+            ~truth.ignore, result_x.matches.is_matched, result_y.matches.is_matched
+        ),
+    )
     return Result(
         dataset=dataset,
         params=params,
@@ -257,8 +266,8 @@ def analyse(
         category=category,
         venn=venn,
         exclusivity=measure_exclusivity(venn),
-        boxes=count_boxes(~truth.ignore, result_x.matches.is_matched, result_y.matches.is_matched),
-        duration_s=float((frames.gap / frames.fps[frames.recording]).sum()),
+        boxes=boxes,
+        duration_s=frames.duration_s,
         stages=stages,
     )
 
@@ -280,6 +289,15 @@ def _proximity_key(params: Params) -> tuple[Any, ...]:
             params.spread_m, params.horizon)  # fmt: skip
 
 
+def _match_key(name: str, threshold: float | None, params: Params) -> tuple[Any, ...]:
+    return (name, threshold, params.match, params.iou, params.lateral_tolerance)
+
+
+def _judged_key(name: str, threshold: float | None, params: Params) -> tuple[Any, ...]:
+    return (*_match_key(name, threshold, params), *_proximity_key(params), params.coverage,
+            params.lag_s, params.gap_s)  # fmt: skip
+
+
 def score_system(
     name: str,
     threshold: float | None,
@@ -292,7 +310,7 @@ def score_system(
 ) -> SystemResult:
     """Everything about one system, without reference to the other."""
     truth, frames, detections = dataset.truth, dataset.frame_columns, dataset.system(name)
-    match_key = (name, threshold, params.match, params.iou, params.lateral_tolerance)
+    match_key = _match_key(name, threshold, params)
     proximity_key = _proximity_key(params)
     matches = stages.get(
         ("matches", *match_key),
@@ -340,11 +358,10 @@ def score_system(
         ),
     )  # fmt: skip
     judged = stages.get(
-        ("judged", *match_key, *proximity_key, params.coverage, params.lag_s, params.gap_s),
+        ("judged", *_judged_key(name, threshold, params)),
         lambda: judge_encounters(encounters, truth, k_truth.k, matches.is_matched, frames, params),
     )
-    duration_s = float((frames.gap / frames.fps[frames.recording]).sum())
-    false_alarms = n_det - matched
+    false_alarms = stages.get(("false_alarms", *match_key), lambda: n_det - matched)
     return SystemResult(
         name=name,
         threshold=threshold,
@@ -362,7 +379,7 @@ def score_system(
         episodes=episodes,
         summary=summarise_similarity(similarity, low=params.low),
         false_alarm_summary=summarise_false_alarms(
-            int(false_alarms.sum()), episodes, n_frames=len(frames), duration_s=duration_s
+            int(false_alarms.sum()), episodes, n_frames=len(frames), duration_s=frames.duration_s
         ),
         saliency_s=aggregate_saliency(
             events["saliency_s"].to_numpy(), aggregate=params.saliency_aggregate

@@ -43,7 +43,9 @@ def without_safeguard(text: str) -> str:
     return text[1:] if text.startswith("'") and _FORMULA.match(text, 1) else text
 
 
-def to_csv_bytes(table: pd.DataFrame, *, digits: int | None = DIGITS, header: bool = True) -> bytes:
+def to_csv_bytes(
+    table: pd.DataFrame, *, digits: int | None = DIGITS, header: bool = True, missing: str = ""
+) -> bytes:
     r"""The table as UTF-8 CSV with commas and LF line ends; the same table gives the same bytes.
 
     Missing values (NaN, None, NaT) are empty, booleans 1 and 0, floats as ``%.{digits}g``, text
@@ -57,6 +59,8 @@ def to_csv_bytes(table: pd.DataFrame, *, digits: int | None = DIGITS, header: bo
         Significant digits of floats, 1..15; None: as many as give back the same number.
     header
         Whether the first line holds the names of the columns.
+    missing
+        Text of missing values, for formats that have no empty fields.
 
     Examples
     --------
@@ -68,7 +72,10 @@ def to_csv_bytes(table: pd.DataFrame, *, digits: int | None = DIGITS, header: bo
         parts.append((",".join(_cell(str(name)) for name in table.columns) + "\n").encode())
     columns = [table.iloc[:, i] for i in range(table.shape[1])]
     for start in range(0, len(table) if columns else 0, _ROWS_AT_ONCE):
-        texts = [_texts(column.iloc[start : start + _ROWS_AT_ONCE], digits) for column in columns]
+        texts = [
+            _texts(column.iloc[start : start + _ROWS_AT_ONCE], digits, missing)
+            for column in columns
+        ]
         texts[-1] = pc.binary_join_element_wise(texts[-1], _scalar("\n"), _scalar(""))
         rows = pc.binary_join_element_wise(*texts, _scalar(","))
         # the lines stand one after the other in the array's memory: that is the file
@@ -90,8 +97,8 @@ def round_significant(values: np.ndarray, digits: int) -> np.ndarray:
     return rounded + 0.0  # no negative zero
 
 
-def _texts(column: pd.Series, digits: int | None) -> pa.Array:
-    """Cells of a column as text, empty where missing."""
+def _texts(column: pd.Series, digits: int | None, missing: str) -> pa.Array:
+    """Cells of a column as text."""
     if isinstance(column.dtype, pd.CategoricalDtype):
         column = column.astype(object)
     if pd.api.types.is_float_dtype(column.dtype):
@@ -104,7 +111,7 @@ def _texts(column: pd.Series, digits: int | None) -> pa.Array:
         texts = pa.array(column, from_pandas=True).cast(pa.large_string())
     else:
         texts = _other_texts(column)
-    return pc.fill_null(texts, "")
+    return pc.fill_null(texts, _scalar(missing))
 
 
 def _other_texts(column: pd.Series) -> pa.Array:

@@ -92,6 +92,11 @@ class FrameColumns:
     def __len__(self) -> int:
         return len(self.frame)
 
+    @cached_property
+    def duration_s(self) -> float:
+        """Recording time of all recordings: the sum of the time steps."""
+        return float((self.gap / self.fps[self.recording]).sum())
+
 
 @dataclass(frozen=True, eq=False)
 class Dataset:
@@ -153,9 +158,14 @@ class Dataset:
         ).astype(np.int64)
 
     @cached_property
+    def _by_source(self) -> tuple[BoxColumns, ...]:
+        # made once: every change of a parameter asks for them again
+        return tuple(self._source(source) for source in range(len(self.systems) + 1))
+
+    @property
     def truth(self) -> BoxColumns:
         """Boxes of the ground truth, ignored ones included."""
-        return self._source(TRUTH)
+        return self._by_source[TRUTH]
 
     def system(self, name: str) -> BoxColumns:
         """Detections of one system, all scores.
@@ -167,7 +177,7 @@ class Dataset:
         """
         if name not in self.systems:
             raise InputError(f"there is no system {name!r}; there are {', '.join(self.systems)}")
-        return self._source(self.systems.index(name) + 1)
+        return self._by_source[self.systems.index(name) + 1]
 
     def _source(self, source: int) -> BoxColumns:
         start, stop = self.source_starts[source : source + 2]

@@ -96,7 +96,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         conversion="x, y, w, h in pixels kept as they are; frame numbers from the file names; "
         f"{choice.fact}; ignore flag kept; occlusion levels kept, Caltech's flag made a level by "
         f"the visible box (up to {PARTIAL_OCCLUSION:g} hidden = partial)",
-        images=images,
+        images=images.sort_values("image_id", ignore_index=True),
         findings=(*choice.findings, *_rotated(angle, choice.keep, files, file, table.line)),
     )
 

@@ -23,6 +23,7 @@ LOOKALIKES = frozenset(
 )  # fmt: skip
 """Names of what could be taken for a pedestrian: neither right nor wrong to detect."""
 
+_MANY = 30
 _JOINTS = str.maketrans("", "", " _-")
 
 
@@ -64,7 +65,8 @@ def choose_categories(
         If a wanted category is not there, or none is wanted and none is called person or
         pedestrian.
     """
-    listed = ", ".join(_shown(key, name) for key, name in names.items()) or "none"
+    listed = ", ".join(_shown(key, name) for key, name in [*names.items()][:_MANY]) or "none"
+    listed += f" and {len(names) - _MANY} more" if len(names) > _MANY else ""
     if classes is None:
         counted = {key for key, name in names.items() if _plain(name) in PEDESTRIANS}
         if names and not counted:

@@ -21,9 +21,16 @@ from nvcore.readers.base import (
     recordings_table,
 )
 from nvcore.readers.categories import CategoryChoice, choose_categories
-from nvcore.readers.coco_images import ImageList, id_text, image_ids, read_images
+from nvcore.readers.coco_images import (
+    ImageList,
+    id_text,
+    image_ids,
+    places_of_rows,
+    read_images,
+    rows_by_id,
+)
 from nvcore.readers.jsontext import Records, found, read_json
-from nvcore.readers.occlusion import levels_of_numbers, levels_of_visible_share
+from nvcore.readers.occlusion import levels_of_numbers, levels_of_visible_share, odd_levels
 from nvcore.readers.tracks import TEXT_IDS, track_numbers
 from nvcore.schema import NO_TRACK, UNKNOWN_OCCLUSION
 
@@ -105,15 +112,8 @@ def _read_annotations(
     if not len(records):
         return reading_boxes(0), facts, []
     box = records.boxes()
-    row = pd.Index(listed.table["image_id"]).get_indexer(
-        pd.Index(_like(image_ids(records, "image_id"), listed.table["image_id"]))
-    )
-    recording = (
-        listed.table["recording"].to_numpy()[row]
-        if len(listed.table)
-        else np.full(len(records), "", dtype=object)
-    )
-    frame = listed.table["frame"].to_numpy()[row] if len(listed.table) else 0
+    row = rows_by_id(image_ids(records, "image_id"), listed.table["image_id"])
+    recording, frame, is_known = places_of_rows(listed.table, row)
     ignore = records.flags("ignore", "iscrowd")
     facts.append("ignore and iscrowd = ignore")
     is_left_out = np.zeros(len(records), dtype=bool)
@@ -122,7 +122,7 @@ def _read_annotations(
         is_left_out = keys.isin(choice.left_out).to_numpy()
     track, has_text = _tracks(records, recording)
     facts += [TEXT_IDS] if has_text else []
-    occlusion, how = _occlusion(records)
+    occlusion, how, findings = _occlusion(records)
     facts += how
     distance = records.numbers("distance_m", "distance")
     boxes = reading_boxes(
@@ -140,19 +140,11 @@ def _read_annotations(
         file=number,
         line=np.arange(1, len(records) + 1),
     )
-    findings = _unknown_images(records, row)
-    return boxes[(row >= 0) & ~is_left_out].reset_index(drop=True), facts, findings
+    findings += _unknown_images(records, ~is_known)
+    return boxes[is_known & ~is_left_out].reset_index(drop=True), facts, findings
 
 
-def _like(ids: pd.Series, listed: pd.Series) -> pd.Series:
-    """Ids as text where the list has them as text."""
-    if listed.dtype == object and ids.dtype != object:
-        return ids.map(id_text).astype(object)
-    return ids
-
-
-def _unknown_images(records: Records, row: np.ndarray) -> list[Finding]:
-    unknown = row < 0
+def _unknown_images(records: Records, unknown: np.ndarray) -> list[Finding]:
     if not unknown.any():
         return []
     first = int(np.argmax(unknown))
@@ -222,11 +214,11 @@ def _tracks(records: Records, recording: np.ndarray) -> tuple[np.ndarray, bool]:
     return track_numbers(pd.Series(texts, dtype="str"), recording)
 
 
-def _occlusion(records: Records) -> tuple[np.ndarray, list[str]]:
-    """Levels of occlusion from whichever field there is, and the conversion in words."""
+def _occlusion(records: Records) -> tuple[np.ndarray, list[str], list[Finding]]:
+    """Levels of occlusion from whichever field there is, the conversion, and what is odd."""
     visible = records.numbers("vis_ratio", "visibility")
     if visible is not None:
-        return levels_of_visible_share(visible), ["occlusion from vis_ratio"]
+        return levels_of_visible_share(visible), ["occlusion from vis_ratio"], []
     for key in ("occlusion", "occluded"):
         values = records.values(key)
         if values is None:
@@ -235,16 +227,23 @@ def _occlusion(records: Records) -> tuple[np.ndarray, list[str]]:
         if kinds == {bool}:
             share = [np.nan if v is None else _VISIBLE_IF_OCCLUDED if v else 1.0 for v in values]
             level = levels_of_visible_share(np.array(share))
-            return level, [f"{key} true = heavy occlusion (half visible, as NightOwls counts it)"]
+            return (
+                level,
+                [f"{key} true = heavy occlusion (half visible, as NightOwls counts it)"],
+                [],
+            )
         if kinds <= {int, float}:
-            return levels_of_numbers(np.array(values, dtype=float)), [f"{key} 0, 1, 2 kept"]
+            numbers = np.array(values, dtype=float)
+            record = np.arange(1, len(numbers) + 1)
+            odd = odd_levels(numbers, records.file, record, "truth")
+            return levels_of_numbers(numbers), [f"{key} 0, 1, 2 kept"], odd
         if kinds == {str}:
             words = pd.Series(values, dtype=object).map(_level_of_words, na_action="ignore")
             level = words.fillna(UNKNOWN_OCCLUSION).to_numpy(dtype=np.int8)
-            return level, [f"{key} from words (fully visible, partially, difficult to see)"]
+            return level, [f"{key} from words (fully visible, partially, difficult to see)"], []
         first = next(i for i, v in enumerate(values) if not isinstance(v, (int, float, type(None))))
         raise records.error(first, f'expected 0, 1, 2 as "{key}", found {found(values[first])}')
-    return np.full(len(records), UNKNOWN_OCCLUSION, dtype=np.int8), []
+    return np.full(len(records), UNKNOWN_OCCLUSION, dtype=np.int8), [], []
 
 
 def _level_of_words(words: str) -> int:

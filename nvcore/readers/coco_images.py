@@ -131,7 +131,17 @@ def rows_by_id(ids: pd.Series, listed: pd.Series) -> np.ndarray:
     """Row of the image list that has each id, -1 where none has; 12 and "12" are one id."""
     if not (ids.dtype == listed.dtype and pd.api.types.is_integer_dtype(ids.dtype)):
         ids, listed = (part.map(id_text).astype(object) for part in (ids, listed))
-    return pd.Index(listed).get_indexer(pd.Index(ids))
+    return np.asarray(pd.Index(listed).get_indexer(pd.Index(ids)))
+
+
+def places_of_rows(
+    images: pd.DataFrame, row: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Recording and frame of rows of the image list, and whether they are known; -1: not."""
+    if images.empty:
+        return np.full(len(row), "", dtype=object), np.zeros(len(row), np.int64), row >= 0
+    recording = images["recording"].to_numpy(dtype=object)[row]
+    return recording, images["frame"].to_numpy(dtype=np.int64)[row], row >= 0
 
 
 def _names(images: Records) -> list[str]:

@@ -94,10 +94,15 @@ def _fast(file: SourceFile) -> ResultColumns | None:
     box = table["bbox"].combine_chunks()
     lengths = box.value_lengths().to_numpy(zero_copy_only=False)
     numbers = box.flatten()
-    has_gaps = any(table[name].null_count for name in table.column_names) or numbers.null_count
-    if has_gaps or len(table) != n_lines or not np.all(lengths == 4):
+    is_whole = len(table) == n_lines and np.all(lengths == 4) and not numbers.null_count
+    gaps = {table[name].null_count for name in table.column_names} - {0, n_lines}
+    columns = {
+        name: table[name].to_pandas()
+        for name in table.column_names
+        if name != "bbox" and not table[name].null_count
+    }
+    if gaps or not is_whole or not {"image_id", "image_filepath"} & columns.keys():
         return None
-    columns = {name: table[name].to_pandas() for name in table.column_names if name != "bbox"}
     return ResultColumns(
         box=numbers.to_numpy().reshape(-1, 4),
         score=columns["score"].to_numpy() if "score" in columns else None,
@@ -117,16 +122,15 @@ def _schema(first: object) -> pa.Schema | None:
         "image_filepath": (str,), "track_id": (int, str),
     }  # fmt: skip
     kinds = {list: pa.list_(pa.float64()), int: pa.int64(), str: pa.string()}
+    if "bbox" not in first or any(
+        type(value) not in usual[name] for name, value in first.items() if name in usual
+    ):
+        return None
     fields = []
     for name, allowed in usual.items():
-        if name not in first:
-            continue
-        kind = type(first[name])
-        if kind not in allowed:
-            return None
+        kind = type(first[name]) if name in first else allowed[0]
         fields.append((name, pa.float64() if name == "score" else kinds[kind]))
-    names = [name for name, _ in fields]
-    return pa.schema(fields) if "bbox" in names else None
+    return pa.schema(fields)
 
 
 def _careful(file: SourceFile) -> tuple[ResultColumns, pd.DataFrame | None]:

@@ -22,7 +22,7 @@ from nvcore.readers.base import (
     recordings_table,
 )
 from nvcore.readers.categories import PEDESTRIANS
-from nvcore.readers.coco_images import id_text, place_of_picture, rows_by_id
+from nvcore.readers.coco_images import id_text, place_of_picture, places_of_rows, rows_by_id
 from nvcore.readers.coco_result_columns import ResultColumns, read_columns
 from nvcore.readers.naming import recording_of
 from nvcore.readers.tracks import TEXT_IDS, track_numbers
@@ -207,15 +207,7 @@ def _places_by_id(
                 "one file per recording, named by it",
                 file=file.name,
             )
-    return _taken(images, rows_by_id(ids, images["image_id"]))
-
-
-def _taken(images: pd.DataFrame, row: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Recording and frame of rows of the image list; -1: not known."""
-    if images.empty:
-        return np.full(len(row), "", dtype=object), np.zeros(len(row), np.int64), row >= 0
-    recording = images["recording"].to_numpy(dtype=object)[row]
-    return recording, images["frame"].to_numpy(dtype=np.int64)[row], row >= 0
+    return places_of_rows(images, rows_by_id(ids, images["image_id"]))
 
 
 def _places_by_name(
@@ -226,7 +218,7 @@ def _places_by_name(
     if images is not None and "file_name" in images:
         row = _rows_by_name(names, images["file_name"])
         if np.any(row >= 0):
-            return _taken(images, row[codes])
+            return places_of_rows(images, row[codes])
     known = options.recordings
     places = [place_of_picture(name, known) for name in names]  # text: one by one
     if None in places:

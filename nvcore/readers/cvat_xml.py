@@ -31,6 +31,7 @@ _COLUMNS = (
     "owner", "frame", "x0", "y0", "x1", "y1", "rotation",
     "outside", "occluded", "keyframe", "ignore", "score", "line",
 )  # fmt: skip
+_FRAME_FACTS = {"size": "size", "start_frame": "start", "stop_frame": "stop"}
 _TASK = re.compile(r"annotations/meta/(?:task|job|project/tasks/task)(?:/(?P<fact>.*))?")
 _STEP = re.compile(r"\s*(?:step\s*=\s*(?P<step>[0-9]{1,9})\s*)?")
 
@@ -78,6 +79,13 @@ class Task:
         if self.size is None or spanned is None:
             return spanned if self.size is None else self.size
         return self.size if self.size == spanned else None
+
+    @property
+    def last(self) -> int | None:
+        """Last frame; None where it is not given."""
+        if self.stop is None and self.size is not None:
+            return self.start + self.step * (self.size - 1)
+        return self.stop
 
     @property
     def is_contradictory(self) -> bool:
@@ -299,17 +307,18 @@ class _Parser:
             task.source = text
         elif fact == "frame_filter":
             found = _STEP.fullmatch(text)
-            if found is None or found["step"] is not None and int(found["step"]) == 0:
+            if found is None or (found["step"] is not None and int(found["step"]) == 0):
                 raise FormatError(
                     f"expected a frame filter such as step=5, found {text[:60]!r}",
                     file=self.file.name,
                     line=element.line,
                 )
             task.step = int(found["step"] or 1)
-        elif fact in ("original_size/width", "original_size/height"):
-            value = number(text, fact, self.file, element.line)
-            setattr(task, fact.partition("/")[2], value)
-        elif fact in ("size", "start_frame", "stop_frame") and text:
+        elif fact == "original_size/width":
+            task.width = number(text, "width", self.file, element.line)
+        elif fact == "original_size/height":
+            task.height = number(text, "height", self.file, element.line)
+        elif fact in _FRAME_FACTS and text:
             value = whole_number(text, fact, self.file, element.line)
             if value < 0:
                 raise FormatError(
@@ -317,7 +326,7 @@ class _Parser:
                     file=self.file.name,
                     line=element.line,
                 )
-            setattr(task, fact.partition("_")[0], value)
+            setattr(task, _FRAME_FACTS[fact], value)
 
     def finish(self) -> CvatFile:
         table = np.frombuffer(self.values, dtype=np.float64).reshape(-1, len(_COLUMNS))

@@ -105,7 +105,7 @@ def read_elements(file: SourceFile, *, root: str) -> Iterator[Element]:
     """
     collector = _Collector(file)
     parser = DefusedXMLParser(target=collector, forbid_dtd=True)
-    collector.expat = parser.parser  # type: ignore[attr-defined]
+    collector.expat = parser.parser
     checked = False
     for piece in _pieces(file):
         try:

@@ -38,14 +38,14 @@ class Filled:
         share = self.share.reshape(-1, *[1] * (values.ndim - 1))
         with np.errstate(invalid="ignore", over="ignore"):
             moved = values[self.left] + share * (values[self.right] - values[self.left])
-        return np.where(share == 0, values[self.left], moved)
+        return np.asarray(np.where(share == 0, values[self.left], moved))
 
     def angle_between(self, degrees: np.ndarray) -> np.ndarray:
         """Angles of the input rows, linear between them the shorter way round; shape (m,)."""
         with np.errstate(invalid="ignore"):
             turn = (degrees[self.right] - degrees[self.left] + 180) % 360 - 180
             moved = degrees[self.left] + self.share * turn
-        return np.where(self.share == 0, degrees[self.left], moved)
+        return np.asarray(np.where(self.share == 0, degrees[self.left], moved))
 
 
 class TooManyFramesError(ValueError):

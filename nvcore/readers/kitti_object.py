@@ -61,7 +61,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         boxes=boxes,
         recordings=recordings_table([recording_row(name) for name in dict.fromkeys(names)]),
         conversion="; ".join(["frame numbers from the file names", *facts]),
-        images=images,
+        images=images.sort_values("image_id", ignore_index=True),
         findings=choice.findings,
     )
 

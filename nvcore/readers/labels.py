@@ -31,7 +31,8 @@ def free_labels(found: Iterable[str], options: ReadOptions) -> ClassRule:
     options
         `classes` is used.
     """
-    counted, ignored = COUNTED, IGNORED
+    counted: tuple[str, ...] = COUNTED
+    ignored: tuple[str, ...] = IGNORED
     if options.classes is not None:
         counted, ignored = (), COUNTED + IGNORED
     usual = {name.casefold() for name in COUNTED + IGNORED}

@@ -9,7 +9,7 @@ from pathlib import PurePosixPath
 
 from nvcore.errors import InputError
 
-_NEUTRAL = {
+NEUTRAL = {
     "gt", "det", "dets", "detections", "results", "result", "res", "truth", "labels", "label",
     "label_2", "label_02", "annotations", "annotation", "data", "images", "image_2", "img1",
     "xml", "txt",
@@ -43,7 +43,7 @@ def recording_of(name: str, known: tuple[str, ...] = ()) -> str:
     if found is not None:
         return found
     for part in reversed(parts):
-        if part.lower() not in _NEUTRAL and part not in ("", "/", ".", ".."):
+        if part.lower() not in NEUTRAL and part not in ("", "/", ".", ".."):
             return part
     return path.stem
 
@@ -140,6 +140,6 @@ def recording_and_frame_of(name: str, known: tuple[str, ...] = ()) -> tuple[str,
     every = (*path.parts[:-1], prefix) if prefix else path.parts[:-1]
     recording = known_recording(every, known)
     if recording is None:
-        parts = [*(part for part in path.parts[:-1] if part.lower() not in _NEUTRAL), prefix]
+        parts = [*(part for part in path.parts[:-1] if part.lower() not in NEUTRAL), prefix]
         recording = "/".join(part for part in parts if part not in ("", "/", ".", ".."))
     return recording or "recording", int(found["digits"])

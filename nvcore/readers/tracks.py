@@ -21,10 +21,12 @@ def track_numbers(texts: pd.Series, recording: np.ndarray) -> tuple[np.ndarray, 
     Parameters
     ----------
     texts
-        Ids as text or missing, shape (n,).
+        Ids as text or missing, or float64 with NaN (whole numbers only), shape (n,).
     recording
         Name of each row's recording, shape (n,).
     """
+    if texts.dtype.kind == "f":
+        return np.where(texts >= 0, texts, NO_TRACK).astype(np.int64), False
     texts = texts.astype("str").str.strip()
     number = pd.to_numeric(texts, errors="coerce").to_numpy(dtype=float)
     missing = texts.isna().to_numpy() | texts.str.lower().isin(["", "nan", "none", "null"])

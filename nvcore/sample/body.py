@@ -49,7 +49,8 @@ CAPSULES: Final = (
     _limb("knee_r", "ankle_r", 0.036, 0.023, "leg"),
     _limb("ankle_l", "toe_l", 0.024, 0.018, "shoe"),
     _limb("ankle_r", "toe_r", 0.024, 0.018, "shoe"),
-    _limb("pelvis", "chest", 0.078, 0.090, "torso"),
+    _limb("pelvis", "chest", 0.076, 0.088, "torso"),
+    _limb("chest", "neck", 0.086, 0.040, "torso"),
     _limb("hip_l", "hip_r", 0.060, 0.060, "torso"),
     _limb("shoulder_l", "shoulder_r", 0.042, 0.042, "torso"),
     _limb("shoulder_l", "elbow_l", 0.034, 0.027, "arm"),
@@ -164,7 +165,9 @@ def _cycling(way: Floats) -> Floats:
     body = _trunk(np.full(len(way), np.radians(34.0)), nod=np.full(len(way), np.radians(8.0)))
     for side, shift, sign in (("l", 0.0, -1.0), ("r", np.pi, 1.0)):
         turn = 2 * np.pi * way / 4.6 + shift
-        _leg(body, side, sign, np.radians(58 + 24 * np.sin(turn)), np.radians(72 + 26 * np.cos(turn)))
+        _leg(
+            body, side, sign, np.radians(58 + 24 * np.sin(turn)), np.radians(72 + 26 * np.cos(turn))
+        )
         reach = np.full(len(way), np.radians(58.0))
         _arm(body, side, sign * 1.15, reach, np.full(len(way), np.radians(16.0)))
     return body
@@ -209,8 +212,8 @@ def _leg(body: Floats, side: str, sign: float, thigh: Floats, knee: Floats) -> N
 
 
 def _arm(body: Floats, side: str, sign: float, arm: Floats, elbow: Floats) -> None:
-    shoulder = body[:, _AT["neck"]] + np.array([0.0, 0.108 * sign, -0.028])
-    wide = np.array([0.0, 0.022 * sign, 0.0])
+    shoulder = body[:, _AT["neck"]] + np.array([0.0, 0.098 * sign, -0.032])
+    wide = np.array([0.0, 0.026 * sign, 0.0])
     body[:, _AT[f"shoulder_{side}"]] = shoulder
     body[:, _AT[f"elbow_{side}"]] = shoulder + 0.172 * _swing(arm) + wide
     wrist = body[:, _AT[f"elbow_{side}"]] + 0.145 * _swing(arm + elbow)

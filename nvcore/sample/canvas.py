@@ -44,9 +44,7 @@ class Canvas:
     def __init__(self, picture: Picture):
         self.picture = picture
 
-    def paint(
-        self, shapes: Sequence[Shape], *, soften: float = 0.0, texture: float = 0.0
-    ) -> None:
+    def paint(self, shapes: Sequence[Shape], *, soften: float = 0.0, texture: float = 0.0) -> None:
         """Paint polygons in order as one layer.
 
         Parameters
@@ -82,7 +80,8 @@ class Canvas:
         soft = layer.astype(np.float32)
         if soften > 0.2:
             soft = cv2.GaussianBlur(soft, (0, 0), soften)
-        self._blend(left, top, soft[..., 0], soft[..., 1] / 255, texture)
+        cover = np.asarray(soft[..., 1] / 255, dtype=np.float32)
+        self._blend(left, top, soft[..., 0], cover, texture)
 
     def sprite(
         self, image: Picture, cover: Picture, box: tuple[float, float, float, float], tone: float
@@ -130,7 +129,9 @@ class Canvas:
         below *= 1 - alpha
         below += grey
         if texture > 0:
-            below += texture * alpha * _mottle()[top : top + grey.shape[0], left : left + grey.shape[1]]
+            below += (
+                texture * alpha * _mottle()[top : top + grey.shape[0], left : left + grey.shape[1]]
+            )
 
 
 _MOTTLE: list[Picture] = []

@@ -13,7 +13,10 @@ from nvcore.sample.scene import Climate, Person
 
 _WARMTH: Final = {"head": 1.0, "hand": 0.92, "torso": 0.66, "arm": 0.60, "leg": 0.54, "shoe": 0.26}
 _CIRCLE: Final = np.stack(
-    [np.cos(np.linspace(0, 2 * np.pi, 20, endpoint=False)), np.sin(np.linspace(0, 2 * np.pi, 20, endpoint=False))],
+    [
+        np.cos(np.linspace(0, 2 * np.pi, 20, endpoint=False)),
+        np.sin(np.linspace(0, 2 * np.pi, 20, endpoint=False)),
+    ],
     axis=1,
 )
 
@@ -54,12 +57,19 @@ def draw_person(
         )
         order = -(depth[limb.a] + depth[limb.b]) / 2 + (0.05 if limb.part == "head" else 0.0)
         layers.append((float(order), (outline, grey)))
-        layers += _folds(limb.part, pixels[[limb.a, limb.b]], scale[limb.a] * np.array([radius_a, radius_b]), grey, float(order))
+        if limb.part == "head":
+            continue
+        ends, wide = pixels[[limb.a, limb.b]], scale[limb.a] * np.array([radius_a, radius_b])
+        layers += _core(ends, wide, grey, float(order))
+    if not away:
+        layers.append(
+            _face(person, body, pixels, size[-1] * scale[4], climate, haze, -float(depth[4]))
+        )
     if person.cyclist:
         layers += _bicycle(pixels, depth, scale, climate)
     layers.sort(key=lambda layer: layer[0])
     sharp = float(scale[0])
-    canvas.paint([shape for _, shape in layers], soften=0.35 + 0.010 * sharp, texture=2.5)
+    canvas.paint([shape for _, shape in layers], soften=0.35 + 0.013 * sharp, texture=4.0)
     head, size_px = pixels[4], float(size[-1, 0] * scale[4])
     canvas.glow(head[0], head[1], 3.2 * size_px, 9 * climate.contrast)
 
@@ -68,8 +78,7 @@ def _grey(part: str, person: Person, climate: Climate, *, away: bool, haze: floa
     share = _WARMTH[part]
     if part == "head":
         # Hair and hoods insulate: the back of a head is cooler than a face.
-        share *= 0.80 if away else 1.0
-        share *= 0.88 + 0.12 * person.warmth
+        share *= (0.66 if away else 0.76) * (0.86 + 0.14 * person.warmth)
     elif part == "hand":
         share *= 0.75 + 0.25 * person.warmth
     else:
@@ -78,16 +87,40 @@ def _grey(part: str, person: Person, climate: Climate, *, away: bool, haze: floa
     return around + (climate.skin - around) * share * haze
 
 
-def _folds(part: str, ends: Floats, size: Floats, grey: float, order: float) -> list[tuple[float, Shape]]:
-    """A core inside each clothed limb: cloth lies on the body there and is warmer."""
-    if part not in ("torso", "leg", "arm", "head") or size.max() < 1.2:
+def _core(ends: Floats, size: Floats, grey: float, order: float) -> list[tuple[float, Shape]]:
+    """A core inside each limb: cloth lies on the body there and is warmer."""
+    if size.max() < 1.2:
         return []
-    core = capsule_outline(ends[0], ends[1], 0.55 * size[0], 0.55 * size[1])
-    gain = 1.10 if part != "head" else 1.05
-    return [(order + 0.01, (core, min(grey * gain, 250.0)))]
+    return [
+        (
+            order + 0.01 + 0.001 * step,
+            (capsule_outline(*ends, *(share * size)), min(grey * gain, 250.0)),
+        )
+        for step, (share, gain) in enumerate(((0.72, 1.06), (0.42, 1.12)))
+    ]
 
 
-def _bicycle(pixels: Floats, depth: Floats, scale: Floats, climate: Climate) -> list[tuple[float, Shape]]:
+def _face(
+    person: Person,
+    body: Floats,
+    pixels: Floats,
+    size: Floats,
+    climate: Climate,
+    haze: float,
+    order: float,
+) -> tuple[float, Shape]:
+    """The bare face, on the side to which the toes point."""
+    aside = float(np.clip((body[8, 0] + body[12, 0] - body[7, 0] - body[11, 0]) / 0.35, -1, 1))
+    shift = np.array([0.32 * aside * size[0], 0.12 * size[0]])
+    around = climate.things + 4
+    grey = around + (climate.skin - around) * haze * (0.93 + 0.07 * person.warmth)
+    outline = capsule_outline(pixels[3] + shift, pixels[4] + shift, 0.66 * size[0], 0.62 * size[1])
+    return order + 0.2, (outline, grey)
+
+
+def _bicycle(
+    pixels: Floats, depth: Floats, scale: Floats, climate: Climate
+) -> list[tuple[float, Shape]]:
     """Wheels seen from behind or ahead are thin; the frame is a few bars."""
     order = -float(depth[0]) - 0.02
     cold, warm = climate.things - 16, climate.things + 22
@@ -103,5 +136,7 @@ def _bicycle(pixels: Floats, depth: Floats, scale: Floats, climate: Climate) -> 
     for a, b in ((back, saddle), (back, crank), (crank, bar), (saddle, bar), (bar, front)):
         layers.append((order + 0.002, (capsule_outline(a, b, width, width), cold)))
     wide = np.array([0.26 * scale[25], 0.0])
-    layers.append((order + 0.003, (capsule_outline(bar - wide, bar + wide, width, width), cold + 10)))
+    layers.append(
+        (order + 0.003, (capsule_outline(bar - wide, bar + wide, width, width), cold + 10))
+    )
     return layers

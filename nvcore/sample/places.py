@@ -13,7 +13,9 @@ TOWN: Final = Road(left=-5.1, right=1.7, parking_left=2.1, parking_right=2.1, pa
 COUNTRY: Final = Road(left=-5.2, right=1.75)
 
 
-def town_things(seed: int, length_m: float = 240.0, *, left: float = -12.5, right: float = 9.5) -> tuple[Thing, ...]:
+def town_things(
+    seed: int, length_m: float = 240.0, *, left: float = -12.5, right: float = 9.5
+) -> tuple[Thing, ...]:
     """Houses on both sides with gaps, lamps and a few trees."""
     return tuple(_town(np.random.default_rng([7, seed]), length_m, left, right))
 
@@ -23,7 +25,9 @@ def country_things(seed: int, length_m: float = 420.0) -> tuple[Thing, ...]:
     return tuple(_country(np.random.default_rng([8, seed]), length_m))
 
 
-def _town(generator: np.random.Generator, length_m: float, left: float, right: float) -> Iterator[Thing]:
+def _town(
+    generator: np.random.Generator, length_m: float, left: float, right: float
+) -> Iterator[Thing]:
     for side, x in ((-1, left), (1, right)):
         z = float(generator.uniform(-8, 4))
         while z < length_m:
@@ -38,7 +42,9 @@ def _town(generator: np.random.Generator, length_m: float, left: float, right: f
             yield Thing("lamp", side * (8.0 if side < 0 else 4.4), float(z), 6.4, heat=0.9)
         for z in np.arange(12.0 + 9 * (side < 0), length_m, 33.0):
             if generator.random() < 0.6:
-                yield Thing("tree", -9.9 if side < 0 else 6.5, float(z + generator.uniform(-3, 3)), 5.6)
+                yield Thing(
+                    "tree", -9.9 if side < 0 else 6.5, float(z + generator.uniform(-3, 3)), 5.6
+                )
 
 
 def _country(generator: np.random.Generator, length_m: float) -> Iterator[Thing]:

@@ -8,19 +8,21 @@ from nvcore.sample.places import COUNTRY, TOWN, country_things, town_things
 from nvcore.sample.scene import Car, Climate, Person, Recording, Road, Thing
 
 WINTER: Final = Climate()
-FROST: Final = Climate(road=50, grass=38, sky=10, haze=40, things=50, skin=238)
-AUTUMN: Final = Climate(road=70, grass=57, sky=24, haze=60, things=68, skin=222)
-SUMMER: Final = Climate(
-    road=118, grass=98, sky=52, haze=92, things=106, skin=186, contrast=0.40
-)
+FROST: Final = Climate(road=66, grass=48, sky=12, haze=54, things=68, skin=240)
+AUTUMN: Final = Climate(road=92, grass=74, sky=30, haze=80, things=92, skin=232)
+SUMMER: Final = Climate(road=134, grass=108, sky=62, haze=106, things=122, skin=190, contrast=0.40)
 
 
-def _along(x: float, z: float, speed: float, *, drift: float = 0.0) -> tuple[tuple[float, float, float], ...]:
+def _along(
+    x: float, z: float, speed: float, *, drift: float = 0.0
+) -> tuple[tuple[float, float, float], ...]:
     """Straight walk along the road; `speed` is negative towards the car."""
     return ((0.0, x, z), (15.0, x + drift, z + 15 * speed))
 
 
-def _across(z: float, start_s: float, x0: float, x1: float, speed: float) -> tuple[tuple[float, float, float], ...]:
+def _across(
+    z: float, start_s: float, x0: float, x1: float, speed: float
+) -> tuple[tuple[float, float, float], ...]:
     """Stand at x0, from `start_s` on walk across to x1, stand there."""
     end_s = start_s + abs(x1 - x0) / speed
     return ((0.0, x0, z), (start_s, x0, z), (end_s, x1, z + 0.3), (end_s + 20, x1, z + 0.3))
@@ -58,7 +60,7 @@ def _urban_crossing() -> Recording:
         ),
         cars=(
             Car(2.8, 27, heat=0.15),
-            Car(-6.2, 33, heat=0.9, oncoming=True, tempt=0.35),
+            Car(-6.2, 33, heat=0.9, oncoming=True),
             Car(-6.2, 48, heat=0.1, oncoming=True),
             Car(2.8, 88, heat=0.2),
         ),
@@ -95,8 +97,8 @@ def _urban_sidewalk() -> Recording:
         ),
         things=(
             *town_things(2),
-            Thing("cabinet", 6.6, 71, 1.5, 0.9, 0.5, heat=0.95, tempt=0.75),
-            Thing("sign", 3.6, 85, 2.6, 0.6, tempt=-0.2),
+            Thing("cabinet", 6.6, 71, 1.5, 0.9, 0.5, heat=0.95, tempt=0.1),
+            Thing("sign", 3.6, 85, 2.6, 0.6, tempt=-0.7),
         ),
     )
 
@@ -119,7 +121,7 @@ def _urban_groups() -> Recording:
         ),
         cars=(
             Car(-6.2, 30, heat=0.2, oncoming=True),
-            Car(-6.2, 82, heat=0.8, oncoming=True, tempt=0.25),
+            Car(-6.2, 82, heat=0.8, oncoming=True),
             Car(2.85, 90, heat=0.1),
         ),
         things=(*town_things(3), Thing("sign", 3.5, 46, 2.5, 0.7, tempt=0.55)),
@@ -136,7 +138,7 @@ def _rural_road() -> Recording:
         horizon=232.0,
         people=(
             Person(_along(2.6, 98, -1.2), 1.78, warmth=0.75, reflectance=0.4),
-            Person(_along(7.6, 142, 0.3), 1.76, warmth=0.8, reflectance=0.5),
+            Person(_along(7.6, 142, 0.3), 1.76, warmth=0.8, reflectance=0.38),
             Person(_along(-6.1, 188, 0.9), 1.72, warmth=0.75, reflectance=0.55, facing_deg=0),
             Person(_along(2.7, 250, -1.1), 1.80, warmth=0.7, reflectance=0.07),
             Person(_along(3.2, 386, -0.3), 1.76, warmth=0.8),
@@ -182,12 +184,14 @@ def _rural_cyclist() -> Recording:
         climate=WINTER,
         horizon=235.0,
         people=(
-            Person(_along(1.1, 52, 5.6), 1.78, warmth=0.75, reflectance=0.5, facing_deg=0, cyclist=True),
+            Person(
+                _along(1.1, 52, 5.6), 1.78, warmth=0.75, reflectance=0.5, facing_deg=0, cyclist=True
+            ),
             Person(_along(-6.0, 96, -1.2), 1.74, warmth=0.75, reflectance=0.5),
             Person(_along(2.6, 150, -1.0), 1.80, warmth=0.3, reflectance=0.6),
             Person(_along(-6.4, 300, 0.8), 1.75, warmth=0.8, facing_deg=0),
         ),
-        things=(*country_things(6, 330), Thing("sign", 3.3, 84, 2.3, 0.7, tempt=0.0)),
+        things=(*country_things(6, 330), Thing("sign", 3.3, 84, 2.3, 0.7, tempt=-0.7)),
     )
 
 
@@ -202,11 +206,11 @@ def _odd_pose() -> Recording:
         people=(
             Person(_along(-4.5, 45.4, 0.0), 1.76, warmth=0.4, reflectance=0.25, facing_deg=250,
                    crouch=((0, 1), (15, 1))),
-            Person(((0, 4.2, 73), (15, 4.3, 73)), 1.72, warmth=0.6, reflectance=0.45, facing_deg=250,
-                   bend=((0, 0.9), (6, 0.9), (6.8, 0.5), (7.5, 0.9), (15, 0.9))),
-            Person(((0, 4.8, 104), (9.2, 4.8, 97), (12.6, 4.8, 97), (15, 4.8, 94)), 1.74,
-                   warmth=0.5, reflectance=0.4,
-                   crouch=((0, 0), (9.3, 0), (9.9, 1), (11.9, 1), (12.5, 0), (15, 0))),
+            Person(((0, 3.1, 66.9), (15, 3.1, 67)), 1.72, warmth=0.6, reflectance=0.45,
+                   facing_deg=20, bend=((0, 0.9), (6, 0.9), (6.8, 0.5), (7.5, 0.9), (15, 0.9))),
+            Person(((0, 4.8, 108), (10.7, 4.8, 97), (25, 4.8, 97)), 1.74,
+                   warmth=0.55, reflectance=0.6,
+                   crouch=((0, 0), (10.9, 0), (11.4, 1), (15, 1))),
             Person(_along(5.6, 52, -0.1), 1.68, warmth=0.12, reflectance=0.06,
                    crouch=((0, 0.8), (15, 0.8))),
             Person(_across(165, 4, 4.6, -8, 1.1), 1.74, warmth=0.8),
@@ -247,21 +251,24 @@ def _oncoming_glare() -> Recording:
     return Recording(
         name="oncoming_glare",
         text="Village road, 10 m/s, two oncoming cars dazzle the near-infrared camera",
-        speed=((0, 10), (15, 10)),
+        speed=((0, 10), (7, 10), (9.5, 4), (15, 4)),
         road=Road(left=-5.2, right=1.75, pavement=2.0),
         climate=AUTUMN,
         horizon=233.0,
         people=(
             Person(_along(-6.2, 78, -0.8), 1.76, warmth=0.75, reflectance=0.5),
             Person(_along(2.9, 86, 0.2), 1.70, warmth=0.7, reflectance=0.5, facing_deg=0),
-            Person(_along(-6.0, 140, -0.6), 1.72, warmth=0.8, reflectance=0.55),
-            Person(_along(3.0, 165, -1.3), 1.68, warmth=0.7, reflectance=0.45),
+            Person(_along(-6.8, 132.5, -0.5), 1.72, warmth=0.8, reflectance=0.9),
+            Person(_along(3.0, 152, -1.3), 1.68, warmth=0.7, reflectance=0.45),
         ),
         cars=(
             Car(-3.4, 138, speed=-11, oncoming=True, heat=0.9, lights=True),
-            Car(-3.4, 268, speed=-11, oncoming=True, heat=0.9, lights=True),
+            Car(-3.4, 254, speed=-11, oncoming=True, heat=0.9, lights=True),
         ),
-        things=(*town_things(9, 300, left=-14, right=11), Thing("sign", 4.2, 118, 2.4, 0.7, tempt=0.4)),
+        things=(
+            *town_things(9, 300, left=-14, right=11),
+            Thing("sign", 4.2, 118, 2.4, 0.7, tempt=0.4),
+        ),
     )
 
 
@@ -285,5 +292,5 @@ def _winter_frost() -> Recording:
             Car(-6.2, 58, heat=0.95, oncoming=True, tempt=0.5),
             Car(-6.2, 88, heat=0.0, oncoming=True, height_m=1.9, length_m=5.0),
         ),
-        things=(*town_things(10), Thing("sign", 3.6, 72, 2.6, 0.6, tempt=-0.3)),
+        things=(*town_things(10), Thing("sign", 3.6, 72, 2.6, 0.6, tempt=-0.7)),
     )

@@ -77,11 +77,13 @@ class Sensor:
         """Picture of 8 bits from a scene in greys of 0 to 255."""
         sharp = cv2.GaussianBlur(scene, (0, 0), 0.75)
         # Image processing in the camera: a little local contrast, which rings at hot edges.
-        wide = cv2.GaussianBlur(cv2.resize(sharp, None, fx=0.25, fy=0.25, interpolation=cv2.INTER_AREA), (0, 0), 2.2)
+        wide = cv2.GaussianBlur(
+            cv2.resize(sharp, None, fx=0.25, fy=0.25, interpolation=cv2.INTER_AREA), (0, 0), 2.2
+        )
         wide = cv2.resize(wide, (WIDTH, HEIGHT), interpolation=cv2.INTER_LINEAR)
-        picture = (sharp + 0.16 * (sharp - wide)) * self._gain
+        picture = (1.1 * sharp + 0.17 * (sharp - wide)) * self._gain
         shift = self._order.integers(0, (HEIGHT, WIDTH))
         which = int(self._order.integers(_NOISE_FRAMES))
         picture += np.roll(self._noise[which], (int(shift[0]), int(shift[1])), axis=(0, 1))
         picture += self._pattern
-        return np.clip(np.round(picture), 0, 255).astype(np.uint8)
+        return np.asarray(np.clip(np.round(picture), 0, 255), dtype=np.uint8)

@@ -111,12 +111,12 @@ class Climate:
     warm summer night.
     """
 
-    road: float = 62.0
-    grass: float = 48.0
-    sky: float = 16.0
-    haze: float = 50.0
-    things: float = 60.0
-    skin: float = 228.0
+    road: float = 82.0
+    grass: float = 62.0
+    sky: float = 20.0
+    haze: float = 68.0
+    things: float = 82.0
+    skin: float = 236.0
     contrast: float = 1.0
 
 

@@ -17,8 +17,10 @@ from typing import Final
 
 import numpy as np
 import pandas as pd
+from scipy.ndimage import gaussian_filter1d
 from scipy.signal import lfilter
 
+from nvcore.sample.body import keyed
 from nvcore.sample.camera import FPS, HEIGHT, N_FRAMES, WIDTH, Camera, Floats, frame_times
 from nvcore.sample.scene import Recording, Thing
 from nvcore.sample.truth import Sighting, clipped
@@ -65,22 +67,22 @@ def detections(recording: Recording, seen: list[Sighting], *, system: str) -> pd
 
 def _generator(recording: Recording, system: str, number: int) -> np.random.Generator:
     """Random numbers of one object, so that a change of one leaves all others as they were."""
-    return np.random.default_rng([SEED, zlib.crc32(recording.name.encode()), ord(system[0]), number])
+    return np.random.default_rng(
+        [SEED, zlib.crc32(recording.name.encode()), ord(system[0]), number]
+    )
 
 
 def _log_reach(recording: Recording, one: Sighting, system: str) -> Floats:
-    from nvcore.sample.body import keyed
-
     person = one.person
     reach = np.full(N_FRAMES, np.log(person.height_m / 1.75))
     crouch, bend = keyed(person.crouch), keyed(person.bend)
     if system == "FIR":
         warm = recording.climate.contrast * (0.22 + 0.78 * person.warmth)
-        reach += np.log(FIR_REACH_M * warm * (1 - 0.5 * crouch) * (1 - 0.45 * bend))
+        reach += np.log(FIR_REACH_M * warm * (1 - 0.62 * crouch) * (1 - 0.45 * bend))
     else:
         lit = np.exp(-((one.lateral_m / 15) ** 2)) * (person.reflectance / 0.5) ** 0.45
         reach += np.log(NIR_REACH_M * lit * (1 - 0.4 * crouch) * (1 - 0.2 * bend))
-        reach -= 2.6 * _glare(recording, one)
+        reach -= 1.7 * _glare(recording, one)
     return reach - 2.3 * one.hidden - 1.2 * (1 - one.inside)
 
 
@@ -95,7 +97,7 @@ def _glare(recording: Recording, one: Sighting) -> Floats:
         lamp = np.stack([np.full_like(ahead, car.x), np.full_like(ahead, 0.7), ahead], axis=1)
         pixels, depth = recording.camera.project(lamp)
         strength = np.exp(-((np.log(np.maximum(depth, 1.0) / 32) / 0.75) ** 2)) * (depth > 4)
-        spread = 110 * np.sqrt(32 / np.maximum(depth, 8.0))
+        spread = 125 * np.sqrt(32 / np.maximum(depth, 8.0))
         dazzle = np.maximum(dazzle, strength * np.exp(-(((pixels[:, 0] - columns) / spread) ** 2)))
     return dazzle
 
@@ -152,7 +154,8 @@ def _false_alarm(
     # It looks like a person only while it has about the size of one.
     alike = -((np.log(np.maximum(height, 1.0) / 52) / 0.55) ** 2)
     tempt = thing.tempt if thing.tempt is not None else -9.0
-    scores = 0.93 / (1 + np.exp(-2.2 * (tempt + alike + 0.55 * wandering(generator, hold_s=0.5))))
+    mood = gaussian_filter1d(wandering(generator, hold_s=0.6), 3.0)
+    scores = 0.93 / (1 + np.exp(-2.2 * (tempt + alike + 0.7 * mood)))
     inside = (edges[:, 0] > 2) & (edges[:, 2] < WIDTH - 2) & (edges[:, 3] < HEIGHT) & (depth > 2)
     found = np.flatnonzero(inside & (scores >= _LOWEST_SCORE) & (height >= 12))
     return _table(found, edges[found], scores[found])

@@ -23,9 +23,8 @@ HEAVY_HIDDEN: Final = 0.45
 TRUTH_COLUMNS: Final = (
     "recording", "frame", "x", "y", "w", "h", "track", "ignore", "distance_m", "occlusion",
 )  # fmt: skip
-_GRID: Final = np.stack(
-    np.meshgrid((np.arange(8) + 0.5) / 8, (np.arange(16) + 0.5) / 16, indexing="ij"), axis=-1
-).reshape(-1, 2)
+_GRID_X: Final = (np.arange(8) + 0.5) / 8
+_GRID_Y: Final = (np.arange(16) + 0.5) / 16
 _BLOCKING: Final = {"tree": 0.16, "bush": 0.9, "cabinet": 1.0, "house": 1.0}
 
 
@@ -169,13 +168,15 @@ def _sighting(
 
 def _hidden(edges: Floats, depth: Floats, blockers: list[tuple[Floats, Floats]]) -> Floats:
     """Share of a grid of points in the box that lies behind something nearer."""
-    points = edges[:, None, :2] + _GRID * (edges[:, None, 2:] - edges[:, None, :2])
-    covered = np.zeros(points.shape[:2], dtype=bool)
+    x = edges[:, :1] + _GRID_X * (edges[:, 2:3] - edges[:, :1])
+    y = edges[:, 1:2] + _GRID_Y * (edges[:, 3:] - edges[:, 1:2])
+    covered = np.zeros((len(edges), len(_GRID_X), len(_GRID_Y)), dtype=bool)
     for block, block_depth in blockers:
         nearer = (block_depth < depth - 0.15) & (block_depth > 0.5)
-        within = (points >= block[:, None, :2]) & (points <= block[:, None, 2:])
-        covered |= within.all(axis=2) & nearer[:, None]
-    return np.asarray(covered.mean(axis=1))
+        across = (x >= block[:, :1]) & (x <= block[:, 2:3]) & nearer[:, None]
+        down = (y >= block[:, 1:2]) & (y <= block[:, 3:])
+        covered |= across[:, :, None] & down[:, None, :]
+    return np.asarray(covered.mean(axis=(1, 2)))
 
 
 def _shrunk(edges: Floats) -> Floats:
@@ -214,4 +215,6 @@ def _thing_edges(thing: Thing, camera: Camera, way: Floats) -> tuple[Floats, Flo
     near = np.full(N_FRAMES, thing.z) - way
     width = thing.width_m if thing.kind != "tree" else _BLOCKING["tree"] * 2
     half = width / 2
-    return _box_edges(camera, thing.x - half, thing.x + half, thing.size_m, near, near + thing.depth_m)
+    return _box_edges(
+        camera, thing.x - half, thing.x + half, thing.size_m, near, near + thing.depth_m
+    )

@@ -33,14 +33,22 @@ def _profile(car: Car) -> Floats:
     """Outline of the side: metres from the near end and height, near end first."""
     h, long = car.height_m, car.length_m
     if h > 1.7:
-        line = [(0.0, 0.3), (0.0, 0.8 * h), (0.12, h), (0.80, h), (0.86, 0.62 * h), (1.0, 0.55 * h), (1.0, 0.3)]
+        line = [
+            (0.0, 0.3),
+            (0.0, 0.8 * h),
+            (0.12, h),
+            (0.80, h),
+            (0.86, 0.62 * h),
+            (1.0, 0.55 * h),
+            (1.0, 0.3),
+        ]
     else:
         line = [(0.0, 0.28), (0.01, 0.66 * h), (0.10, 0.70 * h), (0.20, 0.97 * h), (0.27, h),
                 (0.56, h), (0.73, 0.68 * h), (0.97, 0.58 * h), (1.0, 0.28)]  # fmt: skip
     outline = np.array(line)
     if car.oncoming:
         outline = np.stack([1 - outline[::-1, 0], outline[::-1, 1]], axis=1)
-    return outline * np.array([long, 1.0])
+    return np.asarray(outline * np.array([long, 1.0]))
 
 
 def _side(sketch: Sketch, car: Car, x: float, near: float, metal: float, glass: float) -> None:
@@ -62,7 +70,8 @@ def _side(sketch: Sketch, car: Car, x: float, near: float, metal: float, glass: 
         warm = 14 + 60 * car.heat * (1.0 if driven else 0.6)
         for radius, grey in ((0.33, metal - 6 + warm), (0.20, metal + 0.4 * warm + 18 * car.heat)):
             rim = np.stack(
-                [np.full(18, x), 0.33 + radius * np.sin(angle), middle + radius * np.cos(angle)], axis=1
+                [np.full(18, x), 0.33 + radius * np.sin(angle), middle + radius * np.cos(angle)],
+                axis=1,
             )
             sketch.add(rim, grey)
 
@@ -74,15 +83,16 @@ def _top(sketch: Sketch, car: Car, near: float, metal: float, glass: float) -> N
     if h > 1.7:
         return
     ledge, roof = (0.27, 0.44) if car.oncoming else (0.10, 0.24)
+    slim, z1, z2 = half * 0.95, near + ledge * long, near + roof * long
+    x = car.x
     bonnet = np.array(
-        [[car.x - half, 0.6 * h, near], [car.x + half, 0.6 * h, near],
-         [car.x + half * 0.95, 0.69 * h, near + ledge * long], [car.x - half * 0.95, 0.69 * h, near + ledge * long]]
+        [[x - half, 0.6 * h, near], [x + half, 0.6 * h, near],
+         [x + slim, 0.69 * h, z1], [x - slim, 0.69 * h, z1]]
     )  # fmt: skip
     screen = np.array(
-        [[car.x - half * 0.95, 0.68 * h, near + ledge * long], [car.x + half * 0.95, 0.68 * h, near + ledge * long],
-         [car.x + tight, h, near + roof * long], [car.x - tight, h, near + roof * long]]
-    )  # fmt: skip
-    sketch.add(screen * np.array([1, 1.0, 1]), metal)
+        [[x - slim, 0.68 * h, z1], [x + slim, 0.68 * h, z1], [x + tight, h, z2], [x - tight, h, z2]]
+    )
+    sketch.add(screen, metal)
     middle = screen.mean(axis=0)
     sketch.add(middle + (screen - middle) * np.array([0.90, 0.82, 0.9]), glass)
     sketch.add(bonnet, metal + 4 + (66 * car.heat if car.oncoming else 0.0))
@@ -91,19 +101,42 @@ def _top(sketch: Sketch, car: Car, near: float, metal: float, glass: float) -> N
 def _face(sketch: Sketch, car: Car, near: float, metal: float, glass: float) -> None:
     h, half, x = car.height_m, car.width_m / 2, car.x
     for wheel in (-half + 0.14, half - 0.14):
-        sketch.add(upright(x + wheel - 0.1, x + wheel + 0.1, 0.0, 0.4, near + 0.1), metal + 10 + 55 * car.heat)
+        sketch.add(
+            upright(x + wheel - 0.1, x + wheel + 0.1, 0.0, 0.4, near + 0.1),
+            metal + 10 + 55 * car.heat,
+        )
     top = 0.61 * h if h <= 1.7 else 0.97 * h
-    sketch.add(upright(x - half, x + half, 0.26, top, near), metal)
-    sketch.add(upright(x - half, x + half, 0.26, 0.46, near), metal - 7)
+    belt = 0.42 * top + 0.1
+    body = np.array(
+        [[x - half * 0.93, 0.24, near], [x + half * 0.93, 0.24, near], [x + half, belt, near],
+         [x + half * 0.97, top * 0.95, near], [x + half * 0.88, top, near],
+         [x - half * 0.88, top, near],
+         [x - half * 0.97, top * 0.95, near], [x - half, belt, near]]
+    )  # fmt: skip
+    sketch.add(body, metal)
+    sketch.add(upright(x - half * 0.96, x + half * 0.96, 0.27, 0.45, near), metal - 7)
     if h > 1.7:
         sketch.add(upright(x - half * 0.84, x + half * 0.84, 0.58 * h, 0.9 * h, near), glass)
+    angle = np.linspace(0, 2 * np.pi, 16, endpoint=False)
     for side in (-1, 1):
-        low, wide = 0.56 * h - 0.20, 0.34
-        lamp_x = x + side * (half - 0.05 - wide / 2)
-        bright = 26.0 + 120 * car.lights if car.oncoming else 8.0 + 22 * car.heat
-        sketch.add(upright(lamp_x - wide / 2, lamp_x + wide / 2, low, low + 0.17, near), metal + bright)
+        lamp_x, lamp_y = x + side * (half - 0.24), 0.56 * h - 0.10
+        bright = 22.0 + 105 * car.lights if car.oncoming else 8.0 + 22 * car.heat
+        for size, share in ((1.0, 0.55), (0.7, 1.0)):
+            lamp = np.stack(
+                [
+                    lamp_x + 0.17 * size * np.cos(angle),
+                    lamp_y + 0.09 * size * np.sin(angle),
+                    np.full(16, near),
+                ],
+                axis=1,
+            )
+            sketch.add(lamp, metal + share * bright)
     if car.oncoming:
         sketch.add(upright(x - 0.45, x + 0.45, 0.40, 0.58, near), metal - 4 + 120 * car.heat)
+        for slat in (0.44, 0.49, 0.54):
+            sketch.add(
+                upright(x - 0.43, x + 0.43, slat, slat + 0.014, near), metal - 8 + 40 * car.heat
+            )
         sketch.add(upright(x - 0.52, x + 0.52, 0.26, 0.37, near), metal + 72 * car.heat)
     elif car.heat > 0:
         sketch.add(upright(x - 0.62, x - 0.44, 0.22, 0.34, near), metal + 165 * car.heat)
@@ -117,7 +150,14 @@ def _shade_below(
     below = Sketch(camera, climate)
     half = car.width_m / 2
     z0, z1 = max(near - 0.1, 1.0), max(far, 1.2)
-    patch = np.array([[car.x - half, 0.0, z0], [car.x + half, 0.0, z0], [car.x + half, 0.0, z1], [car.x - half, 0.0, z1]])
+    patch = np.array(
+        [
+            [car.x - half, 0.0, z0],
+            [car.x + half, 0.0, z0],
+            [car.x + half, 0.0, z1],
+            [car.x - half, 0.0, z1],
+        ]
+    )
     below.add(patch, climate.road + 12 + 34 * car.heat)
     canvas.paint(below.shapes, soften=1.0)
 

@@ -1,0 +1,173 @@
+"""Synthetic sets: 4 truth boxes and about 4 + 4 detections a frame, the same bytes every time.
+
+Four lanes of pedestrians follow one another through each recording, so that every frame has
+exactly four. A system sees a pedestrian late, drops it now and then, misses single frames, and
+raises false alarms that stay for a while: tracks, misses and false alarms have plausible lengths.
+
+The arrays are all that this module makes, so that other tools' environments can read it too (it
+imports numpy only); `bench.ours` makes the dataset of them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+WIDTH, HEIGHT, FPS = 640, 480, 20.0
+FRAMES_PER_RECORDING = 1_000
+LANES = 4
+MEAN_TRACK = 80  # frames
+FOCAL = 800.0  # px
+BODY = 1.75  # m
+SEED = 20110360
+
+COLUMNS = ("x", "y", "w", "h", "score", "track", "frame_index")
+
+
+@dataclass(frozen=True)
+class Boxes:
+    """Boxes of one source, sorted by frame: px, 0-based; `track` is -1 for detections."""
+
+    x: np.ndarray
+    y: np.ndarray
+    w: np.ndarray
+    h: np.ndarray
+    score: np.ndarray
+    track: np.ndarray
+    frame_index: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.x)
+
+    def offsets(self, n_frames: int) -> np.ndarray:
+        """``offsets[f]:offsets[f + 1]`` are the boxes of frame f."""
+        counts = np.bincount(self.frame_index, minlength=n_frames)
+        return np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
+
+
+@dataclass(frozen=True)
+class BoxSet:
+    """Truth and two systems over `n_frames` frames, in recordings of 1,000."""
+
+    n_frames: int
+    truth: Boxes
+    systems: tuple[Boxes, Boxes]
+
+    @property
+    def lengths(self) -> np.ndarray:
+        """Frames of each recording."""
+        return recording_lengths(self.n_frames)
+
+
+def recording_lengths(n_frames: int) -> np.ndarray:
+    whole, rest = divmod(n_frames, FRAMES_PER_RECORDING)
+    return np.array([FRAMES_PER_RECORDING] * whole + [rest] * (rest > 0), np.int64)
+
+
+def make_set(n_frames: int) -> BoxSet:
+    """The set of `n_frames` frames; fixed seed."""
+    rng = np.random.default_rng([SEED, n_frames])
+    truth, lane_track, age = _walkers(n_frames, rng)
+    # X sees far and raises more false alarms; Y starts late and drops more
+    x = _detect(truth, lane_track, age, rng, late=3.0, drop=0.06, clutter=0.42)
+    y = _detect(truth, lane_track, age, rng, late=9.0, drop=0.08, clutter=0.50)
+    return BoxSet(n_frames, truth, (x, y))
+
+
+def _walkers(n_frames: int, rng: np.random.Generator) -> tuple[Boxes, np.ndarray, np.ndarray]:
+    """Truth, and of every box its track's number over all recordings and its age in frames."""
+    frame = np.arange(n_frames)
+    starts = rng.random((n_frames, LANES)) < 1 / MEAN_TRACK
+    starts[frame % FRAMES_PER_RECORDING == 0] = True
+    by_lane = starts.T  # numbered lane by lane: the tracks of one lane follow one another
+    number = np.cumsum(by_lane.ravel()).reshape(LANES, n_frames).T - 1
+    first = np.flatnonzero(by_lane.ravel()) % n_frames
+    age = (frame[:, None] - first[number]).ravel()
+    number = number.ravel()
+    n_tracks = len(first)
+    time_s = age / FPS
+    far_m = rng.uniform(30, 80, n_tracks)[number]
+    distance = np.maximum(far_m - rng.uniform(4, 14, n_tracks)[number] * time_s, 8)
+    side_m = rng.uniform(-6, 6, n_tracks)[number]
+    side_m += rng.uniform(-1.4, 1.4, n_tracks)[number] * time_s
+    h = FOCAL * BODY / distance
+    w = h * rng.uniform(0.34, 0.5, n_tracks)[number]
+    centre = np.clip(WIDTH / 2 + FOCAL * side_m / distance, 5, WIDTH - 5)
+    foot = np.minimum(200 + FOCAL * 1.2 / distance, HEIGHT - 1)
+    boxes = Boxes(
+        x=centre - w / 2,
+        y=foot - h,
+        w=w,
+        h=h,
+        score=np.ones(len(h)),
+        track=number.astype(np.int64),
+        frame_index=np.repeat(frame, LANES),
+    )
+    return boxes, number, age
+
+
+def _detect(
+    truth: Boxes,
+    number: np.ndarray,
+    age: np.ndarray,
+    rng: np.random.Generator,
+    *,
+    late: float,
+    drop: float,
+    clutter: float,
+) -> Boxes:
+    """Detections of one system: what it sees of the truth, and false alarms.
+
+    `late` is the mean onset in frames, `drop` the share of spells of 8 frames that are lost,
+    `clutter` the mean number of false alarms a frame.
+    """
+    n_frames = int(truth.frame_index[-1]) + 1
+    onset = rng.exponential(late, number.max() + 1)[number]
+    spell = truth.frame_index // 8 * LANES + np.tile(np.arange(LANES), n_frames)
+    is_lost = (rng.random(spell.max() + 1) < drop)[spell]
+    seen = np.flatnonzero((age >= onset) & ~is_lost & (rng.random(len(truth)) > 0.02))
+    h = truth.h[seen] * np.exp(rng.normal(0, 0.05, len(seen)))
+    w = truth.w[seen] * np.exp(rng.normal(0, 0.08, len(seen)))
+    centre = truth.x[seen] + truth.w[seen] / 2 + rng.normal(0, 0.05, len(seen)) * h
+    foot = truth.y[seen] + truth.h[seen] + rng.normal(0, 0.04, len(seen)) * h
+    score = 0.35 + 0.65 * rng.beta(4, 1.5, len(seen))
+    # spells of clutter of 12 frames at one place
+    alarm_spell = np.arange(n_frames) // 12
+    n_spells = int(alarm_spell[-1]) + 1
+    alarms = np.flatnonzero((rng.random(n_spells) < clutter)[alarm_spell])
+    spell = alarm_spell[alarms]
+    alarm_h = rng.uniform(20, 90, n_spells)[spell]
+    alarm_x = rng.uniform(0, WIDTH - 40, n_spells)[spell] + rng.normal(0, 1, len(alarms))
+    alarm_y = rng.uniform(150, 300, n_spells)[spell]
+    alarm_score = 0.05 + 0.75 * rng.beta(1.5, 2.5, len(alarms))
+    frame = np.concatenate([truth.frame_index[seen], alarms])
+    order = np.argsort(frame, kind="stable")
+    columns = {
+        "x": (centre - w / 2, alarm_x),
+        "y": (foot - h, alarm_y),
+        "w": (w, 0.42 * alarm_h),
+        "h": (h, alarm_h),
+        "score": (score, alarm_score),
+    }
+    return Boxes(
+        **{name: np.concatenate(both)[order] for name, both in columns.items()},
+        track=np.full(len(frame), -1, np.int64),
+        frame_index=frame[order],
+    )
+
+
+def save_set(boxes: BoxSet, path: Path) -> None:
+    """Write a set as .npz, for `load_set` in any environment."""
+    columns = {"n_frames": np.array(boxes.n_frames)}
+    for prefix, source in zip("gxy", (boxes.truth, *boxes.systems), strict=True):
+        columns.update({f"{prefix}_{name}": getattr(source, name) for name in COLUMNS})
+    np.savez(path, **columns)
+
+
+def load_set(path: Path) -> BoxSet:
+    """Read what `save_set` wrote."""
+    with np.load(path) as file:
+        truth, x, y = (Boxes(*(file[f"{prefix}_{name}"] for name in COLUMNS)) for prefix in "gxy")
+        return BoxSet(int(file["n_frames"]), truth, (x, y))

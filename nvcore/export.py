@@ -1,0 +1,79 @@
+"""A `Result` as files: CSV tables, a summary, and the session that makes them again."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+from nvcore.analysis import Result
+from nvcore.csvtext import to_csv_bytes
+from nvcore.errors import InputError
+from nvcore.findings import Finding
+from nvcore.loading import source_hashes
+from nvcore.session import Session
+from nvcore.session_file import write_session
+from nvcore.tables import (
+    encounters_table,
+    events_table,
+    findings_table,
+    frames_table,
+    intervals_table,
+    recordings_table,
+    summary,
+)
+from nvcore.version import __version__
+
+
+def export_files(
+    result: Result, session: Session, findings: tuple[Finding, ...] = ()
+) -> dict[str, Callable[[], bytes]]:
+    """Every file of a report by name, each made when called; the same input, the same bytes."""
+    systems = tuple(
+        replace(system, name=name)
+        for system, name in zip(session.systems, result.dataset.systems, strict=True)
+    )
+    written = replace(session, systems=systems, hashes=source_hashes(result.dataset))
+    return {
+        "frames.csv": lambda: to_csv_bytes(frames_table(result)),
+        "encounters.csv": lambda: to_csv_bytes(encounters_table(result)),
+        "events.csv": lambda: to_csv_bytes(events_table(result)),
+        "intervals.csv": lambda: to_csv_bytes(intervals_table(result)),
+        "recordings.csv": lambda: to_csv_bytes(recordings_table(result)),
+        "findings.csv": lambda: to_csv_bytes(findings_table(findings)),
+        "summary.json": lambda: summary_json(result).encode(),
+        "session.toml": lambda: write_session(
+            written, version=__version__, fingerprint=result.dataset.fingerprint
+        ).encode(),
+    }
+
+
+def summary_json(result: Result) -> str:
+    """The summary as JSON text."""
+    return json.dumps(summary(result), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def write_report(
+    result: Result,
+    session: Session,
+    folder: Path,
+    findings: tuple[Finding, ...] = (),
+    *,
+    progress: Callable[[str], None] | None = None,
+) -> None:
+    """Write all files of a report into a folder, which is made if it is missing.
+
+    Raises
+    ------
+    InputError
+        If the folder cannot be written to.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, make in export_files(result, session, findings).items():
+            if progress is not None:
+                progress(f"writing {name}")
+            (folder / name).write_bytes(make())
+    except OSError as error:
+        raise InputError(f"cannot be written ({error.strerror})", file=folder) from error

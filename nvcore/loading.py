@@ -1,0 +1,366 @@
+"""From a session to a `Dataset`: find the files, read them, put every box in its frame."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from nvcore.dataset import Dataset, dataset_from_tables
+from nvcore.errors import InputError, MissingFactError
+from nvcore.findings import Finding, Severity
+from nvcore.frame_lists import infer_frames, parse_frames
+from nvcore.params import Params
+from nvcore.readers.base import Format, Reading, ReadOptions, Role, SourceFile
+from nvcore.session import Session, Source, SystemSource
+from nvcore.sources import digest, find_files, system_name
+
+Progress = Callable[[str], None]
+"""Told what is being done next, in a few words."""
+
+
+@dataclass(frozen=True)
+class _Loaded:
+    """One source, read."""
+
+    subject: str
+    files: list[SourceFile]
+    digests: list[str]
+    format: Format
+    reading: Reading
+
+
+def load(session: Session, *, progress: Progress | None = None) -> Dataset:
+    """Read everything that a session names.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be used; with file and line.
+    MissingFactError
+        If image size, frame rate or truth are needed and unknown; with the flag to give.
+    """
+    tell = progress or (lambda _: None)
+    tell("reading the ground truth")
+    truth = _read(session, session.truth, "truth", "truth", None)
+    names = truth.reading.recordings["name"].tolist()
+    loaded = [truth]
+    for source in session.systems:
+        name = source.name or system_name(source, names)
+        while name in {one.subject for one in loaded}:
+            name += " (2)"
+        tell(f"reading {name}")
+        system = _read(session, source, name, "detections", truth.reading)
+        loaded.append(_corrected(system, source))
+    tell("placing boxes in frames")
+    return _place(session, loaded)
+
+
+def effective_params(session: Session, dataset: Dataset) -> Params:
+    """The session's parameters with the thresholds of the two compared systems filled in."""
+    thresholds = dict(
+        zip(dataset.systems, (system.threshold for system in session.systems), strict=True)
+    )
+    x = session.x or dataset.systems[0]
+    y = session.y or (dataset.systems[1] if len(dataset.systems) > 1 else x)
+    params = session.params
+    given_x, given_y = params.threshold_x, params.threshold_y
+    return replace(
+        params,
+        threshold_x=thresholds.get(x) if given_x is None else given_x,
+        threshold_y=thresholds.get(y) if given_y is None else given_y,
+    )
+
+
+def read_source(
+    source: Source,
+    *,
+    role: Role,
+    folder: Path | None = None,
+    size: tuple[int, int] | None = None,
+    truth: Reading | None = None,
+) -> Reading:
+    """Read one source by itself, such as for conversion.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be used.
+    """
+    files, chosen = find_files(source, folder or Path.cwd(), role)
+    return chosen.read(files, _options(source, role, size, truth))
+
+
+def _options(
+    source: Source, role: Role, size: tuple[int, int] | None, truth: Reading | None
+) -> ReadOptions:
+    return ReadOptions(
+        role=role,
+        classes=source.classes,
+        size=size,
+        frame_base=source.frame_base,
+        box_base=source.box_base,
+        recordings=() if truth is None else tuple(truth.recordings["name"]),
+        images=None if truth is None else truth.images,
+    )
+
+
+def _read(
+    session: Session, source: Source, subject: str, role: Role, truth: Reading | None
+) -> _Loaded:
+    files, chosen = find_files(source, session.folder, role)
+    reading = chosen.read(files, _options(source, role, session.size, truth))
+    if truth is not None:
+        reading = _same_single_recording(reading, truth)
+    reading = replace(
+        reading,
+        findings=tuple(
+            replace(finding, subject=finding.subject or subject) for finding in reading.findings
+        ),
+    )
+    return _Loaded(subject, files, digest(files), chosen, reading)
+
+
+def _same_single_recording(reading: Reading, truth: Reading) -> Reading:
+    """One recording on both sides is the same one, whatever the files are called."""
+    theirs, ours = reading.recordings["name"].tolist(), truth.recordings["name"].tolist()
+    if len(theirs) != 1 or len(ours) != 1 or theirs == ours:
+        return reading
+    boxes = reading.boxes.assign(recording=ours[0])
+    recordings = reading.recordings.assign(name=ours[0])
+    note = f"recording {theirs[0]!r} taken for the truth's only recording {ours[0]!r}"
+    return replace(
+        reading,
+        boxes=boxes,
+        recordings=recordings,
+        conversion="; ".join(part for part in (reading.conversion, note) if part),
+    )
+
+
+def _corrected(system: _Loaded, source: SystemSource) -> _Loaded:
+    """Apply the corrections that the session names for a system."""
+    boxes, facts = system.reading.boxes, []
+    if source.scale != 1:
+        boxes = boxes.assign(**{c: boxes[c] * source.scale for c in ("x", "y", "w", "h")})
+        facts.append(f"coordinates scaled by {source.scale:g}")
+    if any(source.offset_px):
+        dx, dy = source.offset_px
+        boxes = boxes.assign(x=boxes["x"] + dx, y=boxes["y"] + dy)
+        facts.append(f"boxes moved by {dx:g}, {dy:g} px")
+    if source.offset_frames:
+        boxes = boxes.assign(frame=boxes["frame"] + source.offset_frames)
+        facts.append(f"frame numbers moved by {source.offset_frames:+d}")
+    if not facts:
+        return system
+    conversion = "; ".join([system.reading.conversion, *facts])
+    return replace(system, reading=replace(system.reading, boxes=boxes, conversion=conversion))
+
+
+def _place(session: Session, loaded: list[_Loaded]) -> Dataset:
+    truth = loaded[0].reading
+    recordings = _recordings(session, truth)
+    frames, notes = _frames(session, truth, recordings)
+    keep = [i for i, listed in enumerate(frames) if len(listed)]
+    recordings = recordings.iloc[keep].reset_index(drop=True)
+    frames = [frames[i] for i in keep]
+    tables, left_out, inputs = [], [], []
+    n_files = 0
+    for number, one in enumerate(loaded):
+        boxes = one.reading.boxes.assign(file=one.reading.boxes["file"] + np.int32(n_files))
+        placed, lost = _place_boxes(boxes, recordings["name"], frames)
+        tables.append(placed.assign(source=np.int16(number)))
+        left_out.append(lost.assign(subject=one.subject))
+        inputs.append(
+            pd.DataFrame(
+                {
+                    "subject": one.subject,
+                    "file": [file.name for file in one.files],
+                    "sha256": one.digests,
+                    "format": one.format.name,
+                    "conversion": one.reading.conversion,
+                }
+            )
+        )
+        n_files += len(one.files)
+    all_inputs = pd.concat(inputs, ignore_index=True)
+    findings = [finding for one in loaded for finding in one.reading.findings]
+    findings += _changed_inputs(session, loaded)
+    return dataset_from_tables(
+        recordings,
+        frames,
+        pd.concat(tables, ignore_index=True),
+        [one.subject for one in loaded[1:]],
+        fingerprint=_fingerprint(session, loaded, recordings, frames),
+        inputs=all_inputs,
+        left_out=pd.concat(left_out, ignore_index=True),
+        findings=tuple(findings),
+        notes=tuple(notes),
+    )
+
+
+def source_hashes(dataset: Dataset) -> dict[str, str]:
+    """sha256 of each source (truth or system): over the hashes of its files, in their order."""
+    return {
+        str(subject): hashlib.sha256("\n".join(group).encode()).hexdigest()
+        for subject, group in dataset.inputs.groupby("subject", sort=False)["sha256"]
+    }
+
+
+def _changed_inputs(session: Session, loaded: list[_Loaded]) -> list[Finding]:
+    findings = []
+    for one in loaded:
+        now = hashlib.sha256("\n".join(one.digests).encode()).hexdigest()
+        before = session.hashes.get(one.subject)
+        if before is not None and before != now:
+            findings.append(
+                Finding(
+                    Severity.WARNING, "input-changed", one.subject, len(one.files),
+                    "The input has changed since the session file was written.",
+                    "The figures will differ from those of then; find out which files are meant.",
+                    file=one.files[0].name,
+                )
+            )  # fmt: skip
+    return findings
+
+
+def _recordings(session: Session, truth: Reading) -> pd.DataFrame:
+    """Name, width, height, fps, horizon of every recording; what is unknown is an error."""
+    table = truth.recordings.copy()
+    facts = {one.name: one for one in session.recordings}
+    if len(table) == 1 and len(facts) == 1 and table["name"][0] not in facts:
+        # one recording here and there: the session names it
+        facts = {table["name"][0]: next(iter(facts.values()))}
+    known = set(table["name"])
+    more = [name for name in facts if name not in known]
+    if more:
+        extra = pd.DataFrame({"name": more, "width": np.nan, "height": np.nan, "fps": np.nan})
+        table = pd.concat([table, extra], ignore_index=True)
+    if table.empty:
+        raise InputError("the ground truth holds no recording", file=session.truth.path[0])
+    table["horizon"] = np.nan
+    for row, name in enumerate(table["name"]):  # a loop over recordings: hundreds at the most
+        one = facts.get(name)
+        for column in ("width", "height", "fps", "horizon"):
+            value = None if one is None else getattr(one, column)
+            if value is not None:
+                table.loc[row, column] = value
+    if session.size is not None:
+        given = (facts.get(name) for name in table["name"])
+        own = np.array([one is not None and one.width is not None for one in given])
+        table.loc[~own, ["width", "height"]] = np.array(session.size, dtype=float)
+    if session.fps is not None:
+        given = (facts.get(name) for name in table["name"])
+        own = np.array([one is not None and one.fps is not None for one in given])
+        table.loc[~own, "fps"] = session.fps
+    for column, what, flag in (
+        ("width", "image size", "--size WIDTHxHEIGHT"),
+        ("height", "image size", "--size WIDTHxHEIGHT"),
+        ("fps", "frame rate", "--fps"),
+    ):
+        unknown = table["name"][~(table[column] > 0)]
+        if len(unknown):
+            raise MissingFactError(
+                f"the {what} of recording {unknown.iloc[0]!r} is not in the data (nor that of "
+                f"{len(unknown) - 1} more); give {flag}, or {column} in the session file"
+                if len(unknown) > 1
+                else f"the {what} of recording {unknown.iloc[0]!r} is not in the data; give "
+                f"{flag}, or {column} in the session file"
+            )
+    return table
+
+
+def _frames(
+    session: Session, truth: Reading, recordings: pd.DataFrame
+) -> tuple[list[np.ndarray], list[str]]:
+    """Listed frames of every recording, and in words how they were chosen."""
+    facts = {one.name: one.frames for one in session.recordings if one.frames is not None}
+    if len(recordings) == 1 and len(session.recordings) == 1:
+        facts = dict.fromkeys(recordings["name"], *facts.values()) if facts else {}
+    common = None if session.frames is None else parse_frames(session.frames, session.folder)
+    annotated = {
+        str(name): np.unique(group.to_numpy())
+        for name, group in truth.boxes.groupby("recording", sort=False)["frame"]
+    }
+    imaged: dict[str, np.ndarray] = {}
+    if truth.images is not None:
+        imaged = {
+            str(name): np.unique(group.to_numpy(dtype=np.int64))
+            for name, group in truth.images.groupby("recording", sort=False)["frame"]
+        }
+    frames: list[np.ndarray] = []
+    reasons: dict[str, list[str]] = {}
+    for name in recordings["name"]:
+        if name in facts:
+            listed, reason = parse_frames(facts[name], session.folder), "as the session says"
+        elif common is not None:
+            listed, reason = common, "as given by --frames"
+        elif name in imaged:
+            listed, reason = imaged[name], "those that the ground truth lists"
+        elif name in annotated:
+            listed, reason = infer_frames(annotated[name])
+        else:
+            listed, reason = np.empty(0, np.int64), "no frame is known; recording left out"
+        frames.append(listed)
+        reasons.setdefault(reason, []).append(name)
+    counts = dict(zip(recordings["name"], map(len, frames), strict=True))
+    notes = [
+        f"evaluated frames of {names[0] if len(names) == 1 else f'{len(names)} recordings'}: "
+        f"{reason} ({sum(counts[name] for name in names)} in all)"
+        for reason, names in reasons.items()
+    ]
+    if not sum(len(listed) for listed in frames):
+        raise MissingFactError(
+            "no frame is evaluated: the ground truth holds no box; give --frames",
+            file=session.truth.path[0],
+        )
+    return frames, notes
+
+
+def _place_boxes(
+    boxes: pd.DataFrame, names: pd.Series[str], frames: list[np.ndarray]
+) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """Boxes with their frame_index, and those that have no place, with the reason."""
+    codes = pd.Index(names).get_indexer(pd.Index(boxes["recording"]))
+    frame = boxes["frame"].to_numpy()
+    lowest = min(int(frame.min(initial=0)), *(int(f[0]) for f in frames))
+    highest = max(int(frame.max(initial=0)), *(int(f[-1]) for f in frames))
+    span = highest - lowest + 1
+    listed = np.concatenate([i * span + (f - lowest) for i, f in enumerate(frames)])
+    key = codes * span + (frame - lowest)
+    at = np.searchsorted(listed, key)
+    at = np.minimum(at, len(listed) - 1)
+    is_listed = listed[at] == key
+    size = boxes[["w", "h"]].to_numpy()
+    finite = np.isfinite(boxes[["x", "y", "w", "h"]].to_numpy()).all(axis=1)
+    has_area = (size > 0).all(axis=1)
+    reason = np.select(
+        [codes < 0, ~is_listed, ~finite, ~has_area],
+        ["unknown recording", "frame not listed", "not a number", "no area"],
+        default="",
+    )
+    is_lost = reason != ""
+    placed = boxes.drop(columns=["recording", "frame"]).assign(frame_index=at)[~is_lost]
+    lost = boxes.loc[is_lost, ["recording", "frame", "file", "line"]].assign(
+        reason=reason[is_lost].astype(object)
+    )
+    return placed, lost
+
+
+def _fingerprint(
+    session: Session, loaded: list[_Loaded], recordings: pd.DataFrame, frames: list[np.ndarray]
+) -> str:
+    """sha256 over the input bytes and the reader settings."""
+    digest_ = hashlib.sha256()
+    sources: list[Source] = [session.truth, *session.systems]
+    for one, source in zip(loaded, sources, strict=True):
+        settings = {**asdict(source), "path": None, "format": one.format.name}
+        settings |= {"threshold": None, "name": None}
+        digest_.update(f"{one.subject}\n{one.digests}\n{settings}\n".encode())
+    digest_.update(recordings.to_csv(index=False).encode())
+    for listed in frames:
+        digest_.update(listed.astype(np.int64).tobytes())
+    return digest_.hexdigest()

@@ -1,0 +1,72 @@
+"""The sample data: a generated night drive with truth, two simulated systems and pictures.
+
+scene, body, camera     who walks where, in three dimensions
+places, recordings      the ten recordings
+truth, systems          boxes, and what two systems make of them
+canvas, backdrop, objects, vehicles, people, render     pictures
+writing                 files
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+import pandas as pd
+
+from nvcore.sample.recordings import all_recordings
+from nvcore.sample.render import pictures
+from nvcore.sample.scene import Recording
+from nvcore.sample.systems import detections
+from nvcore.sample.truth import sightings, truth_table
+from nvcore.sample.writing import (
+    SYSTEM_FILES,
+    TRUTH_FILE,
+    csv_text,
+    readme_text,
+    session_text,
+    write_video,
+)
+
+__all__ = ["all_recordings", "generate", "tables"]
+
+
+def tables(recordings: Iterable[Recording]) -> dict[str, pd.DataFrame]:
+    """Truth and detections of recordings, one table per file name.
+
+    The same recordings give the same tables on every call.
+    """
+    parts: dict[str, list[pd.DataFrame]] = {TRUTH_FILE: []}
+    parts |= {path: [] for path in SYSTEM_FILES.values()}
+    for recording in recordings:
+        seen = sightings(recording)
+        parts[TRUTH_FILE].append(truth_table(recording, seen))
+        for name, path in SYSTEM_FILES.items():
+            parts[path].append(detections(recording, seen, system=name))
+    return {path: pd.concat(part, ignore_index=True) for path, part in parts.items()}
+
+
+def generate(folder: Path, *, progress: Callable[[str, float], None] | None = None) -> None:
+    """Write the sample data into a folder; files of the same names are replaced.
+
+    Parameters
+    ----------
+    folder
+        Made if it does not exist.
+    progress
+        Called with the name of the recording that comes next and the share of all that is done,
+        0 to 1; at the end with an empty name and 1.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    recordings = all_recordings()
+    made = tables(recordings)
+    for path, table in made.items():
+        (folder / path).write_bytes(csv_text(table).encode())
+    (folder / "session.toml").write_bytes(session_text(recordings).encode())
+    (folder / "README.md").write_bytes(readme_text(recordings, made[TRUTH_FILE]).encode())
+    for done, recording in enumerate(recordings):
+        if progress is not None:
+            progress(recording.name, done / len(recordings))
+        write_video(folder / f"{recording.name}.mp4", pictures(recording))
+    if progress is not None:
+        progress("", 1.0)

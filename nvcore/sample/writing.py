@@ -1,0 +1,131 @@
+"""Files of the sample data: tables as CSV, pictures as H.264, the session as TOML, a README."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Final
+
+import av
+import numpy as np
+import pandas as pd
+import tomli_w
+from numpy.typing import NDArray
+
+from nvcore.sample.camera import FPS, HEIGHT, N_FRAMES, WIDTH
+from nvcore.sample.scene import Recording
+from nvcore.sample.systems import THRESHOLD
+
+SYSTEM_FILES: Final = {"FIR": "fir.csv", "NIR": "nir.csv"}
+TRUTH_FILE: Final = "truth.csv"
+_QUALITY: Final = "26"
+_KEY_EVERY: Final = 40
+
+_FORMATS: Final = {
+    "x": "{:.2f}", "y": "{:.2f}", "w": "{:.2f}", "h": "{:.2f}",
+    "distance_m": "{:.2f}", "score": "{:.3f}",
+}  # fmt: skip
+
+
+def csv_text(table: pd.DataFrame) -> str:
+    """Table as CSV with fixed decimals and line feeds, the same bytes on every system."""
+    text = table.copy()
+    for name, pattern in _FORMATS.items():
+        if name in text:
+            text[name] = text[name].map(pattern.format)
+    return str(text.to_csv(index=False, lineterminator="\n"))
+
+
+def session_text(recordings: Iterable[Recording]) -> str:
+    """The session file that names all recordings, the truth and both systems."""
+    session = {
+        "recording": [
+            {
+                "name": recording.name,
+                "width": WIDTH,
+                "height": HEIGHT,
+                "fps": FPS,
+                "frames": f"0:{N_FRAMES - 1}",
+                "horizon": float(recording.horizon),
+                "pictures": f"{recording.name}.mp4",
+            }
+            for recording in recordings
+        ],
+        "truth": {"path": TRUTH_FILE, "format": "csv", "frame_base": 0},
+        "system": [
+            {"name": name, "path": path, "format": "csv", "frame_base": 0, "threshold": THRESHOLD}
+            for name, path in SYSTEM_FILES.items()
+        ],
+    }
+    return tomli_w.dumps(session)
+
+
+def write_video(path: Path, pictures: Iterable[NDArray[np.uint8]]) -> None:
+    """Grey pictures as an H.264 video; the same bytes from the same version of the encoder.
+
+    Parameters
+    ----------
+    pictures
+        Each of shape (HEIGHT, WIDTH).
+    """
+    with av.open(str(path), "w", options={"movflags": "+faststart"}) as container:
+        stream = container.add_stream("libx264", rate=FPS)
+        stream.width, stream.height, stream.pix_fmt = WIDTH, HEIGHT, "yuv420p"
+        stream.codec_context.thread_count = 1
+        stream.codec_context.gop_size = _KEY_EVERY
+        stream.options = {"crf": _QUALITY, "preset": "medium", "threads": "1", "tune": "film"}
+        colourless = np.full((HEIGHT // 2, WIDTH), 128, dtype=np.uint8)
+        for picture in pictures:
+            planes = np.concatenate([_studio(picture), colourless])
+            frame = av.VideoFrame.from_ndarray(planes, format="yuv420p")
+            container.mux(stream.encode(frame))
+        container.mux(stream.encode(None))
+
+
+def _studio(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Full-range grey as the luma of 16 to 235 that players expect."""
+    return np.round(16 + picture * (219 / 255)).astype(np.uint8)
+
+
+def readme_text(recordings: Iterable[Recording], truth: pd.DataFrame) -> str:
+    """README of the folder, with one table of recordings."""
+    lines = []
+    for recording in recordings:
+        rows = truth[truth["recording"] == recording.name]
+        tracks = rows[rows["ignore"] == 0]["track"].nunique()
+        ignored = rows[rows["ignore"] == 1]["track"].nunique()
+        people = f"{tracks}" + (f" + {ignored} ignored" if ignored else "")
+        lines.append(f"| `{recording.name}` | {recording.text} | {people} | {len(rows)} |")
+    return _README.format(table="\n".join(lines), seconds=N_FRAMES // FPS, fps=FPS)
+
+
+_README: Final = """# Sample data
+
+A night drive that never happened. Everything here is generated: `nvcore sample` writes this folder
+again, the tables byte for byte (the videos too, with the same version of the video library). It is
+there to try the program and to test it; it says nothing about any real system.
+
+A pinhole camera (640 x 480, focal length 1100 px, 1.25 m above the road) drives past walking people
+in three dimensions. Boxes, distances, occlusion and pictures come from that one geometry. Pictures
+look like far infrared: bright is warm.
+
+| recording | what happens | people | boxes |
+|---|---|---|---|
+{table}
+
+Each recording lasts {seconds} s at {fps} frames per second.
+
+- `truth.csv`: one row per person and frame, from entry to exit, at least 8 px high and at least
+  half inside the picture; `x, y, w, h` in pixels, clipped to it; `track` unique within a recording;
+  `ignore` 1 for the cyclist; `distance_m` over ground; `occlusion` 0 none, 1 part (from 10 % of the
+  box), 2 much (from 45 %).
+- `fir.csv`: a simulated far-infrared system. It sees far, but cold clothes, crouching people and a
+  warm night shorten its reach, and hot engines and cabinets give false alarms.
+- `nir.csv`: a simulated near-infrared system. It sees as far as its lamp, less with dark clothes,
+  little beside dazzling headlamps, and takes some reflecting signs for people.
+- `session.toml`: all of it as one comparison; both systems count from score 0.5 up.
+- `<recording>.mp4`: the pictures, H.264.
+
+Frames count from 0. Losses and false alarms last for some frames: both systems are range models
+with a slowly wandering disturbance, not coin flips.
+"""

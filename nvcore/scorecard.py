@@ -1,0 +1,216 @@
+"""The comparison as text for a terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from nvcore.analysis import Result, SystemResult
+from nvcore.dataset import Dataset
+from nvcore.findings import Finding, Severity
+from nvcore.schema import Category, MissClass
+from nvcore.tables import sides, system_summary, worst_intervals
+from nvcore.venn import Exclusivity
+
+UNDEFINED = "–"
+
+
+def render_scorecard(result: Result) -> str:
+    """Scorecard of both systems, Venn counts, exclusivity, fusion and worst moments."""
+    parts = [
+        _heading(result),
+        _table(result),
+        _venn(result),
+        _fusion(result),
+        *(_worst(result, letter, system) for letter, system in sides(result)),
+    ]
+    return "\n\n".join(parts)
+
+
+def render_findings(findings: Sequence[Finding]) -> str:
+    """The audit's findings, one paragraph each, worst first as given."""
+    if not findings:
+        return "Audit: nothing found."
+    counts = [
+        f"{n} {kind.value}{'s' if n != 1 else ''}"
+        for kind in Severity
+        if (n := sum(one.severity == kind for one in findings))
+    ]
+    lines = [f"Audit: {', '.join(counts)}."]
+    for one in findings:
+        where = ", ".join(part for part in (one.file, one.example) if part)
+        lines.append(f"  {one.severity.value:<8}{one.subject}: {one.message}")
+        if where:
+            lines.append(f"          first: {where}")
+        lines.append(f"          {one.advice}")
+    return "\n".join(lines)
+
+
+def render_dataset(dataset: Dataset) -> str:
+    """What was read, how it was converted, and which frames are evaluated."""
+    lines = []
+    for subject, group in dataset.inputs.groupby("subject", sort=False):
+        files = group["file"].tolist()
+        what = files[0] if len(files) == 1 else f"{len(files)} files, {files[0]} ..."
+        conversion = group["conversion"].iloc[0]
+        lines.append(f"{subject}: {what} ({group['format'].iloc[0]}; {conversion})")
+    return "\n".join([*lines, *dataset.notes])
+
+
+def render_inputs(result: Result) -> str:
+    """`render_dataset`, and what the analysis had to make up for."""
+    lines = [render_dataset(result.dataset)]
+    linked = len(result.tracks.linked_recordings)
+    if linked:
+        lines.append(
+            f"the truth of {linked} recording{'s' if linked > 1 else ''} has no track ids: boxes "
+            "were linked to encounters by overlap from frame to frame"
+        )
+    for who, without in (
+        ("truth boxes", result.k_truth.n_without_distance),
+        ("boxes of X", result.x.weights.n_without_distance),
+        ("boxes of Y", result.y.weights.n_without_distance),
+    ):
+        if without:
+            lines.append(f"{without} {who} have no distance and are weighted by height")
+    return "\n".join(lines)
+
+
+def _heading(result: Result) -> str:
+    n_recordings = len(result.dataset.recordings)
+    lines = [
+        f"{letter.upper()} = {system.name}"
+        + (f", score >= {system.threshold:g}" if system.threshold is not None else ", all scores")
+        for letter, system in sides(result)
+    ]
+    lines.append(
+        f"{n_recordings} recording{'s' if n_recordings > 1 else ''}, "
+        f"{len(result.dataset.frames)} frames, {result.duration_s:.1f} s, "
+        f"{int(result.n_truth.sum())} pedestrian boxes, {result.venn.n_near} encounters "
+        f"(and {result.venn.distant} distant, not counted)"
+    )
+    return "\n".join(lines)
+
+
+def _table(result: Result) -> str:
+    rows: list[tuple[str, str, str, str]] = [("", "X", "Y", "X - Y")]
+    x, y = (system_summary(result, system) for _, system in sides(result))
+    for label, key, form in (
+        ("mean similarity", "mean_similarity", ".4f"),
+        ("minimum similarity", "min_similarity", ".4f"),
+        ("5th percentile", "percentile_5_similarity", ".4f"),
+        (f"frames below {result.params.low:g}", "share_low", ".1%"),
+        ("saliency (s)", "saliency", ".3f"),
+        ("encounters detected", "encounters_detected", "d"),
+    ):
+        rows.append(_row(label, x[key], y[key], form))
+    for kind in MissClass:
+        label = "  " + kind.value.replace("_", " ")
+        rows.append(_row(label, x["miss_classes"][kind], y["miss_classes"][kind], "d"))
+    for label, key, form in (
+        ("boxes matched", "boxes_matched", "d"),
+        ("false alarms per frame", "false_alarms_per_frame", ".3f"),
+        ("false-alert episodes/h", "false_alert_episodes_per_hour", ".1f"),
+        ("longest episode (s)", "longest_episode_s", ".2f"),
+    ):
+        rows.append(_row(label, x[key], y[key], form))
+    widths = [max(len(row[i]) for row in rows) for i in range(4)]
+    return "\n".join(
+        "  ".join(
+            [row[0].ljust(widths[0]), *(row[i].rjust(max(widths[i], 9)) for i in range(1, 4))]
+        ).rstrip()
+        for row in rows
+    )
+
+
+def _row(label: str, x: float, y: float, form: str) -> tuple[str, str, str, str]:
+    if np.isnan(x) or np.isnan(y):
+        difference = UNDEFINED
+    else:
+        difference = format(x - y, "+" + form)
+        if form.endswith("%"):
+            difference = difference.replace("%", " pp")
+    return label, number(x, form), number(y, form), difference
+
+
+def number(value: float, form: str) -> str:
+    """The number in this format, a dash where it is undefined."""
+    return UNDEFINED if np.isnan(value) else format(value, form)
+
+
+def _venn(result: Result) -> str:
+    venn = result.venn
+    counts = venn.counts()
+    lines = [
+        "encounters: "
+        + ", ".join(
+            f"{name} {counts[category]}"
+            for name, category in (
+                ("both", Category.BOTH),
+                ("only X", Category.X_ONLY),
+                ("only Y", Category.Y_ONLY),
+                ("neither", Category.NEITHER),
+                ("distant", Category.DISTANT),
+            )
+        )
+    ]
+    if venn.dominant is None:
+        lines.append("dominance: neither system detects everything the other does and more"
+                     if venn.x_only or venn.y_only
+                     else "dominance: none, both systems detect the same encounters")  # fmt: skip
+    else:
+        winner, loser = ("X", "Y") if venn.dominant == "x" else ("Y", "X")
+        lines.append(f"dominance: {winner} detects everything that {loser} detects, and more")
+    lines.append(describe_exclusivity(result.exclusivity, venn.x_only, venn.y_only))
+    boxes = result.boxes
+    lines.append(
+        f"boxes: both {boxes.both}, only X {boxes.x_only}, only Y {boxes.y_only}, "
+        f"neither {boxes.neither}"
+    )
+    return "\n".join(lines)
+
+
+def describe_exclusivity(exclusivity: Exclusivity, x_only: int, y_only: int) -> str:
+    """How exclusive the misses are, in words that go no further than the figures."""
+    e = exclusivity
+    text = (
+        f"misses: X {e.missed_by_x}, Y {e.missed_by_y}, shared {e.missed_by_both} "
+        f"(Jaccard {number(e.jaccard, '.2f')}, phi {number(e.phi, '.2f')})"
+    )
+    if x_only + y_only == 0:
+        return text + "\nno encounter tells the two systems apart"
+    return text + (
+        f"\nif both were equally good, a split as uneven as {x_only} to {y_only} would come by "
+        f"chance with p = {e.mcnemar_p:.2g} (exact McNemar)"
+    )
+
+
+def _fusion(result: Result) -> str:
+    fused = result.fusion
+    lines = []
+    for label, system in (("X or Y", fused.x), ("X and Y", fused.y)):
+        detected = int(system.encounters["is_detected"].sum())
+        alerts = system.false_alarm_summary.episodes_per_hour
+        lines.append(
+            f"fusion {label}: {detected} of {result.venn.n_near} encounters, "
+            f"{number(alerts, '.1f')} false-alert episodes/h, "
+            f"mean similarity {number(system.summary.mean, '.4f')}"
+        )
+    return "\n".join(lines)
+
+
+def _worst(result: Result, letter: str, system: SystemResult) -> str:
+    table = worst_intervals(result, letter)
+    name = f"worst intervals of {letter.upper()} ({system.name})"
+    if table.empty:
+        return f"{name}: none below {result.params.low:g}"
+    lines = [f"{name}:"]
+    lines += [
+        f"  {row['recording']}  {row['start_s']:.2f} s to "
+        f"{row['start_s'] + row['duration_s']:.2f} s  "
+        f"(frames {row['first_frame']} to {row['last_frame']}): severity {row['severity_s']:.3f} "
+        f"s, lowest {row['min_similarity']:.3f} at frame {row['worst_frame']}"
+        for row in table.to_dict("records")
+    ]
+    return "\n".join(lines)

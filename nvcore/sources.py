@@ -1,0 +1,122 @@
+"""From the paths of a session to the files that are read."""
+
+from __future__ import annotations
+
+import glob
+import hashlib
+from collections.abc import Sequence
+from pathlib import Path
+
+from nvcore.errors import InputError
+from nvcore.readers import detect_format, format_named
+from nvcore.readers.base import Format, Role, SourceFile
+from nvcore.readers.naming import NEUTRAL
+from nvcore.session import Source
+
+NAME_PARTS = 3
+"""How many parts of a path a file is shown by: enough for recording/gt/gt.txt."""
+
+
+def find_files(source: Source, folder: Path, role: Role) -> tuple[list[SourceFile], Format]:
+    """Files of a source and their format.
+
+    A path is a file, a glob, or a folder. In a folder with MOTChallenge's layout those are
+    ``*/gt/gt.txt`` (truth) or ``*/det/det.txt`` (detections); in any other all files below it
+    whose ending belongs to the format.
+
+    Raises
+    ------
+    InputError
+        If nothing is there.
+    UnknownFormatError
+        If the format cannot be told.
+    """
+    named = None if source.format is None else format_named(source.format)
+    found: list[SourceFile] = []
+    for text in source.path:
+        found += _expand(text, folder, role, named)
+    unique = {file.path: file for file in found}
+    files = list(unique.values())
+    chosen = named if named is not None else detect_format(files, role)
+    if role not in chosen.roles:
+        raise InputError(f"{chosen.title} files hold no {role}", file=source.path[0])
+    kept = [file for file in files if file.path.suffix.lower() in chosen.suffixes]
+    return kept or files, chosen
+
+
+def _expand(text: str, folder: Path, role: Role, named: Format | None) -> list[SourceFile]:
+    path = folder / text
+    if path.is_dir():
+        return _in_folder(path, text, role, named)
+    if path.is_file():
+        return [SourceFile(path, _shown(path))]
+    if glob.has_magic(text):
+        # Path.glob takes no absolute pattern
+        matches = [Path(name) for name in sorted(glob.glob(str(path), recursive=True))]  # noqa: PTH207
+        files = [SourceFile(match, _shown(match)) for match in matches if match.is_file()]
+        if files:
+            return files
+        raise InputError("no file matches this pattern", file=text)
+    raise InputError("there is no such file or folder", file=text)
+
+
+def _in_folder(path: Path, text: str, role: Role, named: Format | None) -> list[SourceFile]:
+    pattern = "*/gt/gt.txt" if role == "truth" else "*/det/det.txt"
+    matches = sorted(path.glob(pattern)) or sorted(path.glob(pattern.partition("/")[2]))
+    if matches and named is None:
+        return [SourceFile(match, _shown(match)) for match in matches]
+    files = [
+        SourceFile(match, match.relative_to(path).as_posix())
+        for match in sorted(path.rglob("*"))
+        if match.is_file() and not match.name.startswith(".")
+    ]
+    readable = (".txt", ".csv", ".json", ".xml", ".tsv")
+    endings = named.suffixes if named is not None else readable
+    files = [file for file in files if file.path.suffix.lower() in endings]
+    notes = ("readme", "license", "classes", "index")
+    files = [f for f in files if f.path.stem.lower() not in notes] or files
+    if not files:
+        raise InputError(
+            f"the folder holds no file that could be {role} (endings: {', '.join(endings)})",
+            file=text,
+        )
+    return files
+
+
+def _shown(path: Path) -> str:
+    return "/".join(path.resolve().parts[-NAME_PARTS:]).replace("//", "/")
+
+
+def system_name(source: Source, recordings: Sequence[str]) -> str:
+    """Name for a system that has none: the part of its path that tells most.
+
+    The part nearest to the file that is neither a neutral word (``det``) nor a recording.
+    """
+    path = Path(source.path[0])
+    for part in (path.stem, *reversed(path.parts[:-1])):
+        if (
+            part.lower() not in NEUTRAL
+            and part not in recordings
+            and part not in ("", "/", ".", "..")
+            and not glob.has_magic(part)
+        ):
+            return part
+    return path.stem
+
+
+def digest(files: Sequence[SourceFile]) -> list[str]:
+    """sha256 of every file.
+
+    Raises
+    ------
+    InputError
+        If one cannot be opened.
+    """
+    digests = []
+    for file in files:
+        try:
+            with file.path.open("rb") as stream:
+                digests.append(hashlib.file_digest(stream, "sha256").hexdigest())
+        except OSError as error:
+            raise InputError(f"cannot be opened ({error.strerror})", file=file.name) from error
+    return digests
