@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -50,8 +50,8 @@ T = TypeVar("T")
 class Stages:
     """Results of the stages by what they depend on; a new parameter set repeats what changed."""
 
-    def __init__(self, known: dict[tuple[Any, ...], Any] | None = None):
-        self._known = known or {}
+    def __init__(self, known: Mapping[tuple[Any, ...], Any]):
+        self._known = known
         self.used: dict[tuple[Any, ...], Any] = {}
 
     def get(self, key: tuple[Any, ...], make: Callable[[], T]) -> T:
@@ -148,6 +148,8 @@ class Result:
         Counts of encounters, how exclusive the misses are, counts of boxes.
     duration_s
         Recording time of all recordings.
+    stages
+        What `analyse` can take over when only some settings change.
     """
 
     dataset: Dataset
@@ -163,7 +165,7 @@ class Result:
     exclusivity: Exclusivity
     boxes: BoxVenn
     duration_s: float
-    stages: Stages = field(repr=False)
+    stages: Mapping[tuple[Any, ...], Any] = field(repr=False)
 
     @property
     def lead_time_s(self) -> np.ndarray:
@@ -218,7 +220,7 @@ def analyse(
     """
     params = params or Params()
     names = _pick(dataset, x, y)
-    known = previous.stages.used if previous and previous.dataset is dataset else None
+    known = previous.stages if previous and previous.dataset is dataset else {}
     stages = Stages(known)
     truth, frames = dataset.truth, dataset.frame_columns
     occlusion = dataset.boxes["occlusion"].to_numpy()[: len(truth)]
@@ -268,7 +270,7 @@ def analyse(
         exclusivity=measure_exclusivity(venn),
         boxes=boxes,
         duration_s=frames.duration_s,
-        stages=stages,
+        stages=stages.used,
     )
 
 

@@ -93,6 +93,11 @@ class FrameColumns:
         return len(self.frame)
 
     @cached_property
+    def passed(self) -> np.ndarray:
+        """Sum of the gaps before each frame, over all recordings; float64, (n_frames + 1,)."""
+        return np.concatenate([[0.0], np.cumsum(self.gap)])
+
+    @cached_property
     def duration_s(self) -> float:
         """Recording time of all recordings: the sum of the time steps."""
         return float((self.gap / self.fps[self.recording]).sum())

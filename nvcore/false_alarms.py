@@ -31,7 +31,7 @@ def find_episodes(
     last_row = np.empty(n_episodes, np.int64)
     first_row[episode[::-1]] = at_frame[::-1]
     last_row[episode] = at_frame
-    passed = np.concatenate([[0.0], np.cumsum(frames.gap)])
+    passed = frames.passed
     recording = frames.recording[first_row]
     return pd.DataFrame(
         {

@@ -45,6 +45,9 @@ class Finding:
         File it was first seen in; empty where no single file is to blame.
     example
         The first case: line, recording, frame.
+    suggestion
+        Corrections by the name of the session key that takes them, such as
+        ``(("offset_frames", -2.0),)``, for a page that offers to apply them; empty: none.
     """
 
     severity: Severity
@@ -55,6 +58,7 @@ class Finding:
     advice: str
     file: str = ""
     example: str = ""
+    suggestion: tuple[tuple[str, float], ...] = ()
 
 
 def worst_first(findings: Iterable[Finding]) -> tuple[Finding, ...]:

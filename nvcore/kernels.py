@@ -240,6 +240,19 @@ def maximin_frames(
 
 
 @compiled
+def maximum_frames(lo, hi, offsets, x, w, k, near, member, edge_weight, recording, width, d):
+    """As `maximin_frames`, without the row: a bare maximum needs no branch, a third of the time."""
+    for f in range(lo, hi):
+        W = width[recording[f]]
+        most = 0.0
+        for i in range(offsets[f], offsets[f + 1]):
+            c = centre(x[i], w[i], W)
+            border = edge_weight * 0.5 * W + (1.0 - edge_weight) * min(c, W - c)
+            most = max(most, k[i] * min(border, near[i]) if member[i] else 0.0)
+        d[f] = most
+
+
+@compiled
 def encounter_frames(
     lo, hi, offsets, order, frame_index, frame, gap, k, matched,
     n_relevant, n_matched, peak_k, lag, longest_gap, tail,

@@ -119,7 +119,7 @@ def _read(
     reading = replace(
         reading,
         findings=tuple(
-            replace(finding, subject=finding.subject or subject) for finding in reading.findings
+            replace(finding, subject=subject) for finding in reading.findings
         ),
     )
     return _Loaded(subject, files, digest(files), chosen, reading)

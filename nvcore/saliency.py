@@ -73,7 +73,7 @@ def find_events(
     recording = frames.recording[first]
     rate = frames.fps[recording]
     at = encounter[first]
-    passed = np.concatenate([[0.0], np.cumsum(frames.gap)])
+    passed = frames.passed
     if params.saliency_scope == "encounter":
         start, end = encounter_rows[0][at], encounter_rows[1][at]
     else:

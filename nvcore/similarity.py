@@ -15,6 +15,7 @@ from nvcore.kernels import (
     BY_HORIZON,
     EQUAL,
     maximin_frames,
+    maximum_frames,
     nearest_frames,
     over_ranges,
     proximity_weights,
@@ -173,18 +174,16 @@ def measure_sets(
     """
     n_frames = len(frames)
     d_miss, d_false = np.empty(n_frames), np.empty(n_frames)
-    salient_row, unused = np.empty(n_frames, np.int64), np.empty(n_frames, np.int64)
-    sets = (
-        (truth, k_truth, nearest.truth, ~truth.ignore,
-         truth.track if track is None else track, d_miss, salient_row),
-        (detections, k_detections, nearest.detections, is_counted,
-         detections.track, d_false, unused),
+    salient_row = np.empty(n_frames, np.int64)
+    over_ranges(
+        maximin_frames, n_frames, truth.offsets, truth.x, truth.w, k_truth, nearest.truth,
+        ~truth.ignore, truth.track if track is None else track, float(edge_weight),
+        frames.recording, frames.width, d_miss, salient_row,
     )  # fmt: skip
-    for boxes, k, near, member, tracks, d, argmax in sets:
-        over_ranges(
-            maximin_frames, n_frames, boxes.offsets, boxes.x, boxes.w, k, near, member, tracks,
-            float(edge_weight), frames.recording, frames.width, d, argmax,
-        )  # fmt: skip
+    over_ranges(
+        maximum_frames, n_frames, detections.offsets, detections.x, detections.w, k_detections,
+        nearest.detections, is_counted, float(edge_weight), frames.recording, frames.width, d_false,
+    )  # fmt: skip
     return SetDistances(d_miss, d_false, salient_row)
 
 
@@ -240,7 +239,7 @@ def runs_of(key: np.ndarray, recording: np.ndarray) -> tuple[np.ndarray, np.ndar
     """
     if not len(key):
         return np.empty(0, np.int64), np.empty(0, np.int64)
-    changes = (np.diff(key) != 0) | (np.diff(recording) != 0)
+    changes = (key[1:] != key[:-1]) | (recording[1:] != recording[:-1])
     first = np.flatnonzero(np.concatenate([[True], changes]))
     last = np.concatenate([first[1:] - 1, [len(key) - 1]])
     inside = key[first] >= 0
@@ -262,7 +261,6 @@ def find_low_intervals(
     first, last = runs_of(np.where(is_low, 0, -1), frames.recording)
     rate = frames.fps[frames.recording[first]] if len(first) else np.empty(0)
     lack = np.concatenate([[0.0], np.cumsum(np.where(is_low, (low - similarity) * frames.gap, 0))])
-    gaps = np.concatenate([[0.0], np.cumsum(frames.gap)])
     low_rows = np.flatnonzero(is_low)
     if len(first):
         starts = np.searchsorted(low_rows, first)
@@ -278,7 +276,7 @@ def find_low_intervals(
             "recording": frames.recording[first],
             "first_row": first,
             "last_row": last,
-            "duration_s": (gaps[last + 1] - gaps[first]) / rate,
+            "duration_s": (frames.passed[last + 1] - frames.passed[first]) / rate,
             "severity_s": (lack[last + 1] - lack[first]) / rate,
             "min_similarity": least,
             "worst_row": worst,

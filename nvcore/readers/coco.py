@@ -232,7 +232,7 @@ def _occlusion(records: Records) -> tuple[np.ndarray, list[str], list[Finding]]:
                 [f"{key} true = heavy occlusion (half visible, as NightOwls counts it)"],
                 [],
             )
-        if kinds <= {int, float}:
+        if kinds <= {int, float, bool}:
             numbers = np.array(values, dtype=float)
             record = np.arange(1, len(numbers) + 1)
             odd = odd_levels(numbers, records.file, record, "truth")

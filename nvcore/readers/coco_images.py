@@ -152,10 +152,7 @@ def _names(images: Records) -> list[str]:
     for index, value in enumerate(values):  # text is looked at one by one
         if not isinstance(value, (str, type(None))):
             raise images.error(index, "expected text as file_name")
-        name = value or ""
-        if not name.isascii() and re.search("[\ud800-\udfff]", name):
-            raise images.error(index, "expected Unicode text as file_name, found half a character")
-        names.append(name)
+        names.append(value or "")
     return names
 
 
@@ -262,7 +259,7 @@ def _sizes(images: Records, key: str) -> np.ndarray:
     values = images.numbers(key)
     if values is None:
         return np.full(len(images), np.nan)
-    return np.where(values > 0, values, np.nan)
+    return np.where((values > 0) & np.isfinite(values), values, np.nan)
 
 
 def _recordings(
@@ -275,7 +272,11 @@ def _recordings(
         rates = videos.numbers("fps", "frame_rate")
         titles = videos.values("name", "file_name")
         if rates is not None and titles is not None:
-            fps = {str(title): rate for title, rate in zip(titles, rates, strict=True) if rate > 0}
+            fps = {
+                str(title): rate
+                for title, rate in zip(titles, rates, strict=True)
+                if 0 < rate < np.inf
+            }
     rows, odd, example = [], 0, ""
     # a loop over recordings: there are few
     for name, group in table.groupby("recording", sort=False):

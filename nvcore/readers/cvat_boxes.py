@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
@@ -16,8 +15,6 @@ from nvcore.readers.classes import choose_classes
 from nvcore.readers.cvat_xml import CvatFile
 from nvcore.readers.labels import concerns_pedestrians, free_labels, left_out
 from nvcore.readers.occlusion import levels_of_numbers
-
-_ROOT = re.compile(r"\s*(?:<\?xml[^>]*>\s*)?(?:<!--.*?-->\s*)*<annotations[\s>]", re.DOTALL)
 
 
 @dataclass(frozen=True)
@@ -55,11 +52,6 @@ class CvatBoxes:
     line: np.ndarray
     declared: tuple[str, ...] = ()
     n_filled: int = 0
-
-
-def is_cvat(head: str) -> bool:
-    """Whether an XML file has CVAT's root element."""
-    return _ROOT.match(head.removeprefix("\ufeff")) is not None
 
 
 def boxes_reading(

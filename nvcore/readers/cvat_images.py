@@ -19,8 +19,9 @@ from nvcore.readers.base import (
     recording_row,
     recordings_table,
 )
-from nvcore.readers.cvat_boxes import CvatBoxes, boxes_reading, is_cvat, oddity, other_shapes
+from nvcore.readers.cvat_boxes import CvatBoxes, boxes_reading, oddity, other_shapes
 from nvcore.readers.cvat_xml import CvatFile, Owner, read_cvat
+from nvcore.readers.elements import root_of
 from nvcore.readers.naming import recording_and_frame_of, recording_of
 from nvcore.schema import NO_TRACK
 
@@ -30,7 +31,7 @@ _ANNOTATION = re.compile(r"<mode>\s*annotation\s*</mode>")
 def recognise(name: str, head: str, role: Role) -> bool:
     """Whether it is CVAT's XML with images, or with neither images nor tracks from pictures."""
     del name, role
-    if not is_cvat(head) or re.search(r"<track\s", head):
+    if root_of(head) != "annotations" or re.search(r"<track\s", head):
         return False
     return bool(re.search(r"<image\s", head) or _ANNOTATION.search(head))
 

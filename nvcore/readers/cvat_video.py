@@ -21,8 +21,9 @@ from nvcore.readers.base import (
     recording_row,
     recordings_table,
 )
-from nvcore.readers.cvat_boxes import CvatBoxes, boxes_reading, is_cvat, oddity, other_shapes
+from nvcore.readers.cvat_boxes import CvatBoxes, boxes_reading, oddity, other_shapes
 from nvcore.readers.cvat_xml import CvatFile, Task, read_cvat
+from nvcore.readers.elements import root_of
 from nvcore.readers.keyframes import Filled, TooManyFramesError, fill_between_keyframes
 from nvcore.readers.naming import recordings_of
 
@@ -34,7 +35,7 @@ _INTERPOLATION = re.compile(r"<mode>\s*interpolation\s*</mode>")
 def recognise(name: str, head: str, role: Role) -> bool:
     """Whether it is CVAT's XML with tracks, or with neither tracks nor images from a video."""
     del name, role
-    if not is_cvat(head) or re.search(r"<image\s", head):
+    if root_of(head) != "annotations" or re.search(r"<image\s", head):
         return False
     return bool(re.search(r"<track\s", head) or _INTERPOLATION.search(head))
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from pathlib import PurePosixPath
 from typing import Any, Final
@@ -17,6 +18,8 @@ from nvcore.readers.text import MAX_INTEGER
 MAX_DEPTH: Final = 32
 """Deepest nesting that is read; no annotation format comes near it."""
 _CHUNK: Final = 1 << 16
+# atomic groups: many comments must not make the search try every way to split them
+_ROOT = re.compile(r"\s*(?><\?xml[^>]*>\s*)?(?><!--.*?-->\s*)*<(?P<root>[\w:.-]+)", re.DOTALL)
 
 
 class Element:
@@ -89,6 +92,12 @@ class _Collector:
     def end(self, tag: str) -> None:
         del tag
         self.closed.append(self.open.pop())
+
+
+def root_of(head: str) -> str:
+    """Name of the outermost element of an XML file, from its beginning; empty if it has none."""
+    found = _ROOT.match(head.removeprefix("\ufeff"))
+    return "" if found is None else found["root"]
 
 
 def read_elements(file: SourceFile, *, root: str) -> Iterator[Element]:

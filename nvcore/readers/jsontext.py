@@ -18,6 +18,9 @@ NESTED = ("extra_info", "attributes")
 """Fields of a record in which tools keep further fields (Teledyne FLIR, CVAT)."""
 
 
+_SURROGATE = re.compile(r"\\u[dD][89a-fA-F]")
+
+
 def read_json(file: SourceFile) -> object:
     """Content of a JSON file.
 
@@ -26,8 +29,9 @@ def read_json(file: SourceFile) -> object:
     FormatError
         If it is not JSON.
     """
+    text = read_text(file)
     try:
-        return json.loads(read_text(file))
+        document: object = json.loads(text)
     except json.JSONDecodeError as error:
         raise FormatError(
             f"expected JSON: {error.msg} (column {error.colno}); is the file complete?",
@@ -41,6 +45,14 @@ def read_json(file: SourceFile) -> object:
             "without end",
             file=file.name,
         ) from error
+    if _SURROGATE.search(text) is not None:
+        try:
+            json.dumps(document, ensure_ascii=False).encode()
+        except UnicodeEncodeError as error:
+            raise FormatError(
+                r"expected Unicode text, found half a character (\ud800 to \udfff)", file=file.name
+            ) from error
+    return document
 
 
 def found(value: object) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from array import array
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -24,7 +23,7 @@ from nvcore.readers.base import (
     recordings_table,
 )
 from nvcore.readers.classes import choose_classes
-from nvcore.readers.elements import Element, is_true, number, read_elements
+from nvcore.readers.elements import Element, is_true, number, read_elements, root_of
 from nvcore.readers.frame_files import listed_frames
 from nvcore.readers.labels import concerns_pedestrians, free_labels, left_out
 from nvcore.readers.occlusion import levels_of_numbers
@@ -32,13 +31,12 @@ from nvcore.readers.occlusion import levels_of_numbers
 CORNERS: Final = ("xmin", "ymin", "xmax", "ymax")
 SCORES: Final = ("score", "confidence")
 _COLUMNS = ("file", "line", *CORNERS, "difficult", "occluded", "score")
-_ROOT = re.compile(r"\s*(?:<\?xml[^>]*>\s*)?(?:<!--.*?-->\s*)*<annotation[\s>]", re.DOTALL)
 
 
 def recognise(name: str, head: str, role: Role) -> bool:
     """Whether the outermost element is ``<annotation>``."""
     del name, role
-    return _ROOT.match(head.removeprefix("\ufeff")) is not None
+    return root_of(head) == "annotation"
 
 
 @dataclass

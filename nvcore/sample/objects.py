@@ -153,7 +153,7 @@ def _window(
 ) -> None:
     """Heated rooms show: warm frame, warm lintel, a warm patch where the radiator is."""
     heated = generator.random() < 0.45
-    warm = float(generator.uniform(20, 64)) if heated else 3.0
+    warm = float(generator.uniform(20, 64)) if heated else -9.0
     if heated:
         sketch.add(
             sidewall(x, low - 0.75, low - 0.05, middle - 0.62, middle + 0.62), base + 0.22 * warm

@@ -69,7 +69,7 @@ def draw_person(
         layers += _bicycle(pixels, depth, scale, climate)
     layers.sort(key=lambda layer: layer[0])
     sharp = float(scale[0])
-    canvas.paint([shape for _, shape in layers], soften=0.35 + 0.013 * sharp, texture=4.0)
+    canvas.paint([shape for _, shape in layers], soften=0.35 + 0.013 * sharp, texture=0.8 + 2.0 * climate.contrast)
     head, size_px = pixels[4], float(size[-1, 0] * scale[4])
     canvas.glow(head[0], head[1], 3.2 * size_px, 9 * climate.contrast)
 

@@ -258,12 +258,12 @@ def _oncoming_glare() -> Recording:
         people=(
             Person(_along(-6.2, 78, -0.8), 1.76, warmth=0.75, reflectance=0.5),
             Person(_along(2.9, 86, 0.2), 1.70, warmth=0.7, reflectance=0.5, facing_deg=0),
-            Person(_along(-6.8, 132.5, -0.5), 1.72, warmth=0.8, reflectance=0.9),
+            Person(_along(-6.8, 122.7, 0.5), 1.72, warmth=0.8, reflectance=0.9),
             Person(_along(3.0, 152, -1.3), 1.68, warmth=0.7, reflectance=0.45),
         ),
         cars=(
             Car(-3.4, 138, speed=-11, oncoming=True, heat=0.9, lights=True),
-            Car(-3.4, 254, speed=-11, oncoming=True, heat=0.9, lights=True),
+            Car(-3.4, 258, speed=-11, oncoming=True, heat=0.9, lights=True),
         ),
         things=(
             *town_things(9, 300, left=-14, right=11),

@@ -179,6 +179,12 @@ def test_absurd_json_is_an_error(read_results, text):
         read_results(text)
 
 
+def test_half_a_character_is_an_error_and_a_whole_pair_is_not(read_results):
+    with pytest.raises(FormatError, match="half a character"):
+        read_results(json.dumps([result(track_id="\ud800")]))
+    assert len(read_results(json.dumps([result(track_id="\U0001f6b6")])).boxes) == 1
+
+
 def test_fast_and_careful_parser_agree(tmp_path, monkeypatch):
     generator = np.random.default_rng(1)
     rows = [

@@ -136,3 +136,28 @@ def test_own_files_are_recognised_and_no_others() -> None:
     assert not recognise("a.xml", '<annotations><track id="0">', "truth")
     assert not recognise("a.xml", "<annotation><filename>", "truth")
     assert FORMAT.name == "cvat-images"
+
+
+def test_a_known_recording_in_the_path_of_the_file_comes_first(tmp_path: Path) -> None:
+    reading = read_xml(
+        tmp_path, image("upload/frame_7.png", 0, BOX), "tunnel.xml", recordings=("tunnel", "b")
+    )
+    assert reading.boxes["recording"].tolist() == ["tunnel"]
+
+
+def test_findings_of_several_files_are_counted_together(tmp_path: Path) -> None:
+    files = []
+    for name in ("a", "b"):
+        path = tmp_path / f"{name}.xml"
+        inner = '<ellipse label="person" cx="1" cy="1" rx="1" ry="1"/>'
+        body = image(f"{name}/1.png", 0, inner)
+        path.write_text(f"<annotations>{body}</annotations>", encoding="utf-8")
+        files.append(SourceFile(path, path.name))
+    (finding,) = read(files, ReadOptions()).findings
+    assert (finding.code, finding.count, finding.file) == ("no-box", 2, "a.xml")
+
+
+def test_many_labels_that_are_left_out_are_told_in_short(tmp_path: Path) -> None:
+    boxes = "".join(BOX.replace("person", f"thing {n}") for n in range(10))
+    reading = read_xml(tmp_path, image("x/1.png", 0, BOX + boxes))
+    assert "thing 7 (1), 2 more labels (2)" in reading.conversion

@@ -9,6 +9,7 @@ import pytest
 
 from nvcore.errors import FormatError, InputError
 from nvcore.readers.base import Reading, ReadOptions, SourceFile
+from nvcore.readers.cvat import FORMATS
 from nvcore.readers.cvat_video import FORMAT, read, recognise
 
 GOLDEN = Path(__file__).parent.parent / "data" / "cvat_video" / "annotations.xml"
@@ -319,3 +320,22 @@ def test_own_files_are_recognised_and_no_others() -> None:
     assert not recognise("a.xml", "<annotation><track >", "truth")
     assert not recognise("a.txt", "1,1,1,1,1,1,1", "truth")
     assert FORMAT.name == "cvat-video"
+
+
+def test_an_attribute_of_the_annotator_marks_occlusion(tmp_path: Path) -> None:
+    inner = '<attribute name="Occluded">yes</attribute>'
+    boxes = read_xml(tmp_path, track(box(0, inner=inner), box(1))).boxes
+    assert boxes["occlusion"].tolist() == [1, -1]
+
+
+def test_tasks_of_a_project_take_their_names_from_their_videos(tmp_path: Path) -> None:
+    tasks = "".join(
+        f"<task><id>{n}</id><name>night</name><source>{v}.mp4</source></task>"
+        for n, v in ((3, "tunnel"), (4, "bridge"))
+    )
+    reading = read_xml(tmp_path, f"<meta><project><tasks>{tasks}</tasks></project></meta>")
+    assert reading.recordings["name"].tolist() == ["tunnel", "bridge"]
+
+
+def test_both_formats_are_offered_to_the_registry() -> None:
+    assert [one.name for one in FORMATS] == ["cvat-video", "cvat-images"]

@@ -8,7 +8,7 @@ import pytest
 
 from nvcore.errors import FormatError, InputError
 from nvcore.readers.base import SourceFile
-from nvcore.readers.elements import read_elements
+from nvcore.readers.elements import read_elements, root_of
 
 BILLION_LAUGHS = (
     '<!DOCTYPE a [<!ENTITY l0 "ha">'
@@ -83,3 +83,22 @@ def test_what_is_no_xml_is_named_with_its_line(
 def test_a_file_that_is_not_there_is_an_input_error(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"b\.xml: cannot be opened"):
         list(read_elements(SourceFile(tmp_path / "b.xml", "b.xml"), root="a"))
+
+
+@pytest.mark.parametrize(
+    ("head", "root"),
+    [
+        ("<a>", "a"),
+        ('\ufeff<?xml version="1.0"?>\n<!-- <b> --><!---->\n<a x="1">', "a"),
+        ("", ""),
+        ("1,2,3", ""),
+        ("<!DOCTYPE a><a>", ""),
+    ],
+)
+def test_the_root_is_told_from_the_beginning(head: str, root: str) -> None:
+    assert root_of(head) == root
+
+
+def test_many_comments_do_not_slow_the_search_for_the_root() -> None:
+    # with a pattern that backtracks this would take longer than the universe has
+    assert root_of("<!---->" * 9000 + "x") == ""

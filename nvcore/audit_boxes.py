@@ -1,0 +1,193 @@
+"""Boxes that lie outside the picture or stand there twice, and track ids used twice."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+import pandas as pd
+
+from nvcore.audit_cases import Audited, counted
+from nvcore.findings import Finding, Severity
+from nvcore.kernels import group_rows
+from nvcore.schema import NO_TRACK
+
+REUSE_S: Final = 5.0
+"""A pedestrian unseen for longer than this, in seconds, is hardly the same one again ..."""
+REUSE_FRAMES: Final = 10
+"""... if unseen in more listed frames than this, too (annotation may be sampled)."""
+MANY_OUTSIDE: Final = 0.1
+"""Share of a subject's boxes outside the picture that points to a wrong picture size."""
+FRACTION_EXTENT: Final = 1.5
+"""Boxes whose edges all stay below this are fractions of the picture, not pixels."""
+HASH_FACTOR: Final = np.uint64(0x9E3779B97F4A7C15)
+"""2**64 divided by the golden ratio: spreads neighbouring values over all 64 bits."""
+
+
+def audit_geometry(audited: Audited) -> list[Finding]:
+    """Boxes wholly or mostly outside the picture, boxes in fractions of the picture."""
+    boxes = audited.boxes
+    if not len(boxes):
+        return []
+    frames = audited.dataset.frame_columns
+    W, H = frames.width[audited.recording], frames.height[audited.recording]
+    right, bottom = boxes.x + boxes.w, boxes.y + boxes.h
+    if min(W.min(), H.min()) > 10 and max(right.max(), bottom.max()) <= FRACTION_EXTENT:
+        return [
+            audited.finding(
+                Severity.ERROR,
+                "boxes-in-fractions",
+                np.arange(len(boxes)),
+                f"No box reaches beyond {max(right.max(), bottom.max()):.3g} px: the coordinates "
+                "are fractions of the picture, not pixels.",
+                "Multiply x and w by the width and y and h by the height of the picture, or read "
+                "the file as YOLO text.",
+            )
+        ]
+    across = np.minimum(right, W) - np.maximum(boxes.x, 0)
+    down = np.minimum(bottom, H) - np.maximum(boxes.y, 0)
+    is_outside = (across <= 0) | (down <= 0)
+    inside_share = np.where(is_outside, 0, across * down) / (boxes.w * boxes.h)
+    return [
+        *_outside(audited, np.flatnonzero(is_outside)),
+        *_mostly_outside(audited, np.flatnonzero(~is_outside & (inside_share < 0.5))),
+    ]
+
+
+def _outside(audited: Audited, rows: np.ndarray) -> list[Finding]:
+    if not len(rows):
+        return []
+    advice = "Remove the boxes, or check the image size."
+    if len(rows) > MANY_OUTSIDE * len(audited.boxes):
+        advice = (
+            "That is too many for stray boxes: check the image size (--size), and at which "
+            "resolution the boxes were made."
+        )
+    message = f"{counted(len(rows), 'box', 'boxes')} wholly outside the picture."
+    return [audited.finding(Severity.WARNING, "outside-picture", rows, message, advice)]
+
+
+def _mostly_outside(audited: Audited, rows: np.ndarray) -> list[Finding]:
+    if not len(rows):
+        return []
+    return [
+        audited.finding(
+            Severity.NOTE,
+            "mostly-outside-picture",
+            rows,
+            f"{counted(len(rows), 'box', 'boxes')} with more than half of the area outside the "
+            "picture.",
+            "Nothing to do if boxes of people at the picture's edge are drawn in full; their "
+            "lateral position is taken at the edge.",
+        )
+    ]
+
+
+def audit_doubles(audited: Audited) -> list[Finding]:
+    """The same box twice in one frame (of the truth, pedestrians only)."""
+    boxes = audited.boxes
+    rows = np.flatnonzero(~boxes.ignore) if audited.is_truth else np.arange(len(boxes))
+    doubles = repeated_rows(
+        rows, (boxes.frame_index, *(c[rows] for c in (boxes.x, boxes.y, boxes.w, boxes.h)))
+        if not audited.is_truth else
+        tuple(c[rows] for c in (boxes.frame_index, boxes.x, boxes.y, boxes.w, boxes.h)),
+    )  # fmt: skip
+    if not len(doubles):
+        return []
+    what = counted(len(doubles), "box", "boxes")
+    if audited.is_truth:
+        message = f"{what} of the ground truth repeat another one of the same frame exactly."
+        advice = "Remove the repeats: one of the two can never be detected."
+    else:
+        message = f"{what} repeat another one of the same frame exactly."
+        advice = "Remove the repeats (two files of one recording?): each counts as a false alarm."
+    return [audited.finding(Severity.WARNING, "duplicate-box", doubles, message, advice)]
+
+
+def audit_tracks(audited: Audited) -> list[Finding]:
+    """Track ids of the truth: twice in one frame, or used again after a long gap."""
+    boxes = audited.boxes
+    rows = np.flatnonzero(~boxes.ignore & (boxes.track != NO_TRACK))
+    if not len(rows):
+        return []
+    findings = []
+    frame_index, track = boxes.frame_index[rows], boxes.track[rows]
+    doubles = repeated_rows(rows, (frame_index, track))
+    if len(doubles):
+        first = int(boxes.track[doubles[0]])
+        findings.append(
+            audited.finding(
+                Severity.ERROR,
+                "duplicate-track",
+                doubles,
+                f"{counted(len(doubles), 'box', 'boxes')} with a track id that another "
+                f"pedestrian of the same frame has (first: id {first}).",
+                "Give every pedestrian of a recording an id of its own: two people under one id "
+                "count as one encounter.",
+            )
+        )
+    findings += _reused(audited, rows)
+    return findings
+
+
+def _reused(audited: Audited, rows: np.ndarray) -> list[Finding]:
+    boxes, frames = audited.boxes, audited.dataset.frame_columns
+    time_s = audited.dataset.frames["time_s"].to_numpy()
+    track = boxes.track[rows]
+    lowest, span = int(track.min()), int(track.max()) - int(track.min()) + 1
+    key = frames.recording[boxes.frame_index[rows]].astype(np.int64) * span + (track - lowest)
+    code = pd.factorize(key)[0].astype(np.int64)
+    order = group_rows(code, np.bincount(code).astype(np.int64))
+    at = boxes.frame_index[rows[order]]
+    code = code[order]
+    is_reused = (
+        (code[1:] == code[:-1])
+        & (at[1:] - at[:-1] - 1 > REUSE_FRAMES)
+        & (time_s[at[1:]] - time_s[at[:-1]] > REUSE_S)
+    )
+    again = np.flatnonzero(is_reused) + 1
+    if not len(again):
+        return []
+    n_tracks = len(np.unique(code[again]))
+    again = again[np.argsort(order[again])]
+    gap = float(time_s[at[again[0]]] - time_s[at[again[0] - 1]])
+    first = rows[order[again]]
+    return [
+        audited.finding(
+            Severity.WARNING,
+            "track-reused",
+            first,
+            f"{counted(n_tracks, 'track id')} used again after more than {REUSE_S:g} s without a "
+            f"box (first: id {int(boxes.track[first[0]])}, after {gap:.1f} s).",
+            "If it is somebody else, give a new id: otherwise both are one encounter, and the "
+            "time between them counts as its duration.",
+            count=n_tracks,
+        )
+    ]
+
+
+def repeated_rows(rows: np.ndarray, columns: tuple[np.ndarray, ...]) -> np.ndarray:
+    """Those rows that agree in every column with an earlier one, in their order.
+
+    Parameters
+    ----------
+    rows
+        What to return, increasing, shape (n,).
+    columns
+        int64 or float64, each of shape (n,).
+    """
+    # sorting one 64-bit hash a row is several times faster than sorting the rows themselves;
+    # only rows whose hash occurs twice are compared in full
+    hashed = np.zeros(len(rows), np.uint64)
+    for column in columns:
+        bits = (column + 0.0 if column.dtype.kind == "f" else column).view(np.uint64)
+        hashed ^= bits
+        hashed *= HASH_FACTOR
+        hashed ^= hashed >> np.uint64(29)
+    in_order = np.sort(hashed)
+    twice = np.unique(in_order[1:][in_order[1:] == in_order[:-1]])
+    if not len(twice):
+        return rows[:0]
+    suspects = np.flatnonzero(np.isin(hashed, twice))
+    table = pd.DataFrame({i: column[suspects] for i, column in enumerate(columns)})
+    return rows[suspects[table.duplicated().to_numpy()]]
