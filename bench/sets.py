@@ -28,7 +28,11 @@ COLUMNS = ("x", "y", "w", "h", "score", "track", "frame_index")
 
 @dataclass(frozen=True)
 class Boxes:
-    """Boxes of one source, sorted by frame: px, 0-based; `track` is -1 for detections."""
+    """Boxes of one source, sorted by frame; px, 0-based.
+
+    A detection has its pedestrian's track, a false alarm one of its own, as a tracker without
+    mistakes would give: tools that score trackers need one.
+    """
 
     x: np.ndarray
     y: np.ndarray
@@ -153,7 +157,7 @@ def _detect(
     }
     return Boxes(
         **{name: np.concatenate(both)[order] for name, both in columns.items()},
-        track=np.full(len(frame), -1, np.int64),
+        track=np.concatenate([truth.track[seen], truth.track.max() + 1 + spell])[order],
         frame_index=frame[order],
     )
 

@@ -87,11 +87,8 @@ def audit_doubles(audited: Audited) -> list[Finding]:
     """The same box twice in one frame (of the truth, pedestrians only)."""
     boxes = audited.boxes
     rows = np.flatnonzero(~boxes.ignore) if audited.is_truth else np.arange(len(boxes))
-    doubles = repeated_rows(
-        rows, (boxes.frame_index, *(c[rows] for c in (boxes.x, boxes.y, boxes.w, boxes.h)))
-        if not audited.is_truth else
-        tuple(c[rows] for c in (boxes.frame_index, boxes.x, boxes.y, boxes.w, boxes.h)),
-    )  # fmt: skip
+    columns = (boxes.frame_index, boxes.x, boxes.y, boxes.w, boxes.h)
+    doubles = repeated_rows(rows, tuple(column[rows] for column in columns))
     if not len(doubles):
         return []
     what = counted(len(doubles), "box", "boxes")
@@ -190,4 +187,5 @@ def repeated_rows(rows: np.ndarray, columns: tuple[np.ndarray, ...]) -> np.ndarr
         return rows[:0]
     suspects = np.flatnonzero(np.isin(hashed, twice))
     table = pd.DataFrame({i: column[suspects] for i, column in enumerate(columns)})
-    return rows[suspects[table.duplicated().to_numpy()]]
+    repeats: np.ndarray = rows[suspects[table.duplicated().to_numpy()]]
+    return repeats

@@ -216,6 +216,6 @@ def judge_encounters(
             "lag_s": lag_s,
             "gap_s": gap_s,
             "tail_s": tail_s,
-            "miss_class": miss_class,
+            "miss_class": pd.Series(miss_class, dtype=object),  # not str: None stays None
         }
     )

@@ -8,7 +8,8 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.errors import FormatError, InputError
+from nvcore.errors import FormatError, InputError, MissingFactError
+from nvcore.readers.seqinfo import MAX_FRAMES
 from nvcore.session import is_frame_range
 
 MIN_SAMPLED: Final = 8
@@ -25,7 +26,7 @@ def parse_frames(text: str, folder: Path) -> np.ndarray:
     Raises
     ------
     InputError
-        If the range is empty or the file cannot be opened.
+        If the range is empty or too long, or the file cannot be opened.
     FormatError
         With the line that is no whole number.
     """
@@ -35,20 +36,24 @@ def parse_frames(text: str, folder: Path) -> np.ndarray:
             raise InputError(
                 f"frames {text!r}: expected first:last[:step] with last >= first and step >= 1"
             )
+        if (last - first) // step >= MAX_FRAMES:
+            raise InputError(f"frames {text!r}: expected at most {MAX_FRAMES} frames")
         return np.arange(first, last + 1, step)
     path = folder / text
     try:
         lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
+    except (OSError, ValueError) as error:  # ValueError: not UTF-8, or a name that cannot be
+        reason = getattr(error, "strerror", None) or "not UTF-8 text"
         raise InputError(
-            f"expected first:last[:step] or a text file with one frame number a line ({error})",
+            "cannot be read as a frame list; expected first:last[:step], or a text file with one "
+            f"frame number a line ({reason})",
             file=text,
         ) from error
     numbers = []
     for number, line in enumerate(lines, 1):
         if not line.strip():
             continue
-        if re.fullmatch(r"\s*-?\d+\s*", line) is None:
+        if re.fullmatch(r"\s*-?\d{1,15}\s*", line) is None:
             raise FormatError(
                 f"expected a frame number, found {line[:40]!r}", file=path.name, line=number
             )
@@ -68,9 +73,19 @@ def infer_frames(annotated: np.ndarray) -> tuple[np.ndarray, str]:
     ----------
     annotated
         Frame numbers with truth, ignored boxes included; sorted, unique, not empty.
+
+    Raises
+    ------
+    MissingFactError
+        If that would be more frames than any recording has.
     """
     first, last = int(annotated[0]), int(annotated[-1])
     step = int(np.gcd.reduce(np.diff(annotated))) if len(annotated) >= MIN_SAMPLED else 1
+    if (last - first) // step >= MAX_FRAMES:
+        raise MissingFactError(
+            f"the truth reaches from frame {first} to {last}, more than {MAX_FRAMES} frames; "
+            "correct the frame numbers, or give the evaluated frames with --frames"
+        )
     if step > 1:
         reason = f"every {step}. frame from {first} to {last}: annotation is sampled at that step"
         return np.arange(first, last + 1, step), reason

@@ -62,11 +62,10 @@ def load(session: Session, *, progress: Progress | None = None) -> Dataset:
 
 def effective_params(session: Session, dataset: Dataset) -> Params:
     """The session's parameters with the thresholds of the two compared systems filled in."""
-    thresholds = dict(
+    thresholds: dict[str | None, float | None] = dict(
         zip(dataset.systems, (system.threshold for system in session.systems), strict=True)
     )
-    x = session.x or dataset.systems[0]
-    y = session.y or (dataset.systems[1] if len(dataset.systems) > 1 else x)
+    x, y = compared_systems(session, dataset)
     params = session.params
     given_x, given_y = params.threshold_x, params.threshold_y
     return replace(
@@ -74,6 +73,17 @@ def effective_params(session: Session, dataset: Dataset) -> Params:
         threshold_x=thresholds.get(x) if given_x is None else given_x,
         threshold_y=thresholds.get(y) if given_y is None else given_y,
     )
+
+
+def compared_systems(session: Session, dataset: Dataset) -> tuple[str, str | None]:
+    """Names of X and Y: those that the session names, else the first that is left.
+
+    Y is None where there is only one system.
+    """
+    x = session.x or next(
+        (name for name in dataset.systems if name != session.y), dataset.systems[0]
+    )
+    return x, session.y or next((name for name in dataset.systems if name != x), None)
 
 
 def read_source(
@@ -113,16 +123,25 @@ def _read(
     session: Session, source: Source, subject: str, role: Role, truth: Reading | None
 ) -> _Loaded:
     files, chosen = find_files(source, session.folder, role)
-    reading = chosen.read(files, _options(source, role, session.size, truth))
+    size = session.common_size or _common_size(truth)
+    reading = chosen.read(files, _options(source, role, size, truth))
     if truth is not None:
         reading = _same_single_recording(reading, truth)
     reading = replace(
         reading,
-        findings=tuple(
-            replace(finding, subject=subject) for finding in reading.findings
-        ),
+        findings=tuple(replace(finding, subject=subject) for finding in reading.findings),
     )
     return _Loaded(subject, files, digest(files), chosen, reading)
+
+
+def _common_size(truth: Reading | None) -> tuple[int, int] | None:
+    """The size of the truth's pictures, where its files give a single one."""
+    if truth is None:
+        return None
+    sizes = truth.recordings[["width", "height"]].drop_duplicates().to_numpy()
+    if len(sizes) != 1 or not np.isfinite(sizes).all():
+        return None
+    return int(sizes[0, 0]), int(sizes[0, 1])
 
 
 def _same_single_recording(reading: Reading, truth: Reading) -> Reading:
@@ -144,9 +163,11 @@ def _same_single_recording(reading: Reading, truth: Reading) -> Reading:
 def _corrected(system: _Loaded, source: SystemSource) -> _Loaded:
     """Apply the corrections that the session names for a system."""
     boxes, facts = system.reading.boxes, []
-    if source.scale != 1:
-        boxes = boxes.assign(**{c: boxes[c] * source.scale for c in ("x", "y", "w", "h")})
-        facts.append(f"coordinates scaled by {source.scale:g}")
+    if source.scale != (1, 1):
+        across, down = source.scale
+        factors = {"x": across, "w": across, "y": down, "h": down}
+        boxes = boxes.assign(**{name: boxes[name] * by for name, by in factors.items()})
+        facts.append(f"coordinates scaled by {across:g}, {down:g}")
     if any(source.offset_px):
         dx, dy = source.offset_px
         boxes = boxes.assign(x=boxes["x"] + dx, y=boxes["y"] + dy)
@@ -248,14 +269,11 @@ def _recordings(session: Session, truth: Reading) -> pd.DataFrame:
             value = None if one is None else getattr(one, column)
             if value is not None:
                 table.loc[row, column] = value
-    if session.size is not None:
-        given = (facts.get(name) for name in table["name"])
-        own = np.array([one is not None and one.width is not None for one in given])
-        table.loc[~own, ["width", "height"]] = np.array(session.size, dtype=float)
-    if session.fps is not None:
-        given = (facts.get(name) for name in table["name"])
-        own = np.array([one is not None and one.fps is not None for one in given])
-        table.loc[~own, "fps"] = session.fps
+    width, height = session.size or (None, None)
+    for column, common in (("width", width), ("height", height), ("fps", session.fps)):
+        if common is not None:
+            own = {name for name, one in facts.items() if getattr(one, column) is not None}
+            table.loc[~table["name"].isin(own), column] = common
     for column, what, flag in (
         ("width", "image size", "--size WIDTHxHEIGHT"),
         ("height", "image size", "--size WIDTHxHEIGHT"),
@@ -263,11 +281,9 @@ def _recordings(session: Session, truth: Reading) -> pd.DataFrame:
     ):
         unknown = table["name"][~(table[column] > 0)]
         if len(unknown):
+            others = f" (nor that of {len(unknown) - 1} more)" if len(unknown) > 1 else ""
             raise MissingFactError(
-                f"the {what} of recording {unknown.iloc[0]!r} is not in the data (nor that of "
-                f"{len(unknown) - 1} more); give {flag}, or {column} in the session file"
-                if len(unknown) > 1
-                else f"the {what} of recording {unknown.iloc[0]!r} is not in the data; give "
+                f"the {what} of recording {unknown.iloc[0]!r} is not in the data{others}; give "
                 f"{flag}, or {column} in the session file"
             )
     return table
@@ -297,7 +313,7 @@ def _frames(
         if name in facts:
             listed, reason = parse_frames(facts[name], session.folder), "as the session says"
         elif common is not None:
-            listed, reason = common, "as given by --frames"
+            listed, reason = common, "as given for all recordings"
         elif name in imaged:
             listed, reason = imaged[name], "those that the ground truth lists"
         elif name in annotated:
@@ -325,12 +341,14 @@ def _place_boxes(
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Boxes with their frame_index, and those that have no place, with the reason."""
     codes = pd.Index(names).get_indexer(pd.Index(boxes["recording"]))
-    frame = boxes["frame"].to_numpy()
-    lowest = min(int(frame.min(initial=0)), *(int(f[0]) for f in frames))
-    highest = max(int(frame.max(initial=0)), *(int(f[-1]) for f in frames))
-    span = highest - lowest + 1
-    listed = np.concatenate([i * span + (f - lowest) for i, f in enumerate(frames)])
-    key = codes * span + (frame - lowest)
+    # one number per recording and frame; frames outside the list share the places at its ends, so
+    # that a frame number of any size fits
+    before = np.array([listed[0] - 1 for listed in frames])
+    span = np.array([listed[-1] - listed[0] + 3 for listed in frames])
+    start = np.cumsum(span) - span
+    listed = np.concatenate([start[i] + (f - before[i]) for i, f in enumerate(frames)])
+    inside = np.clip(boxes["frame"].to_numpy(), before[codes], (before + span - 1)[codes])
+    key = start[codes] + (inside - before[codes])
     at = np.searchsorted(listed, key)
     at = np.minimum(at, len(listed) - 1)
     is_listed = listed[at] == key

@@ -8,6 +8,7 @@ import numpy as np
 
 from nvcore.analysis import Result, SystemResult
 from nvcore.dataset import Dataset
+from nvcore.errors import one_line
 from nvcore.findings import Finding, Severity
 from nvcore.schema import Category, MissClass
 from nvcore.tables import sides, system_summary, worst_intervals
@@ -44,7 +45,7 @@ def render_findings(findings: Sequence[Finding]) -> str:
         if where:
             lines.append(f"          first: {where}")
         lines.append(f"          {one.advice}")
-    return "\n".join(lines)
+    return _text(lines)
 
 
 def render_dataset(dataset: Dataset) -> str:
@@ -55,7 +56,7 @@ def render_dataset(dataset: Dataset) -> str:
         what = files[0] if len(files) == 1 else f"{len(files)} files, {files[0]} ..."
         conversion = group["conversion"].iloc[0]
         lines.append(f"{subject}: {what} ({group['format'].iloc[0]}; {conversion})")
-    return "\n".join([*lines, *dataset.notes])
+    return _text([*lines, *dataset.notes])
 
 
 def render_inputs(result: Result) -> str:
@@ -90,7 +91,7 @@ def _heading(result: Result) -> str:
         f"{int(result.n_truth.sum())} pedestrian boxes, {result.venn.n_near} encounters "
         f"(and {result.venn.distant} distant, not counted)"
     )
-    return "\n".join(lines)
+    return _text(lines)
 
 
 def _table(result: Result) -> str:
@@ -204,7 +205,7 @@ def _worst(result: Result, letter: str, system: SystemResult) -> str:
     table = worst_intervals(result, letter)
     name = f"worst intervals of {letter.upper()} ({system.name})"
     if table.empty:
-        return f"{name}: none below {result.params.low:g}"
+        return one_line(f"{name}: none below {result.params.low:g}")
     lines = [f"{name}:"]
     lines += [
         f"  {row['recording']}  {row['start_s']:.2f} s to "
@@ -213,4 +214,9 @@ def _worst(result: Result, letter: str, system: SystemResult) -> str:
         f"s, lowest {row['min_similarity']:.3f} at frame {row['worst_frame']}"
         for row in table.to_dict("records")
     ]
-    return "\n".join(lines)
+    return _text(lines)
+
+
+def _text(lines: Sequence[str]) -> str:
+    """The lines as text; names in them cannot make lines of their own."""
+    return "\n".join(one_line(line) for line in lines)

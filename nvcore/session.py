@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Final
 
+from nvcore.errors import SessionError
 from nvcore.params import Params
+
+MAX_OFFSET_FRAMES: Final = 1_000_000
+"""Largest correction of frame numbers."""
 
 
 @dataclass(frozen=True)
@@ -21,6 +27,13 @@ class RecordingFacts:
     frames: str | None = None
     horizon: float | None = None
     pictures: str | None = None
+
+    def __post_init__(self) -> None:
+        if not self.name:
+            raise SessionError("expected a name of the recording")
+        for name in ("width", "height", "fps"):
+            _positive(name, getattr(self, name))
+        _finite("horizon", self.horizon)
 
 
 @dataclass(frozen=True)
@@ -43,6 +56,12 @@ class Source:
     frame_base: int | None = None
     box_base: int | None = None
 
+    def __post_init__(self) -> None:
+        if not self.path or not all(self.path):
+            raise SessionError("path: expected a file, folder or glob, found nothing")
+        if self.classes is not None and not (self.classes and all(self.classes)):
+            raise SessionError("classes: expected names or numbers of classes, found nothing")
+
 
 @dataclass(frozen=True)
 class SystemSource(Source):
@@ -59,14 +78,31 @@ class SystemSource(Source):
     offset_px
         Added to x and y, after scaling.
     scale
-        By which x, y, w and h are multiplied.
+        By which x and w, and y and h are multiplied.
     """
 
     name: str | None = None
     threshold: float | None = None
     offset_frames: int = 0
     offset_px: tuple[float, float] = (0.0, 0.0)
-    scale: float = 1.0
+    scale: tuple[float, float] = (1.0, 1.0)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        try:
+            (self.name or "").encode()
+        except UnicodeEncodeError as error:
+            raise SessionError(f"name: expected UTF-8 text, found {self.name!r}") from error
+        if self.threshold is not None and math.isnan(self.threshold):
+            raise SessionError("threshold: expected a number, found nan")
+        if abs(self.offset_frames) > MAX_OFFSET_FRAMES:
+            raise SessionError(
+                f"offset_frames: expected at most {MAX_OFFSET_FRAMES}, found {self.offset_frames}"
+            )
+        for value in self.offset_px:
+            _finite("offset_px", value)
+        for value in self.scale:
+            _positive("scale", value)
 
 
 @dataclass(frozen=True)
@@ -103,6 +139,34 @@ class Session:
     params: Params = field(default_factory=Params)
     hashes: Mapping[str, str] = field(default_factory=dict)
 
+    def __post_init__(self) -> None:
+        _positive("fps", self.fps)
+        names = [one.name for one in self.recordings]
+        for name in names:
+            if names.count(name) > 1:
+                raise SessionError(f"expected one [[recording]] named {name!r}, found several")
+
+    @property
+    def common_size(self) -> tuple[int, int] | None:
+        """The size of all pictures, where the session gives a single one."""
+        if self.size is not None:
+            return self.size
+        sizes = {(one.width, one.height) for one in self.recordings}
+        if len(sizes) != 1:
+            return None
+        width, height = sizes.pop()
+        return None if width is None or height is None else (int(width), int(height))
+
+
+def _positive(name: str, value: float | None) -> None:
+    if value is not None and not 0 < value < math.inf:
+        raise SessionError(f"{name}: expected a positive number, found {value:g}")
+
+
+def _finite(name: str, value: float | None) -> None:
+    if value is not None and not math.isfinite(value):
+        raise SessionError(f"{name}: expected a finite number, found {value:g}")
+
 
 def parse_size(text: str) -> tuple[int, int]:
     """Width and height from ``640x480``.
@@ -120,4 +184,4 @@ def parse_size(text: str) -> tuple[int, int]:
 
 def is_frame_range(frames: str) -> bool:
     """Whether the text is ``first:last`` or ``first:last:step``, not the name of a file."""
-    return re.fullmatch(r"\s*-?\d+\s*:\s*-?\d+\s*(:\s*\d+\s*)?", frames) is not None
+    return re.fullmatch(r"\s*-?\d{1,15}\s*:\s*-?\d{1,15}\s*(:\s*\d{1,15}\s*)?", frames) is not None

@@ -25,7 +25,7 @@
     threshold = 0.5
     offset_frames = 0        added to the frame numbers
     offset_px = [0, 0]       added to x and y, after scaling
-    scale = 1.0              by which coordinates are multiplied
+    scale = 1.0              by which coordinates are multiplied, or [x, y]
 
     [compare]
     x = "FIR"
@@ -39,10 +39,12 @@ and the sha256 of every input.
 
 from __future__ import annotations
 
+import glob
 import os
 import tomllib
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import tomli_w
 
@@ -57,6 +59,8 @@ from nvcore.session import (
     parse_size,
 )
 
+_T = TypeVar("_T")
+
 
 def read_session(path: Path) -> Session:
     """Read a session file.
@@ -70,7 +74,7 @@ def read_session(path: Path) -> Session:
         content = tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise SessionError(f"cannot be opened ({error.strerror})", file=path) from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
         raise SessionError(f"is not TOML: {error}", file=path) from error
     return _Parser(path).session(content)
 
@@ -107,9 +111,13 @@ class _Parser:
         hashes = written.get("sha256", {})
         if not isinstance(hashes, dict) or not all(isinstance(v, str) for v in hashes.values()):
             raise self.fail("[written]: expected sha256 to be a table of texts")
-        return Session(
+        return self.make(
+            Session,
+            "the session",
             folder=self.path.resolve().parent,
-            truth=Source(**self.source(self.table(content, "truth"), "[truth]")),
+            truth=self.make(
+                Source, "[truth]", **self.source(self.table(content, "truth"), "[truth]")
+            ),
             systems=tuple(self.system(table) for table in systems),
             recordings=tuple(self.recording(table) for table in self.tables(content, "recording")),
             size=parsed_size,
@@ -120,6 +128,13 @@ class _Parser:
             params=params,
             hashes=hashes,
         )
+
+    def make(self, kind: Callable[..., _T], where: str, **values: Any) -> _T:
+        """The part of a session; what it refuses is an error with the file and the table."""
+        try:
+            return kind(**values)
+        except SessionError as error:
+            raise self.fail(f"{where}: {error.message}") from error
 
     def source(
         self, table: dict[str, Any], where: str, more: frozenset[str] = frozenset()
@@ -137,7 +152,7 @@ class _Parser:
         ):
             raise self.fail(f"{where}: expected classes to be a list of texts")
         for key in ("frame_base", "box_base"):
-            if table.get(key) not in (None, 0, 1):
+            if self.value(table, key, int, where) not in (None, 0, 1):
                 raise self.fail(f"{where}: expected {key} to be 0 or 1, found {table[key]!r}")
         return {
             "path": tuple(paths),
@@ -150,23 +165,18 @@ class _Parser:
     def system(self, table: dict[str, Any]) -> SystemSource:
         where = "[[system]]"
         more = frozenset({"name", "threshold", "offset_frames", "offset_px", "scale"})
-        shift = table.get("offset_px", [0, 0])
-        if (
-            not isinstance(shift, list)
-            or len(shift) != 2
-            or not all(isinstance(v, int | float) for v in shift)
-        ):
-            raise self.fail(f"{where}: expected offset_px to be two numbers, found {shift!r}")
-        scale = self.number(table, "scale", where)
-        if scale is not None and not scale > 0:
-            raise self.fail(f"{where}: expected scale to be a positive number, found {scale!r}")
-        return SystemSource(
+        scale = table.get("scale", 1.0)
+        if isinstance(scale, int | float):
+            scale = [scale, scale]
+        return self.make(
+            SystemSource,
+            where,
             **self.source(table, where, more),
             name=self.value(table, "name", str, where),
             threshold=self.number(table, "threshold", where),
             offset_frames=self.value(table, "offset_frames", int, where) or 0,
-            offset_px=(float(shift[0]), float(shift[1])),
-            scale=1.0 if scale is None else scale,
+            offset_px=self.pair(table.get("offset_px", [0, 0]), "offset_px", where),
+            scale=self.pair(scale, "scale", where),
         )
 
     def recording(self, table: dict[str, Any]) -> RecordingFacts:
@@ -175,13 +185,13 @@ class _Parser:
             table, {"name", "width", "height", "fps", "frames", "horizon", "pictures"}, where
         )
         name = self.value(table, "name", str, where)
-        if not name:
-            raise self.fail(f"{where}: expected a name")
         numbers = {
             key: self.number(table, key, where) for key in ("width", "height", "fps", "horizon")
         }
-        return RecordingFacts(
-            name=name,
+        return self.make(
+            RecordingFacts,
+            where,
+            name=name or "",
             frames=self.value(table, "frames", str, where),
             pictures=self.value(table, "pictures", str, where),
             **numbers,
@@ -212,6 +222,15 @@ class _Parser:
             wanted = {str: "a text", int: "a whole number"}[kind]
             raise self.fail(f"{where}: expected {key} to be {wanted}, found {value!r}")
         return value
+
+    def pair(self, value: object, key: str, where: str) -> tuple[float, float]:
+        if (
+            not isinstance(value, list)
+            or len(value) != 2
+            or not all(isinstance(v, int | float) and not isinstance(v, bool) for v in value)
+        ):
+            raise self.fail(f"{where}: expected {key} to be two numbers, found {value!r}")
+        return float(value[0]), float(value[1])
 
     def number(self, table: dict[str, Any], key: str, where: str) -> float | None:
         value = table.get(key)
@@ -276,7 +295,9 @@ def _given(values: dict[str, Any]) -> dict[str, Any]:
 
 def _absolute(path: str, folder: Path) -> str:
     # normpath, not resolve: a glob stays a glob and a link stays a link
-    return Path(os.path.normpath(folder / path)).as_posix()
+    is_glob = glob.has_magic(path) and not (folder / path).exists()
+    start = Path(glob.escape(str(folder))) if is_glob else folder
+    return Path(os.path.normpath(start / path)).as_posix()
 
 
 def _absolute_frames(frames: str | None, folder: Path) -> str | None:
@@ -304,6 +325,7 @@ def _corrections(system: SystemSource) -> dict[str, Any]:
         table["offset_frames"] = system.offset_frames
     if any(system.offset_px):
         table["offset_px"] = list(system.offset_px)
-    if system.scale != 1:
-        table["scale"] = system.scale
+    if system.scale != (1, 1):
+        across, down = system.scale
+        table["scale"] = across if across == down else [across, down]
     return table

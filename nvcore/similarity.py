@@ -204,7 +204,8 @@ def trace_similarity(
     effect = alpha * distances.d_miss
     effect += (1 - alpha) * distances.d_false
     effect /= per_frame
-    return np.subtract(1, effect, out=effect)
+    np.subtract(1, effect, out=effect)
+    return np.maximum(effect, 0, out=effect)  # alpha and 1 - alpha can add up to just over 1
 
 
 def smooth(values: np.ndarray, frames: FrameColumns, *, window: float = 1.0) -> np.ndarray:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import glob
 import hashlib
+import os
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -35,6 +36,8 @@ def find_files(source: Source, folder: Path, role: Role) -> tuple[list[SourceFil
     found: list[SourceFile] = []
     for text in source.path:
         found += _expand(text, folder, role, named)
+    for file in found:
+        _check_name(file.path)
     unique = {file.path: file for file in found}
     files = list(unique.values())
     chosen = named if named is not None else detect_format(files, role)
@@ -46,13 +49,18 @@ def find_files(source: Source, folder: Path, role: Role) -> tuple[list[SourceFil
 
 def _expand(text: str, folder: Path, role: Role, named: Format | None) -> list[SourceFile]:
     path = folder / text
-    if path.is_dir():
+    try:
+        is_folder, is_file = path.is_dir(), path.is_file()
+    except OSError as error:  # a name that is too long, a folder that may not be looked into
+        raise InputError(f"cannot be opened ({error.strerror})", file=text) from error
+    if is_folder:
         return _in_folder(path, text, role, named)
-    if path.is_file():
+    if is_file:
         return [SourceFile(path, _shown(path))]
     if glob.has_magic(text):
         # Path.glob takes no absolute pattern
-        matches = [Path(name) for name in sorted(glob.glob(str(path), recursive=True))]  # noqa: PTH207
+        names = glob.glob(text, root_dir=folder, recursive=True)  # noqa: PTH207
+        matches = [folder / name for name in sorted(names)]
         files = [SourceFile(match, _shown(match)) for match in matches if match.is_file()]
         if files:
             return files
@@ -63,12 +71,13 @@ def _expand(text: str, folder: Path, role: Role, named: Format | None) -> list[S
 def _in_folder(path: Path, text: str, role: Role, named: Format | None) -> list[SourceFile]:
     pattern = "*/gt/gt.txt" if role == "truth" else "*/det/det.txt"
     matches = sorted(path.glob(pattern)) or sorted(path.glob(pattern.partition("/")[2]))
-    if matches and named is None:
+    if matches and (named is None or named.name == "mot"):
         return [SourceFile(match, _shown(match)) for match in matches]
     files = [
         SourceFile(match, match.relative_to(path).as_posix())
         for match in sorted(path.rglob("*"))
-        if match.is_file() and not match.name.startswith(".")
+        if match.is_file()
+        and not any(part.startswith(".") for part in match.relative_to(path).parts)
     ]
     readable = (".txt", ".csv", ".json", ".xml", ".tsv")
     endings = named.suffixes if named is not None else readable
@@ -84,7 +93,17 @@ def _in_folder(path: Path, text: str, role: Role, named: Format | None) -> list[
 
 
 def _shown(path: Path) -> str:
-    return "/".join(path.resolve().parts[-NAME_PARTS:]).replace("//", "/")
+    # abspath, not resolve: what a link points to may be named by its hash
+    return "/".join(Path(os.path.abspath(path)).parts[-NAME_PARTS:]).replace("//", "/")  # noqa: PTH100
+
+
+def _check_name(path: Path) -> None:
+    try:
+        str(path).encode()
+    except UnicodeEncodeError as error:
+        raise InputError(
+            f"the name of the file or its folder is not UTF-8: {str(path)!r}; rename it"
+        ) from error
 
 
 def system_name(source: Source, recordings: Sequence[str]) -> str:

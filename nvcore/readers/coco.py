@@ -233,7 +233,7 @@ def _occlusion(records: Records) -> tuple[np.ndarray, list[str], list[Finding]]:
                 [],
             )
         if kinds <= {int, float, bool}:
-            numbers = np.array(values, dtype=float)
+            numbers = records.to_floats(values, key)
             record = np.arange(1, len(numbers) + 1)
             odd = odd_levels(numbers, records.file, record, "truth")
             return levels_of_numbers(numbers), [f"{key} 0, 1, 2 kept"], odd

@@ -148,7 +148,7 @@ class Records:
         if values is None:
             return None
         self._check_types(values, {int, float, type(None)}, keys[0], "a number")
-        return self._to_floats(values, keys[0])
+        return self.to_floats(values, keys[0])
 
     def flags(self, *keys: str) -> np.ndarray:
         """Whether any of the fields (0, 1, true, false) is set, bool; missing: not set."""
@@ -182,7 +182,7 @@ class Records:
             raise self.error(
                 first // 4, f"expected four numbers as bbox, found {found(boxes[first // 4])}"
             )
-        return self._to_floats(flat, "bbox").reshape(-1, 4)
+        return self.to_floats(flat, "bbox").reshape(-1, 4)
 
     def _check_types(
         self, values: Sequence[object], allowed: set[type], key: str, expected: str
@@ -191,7 +191,8 @@ class Records:
             first = next(i for i, value in enumerate(values) if type(value) not in allowed)
             raise self.error(first, f'expected {expected} as "{key}", found {found(values[first])}')
 
-    def _to_floats(self, values: list[object], key: str) -> np.ndarray:
+    def to_floats(self, values: list[object], key: str) -> np.ndarray:
+        """Numbers of a field as float64, None as NaN."""
         try:
             return np.array(values, dtype=float)
         except OverflowError:

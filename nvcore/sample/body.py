@@ -49,9 +49,9 @@ CAPSULES: Final = (
     _limb("knee_r", "ankle_r", 0.036, 0.023, "leg"),
     _limb("ankle_l", "toe_l", 0.024, 0.018, "shoe"),
     _limb("ankle_r", "toe_r", 0.024, 0.018, "shoe"),
-    _limb("pelvis", "chest", 0.076, 0.088, "torso"),
+    _limb("pelvis", "chest", 0.084, 0.090, "torso"),
     _limb("chest", "neck", 0.086, 0.040, "torso"),
-    _limb("hip_l", "hip_r", 0.060, 0.060, "torso"),
+    _limb("hip_l", "hip_r", 0.054, 0.054, "torso"),
     _limb("shoulder_l", "shoulder_r", 0.042, 0.042, "torso"),
     _limb("shoulder_l", "elbow_l", 0.034, 0.027, "arm"),
     _limb("shoulder_r", "elbow_r", 0.034, 0.027, "arm"),
@@ -147,9 +147,9 @@ def _walking(person: Person, way: Floats, speed: Floats) -> Floats:
     for side, shift, sign in (("l", 0.0, -1.0), ("r", np.pi, 1.0)):
         swing = phase + shift
         calm = (1 - crouch) * effort
-        thigh = np.radians(26 * calm * np.sin(swing) + crouch * (100 + 8 * sign) - 12 * bend)
+        thigh = np.radians(25 * calm * np.sin(swing) + crouch * (100 + 8 * sign) - 12 * bend)
         knee = np.radians(
-            4 + calm * (8 + 42 * np.maximum(0.0, np.cos(swing + 0.35))) + crouch * 136
+            4 + calm * (7 + 35 * np.maximum(0.0, np.cos(swing + 0.35))) + crouch * 136
         )
         _leg(body, side, sign, thigh, knee)
         arm = np.radians(
@@ -169,7 +169,7 @@ def _cycling(way: Floats) -> Floats:
             body, side, sign, np.radians(58 + 24 * np.sin(turn)), np.radians(72 + 26 * np.cos(turn))
         )
         reach = np.full(len(way), np.radians(58.0))
-        _arm(body, side, sign * 1.15, reach, np.full(len(way), np.radians(16.0)))
+        _arm(body, side, sign, reach, np.full(len(way), np.radians(16.0)))
     return body
 
 

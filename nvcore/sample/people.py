@@ -11,7 +11,7 @@ from nvcore.sample.camera import Camera, Floats
 from nvcore.sample.canvas import Canvas, Shape
 from nvcore.sample.scene import Climate, Person
 
-_WARMTH: Final = {"head": 1.0, "hand": 0.92, "torso": 0.66, "arm": 0.60, "leg": 0.54, "shoe": 0.26}
+_WARMTH: Final = {"head": 1.0, "hand": 0.92, "torso": 0.56, "arm": 0.50, "leg": 0.45, "shoe": 0.24}
 _CIRCLE: Final = np.stack(
     [
         np.cos(np.linspace(0, 2 * np.pi, 20, endpoint=False)),
@@ -69,7 +69,11 @@ def draw_person(
         layers += _bicycle(pixels, depth, scale, climate)
     layers.sort(key=lambda layer: layer[0])
     sharp = float(scale[0])
-    canvas.paint([shape for _, shape in layers], soften=0.35 + 0.013 * sharp, texture=0.8 + 2.0 * climate.contrast)
+    canvas.paint(
+        [shape for _, shape in layers],
+        soften=0.35 + 0.013 * sharp,
+        texture=0.8 + 2.0 * climate.contrast,
+    )
     head, size_px = pixels[4], float(size[-1, 0] * scale[4])
     canvas.glow(head[0], head[1], 3.2 * size_px, 9 * climate.contrast)
 
@@ -123,7 +127,7 @@ def _bicycle(
 ) -> list[tuple[float, Shape]]:
     """Wheels seen from behind or ahead are thin; the frame is a few bars."""
     order = -float(depth[0]) - 0.02
-    cold, warm = climate.things - 16, climate.things + 22
+    cold, warm = climate.things - 18, climate.things + 48
     back, front, saddle, crank, bar = pixels[21:26]
     layers: list[tuple[float, Shape]] = []
     for centre, at in ((back, 21), (front, 22)):

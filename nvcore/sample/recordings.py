@@ -49,13 +49,13 @@ def _urban_crossing() -> Recording:
         name="urban_crossing",
         text="Town, 8 m/s, stop at a zebra crossing; people cross from both sides",
         speed=((0, 8), (4.5, 8), (8, 0), (12.2, 0), (15, 5)),
-        road=Road(**{**TOWN.__dict__, "zebras": (64.5,)}),
+        road=Road(**{**TOWN.__dict__, "zebras": (70.5,)}),
         climate=WINTER,
         people=(
-            Person(_across(64, 4.6, 4.6, -7.6, 1.35), 1.78, warmth=0.8, reflectance=0.45),
-            Person(_across(65, 6.2, -7.4, 4.8, 1.25), 1.66, warmth=0.7, reflectance=0.6),
+            Person(_across(70, 4.6, 4.6, -7.6, 1.35), 1.78, warmth=0.8, reflectance=0.45),
+            Person(_across(71, 5.2, -7.2, 4.8, 1.25), 1.66, warmth=0.7, reflectance=0.6),
             Person(_along(5.2, 60, -1.2), 1.82, warmth=0.6, reflectance=0.12),
-            Person(_across(63.6, 8.6, 4.9, -7.2, 1.2), 1.72, warmth=0.35, reflectance=0.35),
+            Person(_across(69.6, 8.6, 4.9, -7.2, 1.2), 1.72, warmth=0.35, reflectance=0.35),
             Person(_across(152, 6.5, -8, 5, 1.3), 1.74, warmth=0.8),
         ),
         cars=(
@@ -66,8 +66,8 @@ def _urban_crossing() -> Recording:
         ),
         things=(
             *town_things(1),
-            Thing("sign", 3.5, 61.5, 2.7, 0.6),
-            Thing("sign", -6.9, 66.5, 2.7, 0.6),
+            Thing("sign", 3.5, 67.5, 2.7, 0.6),
+            Thing("sign", -6.9, 72.5, 2.7, 0.6),
             Thing("cabinet", 6.9, 40, 1.3, 0.8, 0.4, heat=0.45),
         ),
     )
@@ -92,7 +92,7 @@ def _urban_sidewalk() -> Recording:
             Car(2.85, 43, heat=0.1),
             Car(-6.2, 38, heat=0.85, oncoming=True),
             Car(-6.2, 62, heat=0.1, oncoming=True),
-            Car(2.85, 104, heat=0.5),
+            Car(2.85, 88, heat=0.5),
             Car(-6.2, 96, heat=0.2, oncoming=True, height_m=1.9, length_m=5.0),
         ),
         things=(
@@ -117,7 +117,7 @@ def _urban_groups() -> Recording:
             Person(_across(65.5, 3.9, 5.9, -8.6, 1.17), 1.73, warmth=0.6, reflectance=0.3),
             Person(_along(4.6, 58, -0.9), 1.85, warmth=0.7, reflectance=0.5),
             Person(_along(5.3, 58.6, -0.9), 1.64, warmth=0.7, reflectance=0.15),
-            Person(_along(-4.4, 140, 0.3), 1.72, warmth=0.8),
+            Person(_along(-5.4, 188, 0.3), 1.72, warmth=0.8),
         ),
         cars=(
             Car(-6.2, 30, heat=0.2, oncoming=True),
@@ -198,7 +198,7 @@ def _rural_cyclist() -> Recording:
 def _odd_pose() -> Recording:
     return Recording(
         name="odd_pose",
-        text="Town, 6 m/s, one crouches at a wheel, one bends over, one squats down on the way",
+        text="Town, 6 m/s, two crouch, one bends over a boot, one squats down on the way",
         speed=((0, 6.5), (15, 6)),
         road=TOWN,
         climate=WINTER,
@@ -213,7 +213,7 @@ def _odd_pose() -> Recording:
                    crouch=((0, 0), (10.9, 0), (11.4, 1), (15, 1))),
             Person(_along(5.6, 52, -0.1), 1.68, warmth=0.12, reflectance=0.06,
                    crouch=((0, 0.8), (15, 0.8))),
-            Person(_across(165, 4, 4.6, -8, 1.1), 1.74, warmth=0.8),
+            Person(_across(198, 4, 4.6, -8, 1.1), 1.74, warmth=0.8),
         ),
         cars=(
             Car(-6.0, 46.5, heat=0.6, oncoming=True),
@@ -250,7 +250,7 @@ def _summer_night() -> Recording:
 def _oncoming_glare() -> Recording:
     return Recording(
         name="oncoming_glare",
-        text="Village road, 10 m/s, two oncoming cars dazzle the near-infrared camera",
+        text="Village road, 10 m/s slowing to 4, two oncoming cars dazzle the near-infrared camera",
         speed=((0, 10), (7, 10), (9.5, 4), (15, 4)),
         road=Road(left=-5.2, right=1.75, pavement=2.0),
         climate=AUTUMN,

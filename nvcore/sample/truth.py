@@ -153,7 +153,12 @@ def _sighting(
     hidden = _hidden(edges, depth, blockers)
     near = depth > MIN_DEPTH_M
     inside = np.where(near, inside, 0.0)
-    annotated = (inside >= MIN_INSIDE) & (size[:, 1] >= MIN_HEIGHT_PX) & (hidden <= MAX_HIDDEN)
+    present = (inside >= MIN_INSIDE) & (size[:, 1] >= MIN_HEIGHT_PX)
+    visible = present & (hidden <= MAX_HIDDEN)
+    # From entry to exit: who disappears behind a car for a while stays annotated, as occluded.
+    entered = np.maximum.accumulate(visible)
+    leaves_later = np.maximum.accumulate(visible[::-1])[::-1]
+    annotated = present & entered & leaves_later
     return Sighting(
         person=person,
         edges=edges,

@@ -9,7 +9,6 @@ from typing import Final
 import av
 import numpy as np
 import pandas as pd
-import tomli_w
 from numpy.typing import NDArray
 
 from nvcore.sample.camera import FPS, HEIGHT, N_FRAMES, WIDTH
@@ -38,26 +37,19 @@ def csv_text(table: pd.DataFrame) -> str:
 
 def session_text(recordings: Iterable[Recording]) -> str:
     """The session file that names all recordings, the truth and both systems."""
-    session = {
-        "recording": [
-            {
-                "name": recording.name,
-                "width": WIDTH,
-                "height": HEIGHT,
-                "fps": FPS,
-                "frames": f"0:{N_FRAMES - 1}",
-                "horizon": float(recording.horizon),
-                "pictures": f"{recording.name}.mp4",
-            }
-            for recording in recordings
-        ],
-        "truth": {"path": TRUTH_FILE, "format": "csv", "frame_base": 0},
-        "system": [
-            {"name": name, "path": path, "format": "csv", "frame_base": 0, "threshold": THRESHOLD}
-            for name, path in SYSTEM_FILES.items()
-        ],
-    }
-    return tomli_w.dumps(session)
+    tables = [
+        f'[[recording]]\nname = "{recording.name}"\nwidth = {WIDTH}\nheight = {HEIGHT}\n'
+        f'fps = {FPS}\nframes = "0:{N_FRAMES - 1}"\nhorizon = {recording.horizon:.1f}\n'
+        f'pictures = "{recording.name}.mp4"\n'
+        for recording in recordings
+    ]
+    source = 'path = "{}"\nformat = "csv"\nframe_base = 0\n'
+    tables.append("[truth]\n" + source.format(TRUTH_FILE))
+    tables += [
+        f'[[system]]\nname = "{name}"\n{source.format(path)}threshold = {THRESHOLD}\n'
+        for name, path in SYSTEM_FILES.items()
+    ]
+    return "\n".join(tables)
 
 
 def write_video(path: Path, pictures: Iterable[NDArray[np.uint8]]) -> None:
@@ -115,8 +107,8 @@ look like far infrared: bright is warm.
 
 Each recording lasts {seconds} s at {fps} frames per second.
 
-- `truth.csv`: one row per person and frame, from entry to exit, at least 8 px high and at least
-  half inside the picture; `x, y, w, h` in pixels, clipped to it; `track` unique within a recording;
+- `truth.csv`: one row per person and frame, from entry to exit (who is hidden for a while in between
+  stays annotated), at least 8 px high and at least half inside the picture; `x, y, w, h` in pixels, clipped to it; `track` unique within a recording;
   `ignore` 1 for the cyclist; `distance_m` over ground; `occlusion` 0 none, 1 part (from 10 % of the
   box), 2 much (from 45 %).
 - `fir.csv`: a simulated far-infrared system. It sees far, but cold clothes, crouching people and a

@@ -284,12 +284,15 @@ def test_nan_in_a_box_is_passed_on(read_document):
         ({"category_id": 77}, r"found 77"),
         ({"ignore": "yes"}, 'expected 0 or 1 as "ignore"'),
         ({"occlusion": {}}, 'expected 0, 1, 2 as "occlusion"'),
+        ({"occlusion": "some"}, 'expected 0, 1, 2 as "occlusion"'),
         ({"track_id": [3]}, "expected a number or text as track id"),
         ({"vis_ratio": "half"}, 'expected a number as "vis_ratio"'),
     ],
 )
 def test_a_faulty_annotation_is_named_with_its_number_and_line(read_document, fields, message):
-    text = json.dumps(document(annotations=[annotation(), annotation(id=2) | fields]), indent=0)
+    text = json.dumps(
+        document(annotations=[annotation(occlusion=0), annotation(id=2) | fields]), indent=0
+    )
     lines = text.split("\n")
     line = max(i for i, part in enumerate(lines[: lines.index('"categories": [')]) if part == "{")
     with pytest.raises(FormatError, match=rf"annotation 2 of 2: .*{message}") as caught:
@@ -317,6 +320,16 @@ def test_a_faulty_annotation_is_named_with_its_number_and_line(read_document, fi
 def test_absurd_json_is_an_error_with_the_file(read_document, text, message):
     with pytest.raises(FormatError, match=rf"truth.json.*{message}"):
         read_document(text)
+
+
+def test_occlusion_as_number_and_truth_value_in_one_file_is_a_level(read_document):
+    rows = [annotation(occlusion=2), annotation(id=2, occlusion=True)]
+    assert read_document(document(annotations=rows)).boxes["occlusion"].tolist() == [2, 1]
+
+
+def test_a_number_beyond_all_floats_is_an_error(read_document):
+    with pytest.raises(FormatError, match='numbers below 1e308 as "occlusion"'):
+        read_document(document(annotations=[annotation(occlusion=10**400)]))
 
 
 def test_no_categories_and_one_category_id_counts_all(read_document):

@@ -1,0 +1,74 @@
+"""Time and memory of one piece of work; a worker's report, one line of JSON.
+
+Imports nothing but the standard library: every environment can use it.
+"""
+
+from __future__ import annotations
+
+import gc
+import json
+import os
+import resource
+import sys
+from collections.abc import Callable, Sequence
+from importlib.metadata import version
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+BUDGET_S = 30.0
+"""No further repetition of one piece of work after so long."""
+
+
+def measure(work: Callable[[], Any], times: int) -> tuple[Any, list[float], float]:
+    """Result of the first of up to `times` calls, seconds of all, peak memory of the first, MB."""
+    start = perf_counter()
+    result, peak_mb = peak_beyond(work)
+    return result, repeat(lambda _: work(), times, [perf_counter() - start]), peak_mb
+
+
+def repeat(work: Callable[[int], Any], times: int, seconds: Sequence[float] = ()) -> list[float]:
+    """Seconds of up to `times` calls ``work(i)``, after those in `seconds`; results are dropped."""
+    seconds = list(seconds)
+    while len(seconds) < times and sum(seconds) < BUDGET_S:
+        gc.collect()
+        start = perf_counter()
+        result = work(len(seconds))
+        seconds.append(perf_counter() - start)
+        del result
+    return seconds
+
+
+def peak_beyond(work: Callable[[], Any]) -> tuple[Any, float]:
+    """Result of `work`, and by how many MB the process's peak memory passed what it had before.
+
+    The peak so far (of making the input) is forgotten first, where the system can do that
+    (Linux); elsewhere a smaller peak than that one shows as 0.
+    """
+    gc.collect()
+    before = _resident_mb()
+    clear = Path("/proc/self/clear_refs")
+    if clear.exists():
+        clear.write_text("5")
+    result = work()
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    peak_mb = peak / (1024**2 if sys.platform == "darwin" else 1024)
+    return result, max(0.0, peak_mb - before)
+
+
+def _resident_mb() -> float:
+    pages = Path("/proc/self/statm")
+    if pages.exists():
+        return int(pages.read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1024**2
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return peak / (1024**2 if sys.platform == "darwin" else 1024)
+
+
+def versions(*packages: str) -> dict[str, str]:
+    """Installed versions, Python's first."""
+    return {"Python": sys.version.split()[0], **{name: version(name) for name in packages}}
+
+
+def report(**figures: Any) -> None:
+    """Print a worker's figures for `bench.run`: the last line of its output."""
+    print(json.dumps(figures))

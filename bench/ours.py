@@ -1,0 +1,87 @@
+"""nvcore on one set: `analyse` for two systems, and what a change of each parameter costs.
+
+    python -m bench.ours SET.npz [--repeat 5]
+
+Timed: from the dataset in memory to the result. Compiled functions are loaded before, by a run on
+a small set.
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from bench.measure import measure, repeat, report, versions
+from bench.sets import COLUMNS, FPS, HEIGHT, WIDTH, BoxSet, load_set, make_set
+from nvcore.analysis import Result, analyse
+from nvcore.dataset import Dataset, dataset_from_tables
+from nvcore.params import Params
+
+CHANGES = {
+    "alpha": lambda i: Params(alpha=0.5 + 0.05 * i),
+    "sigmoid midpoint": lambda i: Params(midpoint=40.0 + i),
+    "edge weight": lambda i: Params(edge_weight=0.1 + 0.1 * i),
+    "threshold": lambda i: Params(threshold_x=0.3 + 0.02 * i, threshold_y=0.35 + 0.02 * i),
+    "IoU": lambda i: Params(iou=0.3 + 0.03 * i),
+}
+"""New parameters of the i-th repetition; each starts from the result with the defaults."""
+
+
+def to_dataset(boxes: BoxSet) -> Dataset:
+    lengths = boxes.lengths
+    recordings = pd.DataFrame(
+        {
+            "name": [f"r{i:04d}" for i in range(len(lengths))],
+            "width": WIDTH,
+            "height": HEIGHT,
+            "fps": FPS,
+        }
+    )
+    sources = (boxes.truth, *boxes.systems)
+    table = pd.DataFrame(
+        {name: np.concatenate([getattr(s, name) for s in sources]) for name in COLUMNS}
+    )
+    table["source"] = np.repeat([0, 1, 2], [len(s) for s in sources])
+    frames = [np.arange(n) for n in lengths]
+    return dataset_from_tables(recordings, frames, table, ["x", "y"], fingerprint="synthetic")
+
+
+def _checks(result: Result) -> dict[str, list[float]]:
+    """Figures that other tools give as well."""
+    systems = (result.x, result.y)
+    return {
+        "matched": [int(s.matched.sum()) for s in systems],
+        "recall": [float(s.matched.sum() / result.n_truth.sum()) for s in systems],
+        "mean_similarity": [s.summary.mean for s in systems],
+    }
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("set", type=Path)
+    parser.add_argument("--repeat", type=int, default=5)
+    given = parser.parse_args()
+    warm = to_dataset(make_set(1_000))
+    analyse(warm, previous=analyse(warm))
+    dataset = to_dataset(load_set(given.set))
+    dataset.frame_columns, dataset.truth  # noqa: B018  columns of the input, made once
+    base, analyse_s, peak_mb = measure(lambda: analyse(dataset), given.repeat)
+    seconds = {"analyse": analyse_s}
+    for name, params in CHANGES.items():
+        seconds[f"change of {name}"] = repeat(
+            lambda i, params=params: analyse(dataset, params(i), previous=base), given.repeat
+        )
+    report(
+        seconds=seconds,
+        peak_mb=peak_mb,
+        input_mb=float(dataset.boxes.memory_usage().sum() / 1024**2),
+        check=_checks(base),
+        versions=versions("numpy", "numba", "pandas", "scipy"),
+    )
+
+
+if __name__ == "__main__":
+    main()

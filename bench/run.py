@@ -1,0 +1,97 @@
+"""Run the benchmarks, print the tables and write docs/benchmarks.md.
+
+    python -m bench.run [--quick] [--sizes 1000 ...] [--others-at 100000] [--out FILE]
+
+Every measurement runs in a fresh process, one after the other; other tools run in their own
+environments (.venv-bench, made by `make bench`). `--quick` takes about a minute at small sizes and
+writes no file unless told.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from bench.command_line import measure_command_line
+from bench.sets import make_set, save_set
+from bench.tables import write_tables
+
+ROOT = Path(__file__).resolve().parent.parent
+TOOLS_PYTHON = ROOT / ".venv-bench" / "tools" / "bin" / "python"
+MOTMETRICS_PYTHON = ROOT / ".venv-bench" / "motmetrics" / "bin" / "python"
+
+BESIDE = (
+    ("numpy loop", "bench.baselines", Path(sys.executable)),
+    ("scipy hausdorff", "bench.baselines", Path(sys.executable)),
+    ("hotcoco", "bench.others", TOOLS_PYTHON),
+    ("hotcoco compare", "bench.others", TOOLS_PYTHON),
+    ("faster-coco-eval", "bench.others", TOOLS_PYTHON),
+    ("TrackEval CLEAR", "bench.others", TOOLS_PYTHON),
+    ("motmetrics", "bench.others", MOTMETRICS_PYTHON),
+)
+"""Name, module and interpreter of what runs beside ours."""
+
+
+def run_worker(python: Path, *arguments: str) -> dict[str, Any]:
+    """Figures of one worker: the last line that it prints; ``{"failed": why}`` if it fails."""
+    if not python.exists():
+        return {"failed": "not installed; `make bench` installs it"}
+    done = subprocess.run(
+        [str(python), "-m", *arguments], cwd=ROOT, capture_output=True, text=True, check=False
+    )
+    if done.returncode:
+        return {"failed": (done.stderr.strip().splitlines() or ["no message"])[-1]}
+    figures: dict[str, Any] = json.loads(done.stdout.strip().splitlines()[-1])
+    return figures
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--sizes", type=int, nargs="+")
+    parser.add_argument("--others-at", type=int)
+    parser.add_argument("--repeat", type=int)
+    parser.add_argument("--out", type=Path)
+    given = parser.parse_args()
+    quick = given.quick
+    sizes = given.sizes or ([1_000, 10_000] if quick else [1_000, 10_000, 100_000, 1_000_000])
+    others_at = given.others_at or (5_000 if quick else 100_000)
+    repeat = str(given.repeat or (3 if quick else 7))
+    others_repeat = str(given.repeat or (1 if quick else 5))
+    out = given.out or (None if quick else ROOT / "docs" / "benchmarks.md")
+
+    ours: dict[int, dict[str, Any]] = {}
+    with tempfile.TemporaryDirectory() as folder:
+        for n in sorted({*sizes, others_at}):
+            path = Path(folder) / f"{n}.npz"
+            save_set(make_set(n), path)
+            print(f"nvcore, {n:,} frames ...", file=sys.stderr)
+            ours[n] = run_worker(Path(sys.executable), "bench.ours", str(path), "--repeat", repeat)
+            if "failed" in ours[n]:
+                sys.exit(f"nvcore failed at {n:,} frames: {ours[n]['failed']}")
+            if n != others_at:
+                path.unlink()
+        beside = {}
+        for name, module, python in BESIDE:
+            print(f"{name}, {others_at:,} frames ...", file=sys.stderr)
+            beside[name] = run_worker(
+                python, module, name, str(Path(folder) / f"{others_at}.npz"),
+                "--repeat", others_repeat,
+            )  # fmt: skip
+    print("command line ...", file=sys.stderr)
+    command_line = measure_command_line(ROOT)
+    text = write_tables(ours, beside, others_at, command_line)
+    print(text)
+    if out:
+        out.write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

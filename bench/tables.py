@@ -1,0 +1,265 @@
+"""The figures of `bench.run` as the text of docs/benchmarks.md."""
+
+from __future__ import annotations
+
+import math
+import os
+import platform
+from collections.abc import Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+HOW = """\
+Synthetic sets with a fixed seed (`bench/sets.py`): exactly 4 pedestrians a frame, 4 + 4 detections
+on average, recordings of 1,000 frames, tracks of 80 frames on average, late first detections,
+dropouts and lasting false alarms. Figures are medians of repeated runs, each tool in a fresh
+process of its own, one after the other. Peak memory is what the process needed beyond its input.
+
+*Timed* is the work from boxes in memory (in the tool's own objects: dataset, COCO objects with
+their index, per-frame arrays) to figures; reading files is not part of it, nor, for nvcore, loading
+the compiled functions (see *Command line* for that).
+"""
+
+
+def seconds_text(seconds: float) -> str:
+    """Three digits in the fitting unit."""
+    return f"{seconds * 1e3:.3g} ms" if seconds < 0.9995 else f"{seconds:.3g} s"
+
+
+def growth_exponent(sizes: Sequence[int], seconds: Sequence[float]) -> float:
+    """Slope of log time over log size, by least squares: 1 is linear; NaN below two sizes."""
+    if len(sizes) < 2:
+        return math.nan
+    x, y = [math.log(n) for n in sizes], [math.log(s) for s in seconds]
+    mean_x, mean_y = sum(x) / len(x), sum(y) / len(y)
+    across = sum((a - mean_x) * (b - mean_y) for a, b in zip(x, y, strict=True))
+    return across / sum((a - mean_x) ** 2 for a in x)
+
+
+def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """A Markdown table, padded so that it reads well in a terminal; the first column is text."""
+    widths = [max(len(row[i]) for row in (head, *rows)) for i in range(len(head))]
+
+    def line(cells: Sequence[str]) -> str:
+        first, *others = zip(cells, widths, strict=True)
+        padded = [first[0].ljust(first[1]), *(cell.rjust(width) for cell, width in others)]
+        return "| " + " | ".join(padded) + " |"
+
+    rule = "|" + "|".join(
+        "-" * (width + 2) if i == 0 else "-" * (width + 1) + ":" for i, width in enumerate(widths)
+    )
+    return "\n".join([line(head), rule + "|", *(line(row) for row in rows)])
+
+
+def write_tables(
+    ours: dict[int, dict[str, Any]],
+    beside: dict[str, dict[str, Any]],
+    others_at: int,
+    command_line: dict[str, float | str],
+) -> str:
+    """The whole page.
+
+    Parameters
+    ----------
+    ours
+        By number of frames, what `bench.ours` reports.
+    beside
+        By name, what `bench.baselines` and `bench.others` report at `others_at` frames, or
+        ``{"failed": why}``.
+    command_line
+        What `measure_command_line` returns.
+    """
+    parts = [
+        "# Benchmarks",
+        "Written by `make bench`; do not edit.",
+        _machine(ours, beside),
+        HOW.rstrip(),
+        "## `analyse`, two systems",
+        _growth_table(ours),
+        _growth_note(ours),
+        "## Targets",
+        _targets_table(ours, beside, others_at, command_line),
+        f"## Beside other tools, {others_at:,} frames",
+        _beside_note(),
+        _beside_table(ours[others_at], beside),
+        "## Command line",
+        _command_line_text(command_line),
+    ]
+    return "\n\n".join(parts) + "\n"
+
+
+def _machine(ours: dict[int, dict[str, Any]], beside: dict[str, dict[str, Any]]) -> str:
+    python, *packages = _versions(next(iter(ours.values())))
+    tools = {
+        f"{name} {version}"
+        for figures in beside.values()
+        for name, version in figures.get("versions", {}).items()
+        if name not in ("Python", "numpy", "numba", "pandas", "scipy")
+    }
+    memory_gb = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 1024**3
+    lines = [
+        f"- Machine: {_processor()}, {os.cpu_count()} cores, {memory_gb:.0f} GB, "
+        f"{platform.system()} {platform.machine()}",
+        f"- {python}; {', '.join(packages)}",
+        f"- Other tools: {', '.join(sorted(tools)) or 'none installed'}",
+        f"- Date: {datetime.now(UTC):%Y-%m-%d}",
+    ]
+    return "\n".join(lines)
+
+
+def _versions(figures: dict[str, Any]) -> list[str]:
+    return [f"{name} {version}" for name, version in figures["versions"].items()]
+
+
+def _processor() -> str:
+    listing = Path("/proc/cpuinfo")
+    if listing.exists():
+        for line in listing.read_text().splitlines():
+            if line.startswith("model name"):
+                return line.split(":", 1)[1].strip()
+    return platform.processor() or "unknown processor"
+
+
+def _growth_table(ours: dict[int, dict[str, Any]]) -> str:
+    sizes = sorted(ours)
+    names = list(ours[sizes[0]]["seconds"])
+    rows = [
+        [
+            name,
+            *(seconds_text(median(ours[n]["seconds"][name])) for n in sizes),
+            _exponent(ours, sizes, name),
+        ]
+        for name in names
+    ]
+    memory = ["peak memory beyond input", *(f"{ours[n]['peak_mb']:.0f} MB" for n in sizes), ""]
+    inputs = ["input", *(f"{ours[n]['input_mb']:.0f} MB" for n in sizes), ""]
+    return _table(["", *(f"{n:,} frames" for n in sizes), "growth"], [*rows, memory, inputs])
+
+
+def _large(sizes: Sequence[int]) -> list[int]:
+    return [n for n in sizes if n >= 10_000]
+
+
+def _exponent(ours: dict[int, dict[str, Any]], sizes: Sequence[int], name: str) -> str:
+    large = _large(sizes)
+    exponent = growth_exponent(large, [median(ours[n]["seconds"][name]) for n in large])
+    return "" if math.isnan(exponent) else f"{exponent:.2f}"
+
+
+def _growth_note(ours: dict[int, dict[str, Any]]) -> str:
+    repeats = min(len(figures["seconds"]["analyse"]) for figures in ours.values())
+    return (
+        "A change starts from the result with the default parameters (`previous=`) and moves one "
+        "parameter of both systems to a value not seen before. *Growth* is the slope of log time "
+        "over log frames from 10,000 frames on: 1 is linear, less means that fixed costs still "
+        f"show. At least {repeats} runs each."
+    )
+
+
+def _targets_table(
+    ours: dict[int, dict[str, Any]],
+    beside: dict[str, dict[str, Any]],
+    others_at: int,
+    command_line: dict[str, float | str],
+) -> str:
+    largest = max(ours)
+    big = ours[largest]
+    scale = largest / 1_000_000  # targets are for a million frames
+    at = f"at {largest:,} frames"
+
+    def change(name: str) -> float:
+        return median(big["seconds"][name])
+
+    def row(what: str, target: str, found: str, is_met: bool) -> list[str]:
+        return [what, target, found, "yes" if is_met else "no"]
+
+    rows = []
+    for what, limit_s in (
+        ("analyse", 1.5), ("change of alpha", 0.02), ("change of sigmoid midpoint", 0.15),
+        ("change of threshold", 1.0), ("change of IoU", 1.0),
+    ):  # fmt: skip
+        found = change(what)
+        target = f"{seconds_text(limit_s * scale)} or less"
+        rows.append(row(f"{what} {at}", target, seconds_text(found), found <= limit_s * scale))
+    rows.append(
+        row(f"peak memory {at}", f"{1500 * scale:.0f} MB or less", f"{big['peak_mb']:.0f} MB",
+            big["peak_mb"] <= 1500 * scale)
+    )  # fmt: skip
+    large = _large(sorted(ours))
+    growth = growth_exponent(large, [median(ours[n]["seconds"]["analyse"]) for n in large])
+    if not math.isnan(growth):
+        rows.append(row("growth of analyse", "1.1 or less", f"{growth:.2f}", growth <= 1.1))
+    analyse_s = median(ours[others_at]["seconds"]["analyse"])
+    for name, least in (("TrackEval CLEAR", 100), ("faster-coco-eval", 20), ("hotcoco compare", 1)):
+        if "failed" not in beside[name]:
+            ratio = median(beside[name]["seconds"]) / analyse_s
+            rows.append(
+                row(f"{name} over analyse at {others_at:,} frames", f"{least} or more",
+                    f"{ratio:.3g}", ratio >= least)
+            )  # fmt: skip
+    if "failed" not in command_line:
+        for call, limit_s in (("first", 6), ("second", 2)):
+            took = float(command_line[call])
+            rows.append(
+                row(f"{call} nvcore compare on the sample", f"under {limit_s} s",
+                    f"{took:.1f} s", took < limit_s)
+            )  # fmt: skip
+    return _table(["what", "target", "found", "met"], rows)
+
+
+def _beside_note() -> str:
+    return (
+        "Every row scores both systems against the truth on the same boxes. The tools compute "
+        "other things than nvcore and than each other: hotcoco and faster-coco-eval average "
+        "precision at one IoU, TrackEval and motmetrics CLEAR tracking figures (both are given "
+        "faultless track ids, one sequence a recording), the loops by hand only similarity and "
+        "matches (numpy) or unweighted distances (scipy). `hotcoco compare` is both evaluations "
+        "and `compare` without bootstrap. *Making its objects* turns the boxes into the tool's "
+        "own form and is not in the time. *Ratio* is the time over that of `analyse`."
+    )
+
+
+def _beside_table(ours: dict[str, Any], beside: dict[str, dict[str, Any]]) -> str:
+    analyse_s = median(ours["seconds"]["analyse"])
+    rows = [
+        ["nvcore analyse", seconds_text(analyse_s), "1", str(len(ours["seconds"]["analyse"])),
+         f"{ours['peak_mb']:.0f} MB", "", ""]
+    ]  # fmt: skip
+    for name, figures in beside.items():
+        if "failed" in figures:
+            rows.append([name, "–", "–", "–", "–", "–", figures["failed"]])
+            continue
+        took = median(figures["seconds"])
+        prepare = seconds_text(figures["prepare_s"]) if "prepare_s" in figures else ""
+        rows.append(
+            [name, seconds_text(took), f"{took / analyse_s:.3g}", str(len(figures["seconds"])),
+             f"{figures['peak_mb']:.0f} MB", prepare, _agreement(ours["check"], figures)]
+        )  # fmt: skip
+    head = ["", "both systems", "ratio", "runs", "peak memory", "making its objects",
+            "held against ours"]  # fmt: skip
+    return _table(head, rows)
+
+
+def _agreement(check: dict[str, list[float]], figures: dict[str, Any]) -> str:
+    """How a tool's figures compare with ours, both systems in one sentence."""
+    if "agreement" in figures:
+        return str(figures["agreement"])
+    theirs = figures["check"]
+    if "recall" in theirs[0]:
+        off = max(abs(t["recall"] - r) for t, r in zip(theirs, check["recall"], strict=True))
+        return "same recall" if off < 1e-9 else f"recall differs by {off:.1e}"
+    off = max(abs(t["matched"] - m) / m for t, m in zip(theirs, check["matched"], strict=True))
+    # they assign optimally and keep tracks together; ours is greedy by score
+    return "same matches" if not off else f"matches within {math.ceil(off * 1e4) / 100:.2g} %"
+
+
+def _command_line_text(command_line: dict[str, float | str]) -> str:
+    if "failed" in command_line:
+        return f"Not measured: {command_line['failed']}"
+    return (
+        f"`nvcore compare sample_data/session.toml`, whole process: {command_line['first']:.1f} s "
+        f"the first time (functions are compiled and kept on disk), "
+        f"{command_line['second']:.1f} s the second."
+    )

@@ -1,0 +1,93 @@
+"""What is wrong or suspicious in the inputs, found before anything is scored."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from nvcore.audit_agreement import find_disagreement
+from nvcore.audit_boxes import audit_doubles, audit_geometry, audit_tracks
+from nvcore.audit_cases import Audited, audited_systems, audited_truth
+from nvcore.audit_coverage import audit_system_coverage, audit_truth_coverage
+from nvcore.audit_overlaps import above_threshold
+from nvcore.audit_rows import audit_left_out
+from nvcore.audit_scores import audit_scores, audit_threshold
+from nvcore.audit_suspicions import find_offsets
+from nvcore.dataset import Dataset
+from nvcore.findings import Finding, worst_first
+from nvcore.params import Params
+
+
+def audit(
+    dataset: Dataset,
+    params: Params | None = None,
+    *,
+    x: str | None = None,
+    y: str | None = None,
+) -> tuple[Finding, ...]:
+    """Everything that is wrong or suspicious in the inputs, worst first.
+
+    All systems are looked at; where they and the truth disagree, only X and Y, with their
+    thresholds.
+
+    Parameters
+    ----------
+    dataset
+        Recordings, ground truth, systems.
+    params
+        Settings; None: the defaults. Only thresholds and matching matter here.
+    x, y
+        Names of the compared systems; None: the dataset's first and second.
+
+    Returns
+    -------
+    findings
+        What readers and loader reported, and what was found here.
+
+    Raises
+    ------
+    InputError
+        If there is no system of a given name.
+
+    Notes
+    -----
+    No truth gives an error finding, no detections a warning; neither raises.
+
+    Examples
+    --------
+    >>> [finding.code for finding in audit(dataset)]  # doctest: +SKIP
+    ['duplicate-track', 'time-offset']
+    """
+    params = params or Params()
+    names = _compared(dataset, x, y)
+    thresholds = dict(zip(names, (params.threshold_x, params.threshold_y), strict=False))
+    truth = audited_truth(dataset)
+    systems = audited_systems(dataset)
+    findings = [*dataset.findings, *audit_left_out(dataset)]
+    findings += [*audit_truth_coverage(dataset), *_audit_boxes(truth), *audit_tracks(truth)]
+    for system in systems:
+        letter = "xy"[names.index(system.name)] if system.name in names else ""
+        threshold = thresholds.get(system.name)
+        findings += [*audit_system_coverage(system), *_audit_boxes(system), *audit_scores(system)]
+        findings += audit_threshold(system, threshold, flag=f"--threshold-{letter}")
+        counting = above_threshold(system.boxes, threshold)
+        findings += find_offsets(system, counting, letter=letter)
+    if len(names) == 2 and names[0] != names[1] and np.any(~dataset.truth.ignore):
+        by_name = {system.name: system for system in systems}
+        findings += find_disagreement(dataset, by_name[names[0]], by_name[names[1]], params)
+    return worst_first(findings)
+
+
+def _audit_boxes(audited: Audited) -> list[Finding]:
+    return [*audit_geometry(audited), *audit_doubles(audited)]
+
+
+def _compared(dataset: Dataset, x: str | None, y: str | None) -> list[str]:
+    """Names of X and Y, as far as there are two."""
+    names = [name for name in (x, y) if name is not None]
+    for name in names:
+        dataset.system(name)
+    if x is None:
+        names = [*dataset.systems[:1], *names]
+    if y is None:
+        names += dataset.systems[1:2]
+    return names

@@ -1,0 +1,129 @@
+"""Where both systems agree with one another and not with the ground truth."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from nvcore.audit_cases import Audited, audited_truth, counted, place_of_frame
+from nvcore.dataset import BoxColumns, Dataset
+from nvcore.findings import Finding, Severity
+from nvcore.kernels import over_ranges, pair_frames
+from nvcore.matching import Matches, match_boxes
+from nvcore.params import Params
+
+AGREE_IOU: Final = 0.5
+"""Smallest IoU of two detections that agree."""
+NEAR_IOU: Final = 0.1
+"""Smallest IoU of an agreeing detection with the missed pedestrian that it may be meant for."""
+MANY_SHARE: Final = 0.05
+"""Share of the pedestrians from which on such cases are a warning, not a note."""
+MANY_BOXES: Final = 20
+"""Fewer boxes than this stay a note."""
+
+
+def find_disagreement(dataset: Dataset, x: Audited, y: Audited, params: Params) -> list[Finding]:
+    """Pedestrians that both systems draw elsewhere, and agreed detections of nobody.
+
+    A detection of X and one of Y agree when their IoU is at least 0.5. Of such pairs those count
+    of which neither detection matches a pedestrian nor lies on an ignore region. A pair that
+    overlaps a pedestrian whom neither system matched points to a badly drawn box; any other to a
+    pedestrian missing from the annotation.
+    """
+    truth, frames = dataset.truth, dataset.frame_columns
+    matches = [
+        match_boxes(
+            truth, audited.boxes, frames, threshold=threshold, match=params.match,
+            iou=params.iou, lateral_tolerance=params.lateral_tolerance,
+        )
+        for audited, threshold in ((x, params.threshold_x), (y, params.threshold_y))
+    ]  # fmt: skip
+    agreed = _agreeing(dataset, x.boxes, y.boxes, matches)
+    if not len(agreed):
+        return []
+    n_truth = int(np.count_nonzero(~truth.ignore))
+    unmatched = ~truth.ignore & ~matches[0].is_matched & ~matches[1].is_matched
+    missed_row = _overlapped(truth, unmatched, x.boxes, agreed)
+    return [
+        *_drawn_elsewhere(dataset, np.unique(missed_row[missed_row >= 0]), n_truth),
+        *_missing(dataset, x.boxes, agreed[missed_row < 0], x=x.name, y=y.name),
+    ]
+
+
+def _agreeing(dataset: Dataset, x: BoxColumns, y: BoxColumns, matches: list[Matches]) -> np.ndarray:
+    """Detections of X that match nobody and agree with one of Y that matches nobody."""
+    partner = np.full(len(x), -1, np.int64)
+    over_ranges(
+        pair_frames, len(dataset.frames),
+        x.offsets, x.x, x.y, x.w, x.h, matches[0].is_false_alarm,
+        y.offsets, y.x, y.y, y.w, y.h, matches[1].is_false_alarm,
+        AGREE_IOU, partner,
+    )  # fmt: skip
+    return np.flatnonzero(partner >= 0)
+
+
+def _overlapped(
+    truth: BoxColumns, unmatched: np.ndarray, x: BoxColumns, agreed: np.ndarray
+) -> np.ndarray:
+    """Per agreed detection: the unmatched pedestrian that it overlaps most, -1 none near."""
+    frame = x.frame_index[agreed]
+    start = truth.offsets[frame]
+    n = truth.offsets[frame + 1] - start
+    ends = np.cumsum(n)
+    pair = np.repeat(np.arange(len(agreed)), n)
+    g = np.arange(ends[-1]) - np.repeat(ends - n - start, n)
+    is_open = unmatched[g]
+    pair, g = pair[is_open], g[is_open]
+    d = agreed[pair]
+    across = np.minimum(truth.x[g] + truth.w[g], x.x[d] + x.w[d]) - np.maximum(truth.x[g], x.x[d])
+    down = np.minimum(truth.y[g] + truth.h[g], x.y[d] + x.h[d]) - np.maximum(truth.y[g], x.y[d])
+    shared = np.maximum(across, 0) * np.maximum(down, 0)
+    iou = shared / (truth.w[g] * truth.h[g] + x.w[d] * x.h[d] - shared)
+    best = np.zeros(len(agreed))
+    np.maximum.at(best, pair, iou)
+    row = np.full(len(agreed), -1, np.int64)
+    is_best = (iou >= NEAR_IOU) & (iou == best[pair])
+    row[pair[is_best]] = g[is_best]
+    return row
+
+
+def _drawn_elsewhere(dataset: Dataset, rows: np.ndarray, n_truth: int) -> list[Finding]:
+    if not len(rows):
+        return []
+    n_frames = len(np.unique(dataset.truth.frame_index[rows]))
+    return [
+        audited_truth(dataset).finding(
+            _severity(len(rows), n_truth),
+            "box-disputed-by-both",
+            rows,
+            f"{counted(len(rows), 'pedestrian')} in {counted(n_frames, 'frame')} that neither "
+            "system matches, while both agree on a box close by.",
+            "Look at them: the ground truth's box may be drawn badly, or be of another frame.",
+        )
+    ]
+
+
+def _missing(
+    dataset: Dataset, boxes: BoxColumns, rows: np.ndarray, *, x: str, y: str
+) -> list[Finding]:
+    if not len(rows):
+        return []
+    at = np.unique(boxes.frame_index[rows])
+    return [
+        Finding(
+            severity=Severity.NOTE,
+            code="agreed-by-both-not-in-truth",
+            subject="truth",
+            count=len(rows),
+            message=f"In {counted(len(at), 'frame')} {x} and {y} agree on "
+            f"{counted(len(rows), 'box', 'boxes')} where the ground truth has nobody.",
+            advice="Look at them: a pedestrian may be missing from the annotation, and each counts "
+            "as a false alarm of both. If many are weak detections, give thresholds.",
+            example=place_of_frame(dataset, int(at[0])),
+        )
+    ]
+
+
+def _severity(n: int, n_truth: int) -> Severity:
+    return Severity.WARNING if n >= max(MANY_BOXES, MANY_SHARE * n_truth) else Severity.NOTE

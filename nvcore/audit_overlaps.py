@@ -1,0 +1,188 @@
+"""How well detections overlap the truth once they are moved in time, in the picture, or scaled.
+
+Only samples are looked at: a correction that holds for the whole recording shows in them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from nvcore.dataset import BoxColumns, Dataset
+
+MAX_PAIRS: Final = 100_000
+"""Pairs of a pedestrian and a detection that one look at the overlaps may cost."""
+MAX_SHIFT: Final = 5
+"""Largest time offset that is tried, in listed frames."""
+
+
+@dataclass(frozen=True)
+class Correction:
+    """What is done to the detections: scaled, then moved in the picture, then in time.
+
+    Attributes
+    ----------
+    scale
+        By which x and w, y and h are multiplied.
+    offset_px
+        Added to x, y.
+    offset_frames
+        Added to the frame number.
+    """
+
+    scale: tuple[float, float] = (1.0, 1.0)
+    offset_px: tuple[float, float] = (0.0, 0.0)
+    offset_frames: int = 0
+
+
+@dataclass(frozen=True)
+class Overlaps:
+    """Best detection of each sampled pedestrian.
+
+    Attributes
+    ----------
+    iou
+        Best IoU of any detection of the frame, 0 none; shape (n_sample,).
+    dx, dy
+        Centre of the pedestrian minus that of its best detection, px; NaN where none overlaps.
+    ratio_w, ratio_h
+        Width and height of the pedestrian over those of its best detection; NaN where none.
+    has_frame
+        Whether the detections' frame is a listed one of the recording; elsewhere nothing is known.
+    """
+
+    iou: np.ndarray
+    dx: np.ndarray
+    dy: np.ndarray
+    ratio_w: np.ndarray
+    ratio_h: np.ndarray
+    has_frame: np.ndarray
+
+    @property
+    def mean(self) -> float:
+        """Mean best IoU of the pedestrians whose frame is listed, 0..1; NaN where there is none."""
+        return float(self.iou[self.has_frame].mean()) if self.has_frame.any() else np.nan
+
+
+@dataclass(frozen=True)
+class Sample:
+    """Pedestrians of evenly spread frames, and the detections that they are held against.
+
+    Attributes
+    ----------
+    dataset
+        What they are from.
+    rows
+        Rows of the truth, int64, shape (n_sample,).
+    detections
+        All detections that count, sorted by frame.
+    every
+        1: every frame with pedestrians is looked at; n: every n-th.
+    """
+
+    dataset: Dataset
+    rows: np.ndarray
+    detections: BoxColumns
+    every: int
+
+    def overlaps(self, correction: Correction) -> Overlaps:
+        """The best overlaps after a correction of the detections."""
+        truth, det = self.dataset.truth, self.detections
+        rows = self.rows
+        frame = self._frames_at(truth.frame_index[rows], -correction.offset_frames)
+        has_frame = frame >= 0
+        start = np.where(has_frame, det.offsets[frame], 0)
+        n = np.where(has_frame, det.offsets[frame + 1] - start, 0)
+        ends = np.cumsum(n)
+        pair_truth = np.repeat(np.arange(len(rows)), n)
+        pair_det = np.arange(ends[-1] if len(n) else 0) - np.repeat(ends - n, n)
+        pair_det += np.repeat(start, n)
+        (sx, sy), (ox, oy) = correction.scale, correction.offset_px
+        g = rows[pair_truth]
+        gx, gy, gw, gh = truth.x[g], truth.y[g], truth.w[g], truth.h[g]
+        left, top = det.x[pair_det] * sx + ox, det.y[pair_det] * sy + oy
+        dw, dh = det.w[pair_det] * sx, det.h[pair_det] * sy
+        across = np.minimum(gx + gw, left + dw) - np.maximum(gx, left)
+        down = np.minimum(gy + gh, top + dh) - np.maximum(gy, top)
+        shared = np.maximum(across, 0) * np.maximum(down, 0)
+        iou = shared / (gw * gh + dw * dh - shared)
+        best = np.zeros(len(rows))
+        np.maximum.at(best, pair_truth, iou)
+        at = np.flatnonzero((iou > 0) & (iou == best[pair_truth]))
+        columns = np.full((4, len(rows)), np.nan)
+        columns[:, pair_truth[at]] = np.stack(
+            [
+                (gx + gw / 2 - left - dw / 2)[at],
+                (gy + gh / 2 - top - dh / 2)[at],
+                (gw / dw)[at],
+                (gh / dh)[at],
+            ]
+        )
+        dx, dy, ratio_w, ratio_h = columns
+        return Overlaps(best, dx, dy, ratio_w, ratio_h, has_frame)
+
+    def pairs_by_order(self) -> tuple[np.ndarray, np.ndarray]:
+        """Truth rows and detections that have the same place in the order from left to right.
+
+        Only frames with as many pedestrians as detections; empty where there is none. Needs no
+        overlap, so it works for boxes far off.
+        """
+        truth, det, rows = self.dataset.truth, self.detections, self.rows
+        n_truth = np.bincount(truth.frame_index[rows], minlength=len(self.dataset.frames))
+        is_equal = (n_truth > 0) & (n_truth == np.diff(det.offsets))
+        g = rows[is_equal[truth.frame_index[rows]]]
+        d = np.flatnonzero(is_equal[det.frame_index])
+        return (
+            g[np.lexsort((truth.x[g] + truth.w[g] / 2, truth.frame_index[g]))],
+            d[np.lexsort((det.x[d] + det.w[d] / 2, det.frame_index[d]))],
+        )
+
+    def frame_step(self) -> int:
+        """Smallest usual step between listed frames: what a time offset is a multiple of."""
+        frames = self.dataset.frame_columns
+        lengths = np.diff(frames.first)
+        last = frames.first[1:][lengths > 1] - 1  # a last frame's gap is its recording's median
+        return max(1, round(float(frames.gap[last].min()))) if len(last) else 1
+
+    def _frames_at(self, frame_index: np.ndarray, offset: int) -> np.ndarray:
+        """Frames that many frame numbers later, -1 where that one is not listed."""
+        if offset == 0:
+            return frame_index
+        frames = self.dataset.frame_columns
+        lowest = int(frames.frame.min()) - abs(offset)
+        span = int(frames.frame.max()) + abs(offset) - lowest + 1
+        key = frames.recording.astype(np.int64) * span + (frames.frame - lowest)
+        wanted = key[frame_index] + offset
+        at = np.minimum(np.searchsorted(key, wanted), len(key) - 1)
+        found: np.ndarray = np.where(key[at] == wanted, at, -1)
+        return found
+
+
+def take_sample(dataset: Dataset, detections: BoxColumns) -> Sample:
+    """Pedestrians of evenly spread frames, as many as are quick to look at."""
+    truth = dataset.truth
+    rows = np.flatnonzero(~truth.ignore)
+    per_frame = np.diff(detections.offsets)
+    n_pairs = int(per_frame[truth.frame_index[rows]].sum())
+    every = -(-n_pairs // MAX_PAIRS) if n_pairs else 1
+    if every > 1:
+        # frames are numbered among those with pedestrians, so that a sampling step of the
+        # annotation cannot fall in with this one
+        number = np.cumsum(np.diff(truth.frame_index[rows], prepend=-1) > 0) - 1
+        rows = rows[number % every == 0]
+    return Sample(dataset, rows, detections, every)
+
+
+def above_threshold(boxes: BoxColumns, threshold: float | None) -> BoxColumns:
+    """The detections that pass a threshold; those without a score always do."""
+    if threshold is None:
+        return boxes
+    keep = ~(boxes.score < threshold)
+    total = np.concatenate([[0], np.cumsum(keep)])
+    columns = {
+        name: getattr(boxes, name)[keep]
+        for name in ("x", "y", "w", "h", "score", "track", "ignore", "distance_m", "frame_index")
+    }
+    return replace(boxes, **columns, offsets=total[boxes.offsets])

@@ -1,0 +1,305 @@
+"""The specification of the metrics, word by word, with plain loops: slow, and easy to believe.
+
+Shares no code with the library. A scene is a list of `Place` and three lists of `Box`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from statistics import median
+from typing import Any
+
+import numpy as np
+from builders import Box, Place
+from scipy.optimize import linear_sum_assignment
+
+from nvcore.params import Params
+
+
+def centre(box: Box, W: float) -> float:
+    return min(max(box.x + box.w / 2, 0), W)
+
+
+def iou_and_shared(a: Box, b: Box) -> tuple[float, float]:
+    across = min(a.x + a.w, b.x + b.w) - max(a.x, b.x)
+    down = min(a.y + a.h, b.y + b.h) - max(a.y, b.y)
+    shared = across * down if across > 0 and down > 0 else 0.0
+    return shared / (a.w * a.h + b.w * b.h - shared), shared
+
+
+def weight(box: Box, place: Place, params: Params) -> float:
+    midpoint = 0.10 * place.height if params.midpoint is None else params.midpoint
+    spread = 0.02 * place.height if params.spread is None else params.spread
+    horizon = place.horizon if params.horizon is None else params.horizon
+    if params.proximity == "none":
+        return 1.0
+    if params.proximity == "distance" and not math.isnan(box.distance_m):
+        exponent = (box.distance_m - params.midpoint_m) / params.spread_m
+    elif params.proximity == "horizon":
+        exponent = -((box.y + box.h - horizon) - midpoint) / spread
+    else:
+        exponent = -(box.h - midpoint) / spread
+    return 0.0 if exponent > 700 else 1 / (1 + math.exp(exponent))
+
+
+def apart(a: Box, b: Box, place: Place, params: Params) -> float:
+    lateral = abs(centre(a, place.width) - centre(b, place.width))
+    if params.distance == "lateral":
+        return lateral
+    return math.hypot(lateral, (a.y + a.h) - (b.y + b.h))
+
+
+def maximin(
+    A: Sequence[Box], B: Sequence[Box], place: Place, params: Params
+) -> tuple[float, Box | None]:
+    """Equation 1 and the member of A at which it stands."""
+    if not A:
+        return 0.0, None
+    W, rho = place.width, params.edge_weight
+    values = []
+    for a in A:
+        c = centre(a, W)
+        border = rho * W / 2 + (1 - rho) * min(c, W - c)
+        nearest = min([border, *(apart(a, b, place, params) for b in B)])
+        values.append(weight(a, place, params) * nearest)
+    most = max(values)
+    best = [a for a, value in zip(A, values, strict=True) if value == most]
+    best.sort(key=lambda a: (-weight(a, place, params), a.track))
+    return most, best[0]
+
+
+def match(
+    G: Sequence[Box], D: Sequence[Box], place: Place, params: Params, threshold: float | None
+) -> tuple[dict[int, int], list[int]]:
+    """Detections of one frame: {detection: pedestrian}, and the false alarms, by position."""
+    passing = [
+        d for d in range(len(D))
+        if threshold is None or math.isnan(D[d].score) or D[d].score >= threshold
+    ]  # fmt: skip
+    passing.sort(key=lambda d: -math.inf if math.isnan(D[d].score) else D[d].score, reverse=True)
+    pairs: dict[int, int] = {}
+    alarms = []
+    for d in passing:
+        candidates = []
+        for g, pedestrian in enumerate(G):
+            if pedestrian.ignore or g in pairs.values():
+                continue
+            if params.match == "iou":
+                iou, _ = iou_and_shared(D[d], pedestrian)
+                if iou >= params.iou and iou > 0:
+                    candidates.append((-iou, g))
+            else:
+                gap = abs(centre(D[d], place.width) - centre(pedestrian, place.width))
+                if gap <= max(params.lateral_tolerance * place.width, pedestrian.w / 2):
+                    candidates.append((gap, g))
+        if candidates:
+            pairs[d] = min(candidates)[1]
+        elif not any(
+            region.ignore and iou_and_shared(D[d], region)[1] >= 0.5 * D[d].w * D[d].h
+            for region in G
+        ):
+            alarms.append(d)
+    return pairs, alarms
+
+
+def link(frames_of_boxes: Sequence[Sequence[Box]]) -> list[list[int]]:
+    """Track number of every box of one recording, frame by frame in order of listing."""
+    tracks: list[tuple[int, Box]] = []  # position in the list, box, of each track's last box
+    answer = []
+    for position, boxes in enumerate(frames_of_boxes):
+        live = [n for n, (seen, _) in enumerate(tracks) if position - seen <= 3]
+        gain = np.zeros((len(live), len(boxes)))
+        for i, n in enumerate(live):
+            for j, box in enumerate(boxes):
+                iou = iou_and_shared(tracks[n][1], box)[0]
+                gain[i, j] = iou if iou >= 0.3 else 0
+        numbers = [-1] * len(boxes)
+        for i, j in zip(*linear_sum_assignment(gain, maximize=True), strict=True):
+            if gain[i, j] > 0:
+                numbers[j] = live[i]
+        for j, box in enumerate(boxes):
+            if numbers[j] < 0:
+                numbers[j] = len(tracks)
+                tracks.append((position, box))
+            tracks[numbers[j]] = (position, box)
+        answer.append(numbers)
+    return answer
+
+
+def steps(place: Place) -> list[float]:
+    """Time step of every listed frame, seconds."""
+    gaps = [b - a for a, b in zip(place.frames, place.frames[1:], strict=False)]
+    return [gap / place.fps for gap in [*gaps, median(gaps) if gaps else 1]]
+
+
+@dataclass
+class Trace:
+    """Everything about one system in one recording."""
+
+    d_miss: list[float] = field(default_factory=list)
+    d_false: list[float] = field(default_factory=list)
+    similarity: list[float] = field(default_factory=list)
+    salient: list[int] = field(default_factory=list)  # track, or -1
+    n_det: list[int] = field(default_factory=list)
+    matched: list[int] = field(default_factory=list)
+    false_alarms: list[list[Box]] = field(default_factory=list)
+    matched_boxes: list[list[bool]] = field(default_factory=list)  # of all truth boxes
+    events: list[tuple[int, int, int, float, float]] = field(default_factory=list)
+
+
+def score(
+    place: Place, truth: Sequence[Sequence[Box]], system: Sequence[Sequence[Box]],
+    params: Params, threshold: float | None,
+) -> Trace:  # fmt: skip
+    """One system of one recording; `truth` and `system` by listed frame."""
+    trace = Trace()
+    for in_truth, detections in zip(truth, system, strict=True):
+        G = [box for box in in_truth if not box.ignore]
+        pairs, alarms = match(in_truth, detections, place, params, threshold)
+        S = [detections[d] for d in sorted([*pairs, *alarms])]
+        d_miss, at = maximin(G, S, place, params)
+        d_false, _ = maximin(S, G, place, params)
+        effect = params.alpha * d_miss + (1 - params.alpha) * d_false
+        trace.d_miss.append(d_miss)
+        trace.d_false.append(d_false)
+        trace.similarity.append(1 - effect / (place.width / 2))
+        qualifies = at is not None and d_miss > params.tolerance * place.width / 2
+        trace.salient.append(at.track if at is not None and qualifies else -1)
+        trace.n_det.append(len(S))
+        trace.matched.append(len(pairs))
+        trace.false_alarms.append([detections[d] for d in sorted(alarms)])
+        trace.matched_boxes.append([g in pairs.values() for g in range(len(in_truth))])
+    trace.events = events(place, truth, trace.salient, params)
+    return trace
+
+
+def events(
+    place: Place, truth: Sequence[Sequence[Box]], salient: list[int], params: Params
+) -> list[tuple[int, int, int, float, float]]:
+    """Saliency events: track, position of first and last frame, duration, saliency."""
+    step = steps(place)
+    found = []
+    i = 0
+    while i < len(salient):
+        j = i
+        while j + 1 < len(salient) and salient[j + 1] == salient[i]:
+            j += 1
+        if salient[i] >= 0:
+            first, last = 0, len(salient) - 1
+            if params.saliency_scope == "encounter":
+                seen = [
+                    p for p, boxes in enumerate(truth)
+                    if any(b.track == salient[i] and not b.ignore for b in boxes)
+                ]  # fmt: skip
+                first, last = seen[0], seen[-1]
+            tau = sum(step[first : j + 1]) / sum(step[first : last + 1])
+            z = (tau - params.recency_midpoint) / params.recency_spread
+            recency = 1 / (1 + math.exp(-z))
+            duration = sum(step[i : j + 1])
+            found.append((salient[i], i, j, duration, duration * recency))
+        i = j + 1
+    return found
+
+
+def intervals(place: Place, similarity: list[float], low: float) -> list[tuple[int, int, float]]:
+    """Low-similarity intervals: positions of first and last frame, severity."""
+    step = steps(place)
+    found: list[list[int]] = []
+    for i, value in enumerate(similarity):
+        if value < low:
+            if found and found[-1][-1] == i - 1:
+                found[-1].append(i)
+            else:
+                found.append([i])
+    return [
+        (run[0], run[-1], sum((low - similarity[i]) * step[i] for i in run)) for run in found
+    ]  # fmt: skip
+
+
+def moving_mean(place: Place, values: list[float], window: float) -> list[float]:
+    half = window / 2 * place.fps + 1e-6  # in frames; a frame exactly at the border counts
+    means = []
+    for t in place.frames:
+        near = [v for f, v in zip(place.frames, values, strict=True) if abs(f - t) <= half]
+        means.append(sum(near) / len(near))
+    return means
+
+
+def encounters(
+    place: Place, truth: Sequence[Sequence[Box]], trace: Trace, params: Params
+) -> dict[int, dict[str, Any]]:
+    """Figures of one system for every encounter of one recording, by track."""
+    step = steps(place)
+    answer = {}
+    for track in sorted({b.track for boxes in truth for b in boxes if not b.ignore}):
+        r = []  # position and whether matched, of the relevant frames
+        peak = 0.0
+        for p, boxes in enumerate(truth):
+            rows = [
+                (weight(b, place, params), hit)
+                for b, hit in zip(boxes, trace.matched_boxes[p], strict=True)
+                if b.track == track and not b.ignore
+            ]
+            peak = max([peak, *(k for k, _ in rows)])
+            if any(k >= 0.5 for k, _ in rows):
+                r.append((p, any(hit for k, hit in rows if k >= 0.5)))
+        hits = [i for i, (_, hit) in enumerate(r) if hit]
+        figures: dict[str, Any] = {"n_relevant": len(r), "matched": len(hits), "peak_k": peak}
+        coverage = len(hits) / len(r) if r else math.nan
+        lag = gap = tail = math.nan
+        if hits:
+            lag = (place.frames[r[hits[0]][0]] - place.frames[r[0][0]]) / place.fps
+            gap = max(
+                (sum(step[p] for p, _ in r[a + 1 : b]) for a, b in zip(hits, hits[1:], strict=False)),
+                default=0.0,
+            )  # fmt: skip
+            tail = sum(step[p] for p, _ in r[hits[-1] + 1 :])
+        small = 1e-9  # sums of time steps that equal a limit do not exceed it
+        if not r:
+            kind = None
+        elif not hits:
+            kind = "never"
+        elif lag > params.lag_s + small:
+            kind = "late"
+        elif gap > params.gap_s + small:
+            kind = "dropout"
+        elif tail > params.gap_s + small:
+            kind = "lost_early"
+        elif coverage < params.coverage:
+            kind = "brief"
+        else:
+            kind = "none"
+        detected = bool(hits) and coverage >= params.coverage
+        answer[track] = figures | {
+            "coverage": coverage, "is_detected": detected, "lag_s": lag, "gap_s": gap,
+            "tail_s": tail, "miss_class": kind,
+        }  # fmt: skip
+    return answer
+
+
+def pair(X: Sequence[Box], Y: Sequence[Box], iou: float) -> list[tuple[int, int]]:
+    """Pairs of detections of one frame, greedily by descending IoU."""
+    candidates = sorted(
+        (-iou_and_shared(a, b)[0], i, j)
+        for i, a in enumerate(X) for j, b in enumerate(Y)
+        if iou_and_shared(a, b)[0] >= iou
+    )  # fmt: skip
+    pairs: list[tuple[int, int]] = []
+    for _, i, j in candidates:
+        if all(i != p and j != q for p, q in pairs):
+            pairs.append((i, j))
+    return pairs
+
+
+def fuse(X: Sequence[Box], Y: Sequence[Box], iou: float) -> tuple[list[Box], list[Box]]:
+    """`X or Y` and `X and Y` of one frame; X and Y hold what passes the thresholds."""
+    pairs = pair(X, Y, iou)
+    paired_x, paired_y = {i for i, _ in pairs}, {j for _, j in pairs}
+    either = [*X, *(b for j, b in enumerate(Y) if j not in paired_y)]
+    both = [b for i, b in enumerate(X) if i in paired_x]
+    return (
+        [b._replace(score=math.nan) for b in either],
+        [b._replace(score=math.nan) for b in both],
+    )

@@ -1,0 +1,67 @@
+"""The pinhole camera and the boxes it gives, by hand."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from nvcore.sample.body import joints
+from nvcore.sample.camera import HEIGHT, N_FRAMES, WIDTH, Camera, travelled
+from nvcore.sample.scene import Person
+from nvcore.sample.truth import body_edges
+
+
+def test_a_point_straight_ahead_at_camera_height_lies_in_the_image_centre() -> None:
+    pixels, depth = Camera().project(np.array([0.0, 1.25, 30.0]))
+    assert pixels == pytest.approx([WIDTH / 2, HEIGHT / 2])
+    assert depth == pytest.approx(30.0)
+
+
+def test_a_point_one_metre_aside_moves_by_focal_length_over_distance() -> None:
+    pixels, _ = Camera().project(np.array([1.0, 1.25, 22.0]))
+    assert pixels[0] - WIDTH / 2 == pytest.approx(1100 / 22)
+
+
+def test_a_far_point_of_the_road_lies_on_the_horizon_row() -> None:
+    pixels, _ = Camera(horizon=232.0).project(np.array([0.0, 0.0, 1e7]))
+    assert pixels[1] == pytest.approx(232.0, abs=1e-3)
+
+
+def test_the_road_on_an_image_row_projects_back_to_that_row() -> None:
+    camera = Camera(horizon=232.0)
+    distance = camera.ground_depth(np.array([300.0]))
+    pixels, _ = camera.project(np.array([0.0, 0.0, float(distance[0])]))
+    assert pixels[1] == pytest.approx(300.0)
+
+
+def test_a_car_at_8_metres_per_second_goes_80_metres_in_10_seconds() -> None:
+    assert travelled(((0, 8), (15, 8)))[200] == pytest.approx(80.0)
+
+
+def test_a_car_that_slows_evenly_to_a_stop_goes_half_as_far() -> None:
+    way = travelled(((0, 8), (10, 0)))
+    assert way[200] == pytest.approx(40.0)
+    assert way[N_FRAMES - 1] == pytest.approx(40.0)
+
+
+@pytest.mark.parametrize(("height_m", "distance_m"), [(1.75, 35.0), (1.1, 20.0), (1.9, 60.0)])
+def test_a_standing_person_is_focal_length_times_height_over_distance_high(
+    height_m: float, distance_m: float
+) -> None:
+    person = Person(((0, 0.0, distance_m), (15, 0.0, distance_m)), height_m)
+    edges, _ = body_edges(person, joints(person), Camera())
+    expected = 1100 * height_m / distance_m
+    assert edges[0, 3] - edges[0, 1] == pytest.approx(expected, rel=0.03)
+
+
+def test_the_feet_of_a_walking_person_stay_on_the_road() -> None:
+    person = Person(((0, -4.0, 20.0), (15, 14.0, 20.0)), 1.75)
+    soles = joints(person)[..., 1].copy()
+    lowest = np.nanmin(soles, axis=1) - 0.018 * 1.75
+    assert lowest == pytest.approx(np.zeros(N_FRAMES), abs=1e-9)
+
+
+def test_a_crouching_person_is_lower_than_two_thirds_of_the_standing_height() -> None:
+    crouching = Person(((0, 0.0, 20.0), (15, 0.0, 20.0)), 1.75, crouch=((0, 1), (15, 1)))
+    edges, _ = body_edges(crouching, joints(crouching), Camera())
+    assert edges[0, 3] - edges[0, 1] < 1100 * 1.75 / 20 * 2 / 3

@@ -1,0 +1,150 @@
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+from builders import Box, Place, make_dataset
+
+from nvcore.dataset import dataset_from_tables, empty_left_out, frame_gaps, frames_table
+from nvcore.errors import InputError
+from nvcore.schema import DATASET_BOX_DTYPES, FRAME_DTYPES, LEFT_OUT_DTYPES, RECORDING_DTYPES
+
+
+def recordings(**columns: object) -> pd.DataFrame:
+    return pd.DataFrame({"name": ["r"], "width": 100.0, "height": 50.0, "fps": 10.0, **columns})
+
+
+def boxes(*rows: tuple[int, int, float]) -> pd.DataFrame:
+    table = pd.DataFrame(rows, columns=["source", "frame_index", "x"])
+    return table.assign(y=0.0, w=1.0, h=1.0)
+
+
+def test_time_counts_from_the_first_listed_frame() -> None:
+    frames = make_dataset(frames=[9, 29, 49], fps=20).frames
+    assert frames["frame"].tolist() == [9, 29, 49]
+    assert frames["time_s"].tolist() == [0, 1, 2]
+
+
+def test_the_time_step_is_the_gap_to_the_next_listed_frame() -> None:
+    frames = make_dataset(frames=[0, 1, 5, 6], fps=10).frames
+    assert frames["step_s"].tolist()[:3] == [0.1, 0.4, 0.1]
+
+
+def test_the_last_time_step_is_the_median_gap() -> None:
+    assert make_dataset(frames=[0, 1, 5, 6], fps=10).frames["step_s"].iloc[-1] == 0.1
+    assert make_dataset(frames=[0, 1, 5], fps=10).frames["step_s"].iloc[-1] == 0.25
+
+
+def test_a_recording_of_one_frame_has_a_step_of_one_frame() -> None:
+    dataset = make_dataset(frames=[17], fps=25)
+    assert dataset.frames["step_s"].tolist() == [1 / 25]
+    assert dataset.frame_columns.duration_s == 1 / 25
+
+
+def test_time_and_steps_start_anew_in_every_recording() -> None:
+    dataset = make_dataset(places=[Place([0, 2, 4], fps=10), Place([7, 8], fps=5)])
+    assert dataset.frames["time_s"].tolist() == [0, 0.2, 0.4, 0, 0.2]
+    assert dataset.frames["step_s"].tolist() == [0.2, 0.2, 0.2, 0.2, 0.2]
+    assert dataset.frame_columns.gap.tolist() == [2, 2, 2, 1, 1]
+    assert dataset.frame_columns.first.tolist() == [0, 3, 5]
+
+
+def test_a_recording_without_frames_takes_no_rows() -> None:
+    dataset = make_dataset(places=[Place([]), Place([3, 4]), Place([])])
+    assert dataset.frames["recording"].tolist() == [1, 1]
+    assert dataset.frame_columns.first.tolist() == [0, 0, 2, 2]
+    assert dataset.frame_columns.gap.tolist() == [1, 1]
+
+
+def test_the_duration_of_all_recordings_is_the_sum_of_their_time_steps() -> None:
+    dataset = make_dataset(places=[Place([0, 10], fps=10), Place([0], fps=2)])
+    assert dataset.frame_columns.duration_s == pytest.approx(2.5)
+
+
+def test_boxes_are_sorted_by_source_and_frame_and_keep_their_order_otherwise() -> None:
+    table = boxes((1, 1, 11), (0, 1, 1), (1, 0, 10), (0, 0, 0), (1, 1, 12), (1, 0, 9))
+    dataset = dataset_from_tables(recordings(), [np.arange(2)], table, ["x"])
+    assert dataset.boxes["x"].tolist() == [0, 1, 10, 9, 11, 12]
+    assert dataset.truth.offsets.tolist() == [0, 1, 2]
+    assert dataset.system("x").offsets.tolist() == [0, 2, 4]
+
+
+def test_a_source_knows_the_row_at_which_it_starts() -> None:
+    dataset = make_dataset(truth=[(0, 1, 1, 2, 2, 5)], x=[(0, 3, 1, 2, 2)], y=[(0, 4, 1, 2, 2)])
+    assert dataset.truth.first_row == 0
+    assert dataset.system("y").first_row == 2
+    assert dataset.system("y").x.tolist() == [4]
+    assert len(dataset.system("y")) == 1
+
+
+def test_frames_without_boxes_keep_their_place_in_the_offsets() -> None:
+    dataset = make_dataset(x=[(2, 1, 1, 2, 2)], n_frames=4)
+    assert dataset.system("x").offsets.tolist() == [0, 0, 0, 1, 1]
+    assert dataset.truth.offsets.tolist() == [0, 0, 0, 0, 0]
+
+
+def test_an_unknown_system_is_refused_with_the_known_ones() -> None:
+    with pytest.raises(InputError, match="there is no system 'z'; there are x, y"):
+        make_dataset().system("z")
+
+
+@pytest.mark.parametrize("name", ["width", "height", "fps"])
+@pytest.mark.parametrize("value", [0.0, -1.0, np.nan])
+def test_a_size_or_frame_rate_that_is_no_positive_number_is_refused(
+    name: str, value: float
+) -> None:
+    with pytest.raises(InputError, match=f"recording 'r': expected a positive {name}, found"):
+        dataset_from_tables(recordings(**{name: value}), [np.arange(2)], boxes(), [])
+
+
+def test_an_unknown_horizon_is_nan() -> None:
+    dataset = dataset_from_tables(recordings(), [np.arange(1)], boxes(), [])
+    assert np.isnan(dataset.frame_columns.horizon[0])
+    given = dataset_from_tables(recordings(horizon=20.0), [np.arange(1)], boxes(), [])
+    assert given.frame_columns.horizon[0] == 20
+
+
+def test_tables_have_the_dtypes_of_the_schema_with_and_without_boxes() -> None:
+    for dataset in (make_dataset(n_frames=1), make_dataset(truth=[Box(0, 1, 1, 2, 2)])):
+        assert {n: str(d) for n, d in dataset.boxes.dtypes.items()} == DATASET_BOX_DTYPES
+        assert {n: str(d) for n, d in dataset.frames.dtypes.items()} == FRAME_DTYPES
+        assert list(dataset.recordings) == list(RECORDING_DTYPES)
+
+
+def test_the_fingerprint_changes_with_any_value_and_name() -> None:
+    table = boxes((0, 0, 1), (1, 0, 2))
+    listed = [np.arange(2)]
+    one = dataset_from_tables(recordings(), listed, table, ["a"]).fingerprint
+    assert dataset_from_tables(recordings(), listed, table.copy(), ["a"]).fingerprint == one
+    others = [
+        dataset_from_tables(recordings(), listed, table, ["b"]),
+        dataset_from_tables(recordings(fps=11.0), listed, table, ["a"]),
+        dataset_from_tables(recordings(name=["s"]), listed, table, ["a"]),
+        dataset_from_tables(recordings(), [np.array([0, 2])], table, ["a"]),
+        dataset_from_tables(recordings(), listed, table.assign(x=[1, 2.5]), ["a"]),
+    ]
+    assert len({one, *(other.fingerprint for other in others)}) == 6
+
+
+def test_a_given_fingerprint_is_kept() -> None:
+    dataset = dataset_from_tables(recordings(), [np.arange(1)], boxes(), [], fingerprint="abc")
+    assert dataset.fingerprint == "abc"
+
+
+def test_the_given_tables_are_not_changed() -> None:
+    table, sizes = boxes((1, 0, 2), (0, 0, 1)), recordings()
+    before = table.copy(), sizes.copy()
+    dataset_from_tables(sizes, [np.arange(1)], table, ["a"])
+    pd.testing.assert_frame_equal(table, before[0])
+    pd.testing.assert_frame_equal(sizes, before[1])
+
+
+def test_nothing_left_out_keeps_its_columns() -> None:
+    table = empty_left_out()
+    assert table.empty
+    assert list(table) == list(LEFT_OUT_DTYPES)
+
+
+def test_no_recording_at_all_gives_an_empty_frames_table() -> None:
+    assert frames_table([], []).empty
+    assert frame_gaps(np.empty(0, np.int64), np.array([0]), np.empty(0)).size == 0

@@ -1,0 +1,403 @@
+"""From a session to a dataset: recordings, facts, corrections, and that no row is lost."""
+
+from __future__ import annotations
+
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from inputs import DATA, drive, facts_of, mot_layout, session_of, write
+
+from nvcore.dataset import Dataset
+from nvcore.errors import InputError, MissingFactError
+from nvcore.loading import compared_systems, effective_params, load, read_source
+from nvcore.params import Params
+from nvcore.session import Session, Source, SystemSource
+
+TRUTH = "frame,x,y,w,h,track"
+DETECTIONS = "frame,x,y,w,h,score"
+
+
+def one_box(folder: Path, *rows: str, name: str = "fir.csv") -> Path:
+    """A truth of one pedestrian in frames 0 to 9, and these detections."""
+    write(folder / "truth.csv", TRUTH, *(f"{frame},100,200,40,100,1" for frame in range(10)))
+    write(folder / name, DETECTIONS, *rows)
+    return folder
+
+
+def mot_session(folder: Path, truth: str, system: str) -> Session:
+    return Session(folder, Source((truth,)), (SystemSource((system,)),))
+
+
+def names(dataset: Dataset) -> list[str]:
+    return dataset.recordings["name"].tolist()
+
+
+def boxes_of(dataset: Dataset, number: int) -> list[list[float]]:
+    boxes = dataset.boxes[dataset.boxes["source"] == number]
+    return boxes[["x", "y", "w", "h"]].to_numpy().tolist()
+
+
+# one recording or several
+
+
+def test_single_files_of_different_names_are_the_same_recording(tmp_path: Path):
+    write(tmp_path / "night" / "annotated.csv", TRUTH, "0,1,1,5,10,1")
+    write(tmp_path / "out" / "thermal.csv", DETECTIONS, "0,1,1,5,10,0.5")
+    dataset = load(session_of(tmp_path, "night/annotated.csv", "out/thermal.csv"))
+    assert names(dataset) == ["annotated"]
+    assert (len(dataset.system("thermal")), len(dataset.left_out)) == (1, 0)
+
+
+def test_the_assumption_that_single_recordings_are_the_same_is_reported(tmp_path: Path):
+    write(tmp_path / "truth.csv", "recording," + TRUTH, "urban,0,1,1,5,10,1")
+    write(tmp_path / "fir.csv", "recording," + DETECTIONS, "city,0,1,1,5,10,0.5")
+    conversion = load(session_of(tmp_path, "truth.csv", "fir.csv")).inputs["conversion"]
+    assert "recording 'city' taken for the truth's only recording 'urban'" in conversion[1]
+
+
+def test_mot_layout_gives_one_recording_per_folder(tmp_path: Path):
+    dataset = load(mot_session(mot_layout(tmp_path), ".", "."))
+    assert names(dataset) == ["A", "B"]
+    assert len(dataset.left_out) == 0
+
+
+def test_globs_give_the_same_as_the_folder(tmp_path: Path):
+    mot_layout(tmp_path)
+    by_folder = load(mot_session(tmp_path, ".", "."))
+    by_glob = load(mot_session(tmp_path, "*/gt/gt.txt", "*/det/det.txt"))
+    assert by_glob.boxes.equals(by_folder.boxes)
+    assert by_glob.frames.equals(by_folder.frames)
+
+
+def test_a_list_of_files_gives_their_recordings(tmp_path: Path):
+    mot_layout(tmp_path, ("A", "B", "C"))
+    truth = Source(("A/gt/gt.txt", "C/gt/gt.txt"))
+    detections = SystemSource(("A/det/det.txt", "C/det/det.txt"))
+    dataset = load(Session(tmp_path, truth, (detections,)))
+    assert names(dataset) == ["A", "C"]
+    assert len(dataset.system("det")) == 8
+
+
+def test_one_file_per_picture_below_folders_gives_recordings_by_folder(tmp_path: Path):
+    for name in ("set06/V000/I00019", "set06/V000/I00039", "set09/V000/I00019"):
+        write(tmp_path / "gt" / f"{name}.txt", "% bbGt version=3",
+              "person 10 20 20 50 0 0 0 0 0 0 0")  # fmt: skip
+    write(tmp_path / "fir.csv", "recording," + DETECTIONS, "set06/V000,19,10,20,20,50,0.5")
+    dataset = load(session_of(tmp_path, "gt", "fir.csv"))
+    assert names(dataset) == ["set06/V000", "set09/V000"]
+    assert dataset.frames["frame"].tolist() == [19, 39, 19]
+
+
+def test_two_systems_of_one_name_are_told_apart(tmp_path: Path):
+    one_box(tmp_path, "0,1,1,5,10,0.5")
+    dataset = load(session_of(tmp_path, "truth.csv", "fir.csv", "fir.csv"))
+    assert dataset.systems == ("fir", "fir (2)")
+
+
+def test_a_system_without_detections_has_all_frames(tmp_path: Path):
+    dataset = load(session_of(one_box(tmp_path), "truth.csv", "fir.csv"))
+    assert (len(dataset.system("fir")), len(dataset.frames)) == (0, 10)
+
+
+def test_a_truth_without_a_recording_is_an_input_error(tmp_path: Path):
+    write(tmp_path / "truth.csv", "recording," + TRUTH)
+    write(tmp_path / "fir.csv", DETECTIONS)
+    with pytest.raises(InputError, match="the ground truth holds no"):
+        load(session_of(tmp_path, "truth.csv", "fir.csv"))
+
+
+# size and frame rate
+
+
+def test_size_and_frame_rate_come_from_seqinfo(tmp_path: Path):
+    row = load(mot_session(mot_layout(tmp_path), ".", ".")).recordings.iloc[0]
+    assert (row["width"], row["height"], row["fps"]) == (640, 480, 10)
+
+
+def test_a_flag_goes_before_the_data(tmp_path: Path):
+    session = mot_session(mot_layout(tmp_path), ".", ".")
+    row = load(replace(session, size=(1280, 960), fps=25.0)).recordings.iloc[0]
+    assert (row["width"], row["height"], row["fps"]) == (1280, 960, 25)
+
+
+def test_what_a_session_says_of_a_recording_goes_before_its_defaults(tmp_path: Path):
+    session = replace(
+        mot_session(mot_layout(tmp_path), ".", "."),
+        fps=25.0,
+        recordings=(facts_of("B", fps=30.0, width=320, height=240, horizon=100.0),),
+    )
+    table = load(session).recordings
+    assert table["fps"].tolist() == [25, 30]
+    assert table["width"].tolist() == [640, 320]
+    assert table["horizon"].tolist()[1] == 100
+    assert np.isnan(table["horizon"][0])
+
+
+def test_the_only_recording_of_session_and_truth_is_the_same(tmp_path: Path):
+    session = session_of(
+        one_box(tmp_path), "truth.csv", "fir.csv", fps=None,
+        recordings=(facts_of("night", fps=12.5, frames="0:3"),),
+    )  # fmt: skip
+    dataset = load(session)
+    assert dataset.recordings["fps"].tolist() == [12.5]
+    assert dataset.frames["frame"].tolist() == [0, 1, 2, 3]
+
+
+@pytest.mark.parametrize(
+    ("unknown", "flag"), [("size", "--size WIDTHxHEIGHT, or width"), ("fps", "--fps, or fps")]
+)
+def test_an_unknown_fact_names_the_flag(tmp_path: Path, unknown: str, flag: str):
+    with pytest.raises(MissingFactError, match=f"is not in the data; give {flag} in the session"):
+        load(session_of(one_box(tmp_path), "truth.csv", "fir.csv", **{unknown: None}))
+
+
+def test_an_unknown_fact_of_several_recordings_says_of_how_many(tmp_path: Path):
+    with pytest.raises(MissingFactError, match=r"recording 'urban' .* \(nor that of 1 more\)"):
+        load(session_of(drive(tmp_path), fps=None))
+
+
+def yolo(folder: Path) -> Path:
+    for name in ("gt", "out"):
+        shutil.copytree(DATA / "yolo", folder / name)
+    return folder
+
+
+def test_the_size_of_a_session_s_recordings_serves_formats_with_relative_boxes(tmp_path: Path):
+    facts = facts_of("drive1", width=640, height=480, fps=20.0)
+    session = session_of(yolo(tmp_path), "gt", "out", size=None, fps=None, recordings=(facts,))
+    assert boxes_of(load(session), 0)[0] == [240, 120, 160, 240]
+
+
+def test_the_size_of_the_truth_serves_detections_with_relative_boxes(tmp_path: Path):
+    yolo(tmp_path)
+    shutil.rmtree(tmp_path / "gt")
+    shutil.copytree(DATA / "voc", tmp_path / "gt")
+    dataset = load(session_of(tmp_path, "gt", "out", size=None))
+    assert boxes_of(dataset, 0)[0] == [100, 50, 20, 40]
+    assert "out" in dataset.systems
+
+
+# evaluated frames
+
+
+def test_seqinfo_lists_frames_without_truth(tmp_path: Path):
+    dataset = load(mot_session(mot_layout(tmp_path, ("A",)), ".", "."))
+    assert dataset.frames["frame"].tolist() == [1, 2, 3, 4, 5]
+    assert "those that the ground truth lists (5 in all)" in dataset.notes[0]
+
+
+def test_coco_s_image_list_is_the_frame_list(tmp_path: Path):
+    session = session_of(DATA / "coco", "kaist.json", "results.json")
+    dataset = load(session)
+    assert names(dataset) == ["set06/V000", "set09/V000"]
+    assert dataset.frames["frame"].tolist() == [19, 39, 19]
+
+
+def test_sampled_annotation_is_evaluated_at_its_step(tmp_path: Path):
+    write(tmp_path / "truth.csv", TRUTH, *(f"{f},1,1,5,10,1" for f in range(9, 200, 20)))
+    write(tmp_path / "fir.csv", DETECTIONS, "9,1,1,5,10,0.5", "10,1,1,5,10,0.5")
+    dataset = load(session_of(tmp_path, "truth.csv", "fir.csv"))
+    assert dataset.frames["frame"].tolist() == list(range(9, 200, 20))
+    assert "every 20. frame from 9 to 189: annotation is sampled at that step" in dataset.notes[0]
+
+
+def test_given_frames_go_before_those_of_the_data(tmp_path: Path):
+    session = replace(mot_session(mot_layout(tmp_path), ".", "."), frames="2:4:2")
+    dataset = load(session)
+    assert dataset.frames["frame"].tolist() == [2, 4, 2, 4]
+    assert "as given for all recordings (4 in all)" in dataset.notes[0]
+
+
+def test_a_recording_s_own_frames_go_before_those_given_for_all(tmp_path: Path):
+    write(tmp_path / "b.txt", "5")
+    session = replace(
+        mot_session(mot_layout(tmp_path), ".", "."),
+        frames="1:2",
+        recordings=(facts_of("B", frames="b.txt"),),
+    )
+    dataset = load(session)
+    assert dataset.frames["frame"].tolist() == [1, 2, 5]
+    assert dataset.notes == (
+        "evaluated frames of A: as given for all recordings (2 in all)",
+        "evaluated frames of B: as the session says (1 in all)",
+    )
+
+
+def test_a_recording_without_truth_counts_where_its_frames_are_given(tmp_path: Path):
+    one = facts_of("empty", frames="0:4")
+    dataset = load(replace(session_of(drive(tmp_path)), recordings=(one,)))
+    assert names(dataset) == ["urban", "rural", "empty"]
+    assert len(dataset.frames) == 45
+
+
+def test_a_recording_of_which_no_frame_is_known_is_left_out_and_told(tmp_path: Path):
+    dataset = load(replace(session_of(drive(tmp_path)), recordings=(facts_of("empty"),)))
+    assert names(dataset) == ["urban", "rural"]
+    assert any("empty: no frame is known; recording left out" in note for note in dataset.notes)
+
+
+def test_no_frame_at_all_asks_for_frames(tmp_path: Path):
+    write(tmp_path / "truth.csv", TRUTH)
+    write(tmp_path / "fir.csv", DETECTIONS, "0,1,1,5,10,0.5")
+    with pytest.raises(MissingFactError, match=r"truth\.csv: no frame is evaluated.*--frames"):
+        load(session_of(tmp_path, "truth.csv", "fir.csv"))
+
+
+# corrections
+
+
+def test_frame_numbers_are_moved_by_the_offset(tmp_path: Path):
+    system = SystemSource(("fir.csv",), offset_frames=-2)
+    dataset = load(session_of(one_box(tmp_path, "5,1,1,5,10,0.5"), "truth.csv", system))
+    assert dataset.frames["frame"][int(dataset.system("fir").frame_index[0])] == 3
+    assert "frame numbers moved by -2" in dataset.inputs["conversion"].iloc[-1]
+
+
+def test_boxes_are_scaled_first_and_then_moved(tmp_path: Path):
+    system = SystemSource(("fir.csv",), scale=(2.0, 0.5), offset_px=(10.0, -1.0))
+    dataset = load(session_of(one_box(tmp_path, "0,1,4,5,10,0.5"), "truth.csv", system))
+    assert boxes_of(dataset, 1) == [[12, 1, 10, 5]]
+    told = dataset.inputs["conversion"].iloc[-1]
+    assert "coordinates scaled by 2, 0.5; boxes moved by 10, -1 px" in told
+
+
+def test_corrections_of_one_system_leave_the_others_alone(tmp_path: Path):
+    one_box(tmp_path, "0,1,4,5,10,0.5")
+    system = SystemSource(("fir.csv",), name="moved", offset_px=(10.0, 0.0))
+    dataset = load(session_of(tmp_path, "truth.csv", system, "fir.csv"))
+    assert boxes_of(dataset, 2) == [[1, 4, 5, 10]]
+
+
+# nothing is lost
+
+
+@pytest.mark.parametrize(
+    ("row", "reason"),
+    [
+        ("city,0,1,1,5,10,0.5", "unknown recording"),
+        ("urban,99,1,1,5,10,0.5", "frame not listed"),
+        ("urban,-1,1,1,5,10,0.5", "frame not listed"),
+        ("urban,9007199254740991,1,1,5,10,0.5", "frame not listed"),
+        ("urban,0,nan,1,5,10,0.5", "not a number"),
+        ("urban,0,1,1,0,10,0.5", "no area"),
+        ("urban,0,1,1,5,-10,0.5", "no area"),
+    ],
+)
+def test_a_row_without_a_place_is_left_out_with_its_reason(tmp_path: Path, row: str, reason: str):
+    drive(tmp_path)
+    write(tmp_path / "fir.csv", "recording," + DETECTIONS, "rural,3,1,1,5,10,0.5", row)
+    dataset = load(session_of(tmp_path, "truth.csv", "fir.csv"))
+    assert len(dataset.system("fir")) == 1
+    lost = dataset.left_out
+    assert lost[["subject", "line", "reason"]].to_numpy().tolist() == [["fir", 3, reason]]
+    assert dataset.inputs["file"][int(lost["file"][0])].endswith("fir.csv")
+
+
+def test_a_frame_between_listed_ones_is_not_listed(tmp_path: Path):
+    one_box(tmp_path, "0,1,1,5,10,0.5", "1,1,1,5,10,0.5", "2,1,1,5,10,0.5")
+    dataset = load(session_of(tmp_path, "truth.csv", "fir.csv", frames="0:8:2"))
+    assert dataset.left_out.query("subject == 'fir'")["frame"].tolist() == [1]
+    assert len(dataset.truth) == 5
+
+
+# ids and fingerprint
+
+
+def copied(source: Path, target: Path) -> Session:
+    shutil.copytree(source, target)
+    return session_of(target)
+
+
+def fingerprint(session: Session) -> str:
+    return load(session).fingerprint
+
+
+def test_the_fingerprint_does_not_depend_on_where_the_files_lie(tmp_path: Path):
+    first = session_of(drive(tmp_path / "a"))
+    assert fingerprint(copied(tmp_path / "a", tmp_path / "elsewhere" / "b")) == fingerprint(first)
+
+
+def test_the_fingerprint_changes_with_one_byte_of_the_input(tmp_path: Path):
+    before = fingerprint(session_of(drive(tmp_path)))
+    text = (tmp_path / "nir.csv").read_text()
+    write(tmp_path / "nir.csv", text.rstrip()[:-1] + "6")
+    assert fingerprint(session_of(tmp_path)) != before
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"size": (641, 480)}, {"fps": 21.0}, {"frames": "0:18"},
+        {"truth": Source(("truth.csv",), classes=("person",))},
+        {"systems": (SystemSource(("fir.csv",), offset_frames=1), SystemSource(("nir.csv",)))},
+        {"systems": (SystemSource(("fir.csv",), scale=(1, 2)), SystemSource(("nir.csv",)))},
+        {"recordings": (facts_of("urban", horizon=200.0),)},
+    ],
+)  # fmt: skip
+def test_the_fingerprint_changes_with_every_setting_of_the_reading(tmp_path: Path, change: dict):
+    session = session_of(drive(tmp_path))
+    assert fingerprint(replace(session, **change)) != fingerprint(session)
+
+
+def test_the_fingerprint_does_not_change_with_live_parameters(tmp_path: Path):
+    session = session_of(drive(tmp_path))
+    changed = replace(
+        session,
+        params=Params(alpha=0.5),
+        systems=(SystemSource(("fir.csv",), threshold=0.7), session.systems[1]),
+    )
+    assert fingerprint(changed) == fingerprint(session)
+
+
+def test_a_changed_input_is_a_finding(tmp_path: Path):
+    session = replace(session_of(drive(tmp_path)), hashes={"truth": "0" * 64, "gone": "1"})
+    found = load(session).findings
+    assert [(one.code, one.subject, one.file[-9:]) for one in found] == [
+        ("input-changed", "truth", "truth.csv")
+    ]
+
+
+# X and Y
+
+
+SYSTEMS = (SystemSource(("fir.csv",), threshold=0.1), SystemSource(("nir.csv",), threshold=0.2))
+
+
+@pytest.mark.parametrize(
+    ("chosen", "expected", "thresholds"),
+    [
+        ({}, ("fir", "nir"), (0.1, 0.2)),
+        ({"x": "nir"}, ("nir", "fir"), (0.2, 0.1)),
+        ({"y": "fir"}, ("nir", "fir"), (0.2, 0.1)),
+        ({"x": "nir", "y": "nir"}, ("nir", "nir"), (0.2, 0.2)),
+        ({"params": Params(threshold_y=0.7)}, ("fir", "nir"), (0.1, 0.7)),
+    ],
+)
+def test_each_compared_system_keeps_its_own_threshold(
+    tmp_path: Path, chosen: dict, expected: tuple[str, str], thresholds: tuple[float, float]
+):
+    session = replace(session_of(drive(tmp_path), systems=SYSTEMS), **chosen)
+    dataset = load(session)
+    params = effective_params(session, dataset)
+    assert compared_systems(session, dataset) == expected
+    assert (params.threshold_x, params.threshold_y) == thresholds
+
+
+def test_a_single_system_is_compared_with_none(tmp_path: Path):
+    session = session_of(drive(tmp_path), "truth.csv", "fir.csv")
+    assert compared_systems(session, load(session)) == ("fir", None)
+
+
+def test_progress_names_each_step(tmp_path: Path):
+    told: list[str] = []
+    load(session_of(drive(tmp_path)), progress=told.append)
+    assert told == ["reading the ground truth", "reading fir", "reading nir",
+                    "placing boxes in frames"]  # fmt: skip
+
+
+def test_one_source_can_be_read_by_itself():
+    reading = read_source(Source(("kaist.json",)), role="truth", folder=DATA / "coco")
+    assert len(reading.boxes) == 3
