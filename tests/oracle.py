@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from statistics import median
 from typing import Any
 
@@ -252,7 +253,7 @@ def encounters(
         if hits:
             lag = (place.frames[r[hits[0]][0]] - place.frames[r[0][0]]) / place.fps
             gap = max(
-                (sum(step[p] for p, _ in r[a + 1 : b]) for a, b in zip(hits, hits[1:], strict=False)),
+                (sum(step[p] for p, _ in r[a + 1 : b]) for a, b in pairwise(hits)),
                 default=0.0,
             )  # fmt: skip
             tail = sum(step[p] for p, _ in r[hits[-1] + 1 :])

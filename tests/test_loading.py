@@ -379,7 +379,7 @@ SYSTEMS = (SystemSource(("fir.csv",), threshold=0.1), SystemSource(("nir.csv",),
 def test_each_compared_system_keeps_its_own_threshold(
     tmp_path: Path, chosen: dict, expected: tuple[str, str], thresholds: tuple[float, float]
 ):
-    session = replace(session_of(drive(tmp_path), systems=SYSTEMS), **chosen)
+    session = replace(session_of(drive(tmp_path)), systems=SYSTEMS, **chosen)
     dataset = load(session)
     params = effective_params(session, dataset)
     assert compared_systems(session, dataset) == expected

@@ -107,10 +107,10 @@ look like far infrared: bright is warm.
 
 Each recording lasts {seconds} s at {fps} frames per second.
 
-- `truth.csv`: one row per person and frame, from entry to exit (who is hidden for a while in between
-  stays annotated), at least 8 px high and at least half inside the picture; `x, y, w, h` in pixels, clipped to it; `track` unique within a recording;
-  `ignore` 1 for the cyclist; `distance_m` over ground; `occlusion` 0 none, 1 part (from 10 % of the
-  box), 2 much (from 45 %).
+- `truth.csv`: one row per person and frame, from entry to exit, at least 8 px high and at least
+  half inside the picture; who is hidden for a while in between stays annotated. `x, y, w, h` in
+  pixels, clipped to the picture; `track` unique within a recording; `ignore` 1 for the cyclist;
+  `distance_m` over ground; `occlusion` 0 none, 1 part (from 10 % of the box), 2 much (from 45 %).
 - `fir.csv`: a simulated far-infrared system. It sees far, but cold clothes, crouching people and a
   warm night shorten its reach, and hot engines and cabinets give false alarms.
 - `nir.csv`: a simulated near-infrared system. It sees as far as its lamp, less with dark clothes,

@@ -1,0 +1,73 @@
+"""A comparison without any finding, and ways to spoil it, for the tests of the audit."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from builders import Box, make_dataset
+
+from nvcore.audit import audit
+from nvcore.dataset import Dataset
+from nvcore.findings import Finding
+from nvcore.params import Params
+
+N = 40
+"""Frames of the clean comparison."""
+SIZE = {"width": 640.0, "height": 480.0}
+
+
+def walk(*, first: int = 0, stop: int = N, step: int = 1, **more: Any) -> list[Box]:
+    """One pedestrian walking right, one box a frame; scores go from 0.5 to 0.9."""
+    return [
+        Box(f, 100 + 3 * f, 200, 40, 100, score=0.5 + 0.4 * (f % 9) / 8, **more)
+        for f in range(first, stop, step)
+    ]
+
+
+def truth_walk(**more: Any) -> list[Box]:
+    return walk(**{"track": 1, **more})
+
+
+def dataset(truth: Any = None, x: Any = None, y: Any = None, **more: Any) -> Dataset:
+    """The clean comparison, with what a test replaces in it."""
+    if "places" not in more and "frames" not in more:
+        more = {"n_frames": N, **more}
+    if "places" not in more:
+        more = {**SIZE, **more}
+    return make_dataset(
+        truth_walk() if truth is None else truth,
+        walk() if x is None else x,
+        walk() if y is None else y,
+        **more,
+    )
+
+
+def with_lines(made: Dataset) -> Dataset:
+    """The same dataset as if it came from three files: box i of each from line i + 1."""
+    source = made.boxes["source"]
+    line = made.boxes.groupby("source").cumcount() + 1
+    files = ["gt.txt", "x.txt", "y.txt"]
+    inputs = pd.DataFrame({"subject": ["truth", "x", "y"], "file": files})
+    boxes = made.boxes.assign(file=source.astype("int32"), line=line.astype("int32"))
+    return dataclasses.replace(made, boxes=boxes, inputs=inputs)
+
+
+def with_left_out(made: Dataset, *rows: tuple[str, str, int, str]) -> Dataset:
+    """The dataset with rows (subject, recording, frame, reason) left out, lines from 1."""
+    table = pd.DataFrame(rows, columns=["subject", "recording", "frame", "reason"])
+    lines = np.arange(1, len(rows) + 1)
+    files = table["subject"].map({"truth": 0, "x": 1, "y": 2})
+    return dataclasses.replace(with_lines(made), left_out=table.assign(file=files, line=lines))
+
+
+def codes(made: Dataset, params: Params | None = None, **names: str) -> list[str]:
+    return [finding.code for finding in audit(made, params, **names)]
+
+
+def find(made: Dataset, code: str, params: Params | None = None) -> Finding:
+    """The only finding of that code."""
+    (finding,) = [one for one in audit(made, params) if one.code == code]
+    return finding

@@ -1,0 +1,208 @@
+"""The comparison in words."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pandas as pd
+import pytest
+from builders import NAN, Place, at, compare, make_dataset
+
+from nvcore.analysis import Result
+from nvcore.errors import one_line
+from nvcore.findings import Finding, Severity
+from nvcore.scorecard import (
+    describe_exclusivity,
+    number,
+    render_dataset,
+    render_findings,
+    render_inputs,
+    render_scorecard,
+)
+
+
+def lines_of(result: Result) -> list[str]:
+    return render_scorecard(result).splitlines()
+
+
+def cells(result: Result, label: str) -> list[str]:
+    """The three cells of a row of the table."""
+    (line,) = [one for one in lines_of(result) if one.strip().startswith(label)]
+    return line.split()[-3:]
+
+
+@pytest.fixture(scope="module")
+def result() -> Result:
+    """Twenty frames, two people; X sees both, Y one of them and a false alarm in two frames."""
+    truth = [at(f, c, track=t) for f in range(20) for t, c in ((1, 40), (2, 70))]
+    x = [at(f, c, score=0.9) for f in range(20) for c in (40, 70)]
+    y = [at(f, 40, score=0.9) for f in range(20)]
+    y += [at(f, 5, score=0.8) for f in (3, 4)]
+    return compare(make_dataset(truth, x, y), threshold_x=0.5)
+
+
+def test_the_heading_names_both_systems_and_what_counts(result: Result):
+    assert lines_of(result)[:3] == [
+        "X = x, score >= 0.5",
+        "Y = y, all scores",
+        "1 recording, 20 frames, 2.0 s, 40 pedestrian boxes, 2 encounters (and 0 distant, not "
+        "counted)",
+    ]
+
+
+def test_several_recordings_are_in_the_plural():
+    dataset = make_dataset(places=[Place(range(3)), Place(range(3))])
+    assert lines_of(compare(dataset))[2].startswith("2 recordings, 6 frames, 0.6 s")
+
+
+def test_counts_and_shares_stand_side_by_side_with_their_difference(result: Result):
+    assert cells(result, "encounters detected") == ["2", "1", "+1"]
+    assert cells(result, "never") == ["0", "1", "-1"]
+    assert cells(result, "boxes matched") == ["40", "20", "+20"]
+    assert cells(result, "false alarms per frame") == ["0.000", "0.100", "-0.100"]
+    assert cells(result, "false-alert episodes/h") == ["0.0", "1800.0", "-1800.0"]
+
+
+def test_the_difference_of_shares_is_in_percentage_points(result: Result):
+    (line,) = [one for one in lines_of(result) if one.startswith("frames below 0.9")]
+    assert line.split() == ["frames", "below", "0.9", "0.0%", "100.0%", "-100.0", "pp"]
+
+
+def test_what_is_undefined_is_a_dash_and_has_no_difference(result: Result):
+    assert cells(result, "longest episode (s)") == ["–", "0.20", "–"]
+
+
+def test_the_venn_counts_are_in_one_line(result: Result):
+    assert "encounters: both 1, only X 1, only Y 0, neither 0, distant 0" in lines_of(result)
+
+
+def test_dominance_names_who_detects_all_of_the_other_and_more(result: Result):
+    assert "dominance: X detects everything that Y detects, and more" in lines_of(result)
+    turned = compare(result.dataset, threshold_x=1.0)  # X sees nothing
+    assert "dominance: Y detects everything that X detects, and more" in lines_of(turned)
+
+
+def test_two_equal_systems_do_not_dominate():
+    text = render_scorecard(compare(make_dataset(n_frames=3)))
+    assert "dominance: none, both systems detect the same encounters" in text
+    assert "no encounter tells the two systems apart" in text
+
+
+def test_systems_that_each_find_somebody_else_do_not_dominate():
+    truth = [at(f, c, track=t) for f in range(5) for t, c in ((1, 40), (2, 70))]
+    x, y = ([at(f, c, score=1.0) for f in range(5)] for c in (40, 70))
+    text = render_scorecard(compare(make_dataset(truth, x, y)))
+    assert "dominance: neither system detects everything the other does and more" in text
+
+
+def test_exclusivity_tells_the_chance_of_so_uneven_a_split(result: Result):
+    text = describe_exclusivity(result.exclusivity, 5, 0)
+    assert "misses: X 0, Y 1, shared 0 (Jaccard 0.00, phi –)" in text
+    assert "a split as uneven as 5 to 0 would come by chance with p = 1 (exact McNemar)" in text
+
+
+def test_fusion_is_told_for_both_ways(result: Result):
+    found = [line for line in lines_of(result) if line.startswith("fusion")]
+    assert found[0].startswith("fusion X or Y: 2 of 2 encounters, 1800.0 false-alert episodes/h")
+    assert found[1].startswith("fusion X and Y: 1 of 2 encounters, 0.0 false-alert episodes/h")
+
+
+def test_the_worst_intervals_come_with_recording_time_and_frames(result: Result):
+    lines = lines_of(result)
+    at_ = lines.index("worst intervals of Y (y):")
+    assert lines[at_ + 1].startswith("  r0  0.00 s to 2.00 s  (frames 0 to 19): severity ")
+    assert "worst intervals of X (x): none below 0.9" in lines
+
+
+def test_at_most_five_intervals_of_a_system_are_shown():
+    truth = [at(f, 50, track=1) for f in range(20)]
+    x = [at(f, 50, score=1.0) for f in range(0, 20, 2)]
+    result = compare(make_dataset(truth, x, x))
+    assert sum(line.startswith("  r0") for line in lines_of(result)) == 10
+    assert len(result.x.intervals) == 10
+
+
+def test_no_finding_is_told():
+    assert render_findings(()) == "Audit: nothing found."
+
+
+def test_a_finding_tells_what_where_and_what_to_do():
+    findings = (
+        Finding(Severity.ERROR, "no-area", "FIR", 2, "Two boxes.", "Mend them.", "a.csv", "line 4"),
+        Finding(Severity.WARNING, "odd", "truth", 1, "Odd.", "Look."),
+        Finding(Severity.WARNING, "odd", "truth", 1, "Odd.", "Look.", example="frame 3"),
+    )
+    assert render_findings(findings).splitlines() == [
+        "Audit: 1 error, 2 warnings.",
+        "  error   FIR: Two boxes.",
+        "          first: a.csv, line 4",
+        "          Mend them.",
+        "  warning truth: Odd.",
+        "          Look.",
+        "  warning truth: Odd.",
+        "          first: frame 3",
+        "          Look.",
+    ]
+
+
+def inputs(*files: str, subject: str = "truth") -> pd.DataFrame:
+    return pd.DataFrame(
+        {"subject": subject, "file": files, "sha256": "0", "format": "mot", "conversion": "as is"}
+    )
+
+
+def test_inputs_are_told_with_format_conversion_and_choice_of_frames():
+    dataset = replace(
+        make_dataset(n_frames=1),
+        inputs=pd.concat([inputs("gt.txt"), inputs("a.txt", "b.txt", subject="FIR")]),
+        notes=("evaluated frames of r0: as given",),
+    )
+    assert render_dataset(dataset).splitlines() == [
+        "truth: gt.txt (mot; as is)",
+        "FIR: 2 files, a.txt ... (mot; as is)",
+        "evaluated frames of r0: as given",
+    ]
+
+
+def test_linked_truth_and_missing_distances_are_told():
+    truth = [at(f, 50) for f in range(3)]
+    result = compare(make_dataset(truth, truth[:1], truth[:2]), proximity="distance")
+    text = render_inputs(result)
+    assert "the truth of 1 recording has no track ids: boxes were linked" in text
+    assert "3 truth boxes have no distance and are weighted by height" in text
+    assert "1 boxes of X have no distance" in text
+    assert "2 boxes of Y have no distance" in text
+
+
+EVIL = "V\x1b[2J\nX = forged\u202e<b>"
+
+
+@pytest.mark.parametrize("where", ["recording", "system", "input", "finding"])
+def test_a_name_cannot_steer_the_terminal_or_forge_a_line(where: str):
+    dataset = make_dataset([at(0, 50, track=1)], n_frames=1)
+    dataset = replace(
+        dataset,
+        recordings=dataset.recordings.assign(name=EVIL),
+        systems=(EVIL, "y"),
+        inputs=inputs(EVIL),
+    )
+    finding = Finding(Severity.NOTE, "odd", EVIL, 1, EVIL, EVIL, EVIL, EVIL)
+    result = replace(compare(make_dataset([at(0, 50, track=1)])), dataset=dataset)
+    result = replace(result, x=replace(result.x, name=EVIL))
+    text = {
+        "recording": lambda: render_scorecard(result),
+        "system": lambda: render_scorecard(result),
+        "input": lambda: render_inputs(result),
+        "finding": lambda: render_findings([finding]),
+    }[where]()
+    assert "V\\x1b[2J\\nX = forged\\u202e<b>" in text
+    assert all(sign.isprintable() or sign == "\n" for sign in text)
+    assert not any(line.startswith("X = forged") for line in text.splitlines())
+
+
+def test_a_number_is_a_dash_where_it_is_undefined():
+    assert (number(NAN, ".2f"), number(0.5, ".2f")) == ("–", "0.50")
+
+
+def test_letters_of_any_language_are_shown_as_they_are():
+    assert one_line("Fußgänger 夜 640×480 – ok") == "Fußgänger 夜 640×480 – ok"
