@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import gc
 import json
-import os
 import resource
 import sys
 from collections.abc import Callable, Sequence
@@ -42,24 +41,29 @@ def repeat(work: Callable[[int], Any], times: int, seconds: Sequence[float] = ()
 def peak_beyond(work: Callable[[], Any]) -> tuple[Any, float]:
     """Result of `work`, and by how many MB the process's peak memory passed what it had before.
 
-    The peak so far (of making the input) is forgotten first, where the system can do that
-    (Linux); elsewhere a smaller peak than that one shows as 0.
+    On Linux the peak so far (of making the input) is forgotten first, and the peak is the
+    process's own: ``getrusage`` there starts from that of the process which started this one.
+    Elsewhere it is getrusage's, and a peak below that of making the input shows as 0.
     """
     gc.collect()
-    before = _resident_mb()
-    clear = Path("/proc/self/clear_refs")
-    if clear.exists():
-        clear.write_text("5")
+    if not _STATUS.exists():
+        before = _rusage_peak_mb()
+        return work(), _rusage_peak_mb() - before
+    Path("/proc/self/clear_refs").write_text("5")
+    before = _status_mb("VmRSS")
     result = work()
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    peak_mb = peak / (1024**2 if sys.platform == "darwin" else 1024)
-    return result, max(0.0, peak_mb - before)
+    return result, max(0.0, _status_mb("VmHWM") - before)
 
 
-def _resident_mb() -> float:
-    pages = Path("/proc/self/statm")
-    if pages.exists():
-        return int(pages.read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1024**2
+_STATUS = Path("/proc/self/status")
+
+
+def _status_mb(name: str) -> float:
+    values = dict(line.split(":", 1) for line in _STATUS.read_text().splitlines())
+    return int(values[name].split()[0]) / 1024
+
+
+def _rusage_peak_mb() -> float:
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     return peak / (1024**2 if sys.platform == "darwin" else 1024)
 

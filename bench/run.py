@@ -18,7 +18,6 @@ from pathlib import Path
 from typing import Any
 
 from bench.command_line import measure_command_line
-from bench.sets import make_set, save_set
 from bench.tables import write_tables
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -71,7 +70,9 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         for n in sorted({*sizes, others_at}):
             path = Path(folder) / f"{n}.npz"
-            save_set(make_set(n), path)
+            subprocess.run(
+                [sys.executable, "-m", "bench.sets", str(n), str(path)], cwd=ROOT, check=True
+            )
             print(f"nvcore, {n:,} frames ...", file=sys.stderr)
             ours[n] = run_worker(Path(sys.executable), "bench.ours", str(path), "--repeat", repeat)
             if "failed" in ours[n]:

@@ -4,12 +4,15 @@ Four lanes of pedestrians follow one another through each recording, so that eve
 exactly four. A system sees a pedestrian late, drops it now and then, misses single frames, and
 raises false alarms that stay for a while: tracks, misses and false alarms have plausible lengths.
 
+    python -m bench.sets N SET.npz
+
 The arrays are all that this module makes, so that other tools' environments can read it too (it
 imports numpy only); `bench.ours` makes the dataset of them.
 """
 
 from __future__ import annotations
 
+import argparse
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -175,3 +178,15 @@ def load_set(path: Path) -> BoxSet:
     with np.load(path) as file:
         truth, x, y = (Boxes(*(file[f"{prefix}_{name}"] for name in COLUMNS)) for prefix in "gxy")
         return BoxSet(int(file["n_frames"]), truth, (x, y))
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("n_frames", type=int)
+    parser.add_argument("path", type=Path)
+    given = parser.parse_args()
+    save_set(make_set(given.n_frames), given.path)
+
+
+if __name__ == "__main__":
+    main()

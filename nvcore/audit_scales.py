@@ -49,14 +49,16 @@ def _measure_scale(sample: Sample) -> tuple[float, float] | None:
     """Median ratio of the centres of pedestrians and detections in the same order."""
     truth, det = sample.dataset.truth, sample.detections
     g, d = sample.pairs_by_order()
-    across, down = det.x[d] + det.w[d] / 2, det.y[d] + det.h[d] / 2
-    inside = (across > 1) & (down > 1)
+    centres = np.stack(
+        [
+            truth.x[g] + truth.w[g] / 2, truth.y[g] + truth.h[g] / 2,
+            det.x[d] + det.w[d] / 2, det.y[d] + det.h[d] / 2,
+        ]
+    )  # fmt: skip
+    inside = np.all(centres > 1, axis=0)
     if not inside.any():
         return None
-    sx = float(np.median(((truth.x[g] + truth.w[g] / 2)[inside]) / across[inside]))
-    sy = float(np.median(((truth.y[g] + truth.h[g] / 2)[inside]) / down[inside]))
-    if not (sx > 0 and sy > 0):
-        return None
+    sx, sy = np.median(centres[:2, inside] / centres[2:, inside], axis=1).tolist()
     if abs(sx / sy - 1) < 2 * SNAP:
         sx = sy = (sx * sy) ** 0.5
     elif abs(sx / sy - 1) < MIN_ASPECT:

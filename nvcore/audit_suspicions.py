@@ -205,8 +205,6 @@ def _offset_by_order(sample: Sample, correction: Correction) -> tuple[float, flo
 
 def _spread(values: np.ndarray) -> float:
     """Distance between the quartiles."""
-    if not len(values):
-        return np.inf
     low, high = np.percentile(values, [25, 75])
     return float(high - low)
 

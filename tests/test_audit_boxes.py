@@ -41,6 +41,13 @@ def test_the_same_detection_twice_in_a_frame_is_a_warning() -> None:
     assert "frame 5" in finding.example
 
 
+def test_the_same_truth_box_twice_in_a_frame_is_a_warning() -> None:
+    made = dataset([*truth_walk(), truth_walk()[5]._replace(track=2)])
+    finding = find(made, "duplicate-box")
+    assert (finding.severity, finding.subject) == (Severity.WARNING, "truth")
+    assert "can never be detected" in finding.advice
+
+
 def test_the_same_box_in_two_frames_is_no_double() -> None:
     still = [Box(f, 100, 200, 40, 100, track=1, score=0.5 + f / 100) for f in range(N)]
     assert "duplicate-box" not in codes(dataset(still, still, still))

@@ -147,11 +147,13 @@ def test_the_peak_weight_is_that_of_the_nearest_frame() -> None:
     assert row["peak_k"] == pytest.approx(1 / (1 + np.exp(-2)))
 
 
-def test_all_encounters_distant_still_have_a_table_of_objects() -> None:
-    truth = [at(0, 50, h=2, track=1)]
-    table = compare(make_dataset(truth), proximity="height").x.encounters
-    assert table["miss_class"].tolist() == [None]
-    assert table["miss_class"].dtype == compare(make_dataset(n_frames=1)).x.encounters.dtypes[-1]
+@pytest.mark.parametrize("heights", [[2], [50], [2, 50], []])
+def test_the_table_has_the_same_dtypes_whatever_the_classes(heights: list[float]) -> None:
+    truth = [at(0, 50, h=h, track=i) for i, h in enumerate(heights)]
+    table = compare(make_dataset(truth, n_frames=1), proximity="height").x.encounters
+    assert table.dtypes.astype(str).tolist() == [
+        "int64", "int64", "float64", "float64", "bool", "float64", "float64", "float64", "object",
+    ]  # fmt: skip
 
 
 def test_an_encounter_is_one_track_of_one_recording() -> None:

@@ -1,0 +1,256 @@
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+from builders import Place, at, compare, make_dataset
+from scenes import draw_scene
+
+from nvcore import kernels
+from nvcore.analysis import Result, analyse
+from nvcore.dataset import Dataset, dataset_from_tables
+from nvcore.errors import InputError, ParameterError
+from nvcore.params import Params
+
+CHANGES: dict[str, Any] = {
+    "alpha": 0.3, "distance": "ground", "edge_weight": 0.7, "proximity": "none", "midpoint": 90.0,
+    "spread": 30.0, "midpoint_m": 20.0, "spread_m": 2.0, "horizon": 100.0, "threshold_x": 0.5,
+    "threshold_y": 0.5, "match": "lateral", "iou": 0.8, "lateral_tolerance": 0.1, "coverage": 0.9,
+    "lag_s": 0.0, "gap_s": 0.0, "low": 0.99, "window": 3.0, "tolerance": 0.3,
+    "recency_midpoint": 0.2, "recency_spread": 0.5, "saliency_aggregate": "sum",
+    "saliency_scope": "encounter",
+}  # fmt: skip
+"""Another value of every parameter."""
+
+BASE: dict[str, dict[str, Any]] = {
+    "midpoint_m": {"proximity": "distance"},
+    "spread_m": {"proximity": "distance"},
+    "horizon": {"proximity": "horizon"},
+    "lateral_tolerance": {"match": "lateral", "lateral_tolerance": 0.0},
+}
+"""Where a parameter has an effect at all."""
+
+
+@pytest.fixture(scope="module")
+def busy() -> Dataset:
+    """Many recordings with every kind of failure."""
+    scenes = [draw_scene(seed) for seed in range(12)]
+    places: list[Place] = []
+    boxes: list[list[Any]] = [[], [], []]
+    for scene in scenes:
+        for target, source in zip(boxes, (scene.truth, scene.x, scene.y), strict=True):
+            target += [b._replace(recording=b.recording + len(places)) for b in source]
+        places += scene.places
+    return make_dataset(*boxes, places=places)
+
+
+def figures(result: Result) -> dict[str, Any]:
+    """Everything in a result that is a number, by name."""
+    found: dict[str, Any] = {
+        "venn": result.venn, "exclusivity": result.exclusivity, "boxes": result.boxes,
+        "category": result.category, "k_truth": result.k_truth.k, "n_truth": result.n_truth,
+        "track": result.tracks.track, "lead": result.lead_time_s, "duration": result.duration_s,
+        "without_distance": result.k_truth.n_without_distance,
+    }  # fmt: skip
+    for name in (spec.name for spec in dataclasses.fields(result.encounters)):
+        found[f"encounters {name}"] = getattr(result.encounters, name)
+    for letter, system in (("x", result.x), ("y", result.y)):
+        for part in ("matches", "weights", "nearest", "distances"):
+            for name, value in vars(getattr(system, part)).items():
+                found[f"{letter} {part} {name}"] = value
+        for name in ("similarity", "similarity_window", "salient_row", "n_det", "matched",
+                     "false_alarms", "events", "encounters", "episodes", "intervals", "summary",
+                     "false_alarm_summary", "saliency_s"):  # fmt: skip
+            found[f"{letter} {name}"] = getattr(system, name)
+    return found
+
+
+def differing(one: Result, other: Result) -> set[str]:
+    """Names of the figures in which two results differ."""
+    theirs = figures(other)
+    return {name for name, value in figures(one).items() if not _is_same(value, theirs[name])}
+
+
+def _is_same(one: Any, other: Any) -> bool:
+    if isinstance(one, pd.DataFrame):
+        return one.equals(other)
+    if isinstance(one, np.ndarray):
+        return np.array_equal(one, other, equal_nan=one.dtype.kind == "f")
+    return repr(one) == repr(other)
+
+
+def test_every_parameter_is_changed_by_these_tests() -> None:
+    assert set(CHANGES) == {spec.name for spec in dataclasses.fields(Params)}
+
+
+@pytest.mark.parametrize("name", CHANGES)
+def test_a_previous_result_changes_no_figure(busy: Dataset, name: str) -> None:
+    before = Params(**BASE.get(name, {}))
+    after = dataclasses.replace(before, **{name: CHANGES[name]})
+    previous = analyse(busy, before)
+    assert not differing(analyse(busy, after, previous=previous), analyse(busy, after))
+
+
+@pytest.mark.parametrize("name", CHANGES)
+def test_every_parameter_has_an_effect(busy: Dataset, name: str) -> None:
+    before = Params(**BASE.get(name, {}))
+    after = dataclasses.replace(before, **{name: CHANGES[name]})
+    assert differing(analyse(busy, before), analyse(busy, after))
+
+
+EFFECTS = {
+    "alpha": {"similarity", "similarity_window", "intervals", "summary"},
+    "low": {"intervals", "summary"},
+    "window": {"similarity_window"},
+    "tolerance": {"salient_row", "events", "saliency_s"},
+    "recency_midpoint": {"events", "saliency_s"},
+    "recency_spread": {"events", "saliency_s"},
+    "saliency_aggregate": {"saliency_s"},
+    "saliency_scope": {"events", "saliency_s"},
+    "lag_s": {"encounters"},
+    "gap_s": {"encounters"},
+}
+
+
+@pytest.mark.parametrize("name", EFFECTS)
+def test_a_parameter_changes_what_it_should_and_nothing_else(busy: Dataset, name: str) -> None:
+    changed = differing(analyse(busy), analyse(busy, Params(**{name: CHANGES[name]})))
+    assert changed == {f"{letter} {figure}" for letter in "xy" for figure in EFFECTS[name]}
+
+
+@pytest.mark.parametrize(("name", "other"), [("threshold_x", "y"), ("threshold_y", "x")])
+def test_a_threshold_changes_its_own_system_alone(busy: Dataset, name: str, other: str) -> None:
+    changed = differing(analyse(busy), analyse(busy, Params(**{name: 0.5})))
+    assert "n_det" in {figure.partition(" ")[2] for figure in changed}
+    assert not {figure for figure in changed if figure.startswith(f"{other} ")}
+
+
+def test_coverage_moves_encounters_between_categories_only(busy: Dataset) -> None:
+    changed = differing(analyse(busy), analyse(busy, Params(coverage=0.9)))
+    assert changed == {"venn", "exclusivity", "category", "x encounters", "y encounters"}
+
+
+@pytest.mark.parametrize("pieces", [2, 3, 7])
+def test_figures_do_not_depend_on_the_number_of_threads(
+    busy: Dataset, pieces: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = analyse(busy)
+    monkeypatch.setattr(kernels, "MIN_PER_THREAD", 1)
+    monkeypatch.setattr(kernels.os, "cpu_count", lambda: pieces)
+    assert not differing(analyse(busy), whole)
+
+
+def test_stages_whose_settings_are_the_same_are_taken_from_the_previous_result(
+    busy: Dataset,
+) -> None:
+    previous = analyse(busy)
+    result = analyse(busy, Params(alpha=0.5), previous=previous)
+    assert result.x.matches is previous.x.matches
+    assert result.x.events is previous.x.events
+    assert result.encounters is previous.encounters
+
+
+def test_a_previous_result_of_another_dataset_is_not_used() -> None:
+    one, other = make_dataset([at(0, 50, track=1)]), make_dataset([at(0, 20, track=1)])
+    result = analyse(other, previous=analyse(one))
+    assert result.x.distances.d_miss[0] == pytest.approx(20)
+
+
+def test_exchanged_systems_with_a_previous_result_are_exchanged(busy: Dataset) -> None:
+    previous = analyse(busy)
+    result = analyse(busy, x="y", y="x", previous=previous)
+    assert not differing(result, analyse(busy, x="y", y="x"))
+    assert (result.venn.x_only, result.venn.y_only) == (previous.venn.y_only, previous.venn.x_only)
+
+
+def test_a_system_against_itself_has_no_encounter_alone(busy: Dataset) -> None:
+    result = analyse(busy, x="x", y="x")
+    assert result.venn.x_only == result.venn.y_only == 0
+    assert result.exclusivity.mcnemar_p == 1
+
+
+def test_one_system_against_itself_with_two_thresholds_is_a_comparison() -> None:
+    truth = [at(0, 20, track=1), at(0, 70, track=2)]
+    dataset = make_dataset(truth, [at(0, 20, score=0.9), at(0, 70, score=0.4)])
+    result = compare(dataset, threshold_x=0.3, threshold_y=0.5)
+    assert result.y.n_det.tolist() == [0]
+    itself = analyse(dataset, Params(threshold_x=0.3, threshold_y=0.5), x="x", y="x")
+    assert (itself.venn.both, itself.venn.x_only) == (1, 1)
+
+
+def test_a_dataset_without_any_detection_misses_all_encounters() -> None:
+    result = compare(make_dataset([at(f, 50, track=1) for f in range(3)]))
+    assert result.venn.neither == 1
+    assert result.x.similarity == pytest.approx([0.1, 0.1, 0.1])
+    assert result.x.encounters["miss_class"].tolist() == ["never"]
+    assert np.isnan(result.exclusivity.phi)
+
+
+def test_a_dataset_without_any_truth_has_false_alarms_and_no_encounter() -> None:
+    result = compare(make_dataset(x=[at(0, 50), at(2, 50)]))
+    assert result.n_truth.tolist() == [0, 0, 0]
+    assert result.x.similarity == pytest.approx([0.9, 1, 0.9])
+    assert result.x.saliency_s == 0
+    assert result.x.false_alarm_summary.count == 2
+    assert result.venn.n_near == 0
+
+
+def test_a_recording_without_truth_counts_its_frames_and_false_alarms() -> None:
+    dataset = make_dataset([at(0, 50, track=1)], [at(0, 50), at(0, 50, recording=1)],
+                           places=[Place([0]), Place([0])])  # fmt: skip
+    result = compare(dataset)
+    assert result.x.similarity == pytest.approx([1, 0.9])
+    assert result.x.false_alarm_summary.per_frame == 0.5
+
+
+def test_a_dataset_without_boxes_is_perfect_and_empty() -> None:
+    result = compare(make_dataset(n_frames=3))
+    assert result.x.summary.mean == 1
+    assert result.x.intervals.empty
+    assert result.fusion.x.summary.mean == 1
+
+
+def test_a_dataset_without_frames_is_undefined_not_an_error() -> None:
+    result = compare(make_dataset())
+    assert np.isnan(result.x.summary.mean)
+    assert result.duration_s == 0
+    assert result.x.similarity_window.size == 0
+
+
+def test_the_recording_time_is_the_sum_of_all_time_steps() -> None:
+    places = [Place([0, 20, 40], fps=20), Place([0], fps=10)]
+    assert compare(make_dataset(places=places)).duration_s == pytest.approx(3.1)
+
+
+def one_system() -> Dataset:
+    dataset = make_dataset([at(0, 50, track=1)], [at(0, 50)])
+    return dataset_from_tables(dataset.recordings, [np.arange(1)], dataset.boxes, ["only"])
+
+
+def test_a_comparison_needs_two_systems() -> None:
+    with pytest.raises(InputError, match=r"needs two systems; there is 1 \(only\)"):
+        analyse(one_system())
+
+
+def test_a_single_system_may_be_compared_with_itself_by_name() -> None:
+    assert analyse(one_system(), Params(proximity="none"), x="only", y="only").venn.both == 1
+
+
+def test_an_unknown_system_is_refused() -> None:
+    with pytest.raises(InputError, match="there is no system 'z'; there are x, y"):
+        analyse(make_dataset(n_frames=1), y="z")
+
+
+def test_an_error_in_one_system_reaches_the_caller() -> None:
+    with pytest.raises(ParameterError, match="needs the row of the horizon"):
+        analyse(make_dataset(x=[at(0, 50)]), Params(proximity="horizon"))
+
+
+def test_the_dataset_is_not_changed(busy: Dataset) -> None:
+    before = [table.copy() for table in (busy.recordings, busy.frames, busy.boxes)]
+    analyse(busy, Params(**{**CHANGES, "proximity": "horizon"})).fusion  # noqa: B018
+    for table, copy in zip((busy.recordings, busy.frames, busy.boxes), before, strict=True):
+        pd.testing.assert_frame_equal(table, copy)
