@@ -30,6 +30,7 @@ BASE: dict[str, dict[str, Any]] = {
     "spread_m": {"proximity": "distance"},
     "horizon": {"proximity": "horizon"},
     "lateral_tolerance": {"match": "lateral", "lateral_tolerance": 0.0},
+    "saliency_scope": {"saliency_aggregate": "sum"},
 }
 """Where a parameter has an effect at all."""
 
@@ -117,7 +118,9 @@ EFFECTS = {
 
 @pytest.mark.parametrize("name", EFFECTS)
 def test_a_parameter_changes_what_it_should_and_nothing_else(busy: Dataset, name: str) -> None:
-    changed = differing(analyse(busy), analyse(busy, Params(**{name: CHANGES[name]})))
+    before = Params(**BASE.get(name, {}))
+    after = dataclasses.replace(before, **{name: CHANGES[name]})
+    changed = differing(analyse(busy, before), analyse(busy, after))
     assert changed == {f"{letter} {figure}" for letter in "xy" for figure in EFFECTS[name]}
 
 

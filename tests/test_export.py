@@ -94,9 +94,7 @@ def test_a_finding_s_text_is_neutralised_too(result: Result, session: Session):
     assert (row["subject"], row["message"], row["file"]) == ("'=cmd", "'@SUM(A1)", "'-a.csv")
 
 
-def test_every_report_carries_parameters_version_and_fingerprint(
-    result: Result, session: Session
-):
+def test_every_report_carries_parameters_version_and_fingerprint(result: Result, session: Session):
     all_ = json.loads(summary_json(result))
     assert all_["fingerprint"] == result.dataset.fingerprint
     assert all_["version"]

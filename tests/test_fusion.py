@@ -1,11 +1,10 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 from builders import Box, Place, at, compare, make_dataset
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scenes import draw_scene
+from scenes import Scene, draw_scene
 
 from nvcore.analysis import Result, SystemResult, analyse
 from nvcore.dataset import Dataset
@@ -94,14 +93,14 @@ def assert_same(one: SystemResult, other: SystemResult) -> None:
     assert one.encounters.equals(other.encounters)
     assert one.events.equals(other.events)
     assert one.episodes.equals(other.episodes)
-    assert one.false_alarm_summary == pytest.approx(other.false_alarm_summary, nan_ok=True)
+    assert repr(one.false_alarm_summary) == repr(other.false_alarm_summary)
 
 
-def without_scores(seed: int) -> Dataset:
-    """A scene in which no order of scores can be lost, and no system holds a box twice."""
+def without_scores(seed: int) -> Scene:
+    """A scene whose detections have no scores that fusion could lose."""
     scene = draw_scene(seed)
     scene.x, scene.y = ([b._replace(score=np.nan) for b in s] for s in (scene.x, scene.y))
-    return scene.dataset()
+    return scene
 
 
 SEEDS = st.integers(0, 2**32 - 1)
@@ -111,7 +110,7 @@ few = settings(max_examples=25, deadline=None, derandomize=True)
 @few
 @given(SEEDS)
 def test_x_or_x_and_x_and_x_are_x(seed: int) -> None:
-    result = analyse(without_scores(seed), x="x", y="x")
+    result = analyse(without_scores(seed).dataset(), x="x", y="x")
     assert_same(result.fusion.x, result.x)
     assert_same(result.fusion.y, result.x)
 
@@ -119,14 +118,12 @@ def test_x_or_x_and_x_and_x_are_x(seed: int) -> None:
 @few
 @given(SEEDS)
 def test_with_an_empty_y_x_or_y_is_x_and_x_and_y_is_empty(seed: int) -> None:
-    result = analyse(without_scores(seed), Params(threshold_y=None), x="x", y="y")
-    scene = draw_scene(seed)
-    alone = make_dataset(scene.truth, scene.x, [], places=scene.places)
-    fusion = analyse(alone).fusion
-    assert fusion.x.n_det.sum() <= result.fusion.x.n_det.sum() + result.y.n_det.sum()
-    assert fusion.x.matches.state.size == len(scene.x)
-    assert fusion.y.matches.state.size == 0
-    assert not fusion.y.encounters["is_detected"].any()
+    scene = without_scores(seed)
+    scene.y = []
+    result = analyse(scene.dataset())
+    assert_same(result.fusion.x, result.x)
+    assert_same(result.fusion.y, result.y)
+    assert result.fusion.y.n_det.sum() == 0
 
 
 @few

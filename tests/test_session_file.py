@@ -152,7 +152,10 @@ RECORDING = '[[recording]]\nname = "a"\n'
         ("[defaults]\nfps = '20'", "[defaults]: expected fps to be a number, found '20'"),
         ("[defaults]\nfps = 0", "fps: expected a positive number, found 0"),
         ("[defaults]\nfps = inf", "fps: expected a positive number, found inf"),
-        ("[defaults]\nheight = 1", "[defaults] has no key 'height'; its keys are fps, frames, size"),
+        (
+            "[defaults]\nheight = 1",
+            "[defaults] has no key 'height'; its keys are fps, frames, size",
+        ),
         ("[compare]\nz = 'a'", "[compare] has no key 'z'; its keys are x, y"),
         ("[compare]\nx = 1", "[compare]: expected x to be a text, found 1"),
         ("[parameters]\nalfa = 1", "[parameters]: there is no parameter 'alfa'"),
@@ -215,7 +218,10 @@ def test_a_name_that_is_not_utf8_is_refused():
     ("facts", "expected"),
     [
         ({"size": (640, 480)}, (640, 480)),
-        ({"recordings": (RecordingFacts("a", 320, 240), RecordingFacts("b", 320, 240))}, (320, 240)),
+        (
+            {"recordings": (RecordingFacts("a", 320, 240), RecordingFacts("b", 320, 240))},
+            (320, 240),
+        ),
         ({"recordings": (RecordingFacts("a", 320, 240), RecordingFacts("b"))}, None),
         ({"recordings": (RecordingFacts("a"),)}, None),
         ({}, None),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from nvcore.audit_cases import (
+from nvcore.audit.cases import (
     TRUTH_NAME,
     counted,
     file_name,

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from nvcore.audit_agreement import find_disagreement
-from nvcore.audit_boxes import audit_doubles, audit_geometry, audit_tracks
-from nvcore.audit_cases import Audited, audited_systems, audited_truth
-from nvcore.audit_coverage import audit_system_coverage, audit_truth_coverage
-from nvcore.audit_overlaps import above_threshold
-from nvcore.audit_rows import audit_left_out
-from nvcore.audit_scores import audit_scores, audit_threshold
-from nvcore.audit_suspicions import find_offsets
+from nvcore.audit.agreement import find_disagreement
+from nvcore.audit.boxes import audit_doubles, audit_geometry, audit_tracks
+from nvcore.audit.cases import Audited, audited_systems, audited_truth
+from nvcore.audit.coverage import audit_system_coverage, audit_truth_coverage
+from nvcore.audit.overlaps import above_threshold
+from nvcore.audit.rows import audit_left_out
+from nvcore.audit.scores import audit_scores, audit_threshold
+from nvcore.audit.suspicions import find_offsets
 from nvcore.dataset import Dataset
 from nvcore.findings import Finding, worst_first
 from nvcore.params import Params

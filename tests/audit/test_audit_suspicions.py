@@ -10,7 +10,7 @@ import pytest
 from builders import Box, make_dataset
 
 from nvcore.audit import audit
-from nvcore.audit_overlaps import Correction, above_threshold, take_sample
+from nvcore.audit.overlaps import Correction, above_threshold, take_sample
 from nvcore.dataset import Dataset, dataset_from_tables
 from nvcore.findings import Finding, Severity
 from nvcore.params import Params

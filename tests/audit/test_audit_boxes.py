@@ -5,7 +5,7 @@ from audit_comparison import N, codes, dataset, find, truth_walk, walk, with_lin
 from builders import Box, Place
 
 from nvcore.audit import audit
-from nvcore.audit_boxes import repeated_rows
+from nvcore.audit.boxes import repeated_rows
 from nvcore.dataset import Dataset
 from nvcore.findings import Severity
 

@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.audit_cases import Audited, audited_truth, counted, place_of_frame
+from nvcore.audit.cases import Audited, audited_truth, counted, place_of_frame
 from nvcore.dataset import BoxColumns, Dataset
 from nvcore.findings import Finding, Severity
 from nvcore.kernels import over_ranges, pair_frames

@@ -7,9 +7,9 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.audit_cases import Audited
-from nvcore.audit_overlaps import MAX_SHIFT, Correction, Overlaps, Sample, take_sample
-from nvcore.audit_scales import scale_candidates, scale_text
+from nvcore.audit.cases import Audited
+from nvcore.audit.overlaps import MAX_SHIFT, Correction, Overlaps, Sample, take_sample
+from nvcore.audit.scales import scale_candidates, scale_text
 from nvcore.dataset import BoxColumns
 from nvcore.findings import Finding, Severity
 

@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.audit_cases import (
+from nvcore.audit.cases import (
     TRUTH_NAME,
     Audited,
     counted,

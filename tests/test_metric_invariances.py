@@ -1,0 +1,223 @@
+"""What must hold for any data: bounds, mirroring, reordering, scaling, monotony."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from builders import Box, at, compare, make_dataset
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scenes import Scene, draw_scene
+
+from nvcore.analysis import Result, analyse
+from nvcore.params import Params
+
+SEEDS = st.integers(0, 2**32 - 1)
+ALPHA = st.floats(0, 1)
+CENTRES = st.lists(st.floats(0, 100), max_size=5)
+PLAIN = Params(proximity="none")
+often = settings(max_examples=100, deadline=None, derandomize=True)
+scenically = settings(max_examples=40, deadline=None, derandomize=True)
+
+
+def one_frame(G: list[float], S: list[float], **params: object) -> Result:
+    truth = [at(0, c, track=i) for i, c in enumerate(G)]
+    return compare(make_dataset(truth, [at(0, c) for c in S], n_frames=1), **params)
+
+
+def distances(result: Result) -> np.ndarray:
+    return np.concatenate([
+        part for one in (result.x, result.y) for part in (one.distances.d_miss, one.distances.d_false)
+    ])  # fmt: skip
+
+
+@scenically
+@given(
+    SEEDS, ALPHA, st.floats(0, 1), st.sampled_from(["lateral", "ground"]),
+    st.sampled_from(["height", "distance", "horizon", "none"]),
+)  # fmt: skip
+def test_similarity_lies_between_0_and_1(
+    seed: int, alpha: float, edge_weight: float, distance: str, proximity: str
+) -> None:
+    params = Params(alpha=alpha, edge_weight=edge_weight, distance=distance, proximity=proximity)  # type: ignore[arg-type]
+    result = analyse(draw_scene(seed).dataset(), params)
+    for system in (result.x, result.y):
+        assert (system.similarity >= 0).all()
+        assert (system.similarity <= 1).all()
+
+
+@often
+@given(CENTRES, CENTRES, ALPHA)
+def test_similarity_has_the_lower_bound_of_the_specification(
+    G: list[float], S: list[float], alpha: float
+) -> None:
+    similarity = one_frame(G, S, alpha=alpha).x.similarity[0]
+    assert similarity >= 1 - max(alpha, 1 - alpha, 2 / 3) - 1e-12
+
+
+@often
+@given(ALPHA)
+def test_each_lower_bound_is_reached(alpha: float) -> None:
+    only_missed = one_frame([50], [], alpha=alpha).x.similarity[0]
+    only_false = one_frame([], [50], alpha=alpha).x.similarity[0]
+    thirds = one_frame([100 / 3], [200 / 3], alpha=alpha).x.similarity[0]
+    assert [only_missed, only_false, thirds] == pytest.approx([1 - alpha, alpha, 1 / 3])
+    least = min(only_missed, only_false, thirds)
+    assert least == pytest.approx(1 - max(alpha, 1 - alpha, 2 / 3))
+
+
+@pytest.mark.parametrize("alpha", [2 / 3, 0.75, 0.9, 1.0])
+def test_from_two_thirds_on_the_minimum_is_1_minus_alpha_as_the_paper_says(alpha: float) -> None:
+    grid = [0, 25, 100 / 3, 50, 200 / 3, 75, 100]
+    sets = [[], *([c] for c in grid)]
+    least = min(one_frame(G, S, alpha=alpha).x.similarity[0] for G in sets for S in sets)
+    assert least == pytest.approx(1 - alpha, abs=1e-12)
+
+
+@often
+@given(CENTRES, CENTRES, st.floats(0, 100))
+def test_another_pedestrian_never_lowers_the_effect_of_misses(
+    G: list[float], S: list[float], more: float
+) -> None:
+    before, after = one_frame(G, S), one_frame([*G, more], S)
+    assert after.x.distances.d_miss[0] >= before.x.distances.d_miss[0]
+
+
+@often
+@given(CENTRES, CENTRES, st.floats(0, 100), st.sampled_from([0.0, 0.5, 1.0]))
+def test_another_detection_never_raises_the_effect_of_misses(
+    G: list[float], S: list[float], more: float, edge_weight: float
+) -> None:
+    before = one_frame(G, S, edge_weight=edge_weight)
+    after = one_frame(G, [*S, more], edge_weight=edge_weight)
+    assert after.x.distances.d_miss[0] <= before.x.distances.d_miss[0]
+
+
+@often
+@given(CENTRES, CENTRES)
+def test_exchanging_the_two_sets_exchanges_the_two_distances(
+    G: list[float], S: list[float]
+) -> None:
+    one, other = one_frame(G, S).x.distances, one_frame(S, G).x.distances
+    assert one.d_miss.tolist() == other.d_false.tolist()
+    assert one.d_false.tolist() == other.d_miss.tolist()
+
+
+@often
+@given(CENTRES, CENTRES)
+def test_more_edge_weight_never_lowers_a_distance(G: list[float], S: list[float]) -> None:
+    town, country = one_frame(G, S), one_frame(G, S, edge_weight=1.0)
+    assert (distances(country) >= distances(town)).all()
+
+
+def transformed(scene: Scene, move: object) -> Scene:
+    truth, x, y = ([move(b) for b in s] for s in (scene.truth, scene.x, scene.y))  # type: ignore[operator]
+    return Scene(scene.places, truth, x, y)
+
+
+def assert_same_verdict(one: Result, other: Result, *, factor: float = 1.0) -> None:
+    for a, b in ((one.x, other.x), (one.y, other.y)):
+        assert b.similarity == pytest.approx(a.similarity, abs=1e-9)
+        assert b.distances.d_miss == pytest.approx(factor * a.distances.d_miss, abs=1e-7)
+        assert b.distances.d_false == pytest.approx(factor * a.distances.d_false, abs=1e-7)
+        assert b.encounters["miss_class"].tolist() == a.encounters["miss_class"].tolist()
+        assert b.n_det.tolist() == a.n_det.tolist()
+    assert one.venn == other.venn
+
+
+@scenically
+@given(SEEDS)
+def test_mirroring_changes_nothing(seed: int) -> None:
+    scene = draw_scene(seed)
+
+    def mirror(box: Box) -> Box:
+        return box._replace(x=scene.places[box.recording].width - box.x - box.w)
+
+    one, other = analyse(scene.dataset()), analyse(transformed(scene, mirror).dataset())
+    assert_same_verdict(one, other)
+    assert other.encounters.lateral_position == pytest.approx(-one.encounters.lateral_position)
+    assert other.encounters.lateral_offset == pytest.approx(one.encounters.lateral_offset)
+
+
+@scenically
+@given(SEEDS)
+def test_reordering_boxes_changes_nothing(seed: int) -> None:
+    scene = draw_scene(seed)
+    rng = np.random.default_rng(seed)
+    # equal scores go by file order, so every detection has its own
+    for name in ("x", "y"):
+        boxes = getattr(scene, name)
+        ranks = rng.permutation(len(boxes)).tolist()
+        setattr(scene, name, [b._replace(score=s) for b, s in zip(boxes, ranks, strict=True)])
+    shuffled = Scene(scene.places, *(
+        [boxes[i] for i in rng.permutation(len(boxes))] for boxes in (scene.truth, scene.x, scene.y)
+    ))  # fmt: skip
+    one, other = analyse(scene.dataset()), analyse(shuffled.dataset())
+    assert_same_verdict(one, other)
+    assert other.x.events["track"].tolist() == one.x.events["track"].tolist()
+
+
+@scenically
+@given(SEEDS, st.sampled_from([0.25, 0.5, 2.0, 3.0]))
+def test_scaling_picture_boxes_and_sigmoid_changes_nothing(seed: int, factor: float) -> None:
+    scene = draw_scene(seed)
+
+    def scale(box: Box) -> Box:
+        return box._replace(**{name: factor * getattr(box, name) for name in "xywh"})
+
+    scaled = transformed(scene, scale)
+    scaled.places = [
+        p._replace(width=factor * p.width, height=factor * p.height, horizon=factor * p.horizon)
+        for p in scene.places
+    ]
+    assert_same_verdict(analyse(scene.dataset()), analyse(scaled.dataset()), factor=factor)
+    params = Params(midpoint=20, spread=4, edge_weight=0.3, distance="ground", proximity="horizon")
+    larger = replace(params, midpoint=20 * factor, spread=4 * factor)
+    assert_same_verdict(
+        analyse(scene.dataset(), params), analyse(scaled.dataset(), larger), factor=factor
+    )
+
+
+@scenically
+@given(SEEDS)
+def test_the_truth_as_a_system_is_perfect(seed: int) -> None:
+    scene = draw_scene(seed)
+    scene.x = list(scene.truth)
+    x = analyse(scene.dataset(), PLAIN).x
+    assert (x.similarity == 1).all()
+    assert x.events.empty
+    assert x.encounters["is_detected"].all()
+
+
+@scenically
+@given(SEEDS, st.integers(0, 9))
+def test_counts_add_up(seed: int, tenths: int) -> None:
+    result = analyse(draw_scene(seed).dataset(), Params(threshold_x=tenths / 10))
+    pedestrians = int(result.n_truth.sum())
+    boxes = result.boxes
+    assert boxes.both + boxes.x_only + boxes.y_only + boxes.neither == pedestrians
+    assert boxes.both + boxes.x_only == result.x.matched.sum()
+    assert boxes.both + boxes.y_only == result.y.matched.sum()
+    assert sum(result.venn.counts().values()) == len(result.encounters)
+    for system in (result.x, result.y):
+        assert (system.n_det == system.matched + system.false_alarms).all()
+        assert system.episodes["n_boxes"].sum() == system.false_alarms.sum()
+        assert system.false_alarm_summary.count == system.false_alarms.sum()
+
+
+@scenically
+@given(SEEDS)
+def test_frames_without_boxes_anywhere_leave_the_others_as_they_are(seed: int) -> None:
+    scene = draw_scene(seed)
+    more = [
+        p._replace(frames=[*p.frames, *range(p.frames[-1] + 500, p.frames[-1] + 503)])
+        for p in scene.places
+    ]
+    one, other = scene.dataset(), Scene(more, scene.truth, scene.x, scene.y).dataset()
+    key = ["recording", "frame"]
+    is_old = other.frames[key].apply(tuple, axis=1).isin(one.frames[key].apply(tuple, axis=1))
+    similarity = analyse(other, PLAIN).x.similarity
+    assert similarity[is_old].tolist() == analyse(one, PLAIN).x.similarity.tolist()
+    assert (similarity[~is_old] == 1).all()
