@@ -76,7 +76,10 @@ class _Steps:
         self.done += 1
 
 
-@click.group(cls=_Group, context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(
+    cls=_Group,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+)
 @click.version_option(__version__, prog_name="nvcore")
 def main() -> None:
     """Compare two pedestrian-detection systems by what the driver notices."""
@@ -210,7 +213,7 @@ def convert(source: str, target: Path, to: str, role: str, **options: Any) -> No
     click.echo(one_line(f"written to {where}: {len(reading.boxes)} boxes"), err=True)
 
 
-@main.command()
+@main.command(short_help="Generate the sample recordings again.")
 @click.argument("folder", default="sample_data", type=click.Path(file_okay=False, path_type=Path))
 def sample(folder: Path) -> None:
     """Generate the sample recordings again, into FOLDER (default: sample_data)."""

@@ -129,7 +129,8 @@ def _row(label: str, x: float, y: float, form: str) -> tuple[str, str, str, str]
     if np.isnan(x) or np.isnan(y):
         difference = UNDEFINED
     else:
-        difference = format(x - y, "+" + form)
+        sign = "+" if form == "d" else "+z"  # z: no negative zero
+        difference = format(x - y, sign + form)
         if form.endswith("%"):
             difference = difference.replace("%", " pp")
     return label, number(x, form), number(y, form), difference

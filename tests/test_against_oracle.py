@@ -37,7 +37,7 @@ PARAMS = st.builds(
     saliency_scope=st.sampled_from(["recording", "encounter"]),
 )
 SEEDS = st.integers(0, 2**32 - 1)
-thoroughly = settings(max_examples=60, deadline=None, derandomize=True)
+thoroughly = settings(max_examples=40, deadline=None, derandomize=True)
 
 
 def each_system(

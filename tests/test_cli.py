@@ -278,6 +278,10 @@ BAD = [
     (("GOOD", "--classes", ","), "classes: expected names or numbers of classes"),
     (("GOOD", "--scale-x", "0"), "scale: expected a positive number, found 0"),
     (("GOOD", "--scale-x", "1,2,3"), "expected one number, or two with a comma between"),
+    (
+        ("GOOD", "--scale-y", "wide"),
+        "expected one number, or two with a comma between, found 'wide'",
+    ),
     (("GOOD", "--offset-px-x", "3"), "expected two numbers with a comma between, found '3'"),
     (("GOOD", "--offset-px-x", "nan,1"), "offset_px: expected a finite number, found nan"),
     (("GOOD", "--offset-frames-y", "9" * 30), "offset_frames: expected at most 1000000"),

@@ -102,7 +102,9 @@ def test_too_few_annotated_frames_are_not_taken_for_sampling():
 
 
 def test_a_frame_number_gone_astray_does_not_fill_the_memory():
-    with pytest.raises(MissingFactError, match="reaches from frame 1 to 900000000000000.*--frames"):
+    with pytest.raises(
+        MissingFactError, match=r"reaches from frame 1 to 900000000000000.*--frames"
+    ):
         infer_frames(np.array([1, 900_000_000_000_000]))
 
 

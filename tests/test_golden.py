@@ -110,8 +110,8 @@ def test_the_encounters_agree(case: Case) -> None:
         assert encounters.track.tolist() == expected["track"].tolist()
         assert frame[encounters.first_row].tolist() == expected["first"].tolist()
         assert frame[encounters.last_row].tolist() == expected["last"].tolist()
-        for ours, theirs in (("n_relevant", "relevant"), ("matched", "matched"),
-                             ("is_detected", "detected"), ("miss_class", "miss_class")):  # fmt: skip
+        pairs = {"n_relevant": "relevant", "matched": "matched", "is_detected": "detected"}
+        for ours, theirs in {**pairs, "miss_class": "miss_class"}.items():
             assert judged[ours].tolist() == expected[theirs].tolist()
         assert (judged["n_relevant"] == 0).tolist() == expected["distant"].tolist()
         for name in ("coverage", "lag_s", "gap_s", "tail_s"):

@@ -68,6 +68,15 @@ def test_the_difference_of_shares_is_in_percentage_points(result: Result):
     assert line.split() == ["frames", "below", "0.9", "0.0%", "100.0%", "-100.0", "pp"]
 
 
+def test_a_difference_too_small_to_show_has_no_minus_sign():
+    truth = [at(f, 50, track=1) for f in range(10)]
+    x = [at(f, 50, score=1.0) for f in range(10)]
+    y = [at(f, 50 - 1e-5, score=1.0) for f in range(10)]
+    result = compare(make_dataset(truth, y, x))
+    assert result.x.summary.mean < result.y.summary.mean
+    assert cells(result, "mean similarity") == ["1.0000", "1.0000", "+0.0000"]
+
+
 def test_what_is_undefined_is_a_dash_and_has_no_difference(result: Result):
     assert cells(result, "longest episode (s)") == ["–", "0.20", "–"]
 

@@ -66,6 +66,8 @@ class Audited:
         first = int(rows[0])
         at = self.boxes.first_row + first
         file, line = (int(self.dataset.boxes[name].iloc[at]) for name in ("file", "line"))
+        name = file_name(self.dataset, file, line)
+        frame_index = int(self.boxes.frame_index[first])
         return Finding(
             severity=severity,
             code=code,
@@ -73,8 +75,8 @@ class Audited:
             count=len(rows) if count is None else count,
             message=message,
             advice=advice,
-            file=file_name(self.dataset, file, line),
-            example=place_of_frame(self.dataset, int(self.boxes.frame_index[first]), line=line),
+            file=name,
+            example=place_of_frame(self.dataset, frame_index, line=line, file=name),
         )
 
 
@@ -95,16 +97,17 @@ def file_name(dataset: Dataset, file: int, line: int) -> str:
     return str(dataset.inputs["file"].iloc[file])
 
 
-def place(recording: object, frame: int, *, line: int = 0) -> str:
-    """Where something is, such as ``line 17, recording A, frame 12``."""
-    return (f"line {line}, " if line > 0 else "") + f"recording {recording}, frame {frame}"
+def place(recording: object, frame: int, *, line: int = 0, file: str = "") -> str:
+    """Where something is, such as ``line 17, recording A, frame 12``; JSON counts records."""
+    unit = "record" if file.lower().endswith(".json") else "line"
+    return (f"{unit} {line}, " if line > 0 else "") + f"recording {recording}, frame {frame}"
 
 
-def place_of_frame(dataset: Dataset, frame_index: int, *, line: int = 0) -> str:
+def place_of_frame(dataset: Dataset, frame_index: int, *, line: int = 0, file: str = "") -> str:
     """`place` of a row of the frames table."""
     frames = dataset.frame_columns
     name = dataset.recordings["name"].iloc[int(frames.recording[frame_index])]
-    return place(name, int(frames.frame[frame_index]), line=line)
+    return place(name, int(frames.frame[frame_index]), line=line, file=file)
 
 
 def counted(n: int, one: str, many: str | None = None) -> str:

@@ -165,6 +165,7 @@ def _finding(
 ) -> Finding:
     first = rows.iloc[0]
     file, line = int(first["file"]), int(first["line"])
+    name = file_name(dataset, file, line)
     n_files = rows["file"].nunique()
     if n_files > 1:
         message += f" They stand in {n_files} files."
@@ -175,6 +176,6 @@ def _finding(
         count=len(rows),
         message=message,
         advice=advice,
-        file=file_name(dataset, file, line),
-        example=place(first["recording"], int(first["frame"]), line=line),
+        file=name,
+        example=place(first["recording"], int(first["frame"]), line=line, file=name),
     )

@@ -4,6 +4,7 @@ import pytest
 from audit_comparison import N, codes, dataset, find, with_left_out
 from builders import Box
 
+from nvcore.audit.cases import place
 from nvcore.dataset import Dataset
 from nvcore.findings import Severity
 
@@ -82,3 +83,8 @@ def test_an_unknown_recording_is_a_warning_that_names_the_known_ones() -> None:
 def test_it_is_an_error_when_nothing_is_left_of_the_system(reason: str) -> None:
     made = with_left_out(dataset(y=[]), ("y", "elsewhere" if "un" in reason else "r0", 99, reason))
     assert find(made, reason.replace(" ", "-")).severity is Severity.ERROR
+
+
+def test_the_example_of_a_json_file_counts_records_not_lines():
+    assert place("A", 12, line=17, file="truth.json") == "record 17, recording A, frame 12"
+    assert place("A", 12, line=17, file="truth.txt") == "line 17, recording A, frame 12"
