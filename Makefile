@@ -1,11 +1,14 @@
 # make run   compare the two systems of the sample recordings
 # make test  lint, types, import contract, all tests with coverage
 # make bench benchmarks against other tools, written to docs/benchmarks.md
+#            (make bench BENCH=--quick: a minute, nothing written)
 
 PYTHON ?= python3
 BIN := .venv/bin
 LIBRARY := $(BIN)/.installed
 DEVELOP := $(BIN)/.installed-dev
+TOOLS := .venv-bench/tools/.installed
+MOTMETRICS := .venv-bench/motmetrics/.installed
 
 .PHONY: run test bench lint clean
 
@@ -23,8 +26,8 @@ lint: $(DEVELOP)
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-bench: $(DEVELOP)
-	$(BIN)/python -m bench.run
+bench: $(LIBRARY) $(TOOLS) $(MOTMETRICS)
+	$(BIN)/python -m bench.run $(BENCH)
 
 # The virtual environment is made and filled once, and again only when a pinned version changes.
 $(LIBRARY): requirements.txt pyproject.toml
@@ -36,6 +39,17 @@ $(LIBRARY): requirements.txt pyproject.toml
 $(DEVELOP): $(LIBRARY) requirements-dev.txt
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements-dev.txt
 	touch $@
+
+# The other tools live in environments of their own; motmetrics needs numpy 1, which not every
+# Python has: its row of the table then says so.
+$(TOOLS): bench/requirements-bench.txt
+	$(PYTHON) -m venv .venv-bench/tools
+	.venv-bench/tools/bin/python -m pip install --quiet --disable-pip-version-check -r $<
+	touch $@
+
+$(MOTMETRICS): bench/requirements-motmetrics.txt
+	$(PYTHON) -m venv .venv-bench/motmetrics
+	.venv-bench/motmetrics/bin/python -m pip install --quiet --disable-pip-version-check -r $< && touch $@ || true
 
 clean:
 	rm -rf .venv .venv-bench* .coverage .pytest_cache .mypy_cache .ruff_cache build *.egg-info

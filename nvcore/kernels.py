@@ -36,7 +36,7 @@ BY_HORIZON: Final = 1
 BY_DISTANCE: Final = 2
 EQUAL: Final = 3
 
-compiled = njit(cache=True, nogil=True, error_model="numpy")
+compiled = njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 """Compile on first use, keep the machine code on disk, run without the interpreter lock."""
 
 MIN_PER_THREAD: Final = 20_000
