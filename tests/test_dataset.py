@@ -69,6 +69,13 @@ def test_boxes_are_sorted_by_source_and_frame_and_keep_their_order_otherwise() -
     assert dataset.system("x").offsets.tolist() == [0, 2, 4]
 
 
+def test_many_boxes_of_one_frame_keep_their_order() -> None:
+    table = boxes(*((i % 2, 0, i) for i in range(2000)))
+    dataset = dataset_from_tables(recordings(), [np.arange(1)], table, ["x"])
+    assert dataset.truth.x.tolist() == list(range(0, 2000, 2))
+    assert dataset.system("x").x.tolist() == list(range(1, 2000, 2))
+
+
 def test_a_source_knows_the_row_at_which_it_starts() -> None:
     dataset = make_dataset(truth=[(0, 1, 1, 2, 2, 5)], x=[(0, 3, 1, 2, 2)], y=[(0, 4, 1, 2, 2)])
     assert dataset.truth.first_row == 0

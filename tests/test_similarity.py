@@ -175,6 +175,14 @@ def test_a_frame_exactly_half_a_window_away_counts_at_any_rate(fps: float) -> No
     assert mean[3] == pytest.approx(2 / 7)
 
 
+def test_a_window_that_rounds_to_just_below_whole_frames_keeps_its_ends() -> None:
+    # 18.08 s at 12.5 Hz are 113 frames to either side, 112.99999999999999 as a product
+    frames = make_dataset(n_frames=227, fps=12.5).frame_columns
+    values = np.zeros(227)
+    values[[0, -1]] = 1
+    assert smooth(values, frames, window=18.08)[113] == pytest.approx(2 / 227)
+
+
 def test_the_moving_mean_does_not_cross_recordings() -> None:
     frames = make_dataset(places=[Place([0, 1]), Place([2, 3])]).frame_columns
     mean = smooth(np.array([1.0, 0.5, 0, 0.2]), frames, window=100)
