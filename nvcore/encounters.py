@@ -25,6 +25,8 @@ class Encounters:
         Encounter of each truth row, -1 for ignored boxes; int64, shape (n_truth,).
     order, offsets
         ``order[offsets[e]:offsets[e + 1]]`` are the truth rows of encounter e, by frame.
+    frame_index
+        Frame row of each of these rows, in their order; int64.
     first_row, last_row
         Frame rows of the first and the last annotated frame; int64, shape (n,).
     n_frames
@@ -46,6 +48,7 @@ class Encounters:
     encounter_of: np.ndarray
     order: np.ndarray
     offsets: np.ndarray
+    frame_index: np.ndarray
     first_row: np.ndarray
     last_row: np.ndarray
     n_frames: np.ndarray
@@ -100,6 +103,7 @@ def find_encounters(
         encounter_of=code,
         order=order,
         offsets=offsets,
+        frame_index=at_frame,
         first_row=first_row,
         last_row=last_row,
         n_frames=_sum(is_new_frame, starts).astype(np.int64),
@@ -178,7 +182,7 @@ def judge_encounters(
     n_relevant, matched = np.empty(n, np.int64), np.empty(n, np.int64)
     peak_k, lag, gap, tail = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
     over_ranges(
-        encounter_frames, n, encounters.offsets, encounters.order, truth.frame_index,
+        encounter_frames, n, encounters.offsets, encounters.order, encounters.frame_index,
         frames.frame, frames.gap, k_truth, is_matched, n_relevant, matched, peak_k, lag, gap, tail,
     )  # fmt: skip
     rate = frames.fps[encounters.recording]
@@ -186,7 +190,8 @@ def judge_encounters(
         coverage = matched / n_relevant
     is_detected = (coverage >= params.coverage) & (matched > 0)
     lag_s, gap_s, tail_s = lag / rate, gap / rate, tail / rate
-    miss_class = np.select(
+    classes = np.array([None, *(kind.value for kind in MissClass)], dtype=object)
+    code = np.select(  # in the order of MissClass, 0 for distant ones: the first that holds
         [
             n_relevant == 0,
             matched == 0,
@@ -195,17 +200,10 @@ def judge_encounters(
             tail_s > params.gap_s,
             coverage < params.coverage,
         ],
-        [
-            "",
-            MissClass.NEVER.value,
-            MissClass.LATE.value,
-            MissClass.DROPOUT.value,
-            MissClass.LOST_EARLY.value,
-            MissClass.BRIEF.value,
-        ],
-        default=MissClass.NONE.value,
-    ).astype(object)
-    miss_class[n_relevant == 0] = None
+        range(len(classes) - 1),
+        default=len(classes) - 1,
+    )
+    miss_class = classes[code]
     return pd.DataFrame(
         {
             "n_relevant": n_relevant,

@@ -259,7 +259,8 @@ def encounter_frames(
 ):  # fmt: skip
     """Figures of one system for every encounter, lag, gap and tail in frames.
 
-    ``order[offsets[e]:offsets[e + 1]]`` are the truth rows of encounter e by frame. Rows of one
+    ``order[offsets[e]:offsets[e + 1]]`` are the truth rows of encounter e by frame, and
+    `frame_index` has the frames of these rows in the same order. Rows of one
     frame (a track id given twice) count as one. Never matched: lag, gap and tail are NaN.
     """
     for e in range(lo, hi):
@@ -269,9 +270,9 @@ def encounter_frames(
         run, longest, delay = 0.0, 0.0, np.nan
         i, stop = offsets[e], offsets[e + 1]
         while i < stop:
-            f = frame_index[order[i]]
+            f = frame_index[i]
             is_relevant, is_matched = False, False
-            while i < stop and frame_index[order[i]] == f:
+            while i < stop and frame_index[i] == f:
                 row = order[i]
                 peak = max(peak, k[row])
                 if k[row] >= 0.5:

@@ -68,11 +68,14 @@ def categorise(
     is_distant: np.ndarray, detected_x: np.ndarray, detected_y: np.ndarray
 ) -> np.ndarray:
     """Category of every encounter; object array of `Category` values, shape (n,)."""
-    return np.select(
+    names = (Category.DISTANT, Category.BOTH, Category.X_ONLY, Category.Y_ONLY, Category.NEITHER)
+    code = np.select(
         [is_distant, detected_x & detected_y, detected_x, detected_y],
-        [Category.DISTANT.value, Category.BOTH.value, Category.X_ONLY.value, Category.Y_ONLY.value],
-        default=Category.NEITHER.value,
-    ).astype(object)
+        range(len(names) - 1),
+        default=len(names) - 1,
+    )
+    category: np.ndarray = np.array([name.value for name in names], dtype=object)[code]
+    return category
 
 
 def count_categories(category: np.ndarray) -> Venn:
