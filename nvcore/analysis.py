@@ -361,7 +361,7 @@ def score_system(
     )  # fmt: skip
     judged = stages.get(
         ("judged", *_judged_key(name, threshold, params)),
-        lambda: judge_encounters(encounters, truth, k_truth.k, matches.is_matched, frames, params),
+        lambda: judge_encounters(encounters, k_truth.k, matches.is_matched, frames, params),
     )
     false_alarms = stages.get(("false_alarms", *match_key), lambda: n_det - matched)
     return SystemResult(

@@ -156,7 +156,6 @@ def _z_scores(values: np.ndarray) -> np.ndarray:
 
 def judge_encounters(
     encounters: Encounters,
-    truth: BoxColumns,
     k_truth: np.ndarray,
     is_matched: np.ndarray,
     frames: FrameColumns,
