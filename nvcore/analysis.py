@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, TypeVar
 
@@ -180,8 +180,7 @@ class Result:
             self.dataset, self.x.name, self.y.name,
             self.x.matches.state != BELOW, self.y.matches.state != BELOW, iou=self.params.iou,
         )  # fmt: skip
-        params = {**self.params.given(), "threshold_x": None, "threshold_y": None}
-        return analyse(fused, Params(**params))  # type: ignore[arg-type]
+        return analyse(fused, replace(self.params, threshold_x=None, threshold_y=None))
 
 
 def analyse(
@@ -230,7 +229,7 @@ def analyse(
     )
     n_truth = stages.get(("n_truth",), lambda: count_per_frame(truth, ~truth.ignore))
     k_truth = stages.get(
-        ("k_truth", *_proximity_key(params)), lambda: weigh_proximity(truth, frames, params)
+        ("k_truth", *_proximity_key(params)), lambda: weigh_proximity(truth, ~truth.ignore, frames, params)
     )
     shared = (dataset, params, tracks, encounters, k_truth)
     # numpy and the kernels release the lock: the two systems run side by side
@@ -335,7 +334,8 @@ def score_system(
         lambda: find_nearest(truth, detections, is_counted, frames, distance=params.distance),
     )
     weights = stages.get(
-        ("weights", name, *proximity_key), lambda: weigh_proximity(detections, frames, params)
+        ("weights", *match_key, *proximity_key),
+        lambda: weigh_proximity(detections, is_counted, frames, params),
     )
     distances_key = (*match_key, params.distance, *proximity_key, params.edge_weight)
     distances = stages.get(

@@ -87,6 +87,7 @@ def round_significant(values: np.ndarray, digits: int) -> np.ndarray:
     """Float64 values rounded to significant digits; NaN, infinities and 0 as they are."""
     with np.errstate(divide="ignore", invalid="ignore"):
         places = digits - 1 - np.floor(np.log10(np.abs(values)))
+    places = np.where(values == 0, 0, places)
     # up to 10**22 a power of ten is exact, and so the quotient is the number nearest to the text
     is_near = np.abs(places) <= 22
     places = np.where(is_near, places, 0)

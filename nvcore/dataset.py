@@ -152,7 +152,7 @@ class Dataset:
         numbers = {
             name: self.recordings[name].to_numpy() for name in ("width", "height", "fps", "horizon")
         }
-        gap = frame_gaps(frame, first, numbers["fps"])
+        gap = frame_gaps(frame, first)
         return FrameColumns(recording, frame, gap, first.astype(np.int64), **numbers)
 
     @cached_property
@@ -202,7 +202,7 @@ def offsets_of(frame_index: np.ndarray, n_frames: int) -> np.ndarray:
     return np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
 
 
-def frame_gaps(frame: np.ndarray, first: np.ndarray, fps: np.ndarray) -> np.ndarray:
+def frame_gaps(frame: np.ndarray, first: np.ndarray) -> np.ndarray:
     """Frames to the next listed frame; of a recording's last one, the median gap.
 
     A recording of a single frame has a gap of 1.
@@ -213,13 +213,11 @@ def frame_gaps(frame: np.ndarray, first: np.ndarray, fps: np.ndarray) -> np.ndar
         Frame numbers, int64, shape (n_frames,), increasing in each recording.
     first
         First row of each recording, shape (n_recordings + 1,).
-    fps
-        Shape (n_recordings,); only its length is used.
     """
     gap = np.ones(len(frame))
     if len(frame) > 1:
         gap[:-1] = np.diff(frame)
-    for i in range(len(fps)):  # a loop over recordings: hundreds, not millions
+    for i in range(len(first) - 1):  # a loop over recordings: hundreds, not millions
         rows = slice(first[i], first[i + 1])
         n_rows = first[i + 1] - first[i]
         if n_rows:
@@ -244,7 +242,7 @@ def frames_table(
     rate = np.repeat(np.asarray(fps, dtype=float), lengths)
     start = np.repeat(frame[first[:-1][np.array(lengths, dtype=int) > 0]],
                       [n for n in lengths if n])  # fmt: skip
-    gap = frame_gaps(frame, first, np.asarray(fps, dtype=float))
+    gap = frame_gaps(frame, first)
     columns: dict[str, object] = {
         "recording": recording,
         "frame": frame,
@@ -288,14 +286,14 @@ def dataset_from_tables(
     """
     columns: dict[str, object] = {str(name): recordings[name].to_numpy() for name in recordings}
     recordings = conform(columns, RECORDING_DTYPES, n_rows=len(recordings))
-    if "horizon" not in columns:
-        recordings["horizon"] = np.nan
     for name in ("width", "height", "fps"):
-        bad = ~(recordings[name].to_numpy() > 0)
+        values = recordings[name].to_numpy()
+        bad = ~((values > 0) & np.isfinite(values))
         if bad.any():
+            first = int(np.argmax(bad))
             raise InputError(
-                f"recording {recordings['name'][int(np.argmax(bad))]!r}: expected a positive "
-                f"{name}, found {recordings[name][int(np.argmax(bad))]:g}"
+                f"recording {recordings['name'][first]!r}: expected a positive {name}, found "
+                f"{values[first]:g}; correct the size or the frame rate"
             )
     frames = frames_table(frames_by_recording, recordings["fps"].to_numpy())
     given: dict[str, object] = {str(name): boxes[name].to_numpy() for name in boxes}

@@ -148,7 +148,8 @@ def _number_encounters(
 
 def _z_scores(values: np.ndarray) -> np.ndarray:
     spread = values.std() if len(values) > 1 else 0.0
-    if not spread > 0:
+    # equal values have a spread of a rounding error, not always 0
+    if not spread > 1e-9 * np.abs(values).max(initial=0):
         return np.full(len(values), np.nan)
     scores: np.ndarray = (values - values.mean()) / spread
     return scores

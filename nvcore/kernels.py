@@ -194,8 +194,7 @@ def proximity_weights(
     lo, hi, offsets, y, h, distance_m, recording, midpoint, spread, horizon,
     midpoint_m, spread_m, mode, k,
 ):  # fmt: skip
-    """Proximity weight of every box; returns how many lacked a distance where one was asked for."""
-    n_without = 0
+    """Proximity weight of every box; by height where the distance that was asked for is unknown."""
     for f in range(lo, hi):
         r = recording[f]
         for i in range(offsets[f], offsets[f + 1]):
@@ -206,10 +205,7 @@ def proximity_weights(
             elif mode == BY_DISTANCE and not np.isnan(distance_m[i]):
                 k[i] = sigmoid((midpoint_m - distance_m[i]) / spread_m)
             else:
-                if mode == BY_DISTANCE:
-                    n_without += 1
                 k[i] = sigmoid((h[i] - midpoint[r]) / spread[r])
-    return n_without
 
 
 @compiled
@@ -314,35 +310,61 @@ def group_rows(code, counts):
 
 
 @compiled
+def best_free(x, y, w, h, b0, b1, bx, by, bw, bh, b_in, taken, min_iou):
+    """Largest IoU of a box with a free B of its frame, and that B's row; 0 and -1 for none."""
+    most, best = 0.0, -1
+    for b in range(b0, b1):
+        if not b_in[b] or taken[b - b0]:
+            continue
+        shared = intersection(x, y, w, h, bx[b], by[b], bw[b], bh[b])
+        if shared <= 0.0:
+            continue
+        iou = shared / (w * h + bw[b] * bh[b] - shared)
+        if iou >= min_iou and iou > most:
+            most, best = iou, b
+    return most, best
+
+
+@compiled
 def pair_frames(
     lo, hi, a_offsets, ax, ay, aw, ah, a_in, b_offsets, bx, by, bw, bh, b_in, min_iou, partner
 ):
-    """Pair the boxes of two systems, greedily by descending IoU; writes each A's B row or -1."""
+    """Pair the boxes of two systems, greedily by descending IoU; writes each A's B row or -1.
+
+    Each A keeps its best free B and looks again only when that one is taken: to try all pairs
+    anew for every pair made would be cubic, minutes for frames of hundreds of boxes.
+    """
     taken = np.zeros(16, np.bool_)
+    best, overlap = np.empty(16, np.int64), np.empty(16)
     for f in range(lo, hi):
         a0, a1 = a_offsets[f], a_offsets[f + 1]
         b0, b1 = b_offsets[f], b_offsets[f + 1]
         if b1 - b0 > taken.size:
             taken = np.zeros(2 * (b1 - b0), np.bool_)
+        if a1 - a0 > best.size:
+            best, overlap = np.empty(2 * (a1 - a0), np.int64), np.empty(2 * (a1 - a0))
         for b in range(b1 - b0):
             taken[b] = False
         for a in range(a0, a1):
             partner[a] = -1
-        for _ in range(min(a1 - a0, b1 - b0)):
-            most, best_a, best_b = 0.0, -1, -1
+            overlap[a - a0] = 0.0
+            if a_in[a]:
+                overlap[a - a0], best[a - a0] = best_free(
+                    ax[a], ay[a], aw[a], ah[a], b0, b1, bx, by, bw, bh, b_in, taken, min_iou
+                )
+        while True:
+            most, at = 0.0, -1
             for a in range(a0, a1):
-                if not a_in[a] or partner[a] >= 0:
-                    continue
-                for b in range(b0, b1):
-                    if not b_in[b] or taken[b - b0]:
-                        continue
-                    shared = intersection(ax[a], ay[a], aw[a], ah[a], bx[b], by[b], bw[b], bh[b])
-                    if shared <= 0.0:
-                        continue
-                    iou = shared / (aw[a] * ah[a] + bw[b] * bh[b] - shared)
-                    if iou >= min_iou and iou > most:
-                        most, best_a, best_b = iou, a, b
-            if best_a < 0:
+                if overlap[a - a0] > most:
+                    most, at = overlap[a - a0], a
+            if at < 0:
                 break
-            partner[best_a] = best_b
-            taken[best_b - b0] = True
+            b = best[at - a0]
+            if taken[b - b0]:
+                overlap[at - a0], best[at - a0] = best_free(
+                    ax[at], ay[at], aw[at], ah[at], b0, b1, bx, by, bw, bh, b_in, taken, min_iou
+                )
+                continue
+            partner[at] = b
+            taken[b - b0] = True
+            overlap[at - a0] = 0.0

@@ -65,8 +65,8 @@ def render_inputs(result: Result) -> str:
     linked = len(result.tracks.linked_recordings)
     if linked:
         lines.append(
-            f"the truth of {linked} recording{'s' if linked > 1 else ''} has no track ids: boxes "
-            "were linked to encounters by overlap from frame to frame"
+            f"the truth of {linked} recording{'s' if linked > 1 else ''} has pedestrians without "
+            "track ids: they were linked to encounters by overlap from frame to frame"
         )
     for who, without in (
         ("truth boxes", result.k_truth.n_without_distance),
@@ -100,14 +100,14 @@ def _table(result: Result) -> str:
     for label, key, form in (
         ("mean similarity", "mean_similarity", ".4f"),
         ("minimum similarity", "min_similarity", ".4f"),
-        ("5th percentile", "percentile_5_similarity", ".4f"),
+        ("5th percentile of it", "percentile_5_similarity", ".4f"),
         (f"frames below {result.params.low:g}", "share_low", ".1%"),
         ("saliency (s)", "saliency", ".3f"),
         ("encounters detected", "encounters_detected", "d"),
     ):
         rows.append(_row(label, x[key], y[key], form))
     for kind in MissClass:
-        label = "  " + kind.value.replace("_", " ")
+        label = "  " + ("no failure" if kind is MissClass.NONE else kind.value.replace("_", " "))
         rows.append(_row(label, x["miss_classes"][kind], y["miss_classes"][kind], "d"))
     for label, key, form in (
         ("boxes matched", "boxes_matched", "d"),

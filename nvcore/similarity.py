@@ -34,7 +34,8 @@ class Weights:
     k
         In (0, 1), larger is nearer (1 throughout without proximity); float64, shape (n,).
     n_without_distance
-        Boxes weighted by height because proximity by distance was asked for and they have none.
+        Boxes that count (no ignore regions, nothing below the threshold) and are weighted by
+        height because proximity by distance was asked for and they have none.
     """
 
     k: np.ndarray
@@ -76,12 +77,21 @@ class SetDistances:
     salient_row: np.ndarray
 
 
-def weigh_proximity(boxes: BoxColumns, frames: FrameColumns, params: Params) -> Weights:
+def weigh_proximity(
+    boxes: BoxColumns, is_counted: np.ndarray, frames: FrameColumns, params: Params
+) -> Weights:
     """Proximity weight of every box: near ones count more.
 
     By height ``k = 1 / (1 + exp(-(h - midpoint) / spread))``; by horizon with the depth of the
     foot point below the horizon in place of h; by distance
     ``k = 1 / (1 + exp((distance - midpoint_m) / spread_m))``, boxes without a distance by height.
+
+    Parameters
+    ----------
+    boxes
+        Boxes of one source, px, sorted by frame.
+    is_counted
+        Those that are members of G or S; bool, shape (n,). All are weighed.
 
     Raises
     ------
@@ -101,12 +111,15 @@ def weigh_proximity(boxes: BoxColumns, frames: FrameColumns, params: Params) -> 
             "every recording in the session file"
         )
     k = np.empty(len(boxes))
-    n_without = over_ranges(
+    over_ranges(
         proximity_weights, len(frames), boxes.offsets, boxes.y, boxes.h, boxes.distance_m,
         frames.recording, midpoint, spread, horizon, float(params.midpoint_m),
         float(params.spread_m), _MODES[params.proximity], k,
     )  # fmt: skip
-    return Weights(k, int(sum(n_without)))
+    n_without = 0
+    if params.proximity == "distance":
+        n_without = int(np.count_nonzero(np.isnan(boxes.distance_m) & is_counted))
+    return Weights(k, n_without)
 
 
 def _per_recording(value: float | None, default: np.ndarray) -> np.ndarray:
@@ -255,8 +268,8 @@ def find_low_intervals(
     Returns
     -------
     One row per interval: recording (row of the recordings), first_row, last_row (of the frames),
-    duration_s, severity_s (sum of ``(low - M) * time step``, seconds; larger is worse), min_
-    similarity and worst_row (the frame where it stands).
+    duration_s, severity_s (sum of ``(low - M) * time step``, seconds; larger is worse),
+    min_similarity and worst_row (the first frame where it stands).
     """
     is_low = similarity < low
     first, last = runs_of(np.where(is_low, 0, -1), frames.recording)

@@ -31,13 +31,13 @@ def _names(result: Result, recording: np.ndarray) -> np.ndarray:
 
 def _integers(values: np.ndarray, is_known: np.ndarray) -> Any:
     """Whole numbers, missing where not known."""
-    return pd.array(np.where(is_known, values.astype(float), np.nan), dtype="Int64")
+    # not by way of floats, which do not hold ids such as timestamps
+    return pd.arrays.IntegerArray(values.astype(np.int64), ~is_known)
 
 
 def _booleans(values: np.ndarray, is_known: np.ndarray) -> Any:
     """Truth values, missing where not known."""
-    return pd.array([bool(v) if k else None for v, k in zip(values, is_known, strict=True)],
-                    dtype="boolean")  # fmt: skip
+    return pd.arrays.BooleanArray(values.astype(bool), ~is_known)
 
 
 def frames_table(result: Result) -> pd.DataFrame:
@@ -191,12 +191,11 @@ def _system_by_recording(
         summarise_similarity(system.similarity[a:b], low=result.params.low)
         for a, b in pairwise(first)
     ]
+    event_s = system.events["saliency_s"].to_numpy()
+    first_event = np.searchsorted(system.events["recording"], np.arange(len(summaries) + 1))
     saliency = [
-        aggregate_saliency(
-            system.events["saliency_s"].to_numpy()[system.events["recording"] == row],
-            aggregate=result.params.saliency_aggregate,
-        )
-        for row in range(len(summaries))
+        aggregate_saliency(event_s[a:b], aggregate=result.params.saliency_aggregate)
+        for a, b in pairwise(first_event)
     ]
     alarms = _per_recording(
         result, system.false_alarms, result.dataset.frame_columns.recording
@@ -207,6 +206,8 @@ def _system_by_recording(
     detected = _per_recording(
         result, system.encounters["is_detected"].to_numpy(), result.encounters.recording
     ).astype(np.int64)
+    with np.errstate(invalid="ignore"):  # a recording without frames has no rates
+        alarms_per_minute, episodes_per_hour = alarms / duration_s * 60, episodes / duration_s * 3600
     return {
         f"mean_similarity_{letter}": [one.mean for one in summaries],
         f"min_similarity_{letter}": [one.minimum for one in summaries],
@@ -215,9 +216,9 @@ def _system_by_recording(
         f"saliency_{letter}": saliency,
         f"encounters_detected_{letter}": detected,
         f"false_alarms_{letter}": alarms,
-        f"false_alarms_per_minute_{letter}": alarms / duration_s * 60,
+        f"false_alarms_per_minute_{letter}": alarms_per_minute,
         f"false_alert_episodes_{letter}": episodes,
-        f"false_alert_episodes_per_hour_{letter}": episodes / duration_s * 3600,
+        f"false_alert_episodes_per_hour_{letter}": episodes_per_hour,
     }
 
 

@@ -154,4 +154,4 @@ def test_nothing_left_out_keeps_its_columns() -> None:
 
 def test_no_recording_at_all_gives_an_empty_frames_table() -> None:
     assert frames_table([], []).empty
-    assert frame_gaps(np.empty(0, np.int64), np.array([0]), np.empty(0)).size == 0
+    assert frame_gaps(np.empty(0, np.int64), np.array([0])).size == 0

@@ -73,11 +73,11 @@ def weighed(dataset: Dataset, mode: int, *, midpoint: float = 20, spread: float 
     boxes, frames = dataset.truth, dataset.frame_columns
     k = np.empty(len(boxes))
     same = np.ones(len(frames.fps))
-    n_without = proximity_weights(
+    proximity_weights(
         0, len(frames), boxes.offsets, boxes.y, boxes.h, boxes.distance_m, frames.recording,
         midpoint * same, spread * same, frames.horizon, 35.0, 7.0, mode, k,
     )  # fmt: skip
-    return np.append(k, n_without)
+    return k
 
 
 def maximin(
@@ -217,10 +217,10 @@ def test_weights_by_height_horizon_distance_and_none() -> None:
     truth = [at(0, 20, h=25, foot=60, distance_m=28.0), at(0, 20, h=20, foot=75)]
     dataset = make_dataset(truth, horizon=40)
     one = 1 / (1 + math.exp(-1))
-    assert weighed(dataset, BY_HEIGHT) == pytest.approx([one, 0.5, 0])
-    assert weighed(dataset, BY_HORIZON) == pytest.approx([0.5, 1 / (1 + math.exp(-3)), 0])
-    assert weighed(dataset, BY_DISTANCE) == pytest.approx([one, 0.5, 1])
-    assert weighed(dataset, EQUAL).tolist() == [1, 1, 0]
+    assert weighed(dataset, BY_HEIGHT) == pytest.approx([one, 0.5])
+    assert weighed(dataset, BY_HORIZON) == pytest.approx([0.5, 1 / (1 + math.exp(-3))])
+    assert weighed(dataset, BY_DISTANCE) == pytest.approx([one, 0.5])
+    assert weighed(dataset, EQUAL).tolist() == [1, 1]
 
 
 def test_the_border_holds_where_the_other_set_is_far() -> None:

@@ -177,7 +177,7 @@ def test_linked_truth_and_missing_distances_are_told():
     truth = [at(f, 50) for f in range(3)]
     result = compare(make_dataset(truth, truth[:1], truth[:2]), proximity="distance")
     text = render_inputs(result)
-    assert "the truth of 1 recording has no track ids: boxes were linked" in text
+    assert "the truth of 1 recording has pedestrians without track ids: they were linked" in text
     assert "3 truth boxes have no distance and are weighted by height" in text
     assert "1 boxes of X have no distance" in text
     assert "2 boxes of Y have no distance" in text

@@ -1,0 +1,28 @@
+"""The README shows what the program prints."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from click.testing import CliRunner
+
+from nvcore.cli import main
+
+ROOT = Path(__file__).resolve().parent.parent
+
+
+def test_the_scorecard_in_the_readme_is_that_of_the_sample_recordings() -> None:
+    shown = re.search(r"```text\n(X = .*?)\n```", (ROOT / "README.md").read_text(), re.DOTALL)
+    assert shown is not None
+    printed = CliRunner().invoke(main, ["compare", str(ROOT / "sample_data" / "session.toml")])
+    assert printed.exit_code == 0
+    assert shown[1] in printed.stdout
+
+
+def test_the_python_example_in_the_readme_runs(monkeypatch, capsys) -> None:
+    example = re.search(r"```python\n(.*?)\n```", (ROOT / "README.md").read_text(), re.DOTALL)
+    assert example is not None
+    monkeypatch.chdir(ROOT)
+    exec(example[1], {})
+    assert capsys.readouterr().out.startswith("Venn(both=")
