@@ -55,6 +55,8 @@ def _checks(result: Result) -> dict[str, list[float]]:
     return {
         "matched": [int(s.matched.sum()) for s in systems],
         "recall": [float(s.matched.sum() / result.n_truth.sum()) for s in systems],
+        "n_truth": [int(result.n_truth.sum()) for _ in systems],
+        "n_det": [int(s.n_det.sum()) for s in systems],
         "mean_similarity": [s.summary.mean for s in systems],
     }
 
@@ -79,7 +81,7 @@ def main() -> None:
         peak_mb=peak_mb,
         input_mb=float(dataset.boxes.memory_usage().sum() / 1024**2),
         check=_checks(base),
-        versions=versions("numpy", "numba", "pandas", "scipy"),
+        versions=versions("numpy", "numba", "pandas", "pyarrow", "scipy"),
     )
 
 

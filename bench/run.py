@@ -35,6 +35,13 @@ BESIDE = (
 )
 """Name, module and interpreter of what runs beside ours."""
 
+FROM_FILES = (
+    ("nvcore, from files", "bench.from_files", Path(sys.executable)),
+    ("TrackEval Evaluator, from files", "bench.from_files", TOOLS_PYTHON),
+    ("TrackEval preprocessing + CLEAR", "bench.from_files", TOOLS_PYTHON),
+)
+"""The same for what starts from the set as MOTChallenge files."""
+
 
 def run_worker(python: Path, *arguments: str) -> dict[str, Any]:
     """Figures of one worker: the last line that it prints; ``{"failed": why}`` if it fails."""
@@ -79,13 +86,17 @@ def main() -> None:
                 sys.exit(f"nvcore failed at {n:,} frames: {ours[n]['failed']}")
             if n != others_at:
                 path.unlink()
+        path, mot = Path(folder) / f"{others_at}.npz", Path(folder) / "mot"
+        subprocess.run(
+            [sys.executable, "-m", "bench.mot_files", str(path), str(mot)], cwd=ROOT, check=True
+        )
         beside = {}
-        for name, module, python in BESIDE:
-            print(f"{name}, {others_at:,} frames ...", file=sys.stderr)
-            beside[name] = run_worker(
-                python, module, name, str(Path(folder) / f"{others_at}.npz"),
-                "--repeat", others_repeat,
-            )  # fmt: skip
+        for start, workers in ((path, BESIDE), (mot, FROM_FILES)):
+            for name, module, python in workers:
+                print(f"{name}, {others_at:,} frames ...", file=sys.stderr)
+                beside[name] = run_worker(
+                    python, module, name, str(start), "--repeat", others_repeat
+                )
     print("command line ...", file=sys.stderr)
     command_line = measure_command_line(ROOT)
     text = write_tables(ours, beside, others_at, command_line)

@@ -200,7 +200,7 @@ def analyse(
     params
         Settings; None: the defaults.
     x, y
-        Names of the systems; None: the dataset's first and second.
+        Names of the systems; None: the dataset's first that is not the other one.
     previous
         A result of the same dataset: stages whose settings are the same are taken from it, so
         that moving alpha or the sigmoid costs little. The figures do not depend on it.
@@ -229,7 +229,8 @@ def analyse(
     )
     n_truth = stages.get(("n_truth",), lambda: count_per_frame(truth, ~truth.ignore))
     k_truth = stages.get(
-        ("k_truth", *_proximity_key(params)), lambda: weigh_proximity(truth, ~truth.ignore, frames, params)
+        ("k_truth", *_proximity_key(params)),
+        lambda: weigh_proximity(truth, ~truth.ignore, frames, params),
     )
     shared = (dataset, params, tracks, encounters, k_truth)
     # numpy and the kernels release the lock: the two systems run side by side
@@ -274,15 +275,16 @@ def analyse(
 
 
 def _pick(dataset: Dataset, x: str | None, y: str | None) -> tuple[str, str]:
-    if len(dataset.systems) < 2 and not (x and y):
+    x = x or next((name for name in dataset.systems if name != y), None)
+    y = y or next((name for name in dataset.systems if name != x), None)
+    if x is None or y is None:
         raise InputError(
             f"a comparison needs two systems; there is {len(dataset.systems)} "
-            f"({', '.join(dataset.systems) or 'none'})"
+            f"({', '.join(dataset.systems) or 'none'}): give a second one"
         )
-    names = (x or dataset.systems[0], y or dataset.systems[1])
-    for name in names:
+    for name in (x, y):
         dataset.system(name)
-    return names
+    return x, y
 
 
 def _proximity_key(params: Params) -> tuple[Any, ...]:

@@ -100,7 +100,8 @@ class FrameColumns:
     @cached_property
     def duration_s(self) -> float:
         """Recording time of all recordings: the sum of the time steps."""
-        return float((self.gap / self.fps[self.recording]).sum())
+        gaps = np.bincount(self.recording, weights=self.gap, minlength=len(self.fps))
+        return float((gaps / self.fps).sum())
 
 
 @dataclass(frozen=True, eq=False)

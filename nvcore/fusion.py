@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
-import pandas as pd
 
-from nvcore.dataset import BoxColumns, Dataset, FrameColumns, dataset_from_tables
+from nvcore.dataset import BoxColumns, Dataset, FrameColumns
 from nvcore.kernels import over_ranges, pair_frames
+from nvcore.schema import DATASET_BOX_DTYPES, TRUTH, conform
 
 
 def pair_detections(
@@ -55,22 +56,21 @@ def fuse(
     partner = pair_detections(x, y, is_kept_x, is_kept_y, dataset.frame_columns, iou=iou)
     is_paired_y = np.zeros(len(y), dtype=bool)
     is_paired_y[partner[partner >= 0]] = True
-    either_x, either_y = np.flatnonzero(is_kept_x), np.flatnonzero(is_kept_y & ~is_paired_y)
-    paired_x = np.flatnonzero(partner >= 0)
-    parts = [dataset.boxes.iloc[: dataset.source_starts[1]]]
-    for source, boxes, rows in (
-        (1, x, either_x),
-        (1, y, either_y),
-        (2, x, paired_x),
-    ):
-        part = dataset.boxes.iloc[boxes.first_row + rows]
-        parts.append(part.assign(source=np.int16(source), score=np.nan))
-    listed = dataset.frames["frame"].to_numpy()
-    first = dataset.frame_columns.first
-    return dataset_from_tables(
-        dataset.recordings,
-        [listed[a:b] for a, b in pairwise(first)],
-        pd.concat(parts, ignore_index=True),
-        (f"{x_name} or {y_name}", f"{x_name} and {y_name}"),
-        fingerprint=dataset.fingerprint,
+    unpaired_y = y.first_row + np.flatnonzero(is_kept_y & ~is_paired_y)
+    either = np.concatenate([x.first_row + np.flatnonzero(is_kept_x), unpaired_y])
+    both = x.first_row + np.flatnonzero(partner >= 0)
+    at_frame = dataset.boxes["frame_index"].to_numpy()
+    either = either[np.argsort(at_frame[either], kind="stable")]  # in a frame X's before Y's
+    n_truth = len(dataset.truth)
+    rows = np.concatenate([np.arange(n_truth), either, both])
+    # column by column: every box is copied once
+    columns: dict[str, Any] = {
+        str(name): dataset.boxes[name].to_numpy()[rows] for name in dataset.boxes
+    }
+    columns["source"] = np.repeat([TRUTH, 1, 2], [n_truth, len(either), len(both)])
+    columns["score"][n_truth:] = np.nan
+    return replace(
+        dataset,
+        boxes=conform(columns, DATASET_BOX_DTYPES, n_rows=len(rows)),
+        systems=(f"{x_name} or {y_name}", f"{x_name} and {y_name}"),
     )

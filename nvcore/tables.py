@@ -207,7 +207,10 @@ def _system_by_recording(
         result, system.encounters["is_detected"].to_numpy(), result.encounters.recording
     ).astype(np.int64)
     with np.errstate(invalid="ignore"):  # a recording without frames has no rates
-        alarms_per_minute, episodes_per_hour = alarms / duration_s * 60, episodes / duration_s * 3600
+        alarms_per_minute, episodes_per_hour = (
+            alarms / duration_s * 60,
+            episodes / duration_s * 3600,
+        )
     return {
         f"mean_similarity_{letter}": [one.mean for one in summaries],
         f"min_similarity_{letter}": [one.minimum for one in summaries],

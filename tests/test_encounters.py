@@ -210,6 +210,11 @@ def test_without_spread_there_is_no_z_score(n: int) -> None:
     assert np.isnan(compare(make_dataset(truth)).encounters.aspect_z).all()
 
 
+def test_equal_aspect_ratios_have_no_z_scores_whatever_their_rounding() -> None:
+    truth = [Box(0, 10 * i, 10, 10, 7, track=i) for i in range(7)]
+    assert np.isnan(compare(make_dataset(truth)).encounters.aspect_z).all()
+
+
 def test_tracks_may_be_huge_numbers_or_negative() -> None:
     ids = [2**62, -5, 2**31 - 1, 3]
     result = compare(make_dataset([at(0, 20 * i, track=t) for i, t in enumerate(ids)]))

@@ -134,6 +134,14 @@ def test_boxes_without_a_distance_are_weighed_by_height_and_counted() -> None:
     assert compare(make_dataset(truth), proximity="height").k_truth.n_without_distance == 0
 
 
+def test_boxes_that_do_not_count_need_no_distance() -> None:
+    truth = [at(0, 50, track=1, distance_m=35.0), at(0, 80, w=30, ignore=True)]
+    x = [at(0, 50, score=0.2, distance_m=35.0), at(0, 30, score=0.1), at(0, 80, score=0.9)]
+    result = compare(make_dataset(truth, x), proximity="distance", threshold_x=0.2)
+    assert result.k_truth.n_without_distance == 0
+    assert result.x.weights.n_without_distance == 0
+
+
 def test_the_sigmoid_cannot_overflow_however_small_the_spread() -> None:
     truth = [at(0, 50, h=1, track=1), at(0, 30, h=99, track=2)]
     result = compare(make_dataset(truth), proximity="height", midpoint=50, spread=1e-6)

@@ -232,3 +232,23 @@ def test_distances_of_unknown_boxes_are_counted(result: Result):
     all_ = summary(weighted)
     assert all_["truth"]["boxes_without_distance"] == 10
     assert all_["x"]["detections_without_distance"] == 10
+
+
+def test_track_ids_beyond_floats_are_kept():
+    track = 2**53 + 1
+    table = frames_table(compare(make_dataset([at(0, 50, track=track)], n_frames=2)))
+    assert table["salient_track_x"].tolist() == [track, pd.NA]
+
+
+def test_a_recording_without_frames_has_no_rates():
+    dataset = make_dataset([at(0, 50, track=7)], places=[Place(range(2)), Place([])])
+    table = recordings_table(compare(dataset))
+    assert table["n_frames"].tolist() == [2, 0]
+    assert np.isnan(table["false_alarms_per_minute_x"].iloc[1])
+
+
+def test_saliency_is_told_for_each_recording():
+    truth = [at(f, 50, track=1, recording=1) for f in range(4)]
+    result = compare(make_dataset(truth, places=[Place(range(4)), Place(range(4))]))
+    table = recordings_table(result)
+    assert table["saliency_x"].tolist() == [0, result.x.saliency_s]

@@ -131,6 +131,11 @@ def reading_boxes(n_rows: int, **columns: object) -> pd.DataFrame:
     return conform(columns, READING_DTYPES, n_rows=n_rows)
 
 
+def object_array(texts: Sequence[str]) -> np.ndarray:
+    """Texts as an array of object, shape (n,); numpy would make a wide array of text of them."""
+    return np.array([*texts, None], dtype=object)[:-1]
+
+
 def concat_boxes(tables: Sequence[pd.DataFrame]) -> pd.DataFrame:
     """Boxes of several files in one table; no file gives an empty table with all columns."""
     if not tables:

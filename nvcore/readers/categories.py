@@ -1,14 +1,17 @@
 """Which categories of a file count as pedestrians, told from their names.
 
-For formats whose files bring their own categories; `classes` is for formats with fixed ones.
+For formats whose files bring their own categories or labels; `classes` is for formats with fixed
+ones, and sorts the rows by the rule that either gives.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from nvcore.errors import FormatError
+from nvcore.readers.base import ReadOptions
+from nvcore.readers.classes import ClassRule
 
 PEDESTRIANS = frozenset({"person", "persons", "pedestrian", "pedestrians", "ped", "human"})
 """Names that count unless the user says otherwise."""
@@ -68,7 +71,7 @@ def choose_categories(
     listed = ", ".join(_shown(key, name) for key, name in [*names.items()][:_MANY]) or "none"
     listed += f" and {len(names) - _MANY} more" if len(names) > _MANY else ""
     if classes is None:
-        counted = {key for key, name in names.items() if _plain(name) in PEDESTRIANS}
+        counted = {key for key, name in names.items() if is_pedestrian(name)}
         if names and not counted:
             raise FormatError(
                 f"no category is called person or pedestrian; found {listed}; name the classes "
@@ -83,8 +86,7 @@ def choose_categories(
             if not hits:
                 raise FormatError(f"there is no class {wanted!r}; found {listed}", file=file)
             counted |= hits
-    neutral = PEDESTRIANS | LOOKALIKES
-    ignored = {key for key, name in names.items() if _plain(name) in neutral} - counted
+    ignored = {key for key, name in names.items() if _concerns(name)} - counted
     fates = {
         "counted": tuple(key for key in names if key in counted),
         "ignored": tuple(key for key in names if key in ignored),
@@ -101,6 +103,48 @@ def choose_categories(
         left_out=fates["left out"],
         conversion="classes: " + "; ".join(parts),
     )
+
+
+def free_labels(found: Iterable[str], options: ReadOptions) -> ClassRule:
+    """The rule for labels that annotators chose (CVAT, Pascal VOC, YOLO with names).
+
+    Where the classes are named, the usual pedestrian labels that are not among them are ignore
+    regions. Labels that have nothing to do with pedestrians are known and left out.
+
+    Parameters
+    ----------
+    found
+        Labels in the files, used or only declared.
+    options
+        `classes` is used.
+    """
+    names = sorted(set(found))
+    pedestrians = tuple(name for name in names if is_pedestrian(name))
+    lookalikes = tuple(name for name in names if is_lookalike(name))
+    others = tuple(name for name in names if not _concerns(name))
+    if options.classes is not None:
+        return ClassRule(counted=(), ignored=pedestrians + lookalikes, left_out=others)
+    return ClassRule(pedestrians or ("person", "pedestrian"), ignored=lookalikes, left_out=others)
+
+
+def concerns_pedestrians(label: str, options: ReadOptions) -> bool:
+    """Whether boxes of the label are counted or ignored."""
+    named = {name.casefold() for name in options.classes or ()}
+    return _concerns(label) or label.casefold() in named
+
+
+def is_pedestrian(name: str) -> bool:
+    """Whether the name is one of a pedestrian."""
+    return _plain(name) in PEDESTRIANS
+
+
+def is_lookalike(name: str) -> bool:
+    """Whether the name is one of what could be taken for a pedestrian."""
+    return _plain(name) in LOOKALIKES
+
+
+def _concerns(name: str) -> bool:
+    return is_pedestrian(name) or is_lookalike(name)
 
 
 def _plain(name: str) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 import pandas as pd
@@ -11,6 +12,9 @@ import pandas as pd
 from nvcore.errors import InputError
 from nvcore.findings import Finding, Severity
 from nvcore.readers.base import ReadOptions, SourceFile
+
+_MAX_NAMED: Final = 8
+"""Most labels that a conversion text names."""
 
 
 @dataclass(frozen=True)
@@ -100,7 +104,7 @@ def choose_classes(
             if name.casefold() not in known | present:
                 others = sorted(str(other) for other in found if other.casefold() not in known)
                 raise InputError(
-                    f"there is no class {name!r}; the format has {', '.join(rule.known)}"
+                    f"there is no class {name!r}; the classes are {', '.join(rule.known)}"
                     + (f", the files also have {', '.join(others)}" if others else ""),
                     file=files[0].name if files else None,
                 )
@@ -125,7 +129,8 @@ def choose_classes(
                 code="unknown-class",
                 subject=options.role,
                 count=int(is_strange.sum()),
-                message=f"rows of classes that the format does not have were left out: {names}",
+                message="rows of classes that the format does not have were left out: "
+                + ", ".join(names),
                 advice="If one of them is a pedestrian, name it as a class to be counted.",
                 file=files[file[first]].name,
                 example=f"line {line[first]}: {label[first]}",
@@ -151,3 +156,24 @@ def choose_classes(
         fact=fact + "; others left out",
         findings=tuple(findings),
     )
+
+
+def name_left_out(label: np.ndarray, keep: np.ndarray) -> str:
+    """The labels that were left out with their numbers of boxes, in words; empty for none.
+
+    Parameters
+    ----------
+    label
+        Label of each box, object, shape (n,).
+    keep
+        Whether it stays, bool, shape (n,).
+    """
+    counts = pd.Series(label[~keep], dtype=object).value_counts()
+    if counts.empty:
+        return ""
+    counts = counts.sort_index().sort_values(ascending=False, kind="stable")
+    named = [f"{name} ({n})" for name, n in counts.iloc[:_MAX_NAMED].items()]
+    if len(counts) > _MAX_NAMED:
+        rest = counts.iloc[_MAX_NAMED:]
+        named.append(f"{len(rest)} more labels ({rest.sum()})")
+    return f"left out: {', '.join(named)}"

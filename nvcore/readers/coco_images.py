@@ -298,7 +298,7 @@ def _recordings(
         findings.append(
             Finding(
                 severity=Severity.WARNING,
-                code="picture-size-differs",
+                code="picture-size",
                 subject="truth",
                 count=odd,
                 message="Pictures of one recording differ in size; the commonest size is taken.",

@@ -21,7 +21,7 @@ from nvcore.readers.base import (
     recording_row,
     recordings_table,
 )
-from nvcore.readers.categories import PEDESTRIANS
+from nvcore.readers.categories import is_pedestrian
 from nvcore.readers.coco_images import id_text, place_of_picture, places_of_rows, rows_by_id
 from nvcore.readers.coco_result_columns import ResultColumns, read_columns
 from nvcore.readers.naming import recording_of
@@ -151,7 +151,7 @@ def _categories(
     if options.classes is not None:
         # results have no names for their categories: only a person's number is known
         named = [name for name in options.classes if not name.isdecimal()]
-        persons = [name for name in named if name.strip().lower() in PEDESTRIANS]
+        persons = [name for name in named if is_pedestrian(name)]
         wanted = set(options.classes) - set(named) | ({PERSON} if persons else set())
         if len(persons) < len(named) and set(present) - wanted:
             raise FormatError(

@@ -11,9 +11,9 @@ import pandas as pd
 
 from nvcore.findings import Finding, Severity
 from nvcore.readers.base import Reading, ReadOptions, SourceFile, reading_boxes
-from nvcore.readers.classes import choose_classes
+from nvcore.readers.categories import concerns_pedestrians, free_labels
+from nvcore.readers.classes import choose_classes, name_left_out
 from nvcore.readers.cvat_xml import CvatFile
-from nvcore.readers.labels import concerns_pedestrians, free_labels, left_out
 from nvcore.readers.occlusion import levels_of_numbers
 
 
@@ -99,7 +99,7 @@ def boxes_reading(
         line=column["line"],
     )
     told = ["corners to width and height (0-based, continuous)", *facts, choice.fact]
-    others = left_out(label, choice.keep)
+    others = name_left_out(label, choice.keep)
     told += [others] if others else []
     if is_truth:
         told.append("attributes such as ignore or iscrowd = ignore; occluded = partial occlusion")

@@ -16,6 +16,7 @@ from nvcore.readers.base import (
     ReadOptions,
     Role,
     SourceFile,
+    object_array,
     recording_row,
     recordings_table,
 )
@@ -118,7 +119,7 @@ def _places(
             recording = fallback
         recordings.append(recording)
         frames.append(frame)
-    return _objects(recordings), np.array(frames, dtype=np.int64), []
+    return object_array(recordings), np.array(frames, dtype=np.int64), []
 
 
 def _places_by_id(
@@ -136,7 +137,7 @@ def _places_by_id(
     )
     recordings = [_task_recording(content, one, fallback) for one in content.owners]
     frames = np.array([one.number for one in content.owners], dtype=np.int64)
-    return _objects(recordings), frames, [finding]
+    return object_array(recordings), frames, [finding]
 
 
 def _task_recording(content: CvatFile, owner: Owner, fallback: str) -> str:
@@ -197,10 +198,6 @@ def _sizes_that_differ(
             f"line {one['line']}: {one['width']:g} x {one['height']:g}",
         )
     ]
-
-
-def _objects(texts: Sequence[str]) -> np.ndarray:
-    return np.array([*texts, None], dtype=object)[:-1]
 
 
 FORMAT = Format(

@@ -1,17 +1,16 @@
-"""What a CVAT XML file says, as columns; see `cvat` for what is made of it."""
+"""What a CVAT XML file says, as columns; see `cvat_boxes` for what is made of it."""
 
 from __future__ import annotations
 
 import re
 from array import array
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
 
 from nvcore.errors import FormatError
-from nvcore.readers.base import SourceFile
+from nvcore.readers.base import SourceFile, object_array
 from nvcore.readers.elements import (
     Element,
     file_stem,
@@ -331,7 +330,7 @@ class _Parser:
     def finish(self) -> CvatFile:
         table = np.frombuffer(self.values, dtype=np.float64).reshape(-1, len(_COLUMNS))
         self.content.columns = {name: table[:, i].copy() for i, name in enumerate(_COLUMNS)}
-        self.content.label = _objects(self.labels)
+        self.content.label = object_array(self.labels)
         tasks = self.content.tasks
         if not tasks:
             tasks[""] = Task()
@@ -360,8 +359,3 @@ def read_cvat(file: SourceFile, *, kind: str) -> CvatFile:
     for element in read_elements(file, root="annotations"):
         parser.take(element)
     return parser.finish()
-
-
-def _objects(texts: Sequence[str]) -> np.ndarray:
-    """Array of object; numpy would make a wide array of text out of it."""
-    return np.array([*texts, None], dtype=object)[:-1]

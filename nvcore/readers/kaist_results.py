@@ -30,6 +30,7 @@ from nvcore.readers.text import (
     NumberTable,
     are_numbers,
     is_whole,
+    number_of,
     read_numbers,
     rows_of_text,
     whole_numbers,
@@ -49,7 +50,7 @@ def recognise(name: str, head: str, role: Role) -> bool:
         return False
     rows = rows_of_text(head)[:50]
     return bool(rows) and all(
-        len(row) == 6 and are_numbers(row) and is_whole(row[0]) and float(row[0]) >= 1
+        len(row) == 6 and are_numbers(row) and is_whole(row[0]) and (number_of(row[0]) or 0) >= 1
         for row in rows
     )
 

@@ -26,6 +26,7 @@ from nvcore.readers.text import (
     NumberTable,
     are_numbers,
     is_whole,
+    number_of,
     read_numbers,
     rows_of_text,
     stacked,
@@ -58,7 +59,7 @@ def recognise(name: str, head: str, role: Role) -> bool:
     if n_columns == 15:
         return True
     left, top, right, bottom = np.array(
-        [[float(field.strip() or "nan") for field in row[1:5]] for row in rows]
+        [[number_of(field) for field in row[1:5]] for row in rows], dtype=float
     ).T
     return _first_without_corners(left, top, right, bottom) is None
 

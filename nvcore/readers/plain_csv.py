@@ -20,7 +20,7 @@ from nvcore.readers.base import (
     recording_row,
     recordings_table,
 )
-from nvcore.readers.categories import CategoryChoice, choose_categories
+from nvcore.readers.categories import CategoryChoice, choose_categories, is_lookalike
 from nvcore.readers.coco_images import place_of_picture
 from nvcore.readers.csv_columns import Header, csv_content, read_columns, read_header
 from nvcore.readers.naming import recordings_of
@@ -64,16 +64,26 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     ]
     names, facts = recordings_of([files[number].name for number in whole], options.recordings)
     recording_of_file = dict(zip(whole, names, strict=True))
-    tables, rows = [], []
+    tables, kinds, rows = [], [], []
     findings: list[Finding] = []
     facts = ["pixels as they are (0-based)", *facts]
     for number, (file, header, content) in enumerate(zip(files, headers, contents, strict=True)):
         own = recording_of_file.get(number)
-        boxes, what, oddities = _read_one(file, number, own, header, content, options)
+        boxes, kind, what, oddities = _read_one(file, number, own, header, content, options)
         findings += oddities
         tables.append(boxes)
-        rows += [recording_row(name) for name in ([own] if own else boxes["recording"].unique())]
+        kinds.append(kind)
         facts += [fact for fact in what if fact not in facts]
+    choice = _classes(kinds, files, options)
+    if choice is not None:
+        facts.append(choice.conversion)
+        tables = [
+            boxes if kind is None else _sorted_by_class(boxes, kind, choice, options.role)
+            for boxes, kind in zip(tables, kinds, strict=True)
+        ]
+    for number, boxes in enumerate(tables):
+        own = recording_of_file.get(number)
+        rows += [recording_row(name) for name in ([own] if own else boxes["recording"].unique())]
     return Reading(
         boxes=concat_boxes(tables),
         recordings=recordings_table(rows),
@@ -104,7 +114,8 @@ def _read_one(
     header: Header,
     content: bytes,
     options: ReadOptions,
-) -> tuple[pd.DataFrame, list[str], list[Finding]]:
+) -> tuple[pd.DataFrame, pd.Series | None, list[str], list[Finding]]:
+    """All boxes of a file, the class of each, the conversion in words, and what is odd."""
     wanted = _wanted(header, options.role)
     columns, line, has_decimal_comma = read_columns(file, header, content, wanted)
     unused = [n for i, n in enumerate(header.names) if n and i not in _places(header, wanted)]
@@ -123,7 +134,8 @@ def _read_one(
     values: dict[str, object] = {}
     findings: list[Finding] = []
     if "right" in columns:
-        w, h = columns["right"].to_numpy() - x, columns["bottom"].to_numpy() - y
+        with np.errstate(invalid="ignore"):  # infinite corners: reported as rows that are no box
+            w, h = columns["right"].to_numpy() - x, columns["bottom"].to_numpy() - y
         facts.append("corners to width and height (right edge = x + w)")
     else:
         w, h = columns["w"].to_numpy(), columns["h"].to_numpy()
@@ -136,16 +148,6 @@ def _read_one(
         values["occlusion"] = levels_of_numbers(level)
         findings = odd_levels(level, file, line, options.role)
     ignore = columns["ignore"].to_numpy() if "ignore" in columns else np.zeros(len(line), bool)
-    keep = np.ones(len(line), dtype=bool)
-    if "class" in columns:
-        choice = _classes(columns["class"], file, options)
-        facts.append(choice.conversion)
-        keep = ~columns["class"].isin(choice.left_out).to_numpy()
-        is_neutral = columns["class"].isin(choice.ignored).to_numpy()
-        if options.role == "truth":
-            ignore = ignore | is_neutral
-        else:
-            keep &= ~is_neutral
     for name in ("score", "distance_m"):
         if name in columns:
             values[name] = columns[name].to_numpy()
@@ -162,15 +164,33 @@ def _read_one(
         line=line,
         **values,
     )
-    return boxes if keep.all() else boxes[keep].reset_index(drop=True), facts, findings
+    return boxes, columns.get("class"), facts, findings
 
 
-def _classes(kinds: pd.Series, file: SourceFile, options: ReadOptions) -> CategoryChoice:
-    """The choice of classes; a file of a single class is about that one."""
-    names = {str(name): str(name) for name in kinds.unique()}
-    if len(names) <= 1 and options.classes is None:
+def _classes(
+    kinds: Sequence[pd.Series | None], files: Sequence[SourceFile], options: ReadOptions
+) -> CategoryChoice | None:
+    """The choice of classes over all files; those of a single class are about that one."""
+    given = [(file, kind) for file, kind in zip(files, kinds, strict=True) if kind is not None]
+    if not given:
+        return None
+    names = {str(name): str(name) for _, kind in given for name in kind.unique()}
+    if options.classes is None and len(names) <= 1 and not any(map(is_lookalike, names)):
         return CategoryChoice(tuple(names), (), (), f"class {''.join(names)} throughout: counted")
-    return choose_categories(names, options.classes, file=file.name)
+    return choose_categories(names, options.classes, file=given[0][0].name)
+
+
+def _sorted_by_class(
+    boxes: pd.DataFrame, kind: pd.Series, choice: CategoryChoice, role: Role
+) -> pd.DataFrame:
+    """Boxes without those of other classes; lookalikes are ignore regions of the truth."""
+    keep = ~kind.isin(choice.left_out).to_numpy()
+    is_neutral = kind.isin(choice.ignored).to_numpy()
+    if role == "truth":
+        boxes = boxes.assign(ignore=boxes["ignore"].to_numpy() | is_neutral)
+    else:
+        keep &= ~is_neutral
+    return boxes if keep.all() else boxes[keep].reset_index(drop=True)
 
 
 def _wanted(header: Header, role: Role) -> list[str]:

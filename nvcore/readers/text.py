@@ -219,7 +219,7 @@ def _careful(text: str, file: SourceFile, layout: _Layout) -> NumberTable:
             )
         if layout.label_at is not None:
             labels.append(fields.pop(layout.label_at).strip())
-        row = [_number(field) for field in fields]
+        row = [number_of(field) for field in fields]
         if None in row:
             wrong = fields[row.index(None)].strip()
             raise FormatError(
@@ -237,7 +237,7 @@ def _careful(text: str, file: SourceFile, layout: _Layout) -> NumberTable:
     )
 
 
-def _number(field: str) -> float | None:
+def number_of(field: str) -> float | None:
     """The field as a number, NaN where it is empty, None where it is anything else."""
     field = field.strip()
     if len(field) > 1 and field[0] == field[-1] == '"':
@@ -299,10 +299,10 @@ def rows_of_text(head: str, *, delimiter: str = ",", comment: str = "") -> list[
 
 def are_numbers(fields: Sequence[str]) -> bool:
     """Whether every field is a number or empty."""
-    return all(_number(field) is not None for field in fields)
+    return all(number_of(field) is not None for field in fields)
 
 
 def is_whole(field: str) -> bool:
     """Whether the field is a whole number (``1.0`` is one)."""
-    value = _number(field)
+    value = number_of(field)
     return value is not None and value.is_integer()

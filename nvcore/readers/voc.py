@@ -18,14 +18,15 @@ from nvcore.readers.base import (
     ReadOptions,
     Role,
     SourceFile,
+    object_array,
     reading_boxes,
     recording_row,
     recordings_table,
 )
-from nvcore.readers.classes import choose_classes
+from nvcore.readers.categories import concerns_pedestrians, free_labels
+from nvcore.readers.classes import choose_classes, name_left_out
 from nvcore.readers.elements import Element, is_true, number, read_elements, root_of
 from nvcore.readers.frame_files import listed_frames
-from nvcore.readers.labels import concerns_pedestrians, free_labels, left_out
 from nvcore.readers.occlusion import levels_of_numbers
 
 CORNERS: Final = ("xmin", "ymin", "xmax", "ymax")
@@ -72,7 +73,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     table = np.frombuffer(objects.numbers, dtype=np.float64).reshape(-1, len(_COLUMNS))
     column = {name: table[:, i] for i, name in enumerate(_COLUMNS)}
     index, line = column["file"].astype(np.int64), column["line"].astype(np.int64)
-    label = np.array([*objects.label, None], dtype=object)[:-1]
+    label = object_array(objects.label)
     declared = {shape[0] for shape in objects.shapes}
     choice = choose_classes(
         label,
@@ -101,7 +102,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         file=index,
         line=line,
     )
-    others = left_out(label, choice.keep)
+    others = name_left_out(label, choice.keep)
     facts = [
         "frame numbers from the file names",
         "inclusive corners to width and height, pixels from 1-based to 0-based"
@@ -123,7 +124,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         boxes=boxes[choice.keep].reset_index(drop=True),
         recordings=recordings,
         conversion="; ".join(facts),
-        images=images,
+        images=images.sort_values("image_id", ignore_index=True),
         findings=tuple(findings),
     )
 

@@ -18,17 +18,19 @@ from nvcore.readers.base import (
     ReadOptions,
     Role,
     SourceFile,
+    object_array,
     reading_boxes,
     recording_row,
     recordings_table,
 )
-from nvcore.readers.classes import ClassRule, choose_classes
+from nvcore.readers.categories import free_labels
+from nvcore.readers.classes import ClassRule, choose_classes, name_left_out
 from nvcore.readers.frame_files import listed_frames
-from nvcore.readers.labels import free_labels, left_out
 from nvcore.readers.text import (
     MAX_INTEGER,
     NumberTable,
     are_numbers,
+    number_of,
     read_numbers,
     read_text,
     rows_of_text,
@@ -61,10 +63,7 @@ def recognise(name: str, head: str, role: Role) -> bool:
 def _is_row(row: Sequence[str]) -> bool:
     if len(row) not in (5, 6, 7) or not are_numbers(row) or not row[0].isdecimal():
         return False
-    try:
-        return all(0 <= float(share) <= 1.1 for share in row[1:5])
-    except ValueError:  # numbers in quotes
-        return False
+    return all(0 <= (number_of(share) or 0) <= 1.1 for share in row[1:5])
 
 
 @dataclass(frozen=True)
@@ -133,7 +132,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         file=position[file],
         line=table.line,
     )
-    others = left_out(label, choice.keep)
+    others = name_left_out(label, choice.keep)
     passed = sorted({PurePosixPath(one.name).name for one in files if _is_extra(one.name)})
     facts = [
         "frame numbers from the file names",
@@ -152,7 +151,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         boxes=boxes[choice.keep].reset_index(drop=True),
         recordings=recordings_table(recordings),
         conversion="; ".join(facts),
-        images=images,
+        images=images.sort_values("image_id", ignore_index=True),
         findings=(*rows.findings, *choice.findings),
     )
 
@@ -191,7 +190,7 @@ def _labels(kind: np.ndarray, names: _Names) -> np.ndarray:
         names.names[number] if 0 <= number < len(names.names) else str(number)
         for number in numbers.tolist()
     ]
-    return np.array([*found, None], dtype=object)[:-1][codes]
+    return object_array(found)[codes]
 
 
 def _rule(label: np.ndarray, names: _Names, options: ReadOptions) -> tuple[ClassRule, ReadOptions]:

@@ -70,7 +70,7 @@ def test_the_classes_that_count_can_be_named():
 
 def test_an_unknown_class_is_answered_with_the_known_and_the_found_ones(tmp_path):
     file = source(tmp_path, "rider 1 2 3 4 0 0 0 0 0\n")
-    with pytest.raises(InputError, match=r"no class 'dog'; the format has person, .*have rider"):
+    with pytest.raises(InputError, match=r"no class 'dog'; the classes are person, .*have rider"):
         read([file], ReadOptions(classes=("dog",)))
 
 

@@ -211,7 +211,7 @@ def test_pictures_of_one_recording_that_differ_in_size_are_reported(read_documen
     ]
     reading = read_document(document(images=images))
     assert reading.recordings[["width", "height"]].to_numpy().tolist() == [[640, 512]]
-    assert reading.findings[0].code == "picture-size-differs"
+    assert reading.findings[0].code == "picture-size"
     assert reading.findings[0].count == 1
 
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from nvcore.errors import FormatError, InputError
+from nvcore.readers import FORMATS
 from nvcore.readers.base import Reading, ReadOptions, SourceFile
-from nvcore.readers.cvat import FORMATS
 from nvcore.readers.cvat_video import FORMAT, read, recognise
 
 GOLDEN = Path(__file__).parent.parent / "data" / "cvat_video" / "annotations.xml"
@@ -120,7 +120,7 @@ def test_a_declared_label_without_boxes_can_be_asked_for() -> None:
 
 
 def test_an_unknown_class_lists_those_that_there_are() -> None:
-    with pytest.raises(InputError, match=r"no class 'zebra'.*pedestrian.*car, child"):
+    with pytest.raises(InputError, match=r"no class 'zebra'.*Pedestrian.*car, child"):
         golden(classes=("zebra",))
 
 
@@ -338,4 +338,4 @@ def test_tasks_of_a_project_take_their_names_from_their_videos(tmp_path: Path) -
 
 
 def test_both_formats_are_offered_to_the_registry() -> None:
-    assert [one.name for one in FORMATS] == ["cvat-video", "cvat-images"]
+    assert [one.name for one in FORMATS][:2] == ["cvat-video", "cvat-images"]

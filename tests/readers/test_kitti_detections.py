@@ -62,7 +62,7 @@ def test_the_classes_that_count_can_be_named_or_numbered(classes):
 
 def test_an_unknown_class_is_answered_with_the_known_ones():
     options = ReadOptions(role="detections", classes=("dog",))
-    with pytest.raises(InputError, match="no class 'dog'; the format has Pedestrian, Car, Cyclist"):
+    with pytest.raises(InputError, match="no class 'dog'; the classes are Pedestrian, Car, Cyc"):
         read([golden("ab3dmot.txt")], options)
 
 
@@ -159,3 +159,11 @@ def test_the_real_detections_are_all_read(realdata, folder, n_boxes):
     assert len(boxes) == n_boxes  # wc -l
     assert boxes["distance_m"].notna().all() == (folder == "pointrcnn_ped")
     assert (boxes[["w", "h"]] > 0).all(axis=None)
+
+
+def test_numbers_in_quotes_are_told_apart_as_without():
+    text = '"1","502.3","212.4","522.2","254.0","0.9"\n'
+    assert recognise("x.txt", text, "detections")
+    sizes = text.replace("522.2", "19.9").replace("254.0", "41.6")
+    assert not recognise("x.txt", sizes, "detections")
+    assert kaist_results.recognise("x.txt", sizes, "detections")

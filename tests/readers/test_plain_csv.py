@@ -238,3 +238,21 @@ def test_the_night_video_is_read(realdata):
     system = plain_csv.read([SourceFile(realdata / names[1], names[1])], known)
     assert system.boxes["score"].iloc[0] == pytest.approx(0.40471590)
     assert system.boxes["recording"].unique().tolist() == ["kaist_night_video"]
+
+
+def test_classes_are_sorted_over_all_files_not_file_by_file(tmp_path):
+    files = []
+    for kind in ("person", "cyclist"):
+        path = tmp_path / f"{kind}.csv"
+        path.write_text(f"frame,x,y,w,h,class\n1,2,3,4,5,{kind}\n", encoding="utf-8")
+        files.append(SourceFile(path, path.name))
+    reading = plain_csv.read(files, ReadOptions())
+    assert reading.boxes["ignore"].tolist() == [False, True]
+    assert "person counted; cyclist ignored" in reading.conversion
+
+
+def test_a_single_class_of_lookalikes_does_not_count(read_text):
+    text = "frame,x,y,w,h,class\n1,2,3,4,5,crowd\n"
+    with pytest.raises(FormatError, match=r"no category is called person.*found crowd; name the"):
+        read_text(text)
+    assert "class 7 throughout: counted" in read_text(text.replace("crowd", "7")).conversion
