@@ -297,16 +297,8 @@ def _frames(
     if len(recordings) == 1 and len(session.recordings) == 1:
         facts = dict.fromkeys(recordings["name"], *facts.values()) if facts else {}
     common = None if session.frames is None else parse_frames(session.frames, session.folder)
-    annotated = {
-        str(name): np.unique(group.to_numpy())
-        for name, group in truth.boxes.groupby("recording", sort=False)["frame"]
-    }
-    imaged: dict[str, np.ndarray] = {}
-    if truth.images is not None:
-        imaged = {
-            str(name): np.unique(group.to_numpy(dtype=np.int64))
-            for name, group in truth.images.groupby("recording", sort=False)["frame"]
-        }
+    annotated = _frames_by_recording(truth.boxes if truth.annotated is None else truth.annotated)
+    imaged = {} if truth.images is None else _frames_by_recording(truth.images)
     frames: list[np.ndarray] = []
     reasons: dict[str, list[str]] = {}
     for name in recordings["name"]:
@@ -334,6 +326,14 @@ def _frames(
             file=session.truth.path[0],
         )
     return frames, notes
+
+
+def _frames_by_recording(table: pd.DataFrame) -> dict[str, np.ndarray]:
+    """Frame numbers, sorted and unique, of every recording of a table."""
+    return {
+        str(name): np.unique(group.to_numpy(dtype=np.int64))
+        for name, group in table.groupby("recording", sort=False)["frame"]
+    }
 
 
 def _place_boxes(

@@ -344,3 +344,33 @@ def test_progress_names_each_step(tmp_path: Path):
 def test_one_source_can_be_read_by_itself():
     reading = read_source(Source(("kaist.json",)), role="truth", folder=DATA / "coco")
     assert len(reading.boxes) == 3
+
+
+@pytest.mark.parametrize(
+    ("format_name", "car", "pedestrian"),
+    [
+        ("mot", "{f},7,10,20,30,60,1,3,1", "{f},1,10,20,30,60,1,1,1"),
+        (
+            "kitti-tracking",
+            "{f} 7 Car 0 0 0 10 20 40 80 1 1 1 0 0 20 0",
+            "{f} 1 Pedestrian 0 0 0 10 20 40 80 1 1 1 0 0 20 0",
+        ),
+    ],
+)
+def test_frames_with_other_classes_only_are_annotated_frames(
+    tmp_path: Path, format_name: str, car: str, pedestrian: str
+):
+    rows = [car.format(f=f) for f in (1, 2, 3)] + [pedestrian.format(f=f) for f in (5, 6)]
+    one_box(tmp_path)
+    write(tmp_path / "drive.txt", *rows, car.format(f=9))
+    dataset = load(session_of(tmp_path, "drive.txt", "fir.csv"))
+    assert dataset.inputs["format"].iloc[0] == format_name
+    assert dataset.frames["frame"].tolist() == list(range(1, 10))
+
+
+def test_frames_with_other_classes_only_are_annotated_frames_of_a_csv(tmp_path: Path):
+    one_box(tmp_path)
+    rows = ("1,1,1,9,9,car", "4,1,1,9,9,person")
+    write(tmp_path / "drive.csv", "frame,x,y,w,h,class", *rows)
+    dataset = load(session_of(tmp_path, "drive.csv", "fir.csv"))
+    assert dataset.frames["frame"].tolist() == [1, 2, 3, 4]

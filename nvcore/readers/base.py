@@ -81,6 +81,9 @@ class Reading:
     images
         Where the format lists its images (and so the evaluated frames): columns recording, frame,
         image_id, in the order of the file. Else None.
+    annotated
+        Frames with a row of any class, also of those that were left out: columns recording, frame,
+        each pair once. None: those of `boxes`.
     conversion
         In words, what was converted: "frames kept, pixels from 1-based to 0-based; ...".
     findings
@@ -91,6 +94,7 @@ class Reading:
     recordings: pd.DataFrame
     conversion: str
     images: pd.DataFrame | None = None
+    annotated: pd.DataFrame | None = None
     findings: tuple[Finding, ...] = ()
 
 
@@ -134,6 +138,12 @@ def reading_boxes(n_rows: int, **columns: object) -> pd.DataFrame:
 def object_array(texts: Sequence[str]) -> np.ndarray:
     """Texts as an array of object, shape (n,); numpy would make a wide array of text of them."""
     return np.array([*texts, None], dtype=object)[:-1]
+
+
+def annotated_frames(recording: object, frame: np.ndarray) -> pd.DataFrame:
+    """`Reading.annotated` from the recording (one, or of each row) and the frame of all rows."""
+    pairs = pd.DataFrame({"recording": recording, "frame": frame}, columns=["recording", "frame"])
+    return pairs.drop_duplicates(ignore_index=True)
 
 
 def concat_boxes(tables: Sequence[pd.DataFrame]) -> pd.DataFrame:

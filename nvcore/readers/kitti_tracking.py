@@ -12,6 +12,7 @@ from nvcore.readers.base import (
     ReadOptions,
     Role,
     SourceFile,
+    annotated_frames,
     recording_row,
     recordings_table,
 )
@@ -67,12 +68,13 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     frame = np.concatenate([whole_numbers(t.columns[0], f, t.line, "frame") for f, t in pairs])
     track = np.concatenate([whole_numbers(t.columns[1], f, t.line, "id") for f, t in pairs])
     table, file = stacked(tables)
+    recording = np.array(names, dtype=object)[file]
     boxes, choice, facts = label_boxes(
         table,
         options,
         files=files,
         file=file,
-        recording=np.array(names, dtype=object)[file],
+        recording=recording,
         frame=frame,
         track=np.where(track < 0, NO_TRACK, track),
     )
@@ -80,6 +82,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         boxes=boxes,
         recordings=recordings_table([recording_row(name) for name in names]),
         conversion="; ".join(["frame numbers kept (0-based)", *facts, *assumed]),
+        annotated=annotated_frames(recording, frame),
         findings=choice.findings,
     )
 

@@ -15,6 +15,7 @@ from nvcore.readers.base import (
     ReadOptions,
     Role,
     SourceFile,
+    annotated_frames,
     concat_boxes,
     reading_boxes,
     recording_row,
@@ -79,11 +80,14 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         for name, info in zip(names, infos, strict=True)
     ]
     tables: list[pd.DataFrame] = []
+    annotated: list[pd.DataFrame] = []
     findings: list[Finding] = []
     facts = ["pixels from 1-based to 0-based", "frame numbers kept (1-based)"]
     for number, (file, name) in enumerate(zip(files, names, strict=True)):
-        boxes, what, found = _read_one(file, number, name, options)
-        tables.append(boxes)
+        boxes, keep, what, found = _read_one(file, number, name, options)
+        if options.role == "truth":
+            annotated.append(annotated_frames(name, boxes["frame"].to_numpy()))
+        tables.append(boxes if keep.all() else boxes[keep].reset_index(drop=True))
         facts += [fact for fact in what if fact not in facts]
         findings += found
     images = None
@@ -95,18 +99,21 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         recordings=recordings_table(rows),
         conversion="; ".join([*facts, *assumed]),
         images=images,
+        annotated=pd.concat(annotated, ignore_index=True) if annotated else None,
         findings=tuple(findings),
     )
 
 
 def _read_one(
     file: SourceFile, number: int, name: str, options: ReadOptions
-) -> tuple[pd.DataFrame, list[str], list[Finding]]:
+) -> tuple[pd.DataFrame, np.ndarray, list[str], list[Finding]]:
+    """All boxes of a file, which of them stay, the conversion in words, and what is odd."""
     table = read_numbers(file, n_columns=N_COLUMNS, what=WHAT)
     frame, track, left, top, width, height, conf, kind, visibility, last = table.columns
     frame = whole_numbers(frame, file, table.line, "frame")
     track = whole_numbers(track, file, table.line, "id")
     findings = _frame_zero(frame, file, table, options)
+    keep = np.ones(len(table), dtype=bool)
     columns: dict[str, object] = {
         "recording": name,
         "frame": frame,
@@ -124,11 +131,11 @@ def _read_one(
         no_scores = ["score column is -1 throughout: no scores"]
         return (
             reading_boxes(len(table), **columns),
+            keep,
             no_scores if len(table) and not has_scores else [],
             findings,
         )
     facts = ["conf 0 = ignore"]
-    keep = np.ones(len(table), dtype=bool)
     ignore = conf == 0
     # MOT16 and later have 8 or 9 columns with a class; MOT15 has 10, of which 8 to 10 are x, y, z
     if np.isnan(last).all() and np.any(kind > 0):
@@ -150,8 +157,7 @@ def _read_one(
     elif options.classes is not None and len(table):
         facts.append("no class column: all rows counted")
     columns["ignore"] = ignore
-    boxes = reading_boxes(len(table), **columns)
-    return (boxes if keep.all() else boxes[keep].reset_index(drop=True)), facts, findings
+    return reading_boxes(len(table), **columns), keep, facts, findings
 
 
 def _class_numbers(classes: tuple[str, ...] | None, file: SourceFile) -> list[int]:

@@ -15,6 +15,7 @@ from nvcore.readers.base import (
     ReadOptions,
     Role,
     SourceFile,
+    annotated_frames,
     concat_boxes,
     reading_boxes,
     recording_row,
@@ -74,8 +75,11 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         tables.append(boxes)
         kinds.append(kind)
         facts += [fact for fact in what if fact not in facts]
+    annotated = None
     choice = _classes(kinds, files, options)
     if choice is not None:
+        every = concat_boxes(tables)
+        annotated = annotated_frames(every["recording"].to_numpy(), every["frame"].to_numpy())
         facts.append(choice.conversion)
         tables = [
             boxes if kind is None else _sorted_by_class(boxes, kind, choice, options.role)
@@ -88,6 +92,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         boxes=concat_boxes(tables),
         recordings=recordings_table(rows),
         conversion="; ".join(facts),
+        annotated=annotated,
         findings=tuple(findings),
     )
 
