@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 import numpy as np
 import pandas as pd
 
-from nvcore.dataset import Dataset
+from nvcore.dataset import Dataset, compared_names
 from nvcore.encounters import Encounters, find_encounters, judge_encounters
 from nvcore.errors import InputError
 from nvcore.false_alarms import FalseAlarmSummary, find_episodes, summarise_false_alarms
@@ -20,19 +20,18 @@ from nvcore.kernels import BELOW
 from nvcore.linking import TruthTracks, track_truth
 from nvcore.matching import Matches, count_per_frame, match_boxes
 from nvcore.params import Params
+from nvcore.proximity import Weights, weigh_proximity
 from nvcore.saliency import aggregate_saliency, find_events, qualify
 from nvcore.similarity import (
     Nearest,
     SetDistances,
     SimilaritySummary,
-    Weights,
     find_low_intervals,
     find_nearest,
     measure_sets,
     smooth,
     summarise_similarity,
     trace_similarity,
-    weigh_proximity,
 )
 from nvcore.venn import (
     BoxVenn,
@@ -72,7 +71,7 @@ class SystemResult:
     threshold
         Score threshold that was applied; None: every detection counts.
     matches, weights, nearest, distances
-        See `nvcore.matching` and `nvcore.similarity`.
+        See `nvcore.matching`, `nvcore.proximity` and `nvcore.similarity`.
     similarity
         Similarity of every frame, 0..1, 1 is best; float64, shape (n_frames,).
     salient_row
@@ -275,8 +274,7 @@ def analyse(
 
 
 def _pick(dataset: Dataset, x: str | None, y: str | None) -> tuple[str, str]:
-    x = x or next((name for name in dataset.systems if name != y), None)
-    y = y or next((name for name in dataset.systems if name != x), None)
+    x, y = compared_names(dataset.systems, x, y)
     if x is None or y is None:
         raise InputError(
             f"a comparison needs two systems; there is {len(dataset.systems)} "

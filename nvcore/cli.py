@@ -100,7 +100,8 @@ def compare(out: Path | None, as_json: bool, strict: bool, **options: Any) -> No
     """Compare systems X and Y against the ground truth.
 
     Inputs come from SESSION_FILE (TOML) or from --truth, --x and --y. The audit of the inputs is
-    printed first. Exit code 0: fine, 1: the audit found errors, 2: bad input.
+    printed first. Exit code 0: fine, 1: the audit found errors (with --strict: or warnings), 2: bad
+    input.
     """
     from nvcore.analysis import analyse
     from nvcore.audit import audit

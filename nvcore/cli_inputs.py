@@ -92,7 +92,11 @@ reading_options = (
         help="Class names or numbers that count as pedestrians, with commas. Default: the format's "
         "usual ones.",
     ),
-    click.option("--size", metavar="WxH", help="Image size in pixels, such as 640x480."),
+    click.option(
+        "--size",
+        metavar="WxH",
+        help="Image size in pixels, such as 640x480. Default: told by the data.",
+    ),
     click.option(
         "--frame-base",
         type=click.Choice(["0", "1"]),
@@ -122,13 +126,16 @@ def input_options(command: Callable[..., Any]) -> Callable[..., Any]:
                      "its systems is X. Default: told from the path, or the first of the session."),
         click.option("--name-y", metavar="NAME", help="Name of Y, likewise."),
         format_option,
-        click.option("--format-truth", metavar="FORMAT", help="Format of the ground truth."),
-        click.option("--format-x", metavar="FORMAT", help="Format of X."),
-        click.option("--format-y", metavar="FORMAT", help="Format of Y."),
+        click.option("--format-truth", metavar="FORMAT",
+                    help="Format of the ground truth, where it differs."),
+        click.option("--format-x", metavar="FORMAT", help="Format of X, likewise."),
+        click.option("--format-y", metavar="FORMAT", help="Format of Y, likewise."),
         *reading_options,
-        click.option("--fps", type=float, help="Frames per second."),
+        click.option("--fps", type=float, help="Frames per second. Default: told by the data."),
         click.option("--frames", metavar="FILE|F:L[:S]",
-                     help="Evaluated frames: first:last[:step], or a file with a number a line."),
+                     help="Evaluated frames: first:last[:step], or a file with a number a line. "
+                     "Default: the truth's own list, or from its first to its last annotated "
+                     "frame."),
     ]  # fmt: skip
     for letter in "xy":
         system = letter.upper()
@@ -138,7 +145,8 @@ def input_options(command: Callable[..., Any]) -> Callable[..., Any]:
             click.option(f"--offset-px-{letter}", type=_Pair("DX,DY"), metavar="DX,DY",
                          help=f"Added to {system}'s x and y, in pixels, after scaling."),
             click.option(f"--scale-{letter}", type=_Pair("S", may_be_one=True),
-                         metavar="S|SX,SY", help=f"By which {system}'s boxes are multiplied."),
+                         metavar="S|SX,SY",
+                         help=f"By which {system}'s boxes are multiplied (across, down)."),
         ]  # fmt: skip
     for option in reversed(options):
         command = option(command)

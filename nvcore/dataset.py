@@ -197,6 +197,17 @@ class Dataset:
         return BoxColumns(**column, offsets=offsets, first_row=int(start))
 
 
+def compared_names(
+    systems: Sequence[str], x: str | None, y: str | None
+) -> tuple[str | None, str | None]:
+    """Names of X and Y: those given, else the first system that is not the other one.
+
+    None where no system is left.
+    """
+    x = x or next((name for name in systems if name != y), None)
+    return x, y or next((name for name in systems if name != x), None)
+
+
 def offsets_of(frame_index: np.ndarray, n_frames: int) -> np.ndarray:
     """Where each frame's boxes start in a sorted `frame_index`; int64, shape (n_frames + 1,)."""
     counts = np.bincount(frame_index, minlength=n_frames)

@@ -63,6 +63,12 @@ def parse_frames(text: str, folder: Path) -> np.ndarray:
     return np.unique(np.array(numbers, dtype=np.int64))
 
 
+def nth(step: int) -> str:
+    """The step as an ordinal number: ``2nd``, ``20th``."""
+    ending = {1: "st", 2: "nd", 3: "rd"}.get(step % 10 if step // 10 % 10 != 1 else 0, "th")
+    return f"{step}{ending}"
+
+
 def infer_frames(annotated: np.ndarray) -> tuple[np.ndarray, str]:
     """Evaluated frames of a recording from the frames that have truth, and the reason.
 
@@ -87,7 +93,9 @@ def infer_frames(annotated: np.ndarray) -> tuple[np.ndarray, str]:
             "correct the frame numbers, or give the evaluated frames with --frames"
         )
     if step > 1:
-        reason = f"every {step}. frame from {first} to {last}: annotation is sampled at that step"
+        reason = (
+            f"every {nth(step)} frame from {first} to {last}: annotation is sampled at that step"
+        )
         return np.arange(first, last + 1, step), reason
     return np.arange(
         first, last + 1

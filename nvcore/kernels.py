@@ -31,11 +31,6 @@ ABSORBED: Final = 3
 ABSORB_SHARE: Final = 0.5
 """Share of a detection's own area inside an ignore region that makes it count for nothing."""
 
-BY_HEIGHT: Final = 0
-BY_HORIZON: Final = 1
-BY_DISTANCE: Final = 2
-EQUAL: Final = 3
-
 compiled = njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 """Compile on first use, keep the machine code on disk, run without the interpreter lock."""
 
@@ -178,34 +173,6 @@ def nearest_frames(
                     near_a[a] = apart
                 if apart < near_b[b]:
                     near_b[b] = apart
-
-
-@compiled
-def sigmoid(z: float) -> float:
-    """1 / (1 + exp(-z)), in the form that cannot overflow."""
-    if z >= 0.0:
-        return 1.0 / (1.0 + math.exp(-z))
-    e = math.exp(z)
-    return e / (1.0 + e)
-
-
-@compiled
-def proximity_weights(
-    lo, hi, offsets, y, h, distance_m, recording, midpoint, spread, horizon,
-    midpoint_m, spread_m, mode, k,
-):  # fmt: skip
-    """Proximity weight of every box; by height where the distance that was asked for is unknown."""
-    for f in range(lo, hi):
-        r = recording[f]
-        for i in range(offsets[f], offsets[f + 1]):
-            if mode == EQUAL:
-                k[i] = 1.0
-            elif mode == BY_HORIZON:
-                k[i] = sigmoid((y[i] + h[i] - horizon[r] - midpoint[r]) / spread[r])
-            elif mode == BY_DISTANCE and not np.isnan(distance_m[i]):
-                k[i] = sigmoid((midpoint_m - distance_m[i]) / spread_m)
-            else:
-                k[i] = sigmoid((h[i] - midpoint[r]) / spread[r])
 
 
 @compiled

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from nvcore.dataset import Dataset, dataset_from_tables
+from nvcore.dataset import Dataset, compared_names, dataset_from_tables
 from nvcore.errors import InputError, MissingFactError
 from nvcore.findings import Finding, Severity
 from nvcore.frame_lists import infer_frames, parse_frames
@@ -80,10 +80,8 @@ def compared_systems(session: Session, dataset: Dataset) -> tuple[str, str | Non
 
     Y is None where there is only one system.
     """
-    x = session.x or next(
-        (name for name in dataset.systems if name != session.y), dataset.systems[0]
-    )
-    return x, session.y or next((name for name in dataset.systems if name != x), None)
+    x, y = compared_names(dataset.systems, session.x, session.y)
+    return x or dataset.systems[0], y
 
 
 def read_source(

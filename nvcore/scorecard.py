@@ -100,7 +100,7 @@ def _table(result: Result) -> str:
     for label, key, form in (
         ("mean similarity", "mean_similarity", ".4f"),
         ("minimum similarity", "min_similarity", ".4f"),
-        ("5th percentile of it", "percentile_5_similarity", ".4f"),
+        ("5th percentile similarity", "percentile_5_similarity", ".4f"),
         (f"frames below {result.params.low:g}", "share_low", ".1%"),
         ("saliency (s)", "saliency", ".3f"),
         ("encounters detected", "encounters_detected", "d"),

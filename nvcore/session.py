@@ -124,7 +124,8 @@ class Session:
     params
         Settings of the analysis. Thresholds given here go before those of the systems.
     hashes
-        sha256 of the inputs by path when the session was written; checked when it is loaded.
+        sha256 of each source when the session was written, by ``truth`` or the system's name;
+        checked when it is loaded.
     """
 
     folder: Path

@@ -8,38 +8,8 @@ import numpy as np
 import pandas as pd
 
 from nvcore.dataset import BoxColumns, FrameColumns
-from nvcore.errors import ParameterError
-from nvcore.kernels import (
-    BY_DISTANCE,
-    BY_HEIGHT,
-    BY_HORIZON,
-    EQUAL,
-    maximin_frames,
-    maximum_frames,
-    nearest_frames,
-    over_ranges,
-    proximity_weights,
-)
-from nvcore.params import MIDPOINT_SHARE, SPREAD_SHARE, Distance, Params
-
-_MODES = {"height": BY_HEIGHT, "horizon": BY_HORIZON, "distance": BY_DISTANCE, "none": EQUAL}
-
-
-@dataclass(frozen=True)
-class Weights:
-    """Proximity weights of one source.
-
-    Attributes
-    ----------
-    k
-        In (0, 1), larger is nearer (1 throughout without proximity); float64, shape (n,).
-    n_without_distance
-        Boxes that count (no ignore regions, nothing below the threshold) and are weighted by
-        height because proximity by distance was asked for and they have none.
-    """
-
-    k: np.ndarray
-    n_without_distance: int
+from nvcore.kernels import maximin_frames, maximum_frames, nearest_frames, over_ranges
+from nvcore.params import Distance
 
 
 @dataclass(frozen=True)
@@ -75,55 +45,6 @@ class SetDistances:
     d_miss: np.ndarray
     d_false: np.ndarray
     salient_row: np.ndarray
-
-
-def weigh_proximity(
-    boxes: BoxColumns, is_counted: np.ndarray, frames: FrameColumns, params: Params
-) -> Weights:
-    """Proximity weight of every box: near ones count more.
-
-    By height ``k = 1 / (1 + exp(-(h - midpoint) / spread))``; by horizon with the depth of the
-    foot point below the horizon in place of h; by distance
-    ``k = 1 / (1 + exp((distance - midpoint_m) / spread_m))``, boxes without a distance by height.
-
-    Parameters
-    ----------
-    boxes
-        Boxes of one source, px, sorted by frame.
-    is_counted
-        Those that are members of G or S; bool, shape (n,). All are weighed.
-
-    Raises
-    ------
-    ParameterError
-        If proximity is by horizon and neither the parameter nor a recording gives the horizon.
-
-    References
-    ----------
-    Paper 11-0360, weighting function; ``docs/metrics.md``, proximity.
-    """
-    midpoint = _per_recording(params.midpoint, MIDPOINT_SHARE * frames.height)
-    spread = _per_recording(params.spread, SPREAD_SHARE * frames.height)
-    horizon = _per_recording(params.horizon, frames.horizon)
-    if params.proximity == "horizon" and np.isnan(horizon).any():
-        raise ParameterError(
-            "proximity by horizon needs the row of the horizon: give --horizon, or horizon for "
-            "every recording in the session file"
-        )
-    k = np.empty(len(boxes))
-    over_ranges(
-        proximity_weights, len(frames), boxes.offsets, boxes.y, boxes.h, boxes.distance_m,
-        frames.recording, midpoint, spread, horizon, float(params.midpoint_m),
-        float(params.spread_m), _MODES[params.proximity], k,
-    )  # fmt: skip
-    n_without = 0
-    if params.proximity == "distance":
-        n_without = int(np.count_nonzero(np.isnan(boxes.distance_m) & is_counted))
-    return Weights(k, n_without)
-
-
-def _per_recording(value: float | None, default: np.ndarray) -> np.ndarray:
-    return default if value is None else np.full(len(default), float(value))
 
 
 def find_nearest(

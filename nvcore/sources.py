@@ -43,7 +43,11 @@ def find_files(source: Source, folder: Path, role: Role) -> tuple[list[SourceFil
     chosen = named if named is not None else detect_format(files, role)
     if role not in chosen.roles:
         raise InputError(f"{chosen.title} files hold no {role}", file=source.path[0])
-    kept = [file for file in files if file.path.suffix.lower() in chosen.suffixes]
+    # beside what a folder or glob brings along, a file that was named is always read
+    stated = {folder / text for text in source.path}
+    kept = [
+        file for file in files if file.path in stated or file.path.suffix.lower() in chosen.suffixes
+    ]
     return kept or files, chosen
 
 

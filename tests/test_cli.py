@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import runpy
 import subprocess
 import sys
 import tomllib
@@ -44,6 +45,16 @@ def contents(folder: Path) -> dict[str, bytes]:
 
 def written(folder: Path) -> dict:
     return tomllib.loads((folder / "session.toml").read_text(encoding="utf-8"))
+
+
+def test_python_m_nvcore_is_the_command_line(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
+    monkeypatch.setattr(sys, "argv", ["nvcore", "--version"])
+    with pytest.raises(SystemExit) as ended:
+        runpy.run_module("nvcore", run_name="__main__")
+    assert ended.value.code == 0
+    assert __version__ in capsys.readouterr().out
 
 
 # compare

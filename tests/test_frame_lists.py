@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from inputs import write
 
 from nvcore.errors import FormatError, InputError, MissingFactError
-from nvcore.frame_lists import MIN_SAMPLED, infer_frames, parse_frames
+from nvcore.frame_lists import MIN_SAMPLED, infer_frames, nth, parse_frames
 from nvcore.session import is_frame_range
 
 HERE = Path()
@@ -93,7 +93,7 @@ def test_annotation_of_every_20th_frame_is_evaluated_at_that_step():
     annotated = np.delete(np.arange(19, 300, 20), 5)
     frames, reason = infer_frames(annotated)
     assert frames.tolist() == list(range(19, 300, 20))
-    assert reason.startswith("every 20. frame from 19 to 299: annotation is sampled")
+    assert reason.startswith("every 20th frame from 19 to 299: annotation is sampled")
 
 
 def test_too_few_annotated_frames_are_not_taken_for_sampling():
@@ -118,3 +118,11 @@ def test_every_annotated_frame_is_evaluated(annotated: set[int]):
 @pytest.mark.parametrize("text", ["frames.txt", "0:", "1:2:3:4", "0:x", "1" * 20 + ":2"])
 def test_other_texts_are_names_of_files(text: str):
     assert not is_frame_range(text)
+
+
+@pytest.mark.parametrize(
+    ("step", "text"),
+    [(2, "2nd"), (3, "3rd"), (4, "4th"), (12, "12th"), (21, "21st"), (112, "112th")],
+)
+def test_a_step_is_told_as_an_ordinal_number(step: int, text: str):
+    assert nth(step) == text

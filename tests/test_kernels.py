@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import pytest
 from builders import NAN, Box, Place, at, make_dataset
@@ -13,10 +11,6 @@ from nvcore.dataset import BoxColumns, Dataset
 from nvcore.kernels import (
     ABSORBED,
     BELOW,
-    BY_DISTANCE,
-    BY_HEIGHT,
-    BY_HORIZON,
-    EQUAL,
     FALSE_ALARM,
     MATCHED,
     centre,
@@ -29,8 +23,6 @@ from nvcore.kernels import (
     nearest_frames,
     over_ranges,
     pair_frames,
-    proximity_weights,
-    sigmoid,
 )
 
 
@@ -67,17 +59,6 @@ def nearest(dataset: Dataset, *, ground: bool = False) -> tuple[list[float], lis
         frames.width, near_a, near_b,
     )  # fmt: skip
     return near_a.tolist(), near_b.tolist()
-
-
-def weighed(dataset: Dataset, mode: int, *, midpoint: float = 20, spread: float = 5) -> np.ndarray:
-    boxes, frames = dataset.truth, dataset.frame_columns
-    k = np.empty(len(boxes))
-    same = np.ones(len(frames.fps))
-    proximity_weights(
-        0, len(frames), boxes.offsets, boxes.y, boxes.h, boxes.distance_m, frames.recording,
-        midpoint * same, spread * same, frames.horizon, 35.0, 7.0, mode, k,
-    )  # fmt: skip
-    return k
 
 
 def maximin(
@@ -123,17 +104,6 @@ def test_boxes_that_only_touch_share_nothing() -> None:
     assert intersection(0.0, 0.0, 10.0, 10.0, 10.0, 0.0, 10.0, 10.0) == 0
     assert intersection(0.0, 0.0, 10.0, 10.0, 0.0, 10.0, 10.0, 10.0) == 0
     assert intersection(0.0, 0.0, 10.0, 10.0, 5.0, 7.0, 10.0, 10.0) == 15
-
-
-@pytest.mark.parametrize("z", [-1e308, -745.2, -1.0, 0.0, 1.0, 745.2, 1e308])
-def test_the_sigmoid_cannot_overflow(z: float) -> None:
-    assert 0 <= sigmoid(z) <= 1
-    assert sigmoid(z) == pytest.approx(1 - sigmoid(-z))
-
-
-def test_the_sigmoid_is_half_at_zero_and_known_at_one() -> None:
-    assert sigmoid(0.0) == 0.5
-    assert sigmoid(1.0) == pytest.approx(math.e / (1 + math.e))
 
 
 def test_the_better_score_takes_the_pedestrian() -> None:
@@ -211,16 +181,6 @@ def test_ground_distance_is_between_foot_points() -> None:
 def test_an_empty_set_is_infinitely_far() -> None:
     assert nearest(make_dataset(truth=[at(0, 20)])) == ([np.inf], [])
     assert nearest(make_dataset(x=[at(0, 20)])) == ([], [np.inf])
-
-
-def test_weights_by_height_horizon_distance_and_none() -> None:
-    truth = [at(0, 20, h=25, foot=60, distance_m=28.0), at(0, 20, h=20, foot=75)]
-    dataset = make_dataset(truth, horizon=40)
-    one = 1 / (1 + math.exp(-1))
-    assert weighed(dataset, BY_HEIGHT) == pytest.approx([one, 0.5])
-    assert weighed(dataset, BY_HORIZON) == pytest.approx([0.5, 1 / (1 + math.exp(-3))])
-    assert weighed(dataset, BY_DISTANCE) == pytest.approx([one, 0.5])
-    assert weighed(dataset, EQUAL).tolist() == [1, 1]
 
 
 def test_the_border_holds_where_the_other_set_is_far() -> None:

@@ -201,7 +201,7 @@ def test_sampled_annotation_is_evaluated_at_its_step(tmp_path: Path):
     write(tmp_path / "fir.csv", DETECTIONS, "9,1,1,5,10,0.5", "10,1,1,5,10,0.5")
     dataset = load(session_of(tmp_path, "truth.csv", "fir.csv"))
     assert dataset.frames["frame"].tolist() == list(range(9, 200, 20))
-    assert "every 20. frame from 9 to 189: annotation is sampled at that step" in dataset.notes[0]
+    assert "every 20th frame from 9 to 189: annotation is sampled at that step" in dataset.notes[0]
 
 
 def test_given_frames_go_before_those_of_the_data(tmp_path: Path):

@@ -91,7 +91,7 @@ def test_mot15_evaluates_every_frame_of_seqinfo(realdata: Path):
 def test_mot15_s_reused_track_ids_are_a_warning(realdata: Path):
     result = nvcore("compare", *mot15(realdata), "--strict")
     assert result.exit_code == 1
-    assert "2 track ids used again" in result.stdout
+    assert "2 track ids are used again" in result.stdout
 
 
 def test_a_mot15_report_run_again_gives_the_same_bytes(realdata: Path, tmp_path: Path):
@@ -142,7 +142,7 @@ def test_the_unannotated_frames_of_the_night_video_are_not_scored(realdata: Path
     listed = n_lines(realdata / "kaist_night_video" / "annotated_frames.txt")
     assert code == 0
     assert summary["frames"] == listed == 59
-    assert "every 20. frame from 9 to 1169: annotation is sampled at that step" in told
+    assert "every 20th frame from 9 to 1169: annotation is sampled at that step" in told
 
 
 def test_at_night_the_thermal_system_dominates_the_visible_one(realdata: Path):

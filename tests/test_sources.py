@@ -88,6 +88,13 @@ def test_files_of_other_endings_beside_the_detected_format_are_left_aside(tmp_pa
     assert names(tmp_path, ".") == ["a.xml"]
 
 
+def test_a_file_that_was_named_is_read_whatever_its_ending(tmp_path: Path):
+    write(tmp_path / "a.csv", DETECTION)
+    write(tmp_path / "b.res", DETECTION)
+    found = names(tmp_path, "a.csv", "b.res", role="detections")
+    assert [name.rpartition("/")[2] for name in found] == ["a.csv", "b.res"]
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="links need a privilege there")
 def test_a_link_is_shown_by_its_own_name(tmp_path: Path):
     # data stores such as DVC keep the content under a hash and link to it

@@ -12,7 +12,7 @@ from nvcore.audit.overlaps import above_threshold
 from nvcore.audit.rows import audit_left_out
 from nvcore.audit.scores import audit_scores, audit_threshold
 from nvcore.audit.suspicions import find_offsets
-from nvcore.dataset import Dataset
+from nvcore.dataset import Dataset, compared_names
 from nvcore.findings import Finding, worst_first
 from nvcore.params import Params
 
@@ -36,7 +36,7 @@ def audit(
     params
         Settings; None: the defaults. Only thresholds and matching matter here.
     x, y
-        Names of the compared systems; None: the dataset's first and second.
+        Names of the compared systems; None: the dataset's first that is not the other one.
 
     Returns
     -------
@@ -83,11 +83,7 @@ def _audit_boxes(audited: Audited) -> list[Finding]:
 
 def _compared(dataset: Dataset, x: str | None, y: str | None) -> list[str]:
     """Names of X and Y, as far as there are two."""
-    names = [name for name in (x, y) if name is not None]
+    names = [name for name in compared_names(dataset.systems, x, y) if name is not None]
     for name in names:
         dataset.system(name)
-    if x is None:
-        names = [*dataset.systems[:1], *names]
-    if y is None:
-        names += dataset.systems[1:2]
     return names

@@ -97,8 +97,8 @@ def _drawn_elsewhere(dataset: Dataset, rows: np.ndarray, n_truth: int) -> list[F
             _severity(len(rows), n_truth),
             "box-disputed-by-both",
             rows,
-            f"{counted(len(rows), 'pedestrian')} in {counted(n_frames, 'frame')} that neither "
-            "system matches, while both agree on a box close by.",
+            f"Neither system matches {counted(len(rows), 'pedestrian')} in "
+            f"{counted(n_frames, 'frame')}, while both agree on a box close by.",
             "Look at them: the ground truth's box may be drawn badly, or be of another frame.",
         )
     ]

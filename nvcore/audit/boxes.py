@@ -63,7 +63,7 @@ def _outside(audited: Audited, rows: np.ndarray) -> list[Finding]:
             "That is too many for stray boxes: check the image size (--size), and at which "
             "resolution the boxes were made."
         )
-    message = f"{counted(len(rows), 'box', 'boxes')} wholly outside the picture."
+    message = f"{counted(len(rows), 'box lies', 'boxes lie')} wholly outside the picture."
     return [audited.finding(Severity.WARNING, "outside-picture", rows, message, advice)]
 
 
@@ -75,8 +75,8 @@ def _mostly_outside(audited: Audited, rows: np.ndarray) -> list[Finding]:
             Severity.NOTE,
             "mostly-outside-picture",
             rows,
-            f"{counted(len(rows), 'box', 'boxes')} with more than half of the area outside the "
-            "picture.",
+            f"{counted(len(rows), 'box has', 'boxes have')} more than half of the area outside "
+            "the picture.",
             "Nothing to do if boxes of people at the picture's edge are drawn in full; their "
             "lateral position is taken at the edge.",
         )
@@ -91,12 +91,11 @@ def audit_doubles(audited: Audited) -> list[Finding]:
     doubles = repeated_rows(rows, tuple(column[rows] for column in columns))
     if not len(doubles):
         return []
-    what = counted(len(doubles), "box", "boxes")
+    what = counted(len(doubles), "box repeats", "boxes repeat")
+    message = f"{what} another one of the same frame exactly."
     if audited.is_truth:
-        message = f"{what} of the ground truth repeat another one of the same frame exactly."
         advice = "Remove the repeats: one of the two can never be detected."
     else:
-        message = f"{what} repeat another one of the same frame exactly."
         advice = "Remove the repeats (two files of one recording?): each counts as a false alarm."
     return [audited.finding(Severity.WARNING, "duplicate-box", doubles, message, advice)]
 
@@ -117,8 +116,8 @@ def audit_tracks(audited: Audited) -> list[Finding]:
                 Severity.ERROR,
                 "duplicate-track",
                 doubles,
-                f"{counted(len(doubles), 'box', 'boxes')} with a track id that another "
-                f"pedestrian of the same frame has (first: id {first}).",
+                f"{counted(len(doubles), 'box has', 'boxes have')} a track id that another "
+                f"pedestrian of the same frame has, too (first: id {first}).",
                 "Give every pedestrian of a recording an id of its own: two people under one id "
                 "count as one encounter.",
             )
@@ -154,8 +153,9 @@ def _reused(audited: Audited, rows: np.ndarray) -> list[Finding]:
             Severity.WARNING,
             "track-reused",
             first,
-            f"{counted(n_tracks, 'track id')} used again after more than {REUSE_S:g} s without a "
-            f"box (first: id {int(boxes.track[first[0]])}, after {gap:.1f} s).",
+            f"{counted(n_tracks, 'track id is', 'track ids are')} used again after more than "
+            f"{REUSE_S:g} s without a box (first: id {int(boxes.track[first[0]])}, after "
+            f"{gap:.1f} s).",
             "If it is somebody else, give a new id: otherwise both are one encounter, and the "
             "time between them counts as its duration.",
             count=n_tracks,

@@ -15,6 +15,7 @@ from nvcore.audit.cases import (
 )
 from nvcore.dataset import Dataset, offsets_of
 from nvcore.findings import Finding, Severity
+from nvcore.frame_lists import nth
 
 MIN_REGULAR: Final = 10
 """Frames with boxes from which on a regular step between them is no chance."""
@@ -51,7 +52,7 @@ def audit_truth_coverage(dataset: Dataset) -> list[Finding]:
         findings.append(
             _about_recordings(
                 dataset, Severity.NOTE, "recording-without-pedestrians", TRUTH_NAME, without,
-                "without any pedestrian",
+                "no pedestrian",
                 "Nothing to do if nobody is there: every detection in them is a false alarm. Else "
                 "add the annotation, or leave the recordings out.",
             )
@@ -63,7 +64,7 @@ def audit_truth_coverage(dataset: Dataset) -> list[Finding]:
         findings.append(
             _about_recordings(
                 dataset, Severity.WARNING, "truth-every-nth-frame", TRUTH_NAME, sparse,
-                f"in which only every {_nth(steps[sparse[0]])} evaluated frame has ground truth",
+                f"ground truth in every {nth(steps[sparse[0]])} evaluated frame only",
                 "If only those frames were annotated, give the frame list (--frames "
                 "first:last:step): in all others every detection counts as a false alarm.",
             )
@@ -83,7 +84,7 @@ def audit_system_coverage(audited: Audited) -> list[Finding]:
         return [
             Finding(
                 Severity.WARNING, "no-detections", audited.name, len(box_in),
-                "No detection in any recording.",
+                "There is no detection in any recording.",
                 "If the system detected nothing at all, this is right; else check its files.",
             )
         ]  # fmt: skip
@@ -93,7 +94,7 @@ def audit_system_coverage(audited: Audited) -> list[Finding]:
         findings.append(
             _about_recordings(
                 dataset, Severity.WARNING, "recording-without-detections", audited.name, silent,
-                "with pedestrians and without any detection",
+                "pedestrians and no detection",
                 "If a file is missing, add it; if the system found nothing there, this is right.",
             )
         )  # fmt: skip
@@ -104,7 +105,7 @@ def audit_system_coverage(audited: Audited) -> list[Finding]:
         findings.append(
             _about_recordings(
                 dataset, Severity.WARNING, "detections-every-nth-frame", audited.name, sparse,
-                f"in which only every {_nth(steps[sparse[0]])} evaluated frame has detections",
+                f"detections in every {nth(steps[sparse[0]])} evaluated frame only",
                 "If the system ran on those frames only, evaluate both systems on them (--frames "
                 "first:last:step): in all others it misses everybody.",
             )
@@ -149,7 +150,7 @@ def _silent_ends(audited: Audited, has_box: np.ndarray) -> list[Finding]:
     return [
         _about_recordings(
             dataset, Severity.WARNING, "detections-in-part-of-recording", audited.name, odd,
-            f"with detections in a part only (first: frames {number[lo[one]]} to "
+            f"detections in a part only (first: frames {number[lo[one]]} to "
             f"{number[hi[one] - 1]} of {number[start[one]]} to {number[stop[one] - 1]}), "
             "although there are near pedestrians in the rest",
             "If the system ran on that part only, evaluate both systems on it (--frames "
@@ -194,11 +195,6 @@ def _any_per_recording(has: np.ndarray, first: np.ndarray) -> np.ndarray:
     return some
 
 
-def _nth(step: int) -> str:
-    ending = {1: "st", 2: "nd", 3: "rd"}.get(step % 10 if step // 10 % 10 != 1 else 0, "th")
-    return f"{step}{ending}"
-
-
 def _about_recordings(
     dataset: Dataset,
     severity: Severity,
@@ -216,7 +212,8 @@ def _about_recordings(
         code=code,
         subject=subject,
         count=len(recordings),
-        message=f"{counted(len(recordings), 'recording')} {what}: {spelled(names)}.",
+        message=f"{counted(len(recordings), 'recording has', 'recordings have')} {what}: "
+        f"{spelled(names)}.",
         advice=advice,
         example=f"recording {names.iloc[0]}" if is_empty else place_of_frame(dataset, frame_index),
     )

@@ -38,14 +38,14 @@ def audit_left_out(dataset: Dataset) -> list[Finding]:
 
 
 def _no_box(dataset: Dataset, subject: str, reason: str, rows: pd.DataFrame) -> Finding:
-    what = counted(len(rows), "row")
+    what = counted(len(rows), "row is left out", "rows are left out")
     if reason == "not a number":
         code = "not-a-number"
-        message = f"{what} with a coordinate that is no finite number; left out."
+        message = f"{what}: a coordinate is no finite number."
         advice = "Correct or remove the rows; find out why whatever wrote the file wrote NaN."
     else:
         code = "no-area"
-        message = f"{what} with a width or height of 0 or less; left out."
+        message = f"{what}: the width or height is 0 or less."
         advice = (
             "Check the order of the columns (width and height, or right and bottom edge?), then "
             "correct or remove the rows."
@@ -57,8 +57,8 @@ def _unknown_recording(dataset: Dataset, subject: str, rows: pd.DataFrame) -> Fi
     names = without_doubles(rows["recording"])
     known = spelled(dataset.recordings["name"])
     message = (
-        f"{counted(len(rows), 'row')} of {counted(len(names), 'recording')} without ground truth "
-        f"({spelled(names)}); left out."
+        f"{counted(len(rows), 'row is', 'rows are')} left out, of "
+        f"{counted(len(names), 'recording')} without ground truth ({spelled(names)})."
     )
     nothing = _nothing_left(dataset, subject)
     if nothing:
@@ -84,8 +84,8 @@ def _not_listed(dataset: Dataset, subject: str, rows: pd.DataFrame) -> list[Find
         odd = rows[~is_usual]
         numbers = without_doubles(odd["frame"])
         message = (
-            f"{counted(len(odd), 'row')} in {counted(len(numbers), 'frame number')} that "
-            f"{'is' if len(numbers) == 1 else 'are'} not evaluated; left out."
+            f"{counted(len(odd), 'row is', 'rows are')} left out, in "
+            f"{counted(len(numbers), 'frame number')} not evaluated."
         )
         nothing = _nothing_left(dataset, subject)
         if nothing:
@@ -110,8 +110,8 @@ def _not_listed(dataset: Dataset, subject: str, rows: pd.DataFrame) -> list[Find
                 "between-sampled-frames",
                 subject,
                 between,
-                f"{counted(len(between), 'row')} between the annotated frames of a sampled "
-                "recording; left out.",
+                f"{counted(len(between), 'row is', 'rows are')} left out, between the annotated "
+                "frames of sampled recordings.",
                 "Nothing to do if only every n-th frame is annotated; else check the frame list.",
             )
         )

@@ -34,8 +34,8 @@ def audit_scores(audited: Audited) -> list[Finding]:
                 Severity.WARNING,
                 "missing-score",
                 rows,
-                f"{counted(len(rows), 'detection')} of {len(score):,} ({share:.0%}) without a "
-                "score, while others have one.",
+                f"{counted(len(rows), 'detection has', 'detections have')} no score ({share:.0%} "
+                "of all), while others have one.",
                 "Complete the scores: a detection without one passes every threshold.",
             )
         )
@@ -58,7 +58,7 @@ def audit_scores(audited: Audited) -> list[Finding]:
                 Severity.NOTE,
                 "unusual-scores",
                 unusual,
-                f"Scores from {low:g} to {high:g}, not within 0 to 1.",
+                f"The scores go from {low:g} to {high:g}, not from 0 to 1.",
                 "That is allowed; give a threshold on this scale, and check that the score was "
                 "read from the right column.",
             )

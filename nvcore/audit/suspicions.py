@@ -12,6 +12,7 @@ from nvcore.audit.overlaps import MAX_SHIFT, Correction, Overlaps, Sample, take_
 from nvcore.audit.scales import scale_candidates, scale_text
 from nvcore.dataset import BoxColumns
 from nvcore.findings import Finding, Severity
+from nvcore.frame_lists import nth
 
 MIN_BOXES: Final = 50
 """Fewer pedestrians, or fewer overlapping detections, say nothing reliable."""
@@ -81,7 +82,7 @@ def find_offsets(audited: Audited, detections: BoxColumns, *, letter: str = "") 
     findings = []
     # boxes of another resolution fit a bit better when moved, but best when scaled
     if scaled is not None and all(scaled.after > step.after for step in moved):
-        findings.append(_scale_finding(audited, sample, scaled))
+        findings.append(_scale_finding(audited, sample, scaled, letter))
         moved = _find_moves(sample, scaled.correction)
     is_moved_in_time = False
     for step in moved:
@@ -89,7 +90,7 @@ def find_offsets(audited: Audited, detections: BoxColumns, *, letter: str = "") 
             findings.append(_time_finding(audited, sample, step, letter))
             is_moved_in_time = True
         else:
-            findings.append(_pixel_finding(audited, sample, step))
+            findings.append(_pixel_finding(audited, sample, step, letter))
     return findings
 
 
@@ -209,7 +210,7 @@ def _spread(values: np.ndarray) -> float:
     return float(high - low)
 
 
-def _scale_finding(audited: Audited, sample: Sample, step: _Step) -> Finding:
+def _scale_finding(audited: Audited, sample: Sample, step: _Step, letter: str) -> Finding:
     sx, sy = step.correction.scale
     is_uniform = sx == sy
     message = (
@@ -217,7 +218,8 @@ def _scale_finding(audited: Audited, sample: Sample, step: _Step) -> Finding:
         f"{scale_text(sx, sy)} they fit the pedestrians"
     )
     value = f"{sx:.4g}" if is_uniform else f"[{sx:.4g}, {sy:.4g}]"
-    advice = f"Set scale = {value} for this system ([[system]] in the session file)."
+    flag = f", or --scale-{letter} {value.strip('[]').replace(' ', '')}" if letter else ""
+    advice = f"Set scale = {value} for this system ([[system]] in the session file{flag})."
     suggestion = (("scale", sx),) if is_uniform else (("scale_x", sx), ("scale_y", sy))
     return _finding(audited, sample, step, "scale-mismatch", message, advice, suggestion)
 
@@ -241,7 +243,7 @@ def _time_finding(audited: Audited, sample: Sample, step: _Step, letter: str) ->
     return _finding(audited, sample, step, "time-offset", message, advice, suggestion)
 
 
-def _pixel_finding(audited: Audited, sample: Sample, step: _Step) -> Finding:
+def _pixel_finding(audited: Audited, sample: Sample, step: _Step, letter: str) -> Finding:
     x, y = step.correction.offset_px
     parts = [
         f"{abs(value):.1f} px too far {words[value < 0]}"
@@ -249,9 +251,10 @@ def _pixel_finding(audited: Audited, sample: Sample, step: _Step) -> Finding:
         if abs(value) >= 0.5
     ]
     message = f"The boxes stand {' and '.join(parts)}, all alike; moved back they fit better"
+    flag = f", or --offset-px-{letter} {x:g},{y:g}" if letter else ""
     advice = (
-        "Check the picture's origin and cropping; set offset_px = "
-        f"[{x:g}, {y:g}] for this system ([[system]] in the session file)."
+        f"Check the picture's origin and cropping; set offset_px = [{x:g}, {y:g}] for this system "
+        f"([[system]] in the session file{flag})."
     )
     suggestion = (("offset_x_px", x), ("offset_y_px", y))
     return _finding(audited, sample, step, "pixel-offset", message, advice, suggestion)
@@ -266,7 +269,7 @@ def _finding(
     advice: str,
     suggestion: tuple[tuple[str, float], ...],
 ) -> Finding:
-    looked_at = "" if sample.every == 1 else f", judged by every {sample.every}. frame"
+    looked_at = "" if sample.every == 1 else f", judged by every {nth(sample.every)} frame"
     if step.needs_both:
         looked_at = f", together with the pixel offset{looked_at}"
     finding = audited.finding(

@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 import pandas as pd
 
-from nvcore.findings import Finding
+from nvcore.findings import Finding, Severity
 from nvcore.schema import READING_DTYPES, conform
 
 Role = Literal["truth", "detections"]
@@ -128,6 +128,36 @@ class Format:
     suffixes: tuple[str, ...]
     recognise: Callable[[str, str, Role], bool]
     read: Read = field(repr=False)
+
+
+def rows_finding(
+    is_odd: np.ndarray,
+    code: str,
+    message: str,
+    advice: str,
+    *,
+    role: Role,
+    place: Callable[[int], tuple[str, str]],
+    severity: Severity = Severity.WARNING,
+) -> list[Finding]:
+    """One finding about all odd rows, shown by the first of them; none where no row is odd.
+
+    Parameters
+    ----------
+    is_odd
+        bool, shape (n,).
+    code, message, advice, severity
+        See `Finding`.
+    role
+        What the files hold.
+    place
+        Row -> name of its file, and the row as an example ("line 3: class 99").
+    """
+    if not is_odd.any():
+        return []
+    file, example = place(int(np.argmax(is_odd)))
+    count = int(np.count_nonzero(is_odd))
+    return [Finding(severity, code, role, count, message, advice, file=file, example=example)]
 
 
 def reading_boxes(n_rows: int, **columns: object) -> pd.DataFrame:

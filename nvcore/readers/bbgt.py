@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from nvcore.findings import Finding, Severity
+from nvcore.findings import Finding
 from nvcore.readers.base import (
     Format,
     Reading,
@@ -16,6 +16,7 @@ from nvcore.readers.base import (
     reading_boxes,
     recording_row,
     recordings_table,
+    rows_finding,
 )
 from nvcore.readers.classes import ClassRule, choose_classes
 from nvcore.readers.frame_files import listed_frames
@@ -121,22 +122,14 @@ def _rotated(
     file: np.ndarray,
     line: np.ndarray,
 ) -> list[Finding]:
-    turned = keep & (np.nan_to_num(angle) != 0)
-    if not turned.any():
-        return []
-    first = int(np.argmax(turned))
-    return [
-        Finding(
-            severity=Severity.WARNING,
-            code="rotated-box",
-            subject="truth",
-            count=int(turned.sum()),
-            message="boxes with an angle are taken as upright boxes",
-            advice="Give upright boxes if the angle matters.",
-            file=files[file[first]].name,
-            example=f"line {line[first]}: angle {angle[first]:g}",
-        )
-    ]
+    return rows_finding(
+        keep & (np.nan_to_num(angle) != 0),
+        "rotated-box",
+        "Boxes with an angle are taken as upright boxes.",
+        "Give upright boxes if the angle matters.",
+        role="truth",
+        place=lambda row: (files[file[row]].name, f"line {line[row]}: angle {angle[row]:g}"),
+    )
 
 
 FORMAT = Format(

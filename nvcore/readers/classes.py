@@ -10,8 +10,8 @@ import numpy as np
 import pandas as pd
 
 from nvcore.errors import InputError
-from nvcore.findings import Finding, Severity
-from nvcore.readers.base import ReadOptions, SourceFile
+from nvcore.findings import Finding
+from nvcore.readers.base import ReadOptions, SourceFile, rows_finding
 
 _MAX_NAMED: Final = 8
 """Most labels that a conversion text names."""
@@ -118,38 +118,29 @@ def choose_classes(
     ignored = [name for name in rule.ignored if name.casefold() in neutral]
     if ignored:
         fact += f"; {', '.join(ignored)} ignored"
-    findings = []
+
+    def place(row: int) -> tuple[str, str]:
+        return files[file[row]].name, f"line {line[row]}: {label[row]}"
+
     is_strange = np.array([str(n).casefold() not in known | wanted for n in found], bool)[codes]
-    if is_strange.any():
-        first = int(np.argmax(is_strange))
-        names = sorted({str(name) for name in label[is_strange]})
-        findings.append(
-            Finding(
-                severity=Severity.WARNING,
-                code="unknown-class",
-                subject=options.role,
-                count=int(is_strange.sum()),
-                message="rows of classes that the format does not have were left out: "
-                + ", ".join(names),
-                advice="If one of them is a pedestrian, name it as a class to be counted.",
-                file=files[file[first]].name,
-                example=f"line {line[first]}: {label[first]}",
-            )
-        )
-    if len(label) and not is_wanted.any():
-        findings.append(
-            Finding(
-                severity=Severity.WARNING,
-                code="no-counted-class",
-                subject=options.role,
-                count=len(label),
-                message=f"no row is of a class that counts ({', '.join(counted)}); "
-                f"found {', '.join(sorted(str(name) for name in found))}",
-                advice="Name the classes that are pedestrians.",
-                file=files[file[0]].name,
-                example=f"line {line[0]}: {label[0]}",
-            )
-        )
+    findings = rows_finding(
+        is_strange,
+        "unknown-class",
+        "Rows of classes that the format does not have were left out: "
+        f"{', '.join(sorted({str(name) for name in label[is_strange]}))}.",
+        "If one of them is a pedestrian, name it as a class that counts (--classes).",
+        role=options.role,
+        place=place,
+    )
+    findings += rows_finding(
+        np.full(len(label), not is_wanted.any()),
+        "no-counted-class",
+        f"No row is of a class that counts ({', '.join(counted)}); found "
+        f"{', '.join(sorted(str(name) for name in found))}.",
+        "Name the classes that are pedestrians (--classes).",
+        role=options.role,
+        place=place,
+    )
     return ClassChoice(
         keep=is_wanted | is_neutral,
         ignore=is_neutral,

@@ -19,6 +19,7 @@ from nvcore.readers.base import (
     concat_boxes,
     reading_boxes,
     recordings_table,
+    rows_finding,
 )
 from nvcore.readers.categories import CategoryChoice, choose_categories
 from nvcore.readers.coco_images import (
@@ -145,21 +146,19 @@ def _read_annotations(
 
 
 def _unknown_images(records: Records, unknown: np.ndarray) -> list[Finding]:
-    if not unknown.any():
-        return []
-    first = int(np.argmax(unknown))
-    return [
-        Finding(
-            severity=Severity.ERROR,
-            code="unknown-image",
-            subject="truth",
-            count=int(unknown.sum()),
-            message="Annotations name an image that is not in the image list; they are kept out.",
-            advice="Complete the image list, or remove the annotations.",
-            file=records.file.name,
-            example=f"annotation {first + 1}, image_id {records.rows[first].get('image_id')}",
-        )
-    ]
+    def place(row: int) -> tuple[str, str]:
+        image = records.rows[row].get("image_id")
+        return records.file.name, f"annotation {row + 1}, image_id {image}"
+
+    return rows_finding(
+        unknown,
+        "unknown-image",
+        "Annotations that name an image which is not in the image list were left out.",
+        "Complete the image list, or remove the annotations.",
+        role="truth",
+        place=place,
+        severity=Severity.ERROR,
+    )
 
 
 def _classes(

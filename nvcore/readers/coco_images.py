@@ -12,7 +12,7 @@ import pandas as pd
 
 from nvcore.errors import FormatError
 from nvcore.findings import Finding, Severity
-from nvcore.readers.base import SourceFile, recording_row
+from nvcore.readers.base import SourceFile, recording_row, rows_finding
 from nvcore.readers.jsontext import Records
 from nvcore.readers.naming import recording_and_frame_of, recording_of
 from nvcore.readers.text import whole_numbers
@@ -165,17 +165,14 @@ def _first_of_each_id(images: Records, ids: pd.Series) -> tuple[np.ndarray, list
     for index in np.flatnonzero(double):  # doubles are few
         if images.rows[index] != images.rows[first_row[ids[index]]]:
             raise images.error(int(index), f"id {ids[index]} stands for two different images")
-    finding = Finding(
-        severity=Severity.WARNING,
-        code="duplicate-image",
-        subject="truth",
-        count=int(double.sum()),
-        message="Images are listed more than once.",
-        advice="Nothing is lost: each is taken once; mend the list.",
-        file=images.file.name,
-        example=f"image {int(np.argmax(double)) + 1} of the list, id {ids[int(np.argmax(double))]}",
+    return ~double, rows_finding(
+        double,
+        "duplicate-image",
+        "Images are listed more than once.",
+        "Nothing is lost: each is taken once; mend the list.",
+        role="truth",
+        place=lambda row: (images.file.name, f"image {row + 1} of the list, id {ids[row]}"),
     )
-    return ~double, [finding]
 
 
 def _places(

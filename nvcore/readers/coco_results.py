@@ -20,6 +20,7 @@ from nvcore.readers.base import (
     reading_boxes,
     recording_row,
     recordings_table,
+    rows_finding,
 )
 from nvcore.readers.categories import is_pedestrian
 from nvcore.readers.coco_images import id_text, place_of_picture, places_of_rows, rows_by_id
@@ -99,21 +100,15 @@ def _boxes(
         recording, frame, is_known = _places_by_name(columns.picture, file, images, options)
         facts.append("recording and frame from image_filepath")
         names = columns.picture
-    if not is_known.all():
-        first = int(np.argmin(is_known))
-        findings.append(
-            Finding(
-                severity=Severity.ERROR,
-                code="unknown-image",
-                subject="detections",
-                count=int((~is_known).sum()),
-                message="Results name images that are not in the image list; they are kept out.",
-                advice="Check that the results belong to this truth, and that ids start at the "
-                "same number.",
-                file=file.name,
-                example=f"result {first + 1}, image {names.iloc[first]}",
-            )
-        )
+    findings += rows_finding(
+        ~is_known,
+        "unknown-image",
+        "Results that name an image which is not in the image list were left out.",
+        "Check that the results belong to this truth, and that ids start at the same number.",
+        role="detections",
+        place=lambda row: (file.name, f"result {row + 1}, image {names.iloc[row]}"),
+        severity=Severity.ERROR,
+    )
     values: dict[str, object] = {}
     if columns.track is not None:
         values["track"], has_text = track_numbers(columns.track, recording)
@@ -173,7 +168,8 @@ def _categories(
             count=n_rows,
             message=f"All results have category_id {next(iter(present))}, not 1 (person); "
             "all count.",
-            advice="Check that they are pedestrians; naming the class ends this warning.",
+            advice="Check that they are pedestrians; naming the class (--classes) ends this "
+            "warning.",
             file=file.name,
             example="result 1",
         )

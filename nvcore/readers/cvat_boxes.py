@@ -170,7 +170,7 @@ def other_shapes(content: CvatFile, file: SourceFile, options: ReadOptions) -> l
         oddity(
             "no-box",
             len(shapes),
-            f"pedestrians drawn as {listed} are not boxes and were left out",
+            f"Pedestrians drawn as {listed} are not boxes and were left out.",
             "Convert them to boxes in CVAT and export again.",
             file.name,
             options,

@@ -129,7 +129,7 @@ def _places_by_id(
     finding = oddity(
         "picture-without-number",
         n_strange,
-        "names of pictures have no frame number: the ids of the pictures are the frames",
+        "Names of pictures have no frame number: the ids of the pictures are taken as frames.",
         "Check that the pictures follow each other in time in the order of their ids.",
         file.name,
         options,
@@ -191,8 +191,8 @@ def _sizes_that_differ(
         oddity(
             "picture-size",
             int(differs.sum()),
-            "pictures are of another size than the first of their recording, which is taken",
-            "Make recordings of one size.",
+            "Pictures differ in size from the first of their recording, whose size is taken.",
+            "Give each size a recording of its own, or scale the boxes to one size.",
             str(one["file"]),
             options,
             f"line {one['line']}: {one['width']:g} x {one['height']:g}",

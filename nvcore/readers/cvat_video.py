@@ -124,8 +124,8 @@ def _frames_of(
             code="frame-count",
             subject=options.role,
             count=1,
-            message="size, start, stop and step of the task do not agree: the evaluated frames "
-            "are not taken from them",
+            message="Size, start, stop and step of the task do not agree: the evaluated frames "
+            "are not taken from them.",
             advice="Give the evaluated frames with --frames.",
             file=file.name,
             example=f"line {task.line}: {text}",
@@ -257,21 +257,21 @@ def _findings(
         *found(
             "frame-beside-step",
             np.flatnonzero(beside),
-            "boxes lie in frames that the task, by its start and step, does not have",
+            "Boxes lie in frames that the task, by its start and step, does not have.",
             "Check that the boxes carry frame numbers of the video, not of the task.",
         ),
         *found(
             "track-with-gap",
             np.sort(filled.gaps),
-            "tracks miss frames beside boxes that are no keyframes; nothing was filled in (CVAT "
-            "leaves out deleted frames)",
+            "Tracks miss frames beside boxes that are no keyframes; nothing was filled in (CVAT "
+            "leaves out deleted frames).",
             "If the frames were deleted, leave them out of the evaluated frames (--frames).",
         ),
         *found(
             "track-without-end",
             last[endless],
-            "tracks stop before the last frame without a box marked outside; CVAT itself shows "
-            "such a box up to the last frame, here the track ends with its last box",
+            "Tracks stop before the last frame without a box marked outside; CVAT itself shows "
+            "such a box up to the last frame, here the track ends with its last box.",
             "Mark the end of the tracks in CVAT, or export the task again.",
         ),
     ]
@@ -281,7 +281,7 @@ def _findings(
             oddity(
                 "track-id-twice",
                 len(doubles),
-                "several tracks have the same id and count as one",
+                "Several tracks have the same id and count as one.",
                 "Give every track an id of its own.",
                 file.name,
                 options,

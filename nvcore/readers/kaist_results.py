@@ -24,6 +24,7 @@ from nvcore.readers.base import (
     reading_boxes,
     recording_row,
     recordings_table,
+    rows_finding,
 )
 from nvcore.readers.naming import known_recording
 from nvcore.readers.text import (
@@ -105,8 +106,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         position, fact = _positions(index, images)
         facts.append(fact)
         is_listed = position >= 0
-        if not is_listed.all():
-            findings.append(_unlisted(file, table, index, is_listed, len(images)))
+        findings += _unlisted(file, table, index, is_listed, len(images))
         at = position[is_listed]
         boxes = _boxes(table, number, "", index)[is_listed]
         tables.append(
@@ -152,18 +152,15 @@ def _positions(index: np.ndarray, images: pd.DataFrame) -> tuple[np.ndarray, str
 
 def _unlisted(
     file: SourceFile, table: NumberTable, index: np.ndarray, is_listed: np.ndarray, n_images: int
-) -> Finding:
-    first = int(np.argmin(is_listed))
-    return Finding(
+) -> list[Finding]:
+    return rows_finding(
+        ~is_listed,
+        "unknown-image",
+        f"Rows whose image number is not on the truth's list of {n_images} images were left out.",
+        "Give the truth that these results were made for; image numbers count from 1.",
+        role="detections",
+        place=lambda row: (file.name, f"line {table.line[row]}: image number {index[row]}"),
         severity=Severity.ERROR,
-        code="unknown-image",
-        subject="detections",
-        count=int((~is_listed).sum()),
-        message=f"rows whose image number is not on the truth's list of {n_images} images were "
-        "kept out",
-        advice="Give the truth that these results were made for; image numbers count from 1.",
-        file=file.name,
-        example=f"line {table.line[first]}: image number {index[first]}",
     )
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from nvcore.errors import InputError
-from nvcore.findings import Finding, Severity
+from nvcore.findings import Finding
 from nvcore.readers.base import (
     Format,
     Reading,
@@ -20,6 +20,7 @@ from nvcore.readers.base import (
     reading_boxes,
     recording_row,
     recordings_table,
+    rows_finding,
 )
 from nvcore.readers.naming import recordings_of
 from nvcore.readers.occlusion import levels_of_visible_share
@@ -177,43 +178,27 @@ def _class_numbers(classes: tuple[str, ...] | None, file: SourceFile) -> list[in
 
 
 def _unknown_classes(classes: np.ndarray, file: SourceFile, table: NumberTable) -> list[Finding]:
-    is_unknown = ~np.isin(classes, list(CLASSES))
-    if not is_unknown.any():
-        return []
-    first = int(np.argmax(is_unknown))
-    return [
-        Finding(
-            severity=Severity.WARNING,
-            code="unknown-class",
-            subject="truth",
-            count=int(is_unknown.sum()),
-            message="rows of a class that MOTChallenge does not have (1 to 13) were left out",
-            advice="Number the classes as MOTChallenge does; 1 is pedestrian.",
-            file=file.name,
-            example=f"line {table.line[first]}: class {classes[first]}",
-        )
-    ]
+    return rows_finding(
+        ~np.isin(classes, list(CLASSES)),
+        "unknown-class",
+        "Rows of a class that MOTChallenge does not have (it has 1 to 13) were left out.",
+        "Number the classes as MOTChallenge does; 1 is pedestrian.",
+        role="truth",
+        place=lambda row: (file.name, f"line {table.line[row]}: class {classes[row]}"),
+    )
 
 
 def _frame_zero(
     frame: np.ndarray, file: SourceFile, table: NumberTable, options: ReadOptions
 ) -> list[Finding]:
-    is_early = frame < 1
-    if not is_early.any():
-        return []
-    first = int(np.argmax(is_early))
-    return [
-        Finding(
-            severity=Severity.WARNING,
-            code="frame-before-first",
-            subject=options.role,
-            count=int(is_early.sum()),
-            message="rows before frame 1, with which MOTChallenge recordings begin",
-            advice="The file may count frames from 0: add 1 to its frame numbers.",
-            file=file.name,
-            example=f"line {table.line[first]}: frame {frame[first]}",
-        )
-    ]
+    return rows_finding(
+        frame < 1,
+        "frame-before-first",
+        "Rows stand before frame 1, with which MOTChallenge recordings begin.",
+        "The file may count frames from 0: add 1 to its frame numbers.",
+        role=options.role,
+        place=lambda row: (file.name, f"line {table.line[row]}: frame {frame[row]}"),
+    )
 
 
 def _listed_frames(names: Sequence[str], lengths: Sequence[int]) -> pd.DataFrame:

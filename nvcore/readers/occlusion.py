@@ -6,8 +6,8 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.findings import Finding, Severity
-from nvcore.readers.base import Role, SourceFile
+from nvcore.findings import Finding
+from nvcore.readers.base import Role, SourceFile, rows_finding
 from nvcore.schema import UNKNOWN_OCCLUSION
 
 PARTIAL_OCCLUSION: Final = 0.35
@@ -30,20 +30,11 @@ def levels_of_numbers(values: np.ndarray) -> np.ndarray:
 
 def odd_levels(values: np.ndarray, file: SourceFile, line: np.ndarray, role: Role) -> list[Finding]:
     """Finding about numbers that are no level: neither 0, 1, 2, nor -1 or NaN for unknown."""
-    is_odd = ~(np.isin(values, (0.0, 1.0, 2.0, -1.0)) | np.isnan(values))
-    if not is_odd.any():
-        return []
-    first = int(np.argmax(is_odd))
-    return [
-        Finding(
-            severity=Severity.WARNING,
-            code="unknown-occlusion",
-            subject=role,
-            count=int(is_odd.sum()),
-            message="Levels of occlusion other than 0 (none), 1 (partial), 2 (heavy) are taken as "
-            "unknown.",
-            advice="Write the level as 0, 1 or 2, or leave it empty.",
-            file=file.name,
-            example=f"line {line[first]}: {values[first]:g}",
-        )
-    ]
+    return rows_finding(
+        ~(np.isin(values, (0.0, 1.0, 2.0, -1.0)) | np.isnan(values)),
+        "unknown-occlusion",
+        "Levels of occlusion other than 0 (none), 1 (partial), 2 (heavy) are taken as unknown.",
+        "Write the level as 0, 1 or 2, or leave it empty.",
+        role=role,
+        place=lambda row: (file.name, f"line {line[row]}: {values[row]:g}"),
+    )

@@ -22,6 +22,7 @@ from nvcore.readers.base import (
     reading_boxes,
     recording_row,
     recordings_table,
+    rows_finding,
 )
 from nvcore.readers.categories import concerns_pedestrians, free_labels
 from nvcore.readers.classes import choose_classes, name_left_out
@@ -196,23 +197,14 @@ def _recordings(
         recording_row(str(name), width=size["width"], height=size["height"])
         for name, size in by_recording.first().iterrows()
     ]
-    if not differs.any():
-        return recordings_table(rows), []
-    one = int(np.argmax(differs))
-    width, height = sizes[one]
-    return recordings_table(rows), [
-        Finding(
-            severity=Severity.WARNING,
-            code="picture-size",
-            subject=options.role,
-            count=int(differs.sum()),
-            message="pictures are of another size than the first of their recording, which is "
-            "taken",
-            advice="Make recordings of one size.",
-            file=files[one].name,
-            example=f"{width:g} x {height:g}",
-        )
-    ]
+    return recordings_table(rows), rows_finding(
+        differs.to_numpy(),
+        "picture-size",
+        "Pictures differ in size from the first of their recording, whose size is taken.",
+        "Give each size a recording of its own, or scale the boxes to one size.",
+        role=options.role,
+        place=lambda one: (files[one].name, f"{sizes[one][0]:g} x {sizes[one][1]:g}"),
+    )
 
 
 def _shapes(objects: _Objects, files: Sequence[SourceFile], options: ReadOptions) -> list[Finding]:
@@ -227,7 +219,7 @@ def _shapes(objects: _Objects, files: Sequence[SourceFile], options: ReadOptions
             code="no-box",
             subject=options.role,
             count=len(shapes),
-            message="pedestrians without <bndbox> are not boxes and were left out",
+            message="Pedestrians without <bndbox> are not boxes and were left out.",
             advice="Annotate them as upright boxes.",
             file=files[index].name,
             example=f"line {line}: {label}",
@@ -247,21 +239,14 @@ def _wrong_base(
 ) -> list[Finding]:
     """Corners of exactly 0, which a file that counts pixels from 1 cannot have."""
     at_zero = keep & ((x == -base) | (y == -base))
-    if not base or not at_zero.any():
-        return []
-    first = int(np.argmax(at_zero))
-    return [
-        Finding(
-            severity=Severity.WARNING,
-            code="box-base",
-            subject=options.role,
-            count=int(at_zero.sum()),
-            message="boxes have xmin or ymin 0, but Pascal VOC counts pixels from 1",
-            advice="The files seem to count from 0: say so with --box-base 0.",
-            file=files[index[first]].name,
-            example=f"line {line[first]}",
-        )
-    ]
+    return rows_finding(
+        at_zero & (base != 0),
+        "box-base",
+        "Boxes have xmin or ymin 0, but Pascal VOC counts pixels from 1.",
+        "The files seem to count from 0: say so with --box-base 0.",
+        role=options.role,
+        place=lambda row: (files[index[row]].name, f"line {line[row]}"),
+    )
 
 
 FORMAT = Format(

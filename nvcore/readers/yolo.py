@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 
 from nvcore.errors import FormatError, InputError, MissingFactError
-from nvcore.findings import Finding, Severity
+from nvcore.findings import Finding
 from nvcore.readers.base import (
     Format,
     Reading,
@@ -22,6 +22,7 @@ from nvcore.readers.base import (
     reading_boxes,
     recording_row,
     recordings_table,
+    rows_finding,
 )
 from nvcore.readers.categories import free_labels
 from nvcore.readers.classes import ClassRule, choose_classes, name_left_out
@@ -258,19 +259,14 @@ def _told_apart(
         facts.append(f"confidence in the {place} field")
         if n_last == n_second:
             facts[-1] += " (could not be told from the content)"
-            row = int(np.argmax(has_sixth))
-            findings.append(
-                Finding(
-                    severity=Severity.WARNING,
-                    code="confidence-field",
-                    subject=options.role,
-                    count=int(has_sixth.sum()),
-                    message="whether the confidence is the last field or the second cannot be "
-                    "told from these rows; it was taken as the last",
-                    advice="Check that the boxes lie where they should.",
-                    file=files[file[row]].name,
-                    example=f"line {table.line[row]}",
-                )
+            findings = rows_finding(
+                has_sixth,
+                "confidence-field",
+                "Whether the confidence is the last field or the second cannot be told from the "
+                "rows; it was taken as the last.",
+                "Check that the boxes lie where they should.",
+                role=options.role,
+                place=lambda row: (files[file[row]].name, f"line {table.line[row]}"),
             )
     ids = np.full(len(table), NO_TRACK, dtype=np.int64)
     given = ~np.isnan(track)

@@ -100,7 +100,6 @@ class Road:
     parking_right: float = 0.0
     pavement: float = 0.0
     zebras: tuple[float, ...] = ()
-    side_road: float | None = None
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,6 @@ from nvcore.sample.truth import Sighting, clipped
 
 SEED: Final = 110360
 THRESHOLD: Final = 0.5
-DETECTION_COLUMNS: Final = ("recording", "frame", "x", "y", "w", "h", "score")
 FIR_REACH_M: Final = 72.0
 NIR_REACH_M: Final = 46.0
 _LOWEST_SCORE: Final = 0.12
@@ -43,7 +42,7 @@ def wandering(generator: np.random.Generator, *, hold_s: float, n: int = N_FRAME
 
 
 def detections(recording: Recording, seen: list[Sighting], *, system: str) -> pd.DataFrame:
-    """Detections of one system in one recording, all scores; columns `DETECTION_COLUMNS`.
+    """Detections of one system in one recording, all scores.
 
     Parameters
     ----------

@@ -59,11 +59,6 @@ class Sighting:
     inside: Floats
     annotated: NDArray[np.bool_]
 
-    @property
-    def height_px(self) -> Floats:
-        """Height of the unclipped box, shape (frames,)."""
-        return self.edges[:, 3] - self.edges[:, 1]
-
 
 def body_edges(person: Person, world: Floats, camera: Camera) -> tuple[Floats, Floats]:
     """Unclipped box edges of a person from joints relative to the car, and the depth.

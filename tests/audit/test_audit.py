@@ -10,6 +10,7 @@ from builders import Box
 from nvcore.audit import audit
 from nvcore.errors import InputError
 from nvcore.findings import Finding, Severity
+from nvcore.params import Params
 
 
 def test_a_clean_comparison_has_no_finding() -> None:
@@ -46,6 +47,13 @@ def test_boxes_from_memory_have_an_example_without_a_line() -> None:
 def test_an_unknown_system_is_an_error() -> None:
     with pytest.raises(InputError, match="no system 'z'"):
         audit(dataset(), x="z")
+
+
+def test_x_is_the_first_system_that_is_not_y() -> None:
+    made = dataset(x=walk(), y=walk())
+    findings = audit(made, Params(threshold_x=9.0), y="x")
+    kept_nothing = [one.subject for one in findings if one.code == "threshold-keeps-nothing"]
+    assert kept_nothing == ["y"]
 
 
 def test_the_audit_changes_nothing() -> None:

@@ -101,6 +101,7 @@ def test_a_pixel_offset_is_found_with_its_value() -> None:
     assert finding.suggestion == (("offset_x_px", -6.0), ("offset_y_px", 3.0))
     assert "6.0 px too far right and 3.0 px too far up" in finding.message
     assert "offset_px = [-6, 3]" in finding.advice
+    assert "--offset-px-x -6,3" in finding.advice
 
 
 def test_a_pixel_offset_so_large_that_no_box_overlaps_is_found() -> None:
@@ -154,6 +155,7 @@ def test_different_scales_across_and_down_are_found() -> None:
     (finding,) = suspicions(compare(squeezed))
     assert finding.suggestion == (("scale_x", 2.0), ("scale_y", 1.5))
     assert "scale = [2, 1.5]" in finding.advice
+    assert "--scale-x 2,1.5" in finding.advice
 
 
 def test_scale_and_time_offset_are_both_found() -> None:
@@ -193,7 +195,7 @@ def test_a_large_dataset_is_judged_by_a_sample() -> None:
     ]
     made = make_dataset(truth, moved(truth, y=12), n_frames=800, width=640, height=480)
     (finding,) = suspicions(made)
-    assert "judged by every 4. frame" in finding.message
+    assert "judged by every 4th frame" in finding.message
     assert finding.suggestion == (("offset_x_px", 0.0), ("offset_y_px", -12.0))
 
 

@@ -1,0 +1,123 @@
+"""Proximity: how much a box counts, from how near it seems (paper, weighting function)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from nvcore.dataset import BoxColumns, FrameColumns
+from nvcore.errors import ParameterError
+from nvcore.params import MIDPOINT_SHARE, SPREAD_SHARE, Params
+
+BLOCK: Final = 16_384
+"""Boxes weighed at a time: what fits a core's cache."""
+
+LARGEST_EXPONENT: Final = 700.0
+"""``exp`` of more would overflow; a weight there is 1e-304, as good as none."""
+
+
+@dataclass(frozen=True)
+class Weights:
+    """Proximity weights of one source.
+
+    Attributes
+    ----------
+    k
+        In (0, 1), larger is nearer (1 throughout without proximity); float64, shape (n,).
+    n_without_distance
+        Boxes that count (no ignore regions, nothing below the threshold) and are weighted by
+        height because proximity by distance was asked for and they have none.
+    """
+
+    k: np.ndarray
+    n_without_distance: int
+
+
+def sigmoid(z: np.ndarray) -> np.ndarray:
+    """``1 / (1 + exp(-z))``, in the form that cannot overflow; float64, the shape of `z`."""
+    e: np.ndarray = np.negative(z)
+    np.clip(e, -LARGEST_EXPONENT, LARGEST_EXPONENT, out=e)
+    np.exp(e, out=e)
+    e += 1
+    np.divide(1, e, out=e)
+    return e
+
+
+def weigh_proximity(
+    boxes: BoxColumns, is_counted: np.ndarray, frames: FrameColumns, params: Params
+) -> Weights:
+    """Proximity weight of every box: near ones count more.
+
+    By height ``k = 1 / (1 + exp(-(h - midpoint) / spread))``; by horizon with the depth of the
+    foot point below the horizon in place of h; by distance
+    ``k = 1 / (1 + exp((distance - midpoint_m) / spread_m))``, boxes without a distance by height.
+
+    Parameters
+    ----------
+    boxes
+        Boxes of one source, px, sorted by frame.
+    is_counted
+        Those that are members of G or S; bool, shape (n,). All are weighed.
+
+    Raises
+    ------
+    ParameterError
+        If proximity is by horizon and neither the parameter nor a recording gives the horizon.
+
+    References
+    ----------
+    Paper 11-0360, weighting function; ``docs/metrics.md``, proximity.
+    """
+    if params.proximity == "none":
+        return Weights(np.ones(len(boxes)), 0)
+    midpoint = _per_recording(params.midpoint, MIDPOINT_SHARE * frames.height)
+    spread = _per_recording(params.spread, SPREAD_SHARE * frames.height)
+    horizon = _per_recording(params.horizon, frames.horizon)
+    by_horizon = params.proximity == "horizon"
+    if by_horizon and np.isnan(horizon).any():
+        raise ParameterError(
+            "proximity by horizon needs the row of the horizon: give --horizon, or horizon for "
+            "every recording in the session file"
+        )
+    zero = horizon + midpoint if by_horizon else midpoint
+    k = np.empty(len(boxes))
+    for rows, recording in _blocks(boxes, frames, np.column_stack([zero, spread])):
+        size = boxes.y[rows] + boxes.h[rows] if by_horizon else boxes.h[rows]
+        z = (size - zero[recording]) / spread[recording]
+        if params.proximity == "distance":
+            metres = boxes.distance_m[rows]
+            by_distance = (params.midpoint_m - metres) / params.spread_m
+            z = np.where(np.isnan(metres), z, by_distance)
+        k[rows] = sigmoid(z)
+    n_without = 0
+    if params.proximity == "distance":
+        n_without = int(np.count_nonzero(np.isnan(boxes.distance_m) & is_counted))
+    return Weights(k, n_without)
+
+
+def _blocks(
+    boxes: BoxColumns, frames: FrameColumns, settings: np.ndarray
+) -> Iterator[tuple[slice, int]]:
+    """Rows of boxes in blocks, each with a recording whose settings hold for all of them.
+
+    Parameters
+    ----------
+    settings
+        Of each recording, shape (n_recordings, n_settings); recordings that follow each other
+        with the same settings share blocks.
+    """
+    if not len(settings):
+        return
+    changes = np.flatnonzero((settings[1:] != settings[:-1]).any(axis=1)) + 1
+    starts = np.concatenate([[0], changes])
+    edges = boxes.offsets[frames.first[np.concatenate([starts, [len(settings)]])]]
+    for i, recording in enumerate(starts):  # a loop over blocks: thousands of boxes each
+        for at in range(int(edges[i]), int(edges[i + 1]), BLOCK):
+            yield slice(at, min(at + BLOCK, int(edges[i + 1]))), int(recording)
+
+
+def _per_recording(value: float | None, default: np.ndarray) -> np.ndarray:
+    return default if value is None else np.full(len(default), float(value))
