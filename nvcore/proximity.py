@@ -12,8 +12,9 @@ from nvcore.dataset import BoxColumns, FrameColumns
 from nvcore.errors import ParameterError
 from nvcore.params import MIDPOINT_SHARE, SPREAD_SHARE, Params
 
-BLOCK: Final = 16_384
-"""Boxes weighed at a time: what fits a core's cache."""
+BLOCK: Final = 262_144
+"""Boxes weighed at a time: bounds the memory of what lies between; in smaller blocks the two
+systems' threads wait for each other."""
 
 LARGEST_EXPONENT: Final = 700.0
 """``exp`` of more would overflow; a weight there is 1e-304, as good as none."""
