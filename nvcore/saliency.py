@@ -8,7 +8,7 @@ from scipy.special import expit
 
 from nvcore.dataset import FrameColumns
 from nvcore.params import Params
-from nvcore.similarity import SetDistances, runs_of
+from nvcore.similarity import SetDistances
 
 EVENT_COLUMNS = (
     "recording", "encounter", "track", "first_row", "last_row", "duration_s", "tau", "recency",
@@ -68,11 +68,15 @@ def find_events(
     ----------
     Paper 11-0360, metric of saliency.
     """
-    encounter = np.where(salient_row >= 0, _take(encounter_of, salient_row), -1)
-    first, last = runs_of(encounter, frames.recording)
+    rows = np.flatnonzero(salient_row >= 0)
+    encounter = encounter_of[salient_row[rows]]
+    # an encounter lies in one recording: where it changes with the recording, so does the run
+    goes_on = (rows[1:] == rows[:-1] + 1) & (encounter[1:] == encounter[:-1])
+    starts = np.flatnonzero(np.concatenate([[True], ~goes_on])[: len(rows)])
+    ends = np.concatenate([starts[1:] - 1, [len(rows) - 1]])[: len(starts)]
+    first, last, at = rows[starts], rows[ends], encounter[starts]
     recording = frames.recording[first]
     rate = frames.fps[recording]
-    at = encounter[first]
     passed = frames.passed
     if params.saliency_scope == "encounter":
         start, end = encounter_rows[0][at], encounter_rows[1][at]
@@ -86,7 +90,7 @@ def find_events(
         {
             "recording": recording,
             "encounter": at,
-            "track": _take(track, salient_row[first]),
+            "track": track[salient_row[first]],
             "first_row": first,
             "last_row": last,
             "duration_s": duration_s,
@@ -96,11 +100,6 @@ def find_events(
         },
         columns=list(EVENT_COLUMNS),
     )
-
-
-def _take(values: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """``values[rows]``, also where there are no values and every row is -1."""
-    return values[rows] if len(values) else np.full(len(rows), -1, np.int64)
 
 
 def aggregate_saliency(saliency_s: np.ndarray, *, aggregate: str) -> float:

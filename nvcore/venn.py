@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import asdict, dataclass
 
 import numpy as np
@@ -80,7 +81,8 @@ def categorise(
 
 def count_categories(category: np.ndarray) -> Venn:
     """Number of encounters of each category."""
-    return Venn(**{c.value: int(np.count_nonzero(category == c.value)) for c in Category})
+    counts = Counter(category.tolist())
+    return Venn(**{name.value: counts[name.value] for name in Category})
 
 
 def measure_exclusivity(venn: Venn) -> Exclusivity:
