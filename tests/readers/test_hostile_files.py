@@ -32,7 +32,7 @@ QUICK = settings(
 )
 
 
-def read_or_refuse(kind: Format, content: bytes, folder: Path) -> None:
+def assert_read_or_refused(kind: Format, content: bytes, folder: Path) -> None:
     path = folder / f"drive_1{kind.suffixes[0]}"
     path.write_bytes(content)
     kind.recognise(path.name, content.decode("utf-8", errors="replace"), "truth")
@@ -50,7 +50,7 @@ def test_random_bytes_are_refused_or_read(
     tmp_path: Path, kind: Format, golden: Path, content: bytes
 ) -> None:
     del golden
-    read_or_refuse(kind, content, tmp_path)
+    assert_read_or_refused(kind, content, tmp_path)
 
 
 @pytest.mark.parametrize(("kind", "golden"), CASES, ids=lambda case: getattr(case, "name", ""))
@@ -69,4 +69,4 @@ def test_damaged_files_are_refused_or_read(
     for share, length, piece in changes:
         at = int(share * len(content))
         content = content[:at] + piece + content[at + length :]
-    read_or_refuse(kind, content, tmp_path)
+    assert_read_or_refused(kind, content, tmp_path)
