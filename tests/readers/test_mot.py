@@ -249,3 +249,20 @@ def test_the_real_recordings_have_the_flags_and_lengths_of_their_files(realdata)
     assert flags == {
         "ETH-Sunnyday": 43, "PETS09-S2L1": 174, "TUD-Campus": 0, "TUD-Stadtmitte": 0,
     }  # fmt: skip
+
+
+def test_scores_in_the_truth_look_like_swapped_files(tmp_path):
+    rows = "1,-1,1,1,5,5,0.83\n2,-1,1,1,5,5,1\n"
+    reading = read([source(tmp_path, rows)], ReadOptions())
+    (finding,) = reading.findings
+    assert (finding.code, finding.count, finding.example) == (
+        "truth-with-scores",
+        1,
+        "line 1: 0.83",
+    )
+    assert "swapped" in finding.advice
+
+
+def test_whole_numbers_in_column_7_of_the_truth_are_not_reported(tmp_path):
+    rows = "1,1,1,1,5,5,1\n2,1,1,1,5,5,0\n3,1,1,1,5,5,-1\n"
+    assert read([source(tmp_path, rows)], ReadOptions()).findings == ()
