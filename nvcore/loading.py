@@ -208,6 +208,7 @@ def _place(session: Session, loaded: list[_Loaded]) -> Dataset:
     all_inputs = pd.concat(inputs, ignore_index=True)
     findings = [finding for one in loaded for finding in one.reading.findings]
     findings += _changed_inputs(session, loaded)
+    findings += _contradicted_facts(truth, recordings)
     return dataset_from_tables(
         recordings,
         frames,
@@ -243,6 +244,31 @@ def _changed_inputs(session: Session, loaded: list[_Loaded]) -> list[Finding]:
                     file=one.files[0].name,
                 )
             )  # fmt: skip
+    return findings
+
+
+def _contradicted_facts(truth: Reading, recordings: pd.DataFrame) -> list[Finding]:
+    """Sizes and frame rates that were given although the data say something else."""
+    stated = truth.recordings.set_index("name").reindex(recordings["name"])
+    findings = []
+    for columns, what, flag in (
+        (["width", "height"], "image size", "--size"),
+        (["fps"], "frame rate", "--fps"),
+    ):
+        ours, theirs = recordings[columns].to_numpy(), stated[columns].to_numpy(dtype=float)
+        differs = (np.isfinite(theirs) & (ours != theirs)).any(axis=1)
+        if not differs.any():
+            continue
+        first = int(np.argmax(differs))
+        given, said = ("x".join(f"{v:g}" for v in row[first]) for row in (ours, theirs))
+        findings.append(
+            Finding(
+                Severity.WARNING, "contradicted-fact", "truth", int(np.count_nonzero(differs)),
+                f"The {what} given ({given}) is not that of the data ({said}).",
+                f"Leave {flag} away (or the value in the session file) where the data hold it.",
+                example=f"recording {recordings['name'].iloc[first]}",
+            )
+        )  # fmt: skip
     return findings
 
 

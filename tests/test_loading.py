@@ -374,3 +374,26 @@ def test_frames_with_other_classes_only_are_annotated_frames_of_a_csv(tmp_path: 
     write(tmp_path / "drive.csv", "frame,x,y,w,h,class", *rows)
     dataset = load(session_of(tmp_path, "drive.csv", "fir.csv"))
     assert dataset.frames["frame"].tolist() == [1, 2, 3, 4]
+
+
+def test_a_given_size_and_rate_that_contradict_the_data_are_reported(tmp_path: Path):
+    mot_layout(tmp_path / "truth")
+    session = replace(
+        session_of(tmp_path, "truth", SystemSource(("truth/*/gt/gt.txt",), name="x")),
+        size=(11, 12),
+        fps=99.0,
+    )
+    findings = {one.message: one for one in load(session).findings if "given" in one.message}
+    assert len(findings) == 2
+    assert {one.code for one in findings.values()} == {"contradicted-fact"}
+    assert {one.count for one in findings.values()} == {2}
+    assert any("frame rate given (99) is not that of the data" in text for text in findings)
+
+
+def test_a_given_size_that_the_data_say_as_well_is_not_reported(tmp_path: Path):
+    mot_layout(tmp_path / "truth")
+    plain = session_of(tmp_path, "truth", SystemSource(("truth/*/gt/gt.txt",), name="x"))
+    own = load(replace(plain, size=None, fps=None)).recordings
+    size = (int(own["width"][0]), int(own["height"][0]))
+    dataset = load(replace(plain, size=size, fps=float(own["fps"][0])))
+    assert "contradicted-fact" not in {one.code for one in dataset.findings}
