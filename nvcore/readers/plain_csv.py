@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from nvcore.errors import FormatError
-from nvcore.findings import Finding
+from nvcore.findings import Finding, Severity
 from nvcore.readers.base import (
     Format,
     Reading,
@@ -72,6 +72,8 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         own = recording_of_file.get(number)
         boxes, kind, what, oddities = _read_one(file, number, own, header, content, options)
         findings += oddities
+        if options.role == "truth" and "score" in header.place:
+            findings.append(_truth_with_scores(file, len(boxes)))
         tables.append(boxes)
         kinds.append(kind)
         facts += [fact for fact in what if fact not in facts]
@@ -94,6 +96,19 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         conversion="; ".join(facts),
         annotated=annotated,
         findings=tuple(findings),
+    )
+
+
+def _truth_with_scores(file: SourceFile, n_rows: int) -> Finding:
+    return Finding(
+        Severity.WARNING,
+        "truth-with-scores",
+        "truth",
+        n_rows,
+        "The ground truth has a score column, which is left unused.",
+        "Check that the truth and a system's detections are not swapped.",
+        file=file.name,
+        example="line 1",
     )
 
 

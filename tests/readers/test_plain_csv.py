@@ -256,3 +256,11 @@ def test_a_single_class_of_lookalikes_does_not_count(read_text):
     with pytest.raises(FormatError, match=r"no category is called person.*found crowd; name the"):
         read_text(text)
     assert "class 7 throughout: counted" in read_text(text.replace("crowd", "7")).conversion
+
+
+def test_a_score_column_in_the_truth_looks_like_swapped_files(tmp_path: Path):
+    path = tmp_path / "truth.csv"
+    path.write_text("frame,x,y,w,h,score\n1,2,3,4,5,0.5\n")
+    for role, expected in (("truth", ["truth-with-scores"]), ("detections", [])):
+        reading = plain_csv.read([SourceFile(path, path.name)], ReadOptions(role=role))
+        assert [one.code for one in reading.findings] == expected
