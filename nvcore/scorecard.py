@@ -106,6 +106,7 @@ def _table(result: Result) -> str:
         ("encounters detected", "encounters_detected", "d"),
     ):
         rows.append(_row(label, x[key], y[key], form))
+    rows.append((f"how the {result.venn.n_near} encounters went:", "", "", ""))
     for kind in MissClass:
         label = "  " + ("no failure" if kind is MissClass.NONE else kind.value.replace("_", " "))
         rows.append(_row(label, x["miss_classes"][kind], y["miss_classes"][kind], "d"))
