@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
@@ -11,11 +11,12 @@ import numpy as np
 import pandas as pd
 
 from nvcore.dataset import Dataset, compared_names, dataset_from_tables
-from nvcore.errors import InputError, MissingFactError
+from nvcore.errors import MissingFactError
 from nvcore.findings import Finding, Severity
 from nvcore.frame_lists import infer_frames, parse_frames
 from nvcore.params import Params
 from nvcore.readers.base import Format, Reading, ReadOptions, Role, SourceFile
+from nvcore.recording_facts import contradicted_facts, describe_recordings
 from nvcore.session import Session, Source, SystemSource
 from nvcore.sources import digest, find_files, system_name
 
@@ -181,7 +182,7 @@ def _corrected(system: _Loaded, source: SystemSource) -> _Loaded:
 
 def _place(session: Session, loaded: list[_Loaded]) -> Dataset:
     truth = loaded[0].reading
-    recordings = _recordings(session, truth)
+    recordings = describe_recordings(session, truth)
     frames, notes = _frames(session, truth, recordings)
     keep = [i for i, listed in enumerate(frames) if len(listed)]
     recordings = recordings.iloc[keep].reset_index(drop=True)
@@ -208,7 +209,7 @@ def _place(session: Session, loaded: list[_Loaded]) -> Dataset:
     all_inputs = pd.concat(inputs, ignore_index=True)
     findings = [finding for one in loaded for finding in one.reading.findings]
     findings += _changed_inputs(session, loaded)
-    findings += _contradicted_facts(truth, recordings)
+    findings += contradicted_facts(truth, recordings)
     return dataset_from_tables(
         recordings,
         frames,
@@ -225,15 +226,19 @@ def _place(session: Session, loaded: list[_Loaded]) -> Dataset:
 def source_hashes(dataset: Dataset) -> dict[str, str]:
     """sha256 of each source (truth or system): over the hashes of its files, in their order."""
     return {
-        str(subject): hashlib.sha256("\n".join(group).encode()).hexdigest()
+        str(subject): _source_hash(group)
         for subject, group in dataset.inputs.groupby("subject", sort=False)["sha256"]
     }
+
+
+def _source_hash(digests: Iterable[str]) -> str:
+    return hashlib.sha256("\n".join(digests).encode()).hexdigest()
 
 
 def _changed_inputs(session: Session, loaded: list[_Loaded]) -> list[Finding]:
     findings = []
     for one in loaded:
-        now = hashlib.sha256("\n".join(one.digests).encode()).hexdigest()
+        now = _source_hash(one.digests)
         before = session.hashes.get(one.subject)
         if before is not None and before != now:
             findings.append(
@@ -245,72 +250,6 @@ def _changed_inputs(session: Session, loaded: list[_Loaded]) -> list[Finding]:
                 )
             )  # fmt: skip
     return findings
-
-
-def _contradicted_facts(truth: Reading, recordings: pd.DataFrame) -> list[Finding]:
-    """Sizes and frame rates that were given although the data say something else."""
-    stated = truth.recordings.set_index("name").reindex(recordings["name"])
-    findings = []
-    for columns, what, flag in (
-        (["width", "height"], "image size", "--size"),
-        (["fps"], "frame rate", "--fps"),
-    ):
-        ours, theirs = recordings[columns].to_numpy(), stated[columns].to_numpy(dtype=float)
-        differs = (np.isfinite(theirs) & (ours != theirs)).any(axis=1)
-        if not differs.any():
-            continue
-        first = int(np.argmax(differs))
-        given, said = ("x".join(f"{v:g}" for v in row[first]) for row in (ours, theirs))
-        findings.append(
-            Finding(
-                Severity.WARNING, "contradicted-fact", "truth", int(np.count_nonzero(differs)),
-                f"The {what} given ({given}) is not that of the data ({said}).",
-                f"Leave {flag} away (or the value in the session file) where the data hold it.",
-                example=f"recording {recordings['name'].iloc[first]}",
-            )
-        )  # fmt: skip
-    return findings
-
-
-def _recordings(session: Session, truth: Reading) -> pd.DataFrame:
-    """Name, width, height, fps, horizon of every recording; what is unknown is an error."""
-    table = truth.recordings.copy()
-    facts = {one.name: one for one in session.recordings}
-    if len(table) == 1 and len(facts) == 1 and table["name"][0] not in facts:
-        # one recording here and there: the session names it
-        facts = {table["name"][0]: next(iter(facts.values()))}
-    known = set(table["name"])
-    more = [name for name in facts if name not in known]
-    if more:
-        extra = pd.DataFrame({"name": more, "width": np.nan, "height": np.nan, "fps": np.nan})
-        table = pd.concat([table, extra], ignore_index=True)
-    if table.empty:
-        raise InputError("the ground truth holds no recording", file=session.truth.path[0])
-    table["horizon"] = np.nan
-    for row, name in enumerate(table["name"]):  # a loop over recordings: hundreds at the most
-        one = facts.get(name)
-        for column in ("width", "height", "fps", "horizon"):
-            value = None if one is None else getattr(one, column)
-            if value is not None:
-                table.loc[row, column] = value
-    width, height = session.size or (None, None)
-    for column, common in (("width", width), ("height", height), ("fps", session.fps)):
-        if common is not None:
-            own = {name for name, one in facts.items() if getattr(one, column) is not None}
-            table.loc[~table["name"].isin(own), column] = common
-    for column, what, flag in (
-        ("width", "image size", "--size WIDTHxHEIGHT"),
-        ("height", "image size", "--size WIDTHxHEIGHT"),
-        ("fps", "frame rate", "--fps"),
-    ):
-        unknown = table["name"][~(table[column] > 0)]
-        if len(unknown):
-            others = f" (nor that of {len(unknown) - 1} more)" if len(unknown) > 1 else ""
-            raise MissingFactError(
-                f"the {what} of recording {unknown.iloc[0]!r} is not in the data{others}; give "
-                f"{flag}, or {column} in the session file"
-            )
-    return table
 
 
 def _frames(
