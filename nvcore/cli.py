@@ -4,31 +4,39 @@ from __future__ import annotations
 
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from nvcore.cli_convert import convert
 from nvcore.cli_inputs import (
-    format_option,
+    OUTPUT,
+    GroupedCommand,
+    findings_at_paths,
+    grouped_option,
     input_options,
     parameter_options,
-    reading_options,
+    pasteable_errors,
     session_from,
-    size_option,
-    source_options,
+    sources_of,
 )
 from nvcore.errors import InputError, NvcoreError, one_line
-from nvcore.session import Session, Source
+from nvcore.params import MATCHING
+from nvcore.session import Session
 from nvcore.version import __version__
 
 if TYPE_CHECKING:
+    from nvcore.dataset import Dataset
     from nvcore.findings import Finding
 
 # The commands import what they need: `nvcore --help` need not wait for numpy, pandas and numba.
 
 EXIT_FINDINGS = 1
 EXIT_BAD_INPUT = 2
+MAX_CONVERSION = 160
+"""Letters of a conversion's text that `compare` shows: some two lines with the path."""
 
 
 class _BadInput(click.ClickException):
@@ -85,16 +93,21 @@ def main() -> None:
     """Compare two pedestrian-detection systems by what the driver notices."""
 
 
-@main.command()
+@main.command(cls=GroupedCommand)
 @input_options
-@click.option(
+@grouped_option(
+    OUTPUT,
     "--out",
     type=click.Path(file_okay=False, path_type=Path),
     metavar="DIR",
     help="Write the CSV tables, summary.json and session.toml into this folder.",
 )
-@click.option("--json", "as_json", is_flag=True, help="Print summary.json, not the scorecard.")
-@click.option("--strict", is_flag=True, help="Warnings of the audit give exit code 1, too.")
+@grouped_option(
+    OUTPUT, "--json", "as_json", is_flag=True, help="Print summary.json, not the scorecard."
+)
+@grouped_option(
+    OUTPUT, "--strict", is_flag=True, help="Warnings of the audit give exit code 1, too."
+)
 @parameter_options
 def compare(out: Path | None, as_json: bool, strict: bool, **options: Any) -> None:
     """Compare systems X and Y against the ground truth.
@@ -108,10 +121,13 @@ def compare(out: Path | None, as_json: bool, strict: bool, **options: Any) -> No
     from nvcore.export import summary_json, write_report
     from nvcore.loading import compared_systems, effective_params, load
     from nvcore.scorecard import render_findings, render_inputs, render_scorecard
+    from nvcore.sources import paths_to_show
 
     session = session_from(options, needs_y=True)
     _keep_own_session(session, options["session_file"], out)
-    with _Steps(6 + len(session.systems) + (8 if out is not None else 0)) as steps:
+    sources = sources_of(session)
+    n_steps = 6 + len(session.systems) + (8 if out is not None else 0)
+    with pasteable_errors(session.folder, sources), _Steps(n_steps) as steps:
         dataset = load(session, progress=steps)
         params = effective_params(session, dataset)
         x, y = compared_systems(session, dataset)
@@ -123,8 +139,10 @@ def compare(out: Path | None, as_json: bool, strict: bool, **options: Any) -> No
         text = summary_json(result) if as_json else render_scorecard(result)
         if out is not None:
             write_report(result, session, out, findings, progress=steps)
-    click.echo(render_inputs(result), err=as_json)
-    click.echo("\n" + render_findings(findings) + "\n", err=as_json)
+    shown = paths_to_show(session.folder, sources)
+    told = replace(result, dataset=_for_terminal(dataset, shown, longest=MAX_CONVERSION))
+    click.echo(render_inputs(told), err=as_json)
+    click.echo("\n" + render_findings(findings_at_paths(findings, shown)) + "\n", err=as_json)
     click.echo(text, nl=not as_json)
     if out is not None:
         click.echo(one_line(f"written to {out}"), err=True)
@@ -139,11 +157,11 @@ def _keep_own_session(session: Session, file: Path | None, out: Path | None) -> 
         raise click.UsageError("the report would replace the session file; give another --out")
 
 
-@main.command()
+@main.command(cls=GroupedCommand)
 @input_options
-@click.option("--strict", is_flag=True, help="Warnings give exit code 1, too.")
-@click.option("--threshold-x", type=float, help="Audit X at this threshold.")
-@click.option("--threshold-y", type=float, help="Audit Y at this threshold.")
+@grouped_option(OUTPUT, "--strict", is_flag=True, help="Warnings give exit code 1, too.")
+@grouped_option(MATCHING, "--threshold-x", type=float, help="Audit X at this threshold.")
+@grouped_option(MATCHING, "--threshold-y", type=float, help="Audit Y at this threshold.")
 def check(strict: bool, **options: Any) -> None:
     """Audit the inputs without scoring them.
 
@@ -152,66 +170,23 @@ def check(strict: bool, **options: Any) -> None:
     from nvcore.audit import audit
     from nvcore.loading import compared_systems, effective_params, load
     from nvcore.scorecard import render_dataset, render_findings
+    from nvcore.sources import paths_to_show
 
     session = session_from(options, needs_y=False)
-    with _Steps(4 + len(session.systems)) as steps:
+    sources = sources_of(session)
+    with pasteable_errors(session.folder, sources), _Steps(4 + len(session.systems)) as steps:
         dataset = load(session, progress=steps)
         params = effective_params(session, dataset)
         x, y = compared_systems(session, dataset)
         steps("auditing the inputs")
         findings = audit(dataset, params, x=x, y=y)
-    click.echo(render_dataset(dataset))
-    click.echo("\n" + render_findings(findings))
+    shown = paths_to_show(session.folder, sources)
+    click.echo(render_dataset(_for_terminal(dataset, shown)))
+    click.echo("\n" + render_findings(findings_at_paths(findings, shown)))
     _exit(findings, strict)
 
 
-def _reading_options(command: Any) -> Any:
-    for option in reversed(reading_options):
-        command = option(command)
-    return command
-
-
-@main.command()
-@click.argument("source", metavar="INPUT")
-@click.argument("target", metavar="OUTPUT", type=click.Path(path_type=Path))
-@click.option(
-    "--to", "to", required=True, type=click.Choice(["csv", "coco", "mot"]), help="Format to write."
-)
-@click.option(
-    "--role",
-    type=click.Choice(["truth", "detections"]),
-    default="truth",
-    show_default=True,
-    help="What the input holds.",
-)
-@click.option(
-    "--truth", metavar="PATH", help="Ground truth, for results that name pictures by number."
-)
-@format_option
-@_reading_options
-def convert(source: str, target: Path, to: str, role: str, **options: Any) -> None:
-    """Convert any readable format to plain CSV, COCO or MOTChallenge.
-
-    INPUT is a file, folder or quoted glob. MOTChallenge has one file a recording: OUTPUT is a
-    folder where there are several.
-    """
-    from nvcore.loading import read_source
-    from nvcore.scorecard import render_findings
-    from nvcore.writers import write
-
-    size = size_option(options)
-    truth = None
-    if options["truth"]:
-        truth = read_source(Source((options["truth"],)), role="truth", size=size)
-    one = Source((source,), format=options["format_"], **source_options(options))
-    reading = read_source(one, role=role, size=size, truth=truth)  # type: ignore[arg-type]
-    images = None if truth is None else truth.images
-    written = write(reading, to, target, role=role, images=images)  # type: ignore[arg-type]
-    click.echo(one_line(f"{source}: {reading.conversion}"), err=True)
-    if reading.findings:
-        click.echo(render_findings(reading.findings), err=True)
-    where = written[0] if len(written) == 1 else f"{len(written)} files in {target}"
-    click.echo(one_line(f"written to {where}: {len(reading.boxes)} boxes"), err=True)
+main.add_command(convert)
 
 
 @main.command(short_help="Generate the sample recordings again.")
@@ -229,6 +204,26 @@ def sample(folder: Path) -> None:
     except OSError as error:
         raise InputError(f"cannot be written ({error.strerror})", file=folder) from error
     click.echo(one_line(f"written to {folder}"), err=True)
+
+
+def _for_terminal(
+    dataset: Dataset, shown: dict[str, str], *, longest: int | None = None
+) -> Dataset:
+    """The dataset with its files' paths and conversions as the terminal shows them."""
+    inputs = dataset.inputs
+    changed = inputs.assign(
+        file=[shown.get(name, name) for name in inputs["file"]],
+        conversion=[_shortened(text, longest) for text in inputs["conversion"]],
+    )
+    return replace(dataset, inputs=changed)
+
+
+def _shortened(text: str, longest: int | None) -> str:
+    """The first facts of a conversion, as many as fit; at least one."""
+    if longest is None or len(text) <= longest:
+        return text
+    end = text.rfind("; ", 0, longest)
+    return (text[:end] if end > 0 else text[:longest]) + "; ... (all of it: nvcore check)"
 
 
 def _exit(findings: tuple[Finding, ...], strict: bool) -> None:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import fields, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
+from nvcore.errors import InputError
 from nvcore.params import Params, params_from
 from nvcore.session import (
     RecordingFacts,
@@ -20,6 +22,10 @@ from nvcore.session import (
 )
 from nvcore.session_file import read_session
 
+if TYPE_CHECKING:
+    from nvcore.findings import Finding
+    from nvcore.readers.base import Role
+
 # Nothing here imports numpy, pandas or numba: `nvcore --help` need not wait for them.
 
 FORMAT_NAMES = (
@@ -27,6 +33,40 @@ FORMAT_NAMES = (
     "kitti-detections", "kitti-object", "kitti-tracking", "mot", "voc", "yolo",
 )  # fmt: skip
 """Names of all formats; a test compares them with the registry."""
+
+
+INPUTS, READING, FACTS, CORRECTIONS, OUTPUT = (
+    "Inputs", "How files are read", "What the files do not say", "Corrections", "Output",
+)  # fmt: skip
+"""Headings of the help, beside those of the parameters and click's own."""
+
+
+class GroupedOption(click.Option):
+    """An option that stands under a heading of its own in the help."""
+
+    def __init__(self, *arguments: Any, group: str, **settings: Any):
+        super().__init__(*arguments, **settings)
+        self.group = group
+
+
+class GroupedCommand(click.Command):
+    """A command whose help has a heading for each group of options, in order of appearance."""
+
+    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the options, group by group."""
+        groups: dict[str, list[tuple[str, str]]] = {}
+        for param in self.get_params(ctx):
+            record = param.get_help_record(ctx)
+            if isinstance(param, click.Option) and record is not None:
+                groups.setdefault(getattr(param, "group", "Other"), []).append(record)
+        for name, records in groups.items():
+            with formatter.section(name):
+                formatter.write_dl(records)
+
+
+def grouped_option(group: str, *names: str, **settings: Any) -> Callable[..., Any]:
+    """`click.option` with the heading that it stands under."""
+    return click.option(*names, cls=GroupedOption, group=group, **settings)
 
 
 class _Pair(click.ParamType[tuple[float, float]]):
@@ -70,13 +110,13 @@ def parameter_options(command: Callable[..., Any]) -> Callable[..., Any]:
             kind = float
             unit = f" {meta['unit']}" if meta["unit"] else ""
         text = meta["help"] + (f"{default}{unit}." if default else "")
-        command = click.option(flag_of(spec.name), spec.name, type=kind, default=None, help=text)(
-            command
-        )
+        option = grouped_option(meta["group"], flag_of(spec.name), spec.name, type=kind, help=text)
+        command = option(command)
     return command
 
 
-format_option = click.option(
+format_option = grouped_option(
+    READING,
     "--format",
     "format_",
     metavar="FORMAT",
@@ -86,23 +126,27 @@ format_option = click.option(
 """The flag for the format of all inputs."""
 
 reading_options = (
-    click.option(
+    grouped_option(
+        READING,
         "--classes",
         metavar="NAMES",
         help="Class names or numbers that count as pedestrians, with commas. Default: the format's "
         "usual ones.",
     ),
-    click.option(
+    grouped_option(
+        FACTS,
         "--size",
         metavar="WxH",
         help="Image size in pixels, such as 640x480. Default: told by the data.",
     ),
-    click.option(
+    grouped_option(
+        READING,
         "--frame-base",
         type=click.Choice(["0", "1"]),
         help="Number of the first frame, for formats that leave it open (csv).",
     ),
-    click.option(
+    grouped_option(
+        READING,
         "--box-base",
         type=click.Choice(["0", "1"]),
         help="Coordinate of the first pixel, for Pascal VOC. Default: 1.",
@@ -115,38 +159,41 @@ def input_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """Flags that name the inputs and the facts which they lack."""
     options = [
         click.argument("session_file", required=False, type=click.Path(path_type=Path)),
-        click.option("--truth", multiple=True, metavar="PATH",
-                     help="Ground truth: file, folder or quoted glob; may be given again."),
-        click.option("--x", "x_paths", multiple=True, metavar="PATH",
-                     help="Detections of system X: file, folder or quoted glob; may be given "
-                     "again."),
-        click.option("--y", "y_paths", multiple=True, metavar="PATH",
-                     help="Detections of system Y, likewise."),
-        click.option("--name-x", metavar="NAME", help="Name of X; with a session file: which of "
-                     "its systems is X. Default: told from the path, or the first of the session."),
-        click.option("--name-y", metavar="NAME", help="Name of Y, likewise."),
+        grouped_option(INPUTS, "--truth", multiple=True, metavar="PATH",
+                       help="Ground truth: file, folder or quoted glob; may be given again."),
+        grouped_option(INPUTS, "--x", "x_paths", multiple=True, metavar="PATH",
+                       help="Detections of system X: file, folder or quoted glob; may be given "
+                       "again."),
+        grouped_option(INPUTS, "--y", "y_paths", multiple=True, metavar="PATH",
+                       help="Detections of system Y, likewise."),
+        grouped_option(INPUTS, "--name-x", metavar="NAME",
+                       help="Name of X; with a session file: which of its systems is X. Default: "
+                       "told from the path, or the first of the session."),
+        grouped_option(INPUTS, "--name-y", metavar="NAME", help="Name of Y, likewise."),
         format_option,
-        click.option("--format-truth", metavar="FORMAT",
-                    help="Format of the ground truth, where it differs."),
-        click.option("--format-x", metavar="FORMAT", help="Format of X, likewise."),
-        click.option("--format-y", metavar="FORMAT", help="Format of Y, likewise."),
+        grouped_option(READING, "--format-truth", metavar="FORMAT",
+                       help="Format of the ground truth, where it differs."),
+        grouped_option(READING, "--format-x", metavar="FORMAT", help="Format of X, likewise."),
+        grouped_option(READING, "--format-y", metavar="FORMAT", help="Format of Y, likewise."),
         *reading_options,
-        click.option("--fps", type=float, help="Frames per second. Default: told by the data."),
-        click.option("--frames", metavar="FILE|F:L[:S]",
-                     help="Evaluated frames: first:last[:step], or a file with a number a line. "
-                     "Default: the truth's own list, or from its first to its last annotated "
-                     "frame."),
+        grouped_option(FACTS, "--fps", type=float,
+                       help="Frames per second. Default: told by the data."),
+        grouped_option(FACTS, "--frames", metavar="FILE|F:L[:S]",
+                       help="Evaluated frames: first:last[:step], or a file with a number a line. "
+                       "Default: the truth's own list, or from its first to its last annotated "
+                       "frame."),
     ]  # fmt: skip
     for letter in "xy":
         system = letter.upper()
         options += [
-            click.option(f"--offset-frames-{letter}", type=int, metavar="N",
-                         help=f"Added to {system}'s frame numbers."),
-            click.option(f"--offset-px-{letter}", type=_Pair("DX,DY"), metavar="DX,DY",
-                         help=f"Added to {system}'s x and y, in pixels, after scaling."),
-            click.option(f"--scale-{letter}", type=_Pair("S", may_be_one=True),
-                         metavar="S|SX,SY",
-                         help=f"By which {system}'s boxes are multiplied (across, down)."),
+            grouped_option(CORRECTIONS, f"--offset-frames-{letter}", type=int, metavar="N",
+                           help=f"Added to {system}'s frame numbers."),
+            grouped_option(CORRECTIONS, f"--offset-px-{letter}", type=_Pair("DX,DY"),
+                           metavar="DX,DY",
+                           help=f"Added to {system}'s x and y, in pixels, after scaling."),
+            grouped_option(CORRECTIONS, f"--scale-{letter}", type=_Pair("S", may_be_one=True),
+                           metavar="S|SX,SY",
+                           help=f"By which {system}'s boxes are multiplied (across, down)."),
         ]  # fmt: skip
     for option in reversed(options):
         command = option(command)
@@ -171,7 +218,11 @@ def session_from(options: dict[str, Any], *, needs_y: bool) -> Session:
     if options["session_file"] is not None:
         return _from_file(options, given)
     if not options["truth"] or not options["x_paths"] or (needs_y and not options["y_paths"]):
-        wanted = "--truth, --x and --y" if needs_y else "--truth and --x (and --y)"
+        wanted = (
+            "--truth, --x and --y; to audit a single system use nvcore check"
+            if needs_y
+            else "--truth and --x; one system is enough, --y may be added"
+        )
         raise click.UsageError(f"give a session file, or {wanted}")
     whole = options["format_"]
     common = source_options(options)
@@ -294,3 +345,28 @@ def source_options(options: dict[str, Any]) -> dict[str, Any]:
 def _frames(text: str) -> str:
     """A frame list file named by flag is relative to where the command runs."""
     return text if is_frame_range(text) else str(Path.cwd() / text)
+
+
+def sources_of(session: Session) -> list[tuple[Source, Role]]:
+    """The session's sources, each with what it holds."""
+    systems: list[tuple[Source, Role]] = [(system, "detections") for system in session.systems]
+    return [(session.truth, "truth"), *systems]
+
+
+@contextmanager
+def pasteable_errors(folder: Path, sources: list[tuple[Source, Role]]) -> Iterator[None]:
+    """Within it, errors name a file by a path that can be pasted into the terminal."""
+    try:
+        yield
+    except InputError as error:
+        from nvcore.sources import paths_to_show
+
+        path = None if error.file is None else paths_to_show(folder, sources).get(error.file)
+        if path is None:
+            raise
+        raise InputError(error.message, file=path, line=error.line) from error
+
+
+def findings_at_paths(findings: tuple[Finding, ...], shown: dict[str, str]) -> tuple[Finding, ...]:
+    """Findings that name their files as `nvcore.sources.paths_to_show` says."""
+    return tuple(replace(one, file=shown.get(one.file, one.file)) for one in findings)

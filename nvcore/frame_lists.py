@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
 import numpy as np
+import pandas as pd
 
 from nvcore.errors import FormatError, InputError, MissingFactError
+from nvcore.readers.base import Reading
 from nvcore.readers.seqinfo import MAX_FRAMES
 from nvcore.session import is_frame_range
 
@@ -100,3 +104,93 @@ def infer_frames(annotated: np.ndarray) -> tuple[np.ndarray, str]:
     return np.arange(
         first, last + 1
     ), f"every frame from the first to the last annotated, {first} to {last}"
+
+
+def own_frames(truth: Reading, names: Iterable[str]) -> dict[str, tuple[np.ndarray, str]]:
+    """Evaluated frames of recordings as the ground truth tells them, and the reason in words.
+
+    Parameters
+    ----------
+    truth
+        The ground truth.
+    names
+        The recordings that are asked for.
+
+    Returns
+    -------
+    dict
+        By recording: frame numbers, sorted, unique, int64; none where nothing is known of them.
+
+    Raises
+    ------
+    MissingFactError
+        If that would be more frames than any recording has.
+    """
+    annotated = _by_recording(truth.boxes if truth.annotated is None else truth.annotated)
+    imaged = {} if truth.images is None else _by_recording(truth.images)
+    told: dict[str, tuple[np.ndarray, str]] = {}
+    for name in names:
+        if name in imaged:
+            told[name] = imaged[name], "those that the ground truth lists"
+        elif name in annotated:
+            told[name] = infer_frames(annotated[name])
+        else:
+            told[name] = np.empty(0, np.int64), "no frame is known; recording left out"
+    return told
+
+
+@dataclass(frozen=True)
+class LostFrames:
+    """What boxes without a frame list do not tell of the evaluated frames.
+
+    Attributes
+    ----------
+    frames
+        Evaluated frames by recording; those of which none is known are left out.
+    n_frames
+        How many these are.
+    n_empty
+        How many of them have no box.
+    n_again
+        How many frames would be evaluated if only the boxes were read.
+    is_same
+        Whether these would be the same.
+    """
+
+    frames: dict[str, np.ndarray]
+    n_frames: int
+    n_empty: int
+    n_again: int
+    is_same: bool
+
+
+def frames_lost_without_list(truth: Reading) -> LostFrames:
+    """What becomes of the evaluated frames in a format that has boxes, but no list of frames.
+
+    Raises
+    ------
+    MissingFactError
+        See `own_frames`.
+    """
+    told = own_frames(truth, truth.recordings["name"])
+    boxed = _by_recording(truth.boxes)
+    nothing = np.empty(0, np.int64)
+    again = {name: infer_frames(boxed[name])[0] if name in boxed else nothing for name in told}
+    frames = {name: listed for name, (listed, _) in told.items() if len(listed)}
+    return LostFrames(
+        frames,
+        n_frames=sum(map(len, frames.values())),
+        n_empty=sum(
+            len(np.setdiff1d(listed, boxed.get(name, nothing))) for name, listed in frames.items()
+        ),
+        n_again=sum(map(len, again.values())),
+        is_same=all(np.array_equal(told[name][0], again[name]) for name in told),
+    )
+
+
+def _by_recording(table: pd.DataFrame) -> dict[str, np.ndarray]:
+    """Frame numbers, sorted and unique, of every recording of a table."""
+    return {
+        str(name): np.unique(group.to_numpy(dtype=np.int64))
+        for name, group in table.groupby("recording", sort=False)["frame"]
+    }

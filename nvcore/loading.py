@@ -13,10 +13,17 @@ import pandas as pd
 from nvcore.dataset import Dataset, compared_names, dataset_from_tables
 from nvcore.errors import MissingFactError
 from nvcore.findings import Finding, Severity
-from nvcore.frame_lists import infer_frames, parse_frames
+from nvcore.frame_lists import own_frames, parse_frames
 from nvcore.params import Params
-from nvcore.readers.base import Format, Reading, ReadOptions, Role, SourceFile
-from nvcore.recording_facts import contradicted_facts, describe_recordings
+from nvcore.readers.base import (
+    Format,
+    Reading,
+    ReadOptions,
+    Role,
+    SourceFile,
+    joined_findings,
+)
+from nvcore.recording_facts import NO_BOX, contradicted_facts, describe_recordings
 from nvcore.session import Session, Source, SystemSource
 from nvcore.sources import digest, find_files, system_name
 
@@ -101,7 +108,8 @@ def read_source(
         If a file cannot be used.
     """
     files, chosen = find_files(source, folder or Path.cwd(), role)
-    return chosen.read(files, _options(source, role, size, truth))
+    reading = chosen.read(files, _options(source, role, size, truth))
+    return replace(reading, findings=joined_findings(reading.findings))
 
 
 def _options(
@@ -128,7 +136,7 @@ def _read(
         reading = _same_single_recording(reading, truth)
     reading = replace(
         reading,
-        findings=tuple(replace(finding, subject=subject) for finding in reading.findings),
+        findings=joined_findings(replace(finding, subject=subject) for finding in reading.findings),
     )
     return _Loaded(subject, files, digest(files), chosen, reading)
 
@@ -260,8 +268,9 @@ def _frames(
     if len(recordings) == 1 and len(session.recordings) == 1:
         facts = dict.fromkeys(recordings["name"], *facts.values()) if facts else {}
     common = None if session.frames is None else parse_frames(session.frames, session.folder)
-    annotated = _frames_by_recording(truth.boxes if truth.annotated is None else truth.annotated)
-    imaged = {} if truth.images is None else _frames_by_recording(truth.images)
+    told = own_frames(
+        truth, [] if common is not None else [n for n in recordings["name"] if n not in facts]
+    )
     frames: list[np.ndarray] = []
     reasons: dict[str, list[str]] = {}
     for name in recordings["name"]:
@@ -269,12 +278,8 @@ def _frames(
             listed, reason = parse_frames(facts[name], session.folder), "as the session says"
         elif common is not None:
             listed, reason = common, "as given for all recordings"
-        elif name in imaged:
-            listed, reason = imaged[name], "those that the ground truth lists"
-        elif name in annotated:
-            listed, reason = infer_frames(annotated[name])
         else:
-            listed, reason = np.empty(0, np.int64), "no frame is known; recording left out"
+            listed, reason = told[name]
         frames.append(listed)
         reasons.setdefault(reason, []).append(name)
     counts = dict(zip(recordings["name"], map(len, frames), strict=True))
@@ -284,19 +289,8 @@ def _frames(
         for reason, names in reasons.items()
     ]
     if not sum(len(listed) for listed in frames):
-        raise MissingFactError(
-            "no frame is evaluated: the ground truth holds no box; give --frames",
-            file=session.truth.path[0],
-        )
+        raise MissingFactError(NO_BOX, file=session.truth.path[0])
     return frames, notes
-
-
-def _frames_by_recording(table: pd.DataFrame) -> dict[str, np.ndarray]:
-    """Frame numbers, sorted and unique, of every recording of a table."""
-    return {
-        str(name): np.unique(group.to_numpy(dtype=np.int64))
-        for name, group in table.groupby("recording", sort=False)["frame"]
-    }
 
 
 def _place_boxes(

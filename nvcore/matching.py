@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from nvcore.dataset import BoxColumns, FrameColumns
-from nvcore.kernels import FALSE_ALARM, MATCHED, match_frames, over_ranges
+from nvcore.kernels import ABSORBED, FALSE_ALARM, MATCHED, match_frames, over_ranges
 from nvcore.params import Match
 
 
@@ -40,6 +40,11 @@ class Matches:
         """Detections that match nobody and are not absorbed; bool, (n_det,)."""
         alarms: np.ndarray = self.state == FALSE_ALARM
         return alarms
+
+    @property
+    def n_absorbed(self) -> int:
+        """Detections above the threshold on people or regions that the truth ignores."""
+        return int(np.count_nonzero(self.state == ABSORBED))
 
     @property
     def is_matched(self) -> np.ndarray:

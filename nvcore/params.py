@@ -18,6 +18,13 @@ Match = Literal["iou", "lateral"]
 Aggregate = Literal["max", "sum"]
 Scope = Literal["recording", "encounter"]
 
+# groups in which the settings are shown
+SIMILARITY: Final = "Similarity"
+PROXIMITY: Final = "Proximity"
+MATCHING: Final = "Thresholds and matching"
+ENCOUNTERS: Final = "Encounters"
+SALIENCY: Final = "Saliency"
+
 MIDPOINT_SHARE: Final = 0.10
 """Default midpoint of the height sigmoid as a share of the image height."""
 SPREAD_SHARE: Final = 0.02
@@ -25,6 +32,7 @@ SPREAD_SHARE: Final = 0.02
 
 
 def _number(
+    group: str,
     default: float | None,
     *,
     low: float,
@@ -36,6 +44,7 @@ def _number(
 ) -> Any:
     """A numeric setting; `above_low` excludes the lower end of the range."""
     metadata = {
+        "group": group,
         "low": low,
         "high": high,
         "step": step,
@@ -47,8 +56,8 @@ def _number(
     return field(default=default, metadata=metadata)
 
 
-def _choice(default: str, *, kind: Any, text: str) -> Any:
-    metadata = {"choices": get_args(kind), "unit": "", "help": text}
+def _choice(group: str, default: str, *, kind: Any, text: str) -> Any:
+    metadata = {"group": group, "choices": get_args(kind), "unit": "", "help": text}
     return field(default=default, metadata=metadata)
 
 
@@ -56,8 +65,8 @@ def _choice(default: str, *, kind: Any, text: str) -> Any:
 class Params:
     """Settings of one analysis, checked when made.
 
-    Ranges, steps, units and help texts stand in the metadata of the fields. None means: taken
-    from the data (`midpoint`, `spread`, `horizon`) or not applied (thresholds).
+    Groups, ranges, steps, units and help texts stand in the metadata of the fields. None means:
+    taken from the data (`midpoint`, `spread`, `horizon`) or not applied (thresholds).
 
     Raises
     ------
@@ -70,109 +79,109 @@ class Params:
     """
 
     alpha: float = _number(
-        0.9, low=0, high=1, step=0.05, unit="",
+        SIMILARITY, 0.9, low=0, high=1, step=0.05, unit="",
         text="Weight of misses against false alarms in similarity: 1 counts misses only, "
         "0 false alarms only.",
     )  # fmt: skip
     distance: Distance = _choice(
-        "lateral", kind=Distance,
+        SIMILARITY, "lateral", kind=Distance,
         text="How far a detection is from a pedestrian: sideways only (lateral) or between foot "
         "points in the picture (ground).",
     )  # fmt: skip
     edge_weight: float = _number(
-        0.0, low=0, high=1, step=0.05, unit="",
+        SIMILARITY, 0.0, low=0, high=1, step=0.05, unit="",
         text="Traffic context. 0 (urban): a miss far to the side costs little; 1 (rural): a miss "
         "at the road's edge costs as much as one straight ahead.",
     )  # fmt: skip
     proximity: Proximity = _choice(
-        "height", kind=Proximity,
+        PROXIMITY, "height", kind=Proximity,
         text="What tells how near a pedestrian is: the box's height, its foot point below the "
         "horizon, the distance in metres, or none (all count the same).",
     )  # fmt: skip
     midpoint: float | None = _number(
-        None, low=0, high=10_000, step=1, unit="px",
+        PROXIMITY, None, low=0, high=10_000, step=1, unit="px",
         text="Height (or depth below the horizon) at which a pedestrian counts half. Default: "
         "10 % of the image height.",
     )  # fmt: skip
     spread: float | None = _number(
-        None, low=0, high=10_000, step=1, unit="px", above_low=True,
+        PROXIMITY, None, low=0, high=10_000, step=1, unit="px", above_low=True,
         text="Softness of the step at the midpoint. Default: 2 % of the image height.",
     )  # fmt: skip
     midpoint_m: float = _number(
-        35.0, low=0, high=1_000, step=1, unit="m",
+        PROXIMITY, 35.0, low=0, high=1_000, step=1, unit="m",
         text="Distance at which a pedestrian counts half, for proximity by distance.",
     )  # fmt: skip
     spread_m: float = _number(
-        7.0, low=0, high=1_000, step=0.5, unit="m", above_low=True,
+        PROXIMITY, 7.0, low=0, high=1_000, step=0.5, unit="m", above_low=True,
         text="Softness of the step at that distance.",
     )  # fmt: skip
     horizon: float | None = _number(
-        None, low=-10_000, high=10_000, step=1, unit="px",
+        PROXIMITY, None, low=-10_000, high=10_000, step=1, unit="px",
         text="Row of the horizon in the picture, for proximity by horizon. Default: the "
         "recording's own.",
     )  # fmt: skip
     threshold_x: float | None = _number(
-        None, low=-math.inf, high=math.inf, step=0.01, unit="",
+        MATCHING, None, low=-math.inf, high=math.inf, step=0.01, unit="",
         text="Detections of X with a lower score are left out. Default: every detection counts.",
     )  # fmt: skip
     threshold_y: float | None = _number(
-        None, low=-math.inf, high=math.inf, step=0.01, unit="",
+        MATCHING, None, low=-math.inf, high=math.inf, step=0.01, unit="",
         text="Detections of Y with a lower score are left out. Default: every detection counts.",
     )  # fmt: skip
     match: Match = _choice(
-        "iou", kind=Match,
+        MATCHING, "iou", kind=Match,
         text="When a detection matches a pedestrian: by overlap of the boxes (iou) or by sideways "
         "position alone (lateral).",
     )  # fmt: skip
     iou: float = _number(
-        0.5, low=0, high=1, step=0.05, unit="", above_low=True,
+        MATCHING, 0.5, low=0, high=1, step=0.05, unit="", above_low=True,
         text="Smallest overlap (intersection over union) of a match.",
     )  # fmt: skip
     lateral_tolerance: float = _number(
-        0.02, low=0, high=1, step=0.005, unit="of image width",
+        MATCHING, 0.02, low=0, high=1, step=0.005, unit="of image width",
         text="Largest sideways offset of a match by lateral position; half the pedestrian's width "
         "is always allowed.",
     )  # fmt: skip
     coverage: float = _number(
-        0.5, low=0, high=1, step=0.05, unit="",
+        ENCOUNTERS, 0.5, low=0, high=1, step=0.05, unit="",
         text="Share of its relevant frames in which an encounter must be matched to count as "
         "detected.",
     )  # fmt: skip
     lag_s: float = _number(
-        0.5, low=0, high=60, step=0.1, unit="s",
+        ENCOUNTERS, 0.5, low=0, high=60, step=0.1, unit="s",
         text="A first match later than this after the pedestrian became relevant is late.",
     )  # fmt: skip
     gap_s: float = _number(
-        0.5, low=0, high=60, step=0.1, unit="s",
+        ENCOUNTERS, 0.5, low=0, high=60, step=0.1, unit="s",
         text="A longer gap between two matches is a dropout; a longer one after the last match is "
         "an early loss.",
     )  # fmt: skip
     low: float = _number(
-        0.9, low=0, high=1, step=0.01, unit="",
+        SIMILARITY, 0.9, low=0, high=1, step=0.01, unit="",
         text="Frames with a similarity below this are low.",
     )  # fmt: skip
     window: float = _number(
-        1.0, low=0, high=600, step=0.1, unit="s",
+        SIMILARITY, 1.0, low=0, high=600, step=0.1, unit="s",
         text="Width of the moving mean of similarity.",
     )  # fmt: skip
     tolerance: float = _number(
-        0.05, low=0, high=1, step=0.01, unit="of half the image width",
+        SALIENCY, 0.05, low=0, high=1, step=0.01, unit="of half the image width",
         text="A miss counts for saliency only when its weighted distance is larger than this.",
     )  # fmt: skip
     recency_midpoint: float = _number(
-        0.5, low=0, high=1, step=0.05, unit="of the duration",
+        SALIENCY, 0.5, low=0, high=1, step=0.05, unit="of the duration",
         text="When in the recording a miss starts to be remembered: it counts half here.",
     )  # fmt: skip
     recency_spread: float = _number(
-        0.1, low=0, high=10, step=0.01, unit="of the duration", above_low=True,
+        SALIENCY, 0.1, low=0, high=10, step=0.01, unit="of the duration", above_low=True,
         text="Softness of that step.",
     )  # fmt: skip
     saliency_aggregate: Aggregate = _choice(
-        "max", kind=Aggregate,
+        SALIENCY, "max", kind=Aggregate,
         text="A recording's saliency: its most salient event (max) or all of them added (sum).",
     )  # fmt: skip
     saliency_scope: Scope = _choice(
-        "recording", kind=Scope,
+        SALIENCY, "recording", kind=Scope,
         text="What recency is measured in: the whole recording (a clip) or the pedestrian's own "
         "encounter (long drives).",
     )  # fmt: skip

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 import pandas as pd
 
@@ -9,6 +11,12 @@ from nvcore.errors import InputError, MissingFactError
 from nvcore.findings import Finding, Severity
 from nvcore.readers.base import Reading
 from nvcore.session import Session
+
+NO_BOX: Final = (
+    "no frame is evaluated: the ground truth holds no box (only a header, or other classes?). "
+    "Check that it is the right file and --classes; if there is no pedestrian in it, give the "
+    "evaluated frames with --frames"
+)
 
 
 def contradicted_facts(truth: Reading, recordings: pd.DataFrame) -> list[Finding]:
@@ -49,7 +57,7 @@ def describe_recordings(session: Session, truth: Reading) -> pd.DataFrame:
         extra = pd.DataFrame({"name": more, "width": np.nan, "height": np.nan, "fps": np.nan})
         table = pd.concat([table, extra], ignore_index=True)
     if table.empty:
-        raise InputError("the ground truth holds no recording", file=session.truth.path[0])
+        raise InputError(NO_BOX, file=session.truth.path[0])
     table["horizon"] = np.nan
     for row, name in enumerate(table["name"]):  # a loop over recordings: hundreds at the most
         one = facts.get(name)
@@ -62,16 +70,26 @@ def describe_recordings(session: Session, truth: Reading) -> pd.DataFrame:
         if common is not None:
             own = {name for name, one in facts.items() if getattr(one, column) is not None}
             table.loc[~table["name"].isin(own), column] = common
-    for column, what, flag in (
-        ("width", "image size", "--size WIDTHxHEIGHT"),
-        ("height", "image size", "--size WIDTHxHEIGHT"),
-        ("fps", "frame rate", "--fps"),
-    ):
-        unknown = table["name"][~(table[column] > 0)]
-        if len(unknown):
-            others = f" (nor that of {len(unknown) - 1} more)" if len(unknown) > 1 else ""
-            raise MissingFactError(
-                f"the {what} of recording {unknown.iloc[0]!r} is not in the data{others}; give "
-                f"{flag}, or {column} in the session file"
-            )
+    _check_known(table)
     return table
+
+
+def _check_known(table: pd.DataFrame) -> None:
+    """One error about everything that is unknown of the first recording that lacks something."""
+    values = table[["width", "height", "fps"]].to_numpy(dtype=float)
+    is_unknown = ~(values > 0)
+    lacking = is_unknown.any(axis=1)
+    if not lacking.any():
+        return
+    first = int(np.argmax(lacking))
+    size, fps = bool(is_unknown[first, :2].any()), bool(is_unknown[first, 2])
+    what = " and ".join(["image size"] * size + ["frame rate"] * fps)
+    flags = " and ".join(["--size WIDTHxHEIGHT"] * size + ["--fps FPS"] * fps)
+    keys = {(True, True): "width, height and fps", (True, False): "width and height"}
+    n_others = int(np.count_nonzero(lacking)) - 1
+    others = f" (nor those of {n_others} more)" if n_others else ""
+    raise MissingFactError(
+        f"the {what} of recording {table['name'].iloc[first]!r} "
+        f"{'are' if size and fps else 'is'} not in the data{others}; give {flags}, or "
+        f"{keys.get((size, fps), 'fps')} in the session file"
+    )

@@ -13,18 +13,23 @@ from nvcore.findings import Finding, Severity
 from nvcore.schema import Category, MissClass
 from nvcore.tables import sides, system_summary, worst_intervals
 from nvcore.venn import Exclusivity
+from nvcore.verdict import verdict
 
 UNDEFINED = "–"
+NAME_WIDTH = 16
+"""Longest name of a system in the head of a column; it stands in full above the table."""
+HIGHER, LOWER = "higher", "lower"
 
 
 def render_scorecard(result: Result) -> str:
-    """Scorecard of both systems, Venn counts, exclusivity, fusion and worst moments."""
+    """Scorecard of both systems, Venn counts, fusion, worst moments, and the verdict."""
     parts = [
         _heading(result),
         _table(result),
         _venn(result),
         _fusion(result),
         *(_worst(result, letter, system) for letter, system in sides(result)),
+        "In short: " + " ".join(verdict(result)),
     ]
     return "\n\n".join(parts)
 
@@ -95,35 +100,44 @@ def _heading(result: Result) -> str:
 
 
 def _table(result: Result) -> str:
-    rows: list[tuple[str, str, str, str]] = [("", "X", "Y", "X - Y")]
+    venn, low = result.venn, result.params.low
+    largest = "largest event" if result.params.saliency_aggregate == "max" else "sum of events"
     x, y = (system_summary(result, system) for _, system in sides(result))
-    for label, key, form in (
-        ("mean similarity", "mean_similarity", ".4f"),
-        ("minimum similarity", "min_similarity", ".4f"),
-        ("5th percentile similarity", "percentile_5_similarity", ".4f"),
-        (f"frames below {result.params.low:g}", "share_low", ".1%"),
-        ("saliency (s)", "saliency", ".3f"),
-        ("encounters detected", "encounters_detected", "d"),
+    heads = [_head(letter, system) for letter, system in sides(result)]
+    rows: list[tuple[str, ...]] = [("", *heads, "X - Y", "better")]
+    for label, key, form, better in (
+        ("mean similarity", "mean_similarity", ".4f", HIGHER),
+        ("minimum similarity", "min_similarity", ".4f", HIGHER),
+        ("5th percentile similarity", "percentile_5_similarity", ".4f", HIGHER),
+        (f"frames with similarity below {low:g}", "share_low", ".1%", LOWER),
+        (f"saliency, {largest} (s)", "saliency", ".3f", LOWER),
+        (f"encounters detected, of {venn.n_near}", "encounters_detected", "d", HIGHER),
+        (f"boxes matched, of {int(result.n_truth.sum())}", "boxes_matched", "d", HIGHER),
+        ("false alarms per frame", "false_alarms_per_frame", ".3f", LOWER),
+        ("false-alert episodes", "false_alert_episodes", "d", LOWER),
+        ("  per hour", "false_alert_episodes_per_hour", ".1f", LOWER),
+        ("  longest (s)", "longest_episode_s", ".2f", LOWER),
     ):
-        rows.append(_row(label, x[key], y[key], form))
-    rows.append((f"how the {result.venn.n_near} encounters went:", "", "", ""))
+        rows.append((*_row(label, x[key], y[key], form), better))
+    rows.append((f"how the {venn.n_near} encounters went:", "", "", "", ""))
     for kind in MissClass:
-        label = "  " + ("no failure" if kind is MissClass.NONE else kind.value.replace("_", " "))
-        rows.append(_row(label, x["miss_classes"][kind], y["miss_classes"][kind], "d"))
-    for label, key, form in (
-        ("boxes matched", "boxes_matched", "d"),
-        ("false alarms per frame", "false_alarms_per_frame", ".3f"),
-        ("false-alert episodes/h", "false_alert_episodes_per_hour", ".1f"),
-        ("longest episode (s)", "longest_episode_s", ".2f"),
-    ):
-        rows.append(_row(label, x[key], y[key], form))
+        is_fine = kind is MissClass.NONE
+        label = "  " + ("no failure" if is_fine else kind.value.replace("_", " "))
+        of_x, of_y = (one["miss_classes"][kind] for one in (x, y))
+        rows.append((*_row(label, of_x, of_y, "d"), HIGHER if is_fine else LOWER))
     widths = [max(len(row[i]) for row in rows) for i in range(4)]
-    return "\n".join(
-        "  ".join(
-            [row[0].ljust(widths[0]), *(row[i].rjust(max(widths[i], 9)) for i in range(1, 4))]
-        ).rstrip()
+    lines = [
+        "  ".join([row[0].ljust(widths[0]), *(row[i].rjust(max(widths[i], 9)) for i in (1, 2, 3))])
+        + f"  {row[4]}"
         for row in rows
-    )
+    ]
+    return _text([line.rstrip() for line in lines])
+
+
+def _head(letter: str, system: SystemResult) -> str:
+    name = one_line(system.name)
+    shown = name if len(name) <= NAME_WIDTH else name[: NAME_WIDTH - 1] + "…"
+    return f"{letter.upper()}: {shown}"
 
 
 def _row(label: str, x: float, y: float, form: str) -> tuple[str, str, str, str]:
@@ -146,7 +160,7 @@ def _venn(result: Result) -> str:
     venn = result.venn
     counts = venn.counts()
     lines = [
-        "encounters: "
+        "encounters detected by: "
         + ", ".join(
             f"{name} {counts[category]}"
             for name, category in (
@@ -154,38 +168,49 @@ def _venn(result: Result) -> str:
                 ("only X", Category.X_ONLY),
                 ("only Y", Category.Y_ONLY),
                 ("neither", Category.NEITHER),
-                ("distant", Category.DISTANT),
             )
         )
+        + f" ({venn.distant} distant, not counted)"
     ]
-    if venn.dominant is None:
-        lines.append("dominance: neither system detects everything the other does and more"
-                     if venn.x_only or venn.y_only
-                     else "dominance: none, both systems detect the same encounters")  # fmt: skip
-    else:
-        winner, loser = ("X", "Y") if venn.dominant == "x" else ("Y", "X")
-        lines.append(f"dominance: {winner} detects everything that {loser} detects, and more")
     lines.append(describe_exclusivity(result.exclusivity, venn.x_only, venn.y_only))
+    lines.append(_lead(result))
     boxes = result.boxes
     lines.append(
-        f"boxes: both {boxes.both}, only X {boxes.x_only}, only Y {boxes.y_only}, "
-        f"neither {boxes.neither}"
+        f"boxes matched by: both {boxes.both}, only X {boxes.x_only}, only Y {boxes.y_only}, "
+        f"neither {boxes.neither} (all boxes, distant ones too)"
     )
-    return "\n".join(lines)
+    absorbed = [f"{letter.upper()} {system.matches.n_absorbed}" for letter, system in sides(result)]
+    lines.append(
+        "detections on people or regions that the truth ignores, not counted: "
+        + ", ".join(absorbed)
+    )
+    return _text(lines)
 
 
 def describe_exclusivity(exclusivity: Exclusivity, x_only: int, y_only: int) -> str:
     """How exclusive the misses are, in words that go no further than the figures."""
     e = exclusivity
     text = (
-        f"misses: X {e.missed_by_x}, Y {e.missed_by_y}, shared {e.missed_by_both} "
+        f"encounters not detected: {e.missed_by_x} by X, {e.missed_by_y} by Y, of these "
+        f"{e.missed_by_both} by both "
         f"(Jaccard {number(e.jaccard, '.2f')}, phi {number(e.phi, '.2f')})"
     )
     if x_only + y_only == 0:
-        return text + "\nno encounter tells the two systems apart"
-    return text + (
-        f"\nif both were equally good, a split as uneven as {x_only} to {y_only} would come by "
-        f"chance with p = {e.mcnemar_p:.2g} (exact McNemar)"
+        return text + "; none tells the two systems apart"
+    return text + f"; McNemar's exact p = {e.mcnemar_p:.2g} for {x_only} to {y_only}"
+
+
+def _lead(result: Result) -> str:
+    """Who is first, in the encounters that both systems match."""
+    lead = result.lead_time_s
+    lead = lead[np.isfinite(lead)]
+    if not len(lead):
+        return "lead time: no encounter is matched by both systems"
+    first_x, first_y = int(np.count_nonzero(lead > 0)), int(np.count_nonzero(lead < 0))
+    return (
+        f"lead time, in the {len(lead)} encounters that both match: X is first in {first_x}, Y in "
+        f"{first_y}, at once in {len(lead) - first_x - first_y}; X leads by {lead.mean():+.2f} s "
+        f"on average, median {np.median(lead):+.2f} s"
     )
 
 

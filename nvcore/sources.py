@@ -5,11 +5,12 @@ from __future__ import annotations
 import glob
 import hashlib
 import os
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
+from typing import Final
 
 from nvcore.errors import InputError
-from nvcore.readers import detect_format, format_named
+from nvcore.readers import NOTHING, detect_format, format_named, holds_nothing
 from nvcore.readers.base import Format, Role, SourceFile
 from nvcore.readers.naming import NEUTRAL
 from nvcore.session import Source
@@ -17,18 +18,27 @@ from nvcore.session import Source
 NAME_PARTS = 3
 """How many parts of a path a file is shown by: enough for recording/gt/gt.txt."""
 
+EMPTY_TRUTH: Final = (
+    "the file is empty; expected ground truth with at least one box: is it the right file?"
+)
+EMPTY_DOCUMENT: Final = (
+    "the file is empty; expected detections. A system that detected nothing has an empty text or "
+    "CSV file, or an empty list ([]) in a JSON file"
+)
+
 
 def find_files(source: Source, folder: Path, role: Role) -> tuple[list[SourceFile], Format]:
     """Files of a source and their format.
 
     A path is a file, a glob, or a folder. In a folder with MOTChallenge's layout those are
     ``*/gt/gt.txt`` (truth) or ``*/det/det.txt`` (detections); in any other all files below it
-    whose ending belongs to the format.
+    whose ending belongs to the format. Detection files that are all empty are read by `NOTHING`,
+    whatever format is named: the system detected nothing.
 
     Raises
     ------
     InputError
-        If nothing is there.
+        If nothing is there, or the ground truth is empty.
     UnknownFormatError
         If the format cannot be told.
     """
@@ -40,9 +50,16 @@ def find_files(source: Source, folder: Path, role: Role) -> tuple[list[SourceFil
         _check_name(file.path)
     unique = {file.path: file for file in found}
     files = list(unique.values())
+    if named is not None and role not in named.roles:
+        advice = "" if role == "detections" else "; they hold detections"
+        raise InputError(f"{named.title} files hold no {role}{advice}", file=source.path[0])
+    if holds_nothing(files):
+        if role == "truth":
+            raise InputError(EMPTY_TRUTH, file=files[0].name)
+        if files[0].path.suffix.lower() in (".json", ".xml"):
+            raise InputError(EMPTY_DOCUMENT, file=files[0].name)
+        return files, NOTHING
     chosen = named if named is not None else detect_format(files, role)
-    if role not in chosen.roles:
-        raise InputError(f"{chosen.title} files hold no {role}", file=source.path[0])
     # beside what a folder or glob brings along, a file that was named is always read
     stated = {folder / text for text in source.path}
     kept = [
@@ -99,6 +116,30 @@ def _in_folder(path: Path, text: str, role: Role, named: Format | None) -> list[
 def _shown(path: Path) -> str:
     # abspath, not resolve: what a link points to may be named by its hash
     return "/".join(Path(os.path.abspath(path)).parts[-NAME_PARTS:]).replace("//", "/")  # noqa: PTH100
+
+
+def paths_to_show(folder: Path, sources: Iterable[tuple[Source, Role]]) -> dict[str, str]:
+    """Paths of all files that can be pasted into a terminal, by `SourceFile.name`.
+
+    Relative to the current folder for files below it or named by a relative path, else absolute.
+    A name that two files have is left out. For the terminal only: reports hold the names, which
+    are the same wherever they are made.
+    """
+    here = Path.cwd()
+    shown: dict[str, set[str]] = {}
+    for source, role in sources:
+        for text in source.path:
+            try:
+                named = None if source.format is None else format_named(source.format)
+                files = _expand(text, folder, role, named)
+            except InputError:  # told when the files are read
+                continue
+            for file in files:
+                path = Path(os.path.abspath(file.path))  # noqa: PTH100  # as in _shown
+                is_near = path.is_relative_to(here) or not Path(text).is_absolute()
+                near = os.path.relpath(path, here) if is_near else str(path)
+                shown.setdefault(file.name, set()).add(Path(near).as_posix())
+    return {name: paths.pop() for name, paths in shown.items() if len(paths) == 1}
 
 
 def _check_name(path: Path) -> None:

@@ -12,6 +12,7 @@ import pandas as pd
 
 from nvcore.analysis import Result, SystemResult
 from nvcore.findings import Finding
+from nvcore.report_columns import column_names
 from nvcore.saliency import aggregate_saliency
 from nvcore.schema import NO_TRACK, Category, MissClass
 from nvcore.similarity import summarise_similarity
@@ -126,10 +127,7 @@ def events_table(result: Result) -> pd.DataFrame:
         spans |= {name: system.events[name] for name in ("track", "tau", "recency")}
         spans["saliency_s"] = system.events["saliency_s"]
         tables.append(pd.DataFrame(spans))
-    table = pd.concat(tables, ignore_index=True)
-    order = ["system", "recording", "track", "first_frame", "last_frame", "start_s",
-             "duration_s", "tau", "recency", "saliency_s"]  # fmt: skip
-    return table[order]
+    return pd.concat(tables, ignore_index=True)[column_names("events.csv")]
 
 
 def intervals_table(result: Result) -> pd.DataFrame:
@@ -227,9 +225,9 @@ def _system_by_recording(
 
 def findings_table(findings: tuple[Finding, ...]) -> pd.DataFrame:
     """One row per finding of the audit, as given."""
-    names = ["severity", "code", "subject", "count", "file", "example", "message", "advice"]
+    names = column_names("findings.csv")
     rows = [{name: str(getattr(one, name)) for name in names} for one in findings]
-    return pd.DataFrame(rows, columns=names)
+    return pd.DataFrame(rows, columns=names).astype({"count": "int64"})
 
 
 def summary(result: Result) -> dict[str, Any]:

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
 import numpy as np
 import pandas as pd
+import tomli_w
 
 from nvcore.csvtext import to_csv_bytes
 from nvcore.errors import InputError, UnknownFormatError
+from nvcore.frame_lists import own_frames
 from nvcore.readers.base import Reading, Role
 from nvcore.schema import NO_TRACK, UNKNOWN_OCCLUSION
 
@@ -34,6 +37,8 @@ def write(
     *,
     role: Role,
     images: pd.DataFrame | None = None,
+    inputs: Sequence[Path] = (),
+    force: bool = False,
 ) -> list[Path]:
     """Write a reading to disk.
 
@@ -52,6 +57,10 @@ def write(
     images
         The truth's image list (recording, frame, image_id), for COCO results: detections then
         name their image by its id. Without it by recording and frame, as a file name.
+    inputs
+        Files that are never written over.
+    force
+        Whether other files that exist are replaced.
 
     Returns
     -------
@@ -63,7 +72,7 @@ def write(
     UnknownFormatError
         If no writer has the name.
     InputError
-        If a file cannot be written, or the format cannot hold what is to be written.
+        If a file cannot be written or exists, or the format cannot hold what is to be written.
     """
     if format_name == "csv":
         contents = {path: _csv(reading, role)}
@@ -75,6 +84,61 @@ def write(
         raise UnknownFormatError(
             f"{format_name!r} cannot be written; the formats to write are {', '.join(FORMATS)}"
         )
+    return _write_files(contents, inputs, force)
+
+
+def write_frame_lists(
+    frames: Mapping[str, np.ndarray],
+    path: Path,
+    *,
+    inputs: Sequence[Path] = (),
+    force: bool = False,
+) -> list[Path]:
+    """Write evaluated frames as the text files that ``--frames`` reads: one number a line.
+
+    Parameters
+    ----------
+    frames
+        Frame numbers by recording.
+    path
+        File to write, if all recordings have the same frames. Else a folder of one file per
+        recording and ``recordings.toml``, the part of a session file that names them.
+    inputs, force
+        See `write`.
+
+    Returns
+    -------
+    list of Path
+        The files that were written, ``recordings.toml`` last.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be written or exists, or there is no frame.
+    """
+    if not frames:
+        raise InputError("there is no frame to list: the ground truth holds no box", file=path)
+    texts = {name: "".join(f"{number}\n" for number in listed) for name, listed in frames.items()}
+    if len(set(texts.values())) == 1:
+        return _write_files({path: next(iter(texts.values())).encode()}, inputs, force)
+    contents, tables = {}, []
+    for name, file_name in zip(texts, _safe_names(list(texts)), strict=True):
+        contents[path / f"{file_name}.txt"] = texts[name].encode()
+        facts = tomli_w.dumps({"name": name, "frames": f"{file_name}.txt"})
+        tables.append(f"[[recording]]\n{facts}")
+    contents[path / "recordings.toml"] = "\n".join(tables).encode()
+    return _write_files(contents, inputs, force)
+
+
+def _write_files(contents: dict[Path, bytes], inputs: Sequence[Path], force: bool) -> list[Path]:
+    """Write all of them, or none if one must not be written over."""
+    for target in contents:
+        if not target.is_file():
+            continue
+        if any(one.is_file() and target.samefile(one) for one in inputs):
+            raise InputError("is the input; give another file to write", file=target)
+        if not force:
+            raise InputError("exists; give another file to write, or --force", file=target)
     for target, content in contents.items():
         try:
             target.parent.mkdir(parents=True, exist_ok=True)
@@ -194,14 +258,20 @@ def _coco_results(
 
 
 def _image_list(reading: Reading) -> pd.DataFrame:
-    """The evaluated images; those with boxes, numbered from 1, where the reading lists none."""
-    if reading.images is not None:
-        images = reading.images
-        if not images["image_id"].duplicated().any():
-            return images
-    else:
-        images = reading.boxes[["recording", "frame"]].drop_duplicates()
-        images = images.sort_values(["recording", "frame"], kind="stable")
+    """The evaluated images, numbered from 1 where the reading has no numbers of its own."""
+    images = reading.images
+    if images is None:
+        told = own_frames(reading, reading.recordings["name"])
+        images = pd.concat(
+            [
+                pd.DataFrame({"recording": name, "frame": frames}).astype({"recording": object})
+                for name, (frames, _) in told.items()
+            ]
+            or [pd.DataFrame({"recording": [], "frame": []})],
+            ignore_index=True,
+        )
+    elif not images["image_id"].duplicated().any():
+        return images
     return images.assign(image_id=np.arange(1, len(images) + 1))
 
 

@@ -147,15 +147,26 @@ def test_the_only_recording_of_session_and_truth_is_the_same(tmp_path: Path):
 
 
 @pytest.mark.parametrize(
-    ("unknown", "flag"), [("size", "--size WIDTHxHEIGHT, or width"), ("fps", "--fps, or fps")]
+    ("unknown", "words"),
+    [
+        (
+            ("size",),
+            "image size of .* is not in the data; give --size WIDTHxHEIGHT, or width",
+        ),
+        (("fps",), "frame rate of .* is not in the data; give --fps FPS, or fps in the session"),
+        (
+            ("size", "fps"),
+            "size and frame rate of .* are not .* give --size .* and --fps FPS",
+        ),
+    ],
 )
-def test_an_unknown_fact_names_the_flag(tmp_path: Path, unknown: str, flag: str):
-    with pytest.raises(MissingFactError, match=f"is not in the data; give {flag} in the session"):
-        load(session_of(one_box(tmp_path), "truth.csv", "fir.csv", **{unknown: None}))
+def test_an_error_names_all_unknown_facts_and_their_flags(tmp_path: Path, unknown, words: str):
+    with pytest.raises(MissingFactError, match=words):
+        load(session_of(one_box(tmp_path), "truth.csv", "fir.csv", **dict.fromkeys(unknown)))
 
 
 def test_an_unknown_fact_of_several_recordings_says_of_how_many(tmp_path: Path):
-    with pytest.raises(MissingFactError, match=r"recording 'urban' .* \(nor that of 1 more\)"):
+    with pytest.raises(MissingFactError, match=r"recording 'urban' .* \(nor those of 1 more\)"):
         load(session_of(drive(tmp_path), fps=None))
 
 

@@ -19,6 +19,7 @@ from nvcore.scorecard import (
     render_inputs,
     render_scorecard,
 )
+from nvcore.verdict import verdict
 
 
 def lines_of(result: Result) -> list[str]:
@@ -27,8 +28,10 @@ def lines_of(result: Result) -> list[str]:
 
 def cells(result: Result, label: str) -> list[str]:
     """The three cells of a row of the table."""
-    (line,) = [one for one in lines_of(result) if one.strip().startswith(label)]
-    return line.split()[-3:]
+    (line,) = [
+        one for one in lines_of(result) if one.strip().startswith((f"{label}  ", f"{label},"))
+    ]
+    return line.split()[-4:-1]
 
 
 @pytest.fixture(scope="module")
@@ -60,12 +63,13 @@ def test_counts_and_shares_stand_side_by_side_with_their_difference(result: Resu
     assert cells(result, "never") == ["0", "1", "-1"]
     assert cells(result, "boxes matched") == ["40", "20", "+20"]
     assert cells(result, "false alarms per frame") == ["0.000", "0.100", "-0.100"]
-    assert cells(result, "false-alert episodes/h") == ["0.0", "1800.0", "-1800.0"]
+    assert cells(result, "false-alert episodes") == ["0", "1", "-1"]
+    assert cells(result, "per hour") == ["0.0", "1800.0", "-1800.0"]
 
 
 def test_the_difference_of_shares_is_in_percentage_points(result: Result):
-    (line,) = [one for one in lines_of(result) if one.startswith("frames below 0.9")]
-    assert line.split() == ["frames", "below", "0.9", "0.0%", "100.0%", "-100.0", "pp"]
+    (line,) = [one for one in lines_of(result) if one.startswith("frames with")]
+    assert line.split()[-6:] == ["0.9", "0.0%", "100.0%", "-100.0", "pp", "lower"]
 
 
 def test_a_difference_too_small_to_show_has_no_minus_sign():
@@ -78,36 +82,82 @@ def test_a_difference_too_small_to_show_has_no_minus_sign():
 
 
 def test_what_is_undefined_is_a_dash_and_has_no_difference(result: Result):
-    assert cells(result, "longest episode (s)") == ["–", "0.20", "–"]
+    assert cells(result, "longest (s)") == ["–", "0.20", "–"]
+
+
+def test_every_row_says_which_way_is_better(result: Result):
+    lines = lines_of(result)
+    at_ = next(i for i, line in enumerate(lines) if line.endswith("better"))
+    rows = [line for line in lines[at_ + 1 : lines.index("", at_)] if not line.endswith(":")]
+    assert len(rows) == 11 + 6
+    assert {line.split()[-1] for line in rows} == {"higher", "lower"}
+
+
+def test_the_columns_are_headed_by_letter_and_name(result: Result):
+    (line,) = [one for one in lines_of(result) if one.endswith("better")]
+    assert line.split() == ["X:", "x", "Y:", "y", "X", "-", "Y", "better"]
+
+
+def test_a_long_name_is_shortened_in_the_head_only(result: Result):
+    long = "thermal-camera-generation-2"
+    text = render_scorecard(compare(replace(result.dataset, systems=(long, "y"))))
+    assert text.count(f"X = {long}") == 1
+    assert "X: thermal-camera-…" in text
+
+
+@pytest.mark.parametrize(
+    ("aggregate", "words"), [("max", "saliency, largest event"), ("sum", "saliency, sum of events")]
+)
+def test_the_label_of_saliency_says_what_is_added_up(result: Result, aggregate: str, words: str):
+    text = render_scorecard(compare(result.dataset, saliency_aggregate=aggregate))
+    assert words in text
 
 
 def test_the_venn_counts_are_in_one_line(result: Result):
-    assert "encounters: both 1, only X 1, only Y 0, neither 0, distant 0" in lines_of(result)
+    assert (
+        "encounters detected by: both 1, only X 1, only Y 0, neither 0 (0 distant, not counted)"
+        in lines_of(result)
+    )
 
 
-def test_dominance_names_who_detects_all_of_the_other_and_more(result: Result):
-    assert "dominance: X detects everything that Y detects, and more" in lines_of(result)
-    turned = compare(result.dataset, threshold_x=1.0)  # X sees nothing
-    assert "dominance: Y detects everything that X detects, and more" in lines_of(turned)
+def test_lead_time_is_told_for_the_encounters_that_both_match():
+    truth = [at(f, c, track=t) for f in range(20) for t, c in ((1, 40), (2, 70))]
+    x = [at(f, c, score=1.0) for f in range(20) for c in (40, 70)]
+    y = [at(f, 40, score=1.0) for f in range(4, 20)] + [at(f, 70, score=1.0) for f in range(20)]
+    assert (
+        "lead time, in the 2 encounters that both match: X is first in 1, Y in 0, at once in 1; X "
+        "leads by +0.20 s on average, median +0.20 s"
+    ) in lines_of(compare(make_dataset(truth, x, y)))
 
 
-def test_two_equal_systems_do_not_dominate():
-    text = render_scorecard(compare(make_dataset(n_frames=3)))
-    assert "dominance: none, both systems detect the same encounters" in text
-    assert "no encounter tells the two systems apart" in text
+def test_lead_time_without_a_common_encounter_is_not_told():
+    truth = [at(f, 50, track=1) for f in range(5)]
+    result = compare(make_dataset(truth, truth[:0], truth[:0]))
+    assert "lead time: no encounter is matched by both systems" in lines_of(result)
 
 
-def test_systems_that_each_find_somebody_else_do_not_dominate():
-    truth = [at(f, c, track=t) for f in range(5) for t, c in ((1, 40), (2, 70))]
-    x, y = ([at(f, c, score=1.0) for f in range(5)] for c in (40, 70))
-    text = render_scorecard(compare(make_dataset(truth, x, y)))
-    assert "dominance: neither system detects everything the other does and more" in text
+def test_detections_on_ignored_people_are_told_for_both_systems():
+    truth = [at(f, 50, ignore=True) for f in range(5)]
+    x = [at(f, 50, score=1.0) for f in range(3)]
+    text = render_scorecard(compare(make_dataset(truth, x, x[:1])))
+    assert "that the truth ignores, not counted: X 3, Y 1" in text
 
 
-def test_exclusivity_tells_the_chance_of_so_uneven_a_split(result: Result):
+def test_exclusivity_is_told_with_what_is_inside_what(result: Result):
     text = describe_exclusivity(result.exclusivity, 1, 0)
-    assert "misses: X 0, Y 1, shared 0 (Jaccard 0.00, phi –)" in text
-    assert "a split as uneven as 1 to 0 would come by chance with p = 1 (exact McNemar)" in text
+    assert text == (
+        "encounters not detected: 0 by X, 1 by Y, of these 0 by both (Jaccard 0.00, phi –); "
+        "McNemar's exact p = 1 for 1 to 0"
+    )
+
+
+def test_two_systems_that_miss_the_same_are_not_told_apart():
+    text = render_scorecard(compare(make_dataset(n_frames=3)))
+    assert "none tells the two systems apart" in text
+
+
+def test_the_scorecard_ends_in_the_verdict(result: Result):
+    assert lines_of(result)[-1] == "In short: " + " ".join(verdict(result))
 
 
 def test_fusion_is_told_for_both_ways(result: Result):

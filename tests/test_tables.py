@@ -221,7 +221,7 @@ def test_findings_are_rows_in_the_order_given():
     two = Finding(Severity.NOTE, "constant-score", "FIR", 1, "What.", "Do.")
     table = findings_table((one, two))
     assert table.iloc[0].tolist() == [
-        "error", "no-area", "truth", "3", "gt.txt", "line 4", "What.", "Do.",
+        "error", "no-area", "truth", 3, "gt.txt", "line 4", "What.", "Do.",
     ]  # fmt: skip
     assert table["severity"].tolist() == ["error", "note"]
     assert list(findings_table(())) == list(table)

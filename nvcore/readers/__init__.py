@@ -21,7 +21,18 @@ from nvcore.readers import (
     voc,
     yolo,
 )
-from nvcore.readers.base import Format, Role, SourceFile
+from nvcore.readers.base import (
+    Format,
+    Reading,
+    ReadOptions,
+    Role,
+    SourceFile,
+    reading_boxes,
+    recording_row,
+    recordings_table,
+)
+from nvcore.readers.foreign import describe_foreign
+from nvcore.readers.magic import binary_kind
 
 FORMATS: Final[tuple[Format, ...]] = (
     cvat_video.FORMAT,
@@ -39,6 +50,32 @@ FORMATS: Final[tuple[Format, ...]] = (
     yolo.FORMAT,
 )
 """All formats, in the order in which they are asked whether a content is theirs."""
+
+_HOLDS: Final[dict[Role, str]] = {
+    "truth": "ground truth",
+    "detections": "the detections of a system",
+}
+
+
+def _read_nothing(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
+    """No box in any recording of the truth."""
+    what = "empty file" if len(files) == 1 else "empty files"
+    rows = [recording_row(name) for name in options.recordings]
+    return Reading(reading_boxes(0), recordings_table(rows), f"{what}: no detections")
+
+
+NOTHING: Final = Format(
+    name="empty",
+    title="empty",
+    roles=("detections",),
+    suffixes=(),
+    recognise=lambda _name, _head, _role: False,
+    read=_read_nothing,
+)
+"""Empty files of a system that detected nothing, whatever their format; see `holds_nothing`.
+
+It is no member of `FORMATS`: nobody names it.
+"""
 
 HEAD_BYTES: Final = 65_536
 """How much of a file is looked at to tell its format."""
@@ -73,29 +110,55 @@ def detect_format(files: Sequence[SourceFile], role: Role) -> Format:
         If a file cannot be opened.
     """
     for file in files[:MAX_LOOKS]:
-        head = _head(file)
+        content = _head(file)
+        head = content.decode("utf-8-sig", errors="replace")
         if not head.strip():
             continue
         for candidate in FORMATS:
             if role in candidate.roles and candidate.recognise(file.name, head, role):
                 return candidate
-        first = head.strip().splitlines()[0][:60]
-        readable = ", ".join(c.name for c in FORMATS if role in c.roles)
-        raise UnknownFormatError(
-            f"no reader recognises this as {role}; it begins with {first!r}. Name the format with "
-            f"--format (one of {readable})",
-            file=file.name,
-        )
+        raise UnknownFormatError(_unknown(file, content, head, role), file=file.name)
     raise UnknownFormatError(
-        "the format cannot be told from empty files; name it with --format",
+        f"the format cannot be told: the first {len(files[:MAX_LOOKS])} files are empty; name it "
+        "with --format",
         file=files[0].name if files else None,
     )
 
 
-def _head(file: SourceFile) -> str:
+def holds_nothing(files: Sequence[SourceFile]) -> bool:
+    """Whether all files are empty, but for white space; False where there is no file.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be opened.
+    """
+    return bool(files) and all(not _head(file).strip() for file in files)
+
+
+def _unknown(file: SourceFile, content: bytes, head: str, role: Role) -> str:
+    """What a file is that no format takes in this role, and what to do."""
+    kind = binary_kind(content)
+    if kind is not None:
+        return f"expected {_HOLDS[role]}, found {kind}"
+    other: Role = "detections" if role == "truth" else "truth"
+    for candidate in FORMATS:
+        if role not in candidate.roles and candidate.recognise(file.name, head, other):
+            return f"expected {_HOLDS[role]}, found {candidate.title}, which holds {_HOLDS[other]}"
+    foreign = describe_foreign(file, head, role)
+    if foreign is not None:
+        return f"no reader recognises this as {role}: it is {foreign}"
+    first = head.strip().splitlines()[0][:60]
+    readable = ", ".join(c.name for c in FORMATS if role in c.roles)
+    return (
+        f"no reader recognises this as {role}; it begins with {first!r}. Name the format with "
+        f"--format (one of {readable})"
+    )
+
+
+def _head(file: SourceFile) -> bytes:
     try:
         with file.path.open("rb") as stream:
-            content = stream.read(HEAD_BYTES)
+            return stream.read(HEAD_BYTES)
     except OSError as error:
         raise InputError(f"cannot be opened ({error.strerror})", file=file.name) from error
-    return content.decode("utf-8-sig", errors="replace")

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
 
@@ -158,6 +158,21 @@ def rows_finding(
     file, example = place(int(np.argmax(is_odd)))
     count = int(np.count_nonzero(is_odd))
     return [Finding(severity, code, role, count, message, advice, file=file, example=example)]
+
+
+def joined_findings(findings: Iterable[Finding]) -> tuple[Finding, ...]:
+    """Findings of one kind about several files as one: all rows counted, the first file named."""
+    groups: dict[tuple[object, ...], list[Finding]] = {}
+    for one in findings:
+        kind = (one.severity, one.code, one.subject, one.message, one.advice, one.suggestion)
+        groups.setdefault(kind, []).append(one)
+    joined = []
+    for group in groups.values():
+        first, n_files = group[0], len({one.file for one in group})
+        count = sum(one.count for one in group)
+        message = first.message + (f" They stand in {n_files} files." if n_files > 1 else "")
+        joined.append(replace(first, count=count, message=message))
+    return tuple(joined)
 
 
 def reading_boxes(n_rows: int, **columns: object) -> pd.DataFrame:

@@ -17,7 +17,7 @@ import pyarrow.csv
 
 from nvcore.csvtext import without_safeguard
 from nvcore.errors import FormatError
-from nvcore.readers.base import SourceFile
+from nvcore.readers.base import Role, SourceFile
 from nvcore.readers.text import MAX_INTEGER, read_text
 
 SYNONYMS: Final[dict[str, tuple[str, ...]]] = {
@@ -255,21 +255,25 @@ def _shorten(value: str) -> str:
     return repr(value if len(value) <= 60 else value[:57] + "...")
 
 
-def csv_content(file: SourceFile) -> bytes:
+def csv_content(file: SourceFile, *, role: Role) -> bytes:
     """Content of a CSV file from its header on, without byte order mark, lines ended by LF.
+
+    The empty file of a system that detected nothing becomes one with the header only.
 
     Raises
     ------
     FormatError
-        If it is no UTF-8 text, or empty.
+        If it is no UTF-8 text, or ground truth and empty.
     """
     text = read_text(file)
     if "\r" in text:
         text = text.replace("\r\n", "\n").replace("\r", "\n")
     if not text.strip():
+        if role == "detections":
+            return b"frame,x,y,w,h\n"
         raise FormatError(
-            "the file is empty; expected a header line such as frame,x,y,w,h,score (the file of a "
-            "system that detected nothing has the header only)",
+            "the file is empty; expected a header line such as frame,x,y,w,h,track (the ground "
+            "truth of a recording without pedestrians has the header only)",
             file=file.name,
         )
     return text.encode()

@@ -137,7 +137,7 @@ def _read_one(
             findings,
         )
     facts = ["conf 0 = ignore"]
-    findings += _fractions(conf, file, table)
+    findings += _scores(conf, file, table)
     ignore = conf == 0
     # MOT16 and later have 8 or 9 columns with a class; MOT15 has 10, of which 8 to 10 are x, y, z
     if np.isnan(last).all() and np.any(kind > 0):
@@ -189,13 +189,12 @@ def _unknown_classes(classes: np.ndarray, file: SourceFile, table: NumberTable) 
     )
 
 
-def _fractions(conf: np.ndarray, file: SourceFile, table: NumberTable) -> list[Finding]:
+def _scores(conf: np.ndarray, file: SourceFile, table: NumberTable) -> list[Finding]:
     return rows_finding(
-        conf != np.floor(conf),
+        (conf != np.floor(conf)) | (conf > 1),
         "truth-with-scores",
-        "Rows of the ground truth have a fraction in column 7, where 0 (ignore) or 1 is expected.",
-        "Fractions look like scores: check that the truth and a system's detections are not "
-        "swapped.",
+        "Rows of the ground truth have a number in column 7 other than 0 (ignore) and 1.",
+        "It looks like scores: check that the truth and a system's detections are not swapped.",
         role="truth",
         place=lambda row: (file.name, f"line {table.line[row]}: {conf[row]:g}"),
     )

@@ -55,7 +55,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     """
     headers, contents = [], []
     for file in files:
-        content = csv_content(file)
+        content = csv_content(file, role=options.role)
         headers.append(_checked(read_header(content.split(b"\n", 1)[0].decode()), file))
         contents.append(content)
     whole = [

@@ -11,6 +11,7 @@ import pyarrow.csv
 
 from nvcore.errors import FormatError, InputError
 from nvcore.readers.base import SourceFile
+from nvcore.readers.magic import binary_kind
 
 MAX_INTEGER = 2.0**53
 """Largest number that is exact as float64: frame numbers and track ids stay below it."""
@@ -51,6 +52,9 @@ def _decode(content: bytes, file: SourceFile) -> str:
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
+        kind = binary_kind(content)
+        if kind is not None:
+            raise FormatError(f"expected UTF-8 text, found {kind}", file=file.name) from error
         # the codec counts from behind the byte order mark
         before, wrong = error.object[: error.start], error.object[error.start]
         raise FormatError(

@@ -149,6 +149,13 @@ def test_frame_0_is_reported_because_frames_begin_at_1(tmp_path):
     assert finding.example == "line 1: frame 0"
 
 
+def test_whole_scores_in_the_truth_are_reported_as_fractions_are(tmp_path):
+    file = source(tmp_path, "1,1,1,1,9,9,85,-1,-1,-1\n2,1,1,1,9,9,1,-1,-1,-1\n")
+    (finding,) = read([file], ReadOptions()).findings
+    assert (finding.code, finding.count) == ("truth-with-scores", 1)
+    assert finding.example == "line 1: 85"
+
+
 def test_boxes_without_numbers_are_passed_on(tmp_path):
     boxes = read([source(tmp_path, "1,1,nan,,9,0,1\n")], ReadOptions()).boxes
     assert np.isnan(boxes["x"][0])

@@ -70,7 +70,7 @@ def test_the_format_is_told_from_the_first_file_that_is_not_empty():
 
 
 def test_empty_files_tell_no_format():
-    with pytest.raises(UnknownFormatError, match=r"000002\.txt: .*empty files; name it with --fo"):
+    with pytest.raises(UnknownFormatError, match=r"000002\.txt: .* first 50 files are empty; name"):
         detect_format([source("yolo/drive1/000002.txt")] * (MAX_LOOKS + 1), "truth")
 
 

@@ -111,12 +111,12 @@ def test_a_quoted_number_with_a_decimal_comma_is_not_two_numbers(tmp_path):
 
 
 def test_a_picture_is_told_from_text(tmp_path):
-    with pytest.raises(FormatError, match="found byte 0x89; is it another kind of file"):
+    with pytest.raises(FormatError, match="found a PNG picture"):
         three(source(tmp_path, b"\x89PNG\r\n\x1a\n" + bytes(range(256)) * 20))
 
 
 def test_utf_16_text_is_told_from_utf_8(tmp_path):
-    with pytest.raises(FormatError, match="expected UTF-8 text, found byte 0xff"):
+    with pytest.raises(FormatError, match="found UTF-16 text: save it as UTF-8"):
         three(source(tmp_path, "1,2,3\n".encode("utf-16")))
 
 

@@ -1,0 +1,293 @@
+"""What every column of a report's files holds: unit, type, and a sentence.
+
+`docs/report.md` shows these sentences, and whoever shows such a table takes its help from here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from typing import Final
+
+
+class Kind(StrEnum):
+    """What the cells of a column are."""
+
+    TEXT = "text"
+    INTEGER = "integer"
+    NUMBER = "number"
+    TRUTH_VALUE = "0 or 1"
+    TABLE = "table"  # summary.json only
+
+
+@dataclass(frozen=True)
+class Column:
+    """One column of a CSV file, or one key of ``summary.json``.
+
+    Attributes
+    ----------
+    name
+        As in the file.
+    kind
+        What the cells are.
+    unit
+        Unit or range; empty: none.
+    meaning
+        A sentence.
+    better
+        ``"high"`` or ``"low"`` where the figure is a quality; empty: it is a fact.
+    empty
+        When the cell is empty (in JSON: null); empty: never.
+    """
+
+    name: str
+    kind: Kind
+    unit: str
+    meaning: str
+    better: str = ""
+    empty: str = ""
+
+
+def _of_both(*columns: Column) -> tuple[Column, ...]:
+    """The columns of X, then the same of Y."""
+    return tuple(
+        replace(column, name=f"{column.name}_{letter}") for letter in "xy" for column in columns
+    )
+
+
+def column_names(file: str) -> list[str]:
+    """Columns of a CSV file of the report, in order."""
+    return [column.name for column in REPORT_COLUMNS[file]]
+
+
+_TEXT, _INTEGER, _NUMBER = Kind.TEXT, Kind.INTEGER, Kind.NUMBER
+_SHARE = "0 to 1"
+
+_RECORDING = Column("recording", _TEXT, "", "Name of the recording.")
+_SYSTEM = Column("system", _TEXT, "", "Which system it is about: `x` or `y`.")
+_NO_FRAMES = "recording without evaluated frames"
+_DISTANT = "distant encounter"
+_UNMATCHED = "distant encounter, or no relevant frame matched"
+
+_FRAMES = (
+    _RECORDING,
+    Column(
+        "frame", _INTEGER, "",
+        "Frame number, as in the truth's files (with a frame base of 1: one less).",
+    ),
+    Column("time_s", _NUMBER, "s", "Time since the recording's first evaluated frame."),
+    Column("n_truth", _INTEGER, "boxes", "Annotated pedestrians, ignore regions left out."),
+    *_of_both(
+        Column(
+            "n_det", _INTEGER, "boxes",
+            "Detections that count: those that pass the threshold, without those that an ignore "
+            "region absorbs. `matched` + `false_alarms`.",
+        ),
+        Column("matched", _INTEGER, "boxes", "Annotated pedestrians that were matched.", "high"),
+        Column("false_alarms", _INTEGER, "boxes", "Detections that match nobody.", "low"),
+        Column(
+            "d_miss", _NUMBER, "px",
+            "Effect of misses, D(G, S): the largest weighted distance of a pedestrian from its "
+            "nearest detection, limited by the border; 0 without pedestrians.",
+            "low",
+        ),
+        Column(
+            "d_false", _NUMBER, "px",
+            "Effect of false alarms, D(S, G): the same of a detection from its nearest pedestrian; "
+            "0 without detections.",
+            "low",
+        ),
+        Column("similarity", _NUMBER, _SHARE, "Similarity M of this frame.", "high"),
+        Column(
+            "similarity_window", _NUMBER, _SHARE,
+            "Mean similarity of the frames within half a `window` to either side.",
+            "high",
+        ),
+        Column(
+            "salient_track", _INTEGER, "",
+            "Track of the pedestrian at whom `d_miss` stands, if it is large enough for saliency.",
+            empty="`d_miss` is at most `tolerance` of half the width",
+        ),
+    ),
+)  # fmt: skip
+
+_ENCOUNTERS = (
+    _RECORDING,
+    Column(
+        "track", _INTEGER, "",
+        "Track of the pedestrian: the truth's id, or a number given by linking where it has none.",
+    ),
+    Column("first_frame", _INTEGER, "", "First evaluated frame in which it is annotated."),
+    Column("last_frame", _INTEGER, "", "Last evaluated frame in which it is annotated."),
+    Column("n_relevant", _INTEGER, "frames", "Relevant frames, in which it is near: k >= 0.5."),
+    Column(
+        "category", _TEXT, "",
+        "Who detected it: `both`, `x_only`, `y_only`, `neither`, `distant`.",
+    ),
+    *_of_both(
+        Column("matched", _INTEGER, "frames", "Relevant frames in which it was matched.", "high"),
+        Column(
+            "coverage", _NUMBER, _SHARE, "`matched` / `n_relevant`.", "high", empty=_DISTANT
+        ),
+        Column(
+            "detected", Kind.TRUTH_VALUE, "",
+            "Whether the system detected it: coverage is at least the parameter `coverage`, and "
+            "a relevant frame is matched.",
+            "high", _DISTANT,
+        ),
+        Column(
+            "miss_class", _TEXT, "",
+            "How the system failed: `never`, `late`, `dropout`, `lost_early`, `brief`; `none` is a "
+            "value, too: no failure.",
+            empty=_DISTANT,
+        ),
+        Column(
+            "lag_s", _NUMBER, "s",
+            "Time from the first relevant frame to the first matched relevant one.",
+            "low", _UNMATCHED,
+        ),
+        Column(
+            "gap_s", _NUMBER, "s",
+            "Longest time of unmatched relevant frames between two matched ones.",
+            "low", _UNMATCHED,
+        ),
+        Column(
+            "tail_s", _NUMBER, "s",
+            "Time of the unmatched relevant frames after the last matched one.",
+            "low", _UNMATCHED,
+        ),
+    ),
+    Column(
+        "lead_time_s", _NUMBER, "s",
+        "`lag_s_y` - `lag_s_x`: how much earlier X matched it; negative: Y was first.",
+        empty="X or Y matched it in no relevant frame",
+    ),
+    Column("n_frames", _INTEGER, "frames", "Evaluated frames in which it is annotated."),
+    Column(
+        "lateral_offset", _NUMBER, _SHARE,
+        "Mean distance from the picture's middle over half the width: 0 middle, 1 edge.",
+    ),
+    Column(
+        "lateral_position", _NUMBER, "-1 to 1",
+        "Mean position: -1 left edge, 0 middle, 1 right edge.",
+    ),
+    Column("peak_height", _NUMBER, "px", "Largest height of its boxes."),
+    Column("peak_k", _NUMBER, _SHARE, "Largest proximity weight k; below 0.5 it is distant."),
+    Column("aspect_ratio", _NUMBER, "", "Mean height over width of its boxes."),
+    Column(
+        "aspect_z", _NUMBER, "",
+        "How far that is from the mean of all encounters, in standard deviations.",
+        empty="fewer than two encounters, or all of one ratio",
+    ),
+    Column(
+        "occluded_share", _NUMBER, _SHARE,
+        "Share of its boxes that are at least partly occluded, of those where it is known.",
+        empty="occlusion unknown throughout",
+    ),
+)  # fmt: skip
+
+_SPAN = (
+    Column("first_frame", _INTEGER, "", "Its first frame."),
+    Column("last_frame", _INTEGER, "", "Its last frame."),
+    Column("start_s", _NUMBER, "s", "Time of the first frame, as `time_s` in `frames.csv`."),
+    Column("duration_s", _NUMBER, "s", "Sum of its frames' time steps.", "low"),
+)
+
+_EVENTS = (
+    _SYSTEM,
+    _RECORDING,
+    Column("track", _INTEGER, "", "Track of the missed pedestrian, as in `encounters.csv`."),
+    *_SPAN,
+    Column(
+        "tau", _NUMBER, _SHARE,
+        "Share of the recording (or encounter, by `saliency_scope`) that has passed at its end.",
+    ),
+    Column("recency", _NUMBER, _SHARE, "Weight of that moment: larger, the later it ends."),
+    Column("saliency_s", _NUMBER, "s", "`duration_s` * `recency`.", "low"),
+)  # fmt: skip
+
+_INTERVALS = (
+    _SYSTEM,
+    _RECORDING,
+    *_SPAN,
+    Column("severity_s", _NUMBER, "s", "Sum of (`low` - similarity) * time step.", "low"),
+    Column("min_similarity", _NUMBER, _SHARE, "Its lowest similarity.", "high"),
+    Column("worst_frame", _INTEGER, "", "The first frame that has it."),
+)
+
+SIMILARITY_COLUMNS: Final[tuple[Column, ...]] = (
+    Column("mean_similarity", _NUMBER, _SHARE, "Mean similarity of the frames.", "high"),
+    Column("min_similarity", _NUMBER, _SHARE, "Lowest similarity of a frame.", "high"),
+    Column(
+        "percentile_5_similarity", _NUMBER, _SHARE,
+        "Similarity that 5 % of the frames are below.", "high",
+    ),
+    Column("share_low", _NUMBER, _SHARE, "Share of frames with a similarity below `low`.", "low"),
+)  # fmt: skip
+"""Aggregates of similarity, of a recording or of all."""
+
+_RECORDINGS = (
+    _RECORDING,
+    Column("width", _NUMBER, "px", "Width of the picture."),
+    Column("height", _NUMBER, "px", "Height of the picture."),
+    Column("fps", _NUMBER, "frames/s", "Frame rate."),
+    Column("n_frames", _INTEGER, "frames", "Evaluated frames."),
+    Column("duration_s", _NUMBER, "s", "Sum of their time steps."),
+    Column("n_truth", _INTEGER, "boxes", "Annotated pedestrians, ignore regions left out."),
+    Column("both", _INTEGER, "encounters", "Encounters that both systems detected."),
+    Column("x_only", _INTEGER, "encounters", "Encounters that only X detected."),
+    Column("y_only", _INTEGER, "encounters", "Encounters that only Y detected."),
+    Column("neither", _INTEGER, "encounters", "Encounters that neither system detected."),
+    Column("distant", _INTEGER, "encounters", "Encounters that never came near enough to count."),
+    *_of_both(
+        *(replace(column, empty=_NO_FRAMES) for column in SIMILARITY_COLUMNS),
+        Column(
+            "saliency", _NUMBER, "s",
+            "Its largest saliency event, or their sum (`saliency_aggregate`); 0 without any.",
+            "low",
+        ),
+        Column(
+            "encounters_detected", _INTEGER, "encounters",
+            "Encounters that the system detected.",
+            "high",
+        ),
+        Column("false_alarms", _INTEGER, "boxes", "Detections that match nobody.", "low"),
+        Column(
+            "false_alarms_per_minute", _NUMBER, "1/min", "The same per minute.", "low", _NO_FRAMES
+        ),
+        Column(
+            "false_alert_episodes", _INTEGER, "episodes",
+            "False alarms linked over frames: what the driver notices as one.",
+            "low",
+        ),
+        Column(
+            "false_alert_episodes_per_hour", _NUMBER, "1/h", "The same per hour.",
+            "low", _NO_FRAMES,
+        ),
+    ),
+)  # fmt: skip
+
+_FINDINGS = (
+    Column(
+        "severity", _TEXT, "",
+        "`error`: the figures are wrong until it is mended; `warning`: they may be; `note`: good "
+        "to know.",
+    ),
+    Column("code", _TEXT, "", "Short stable name of the kind of finding."),
+    Column("subject", _TEXT, "", "Whom it is about: `truth`, or the name of a system."),
+    Column("count", _INTEGER, "", "How many rows, frames or recordings it concerns."),
+    Column("file", _TEXT, "", "File it was first seen in.", empty="no single file is to blame"),
+    Column("example", _TEXT, "", "The first case: line, recording, frame.", empty="no single case"),
+    Column("message", _TEXT, "", "What was found."),
+    Column("advice", _TEXT, "", "What to do about it."),
+)  # fmt: skip
+
+REPORT_COLUMNS: Final[dict[str, tuple[Column, ...]]] = {
+    "frames.csv": _FRAMES,
+    "encounters.csv": _ENCOUNTERS,
+    "events.csv": _EVENTS,
+    "intervals.csv": _INTERVALS,
+    "recordings.csv": _RECORDINGS,
+    "findings.csv": _FINDINGS,
+}
+"""Columns of every CSV file of a report, in order."""

@@ -1,0 +1,114 @@
+"""What a comparison supports, in sentences that go no further than its figures."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from nvcore.analysis import Result, SystemResult
+
+SIGNIFICANT: Final = 0.05
+"""Largest p-value at which a difference in detected encounters is called one."""
+
+
+def verdict(result: Result) -> tuple[str, ...]:
+    """Which system detects more pedestrians, and what the other figures say; plain sentences.
+
+    The first sentence is about encounters, the unit that is tested: one system dominates, one is
+    better beyond chance, or these data show no difference. The second only puts figures side by
+    side. X and Y are called ``X`` and ``Y``.
+
+    Notes
+    -----
+    Without a near encounter the first sentence says that nothing can be said; a figure that is
+    undefined for a system is left out of the second.
+
+    Examples
+    --------
+    >>> print(" ".join(verdict(result)))  # doctest: +SKIP
+    X detects every encounter that Y detects, and 9 more of 40 (p = 0.0039).
+    """
+    sentences = [_encounters(result)]
+    figures = _figures(result)
+    if figures:
+        sentences.append(figures)
+    return tuple(sentences)
+
+
+def _encounters(result: Result) -> str:
+    venn, p = result.venn, result.exclusivity.mcnemar_p
+    n_split = venn.x_only + venn.y_only
+    if not venn.n_near:
+        return (
+            "There is no encounter near enough to count: these data do not say which system "
+            "detects more pedestrians."
+        )
+    if not n_split:
+        return (
+            f"X and Y detect the same {venn.both} of {venn.n_near} encounters: these data show no "
+            "difference in which pedestrians are detected."
+        )
+    winner, loser = ("X", "Y") if venn.x_only > venn.y_only else ("Y", "X")
+    more, fewer = max(venn.x_only, venn.y_only), min(venn.x_only, venn.y_only)
+    if venn.dominant is not None:
+        claim = (
+            f"{winner} detects every encounter that {loser} detects, and {more} more of "
+            f"{venn.n_near}"
+        )
+        if p <= SIGNIFICANT:
+            return f"{claim} (p = {p:.2g})."
+        return f"{claim}; so few could come by chance (p = {p:.2g})."
+    split = (
+        f"of the {n_split} encounters that only one system detects, X detects {venn.x_only} and Y "
+        f"{venn.y_only} (p = {p:.2g})"
+    )
+    if p <= SIGNIFICANT:
+        return (
+            f"{winner} detects more pedestrians, but not all that {loser} detects: {split}."
+            if fewer
+            else f"{winner} detects more pedestrians: {split}."
+        )
+    return f"These data show no difference in how many pedestrians are detected: {split}."
+
+
+def _figures(result: Result) -> str:
+    x, y = result.x, result.y
+    parts = [
+        _better("the higher mean similarity", _mean(x), _mean(y), ".3f", is_high_better=True),
+        _better("the lower saliency", x.saliency_s, y.saliency_s, ".2f", unit=" s"),
+        _better(
+            "fewer false-alert episodes",
+            x.false_alarm_summary.episodes_per_hour,
+            y.false_alarm_summary.episodes_per_hour,
+            ".0f",
+            unit=" an hour",
+        ),
+    ]
+    known = [part for part in parts if part]
+    if not known:
+        return ""
+    text = known[0] if len(known) == 1 else ", ".join(known[:-1]) + ", and " + known[-1]
+    return (
+        f"{text[0].upper()}{text[1:]}; whether these differences are more than chance is not "
+        "tested."
+    )
+
+
+def _mean(system: SystemResult) -> float:
+    return system.summary.mean
+
+
+def _better(
+    what: str, x: float, y: float, form: str, *, unit: str = "", is_high_better: bool = False
+) -> str:
+    """Who has it, with both figures, the better one first; empty where undefined."""
+    if np.isnan(x) or np.isnan(y):
+        return ""
+    shown_x, shown_y = format(x, form), format(y, form)
+    if shown_x == shown_y:
+        noun = what.split(" ", 2)[-1] if what.startswith("the ") else what.split(" ", 1)[-1]
+        return f"both have the same {noun} ({shown_x}{unit})"
+    is_x = (x > y) == is_high_better
+    winner, first, second = ("X", shown_x, shown_y) if is_x else ("Y", shown_y, shown_x)
+    return f"{winner} has {what} ({first} to {second}{unit})"

@@ -1,0 +1,89 @@
+"""What a comparison supports, in sentences."""
+
+from __future__ import annotations
+
+from builders import Box, at, compare, make_dataset
+
+from nvcore.analysis import Result
+from nvcore.verdict import verdict
+
+N_FRAMES = 3
+
+
+def detecting(n: int, by_x: range, by_y: range, alarms_y: int = 0) -> Result:
+    """`n` pedestrians, each alone in `N_FRAMES` frames; each system sees some of them."""
+
+    def boxes(whom: range, **columns: float) -> list[Box]:
+        return [
+            at(N_FRAMES * i + f, 50, **(columns or {"track": i}))
+            for i in whom
+            for f in range(N_FRAMES)
+        ]
+
+    y = boxes(by_y, score=1.0) + [at(f, 5, score=1.0) for f in range(alarms_y)]
+    dataset = make_dataset(boxes(range(n)), boxes(by_x, score=1.0), y, n_frames=N_FRAMES * n)
+    return compare(dataset)
+
+
+def encounters(result: Result) -> str:
+    return verdict(result)[0]
+
+
+def test_dominance_beyond_chance_is_told_with_its_p():
+    assert encounters(detecting(9, range(9), range(3))) == (
+        "X detects every encounter that Y detects, and 6 more of 9 (p = 0.031)."
+    )
+
+
+def test_dominance_by_a_few_is_told_to_be_possible_by_chance():
+    assert encounters(detecting(9, range(7), range(9))) == (
+        "Y detects every encounter that X detects, and 2 more of 9; so few could come by chance "
+        "(p = 0.5)."
+    )
+
+
+def test_an_uneven_split_beyond_chance_names_the_better_without_dominance():
+    assert encounters(detecting(12, range(11), range(10, 12))) == (
+        "X detects more pedestrians, but not all that Y detects: of the 11 encounters that only "
+        "one system detects, X detects 10 and Y 1 (p = 0.012)."
+    )
+
+
+def test_an_even_split_shows_no_difference():
+    assert encounters(detecting(6, range(4), range(2, 6))) == (
+        "These data show no difference in how many pedestrians are detected: of the 4 encounters "
+        "that only one system detects, X detects 2 and Y 2 (p = 1)."
+    )
+
+
+def test_the_same_encounters_are_told_with_their_number():
+    assert encounters(detecting(4, range(3), range(3))) == (
+        "X and Y detect the same 3 of 4 encounters: these data show no difference in which "
+        "pedestrians are detected."
+    )
+
+
+def test_without_an_encounter_nothing_is_claimed():
+    result = compare(make_dataset(n_frames=3))
+    assert encounters(result).startswith("There is no encounter near enough to count")
+
+
+def test_the_figures_stand_side_by_side_and_are_not_called_significant():
+    result = detecting(6, range(6), range(2), alarms_y=3)
+    figures = verdict(result)[1]
+    assert figures.startswith("X has the higher mean similarity (1.000 to 0.")
+    assert "X has fewer false-alert episodes (0 to 2000 an hour)" in figures
+    assert figures.endswith("whether these differences are more than chance is not tested.")
+
+
+def test_figures_that_look_the_same_are_not_called_better():
+    figures = verdict(detecting(4, range(4), range(4)))[1]
+    assert figures.startswith(
+        "Both have the same mean similarity (1.000), both have the same saliency (0.00 s), and "
+        "both have the same false-alert episodes (0 an hour);"
+    )
+
+
+def test_an_undefined_figure_is_left_out():
+    figures = verdict(compare(make_dataset(n_frames=0)))[1]
+    assert figures.startswith("Both have the same saliency (0.00 s);")
