@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 
-from nvcore.audit.agreement import find_disagreement
+from nvcore.audit.agreement import find_disagreement, match_pair
 from nvcore.audit.boxes import audit_doubles, audit_geometry, audit_tracks
 from nvcore.audit.cases import Audited, audited_systems, audited_truth
 from nvcore.audit.coverage import audit_system_coverage, audit_truth_coverage
+from nvcore.audit.facts import audit_fps, audit_frame_list, audit_size
+from nvcore.audit.operating_points import audit_operating_points
 from nvcore.audit.overlaps import above_threshold
 from nvcore.audit.rows import audit_left_out
+from nvcore.audit.sameness import audit_same_as_truth, audit_same_systems
 from nvcore.audit.scores import audit_scores, audit_threshold
+from nvcore.audit.short_encounters import audit_encounter_lengths
 from nvcore.audit.suspicions import find_offsets
+from nvcore.audit.weighting import audit_weighting
 from nvcore.dataset import Dataset, compared_names
 from nvcore.findings import Finding, worst_first
 from nvcore.params import Params
@@ -50,7 +55,7 @@ def audit(
 
     Notes
     -----
-    No truth gives an error finding, no detections a warning; neither raises.
+    No truth gives an error finding, and so do no detections; neither raises.
 
     Examples
     --------
@@ -64,16 +69,26 @@ def audit(
     systems = audited_systems(dataset)
     findings = [*dataset.findings, *audit_left_out(dataset)]
     findings += [*audit_truth_coverage(dataset), *_audit_boxes(truth), *audit_tracks(truth)]
+    findings += [*audit_size(dataset), *audit_fps(dataset), *audit_frame_list(dataset)]
+    findings += audit_encounter_lengths(dataset, params)
+    counting = {}
     for system in systems:
         letter = "xy"[names.index(system.name)] if system.name in names else ""
         threshold = thresholds.get(system.name)
         findings += [*audit_system_coverage(system), *_audit_boxes(system), *audit_scores(system)]
         findings += audit_threshold(system, threshold, flag=f"--threshold-{letter}")
-        counting = above_threshold(system.boxes, threshold)
-        findings += find_offsets(system, counting, letter=letter)
-    if len(names) == 2 and names[0] != names[1] and np.any(~dataset.truth.ignore):
+        findings += audit_same_as_truth(system)
+        counting[system.name] = above_threshold(system.boxes, threshold)
+        findings += find_offsets(system, counting[system.name], letter=letter)
+    if len(names) == 2 and names[0] != names[1]:
         by_name = {system.name: system for system in systems}
-        findings += find_disagreement(dataset, by_name[names[0]], by_name[names[1]], params)
+        one, other = (by_name[name] for name in names)
+        findings += audit_weighting(truth, one, other, params)
+        findings += audit_same_systems(one, other, (counting[one.name], counting[other.name]))
+        if np.any(~dataset.truth.ignore):
+            matches = match_pair(dataset, one, other, params)
+            findings += find_disagreement(dataset, one, other, matches)
+            findings += audit_operating_points(one, other, matches, params)
     return worst_first(findings)
 
 

@@ -23,7 +23,22 @@ MANY_BOXES: Final = 20
 """Fewer boxes than this stay a note."""
 
 
-def find_disagreement(dataset: Dataset, x: Audited, y: Audited, params: Params) -> list[Finding]:
+def match_pair(dataset: Dataset, x: Audited, y: Audited, params: Params) -> tuple[Matches, Matches]:
+    """Matches of X and Y with their thresholds."""
+    truth, frames = dataset.truth, dataset.frame_columns
+    of_x, of_y = (
+        match_boxes(
+            truth, audited.boxes, frames, threshold=threshold, match=params.match,
+            iou=params.iou, lateral_tolerance=params.lateral_tolerance,
+        )
+        for audited, threshold in ((x, params.threshold_x), (y, params.threshold_y))
+    )  # fmt: skip
+    return of_x, of_y
+
+
+def find_disagreement(
+    dataset: Dataset, x: Audited, y: Audited, matches: tuple[Matches, Matches]
+) -> list[Finding]:
     """Pedestrians that both systems draw elsewhere, and agreed detections of nobody.
 
     A detection of X and one of Y agree when their IoU is at least 0.5. Of such pairs those count
@@ -31,14 +46,7 @@ def find_disagreement(dataset: Dataset, x: Audited, y: Audited, params: Params) 
     overlaps a pedestrian whom neither system matched points to a badly drawn box; any other to a
     pedestrian missing from the annotation.
     """
-    truth, frames = dataset.truth, dataset.frame_columns
-    matches = [
-        match_boxes(
-            truth, audited.boxes, frames, threshold=threshold, match=params.match,
-            iou=params.iou, lateral_tolerance=params.lateral_tolerance,
-        )
-        for audited, threshold in ((x, params.threshold_x), (y, params.threshold_y))
-    ]  # fmt: skip
+    truth = dataset.truth
     agreed = _agreeing(dataset, x.boxes, y.boxes, matches)
     if not len(agreed):
         return []
@@ -51,7 +59,9 @@ def find_disagreement(dataset: Dataset, x: Audited, y: Audited, params: Params) 
     ]
 
 
-def _agreeing(dataset: Dataset, x: BoxColumns, y: BoxColumns, matches: list[Matches]) -> np.ndarray:
+def _agreeing(
+    dataset: Dataset, x: BoxColumns, y: BoxColumns, matches: tuple[Matches, Matches]
+) -> np.ndarray:
     """Detections of X that match nobody and agree with one of Y that matches nobody."""
     partner = np.full(len(x), -1, np.int64)
     over_ranges(

@@ -17,7 +17,7 @@ REUSE_S: Final = 5.0
 REUSE_FRAMES: Final = 10
 """... if unseen in more listed frames than this, too (annotation may be sampled)."""
 MANY_OUTSIDE: Final = 0.1
-"""Share of a subject's boxes outside the picture that points to a wrong picture size."""
+"""Share of boxes wholly or mostly outside the picture that points to a wrong picture size."""
 FRACTION_EXTENT: Final = 1.5
 """Boxes whose edges all stay below this are fractions of the picture, not pixels."""
 HASH_FACTOR: Final = np.uint64(0x9E3779B97F4A7C15)
@@ -48,17 +48,19 @@ def audit_geometry(audited: Audited) -> list[Finding]:
     down = np.minimum(bottom, H) - np.maximum(boxes.y, 0)
     is_outside = (across <= 0) | (down <= 0)
     inside_share = np.where(is_outside, 0, across * down) / (boxes.w * boxes.h)
+    is_off = inside_share < 0.5
+    are_many = int(np.count_nonzero(is_off)) > MANY_OUTSIDE * len(boxes)
     return [
-        *_outside(audited, np.flatnonzero(is_outside)),
-        *_mostly_outside(audited, np.flatnonzero(~is_outside & (inside_share < 0.5))),
+        *_outside(audited, np.flatnonzero(is_outside), are_many=are_many),
+        *_mostly_outside(audited, np.flatnonzero(~is_outside & is_off), are_many=are_many),
     ]
 
 
-def _outside(audited: Audited, rows: np.ndarray) -> list[Finding]:
+def _outside(audited: Audited, rows: np.ndarray, *, are_many: bool) -> list[Finding]:
     if not len(rows):
         return []
     advice = "Remove the boxes, or check the image size."
-    if len(rows) > MANY_OUTSIDE * len(audited.boxes):
+    if are_many:
         advice = (
             "That is too many for stray boxes: check the image size (--size), and at which "
             "resolution the boxes were made."
@@ -67,9 +69,15 @@ def _outside(audited: Audited, rows: np.ndarray) -> list[Finding]:
     return [audited.finding(Severity.WARNING, "outside-picture", rows, message, advice)]
 
 
-def _mostly_outside(audited: Audited, rows: np.ndarray) -> list[Finding]:
+def _mostly_outside(audited: Audited, rows: np.ndarray, *, are_many: bool) -> list[Finding]:
     if not len(rows):
         return []
+    advice = (
+        "Nothing to do if boxes of people at the picture's edge are drawn in full; their lateral "
+        "position is taken at the edge."
+    )
+    if are_many:
+        advice = f"Check the image size (--size) first: so many are unusual. {advice}"
     return [
         audited.finding(
             Severity.NOTE,
@@ -77,8 +85,7 @@ def _mostly_outside(audited: Audited, rows: np.ndarray) -> list[Finding]:
             rows,
             f"{counted(len(rows), 'box has', 'boxes have')} more than half of the area outside "
             "the picture.",
-            "Nothing to do if boxes of people at the picture's edge are drawn in full; their "
-            "lateral position is taken at the edge.",
+            advice,
         )
     ]
 

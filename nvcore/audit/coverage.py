@@ -83,9 +83,9 @@ def audit_system_coverage(audited: Audited) -> list[Finding]:
     if not len(audited.boxes):
         return [
             Finding(
-                Severity.WARNING, "no-detections", audited.name, len(box_in),
-                "There is no detection in any recording.",
-                "If the system detected nothing at all, this is right; else check its files.",
+                Severity.ERROR, "no-detections", audited.name, len(box_in),
+                "There is no detection in any evaluated frame: nothing can be compared.",
+                "Check its files, and that they count frames as the ground truth does.",
             )
         ]  # fmt: skip
     findings = []

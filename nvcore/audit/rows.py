@@ -98,7 +98,7 @@ def _not_listed(dataset: Dataset, subject: str, rows: pd.DataFrame) -> list[Find
                 subject,
                 odd,
                 message,
-                _advice(frame[~is_usual], first[~is_usual], last[~is_usual]),
+                _advice(subject, frame[~is_usual], first[~is_usual], last[~is_usual]),
             )
         )
     if is_usual.any():
@@ -118,7 +118,7 @@ def _not_listed(dataset: Dataset, subject: str, rows: pd.DataFrame) -> list[Find
     return findings
 
 
-def _advice(frame: np.ndarray, first: np.ndarray, last: np.ndarray) -> str:
+def _advice(subject: str, frame: np.ndarray, first: np.ndarray, last: np.ndarray) -> str:
     outside = np.minimum(frame - first, 0) + np.maximum(frame - last, 0)
     if np.all(outside == -1):
         return (
@@ -130,9 +130,15 @@ def _advice(frame: np.ndarray, first: np.ndarray, last: np.ndarray) -> str:
             "They stand just after the last evaluated frame: the file may count frames from 1 "
             "where the ground truth counts from 0. Correct the frame base, or set offset_frames."
         )
-    return (
+    advice = (
         "Check the frame list (--frames) and that the file counts frames as the ground truth does."
     )
+    if subject != TRUTH_NAME:
+        advice += (
+            " If nobody was there in these frames and that was checked, list them with --frames: "
+            "these detections then count as false alarms."
+        )
+    return advice
 
 
 def _listed_ranges(

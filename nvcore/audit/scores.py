@@ -93,7 +93,7 @@ def audit_threshold(audited: Audited, threshold: float | None, *, flag: str) -> 
     if n_below == len(score):
         return [
             audited.finding(
-                Severity.WARNING,
+                Severity.ERROR,
                 "threshold-keeps-nothing",
                 rows,
                 f"The threshold {threshold:g} leaves no detection: the scores go from {low:g} to "

@@ -34,6 +34,8 @@ MIN_OFFSET_SHARE: Final = 0.05
 """Smallest pixel offset worth telling, as a share of the pedestrians' median width."""
 POOR_IOU: Final = 0.4
 """Mean IoU below which another scale is tried."""
+GOOD_IOU: Final = 0.8
+"""Mean IoU above which two offsets that cancel each other are not tried together."""
 SCALE_GAIN: Final = 0.1
 """Gain in mean IoU, beside twice the old value, that another scale has to bring."""
 
@@ -136,7 +138,7 @@ def _find_moves(sample: Sample, correction: Correction) -> list[_Step]:
     time = max((step for step, _ in tried), key=lambda step: step.gain, default=None)
     both = max(tried, key=lambda pair: pair[1], default=None)
     alone = max(0.0 if time is None else time.gain, 0.0 if pixel is None else pixel.gain)
-    if both is not None and both[1] >= alone + TIME_GAIN:
+    if both is not None and now.mean < GOOD_IOU and both[1] >= alone + TIME_GAIN:
         joint = _find_pixel(sample, both[0].correction)
         if joint is not None:
             time = _Step(both[0].correction, both[0].before, joint.after, needs_both=True)

@@ -31,16 +31,24 @@ def truth_walk(**more: Any) -> list[Box]:
     return walk(**{"track": 1, **more})
 
 
+def drawn(boxes: Any, off: float) -> list[Box]:
+    """The boxes as a system draws them: never the very same as somebody else's."""
+    return [box._replace(x=box.x + off) for box in boxes]
+
+
 def dataset(truth: Any = None, x: Any = None, y: Any = None, **more: Any) -> Dataset:
-    """The clean comparison, with what a test replaces in it."""
+    """The clean comparison, with what a test replaces in it.
+
+    X stands 1/8 px to the right of what is given, Y 1/8 px to the left.
+    """
     if "places" not in more and "frames" not in more:
         more = {"n_frames": N, **more}
     if "places" not in more:
         more = {**SIZE, **more}
     return make_dataset(
         truth_walk() if truth is None else truth,
-        walk() if x is None else x,
-        walk() if y is None else y,
+        drawn(walk() if x is None else x, 0.125),
+        drawn(walk() if y is None else y, -0.125),
         **more,
     )
 

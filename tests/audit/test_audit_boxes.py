@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 from audit_comparison import N, codes, dataset, find, truth_walk, walk, with_lines
-from builders import Box, Place
+from builders import Box, Place, make_dataset
 
 from nvcore.audit import audit
 from nvcore.audit.boxes import repeated_rows
@@ -54,7 +54,8 @@ def test_the_same_box_in_two_frames_is_no_double() -> None:
 
 
 def test_the_same_box_by_two_systems_is_no_double() -> None:
-    assert codes(dataset(x=walk(), y=walk())) == []
+    made = make_dataset(truth_walk(), walk(), walk(), n_frames=N, width=640, height=480)
+    assert "duplicate-box" not in codes(made)
 
 
 def test_repeated_ignore_regions_are_no_finding() -> None:
@@ -117,3 +118,20 @@ def test_the_same_id_in_two_recordings_is_no_reuse() -> None:
     boxes = [*walk(track=1), *walk(track=1, recording=1)]
     places = [Place(range(N), 640, 480, 1.0), Place(range(N), 640, 480, 1.0)]
     assert codes(dataset(boxes, boxes, boxes, places=places)) == []
+
+
+def test_boxes_mostly_outside_count_when_the_size_is_in_doubt() -> None:
+    # x = 100 + 3 f, 40 px wide, of 190 px: less than half is inside from frame 24 on. X has four
+    # such boxes of 28, none wholly outside, and one that is
+    x = [*walk(stop=28), walk()[39]]
+    made = dataset(x=x, width=190.0, height=480.0)
+    found = {one.code: one for one in audit(made) if one.subject == "x"}
+    assert found["outside-picture"].count == 1
+    assert found["mostly-outside-picture"].count == 4
+    for code in ("outside-picture", "mostly-outside-picture"):
+        assert "check the image size (--size)" in found[code].advice.lower()
+
+
+def test_a_few_boxes_mostly_outside_do_not_put_the_size_in_doubt() -> None:
+    made = dataset(x=[*walk(), Box(3, 630, 100, 40, 100, score=0.6)])
+    assert find(made, "mostly-outside-picture").advice.startswith("Nothing to do")

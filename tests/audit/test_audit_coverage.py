@@ -46,9 +46,9 @@ def test_a_silent_recording_without_truth_is_no_finding() -> None:
     assert codes(made) == ["recording-without-pedestrians"]
 
 
-def test_a_system_without_detections_is_a_warning() -> None:
+def test_a_system_without_detections_is_an_error() -> None:
     finding = find(dataset(y=[]), "no-detections")
-    assert (finding.severity, finding.subject) == (Severity.WARNING, "y")
+    assert (finding.severity, finding.subject) == (Severity.ERROR, "y")
 
 
 def test_detections_on_every_third_frame_are_a_warning() -> None:

@@ -35,9 +35,9 @@ def test_scores_outside_0_to_1_are_a_note_with_their_range() -> None:
     assert "-0.5 to 3.5" in finding.message
 
 
-def test_a_threshold_that_keeps_nothing_is_a_warning() -> None:
+def test_a_threshold_that_keeps_nothing_is_an_error() -> None:
     finding = find(dataset(), "threshold-keeps-nothing", Params(threshold_y=5.0))
-    assert (finding.severity, finding.subject, finding.count) == (Severity.WARNING, "y", N)
+    assert (finding.severity, finding.subject, finding.count) == (Severity.ERROR, "y", N)
     assert "0.5 to 0.9" in finding.message
 
 

@@ -308,3 +308,11 @@ def test_real_detections_moved_in_time_and_picture_are_found(realdata: Path) -> 
     time, pixel = suspicions(made)
     assert time.suggestion == (("offset_frames", -2.0),)
     assert dict(pixel.suggestion)["offset_x_px"] == pytest.approx(-12, abs=1)
+
+
+def test_two_offsets_that_cancel_are_not_found_where_the_boxes_fit_well() -> None:
+    # one pedestrian at constant speed: five frames later is 15 px to the right
+    truth = [Box(f, 100 + 3 * f, 200, 40, 100, track=1) for f in range(120)]
+    x = [box._replace(x=box.x + 0.5, track=-1, score=0.9) for box in truth]
+    made = make_dataset(truth, x, x, n_frames=120, width=640, height=480)
+    assert not {"time-offset", "pixel-offset"} & {one.code for one in audit(made)}

@@ -1,0 +1,132 @@
+"""Image sizes, frame rates and frame lists that do not fit the boxes."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from nvcore.audit.cases import TRUTH_NAME, counted, place_of_frame, spelled
+from nvcore.audit.scales import SIZES
+from nvcore.dataset import Dataset
+from nvcore.findings import Finding, Severity
+
+MIN_BOXES: Final = 200
+"""Fewer boxes than this may well leave most of the picture empty."""
+REACHED_SHARE: Final = 0.6
+"""Boxes that end before this share of both width and height are of a smaller picture."""
+EDGE_SLACK: Final = 1.03
+"""Boxes at the edge reach beyond the picture by a little: by this factor at most."""
+FPS_RANGE: Final = (0.1, 240.0)
+"""Frame rates outside of this range are mistakes rather than cameras."""
+MIN_EMPTY: Final = 20
+"""Listed frames without any box, at the beginning or end, that are worth a look ..."""
+EMPTY_SHARE: Final = 0.25
+"""... if they are this share of the recording, too."""
+
+
+def audit_size(dataset: Dataset) -> list[Finding]:
+    """A picture size that is far larger than what any box reaches.
+
+    Boxes of the truth and of all systems count; recordings of one size are looked at together, so
+    that a recording whose people keep to one corner is no finding.
+    """
+    frames, boxes = dataset.frame_columns, dataset.boxes
+    recording = frames.recording[boxes["frame_index"].to_numpy()]
+    right = (boxes["x"] + boxes["w"]).to_numpy()
+    bottom = (boxes["y"] + boxes["h"]).to_numpy()
+    sizes, size_of = np.unique(
+        np.column_stack([frames.width, frames.height]), axis=0, return_inverse=True
+    )
+    group = size_of.reshape(-1)[recording]
+    n_boxes = np.bincount(group, minlength=len(sizes))
+    reach = np.zeros((len(sizes), 2))
+    np.maximum.at(reach[:, 0], group, right)
+    np.maximum.at(reach[:, 1], group, bottom)
+    # coordinates in fractions of the picture have a finding of their own
+    is_odd = (n_boxes >= MIN_BOXES) & (reach <= REACHED_SHARE * sizes).all(axis=1)
+    is_odd &= reach.max(axis=1) > 2
+    findings = []
+    for i in np.flatnonzero(is_odd):  # a loop over the few different sizes
+        (right_most, lowest), (W, H) = reach[i], sizes[i]
+        names = dataset.recordings["name"][size_of.reshape(-1) == i]
+        findings.append(
+            Finding(
+                Severity.WARNING, "size-too-large", TRUTH_NAME, int(n_boxes[i]),
+                f"No box reaches beyond x = {right_most:.0f} of {W:g} and y = {lowest:.0f} of "
+                f"{H:g}.",
+                f"Check the image size (--size){_fitting(reach[i], sizes[i])}: lateral position "
+                "and proximity depend on it.",
+                example=f"recording {names.iloc[0]}",
+            )
+        )  # fmt: skip
+    return findings
+
+
+def _fitting(reach: np.ndarray, size: np.ndarray) -> str:
+    """A likely size that holds all boxes, in words; empty if there is none."""
+    right, bottom = reach / EDGE_SLACK
+    # sizes that are wrong by a factor keep their aspect: those first
+    parts = [(int(size[0] // n), int(size[1] // n)) for n in (4, 3, 2)]
+    usual = sorted(SIZES, key=lambda one: one[0] * one[1])
+    for width, height in (*parts, *usual):  # a loop over a few sizes
+        if width >= right and height >= bottom:
+            return f"; the boxes would fit {width}x{height}, for example"
+    return ""
+
+
+def audit_fps(dataset: Dataset) -> list[Finding]:
+    """Frame rates that no camera has."""
+    fps = dataset.frame_columns.fps
+    odd = np.flatnonzero((fps < FPS_RANGE[0]) | (fps > FPS_RANGE[1]))
+    if not len(odd):
+        return []
+    names = dataset.recordings["name"].iloc[odd]
+    return [
+        Finding(
+            Severity.WARNING, "implausible-fps", TRUTH_NAME, len(odd),
+            f"{counted(len(odd), 'recording has', 'recordings have')} an implausible frame rate "
+            f"(first: {fps[odd[0]]:g} frames per second): {spelled(names)}.",
+            "Check the frame rate (--fps), which counts all frames of the camera, annotated or "
+            "not: every time and every rate per hour depends on it.",
+            example=f"recording {names.iloc[0]}",
+        )
+    ]  # fmt: skip
+
+
+def audit_frame_list(dataset: Dataset) -> list[Finding]:
+    """Frames before the first or after the last box of anybody: of truth and all systems."""
+    frames = dataset.frame_columns
+    start, stop = frames.first[:-1], frames.first[1:]
+    at = np.unique(dataset.boxes["frame_index"].to_numpy())
+    lo, hi = np.searchsorted(at, start), np.searchsorted(at, stop)
+    # recordings without any box have a finding of their own
+    seen = np.flatnonzero(hi > lo)
+    first, last = at[lo[seen]], at[hi[seen] - 1]
+    least = np.maximum(MIN_EMPTY, EMPTY_SHARE * (stop - start)[seen])
+    n_before, n_after = first - start[seen], stop[seen] - 1 - last
+    is_before, is_after = n_before >= least, n_after >= least
+    odd = np.flatnonzero(is_before | is_after)
+    if not len(odd):
+        return []
+    one = odd[0]
+    recording = seen[one]
+    where = []
+    if is_before[one]:
+        where.append(f"before frame {frames.frame[first[one]]}")
+    if is_after[one]:
+        where.append(f"after frame {frames.frame[last[one]]}")
+    names = dataset.recordings["name"].iloc[seen[odd]]
+    empty_row = int(start[recording] if is_before[one] else last[one] + 1)
+    return [
+        Finding(
+            Severity.WARNING, "frames-beyond-boxes", TRUTH_NAME, len(odd),
+            f"{counted(len(odd), 'recording has', 'recordings have')} no box of anybody in a long "
+            f"part at the beginning or end (first: none {' and none '.join(where)} of "
+            f"{frames.frame[start[recording]]} to {frames.frame[stop[recording] - 1]}): "
+            f"{spelled(names)}.",
+            "Check the frame list (--frames first:last): frames without anybody count as perfect, "
+            "and as recording time. Nothing to do if nobody was there.",
+            example=place_of_frame(dataset, empty_row),
+        )
+    ]  # fmt: skip

@@ -1,0 +1,96 @@
+from __future__ import annotations
+
+import pytest
+from audit_comparison import codes, drawn, find, truth_walk, walk
+from builders import NAN, Box, make_dataset
+
+from nvcore.dataset import Dataset
+from nvcore.findings import Severity
+from nvcore.params import Params
+
+FRAMES = 40
+
+
+def hits(low: float, off: float) -> list[Box]:
+    """A right detection in every frame; the lowest score is the first one's."""
+    return [box._replace(score=low if box.frame == 0 else 0.9) for box in drawn(walk(), off)]
+
+
+def alarms(scores: list[float], x: float) -> list[Box]:
+    """A false alarm in each of the first frames."""
+    return [Box(f, x, 20, 30, 60, score=score) for f, score in enumerate(scores)]
+
+
+def compared(x: list[Box], y: list[Box]) -> Dataset:
+    return make_dataset(truth_walk(), x, y, n_frames=FRAMES, width=640, height=480)
+
+
+def low_and_high() -> Dataset:
+    """X: 20 false alarms of 0.01 to 0.77 by 0.04. Y: 10, and no score below 0.10."""
+    x = [*hits(0.9, 1), *alarms([round(0.01 + 0.04 * i, 2) for i in range(20)], 500)]
+    return compared(x, [*hits(0.9, 2), *alarms([0.1] * 10, 400)])
+
+
+def test_scores_that_end_at_different_values_are_a_warning() -> None:
+    finding = find(low_and_high(), "score-floors")
+    assert (finding.severity, finding.subject, finding.count) == (Severity.WARNING, "x", 60)
+    # 60 and 50 detections in 40 frames
+    assert "x has scores down to 0.010 (1.5 detections per frame)" in finding.message
+    assert "y down to 0.100 (1.2 detections per frame)" in finding.message
+
+
+def test_the_advice_names_the_threshold_of_as_many_false_alarms() -> None:
+    # X's ten highest are 0.41, 0.45, ..., 0.77, the next one 0.37
+    advice = find(low_and_high(), "score-floors").advice
+    assert "--threshold-x 0.38 alone leaves x 0.25 false alarms per frame" in advice
+    assert "y has 0.25 (10 false alarms in all)" in advice
+
+
+def test_the_threshold_is_that_of_the_system_with_more_false_alarms() -> None:
+    made = low_and_high()
+    finding = find(compared([*hits(0.9, 2), *alarms([0.1] * 10, 400)],
+                            [*hits(0.9, 1), *alarms([0.01] + [0.2 + i / 100 for i in range(19)],
+                                                    500)]), "score-floors")  # fmt: skip
+    assert find(made, "score-floors").subject == "x"
+    assert finding.subject == "y"
+    assert "--threshold-y 0.29" in finding.advice
+
+
+@pytest.mark.parametrize("name", ["threshold_x", "threshold_y"])
+def test_a_given_threshold_is_a_choice(name: str) -> None:
+    assert "score-floors" not in codes(low_and_high(), Params(**{name: 0.3}))
+
+
+def test_scores_that_end_at_about_the_same_value_are_no_finding() -> None:
+    x = [*hits(0.5, 1), *alarms([0.6] * 15, 500)]
+    y = [*hits(0.54, 2), *alarms([0.6] * 15, 400)]
+    assert "score-floors" not in codes(compared(x, y))
+
+
+def test_a_system_without_scores_has_no_operating_point_to_choose() -> None:
+    x = [box._replace(score=NAN) for box in [*hits(0.5, 1), *alarms([0.6] * 15, 500)]]
+    y = [*hits(0.01, 2), *alarms([0.6] * 15, 400)]
+    assert "score-floors" not in codes(compared(x, y))
+
+
+def test_few_detections_tell_nothing_of_the_lowest_score() -> None:
+    # 49 and 60 detections
+    x = [*hits(0.5, 1), *alarms([0.6] * 9, 500)]
+    y = [*hits(0.01, 2), *alarms([0.6] * 20, 400)]
+    assert "score-floors" not in codes(compared(x, y))
+
+
+def crowded(n: int) -> Dataset:
+    """Scores from -1 to 5; X has 1.25 detections per frame, Y n more in every frame."""
+    x = [*hits(-1, 1), *alarms([5] * 10, 500)]
+    more = [Box(f, 100 + 40 * i, 400, 30, 60, score=5) for f in range(FRAMES) for i in range(n)]
+    return compared(x, [*hits(-1, 2), *more])
+
+
+def test_far_more_detections_are_a_warning_on_any_scale_of_scores() -> None:
+    # 1.25 and 4 detections per frame
+    assert find(crowded(3), "score-floors").subject == "y"
+
+
+def test_up_to_three_times_the_detections_are_no_finding() -> None:
+    assert "score-floors" not in codes(crowded(2))
