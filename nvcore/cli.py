@@ -136,7 +136,7 @@ def compare(out: Path | None, as_json: bool, strict: bool, **options: Any) -> No
         steps("analysing")
         result = analyse(dataset, params, x=x, y=y)
         steps("what fusion would do")
-        text = summary_json(result) if as_json else render_scorecard(result)
+        text = summary_json(result) if as_json else render_scorecard(result, findings)
         if out is not None:
             write_report(result, session, out, findings, progress=steps)
     shown = paths_to_show(session.folder, sources)

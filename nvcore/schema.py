@@ -104,7 +104,7 @@ class MissClass(StrEnum):
 
 MISS_CLASS_TEXT: Final[dict[MissClass, str]] = {
     MissClass.NEVER: "Not detected in any relevant frame.",
-    MissClass.LATE: "First detected too long after the pedestrian became relevant.",
+    MissClass.LATE: "First matched too long after the pedestrian became relevant.",
     MissClass.DROPOUT: "Detected, lost for too long, detected again.",
     MissClass.LOST_EARLY: "Lost too long before the pedestrian stopped being relevant.",
     MissClass.BRIEF: "Detected in too few relevant frames, in none of the other ways.",

@@ -21,15 +21,21 @@ NAME_WIDTH = 16
 HIGHER, LOWER = "higher", "lower"
 
 
-def render_scorecard(result: Result) -> str:
-    """Scorecard of both systems, Venn counts, fusion, worst moments, and the verdict."""
+def render_scorecard(result: Result, findings: Sequence[Finding] = ()) -> str:
+    """Scorecard of both systems, Venn counts, fusion, worst moments, and the verdict.
+
+    Parameters
+    ----------
+    findings
+        Of the audit: the verdict says which of them it depends on.
+    """
     parts = [
         _heading(result),
         _table(result),
         _venn(result),
         _fusion(result),
         *(_worst(result, letter, system) for letter, system in sides(result)),
-        "In short: " + " ".join(verdict(result)),
+        "In short: " + " ".join(verdict(result, findings)),
     ]
     return "\n\n".join(parts)
 
@@ -93,7 +99,8 @@ def _heading(result: Result) -> str:
     lines.append(
         f"{n_recordings} recording{'s' if n_recordings > 1 else ''}, "
         f"{len(result.dataset.frames)} frames, {result.duration_s:.1f} s, "
-        f"{int(result.n_truth.sum())} pedestrian boxes, {result.venn.n_near} encounters "
+        f"{int(result.n_truth.sum())} pedestrian boxes, {result.venn.n_near} "
+        f"encounter{'s' if result.venn.n_near != 1 else ''} "
         f"(and {result.venn.distant} distant, not counted)"
     )
     return _text(lines)
@@ -112,7 +119,12 @@ def _table(result: Result) -> str:
         (f"frames with similarity below {low:g}", "share_low", ".1%", LOWER),
         (f"saliency, {largest} (s)", "saliency", ".3f", LOWER),
         (f"encounters detected, of {venn.n_near}", "encounters_detected", "d", HIGHER),
-        (f"boxes matched, of {int(result.n_truth.sum())}", "boxes_matched", "d", HIGHER),
+        (
+            f"boxes matched, near or far, of {int(result.n_truth.sum())}",
+            "boxes_matched",
+            "d",
+            HIGHER,
+        ),
         ("false alarms per frame", "false_alarms_per_frame", ".3f", LOWER),
         ("false-alert episodes", "false_alert_episodes", "d", LOWER),
         ("  per hour", "false_alert_episodes_per_hour", ".1f", LOWER),

@@ -2,22 +2,48 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
 
 from nvcore.analysis import Result, SystemResult
+from nvcore.findings import Finding, Severity
 
 SIGNIFICANT: Final = 0.05
 """Largest p-value at which a difference in detected encounters is called one."""
 
+CAVEATS: Final = {
+    "short-encounters": "most encounters are one frame long, so that p counts frames rather than "
+    "persons and saliency and rates per hour mean little",
+    "score-floors": "X and Y are compared at different operating points; with thresholds it may "
+    "turn round",
+    "mixed-weighting": "X and Y are weighted by different rules",
+    "same-boxes": "two of the inputs have the same boxes",
+    "size-too-large": "the image size seems wrong",
+    "implausible-fps": "the frame rate seems wrong",
+    "time-offset": "a system seems to be off in time",
+    "pixel-offset": "a system's boxes seem to be displaced",
+    "scale-mismatch": "a system's boxes seem to be of another resolution",
+    "frames-beyond-boxes": "frames without any box are evaluated",
+    "no-detections": "a system has no detections",
+    "threshold-keeps-nothing": "a threshold leaves no detection",
+}
+"""What a finding of the audit means for the verdict, by its code."""
 
-def verdict(result: Result) -> tuple[str, ...]:
+
+def verdict(result: Result, findings: Sequence[Finding] = ()) -> tuple[str, ...]:
     """Which system detects more pedestrians, and what the other figures say; plain sentences.
 
     The first sentence is about encounters, the unit that is tested: one system dominates, one is
     better beyond chance, or these data show no difference. The second only puts figures side by
-    side. X and Y are called ``X`` and ``Y``.
+    side. A last one says which warnings and errors of the audit it all depends on. X and Y are
+    called ``X`` and ``Y``.
+
+    Parameters
+    ----------
+    findings
+        Of the audit of the same inputs.
 
     Notes
     -----
@@ -33,7 +59,20 @@ def verdict(result: Result) -> tuple[str, ...]:
     figures = _figures(result)
     if figures:
         sentences.append(figures)
+    grave = [one for one in findings if one.severity is not Severity.NOTE]
+    if grave:
+        sentences.append(_caveat(grave))
     return tuple(sentences)
+
+
+def _caveat(grave: Sequence[Finding]) -> str:
+    known = list(dict.fromkeys(CAVEATS[one.code] for one in grave if one.code in CAVEATS))
+    n_other = sum(one.code not in CAVEATS for one in grave)
+    if n_other:
+        known.append(
+            f"{n_other} {'other ' if known else ''}finding{'s' if n_other > 1 else ''} of the audit"
+        )
+    return f"This depends on what the audit found: {'; '.join(known)}."
 
 
 def _encounters(result: Result) -> str:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from builders import Box, at, compare, make_dataset
 
 from nvcore.analysis import Result
-from nvcore.verdict import verdict
+from nvcore.findings import Finding, Severity
+from nvcore.verdict import CAVEATS, verdict
 
 N_FRAMES = 3
 
@@ -87,3 +90,27 @@ def test_figures_that_look_the_same_are_not_called_better():
 def test_an_undefined_figure_is_left_out():
     figures = verdict(compare(make_dataset(n_frames=0)))[1]
     assert figures.startswith("Both have the same saliency (0.00 s);")
+
+
+def finding(code: str, severity: Severity = Severity.WARNING) -> Finding:
+    return Finding(severity, code, "truth", 1, "Odd.", "Look.")
+
+
+def test_the_verdict_says_which_findings_it_depends_on():
+    result = detecting(4, range(4), range(4))
+    grave = [finding("mixed-weighting"), finding("mixed-weighting"), finding("ids-odd")]
+    assert verdict(result, grave)[-1] == (
+        "This depends on what the audit found: X and Y are weighted by different rules; 1 other "
+        "finding of the audit."
+    )
+
+
+def test_notes_of_the_audit_are_no_caveat():
+    result = detecting(4, range(4), range(4))
+    assert verdict(result, [finding("mixed-weighting", Severity.NOTE)]) == verdict(result)
+
+
+def test_every_caveat_is_about_a_finding_that_the_audit_has():
+    audit = Path(__file__).resolve().parent.parent / "nvcore" / "audit"
+    source = "".join(path.read_text(encoding="utf-8") for path in audit.glob("*.py"))
+    assert [code for code in CAVEATS if f'"{code}"' not in source] == []

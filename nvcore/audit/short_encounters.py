@@ -52,8 +52,8 @@ def audit_encounter_lengths(dataset: Dataset, params: Params) -> list[Finding]:
         Finding(
             Severity.WARNING, "short-encounters", TRUTH_NAME, n_short,
             f"{n_short:,} of {len(near):,} near encounters are one evaluated frame long{why}.",
-            "Lag, gap, lead time, dropout and rates per hour mean little here, and McNemar's test "
-            "counts frames rather than persons. Give ground truth with track ids in every frame, "
-            "or read the figures per frame only.",
+            "Saliency, lag, gap, lead time, dropout and rates per hour mean little here, and "
+            "McNemar's test counts frames rather than persons. Give ground truth with track ids in "
+            "every frame, or read the figures per frame only.",
         )
     ]  # fmt: skip
