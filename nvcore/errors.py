@@ -4,6 +4,7 @@
     ├── InputError                  a file or folder cannot be used (carries file and line)
     │   ├── FormatError             its content is not what the format says
     │   ├── UnknownFormatError      no reader recognises it, or no reader has that name
+    │   ├── MediaError              pictures, a video or an archive cannot be used
     │   ├── MissingFactError        image size, frame rate, ... are needed and not in the files
     │   └── SessionError            a session file says something that cannot be done
     └── ParameterError              a live parameter is outside its range
@@ -67,8 +68,31 @@ class UnknownFormatError(InputError):
     """No reader recognises the file, or no reader has the given name."""
 
 
+class MediaError(InputError):
+    """Pictures, a video or an archive cannot be used."""
+
+
 class MissingFactError(InputError):
-    """A needed fact (image size, frame rate, ...) is neither in the files nor given."""
+    """A needed fact (image size, frame rate, ...) is neither in the files nor given.
+
+    Parameters
+    ----------
+    message, file, line
+        See `InputError`.
+    facts
+        What has to be given: ``size``, ``fps``, ``frames``; empty where none of these helps.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        *,
+        file: str | Path | None = None,
+        line: int | None = None,
+        facts: tuple[str, ...] = (),
+    ):
+        self.facts = facts
+        super().__init__(message, file=file, line=line)
 
 
 class SessionError(InputError):

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import io
 import json
+import zipfile
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Final
 
 from nvcore.analysis import Result
 from nvcore.csvtext import to_csv_bytes
@@ -24,6 +27,9 @@ from nvcore.tables import (
     summary,
 )
 from nvcore.version import __version__
+
+ZIP_TIME: Final = (1980, 1, 1, 0, 0, 0)
+"""Time of every file in a zip, the earliest there is: the same report, the same bytes."""
 
 
 def export_files(
@@ -77,3 +83,24 @@ def write_report(
             (folder / name).write_bytes(make())
     except OSError as error:
         raise InputError(f"cannot be written ({error.strerror})", file=folder) from error
+
+
+def report_zip(
+    result: Result,
+    session: Session,
+    findings: tuple[Finding, ...] = (),
+    *,
+    progress: Callable[[str], None] | None = None,
+) -> bytes:
+    """A zip of the files of a report, byte for byte those of `write_report`."""
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, make in export_files(result, session, findings).items():
+            if progress is not None:
+                progress(f"writing {name}")
+            entry = zipfile.ZipInfo(name, ZIP_TIME)
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.create_system = 3  # the same bytes on every system
+            entry.external_attr = 0o644 << 16
+            archive.writestr(entry, make())
+    return content.getvalue()

@@ -94,7 +94,8 @@ def infer_frames(annotated: np.ndarray) -> tuple[np.ndarray, str]:
     if (last - first) // step >= MAX_FRAMES:
         raise MissingFactError(
             f"the truth reaches from frame {first} to {last}, more than {MAX_FRAMES} frames; "
-            "correct the frame numbers, or give the evaluated frames with --frames"
+            "correct the frame numbers, or give the evaluated frames with --frames",
+            facts=("frames",),
         )
     if step > 1:
         reason = (

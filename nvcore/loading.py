@@ -289,7 +289,7 @@ def _frames(
         for reason, names in reasons.items()
     ]
     if not sum(len(listed) for listed in frames):
-        raise MissingFactError(NO_BOX, file=session.truth.path[0])
+        raise MissingFactError(NO_BOX, file=session.truth.path[0], facts=("frames",))
     return frames, notes
 
 

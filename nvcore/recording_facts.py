@@ -91,5 +91,6 @@ def _check_known(table: pd.DataFrame) -> None:
     raise MissingFactError(
         f"the {what} of recording {table['name'].iloc[first]!r} "
         f"{'are' if size and fps else 'is'} not in the data{others}; give {flags}, or "
-        f"{keys.get((size, fps), 'fps')} in the session file"
+        f"{keys.get((size, fps), 'fps')} in the session file",
+        facts=(*["size"] * size, *["fps"] * fps),
     )

@@ -10,15 +10,15 @@ from nvcore.analysis import Result, SystemResult
 from nvcore.dataset import Dataset
 from nvcore.errors import one_line
 from nvcore.findings import Finding, Severity
-from nvcore.schema import Category, MissClass
-from nvcore.tables import sides, system_summary, worst_intervals
+from nvcore.schema import Category
+from nvcore.scorecard_table import ScoreRow, class_rows, score_rows
+from nvcore.tables import sides, worst_intervals
 from nvcore.venn import Exclusivity
 from nvcore.verdict import verdict
 
 UNDEFINED = "–"
 NAME_WIDTH = 16
 """Longest name of a system in the head of a column; it stands in full above the table."""
-HIGHER, LOWER = "higher", "lower"
 
 
 def render_scorecard(result: Result, findings: Sequence[Finding] = ()) -> str:
@@ -107,36 +107,11 @@ def _heading(result: Result) -> str:
 
 
 def _table(result: Result) -> str:
-    venn, low = result.venn, result.params.low
-    largest = "largest event" if result.params.saliency_aggregate == "max" else "sum of events"
-    x, y = (system_summary(result, system) for _, system in sides(result))
     heads = [_head(letter, system) for letter, system in sides(result)]
     rows: list[tuple[str, ...]] = [("", *heads, "X - Y", "better")]
-    for label, key, form, better in (
-        ("mean similarity", "mean_similarity", ".4f", HIGHER),
-        ("minimum similarity", "min_similarity", ".4f", HIGHER),
-        ("5th percentile similarity", "percentile_5_similarity", ".4f", HIGHER),
-        (f"frames with similarity below {low:g}", "share_low", ".1%", LOWER),
-        (f"saliency, {largest} (s)", "saliency", ".3f", LOWER),
-        (f"encounters detected, of {venn.n_near}", "encounters_detected", "d", HIGHER),
-        (
-            f"boxes matched, near or far, of {int(result.n_truth.sum())}",
-            "boxes_matched",
-            "d",
-            HIGHER,
-        ),
-        ("false alarms per frame", "false_alarms_per_frame", ".3f", LOWER),
-        ("false-alert episodes", "false_alert_episodes", "d", LOWER),
-        ("  per hour", "false_alert_episodes_per_hour", ".1f", LOWER),
-        ("  longest (s)", "longest_episode_s", ".2f", LOWER),
-    ):
-        rows.append((*_row(label, x[key], y[key], form), better))
-    rows.append((f"how the {venn.n_near} encounters went:", "", "", "", ""))
-    for kind in MissClass:
-        is_fine = kind is MissClass.NONE
-        label = "  " + ("no failure" if is_fine else kind.value.replace("_", " "))
-        of_x, of_y = (one["miss_classes"][kind] for one in (x, y))
-        rows.append((*_row(label, of_x, of_y, "d"), HIGHER if is_fine else LOWER))
+    rows += [_row(one) for one in score_rows(result)]
+    rows.append((f"how the {result.venn.n_near} encounters went:", "", "", "", ""))
+    rows += [_row(one) for one in class_rows(result)]
     widths = [max(len(row[i]) for row in rows) for i in range(4)]
     lines = [
         "  ".join([row[0].ljust(widths[0]), *(row[i].rjust(max(widths[i], 9)) for i in (1, 2, 3))])
@@ -152,15 +127,18 @@ def _head(letter: str, system: SystemResult) -> str:
     return f"{letter.upper()}: {shown}"
 
 
-def _row(label: str, x: float, y: float, form: str) -> tuple[str, str, str, str]:
+def _row(row: ScoreRow) -> tuple[str, ...]:
+    label = "  " * row.level + row.label
+    shown = (number(row.x, row.form), number(row.y, row.form), difference(row.x, row.y, row.form))
+    return (label, *shown, row.better)
+
+
+def difference(x: float, y: float, form: str) -> str:
+    """X - Y with its sign, shares in percentage points, a dash where either is undefined."""
     if np.isnan(x) or np.isnan(y):
-        difference = UNDEFINED
-    else:
-        sign = "+" if form == "d" else "+z"  # z: no negative zero
-        difference = format(x - y, sign + form)
-        if form.endswith("%"):
-            difference = difference.replace("%", " pp")
-    return label, number(x, form), number(y, form), difference
+        return UNDEFINED
+    sign = "+" if form == "d" else "+z"  # z: no negative zero
+    return format(x - y, sign + form).replace("%", " pp")
 
 
 def number(value: float, form: str) -> str:

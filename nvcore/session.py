@@ -15,10 +15,17 @@ from nvcore.params import Params
 MAX_OFFSET_FRAMES: Final = 1_000_000
 """Largest correction of frame numbers."""
 
+_MAX_FRAME: Final = 2**53
+"""Frame numbers are exact in every table up to here."""
+
 
 @dataclass(frozen=True)
 class RecordingFacts:
-    """What the session says of one recording; None: the data tell."""
+    """What the session says of one recording; None: the data tell.
+
+    `pictures` is a video, a folder or an archive, `first_picture` the number of the frame that
+    its first picture shows.
+    """
 
     name: str
     width: float | None = None
@@ -27,6 +34,7 @@ class RecordingFacts:
     frames: str | None = None
     horizon: float | None = None
     pictures: str | None = None
+    first_picture: int | None = None
 
     def __post_init__(self) -> None:
         if not self.name:
@@ -34,6 +42,10 @@ class RecordingFacts:
         for name in ("width", "height", "fps"):
             _positive(name, getattr(self, name))
         _finite("horizon", self.horizon)
+        if self.first_picture is not None and abs(self.first_picture) > _MAX_FRAME:
+            raise SessionError(
+                f"first_picture: expected a frame number, found {self.first_picture}"
+            )
 
 
 @dataclass(frozen=True)

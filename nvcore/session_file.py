@@ -7,7 +7,8 @@
     fps = 20
     frames = "0:299:1"       first:last[:step], or a file with one number a line
     horizon = 236.0
-    pictures = "urban_01.mp4"
+    pictures = "urban_01.mp4" a video, a folder, or an archive
+    first_picture = 0        number of the frame that the first picture shows
 
     [defaults]               the same facts for all recordings: size, fps, frames
     size = "640x480"
@@ -43,6 +44,7 @@ import glob
 import os
 import tomllib
 from collections.abc import Callable
+from dataclasses import fields
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -181,9 +183,7 @@ class _Parser:
 
     def recording(self, table: dict[str, Any]) -> RecordingFacts:
         where = "[[recording]]"
-        self.known_keys(
-            table, {"name", "width", "height", "fps", "frames", "horizon", "pictures"}, where
-        )
+        self.known_keys(table, {one.name for one in fields(RecordingFacts)}, where)
         name = self.value(table, "name", str, where)
         numbers = {
             key: self.number(table, key, where) for key in ("width", "height", "fps", "horizon")
@@ -194,6 +194,7 @@ class _Parser:
             name=name or "",
             frames=self.value(table, "frames", str, where),
             pictures=self.value(table, "pictures", str, where),
+            first_picture=self.value(table, "first_picture", int, where),
             **numbers,
         )
 

@@ -6,6 +6,7 @@ import csv
 import io
 import json
 import tomllib
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -13,7 +14,7 @@ from inputs import drive, session_of, write
 
 from nvcore.analysis import Result, analyse
 from nvcore.errors import InputError
-from nvcore.export import export_files, summary_json, write_report
+from nvcore.export import export_files, report_zip, summary_json, write_report
 from nvcore.findings import Finding, Severity
 from nvcore.loading import load
 from nvcore.session import Session
@@ -122,3 +123,30 @@ def test_a_folder_that_cannot_be_made_is_an_input_error(
     write(tmp_path / "report", "a file")
     with pytest.raises(InputError, match=r"report: cannot be written \(File exists\)"):
         write_report(result, session, tmp_path / "report")
+
+
+def test_a_zip_holds_the_files_of_a_report_byte_for_byte(
+    result: Result, session: Session, tmp_path: Path
+):
+    finding = Finding(Severity.NOTE, "odd", "fir", 1, "Odd.", "Look.", "a.csv")
+    write_report(result, session, tmp_path, (finding,))
+    with zipfile.ZipFile(io.BytesIO(report_zip(result, session, (finding,)))) as archive:
+        assert archive.namelist() == FILES
+        for name in FILES:
+            assert archive.read(name) == (tmp_path / name).read_bytes(), name
+
+
+def test_the_same_report_gives_the_same_zip(result: Result, session: Session):
+    assert report_zip(result, session) == report_zip(analysed(session), session)
+
+
+def test_files_of_a_zip_have_a_fixed_time_and_can_be_read(result: Result, session: Session):
+    with zipfile.ZipFile(io.BytesIO(report_zip(result, session))) as archive:
+        assert {one.date_time for one in archive.infolist()} == {(1980, 1, 1, 0, 0, 0)}
+        assert {one.external_attr >> 16 for one in archive.infolist()} == {0o644}
+
+
+def test_progress_names_each_file_of_a_zip(result: Result, session: Session):
+    told: list[str] = []
+    report_zip(result, session, progress=told.append)
+    assert told == [f"writing {name}" for name in FILES]

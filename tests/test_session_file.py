@@ -29,7 +29,7 @@ FULL = Session(
         SystemSource(("nir.csv",), name="NIR", scale=(1.25, 1.25)),
     ),
     recordings=(
-        RecordingFacts("urban", 640.0, 480.0, 20.0, "frames.txt", 236.5, "urban.mp4"),
+        RecordingFacts("urban", 640.0, 480.0, 20.0, "frames.txt", 236.5, "urban.mp4", 3),
         RecordingFacts("rural", frames="0:299:20"),
     ),
     size=(1280, 960),
@@ -61,7 +61,7 @@ def test_every_key_is_read(tmp_path: Path):
         tmp_path,
         '[defaults]\nsize = "640x480"\nfps = 20\nframes = "0:9"',
         '[[recording]]\nname = "urban"\nwidth = 320\nheight = 240\nfps = 12.5\nframes = "0:4"\n'
-        'horizon = 120\npictures = "urban.mp4"',
+        'horizon = 120\npictures = "urban.mp4"\nfirst_picture = 2330',
         '[truth]\npath = ["a.csv", "b.csv"]\nformat = "csv"\nclasses = ["person"]\n'
         "frame_base = 0\nbox_base = 1",
         '[[system]]\nname = "FIR"\npath = "fir.csv"\nthreshold = 0.5\noffset_frames = 2\n'
@@ -74,7 +74,7 @@ def test_every_key_is_read(tmp_path: Path):
     first, second = session.systems
     assert (session.size, session.fps, session.frames) == ((640, 480), 20.0, "0:9")
     assert session.recordings == (
-        RecordingFacts("urban", 320.0, 240.0, 12.5, "0:4", 120.0, "urban.mp4"),
+        RecordingFacts("urban", 320.0, 240.0, 12.5, "0:4", 120.0, "urban.mp4", 2330),
     )
     assert session.truth == Source(("a.csv", "b.csv"), "csv", ("person",), 0, 1)
     assert (first.name, first.threshold, first.offset_frames) == ("FIR", 0.5, 2)
@@ -167,6 +167,8 @@ RECORDING = '[[recording]]\nname = "a"\n'
         (RECORDING + "fps = true", "[[recording]]: expected fps to be a number, found True"),
         (RECORDING + "width = -1", "[[recording]]: width: expected a positive number, found -1"),
         (RECORDING + "horizon = nan", "[[recording]]: horizon: expected a finite number"),
+        (RECORDING + "first_picture = 1.5", "expected first_picture to be a whole number"),
+        (RECORDING + f"first_picture = {10**16}", "first_picture: expected a frame number"),
         (RECORDING + "frames = 5", "[[recording]]: expected frames to be a text, found 5"),
         (RECORDING * 2, "the session: expected one [[recording]] named 'a', found several"),
         (SYSTEM + "scores = 1", "[[system]] has no key 'scores'"),

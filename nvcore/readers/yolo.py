@@ -99,6 +99,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
             "YOLO text holds shares of the picture's width and height: give the size of the "
             "pictures with --size WIDTHxHEIGHT",
             file=files[0].name if files else None,
+            facts=("size",),
         )
     frames = [file for file in files if not _is_extra(file.name)]
     position = np.array([i for i, file in enumerate(files) if not _is_extra(file.name)], np.int64)

@@ -1,0 +1,1 @@
+"""Figures: tables and results in, Plotly figures out; pure, one module for each figure."""

@@ -1,0 +1,232 @@
+"""Encounters: how X and Y miss them, who sees them first, and where in the picture."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+import pandas as pd
+import plotly.graph_objects as go
+
+from nvcore.figures.style import (
+    LEFT_PX,
+    LEGEND,
+    LOOK,
+    axis,
+    count_text,
+    empty_figure,
+    faded,
+    layout,
+    plain,
+    steady_marker,
+    system_label,
+)
+from nvcore.palette import Theme
+from nvcore.schema import MISS_CLASS_TEXT, Category, MissClass
+
+CLASS_WORDS: Final = {
+    MissClass.NEVER: "never",
+    MissClass.LATE: "late",
+    MissClass.DROPOUT: "dropout",
+    MissClass.LOST_EARLY: "lost early",
+    MissClass.BRIEF: "too brief",
+    MissClass.NONE: "no failure",
+}
+NONE_LEFT: Final = "No encounter is left: widen the filters."
+MAX_BINS: Final = 25
+LEAD_STEPS_S: Final = (0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)
+"""Widths of the bins of lead time that are easy to read."""
+MAX_MARKS: Final = 4000
+"""Encounters on the map; detected ones are thinned out first."""
+MAP_KINDS: Final = (
+    (Category.DISTANT, "distant", "pale", "circle-open", 5),
+    (Category.BOTH, "seen by both", "muted", "circle-open", 8),
+    (Category.Y_ONLY, "missed by X", "x", "x", 11),
+    (Category.X_ONLY, "missed by Y", "y", "triangle-down", 12),
+    (Category.NEITHER, "missed by both", "ink", "square-x", 12),
+)
+"""Category, words, colour, symbol and size; the later ones are drawn on top."""
+
+
+def miss_classes_plot(
+    encounters: pd.DataFrame, names: tuple[str, str], *, theme: Theme
+) -> go.Figure:
+    """How many encounters have which miss class, X against Y; `customdata` is the class.
+
+    Parameters
+    ----------
+    encounters
+        `nvcore.tables.encounters_table`, or rows of it.
+    names
+        Names of X and Y.
+    """
+    near = encounters[encounters["category"] != Category.DISTANT.value]
+    if near.empty:
+        return empty_figure(NONE_LEFT, theme=theme)
+    place = np.arange(len(MissClass), dtype=float)
+    kinds = [kind.value for kind in MissClass]
+    look = LOOK[theme]
+    traces = []
+    for letter, name in zip("xy", names, strict=True):
+        counts = near[f"miss_class_{letter}"].value_counts().reindex(kinds, fill_value=0)
+        # Y's bars are outlined, not hatched: Plotly loses the hatching at the first click
+        colour = look.of(letter)
+        bars = steady_marker(
+            color=colour if letter == "x" else faded(colour, 0.3),
+            line={"width": 2, "color": colour}, cornerradius=3,
+        )  # fmt: skip
+        for state in ("selected", "unselected"):
+            bars[state] = {**bars[state], "textfont": {"color": look.ink}}
+        traces.append(
+            go.Bar(
+                x=place, y=counts.to_numpy(), customdata=kinds, name=system_label(letter, name),
+                text=counts.to_numpy(), textposition="outside", cliponaxis=False,
+                hovertext=[MISS_CLASS_TEXT[kind] for kind in MissClass],
+                hovertemplate=f"{letter.upper()}: %{{y}}<br>%{{hovertext}}<extra></extra>",
+                **bars,
+            )
+        )  # fmt: skip
+    return go.Figure(
+        traces,
+        layout(
+            theme,
+            title="How encounters are missed",
+            subtitle=f"{count_text(len(near), 'encounter')} that came near enough to count",
+            bargap=0.3,
+            bargroupgap=0.08,
+            xaxis=axis(
+                theme, tickvals=place, ticktext=[CLASS_WORDS[kind] for kind in MissClass],
+                showgrid=False, fixedrange=True,
+            ),
+            yaxis=axis(theme, "encounters", rangemode="tozero", fixedrange=True, tickformat=",d"),
+        ),
+    )  # fmt: skip
+
+
+def lead_bins(lead_s: np.ndarray) -> tuple[np.ndarray, float]:
+    """Centres and width of the bins of lead time, seconds; one of them is centred at 0."""
+    reach = float(np.abs(lead_s).max(initial=0))
+    width = next(
+        (step for step in LEAD_STEPS_S if 2 * reach / step <= MAX_BINS - 1),
+        2 * reach / (MAX_BINS - 1),
+    )
+    half = max(2, int(np.floor(reach / width + 0.5)))
+    return np.arange(-half, half + 1) * width, width
+
+
+def lead_time_plot(encounters: pd.DataFrame, *, theme: Theme) -> go.Figure:
+    """How much earlier X matches an encounter than Y; right of 0 X is first.
+
+    Parameters
+    ----------
+    encounters
+        `nvcore.tables.encounters_table`, or rows of it.
+    """
+    lead_s = encounters["lead_time_s"].to_numpy(dtype=float)
+    lead_s = lead_s[np.isfinite(lead_s)]
+    if not len(lead_s):
+        return empty_figure("No encounter here was matched by both systems.", theme=theme)
+    centre, width = lead_bins(lead_s)
+    # a multiple of the width lies in the middle of its bin, whatever the rounding
+    at = np.clip(np.round(lead_s / width).astype(int) + len(centre) // 2, 0, len(centre) - 1)
+    counts = np.bincount(at, minlength=len(centre))
+    look = LOOK[theme]
+    traces = []
+    for label, colour, chosen in (
+        ("Y first", look.y, centre < 0),
+        ("at the same time", look.muted, centre == 0),
+        ("X first", look.x, centre > 0),
+    ):
+        chosen = chosen & (counts > 0)
+        traces.append(
+            go.Bar(
+                x=centre[chosen], y=counts[chosen], width=0.9 * width, name=label,
+                marker={"color": colour, "cornerradius": 2},
+                hovertemplate=f"%{{x:.2f}} s (± {width / 2:g} s): %{{y}}<extra></extra>",
+            )
+        )  # fmt: skip
+    said = (
+        f"{count_text(len(lead_s), 'encounter')} matched by both; median "
+        f"{np.median(lead_s) + 0.0:+.2f} s"
+    )
+    return go.Figure(
+        traces,
+        layout(
+            theme,
+            title="Who sees a pedestrian first",
+            subtitle=said,
+            barmode="overlay",
+            xaxis=axis(theme, "← Y first        lead time of X over Y (s)        X first →",
+                       range=[centre[0] - width, centre[-1] + width]),
+            yaxis=axis(theme, "encounters", rangemode="tozero", fixedrange=True, tickformat=",d"),
+        ),
+    )  # fmt: skip
+
+
+def position_map(encounters: pd.DataFrame, *, theme: Theme) -> go.Figure:
+    """Where in the picture each system misses: sideways position by height.
+
+    `customdata` is the row of the encounter (the index of the table).
+
+    Parameters
+    ----------
+    encounters
+        `nvcore.tables.encounters_table`, or rows of it with its index.
+    """
+    if encounters.empty:
+        return empty_figure(NONE_LEFT, theme=theme)
+    look = LOOK[theme]
+    category = encounters["category"].to_numpy()
+    n_misses = int(np.isin(category, [kind.value for kind, *_ in MAP_KINDS[2:]]).sum())
+    share = max(0, MAX_MARKS - n_misses) / max(1, len(encounters) - n_misses)
+    step = max(1, int(np.ceil(1 / share))) if share > 0 else len(encounters)
+    traces = []
+    n_drawn = 0
+    for kind, words, colour, symbol, size in MAP_KINDS:
+        part = encounters[category == kind.value]
+        if kind in (Category.DISTANT, Category.BOTH):
+            part = part.iloc[::step]
+        else:
+            part = part.iloc[:MAX_MARKS]
+        n_drawn += len(part)
+        text = [
+            f"{plain(name)}, pedestrian {track}: {words}<br>{height:.0f} px tall"
+            for name, track, height in zip(
+                part["recording"], part["track"], part["peak_height"], strict=True
+            )
+        ]
+        shade = getattr(look, colour)
+        traces.append(
+            go.Scatter(
+                x=part["lateral_position"].to_numpy(), y=part["peak_height"].to_numpy(),
+                mode="markers", customdata=part.index.to_numpy(), text=text,
+                hovertemplate="%{text}<extra></extra>",
+                name=f"{words} ({np.count_nonzero(category == kind.value):,})",
+                **steady_marker(symbol=symbol, size=size, color=shade,
+                                line={"width": 1.5, "color": shade}),
+            )
+        )  # fmt: skip
+    said = count_text(len(encounters), "encounter")
+    if n_drawn < len(encounters):
+        said += f", {n_drawn:,} of them drawn"
+    return go.Figure(
+        traces,
+        layout(
+            theme,
+            title="Where pedestrians are missed",
+            subtitle=f"{said}; colour: the system that misses",
+            height=430,
+            hoverdistance=24,
+            margin={"l": LEFT_PX, "r": 16, "t": 64, "b": 104},
+            legend={**LEGEND, "y": 0, "yref": "container"},
+            xaxis=axis(
+                theme, "mean position in the picture", range=[-1.05, 1.05], fixedrange=True,
+                tickvals=[-1, -0.5, 0, 0.5, 1],
+                ticktext=["left", "", "middle", "", "right"],
+            ),
+            yaxis=axis(
+                theme, "largest height (px)",
+                range=[0, 1.06 * float(encounters["peak_height"].max())],
+            ),
+        ),
+    )  # fmt: skip

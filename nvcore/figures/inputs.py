@@ -1,0 +1,214 @@
+"""Scores with the threshold, false alarms by threshold, heights with the proximity sigmoid."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import numpy as np
+import pandas as pd
+import plotly.graph_objects as go
+
+from nvcore.dataset import Dataset
+from nvcore.figures.style import (
+    LOOK,
+    axis,
+    count_text,
+    empty_figure,
+    faded,
+    layout,
+    system_label,
+)
+from nvcore.palette import Theme
+from nvcore.params import MIDPOINT_SHARE, SPREAD_SHARE, Params
+from nvcore.proximity import sigmoid
+
+SMALL_PX: Final = 180
+"""Height of the figure in the sidebar."""
+MAX_BOXES: Final = 200_000
+"""Boxes that the histogram of heights is made of, taken evenly from all."""
+N_BINS: Final = 40
+N_CURVES: Final = 4
+"""Sigmoids drawn where recordings differ in size."""
+
+
+def score_plot(
+    histogram: pd.DataFrame, *, letter: str, name: str, threshold: float | None, theme: Theme
+) -> go.Figure:
+    """Scores of a system: those kept by the threshold solid, the others pale.
+
+    Parameters
+    ----------
+    histogram
+        `nvcore.operating_point.score_histogram`.
+    letter
+        "x" or "y".
+    """
+    if histogram.empty:
+        return empty_figure("The detections of this system have no scores.", theme=theme)
+    look = LOOK[theme]
+    low, high = histogram["low"].to_numpy(), histogram["high"].to_numpy()
+    n = histogram["n"].to_numpy()
+    limit = -np.inf if threshold is None else threshold
+    is_kept = (low + high) / 2 >= limit
+    traces = []
+    for words, colour, chosen in (
+        ("left out", look.pale, ~is_kept), ("kept", look.of(letter), is_kept),
+    ):  # fmt: skip
+        traces.append(
+            go.Bar(
+                x=(low + high)[chosen] / 2, y=n[chosen], width=(high - low)[chosen], name=words,
+                marker={"color": colour, "line": {"width": 0}},
+                customdata=low[chosen],
+                hovertemplate="%{y:,} detections with a score of %{customdata:.3f} or a little "
+                "more<extra></extra>",
+            )
+        )  # fmt: skip
+    figure = go.Figure(
+        traces,
+        layout(
+            theme,
+            title=f"Scores of {system_label(letter, name)}",
+            subtitle=count_text(int(n.sum()), "detection"),
+            height=280,
+            bargap=0,
+            barmode="overlay",
+            showlegend=threshold is not None,
+            xaxis=axis(theme, "score", showgrid=False),
+            yaxis=axis(theme, "detections", rangemode="tozero", fixedrange=True),
+        ),
+    )
+    _threshold_line(figure, threshold, theme)
+    return figure
+
+
+def false_alarm_plot(
+    curve: pd.DataFrame, *, letter: str, name: str, threshold: float | None, theme: Theme
+) -> go.Figure:
+    """False alarms per minute of recording that each threshold leaves; 0 is best.
+
+    Parameters
+    ----------
+    curve
+        `nvcore.operating_point.false_alarm_curve`.
+    letter
+        "x" or "y".
+    """
+    if curve.empty:
+        return empty_figure("The detections of this system have no scores.", theme=theme)
+    figure = go.Figure(
+        go.Scatter(
+            x=curve["threshold"].to_numpy(), y=curve["false_alarms_per_minute"].to_numpy(),
+            mode="lines", line={"color": LOOK[theme].of(letter), "width": 2.2},
+            customdata=curve["n_kept"].to_numpy(), name=letter.upper(),
+            hovertemplate="threshold %{x:.3f}<br>%{y:.1f} false alarms per minute<br>"
+            "%{customdata:,} detections kept<extra></extra>",
+        ),
+        layout(
+            theme,
+            title=f"False alarms of {system_label(letter, name)}",
+            subtitle=f"{count_text(int(curve['n_false_alarms'].max()), 'false alarm')} at the "
+            "lowest threshold",
+            height=280,
+            hovermode="x",
+            showlegend=False,
+            xaxis=axis(theme, "score threshold"),
+            yaxis=axis(theme, "false alarms per minute", rangemode="tozero", fixedrange=True),
+        ),
+    )  # fmt: skip
+    _threshold_line(figure, threshold, theme)
+    return figure
+
+
+def _threshold_line(figure: go.Figure, threshold: float | None, theme: Theme) -> None:
+    if threshold is None:
+        return
+    look = LOOK[theme]
+    figure.add_shape(
+        type="line", name="threshold", x0=threshold, x1=threshold, yref="paper", y0=0, y1=1,
+        line={"color": look.ink, "width": 1.5},
+    )  # fmt: skip
+    figure.add_annotation(
+        x=threshold, y=1, yref="paper", yanchor="bottom", showarrow=False,
+        text=f"threshold {threshold:g}", font={"size": 12, "color": look.ink},
+    )  # fmt: skip
+
+
+def proximity_plot(dataset: Dataset, params: Params, *, theme: Theme) -> go.Figure:
+    """The proximity weight over how near the pedestrians of the truth seem; small.
+
+    By height or depth below the horizon in pixels, or by distance in metres, as `params` say.
+    Where the recordings' sizes make several sigmoids, the first `N_CURVES` are drawn.
+    """
+    if params.proximity == "none":
+        return empty_figure("Every pedestrian counts the same.", theme=theme, height=SMALL_PX)
+    size, curves, title = _sizes_and_curves(dataset, params)
+    if not len(size):
+        return empty_figure("The truth has no pedestrian to show.", theme=theme, height=SMALL_PX)
+    look = LOOK[theme]
+    end = 1.02 * float(max(size.max(), *(zero + 3 * abs(spread) for zero, spread in curves)))
+    n, edges = np.histogram(size, bins=N_BINS, range=(min(0.0, float(size.min())), end))
+    at = np.linspace(edges[0], end, 121)
+    traces: list[Any] = [
+        go.Bar(
+            x=(edges[:-1] + edges[1:]) / 2, y=n / n.max(initial=1), width=np.diff(edges),
+            marker={"color": faded(look.truth, 0.28), "line": {"width": 0}}, customdata=n,
+            hovertemplate="%{customdata:,} boxes of about %{x:.0f}<extra></extra>",
+            name="pedestrians", showlegend=False,
+        )
+    ]  # fmt: skip
+    for zero, spread in curves:
+        traces.append(
+            go.Scatter(
+                x=at, y=sigmoid((at - zero) / spread), mode="lines", name="weight k",
+                line={"color": look.ink, "width": 2}, showlegend=False,
+                hovertemplate="%{x:.0f}: weight %{y:.2f}<extra></extra>",
+            )
+        )  # fmt: skip
+        traces.append(
+            go.Scatter(
+                x=[zero], y=[0.5], mode="markers", marker={"color": look.ink, "size": 8},
+                hovertemplate="counts half at %{x:.1f}<extra></extra>", name="midpoint",
+                showlegend=False,
+            )
+        )  # fmt: skip
+    tight = {"l": 34, "r": 8, "t": 8, "b": 38}
+    return go.Figure(
+        traces,
+        layout(
+            theme,
+            height=SMALL_PX,
+            margin=tight,
+            bargap=0,
+            xaxis=axis(theme, title, range=[edges[0], end], fixedrange=True, showgrid=False),
+            yaxis=axis(theme, "weight", range=[0, 1.05], fixedrange=True, tickvals=[0, 0.5, 1]),
+        ),
+    )
+
+
+def _sizes_and_curves(
+    dataset: Dataset, params: Params
+) -> tuple[np.ndarray, list[tuple[float, float]], str]:
+    """What the sigmoid is over, for the pedestrians; (zero, spread) of each; the axis' title."""
+    truth, frames = dataset.truth, dataset.frame_columns
+    rows = np.arange(0, len(truth), max(1, -(-len(truth) // MAX_BOXES)))
+    rows = rows[~truth.ignore[rows]]
+    n_all = f"{int(np.count_nonzero(~truth.ignore)):,} boxes"
+    if params.proximity == "distance":
+        distance_m = truth.distance_m[rows]
+        known = distance_m[np.isfinite(distance_m)]
+        return known, [(params.midpoint_m, -params.spread_m)], f"distance (m), {n_all}"
+    midpoint = MIDPOINT_SHARE * frames.height if params.midpoint is None else params.midpoint
+    spread = SPREAD_SHARE * frames.height if params.spread is None else params.spread
+    pairs = np.unique(np.column_stack(np.broadcast_arrays(midpoint, spread, frames.height))[:, :2],
+                      axis=0)  # fmt: skip
+    curves = [(float(zero), float(soft)) for zero, soft in pairs[:N_CURVES]]
+    if params.proximity == "horizon":
+        horizon = (
+            frames.horizon
+            if params.horizon is None
+            else np.full(len(frames.height), params.horizon)
+        )
+        foot = truth.y[rows] + truth.h[rows]
+        depth = foot - horizon[frames.recording[truth.frame_index[rows]]]
+        return depth[np.isfinite(depth)], curves, f"foot below horizon (px), {n_all}"
+    return truth.h[rows], curves, f"height (px), {n_all}"

@@ -1,0 +1,110 @@
+"""Paired points: one figure of X against Y for each recording, the largest difference on top."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+import pandas as pd
+import plotly.graph_objects as go
+
+from nvcore.figures.style import (
+    LOOK,
+    SYMBOL,
+    axis,
+    click_markers,
+    count_text,
+    empty_figure,
+    layout,
+    plain,
+    steady_marker,
+    system_label,
+)
+from nvcore.palette import Theme
+
+MAX_RECORDINGS: Final = 40
+"""Recordings drawn: those with the largest differences."""
+ROW_PX: Final = 24
+
+
+def paired_points(
+    recordings: pd.DataFrame,
+    column: str,
+    names: tuple[str, str],
+    *,
+    theme: Theme,
+    title: str,
+    axis_title: str,
+    higher_is_better: bool,
+) -> go.Figure:
+    """X and Y joined by a line for each recording; `customdata` is the recording's row.
+
+    Sorted by X less Y, so that those on top are the ones where X is better.
+
+    Parameters
+    ----------
+    recordings
+        `nvcore.tables.recordings_table`, or rows of it with the same index.
+    column
+        Name of the figure without the system, such as "mean_similarity".
+    """
+    x, y = (recordings[f"{column}_{letter}"].to_numpy(dtype=float) for letter in "xy")
+    known = np.flatnonzero(np.isfinite(x) & np.isfinite(y))
+    if not len(known):
+        return empty_figure("There is no recording to compare.", theme=theme)
+    gain = (x - y) if higher_is_better else (y - x)
+    chosen = known[np.argsort(-np.abs(gain[known]), kind="stable")][:MAX_RECORDINGS]
+    chosen = chosen[np.argsort(-gain[chosen], kind="stable")]
+    labels = [plain(name, max_length=24) for name in recordings["recording"].to_numpy()[chosen]]
+    place = np.arange(len(chosen), dtype=float)
+    rows = recordings.index.to_numpy()[chosen]
+    text = [
+        f"{label}<br>X {one:.3f}   Y {other:.3f}   X − Y {one - other:+.3f}"
+        for label, one, other in zip(labels, x[chosen], y[chosen], strict=True)
+    ]
+    look = LOOK[theme]
+    nan = np.full(len(chosen), np.nan)
+    traces = [
+        go.Scatter(
+            x=np.column_stack([x[chosen], y[chosen], nan]).ravel(),
+            y=np.column_stack([place, place, nan]).ravel(),
+            mode="lines", line={"width": 3, "color": look.pale}, hoverinfo="skip",
+            showlegend=False, name="difference",
+        )
+    ]  # fmt: skip
+    for letter, name, values in (("x", names[0], x), ("y", names[1], y)):
+        marker = steady_marker(
+            color=look.of(letter), size=11, symbol=SYMBOL[letter],
+            line={"width": 1, "color": look.surface},
+        )  # fmt: skip
+        traces.append(
+            go.Scatter(
+                x=values[chosen], y=place, mode="markers", customdata=rows, text=text,
+                hovertemplate="%{text}<extra></extra>", name=system_label(letter, name), **marker,
+            )
+        )  # fmt: skip
+    middle = (x[chosen] + y[chosen]) / 2
+    traces.append(
+        click_markers(
+            x=middle, y=place, customdata=rows, text=text,
+            hovertemplate="%{text}<extra></extra>", name="recordings",
+        )
+    )  # fmt: skip
+    said = count_text(len(known), "recording")
+    if len(known) > len(chosen):
+        said += f", the {len(chosen)} with the largest differences drawn"
+    return go.Figure(
+        traces,
+        layout(
+            theme,
+            title=title,
+            subtitle=f"{said}; on top those where X is better",
+            height=150 + ROW_PX * len(chosen),
+            hoverdistance=-1,
+            xaxis=axis(theme, axis_title),
+            yaxis=axis(
+                theme, range=[len(chosen) - 0.4, -0.6], fixedrange=True,
+                tickvals=place, ticktext=labels, automargin=True,
+            ),
+        ),
+    )  # fmt: skip

@@ -1,0 +1,186 @@
+"""Saliency: the events on the recency curve, what makes up a number, X against Y."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+import pandas as pd
+import plotly.graph_objects as go
+
+from nvcore.analysis import Result
+from nvcore.figures.paired import paired_points
+from nvcore.figures.style import (
+    LOOK,
+    SYMBOL,
+    axis,
+    count_text,
+    empty_figure,
+    faded,
+    layout,
+    plain,
+    steady_marker,
+    system_label,
+)
+from nvcore.palette import Theme
+from nvcore.saliency import recency_weight
+from nvcore.tables import sides
+
+MAX_EVENTS: Final = 1000
+"""Events of each system on the curve, the most salient first."""
+N_PARTS: Final = 6
+"""Events of each system that are taken apart."""
+CURVE_POINTS: Final = 201
+SHIFT: Final = 0.03
+"""How far from the curve the marks of X and Y stand apart from each other."""
+NO_EVENTS: Final = "No saliency events: no pedestrian is missed by more than the tolerance."
+
+
+def _events(result: Result, letter: str, recording: int | None, most: int) -> pd.DataFrame:
+    """Events of one system, the most salient first, with a text for each."""
+    system = dict(sides(result))[letter]
+    events = system.events
+    if recording is not None:
+        events = events[events["recording"].to_numpy() == recording]
+    events = events.sort_values("saliency_s", ascending=False, kind="stable").head(most)
+    names = result.dataset.recordings["name"].to_numpy()[events["recording"].to_numpy()]
+    start_s = result.dataset.frames["time_s"].to_numpy()[events["first_row"].to_numpy()]
+    text = [
+        f"{letter.upper()} misses pedestrian {track}<br>{plain(name)} at {start:.2f} s<br>"
+        f"{duration:.2f} s × recency {recency:.2f} = {saliency:.2f} s"
+        for name, track, start, duration, recency, saliency in zip(
+            names, events["track"], start_s, events["duration_s"], events["recency"],
+            events["saliency_s"], strict=True,
+        )
+    ]  # fmt: skip
+    return events.assign(text=text, name=names, start_s=start_s)
+
+
+def recency_plot(result: Result, *, theme: Theme, recording: int | None = None) -> go.Figure:
+    """The recency curve with every event on it; larger marks last longer.
+
+    `customdata` is the row in ``dataset.frames`` of the event's first frame.
+
+    Parameters
+    ----------
+    recording
+        Row of ``dataset.recordings``; None: all of them.
+    """
+    params, look = result.params, LOOK[theme]
+    tau = np.linspace(0, 1, CURVE_POINTS)
+    whole = "encounter" if params.saliency_scope == "encounter" else "recording"
+    traces = [
+        go.Scatter(
+            x=tau, y=recency_weight(tau, params), mode="lines", hoverinfo="skip",
+            line={"color": look.muted, "width": 1.5}, name="recency", showlegend=False,
+        )
+    ]  # fmt: skip
+    said = []
+    for letter, system in sides(result):
+        events = _events(result, letter, recording, MAX_EVENTS)
+        said.append(f"{letter.upper()} {count_text(len(events), 'event')}")
+        area = events["duration_s"].to_numpy()
+        # X's marks stand above the curve and Y's below: many events of both end at one time
+        shift = SHIFT if letter == "x" else -SHIFT
+        marker = steady_marker(
+            color=faded(look.of(letter), 0.35), symbol=SYMBOL[letter],
+            size=5 + 15 * np.sqrt(area / max(area.max(initial=0), 1e-9)),
+            line={"width": 1.2, "color": look.of(letter)},
+        )  # fmt: skip
+        traces.append(
+            go.Scatter(
+                x=events["tau"].to_numpy(), y=events["recency"].to_numpy() + shift,
+                mode="markers", customdata=events["first_row"].to_numpy(),
+                text=events["text"].tolist(), hovertemplate="%{text}<extra></extra>",
+                name=system_label(letter, system.name), **marker,
+            )
+        )  # fmt: skip
+    return go.Figure(
+        traces,
+        layout(
+            theme,
+            title="When misses happen, and how much they count",
+            subtitle=f"{', '.join(said)}; larger marks last longer",
+            height=360,
+            xaxis=axis(theme, f"end of the event in its {whole} (share of the duration)",
+                       range=[-0.02, 1.03], fixedrange=True, tickformat=".0%"),
+            yaxis=axis(theme, "recency (weight, 0 to 1)", range=[-0.06, 1.08], fixedrange=True),
+        ),
+    )  # fmt: skip
+
+
+def parts_plot(
+    result: Result, *, theme: Theme, recording: int | None = None, n: int = N_PARTS
+) -> go.Figure:
+    """The most salient events taken apart: how long (pale), and what recency leaves (solid).
+
+    `customdata` is the row in ``dataset.frames`` of the event's first frame.
+
+    Parameters
+    ----------
+    recording
+        Row of ``dataset.recordings``; None: all of them.
+    n
+        Events of each system.
+    """
+    look = LOOK[theme]
+    traces: list[go.Bar] = []
+    labels: list[str] = []
+    for letter, system in sides(result):
+        events = _events(result, letter, recording, n)
+        place = len(labels) + np.arange(len(events), dtype=float)
+        labels += [
+            (f"ped {plain(track, max_length=8)}" if recording is not None
+             else f"{plain(name, max_length=20)}, ped {plain(track, max_length=8)}")
+            + f", {start:.1f} s"
+            for name, track, start in zip(
+                events["name"], events["track"], events["start_s"], strict=True
+            )
+        ]  # fmt: skip
+        colour = look.of(letter)
+        label = system_label(letter, system.name)
+        for column, fill in (("duration_s", faded(colour, 0.22)), ("saliency_s", colour)):
+            marker = steady_marker(color=fill, line={"width": 1, "color": colour}, cornerradius=2)
+            traces.append(
+                go.Bar(
+                    x=events[column].to_numpy(), y=place, width=0.72, orientation="h",
+                    customdata=events["first_row"].to_numpy(), hovertext=events["text"].tolist(),
+                    hovertemplate="%{hovertext}<extra></extra>", name=label, legendgroup=letter,
+                    showlegend=column == "saliency_s", **marker,
+                )
+            )  # fmt: skip
+    if not labels:
+        return empty_figure(NO_EVENTS, theme=theme)
+    kind = "largest event" if result.params.saliency_aggregate == "max" else "sum of events"
+    return go.Figure(
+        traces,
+        layout(
+            theme,
+            title="The number taken apart",
+            subtitle=f"{count_text(len(labels), 'most salient event')}; pale: duration, "
+            "solid: × recency",
+            height=150 + 24 * len(labels),
+            barmode="overlay",
+            xaxis=axis(theme, f"seconds (a recording: {kind})", rangemode="tozero"),
+            yaxis=axis(theme, range=[len(labels) - 0.4, -0.6], fixedrange=True, showgrid=False,
+                       tickvals=np.arange(len(labels)), ticktext=labels, automargin=True),
+        ),
+    )  # fmt: skip
+
+
+def saliency_by_recording(
+    recordings: pd.DataFrame, names: tuple[str, str], *, theme: Theme
+) -> go.Figure:
+    """Saliency per recording as paired points, 0 is best; `customdata` is the recording's row.
+
+    Parameters
+    ----------
+    recordings
+        `nvcore.tables.recordings_table`.
+    names
+        Names of X and Y.
+    """
+    return paired_points(
+        recordings, "saliency", names, theme=theme, title="Saliency by recording",
+        axis_title="saliency (s, 0 = nothing to notice)", higher_is_better=False,
+    )  # fmt: skip

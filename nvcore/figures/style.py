@@ -1,0 +1,186 @@
+"""What all figures share: colours, dashes, text, and the layout for the light and dark theme."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from textwrap import wrap
+from typing import Any, Final
+
+import plotly.graph_objects as go
+
+from nvcore.palette import TRUTH_COLOUR, X_COLOUR, Y_COLOUR, Theme, rgb
+
+FONT: Final = "Source Sans Pro, sans-serif"
+LEFT_PX: Final = 76
+"""Left margin of the figures over time, so that they stand in line below each other."""
+MAX_NAME: Final = 32
+"""Characters of a name from a file that are shown."""
+EMPTY_LINE: Final = 42
+"""Characters in a line of a figure without data: it may stand in the sidebar."""
+DASH: Final = {"x": "solid", "y": "dash", "truth": "dot"}
+SYMBOL: Final = {"x": "circle", "y": "diamond"}
+
+CONFIG: Final[dict[str, Any]] = {
+    "displayModeBar": False,
+    "displaylogo": False,
+    "scrollZoom": False,
+    "doubleClick": "reset",
+    "showTips": False,
+}
+"""Plotly's configuration for every figure: no tool bar, double click resets the view."""
+
+LEGEND: Final[dict[str, Any]] = {
+    "orientation": "h", "x": 0, "xanchor": "left",
+    "y": 1, "yanchor": "bottom", "font": {"size": 12}, "bgcolor": "rgba(0,0,0,0)",
+}  # fmt: skip
+"""In a row, on the left, just above the plot."""
+
+
+@dataclass(frozen=True)
+class Look:
+    """Colours of one theme."""
+
+    ink: str
+    muted: str
+    grid: str
+    pale: str
+    surface: str
+    x: str
+    y: str
+    truth: str
+
+    def of(self, letter: str) -> str:
+        """Colour of system "x" or "y", or of the "truth"."""
+        colour: str = getattr(self, letter)
+        return colour
+
+
+LOOK: Final[dict[Theme, Look]] = {
+    "light": Look(
+        ink="#1F2630", muted="#57606A", grid="#E4E8ED", pale="#CBD2DA", surface="#FFFFFF",
+        x=X_COLOUR["light"], y=Y_COLOUR["light"], truth=TRUTH_COLOUR["light"],
+    ),
+    "dark": Look(
+        ink="#E6EAF0", muted="#A3AEBB", grid="#2A323D", pale="#46515F", surface="#151A21",
+        x=X_COLOUR["dark"], y=Y_COLOUR["dark"], truth=TRUTH_COLOUR["dark"],
+    ),
+}  # fmt: skip
+
+
+def plain(text: object, *, max_length: int = MAX_NAME) -> str:
+    """A name from a file as text that Plotly takes for nothing else.
+
+    Markup, hover templates (``%{x}``) and formulas (``$...$``) lose their meaning, characters
+    that cannot be seen become spaces, long names are cut in the middle.
+    """
+    shown = "".join(char if char.isprintable() else " " for char in str(text)).strip()
+    if len(shown) > max_length:
+        head = (max_length - 1) // 2
+        shown = f"{shown[:head]}…{shown[len(shown) - (max_length - 1 - head) :]}"
+    for char, entity in (
+        ("&", "&amp;"), ("<", "&lt;"), (">", "&gt;"), ("{", "&#123;"), ("$", "&#36;"),
+    ):  # fmt: skip
+        shown = shown.replace(char, entity)
+    return shown
+
+
+def count_text(n: int, noun: str) -> str:
+    """A count with its noun: "1 frame", "3,000 frames"."""
+    return f"{n:,} {noun}{'' if n == 1 else 's'}"
+
+
+def system_label(letter: str, name: str) -> str:
+    """How a system is called in legends: "X: FIR", as plain text."""
+    return f"{letter.upper()}: {plain(name)}" if name else letter.upper()
+
+
+def faded(colour: str, opacity: float) -> str:
+    """A colour ``#RRGGBB`` with an opacity of 0..1."""
+    red, green, blue = rgb(colour)
+    return f"rgba({red},{green},{blue},{opacity:g})"
+
+
+def axis(theme: Theme, title: str = "", **more: Any) -> dict[str, Any]:
+    """One axis; `title` says the quantity and its unit."""
+    look = LOOK[theme]
+    return {
+        "title": {"text": title, "font": {"size": 12, "color": look.muted}, "standoff": 8},
+        "gridcolor": look.grid,
+        "zeroline": False,
+        "showline": False,
+        "tickfont": {"size": 12, "color": look.muted},
+        "ticks": "",
+        **more,
+    }
+
+
+def heading(title: str, subtitle: str, *, theme: Theme) -> str:
+    """Title with a smaller second line."""
+    second = f"font-size:12.5px;color:{LOOK[theme].muted}"
+    return f'{title}<br><span style="{second}">{subtitle}</span>' if subtitle else title
+
+
+def layout(
+    theme: Theme, *, title: str = "", subtitle: str = "", height: int = 320, **more: Any
+) -> dict[str, Any]:
+    """Layout of a figure: transparent, title and legend on the left above the plot.
+
+    Parameters
+    ----------
+    title, subtitle
+        What is shown, and how much stands behind it; names in them went through `plain`.
+    more
+        Further layout settings, such as axes; they replace those given here.
+    """
+    look = LOOK[theme]
+    has_legend = more.get("showlegend", True)
+    return {
+        "height": height,
+        "autosize": True,
+        "paper_bgcolor": "rgba(0,0,0,0)",
+        "plot_bgcolor": "rgba(0,0,0,0)",
+        "font": {"family": FONT, "size": 13, "color": look.ink},
+        "title": {
+            "text": heading(title, subtitle, theme=theme),
+            "font": {"size": 16, "color": look.ink},
+            "x": 0, "xref": "container", "xanchor": "left",
+            "y": 1, "yref": "container", "yanchor": "top", "pad": {"t": 20, "l": 4},
+        },
+        "legend": LEGEND,
+        "margin": {"l": LEFT_PX, "r": 16, "t": 88 if has_legend else 64, "b": 48},
+        "hoverlabel": {
+            "bgcolor": look.surface, "bordercolor": look.pale,
+            "font": {"family": FONT, "size": 13, "color": look.ink}, "align": "left",
+        },
+        "hovermode": "closest",
+        **more,
+    }  # fmt: skip
+
+
+def steady_marker(*, opacity: float = 1, **marker: Any) -> dict[str, Any]:
+    """Settings of markers or bars that a click does not fade.
+
+    Plotly fades whatever is not selected; here a selection moves the cursor instead.
+    """
+    kept = {"marker": {"opacity": opacity}}
+    return {"marker": {**marker, "opacity": opacity}, "selected": kept, "unselected": kept}
+
+
+def click_markers(**trace: Any) -> go.Scatter:
+    """Invisible markers: Plotly reports clicks on markers only, never on lines or areas."""
+    return go.Scatter(
+        mode="markers", showlegend=False, **steady_marker(opacity=0, size=8, color="#000"), **trace
+    )
+
+
+def empty_figure(text: str, *, theme: Theme, height: int = 200) -> go.Figure:
+    """A figure without data: one sentence that says why, and what to do."""
+    hidden = {"visible": False, "fixedrange": True}
+    edge = dict.fromkeys("lrtb", 8)
+    figure = go.Figure(layout=layout(theme, height=height, xaxis=hidden, yaxis=hidden, margin=edge))
+    figure.add_annotation(
+        text="<br>".join(wrap(text, EMPTY_LINE)),
+        x=0.5, y=0.5, xref="paper", yref="paper", showarrow=False,
+        font={"size": 14, "color": LOOK[theme].muted},
+    )  # fmt: skip
+    return figure

@@ -1,0 +1,204 @@
+"""Venn diagram of the encounters: two circles with areas in proportion to the counts."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import numpy as np
+import plotly.graph_objects as go
+
+from nvcore.figures.style import (
+    DASH,
+    LOOK,
+    click_markers,
+    count_text,
+    empty_figure,
+    faded,
+    layout,
+    plain,
+)
+from nvcore.figures.venn_circles import Circles, place_circles
+from nvcore.palette import Theme
+from nvcore.schema import Category
+from nvcore.venn import Venn
+
+HEIGHT_PX: Final = 380
+ASPECT: Final = 1.75
+"""Width of the frame around the circles by its height, at least."""
+PLOT_PX: Final = (440, 270)
+"""Room for the circles that can be counted on, width and height."""
+LABEL_PX: Final = 44
+"""Width that a count inside a region needs."""
+GRID: Final = (36, 22)
+"""Places that can be clicked, across and down."""
+WORDS: Final = {
+    Category.BOTH: "both",
+    Category.X_ONLY: "only X",
+    Category.Y_ONLY: "only Y",
+    Category.NEITHER: "neither",
+    Category.DISTANT: "distant",
+}
+
+
+def venn_figure(venn: Venn, names: tuple[str, str], *, theme: Theme) -> go.Figure:
+    """Encounters by which system detects them; a click gives the category as `customdata`.
+
+    Parameters
+    ----------
+    names
+        Names of X and Y.
+
+    References
+    ----------
+    Paper 11-0360, figures 1 and 2.
+    """
+    if venn.n_near == 0:
+        text = "No pedestrian came near enough to count."
+        if venn.distant:
+            text += f" {count_text(venn.distant, 'encounter')} stayed distant."
+        return empty_figure(text, theme=theme, height=HEIGHT_PX)
+    circles = place_circles(venn)
+    corners = left, right, bottom, top = _frame(circles)
+    scale = min(PLOT_PX[0] / (right - left), PLOT_PX[1] / (top - bottom))
+    hidden = {"visible": False, "fixedrange": True}
+    figure = go.Figure(
+        [_clicks(venn, circles, corners)],
+        layout(
+            theme,
+            title="Encounters detected",
+            subtitle=f"{count_text(venn.n_near, 'encounter')} near enough to count; areas in "
+            "proportion",
+            height=HEIGHT_PX,
+            hoverdistance=24,
+            margin={"l": 8, "r": 8, "t": 60, "b": 30},
+            xaxis={**hidden, "range": [left, right]},
+            yaxis={**hidden, "range": [bottom, top], "scaleanchor": "x"},
+        ),
+    )
+    figure.add_shape(
+        type="rect", x0=left, x1=right, y0=bottom, y1=top, layer="below", name="all encounters",
+        line={"color": LOOK[theme].pale, "width": 1}, fillcolor=faded(LOOK[theme].pale, 0.12),
+    )  # fmt: skip
+    _draw_circles(figure, circles, theme)
+    _label_regions(figure, venn, circles, corners, scale, theme)
+    _label_outside(figure, venn, names, corners, theme)
+    return figure
+
+
+def _frame(circles: Circles) -> tuple[float, float, float, float]:
+    """Left, right, bottom, top of the frame that also holds those that neither detects."""
+    width = max(circles.right - circles.left, 1.0)
+    height = max(2 * max(circles.radius_x, circles.radius_y), 0.35 * width)
+    pad = 0.1 * height
+    half_width = max(width / 2 + pad, 0.5 * ASPECT * (height + 3.2 * pad))
+    middle = (circles.left + circles.right) / 2
+    return middle - half_width, middle + half_width, -height / 2 - 1.6 * pad, height / 2 + 1.6 * pad
+
+
+def _draw_circles(figure: go.Figure, circles: Circles, theme: Theme) -> None:
+    for letter, centre, radius in (
+        ("x", 0.0, circles.radius_x), ("y", circles.apart, circles.radius_y),
+    ):  # fmt: skip
+        if radius:
+            colour = LOOK[theme].of(letter)
+            figure.add_shape(
+                type="circle", x0=centre - radius, x1=centre + radius, y0=-radius, y1=radius,
+                fillcolor=faded(colour, 0.30), layer="below", name=f"circle {letter}",
+                line={"color": colour, "width": 2, "dash": DASH[letter]},
+            )  # fmt: skip
+
+
+def _label_regions(
+    figure: go.Figure,
+    venn: Venn,
+    circles: Circles,
+    corners: tuple[float, float, float, float],
+    scale: float,
+    theme: Theme,
+) -> None:
+    """Count and words in each region; beside it with a line where the region is too narrow."""
+    look = LOOK[theme]
+    left, right, bottom, _ = corners
+    gap = 0.06 * (right - left)
+    beside: dict[Category, dict[str, Any]] = {
+        Category.X_ONLY: {"ax": circles.left - gap, "ay": 0, "xanchor": "right"},
+        Category.BOTH: {"ay": 0.94 * bottom, "yanchor": "bottom"},
+        Category.Y_ONLY: {"ax": circles.right + gap, "ay": 0, "xanchor": "left"},
+    }
+    for category, place in beside.items():
+        count = venn.counts()[category.value]
+        if not count:
+            continue
+        start, stop = circles.region_ends(category)
+        middle = (start + stop) / 2
+        if (stop - start) * scale >= LABEL_PX:
+            text = f'<b style="font-size:24px">{count:,}</b><br>{WORDS[category]}'
+            place = {"showarrow": False}
+        else:
+            text = f"<b>{count:,}</b> {WORDS[category]}"
+            line = {"arrowhead": 0, "arrowwidth": 1, "arrowcolor": look.muted}
+            place = {"showarrow": True, "ax": middle, "axref": "x", "ayref": "y", **line, **place}
+        figure.add_annotation(
+            x=middle, y=0, text=text, name=category.value,
+            font={"size": 14, "color": look.ink}, **place,
+        )  # fmt: skip
+
+
+def _label_outside(
+    figure: go.Figure,
+    venn: Venn,
+    names: tuple[str, str],
+    corners: tuple[float, float, float, float],
+    theme: Theme,
+) -> None:
+    left, right, bottom, top = corners
+    pad = 0.06 * (top - bottom)
+    look = LOOK[theme]
+    for letter, name, x, anchor, count in (
+        ("x", names[0], left + pad / 3, "left", venn.both + venn.x_only),
+        ("y", names[1], right - pad / 3, "right", venn.both + venn.y_only),
+    ):
+        figure.add_annotation(
+            x=x, y=top - pad / 3, xanchor=anchor, yanchor="top", align=anchor, showarrow=False,
+            text=f"<b>{letter.upper()}: {plain(name, max_length=18)}</b><br>"
+            f"{count:,} of {venn.n_near:,}",
+            font={"size": 13, "color": look.of(letter)}, name=f"system {letter}",
+        )  # fmt: skip
+    figure.add_annotation(
+        x=right - pad / 3, y=bottom + pad / 4, xanchor="right", yanchor="bottom", showarrow=False,
+        text=f"<b>{venn.neither:,}</b> neither", font={"size": 14, "color": look.ink},
+        name=Category.NEITHER.value,
+    )  # fmt: skip
+    figure.add_annotation(
+        x=right, y=bottom, xanchor="right", yanchor="top", yshift=-4, showarrow=False,
+        text=f"{venn.distant:,} distant, not counted", font={"size": 12, "color": look.muted},
+        name=Category.DISTANT.value,
+    )  # fmt: skip
+
+
+def _clicks(venn: Venn, circles: Circles, corners: tuple[float, float, float, float]) -> go.Scatter:
+    """Invisible markers all over the diagram, each of the category at its place."""
+    left, right, bottom, top = corners
+    x, y = (
+        grid.ravel()
+        for grid in np.meshgrid(
+            np.linspace(left, right, GRID[0]), np.linspace(bottom, top, GRID[1])
+        )
+    )
+    in_x = x**2 + y**2 <= circles.radius_x**2
+    in_y = (x - circles.apart) ** 2 + y**2 <= circles.radius_y**2
+    kinds = (Category.BOTH, Category.X_ONLY, Category.Y_ONLY, Category.NEITHER)
+    category = np.select([in_x & in_y, in_x, in_y], range(3), default=3)
+    # a region may be too small for the grid: one marker in its middle
+    for code, kind in enumerate(kinds[:3]):
+        if venn.counts()[kind.value]:
+            x, y = np.append(x, sum(circles.region_ends(kind)) / 2), np.append(y, 0.0)
+            category = np.append(category, code)
+    x, y = np.append(x, right), np.append(y, bottom - 0.04 * (top - bottom))
+    names = [kinds[code].value for code in category] + [Category.DISTANT.value]
+    text = [f"{count_text(venn.counts()[name], 'encounter')}: {WORDS[Category(name)]}"
+            for name in names]  # fmt: skip
+    return click_markers(
+        x=x, y=y, customdata=names, text=text, hovertemplate="%{text}<extra></extra>",
+        name="regions", cliponaxis=False,
+    )  # fmt: skip

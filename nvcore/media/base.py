@@ -1,0 +1,105 @@
+"""What every source of pictures offers, whatever it is made of."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from typing import Any, Final, Protocol, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nvcore.errors import MediaError
+
+Picture: TypeAlias = NDArray[Any]
+"""Grey (h, w) or RGB (h, w, 3), uint8 or uint16; not to be written to."""
+
+_CACHED_PICTURES: Final = 16
+_CACHED_BYTES: Final = 1 << 26
+
+
+class Pictures(Protocol):
+    """Pictures of one recording; any thread may read.
+
+    Attributes
+    ----------
+    name
+        File or folder name, without the folders above.
+    n
+        Number of pictures that can be read.
+    width, height
+        Size of the first picture, px.
+    is_video
+        Whether they come from one video file.
+    numbers
+        Frame number in the name of each picture, int64, shape (n,), all different; None for a
+        video and where names have none.
+    note
+        What the user should know, as a sentence; empty: nothing.
+    """
+
+    name: str
+    n: int
+    width: int
+    height: int
+    is_video: bool
+    numbers: NDArray[np.int64] | None
+    note: str
+
+    def read(self, index: int) -> Picture:
+        """The picture `index` (0-based).
+
+        Raises
+        ------
+        MediaError
+            If there is no such picture, or it cannot be decoded.
+        """
+        ...
+
+    def close(self) -> None:
+        """Let go of files and memory."""
+        ...
+
+
+class Recent:
+    """The pictures read last, up to 16 of them and 64 MiB."""
+
+    def __init__(self) -> None:
+        self._pictures: OrderedDict[int, Picture] = OrderedDict()
+
+    def get(self, index: int) -> Picture | None:
+        """The picture, if it is still here."""
+        if index not in self._pictures:
+            return None
+        self._pictures.move_to_end(index)
+        return self._pictures[index]
+
+    def put(self, index: int, picture: Picture) -> Picture:
+        """Keep a picture, which can't be written to from now on; the same picture."""
+        picture.setflags(write=False)
+        self._pictures[index] = picture
+        self._pictures.move_to_end(index)
+        n_bytes = sum(one.nbytes for one in self._pictures.values())
+        while len(self._pictures) > _CACHED_PICTURES or (
+            n_bytes > _CACHED_BYTES and len(self._pictures) > 1
+        ):
+            n_bytes -= self._pictures.popitem(last=False)[1].nbytes
+        return picture
+
+    def clear(self) -> None:
+        """Forget all."""
+        self._pictures.clear()
+
+
+def check_index(index: int, pictures: Pictures) -> None:
+    """Refuse an index without a picture.
+
+    Raises
+    ------
+    MediaError
+        If it is not within 0..n - 1.
+    """
+    if not 0 <= index < pictures.n:
+        raise MediaError(
+            f"there is no picture {index}; there are {pictures.n}, counted from 0",
+            file=pictures.name,
+        )

@@ -1,0 +1,131 @@
+"""What a picture's header says, read before anything is decoded."""
+
+from __future__ import annotations
+
+import struct
+from typing import Final
+
+from nvcore.errors import MediaError
+
+MAX_PIXELS: Final = 100_000_000
+"""Pictures of more pixels are refused: no camera of these drives makes them."""
+
+IMAGE_SUFFIXES: Final = frozenset({".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp"})
+"""Endings by which pictures are picked from a folder or an archive."""
+
+_START_OF_FRAME: Final = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}
+_WITHOUT_LENGTH: Final = frozenset({0x01, *range(0xD0, 0xD9)})
+
+
+def is_image(content: bytes) -> bool:
+    """Whether the first bytes are those of PNG, JPEG, TIFF or BMP."""
+    return content.startswith(
+        (b"\x89PNG\r\n\x1a\n", b"\xff\xd8\xff", b"II*\0", b"MM\0*")
+    ) or _is_bitmap(content)
+
+
+def _is_bitmap(content: bytes) -> bool:
+    # "BM" alone would also be text; the header that follows has one of a few lengths
+    return content.startswith(b"BM") and content[14:18] in (
+        b"\x0c\0\0\0", b"\x28\0\0\0", b"\x34\0\0\0", b"\x38\0\0\0", b"\x6c\0\0\0", b"\x7c\0\0\0",
+    )  # fmt: skip
+
+
+def image_size(content: bytes, name: str) -> tuple[int, int]:
+    """Width and height of a PNG, JPEG, TIFF or BMP, px.
+
+    Parameters
+    ----------
+    content
+        The whole file.
+    name
+        The file's name, for errors.
+
+    Raises
+    ------
+    MediaError
+        If it is none of these, is cut off, or has more than `MAX_PIXELS`.
+    """
+    try:
+        size = _size(content)
+    except (struct.error, IndexError):
+        size = None
+    if size is None or not is_whole(content):
+        if is_image(content):
+            raise MediaError("the picture is damaged or cut off; copy it again", file=name)
+        raise MediaError("is no PNG, JPEG, TIFF or BMP; convert it to one of them", file=name)
+    width, height = size
+    check_size(width, height, name)
+    return width, height
+
+
+def check_size(width: int, height: int, name: str) -> None:
+    """Refuse what is no picture's size.
+
+    Raises
+    ------
+    MediaError
+        If there are no pixels, or more than `MAX_PIXELS`.
+    """
+    if width <= 0 or height <= 0:
+        raise MediaError(f"states a size of {width} x {height} px; it is damaged", file=name)
+    if width * height > MAX_PIXELS:
+        raise MediaError(
+            f"states a size of {width} x {height} px; at most {MAX_PIXELS // 10**6} megapixels "
+            "are read: scale it down",
+            file=name,
+        )
+
+
+def is_whole(content: bytes) -> bool:
+    """Whether a PNG or JPEG has its end; others are taken at their word."""
+    if content.startswith(b"\x89PNG"):
+        return b"IEND" in content[-(1 << 16) :]
+    if content.startswith(b"\xff\xd8"):
+        return b"\xff\xd9" in content[-(1 << 16) :]
+    return True
+
+
+def _size(content: bytes) -> tuple[int, int] | None:
+    if content.startswith(b"\x89PNG\r\n\x1a\n"):
+        return struct.unpack_from(">2L", content, 16) if content[12:16] == b"IHDR" else None
+    if content.startswith(b"\xff\xd8\xff"):
+        return _jpeg_size(content)
+    if content.startswith((b"II*\0", b"MM\0*")):
+        return _tiff_size(content, "<" if content[:1] == b"I" else ">")
+    if _is_bitmap(content):
+        if content[14] == 12:  # the oldest header has short numbers
+            return struct.unpack_from("<2H", content, 18)
+        width, height = struct.unpack_from("<2l", content, 18)
+        return width, abs(height)
+    return None
+
+
+def _jpeg_size(content: bytes) -> tuple[int, int] | None:
+    at = 2
+    while at + 9 <= len(content):  # a step per segment, before the picture's data
+        if content[at] != 0xFF:
+            return None
+        marker = content[at + 1]
+        if marker == 0xFF or marker in _WITHOUT_LENGTH:
+            at += 1 if marker == 0xFF else 2
+            continue
+        if marker in _START_OF_FRAME:
+            height, width = struct.unpack_from(">2H", content, at + 5)
+            return width, height
+        at += 2 + int.from_bytes(content[at + 2 : at + 4], "big")
+    return None
+
+
+def _tiff_size(content: bytes, order: str) -> tuple[int, int] | None:
+    start = struct.unpack_from(order + "L", content, 4)[0]
+    n_tags = struct.unpack_from(order + "H", content, start)[0]
+    found: dict[int, int] = {}
+    for number in range(n_tags):  # at most 65535 tags
+        tag, kind = struct.unpack_from(order + "2H", content, start + 2 + 12 * number)
+        if tag in (256, 257):
+            form = {3: "H", 4: "L"}.get(kind)
+            if form is None:
+                return None
+            found[tag] = struct.unpack_from(order + form, content, start + 10 + 12 * number)[0]
+    return (found[256], found[257]) if len(found) == 2 else None

@@ -1,0 +1,80 @@
+"""Named settings for usual traffic: starting points that set several parameters at once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+from nvcore.params import MIDPOINT_SHARE, SPREAD_SHARE, Params
+
+
+@dataclass(frozen=True)
+class Preset:
+    """A named choice of traffic context and of the height at which a pedestrian is near.
+
+    Attributes
+    ----------
+    name
+        As shown.
+    text
+        What it is for, in a sentence.
+    edge_weight
+        See `Params.edge_weight`.
+    midpoint_share, spread_share
+        Midpoint and spread of the height sigmoid, as shares of the picture's height.
+    """
+
+    name: str
+    text: str
+    edge_weight: float
+    midpoint_share: float
+    spread_share: float
+
+    def values(self, height: float | None) -> dict[str, float | str | None]:
+        """The parameters that it sets, for pictures of this height in px.
+
+        Midpoint and spread are None, taken from each recording, where they are the default
+        shares or the height is unknown.
+        """
+        is_default = (self.midpoint_share, self.spread_share) == (MIDPOINT_SHARE, SPREAD_SHARE)
+        if is_default or height is None:
+            midpoint = spread = None
+        else:
+            midpoint, spread = self.midpoint_share * height, self.spread_share * height
+        defaults = Params()
+        return {
+            "alpha": defaults.alpha,
+            "proximity": "height",
+            "edge_weight": self.edge_weight,
+            "midpoint": midpoint,
+            "spread": spread,
+        }
+
+
+PRESETS: Final = (
+    Preset(
+        "Paper",
+        "The settings of the paper where it makes them, defaults elsewhere: a miss far to the "
+        "side costs little.",
+        edge_weight=0.0,
+        midpoint_share=MIDPOINT_SHARE,
+        spread_share=SPREAD_SHARE,
+    ),
+    Preset(
+        "Urban",
+        "Low speed: only near pedestrians count fully (those taller than 15 % of the picture), a "
+        "miss on the far sidewalk costs little.",
+        edge_weight=0.0,
+        midpoint_share=0.15,
+        spread_share=0.03,
+    ),
+    Preset(
+        "Rural",
+        "High speed: pedestrians count from farther off (6 % of the picture's height), and a miss "
+        "at the road's edge costs as much as one straight ahead.",
+        edge_weight=1.0,
+        midpoint_share=0.06,
+        spread_share=0.012,
+    ),
+)
+"""All presets; the first is the default."""

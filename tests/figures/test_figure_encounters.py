@@ -1,0 +1,192 @@
+"""Figures of encounters, recordings and fusion."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+from figure_parts import trace, words
+
+from nvcore.figures import encounters as module
+from nvcore.figures import paired
+from nvcore.figures.encounters import lead_bins, lead_time_plot, miss_classes_plot, position_map
+from nvcore.figures.fusion import fusion_plot
+from nvcore.figures.recordings import recordings_plot
+from nvcore.figures.saliency import saliency_by_recording
+from nvcore.figures.style import LOOK
+
+NAMES = ("FIR", "NIR")
+
+
+def table(*rows: tuple[str, str | None, str | None, float]) -> pd.DataFrame:
+    """Encounters of (category, class for X, class for Y, lead time), numbered from 10."""
+    columns = ["category", "miss_class_x", "miss_class_y", "lead_time_s"]
+    encounters = pd.DataFrame(rows, columns=columns, index=10 + np.arange(len(rows)))
+    place = np.arange(len(rows)) / 10
+    return encounters.assign(
+        recording="<b>r</b>", track=7, lateral_position=place, peak_height=100 * place
+    )
+
+
+SIX = table(
+    ("both", "none", "late", 0.8),
+    ("both", "none", "none", 0.0),
+    ("x_only", "none", "never", np.nan),
+    ("y_only", "late", "none", -1.6),
+    ("neither", "never", "never", np.nan),
+    ("distant", None, None, np.nan),
+)
+
+
+def test_miss_classes_are_counted_for_each_system_without_distant_encounters() -> None:
+    figure = miss_classes_plot(SIX, NAMES, theme="light")
+    x, y = trace(figure, "X: FIR"), trace(figure, "Y: NIR")
+    assert list(x.customdata) == ["never", "late", "dropout", "lost_early", "brief", "none"]
+    assert x.y.tolist() == [1, 1, 0, 0, 0, 3]
+    assert y.y.tolist() == [2, 1, 0, 0, 0, 2]
+    assert "5 encounters" in words(figure)
+
+
+def test_bars_of_x_are_filled_and_those_of_y_outlined() -> None:
+    figure = miss_classes_plot(SIX, NAMES, theme="light")
+    x, y = trace(figure, "X: FIR").marker, trace(figure, "Y: NIR").marker
+    assert x.color == x.line.color
+    assert y.color.startswith("rgba")
+
+
+def test_a_click_fades_neither_bars_nor_their_counts() -> None:
+    for bars in miss_classes_plot(SIX, NAMES, theme="light").data:
+        assert bars.unselected.marker.opacity == bars.selected.marker.opacity == 1
+        assert bars.unselected.textfont.color == LOOK["light"].ink
+
+
+def test_without_encounters_the_figures_say_what_to_do() -> None:
+    for figure in (
+        miss_classes_plot(SIX[:0], NAMES, theme="light"),
+        position_map(SIX[:0], theme="light"),
+    ):
+        assert "widen the filters" in words(figure)
+
+
+def test_lead_times_right_of_zero_are_those_where_x_is_first() -> None:
+    figure = lead_time_plot(SIX, theme="light")
+    x, y = trace(figure, "X first"), trace(figure, "Y first")
+    assert [x.x[i] for i in np.flatnonzero(x.y)] == [pytest.approx(0.8)]
+    assert [y.x[i] for i in np.flatnonzero(y.y)] == [pytest.approx(-1.6)]
+    assert trace(figure, "at the same time").y.tolist() == [1]
+    assert "3 encounters matched by both; median +0.00 s" in words(figure)
+
+
+@pytest.mark.parametrize("reach", [0.0, 0.04, 0.5, 1.8, 7.0, 60.0, 1000.0])
+def test_the_bins_of_lead_time_are_few_and_one_is_centred_at_zero(reach: float) -> None:
+    centre, width = lead_bins(np.array([reach, -reach / 3]))
+    assert len(centre) <= 25
+    assert 0 in centre.tolist()
+    assert centre[-1] + width / 2 >= reach * (1 - 1e-12)
+
+
+def test_no_lead_time_is_lost_between_the_bins() -> None:
+    lead_s = np.arange(-40, 41) / 20
+    encounters = pd.DataFrame({"lead_time_s": lead_s})
+    figure = lead_time_plot(encounters, theme="light")
+    assert sum(int(one.y.sum()) for one in figure.data) == len(lead_s)
+
+
+def test_without_a_shared_match_there_is_no_lead_time() -> None:
+    figure = lead_time_plot(SIX[2:3], theme="light")
+    assert "matched by both systems" in words(figure)
+
+
+def test_the_map_marks_each_encounter_by_who_misses_it() -> None:
+    figure = position_map(SIX, theme="light")
+    rows = {one.name: one.customdata.tolist() for one in figure.data}
+    assert rows == {
+        "distant (1)": [15], "seen by both (2)": [10, 11], "missed by X (1)": [13],
+        "missed by Y (1)": [12], "missed by both (1)": [14],
+    }  # fmt: skip
+    assert trace(figure, "missed by X (1)").x.tolist() == [pytest.approx(0.3)]
+    assert trace(figure, "missed by X (1)").y.tolist() == [pytest.approx(30)]
+    assert "&lt;b&gt;r" in trace(figure, "missed by X (1)").text[0]
+
+
+def test_who_misses_can_be_told_without_colour() -> None:
+    figure = position_map(SIX, theme="light")
+    assert len({one.marker.symbol for one in figure.data[1:]}) == 4
+
+
+def test_the_map_thins_out_those_who_are_seen_before_those_who_are_missed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(module, "MAX_MARKS", 6)
+    seen = [("both", "none", "none", 0.0)] * 10
+    figure = position_map(table(*seen, ("x_only", "none", "never", np.nan)), theme="light")
+    assert len(trace(figure, "seen by both (10)").x) == 5
+    assert len(trace(figure, "missed by Y (1)").x) == 1
+    assert "11 encounters, 6 of them drawn" in words(figure)
+
+
+def recordings(*pairs: tuple[float, float], column: str = "mean_similarity") -> pd.DataFrame:
+    x, y = zip(*pairs, strict=True) if pairs else ((), ())
+    names = [f"{i:04d}" for i in range(len(pairs))]
+    return pd.DataFrame({"recording": names, f"{column}_x": x, f"{column}_y": y}, dtype=object)
+
+
+def test_recordings_are_sorted_by_how_much_better_x_is() -> None:
+    figure = recordings_plot(recordings((0.8, 0.9), (0.9, 0.7), (0.5, 0.5)), NAMES, theme="light")
+    assert trace(figure, "X: FIR").customdata.tolist() == [1, 2, 0]
+    assert trace(figure, "X: FIR").x.tolist() == [0.9, 0.5, 0.8]
+    assert trace(figure, "Y: NIR").x.tolist() == [0.7, 0.5, 0.9]
+
+
+def test_a_recording_named_by_a_number_keeps_its_name() -> None:
+    figure = recordings_plot(recordings((0.8, 0.9)), NAMES, theme="light")
+    assert figure.layout.yaxis.ticktext == ("0000",)
+
+
+def test_less_saliency_is_better() -> None:
+    saliency = recordings((2.0, 0.5), (0.5, 2.0), column="saliency")
+    figure = saliency_by_recording(saliency, NAMES, theme="light")
+    assert trace(figure, "X: FIR").customdata.tolist() == [1, 0]
+
+
+def test_of_many_recordings_those_with_the_largest_differences_are_drawn(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(paired, "MAX_RECORDINGS", 2)
+    pairs = recordings((0.8, 0.9), (0.9, 0.4), (0.5, 0.5))
+    figure = recordings_plot(pairs, NAMES, theme="light")
+    assert trace(figure, "X: FIR").customdata.tolist() == [1, 0]
+    assert "3 recordings, the 2 with the largest differences drawn" in words(figure)
+
+
+def test_a_recording_without_a_mean_is_left_out() -> None:
+    figure = recordings_plot(recordings((np.nan, 0.9), (0.9, 0.4)), NAMES, theme="light")
+    assert trace(figure, "X: FIR").customdata.tolist() == [1]
+
+
+def test_without_recordings_there_is_nothing_to_compare() -> None:
+    assert "no recording" in words(recordings_plot(recordings(), NAMES, theme="light"))
+
+
+def fusion(rate: float = 30.0, encounters: int = 10) -> pd.DataFrame:
+    return pd.DataFrame(
+        {
+            "system": ["x", "y", "x_or_y", "x_and_y"], "name": ["FIR", "NIR", "<b>", "both"],
+            "encounters_detected": [7, 6, 9, 4], "encounters": encounters,
+            "episodes_per_hour": [rate, 2 * rate, 3 * rate, 0 * rate],
+        }
+    )  # fmt: skip
+
+
+def test_fusion_shows_encounters_against_false_alerts() -> None:
+    figure = fusion_plot(fusion(), theme="light")
+    assert {one.name: (one.x[0], one.y[0]) for one in figure.data} == {
+        "X": (30, 7), "Y": (60, 6), "X or Y": (90, 9), "X and Y": (0, 4),
+    }  # fmt: skip
+    assert "&lt;b&gt;" in trace(figure, "X or Y").hovertext[0]
+    assert "10 encounters" in words(figure)
+
+
+def test_fusion_without_a_duration_or_encounters_is_empty() -> None:
+    assert not fusion_plot(fusion(np.nan), theme="light").data
+    assert not fusion_plot(fusion(encounters=0), theme="light").data

@@ -1,0 +1,110 @@
+"""Figures of scores, false alarms and proximity."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+from builders import Place, at, make_dataset
+from figure_parts import shape, trace, words
+
+from nvcore.figures.inputs import false_alarm_plot, proximity_plot, score_plot
+from nvcore.params import Params
+
+HISTOGRAM = pd.DataFrame({"low": [0.0, 0.25, 0.5, 0.75], "high": [0.25, 0.5, 0.75, 1.0],
+                          "n": [5, 4, 3, 2]})  # fmt: skip
+CURVE = pd.DataFrame({"threshold": [0.1, 0.5], "n_kept": [14, 5], "n_false_alarms": [6, 1],
+                      "false_alarms_per_frame": [0.6, 0.1],
+                      "false_alarms_per_minute": [360.0, 60.0]})  # fmt: skip
+
+
+def test_scores_below_the_threshold_are_pale() -> None:
+    figure = score_plot(HISTOGRAM, letter="x", name="FIR", threshold=0.5, theme="light")
+    assert trace(figure, "left out").y.tolist() == [5, 4]
+    assert trace(figure, "kept").y.tolist() == [3, 2]
+    assert shape(figure, "threshold").x0 == 0.5
+    assert "14 detections" in words(figure)
+
+
+def test_without_a_threshold_every_score_is_kept() -> None:
+    figure = score_plot(HISTOGRAM, letter="y", name="NIR", threshold=None, theme="light")
+    assert trace(figure, "kept").y.tolist() == [5, 4, 3, 2]
+    assert not figure.layout.shapes
+
+
+def test_a_system_without_scores_says_so() -> None:
+    for figure in (
+        score_plot(HISTOGRAM[:0], letter="x", name="FIR", threshold=None, theme="light"),
+        false_alarm_plot(CURVE[:0], letter="x", name="FIR", threshold=None, theme="light"),
+    ):
+        assert "no scores" in words(figure)
+
+
+def test_false_alarms_are_drawn_by_threshold() -> None:
+    figure = false_alarm_plot(CURVE, letter="y", name="<NIR>", threshold=0.3, theme="dark")
+    line = trace(figure, "Y")
+    assert (line.x.tolist(), line.y.tolist()) == ([0.1, 0.5], [360, 60])
+    assert line.customdata.tolist() == [14, 5]
+    assert "&lt;NIR&gt;" in words(figure)
+    assert "6 false alarms at the lowest threshold" in words(figure)
+
+
+TRUTH = [at(0, 20, h=30, distance_m=40.0), at(0, 50, h=10, distance_m=60.0), at(0, 80, h=10)]
+
+
+def test_the_sigmoid_is_a_half_at_the_default_midpoint_of_a_tenth_of_the_height() -> None:
+    figure = proximity_plot(make_dataset(TRUTH, height=200.0), Params(), theme="light")
+    assert trace(figure, "midpoint").x == (20.0,)
+    curve = trace(figure, "weight k")
+    assert np.interp(20, curve.x, curve.y) == pytest.approx(0.5, abs=0.01)
+    assert np.all(np.diff(curve.y) >= 0)
+
+
+def test_heights_of_the_truth_are_counted_without_ignored_boxes() -> None:
+    truth = [*TRUTH, at(0, 60, h=10, ignore=True)]
+    figure = proximity_plot(make_dataset(truth), Params(), theme="light")
+    bars = trace(figure, "pedestrians")
+    assert sorted(bars.customdata[bars.customdata > 0].tolist()) == [1, 2]
+    assert bars.y.max() == 1
+    assert "3 boxes" in figure.layout.xaxis.title.text
+
+
+def test_by_horizon_the_axis_is_the_depth_of_the_foot_point() -> None:
+    data = make_dataset(TRUTH, horizon=50.0)  # foot points in row 90
+    figure = proximity_plot(data, Params(proximity="horizon"), theme="light")
+    bars = trace(figure, "pedestrians")
+    at_40 = np.flatnonzero(bars.customdata)
+    assert len(at_40) == 1
+    assert abs(bars.x[at_40[0]] - 40) <= bars.width[at_40[0]]
+    assert "foot below horizon (px)" in figure.layout.xaxis.title.text
+
+
+def test_a_given_horizon_goes_before_that_of_the_recording() -> None:
+    data = make_dataset(TRUTH, horizon=50.0)
+    figure = proximity_plot(data, Params(proximity="horizon", horizon=80.0), theme="light")
+    bars = trace(figure, "pedestrians")
+    assert abs(bars.x[np.flatnonzero(bars.customdata)[0]] - 10) <= bars.width[0]
+
+
+def test_by_distance_the_weight_falls_with_metres() -> None:
+    figure = proximity_plot(make_dataset(TRUTH), Params(proximity="distance"), theme="light")
+    curve = trace(figure, "weight k")
+    assert np.all(np.diff(curve.y) <= 0)
+    assert trace(figure, "pedestrians").customdata.sum() == 2
+
+
+def test_without_proximity_every_pedestrian_counts_the_same() -> None:
+    figure = proximity_plot(make_dataset(TRUTH), Params(proximity="none"), theme="light")
+    assert "counts the same" in words(figure)
+    assert figure.layout.height == 180
+
+
+def test_a_truth_without_pedestrians_says_so() -> None:
+    figure = proximity_plot(make_dataset(n_frames=1), Params(), theme="light")
+    assert "no pedestrian" in words(figure)
+
+
+def test_recordings_of_two_sizes_have_two_sigmoids() -> None:
+    places = [Place([0], height=100), Place([0], height=300), Place([0], height=100)]
+    figure = proximity_plot(make_dataset(TRUTH, places=places), Params(), theme="light")
+    assert [one.x[0] for one in figure.data if one.name == "midpoint"] == [10, 30]
