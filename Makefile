@@ -1,4 +1,5 @@
-# make run   compare the two systems of the sample recordings
+# make run   the dashboard, on the sample recordings
+#            (make run LOCAL_ROOT=DIR: it may also open what lies below that folder)
 # make test  lint, types, import contract, all tests with coverage
 # make bench benchmarks against other tools, written to docs/benchmarks.md
 #            (make bench BENCH=--quick: a minute, nothing written)
@@ -10,12 +11,12 @@ DEVELOP := $(BIN)/.installed-dev
 TOOLS := .venv-bench/tools/.installed
 MOTMETRICS := .venv-bench/motmetrics/.installed
 
-.PHONY: run test bench lint clean
+.PHONY: run test bench lint chromium clean
 
 run: $(LIBRARY)
-	$(BIN)/nvcore compare sample_data/session.toml
+	$(BIN)/streamlit run app.py $(if $(LOCAL_ROOT),-- --local-root "$(LOCAL_ROOT)")
 
-test: $(DEVELOP) lint
+test: $(DEVELOP) chromium lint
 	$(BIN)/coverage erase
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q --cov --cov-report= --cov-fail-under=0 tests/test_kernels.py tests/test_link_kernel.py
 	$(BIN)/python -m pytest -q --cov --cov-append
@@ -25,6 +26,15 @@ lint: $(DEVELOP)
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+
+# The browser tests drive Debian's Chromium; where it is missing and may be installed, it is.
+chromium:
+	@command -v chromium > /dev/null || test -n "$$NVCORE_CHROMIUM" || \
+	if [ "$$(id -u)" = 0 ] && command -v apt-get > /dev/null; then \
+	    apt-get update -qq && apt-get install -qq -y --no-install-recommends chromium > /dev/null; \
+	else \
+	    echo "The browser tests need Chromium: install the package chromium, or set NVCORE_CHROMIUM to the program."; \
+	fi
 
 bench: $(LIBRARY) $(TOOLS) $(MOTMETRICS)
 	$(BIN)/python -m bench.run $(BENCH)

@@ -161,8 +161,9 @@ def test_the_only_recording_of_session_and_truth_is_the_same(tmp_path: Path):
     ],
 )
 def test_an_error_names_all_unknown_facts_and_their_flags(tmp_path: Path, unknown, words: str):
-    with pytest.raises(MissingFactError, match=words):
+    with pytest.raises(MissingFactError, match=words) as caught:
         load(session_of(one_box(tmp_path), "truth.csv", "fir.csv", **dict.fromkeys(unknown)))
+    assert caught.value.facts == unknown
 
 
 def test_an_unknown_fact_of_several_recordings_says_of_how_many(tmp_path: Path):

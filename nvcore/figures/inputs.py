@@ -68,11 +68,12 @@ def score_plot(
         layout(
             theme,
             title=f"Scores of {system_label(letter, name)}",
-            subtitle=count_text(int(n.sum()), "detection"),
+            subtitle=count_text(int(n.sum()), "detection")
+            + ("" if threshold is None else "; pale: left out by the threshold"),
             height=280,
             bargap=0,
             barmode="overlay",
-            showlegend=threshold is not None,
+            showlegend=False,
             xaxis=axis(theme, "score", showgrid=False),
             yaxis=axis(theme, "detections", rangemode="tozero", fixedrange=True),
         ),

@@ -18,7 +18,8 @@ def picture_index(
 ) -> tuple[NDArray[np.int64], str]:
     """The picture of every listed frame, and in words by which rule.
 
-    In this order: `first_picture`; a video's picture i shows frame i; the number in a picture's
+    In this order: `first_picture`; a video's picture i shows frame i, or
+    frame i + 1 where the last listed frame is the number of pictures; the number in a picture's
     name is the frame, or the frame + 1 (names that count from 1), if so every listed frame has a
     picture, or else at least half of the frames or pictures find each other; the pictures in
     their order show the listed frames if they are as many, or else frame 0, 1, 2, ...
@@ -42,7 +43,7 @@ def picture_index(
         index = frames - first_picture
         rule = f"the first picture shows frame {first_picture}, as given"
     elif pictures.is_video:
-        index, rule = frames.copy(), "picture i shows frame i, both counted from 0"
+        index, rule = _of_video(frames, pictures.n)
     elif pictures.numbers is not None:
         index, rule = _by_number(frames, pictures.numbers)
     else:
@@ -58,6 +59,13 @@ def picture_index(
     if pictures.note:
         note += f" {pictures.name}: {pictures.note}."
     return index, note
+
+
+def _of_video(frames: NDArray[np.int64], n: int) -> tuple[NDArray[np.int64], str]:
+    """Frames that count from 1 to the number of pictures are those of a video counted from 1."""
+    if len(frames) and frames.min() >= 1 and frames.max() == n:
+        return frames - 1, "picture i, counted from 0, shows frame i + 1: the frames count from 1"
+    return frames.copy(), "picture i shows frame i, both counted from 0"
 
 
 def _by_number(

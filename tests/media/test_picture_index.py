@@ -36,6 +36,13 @@ def test_frames_beyond_the_end_of_a_video_have_no_picture_and_are_counted(tmp_pa
     assert note.endswith("3 of 5 listed frames have no picture (5 pictures in a.mp4).")
 
 
+def test_frames_from_one_to_the_number_of_pictures_count_from_one(tmp_path: Path):
+    video = open_pictures(write_numbered_video(tmp_path / "a.mp4", n=5))
+    index, note = index_of([1, 2, 5], video)
+    assert index == [0, 1, 4]
+    assert note.endswith("the frames count from 1.")
+
+
 def test_the_frame_of_the_first_picture_goes_before_every_rule(tmp_path: Path):
     video = open_pictures(write_numbered_video(tmp_path / "a.mp4", n=5))
     index, note = index_of([2330, 2332, 2340], video, 2330)

@@ -1,0 +1,83 @@
+"""A set as nvcore's own CSV with a session file, to be opened in the dashboard.
+
+python -m bench.csv_files N FOLDER [--one-recording]
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.csv
+
+from bench.sets import FPS, FRAMES_PER_RECORDING, HEIGHT, WIDTH, Boxes, BoxSet, make_set
+
+SESSION = """\
+[defaults]
+size = "{width}x{height}"
+fps = {fps:g}
+frames = "0:{last}"
+
+[truth]
+path = "truth.csv"
+format = "csv"
+frame_base = 0
+
+[[system]]
+name = "first"
+path = "x.csv"
+format = "csv"
+frame_base = 0
+
+[[system]]
+name = "second"
+path = "y.csv"
+format = "csv"
+frame_base = 0
+"""
+DECIMALS = 2
+
+
+def write_csv(boxes: BoxSet, folder: Path, *, one_recording: bool = False) -> Path:
+    """Write truth.csv, x.csv, y.csv and session.toml; returns the session file.
+
+    The last recording must be a whole one: all have the same list of frames.
+    """
+    length = boxes.n_frames if one_recording else min(FRAMES_PER_RECORDING, boxes.n_frames)
+    folder.mkdir(parents=True, exist_ok=True)
+    sources = zip(("truth", "x", "y"), (boxes.truth, *boxes.systems), strict=True)
+    for name, source in sources:
+        pa.csv.write_csv(_table(source, name, length), folder / f"{name}.csv")
+    path = folder / "session.toml"
+    text = SESSION.format(width=WIDTH, height=HEIGHT, fps=FPS, last=length - 1)
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def _table(source: Boxes, name: str, length: int) -> pa.Table:
+    recording, frame = np.divmod(source.frame_index, length)
+    names = pa.array([f"r{i:04d}" for i in range(int(recording[-1]) + 1)])
+    columns = {
+        "recording": pa.DictionaryArray.from_arrays(recording.astype(np.int32), names).cast(
+            pa.string()
+        ),
+        "frame": frame,
+        **{key: np.round(getattr(source, key), DECIMALS) for key in ("x", "y", "w", "h")},
+    }
+    columns |= {"track": source.track} if name == "truth" else {"score": source.score.round(3)}
+    return pa.table(columns)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("n_frames", type=int)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--one-recording", action="store_true")
+    given = parser.parse_args()
+    write_csv(make_set(given.n_frames), given.folder, one_recording=given.one_recording)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,5 @@
+"""Metrics: what every figure means, what the report's files hold, which formats are read."""
+
+from ui import docs
+
+docs.draw()

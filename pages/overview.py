@@ -1,0 +1,20 @@
+"""Overview: the verdict, the scorecard, who detects whom, and the moments that matter."""
+
+import streamlit as st
+
+from ui import overview_moments, overview_scorecard, overview_venn, state
+from ui.empty import one_system_only
+
+st.title("Overview")
+result = state.result()
+if result is None:
+    one_system_only()
+else:
+    overview_scorecard.verdict_box(result, state.findings())
+    left, right = st.columns([1.15, 1], gap="large")
+    with left:
+        overview_scorecard.scorecard(result)
+    with right:
+        overview_venn.draw(result)
+    overview_moments.draw(result)
+    overview_scorecard.by_recording(result)

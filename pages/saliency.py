@@ -1,0 +1,33 @@
+"""Saliency: which misses would annoy the driver most, and how the number comes about."""
+
+import streamlit as st
+
+from ui import saliency_events, saliency_figures, state
+from ui.empty import one_system_only
+
+
+@st.fragment
+def draw_events() -> None:
+    """X against Y, then the events of the chosen recording; a choice draws nothing but this."""
+    saliency_events.open_asked()
+    result = state.result()
+    saliency_figures.draw_recordings(result)
+    st.subheader("Events")
+    recording = saliency_events.choose_recording()
+    saliency_figures.draw_events(result, recording)
+    saliency_events.draw_table(result, recording)
+
+
+st.title("Saliency")
+result = state.result()
+if result is None:
+    one_system_only()
+else:
+    st.caption(
+        "[Saliency](/metrics#saliency), in seconds, 0 is best: how much the misses will be "
+        "noticed. A *saliency event* is a run of frames in which one pedestrian is the most "
+        "salient miss. It counts by its *duration* times its *recency*, a weight of 0 to 1 that is "
+        "larger for late misses, because the end of a drive is remembered best."
+    )
+    saliency_figures.draw_numbers(result)
+    draw_events()

@@ -1,0 +1,58 @@
+"""The viewer with a slider, a button that seeks, and a choice of recordings."""
+
+from __future__ import annotations
+
+import numpy as np
+import streamlit as st
+import viewer_scene as scene
+
+from ui.viewer import viewer
+
+RECORDINGS = ["video", "boxes only", "sampled", "long", "slow", "ended", "empty"]
+
+st.set_page_config(layout="wide")
+state = st.session_state
+state.setdefault("seek", (5, 0))
+
+columns = st.columns(4)
+alpha = columns[0].slider("alpha", 0.0, 1.0, 0.7, 0.05)
+if columns[1].button("seek 123"):
+    state.seek = (123, state.seek[1] + 1)
+kind = columns[2].selectbox("recording", RECORDINGS)
+hi = columns[3].number_input("hi", 50.0, 100.0, 100.0)
+
+if not columns[1].checkbox("show", value=True):
+    st.stop()
+n_rows = {"empty": 0, "long": scene.N_LONG}.get(kind, scene.N_ROWS)
+rows = np.arange(n_rows)
+has_picture = (rows < scene.FIRST_WITHOUT_PICTURE) & (kind not in ("boxes only", "long"))
+fps = 2.0 if kind == "sampled" else scene.FPS
+frames = scene.FIRST_FRAME + rows
+traces = scene.similarities(alpha, n_rows)
+spans = (scene.MISSED_BY_X, scene.MISSED_BY_Y, scene.MISSED_BY_BOTH)
+pairs = [[(span.start, span.stop) for span in (own, spans[2])] for own in spans[:2]]
+settled = viewer(
+    token="gone" if kind == "ended" else "token-of-the-test",
+    recording=RECORDINGS.index(kind),
+    n_rows=n_rows,
+    width=scene.WIDTH,
+    height=scene.HEIGHT,
+    fps=fps,
+    frames=frames,
+    times_s=frames / fps,
+    has_picture=has_picture,
+    version=f"alpha {alpha}",
+    traces=traces,
+    low=0.5,
+    intervals=pairs,
+    misses=[span.start for span in spans] if n_rows else [],
+    names=("<img src=x onerror=alert(1)>", "YOLOv3 visible"),
+    seek=state.seek,
+    lo=0.0,
+    hi=hi,
+    theme=st.context.theme.type or "light",
+    height_px=520,
+    key="viewer",
+)
+state.runs = state.get("runs", 0) + 1
+st.text(f"settled {settled} alpha {alpha} kind {kind} run {state.runs}")

@@ -1,0 +1,133 @@
+"""Sentences about exclusivity, fusion and saliency."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from builders import at, compare, make_dataset
+
+from nvcore.analysis import Result
+from nvcore.comparison_words import describe_fusion, describe_misses, describe_saliency
+from nvcore.encounter_counts import fusion_table
+from nvcore.venn import Venn, measure_exclusivity
+
+
+def counted(both: int, x_only: int, y_only: int, neither: int) -> Result:
+    """A result with these counts of encounters; nothing else of it is of interest."""
+    venn = Venn(both, x_only, y_only, neither, distant=0)
+    result = compare(make_dataset(n_frames=2))
+    return replace(result, venn=venn, exclusivity=measure_exclusivity(venn))
+
+
+def said(result: Result) -> str:
+    return " ".join(describe_misses(result))
+
+
+def test_the_paper_s_first_figure_in_words():
+    text = said(counted(5, 2, 2, 1))
+    assert "Of 10 encounters that count, X does not detect 3 and Y does not detect 3" in text
+    assert "1 of the 5 that at least one misses are missed by both (Jaccard index 0.20)" in text
+    assert "Too few misses to say whether those of X and Y go together (phi +0.05)" in text
+    assert "X detects 2 and Y 2: two equally good systems could well differ so much" in text
+
+
+def test_an_uneven_split_is_called_unlikely():
+    assert "a split so uneven is unlikely if both are equally good" in said(counted(20, 12, 0, 5))
+
+
+def test_exclusive_misses_are_called_so():
+    assert "all 7 misses are exclusive" in said(counted(20, 3, 4, 0))
+
+
+def test_equal_misses_tell_nothing_apart():
+    text = said(counted(20, 0, 0, 4))
+    assert "they miss the same 4" in text
+    assert "none tells the two apart" in text
+
+
+def test_a_single_difference_is_told_as_one():
+    assert "Only one encounter is detected by a single system, by Y" in said(counted(5, 0, 1, 2))
+
+
+@pytest.mark.parametrize(
+    ("counts", "words"),
+    [
+        ((50, 3, 3, 20), "is clearly likelier to be missed by the other, too"),
+        ((40, 10, 10, 6), "is somewhat likelier"),
+        ((4, 20, 20, 2), "is clearly less likely"),
+        ((40, 20, 20, 10), "says next to nothing about the other"),
+    ],
+)
+def test_phi_is_put_into_words(counts: tuple[int, int, int, int], words: str):
+    assert words in said(counted(*counts))
+
+
+def test_without_a_miss_or_an_encounter_little_is_said():
+    assert said(counted(3, 0, 0, 0)) == "Neither system misses any of the 3 encounters that count."
+    assert "No pedestrian came near enough" in said(counted(0, 0, 0, 0))
+
+
+def fused() -> Result:
+    """Tracks 1, 2, 3 in a second; X finds 1 and 2, Y finds 2 and 3 and has a false alarm."""
+    truth = [at(f, c, track=t) for f in range(10) for t, c in ((1, 20), (2, 50), (3, 80))]
+    x = [at(f, c) for f in range(10) for c in (20, 50)]
+    y = [at(f, c) for f in range(10) for c in (50, 80)] + [at(4, 5)]
+    return compare(make_dataset(truth, x, y))
+
+
+def test_gain_and_cost_of_a_fusion_are_told_against_the_better_system():
+    either, both = describe_fusion(fusion_table(fused()))
+    assert either == (
+        "“X or Y” detects 3 of 3 encounters, 1 more than X alone, and costs 1 false-alert episode "
+        "(+3600 an hour)."
+    )
+    assert both == (
+        "“X and Y” detects 1 of 3 encounters, 1 fewer than X alone, and has as many false-alert "
+        "episodes."
+    )
+
+
+def test_y_is_the_measure_where_it_detects_more():
+    table = fusion_table(fused())
+    table.loc[table["system"] == "y", "encounters_detected"] = 3
+    table["gain_on_y"] = table["encounters_detected"] - 3
+    assert "as many as Y alone, and has as many" in describe_fusion(table)[0]
+    assert "2 fewer than Y alone, and saves 1 false-alert episode" in describe_fusion(table)[1]
+
+
+def test_an_unknown_rate_is_not_told():
+    table = fusion_table(fused())
+    table["more_episodes_per_hour_than_x"] = np.nan
+    assert describe_fusion(table)[0].endswith("costs 1 false-alert episode.")
+
+
+def test_a_fusion_of_nothing_gains_nothing():
+    table = fusion_table(compare(make_dataset(n_frames=2)))
+    assert "can neither gain nor lose" in describe_fusion(table)[0]
+
+
+def missed(**params: object) -> Result:
+    """Ten frames at 10 fps; X misses frames 2-3 and 8-9, Y nothing."""
+    truth = [at(f, 50, track=3) for f in range(10)]
+    x = [box for box in truth if box.frame not in (2, 3, 8, 9)]
+    return compare(make_dataset(truth, x, truth), **params)
+
+
+def test_the_saliency_of_a_recording_is_taken_apart():
+    x, y = describe_saliency(missed())
+    assert x == (
+        "X: the most salient of 2 events lasts 0.20 s and ends when 100% of the recording has "
+        "passed, which gives it the weight 0.99: 0.20 s × 0.99 = 0.20 s."
+    )
+    assert y == "Y misses nobody by more than the tolerance: its saliency is 0."
+
+
+def test_a_sum_of_events_is_told_as_one():
+    x, _ = describe_saliency(missed(saliency_aggregate="sum"))
+    assert x == "X: 2 events, 0.4 s in all; weighted by recency and added they make 0.25 s."
+
+
+def test_recency_within_the_encounter_is_told_as_such():
+    assert "of the encounter has passed" in describe_saliency(missed(saliency_scope="encounter"))[0]

@@ -1,0 +1,56 @@
+"""Which frames of an encounter are worth opening."""
+
+from __future__ import annotations
+
+from builders import Place, at, compare, make_dataset
+
+from nvcore.encounter_moments import MOMENT_COLUMNS, NEVER, encounter_moments
+
+
+def moments(truth, x=(), y=(), **more) -> list[dict[str, int]]:
+    result = compare(make_dataset(truth, x, y, **more), proximity="height")
+    return encounter_moments(result).to_dict("records")
+
+
+def test_the_first_missed_frame_is_told_for_each_system():
+    truth = [at(f, 50, track=1) for f in range(10)]
+    x, y = ([box for box in truth if box.frame not in gone] for gone in ((5, 6), (3,)))
+    assert moments(truth, x, y) == [
+        {"first_row": 0, "missed_row_x": 5, "missed_row_y": 3, "shown_row": 3}
+    ]
+
+
+def test_an_encounter_without_a_miss_opens_where_it_begins_to_count():
+    truth = [at(f, 50, track=1, h=3 if f < 4 else 50) for f in range(10)]
+    assert moments(truth, truth, truth) == [
+        {"first_row": 4, "missed_row_x": NEVER, "missed_row_y": NEVER, "shown_row": 4}
+    ]
+
+
+def test_a_miss_far_away_is_none():
+    truth = [at(f, 50, track=1, h=3 if f < 4 else 50) for f in range(10)]
+    (one,) = moments(truth, truth[7:], truth)
+    assert (one["missed_row_x"], one["missed_row_y"]) == (4, NEVER)
+
+
+def test_a_distant_encounter_opens_at_its_first_frame():
+    (one,) = moments([at(f, 50, track=1, h=3) for f in (2, 3)])
+    assert (one["first_row"], one["missed_row_x"], one["shown_row"]) == (2, NEVER, 2)
+
+
+def test_rows_are_those_of_all_recordings_together():
+    places = [Place(range(10)), Place(range(10))]
+    truth = [at(f, 50, track=1, recording=1) for f in (6, 7)]
+    (one,) = moments(truth, truth, truth[:1], places=places)
+    assert (one["first_row"], one["missed_row_y"]) == (16, 17)
+
+
+def test_a_track_that_stands_twice_in_a_frame_is_found_if_one_of_its_boxes_is():
+    twice = [at(f, c, track=1) for f in range(3) for c in (20, 80)]
+    (one,) = moments(twice, [box for box in twice if box.centre == 20], twice[:4])
+    assert (one["missed_row_x"], one["missed_row_y"]) == (NEVER, 2)
+
+
+def test_without_encounters_the_columns_are_there():
+    table = encounter_moments(compare(make_dataset(n_frames=2)))
+    assert (len(table), tuple(table)) == (0, MOMENT_COLUMNS)

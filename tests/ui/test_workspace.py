@@ -1,0 +1,136 @@
+"""Workspaces: one per session, found by token, gone with everything when the session ends."""
+
+from __future__ import annotations
+
+import gc
+import os
+import stat
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from ui import session_folders
+from ui.session_folders import base_folder, process_folder, remove_leftovers
+from ui.workspace import Workspace, workspace_of
+
+
+@pytest.fixture(autouse=True)
+def base(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv("NVCORE_UPLOAD_DIR", str(tmp_path / "uploads"))
+    return tmp_path / "uploads"
+
+
+class _Source:
+    name, n, width, height, numbers, note = "still", 1, 4, 3, None, ""
+
+    def __init__(self) -> None:
+        self.times_closed = 0
+
+    def close(self) -> None:
+        self.times_closed += 1
+
+
+def test_a_workspace_is_found_by_its_token():
+    space = Workspace()
+    assert workspace_of(space.token) is space
+
+
+def test_an_unknown_token_finds_nothing():
+    Workspace()
+    assert workspace_of("guess") is None
+
+
+def test_two_workspaces_share_neither_token_nor_folder():
+    one, other = Workspace(), Workspace()
+    assert one.token != other.token
+    assert one.folder != other.folder
+
+
+def test_a_token_has_at_least_128_bits():
+    assert len(Workspace().token) >= 128 / 6
+
+
+def test_the_folder_is_for_its_owner_only():
+    assert stat.S_IMODE(Workspace().folder.stat().st_mode) == 0o700
+
+
+def test_the_name_of_the_folder_does_not_tell_the_token():
+    space = Workspace()
+    assert space.token not in str(space.folder)
+
+
+def test_the_folder_goes_when_the_session_lets_go_of_the_workspace():
+    space = Workspace()
+    token, folder = space.token, space.folder
+    (folder / "upload.csv").write_text("1")
+    del space
+    gc.collect()
+    assert not folder.exists()
+    assert workspace_of(token) is None
+
+
+def test_a_closed_workspace_is_empty_and_unknown():
+    space = Workspace()
+    space.close()
+    assert workspace_of(space.token) is None
+    assert not space.folder.exists()
+
+
+def test_pictures_that_several_recordings_share_are_closed_once():
+    space, source = Workspace(), _Source()
+    space.pictures = {0: source, 1: source}
+    space.close_pictures()
+    assert source.times_closed == 1
+    assert space.pictures == {}
+
+
+def test_the_version_changes_with_the_pictures_though_the_analysis_is_the_same():
+    space = Workspace()
+    space.version = "abc"
+    before = space.version
+    space.close_pictures()
+    space.version = "abc"
+    assert space.version != before
+
+
+def test_what_a_dead_process_left_is_removed(base: Path):
+    base.mkdir()
+    code = (
+        "import os; from ui.workspace import Workspace; space = Workspace(); "
+        "(space.folder / 'video.mp4').write_bytes(b'1'); print(space.folder); "
+        "import sys; sys.stdout.flush(); os._exit(1)"
+    )
+    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, env=environment
+    )
+    left = Path(done.stdout.strip())
+    assert (left / "video.mp4").exists()
+    remove_leftovers(base)
+    assert list(base.iterdir()) == []
+
+
+def test_what_a_living_process_has_stays(base: Path):
+    space = Workspace()
+    remove_leftovers(base)
+    assert space.folder.exists()
+
+
+def test_a_folder_without_a_lock_is_a_leftover(base: Path):
+    (base / "old" / "session").mkdir(parents=True)
+    process_folder.cache_clear()
+    Workspace()
+    assert not (base / "old").exists()
+
+
+def test_a_shared_folder_that_others_may_read_is_not_used(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.delenv("NVCORE_UPLOAD_DIR")
+    monkeypatch.setattr(session_folders.tempfile, "tempdir", str(tmp_path))
+    trap = tmp_path / f"nvcore-uploads-{os.getuid()}"
+    trap.mkdir()
+    trap.chmod(0o777)
+    assert base_folder() != trap

@@ -1,0 +1,1 @@
+"""The dashboard: everything but the pages that imports streamlit."""

@@ -1,0 +1,40 @@
+"""What was clicked in a figure or a table, whichever way the widget reports it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import streamlit as st
+
+
+def clicked_point(key: str) -> tuple[Any, int] | None:
+    """What a click in a figure means: `customdata` of the point and its trace; None: nothing."""
+    points = st.session_state[key]["selection"]["points"]
+    if not points or "customdata" not in points[0]:
+        return None
+    value = points[0]["customdata"]
+    # Plotly hands a single value on as it is or as a list of one
+    return (value[0] if isinstance(value, list) else value), int(points[0]["curve_number"])
+
+
+def clicked_row(key: str) -> int | None:
+    """Row of a table that was clicked, on its mark or in one of its cells; None: taken back.
+
+    To be called when the selection has changed: row and cell stay selected side by side, and what
+    differs from the last time is what was clicked.
+    """
+    selection = st.session_state[key]["selection"]
+    rows = [int(row) for row in selection["rows"]]
+    cells = [int(row) for row, _ in selection["cells"]]
+    before = st.session_state.get(f"{key}_before", ([], []))
+    st.session_state[f"{key}_before"] = rows, cells
+    if rows != before[0]:
+        return rows[0] if rows else None
+    clicked = cells if cells != before[1] else cells or rows
+    return clicked[0] if clicked else None
+
+
+def clicked_cell(key: str) -> tuple[int, str] | None:
+    """Row and column of the cell of a table that was clicked; None: nothing."""
+    cells = st.session_state[key]["selection"]["cells"]
+    return (int(cells[0][0]), str(cells[0][1])) if cells else None

@@ -1,0 +1,235 @@
+"""Data page: which two systems are X and Y, and at which thresholds."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import pandas as pd
+import streamlit as st
+
+from nvcore.dataset import Dataset
+from nvcore.figures.inputs import false_alarm_plot, score_plot
+from nvcore.figures.style import CONFIG
+from nvcore.operating_point import (
+    OperatingPoint,
+    false_alarm_curve,
+    operating_point,
+    same_operating_point,
+    score_histogram,
+)
+from nvcore.params import Params
+from ui import state
+from ui.opening import with_systems
+from ui.text import number, plain
+
+WANTED: Final = "thresholds_wanted"
+MOST_KEPT: Final = 32
+"""Curves and points that are kept for all sessions."""
+
+
+def draw() -> None:
+    """Choice of X and Y, then one column for each."""
+    _insist()
+    st.header("Compare")
+    _draw_choice()
+    x, y = state.systems()
+    if y is None:
+        st.info(
+            "There is one system only. Open a comparison with two systems to compare them.",
+            icon=":material/info:",
+        )
+    else:
+        _draw_same_point(x, y)
+    columns = st.columns(2)
+    for column, letter, name in zip(columns, "xy", (x, y), strict=True):
+        if name is not None:
+            with column:
+                _draw_system(letter, name)
+
+
+def _draw_choice() -> None:
+    space = state.workspace()
+    dataset = space.dataset
+    assert dataset is not None
+    names = list(dataset.systems)
+    x, y = state.systems()
+    if y is None:
+        return
+    left, middle, right = st.columns([5, 2, 5], vertical_alignment="bottom")
+    # the widgets show what is open, however it was changed
+    st.session_state["choice_x"], st.session_state["choice_y"] = x, y
+    left.selectbox("System X", names, key="choice_x", on_change=_choose, args=("x",))
+    middle.button(
+        "Swap", icon=":material/swap_horiz:", on_click=_swap, width="stretch", key="swap_systems"
+    )
+    right.selectbox("System Y", names, key="choice_y", on_change=_choose, args=("y",))
+
+
+def _choose(letter: str) -> None:
+    """X or Y was chosen; chosen for both, the other place gets what was here before."""
+    x, y = state.systems()
+    chosen = st.session_state[f"choice_{letter}"]
+    if letter == "x":
+        _compare(chosen, x if chosen == y else y)
+    else:
+        _compare(y if chosen == x and y is not None else x, chosen)
+
+
+def _swap() -> None:
+    x, y = state.systems()
+    assert y is not None
+    _compare(y, x)
+
+
+def _compare(x: str, y: str | None) -> None:
+    space = state.workspace()
+    assert space.session is not None
+    assert space.dataset is not None
+    space.session, thresholds = with_systems(space.session, space.dataset, state.params(), x=x, y=y)
+    space.result = None
+    for letter, name in (("x", x), ("y", y)):
+        if name is not None:
+            _set_threshold(letter, name, thresholds[f"threshold_{letter}"])
+
+
+def _draw_system(letter: str, name: str) -> None:
+    dataset = state.workspace().dataset
+    assert dataset is not None
+    params, theme = state.params(), state.theme()
+    field = f"threshold_{letter}"
+    threshold: float | None = getattr(params, field)
+    st.markdown(f"**{letter.upper()}: {plain(name)}**")
+    if state.score_span(name) is None:
+        st.caption("The detections of this system have no scores that differ: every one counts.")
+    else:
+        key = f"data_{field}"
+        st.session_state[key] = threshold
+        st.number_input(
+            f"Score threshold of {letter.upper()}", key=key, value=None, step=0.01, format="%.4g",
+            placeholder="every detection counts", on_change=_take_threshold, args=(letter, name),
+            help="Detections with a lower score are left out. Empty: every detection counts.",
+        )  # fmt: skip
+    point = _point(dataset, name, params, threshold)
+    n_all = len(dataset.system(name))
+    kept, alarms = st.columns(2)
+    kept.metric("Detections kept", f"{point.n_kept:,} of {n_all:,}")
+    alarms.metric(
+        "False alarms per minute",
+        number(point.false_alarms_per_minute, ".1f"),
+        help=f"{point.n_false_alarms:,} in all, {number(point.false_alarms_per_frame, '.3g')} per "
+        "frame: detections that match nobody.",
+    )
+    if state.score_span(name) is not None:
+        st.plotly_chart(
+            score_plot(
+                score_histogram(dataset, name),
+                letter=letter, name=name, threshold=threshold, theme=theme,
+            ),
+            theme=None, config=CONFIG, key=f"scores_{letter}",
+        )  # fmt: skip
+        st.plotly_chart(
+            false_alarm_plot(
+                _curve(dataset, name, params),
+                letter=letter, name=name, threshold=threshold, theme=theme,
+            ),
+            theme=None, config=CONFIG, key=f"alarms_{letter}",
+        )  # fmt: skip
+
+
+def _take_threshold(letter: str, name: str) -> None:
+    _set_threshold(letter, name, st.session_state[f"data_threshold_{letter}"])
+
+
+def _set_threshold(letter: str, name: str, threshold: float | None) -> None:
+    """Move the sidebar's slider, which reaches over the scores; at its left end all count."""
+    span = state.score_span(name)
+    if span is not None:
+        low, high = span
+        at = low if threshold is None else min(max(threshold, low), high)
+        wanted = st.session_state.setdefault(WANTED, {})
+        wanted[f"threshold_{letter}"] = at
+        state.set_params(**wanted)
+
+
+def _insist() -> None:
+    """Set thresholds a second time where the page's address overruled them.
+
+    With another system a slider has another range, which makes it a new one for Streamlit; a new
+    one takes its value from the address, once.
+    """
+    wanted = st.session_state.pop(WANTED, {})
+    if any(st.session_state.get(key) != value for key, value in wanted.items()):
+        state.set_params(**wanted)
+        st.rerun()
+
+
+def _draw_same_point(x: str, y: str) -> None:
+    st.button(
+        "Same operating point",
+        key="same_point",
+        icon=":material/balance:",
+        on_click=_take_same_point,
+        args=(x, y),
+        help="Sets the threshold of Y so that it has as many false alarms per frame as X has at "
+        "its own threshold. Without it a system that reports more of everything looks better.",
+    )
+    told = st.session_state.pop("same_point_told", None)
+    if told is not None:
+        st.caption(plain(told))
+
+
+def _take_same_point(x: str, y: str) -> None:
+    dataset = state.workspace().dataset
+    assert dataset is not None
+    same = same_operating_point(dataset, state.params(), x, y)
+    limit = (
+        "every detection of Y counts"
+        if same.threshold_y is None
+        else (f"Y has the threshold {same.threshold_y:g}")
+    )
+    st.session_state["same_point_told"] = (
+        f"Now {limit}: {same.y.false_alarms_per_frame:.3g} false alarms per frame, X has "
+        f"{same.x.false_alarms_per_frame:.3g}."
+    )
+    _set_threshold("y", y, same.threshold_y)
+
+
+def _curve(dataset: Dataset, system: str, params: Params) -> pd.DataFrame:
+    return _kept_curve(dataset.fingerprint, system, _matching(params), dataset, params)
+
+
+def _point(
+    dataset: Dataset, system: str, params: Params, threshold: float | None
+) -> OperatingPoint:
+    return _kept_point(dataset.fingerprint, system, _matching(params), threshold, dataset, params)
+
+
+def _matching(params: Params) -> tuple[str, float, float]:
+    """The settings that say when a detection matches."""
+    return params.match, params.iou, params.lateral_tolerance
+
+
+# the fingerprint stands for the tables, which Streamlit would compare by a sample of their rows
+
+
+@st.cache_resource(max_entries=MOST_KEPT, show_spinner="Counting false alarms")
+def _kept_curve(
+    fingerprint: str,  # noqa: ARG001
+    system: str,
+    matching: tuple[str, float, float],  # noqa: ARG001
+    _dataset: Dataset,
+    _params: Params,
+) -> pd.DataFrame:
+    return false_alarm_curve(_dataset, system, _params)
+
+
+@st.cache_resource(max_entries=MOST_KEPT, show_spinner="Counting false alarms")
+def _kept_point(
+    fingerprint: str,  # noqa: ARG001
+    system: str,
+    matching: tuple[str, float, float],  # noqa: ARG001
+    threshold: float | None,
+    _dataset: Dataset,
+    _params: Params,
+) -> OperatingPoint:
+    return operating_point(_dataset, system, _params, threshold=threshold)

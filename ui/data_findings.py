@@ -1,0 +1,95 @@
+"""Data page: what the audit found, worst first, with corrections to apply."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Final
+
+import streamlit as st
+
+from nvcore.findings import Finding, Severity, worst_first
+from ui import state
+from ui.data_opening import public, try_to_open
+from ui.opening import corrected, corrections_up_to
+from ui.text import plain
+
+BADGES: Final = {
+    Severity.ERROR: ":red-badge[:material/error: Error]",
+    Severity.WARNING: ":orange-badge[:material/warning: Warning]",
+    Severity.NOTE: ":gray-badge[:material/info: Note]",
+}
+MOST_SHOWN: Final = 4
+"""Findings that stand open; the rest is folded."""
+
+
+def draw() -> None:
+    """All findings of the open comparison."""
+    findings = worst_first(state.findings())
+    st.header("What to mind before trusting the figures")
+    if not findings:
+        st.success("The audit of the inputs found nothing to mind.", icon=":material/check_circle:")
+        return
+    st.caption(_counts(findings))
+    urgent = [one for one in findings if one.severity is not Severity.NOTE]
+    for number, finding in enumerate(urgent[:MOST_SHOWN]):
+        _draw_one(findings, finding, number)
+    rest = [*urgent[MOST_SHOWN:], *(one for one in findings if one.severity is Severity.NOTE)]
+    if rest:
+        with st.expander(f"{len(rest)} more: {_counts(rest)}", expanded=not urgent):
+            for number, finding in enumerate(rest, start=MOST_SHOWN):
+                _draw_one(findings, finding, number)
+
+
+def _counts(findings: Sequence[Finding]) -> str:
+    words = []
+    for severity in Severity:
+        n = sum(one.severity is severity for one in findings)
+        if n:
+            words.append(f"{n} {severity.value}{'s' if n > 1 else ''}")
+    return ", ".join(words)
+
+
+def _draw_one(findings: Sequence[Finding], finding: Finding, number: int) -> None:
+    with st.container(border=True):
+        st.markdown(
+            f"{BADGES[finding.severity]} **{_subject(finding.subject)}** "
+            f"{plain(public(finding.message))}"
+        )
+        where = ", ".join(part for part in (public(finding.file), finding.example) if part)
+        if where:
+            st.caption(f"First seen in {plain(where)}")
+        st.markdown(f"*What to do:* {plain(public(finding.advice))}")
+        if finding.suggestion and finding.subject in _systems():
+            _draw_correction(findings, finding, number)
+
+
+def _subject(subject: str) -> str:
+    if subject == "truth":
+        return "Truth:"
+    x, y = state.systems()
+    letter = {x: "X, ", y: "Y, "}.get(subject, "")
+    return f"{letter}{plain(subject)}:"
+
+
+def _systems() -> tuple[str, ...]:
+    dataset = state.workspace().dataset
+    return () if dataset is None else dataset.systems
+
+
+def _draw_correction(findings: Sequence[Finding], finding: Finding, number: int) -> None:
+    chain = corrections_up_to(findings, finding)
+    words = ", ".join(f"{name} {value:g}" for one in chain for name, value in one.suggestion)
+    is_wanted = st.button(
+        "Apply to the session",
+        key=f"apply_{number}",
+        icon=":material/build:",
+        help=f"Corrects the boxes of this system when they are read: {words}. The files stay as "
+        "they are; a saved session holds the correction.",
+    )
+    if is_wanted:
+        space = state.workspace()
+        assert space.session is not None
+        assert space.dataset is not None
+        session = corrected(space.session, space.dataset, chain)
+        try_to_open(replace(session, params=state.params()), label=space.label)

@@ -1,0 +1,112 @@
+"""Data page: open a comparison, and say in a banner why it cannot be opened."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final
+
+import streamlit as st
+
+from nvcore.errors import MissingFactError, NvcoreError
+from nvcore.session import Session
+from ui import local_files, state
+from ui.opening import public_text
+from ui.text import plain
+
+_KEY: Final = "data_trouble"
+_OPENED: Final = "data_opened"
+FACTS: Final = {
+    "size": "the image size",
+    "fps": "the frame rate",
+    "frames": "which frames are evaluated",
+}
+"""Facts of `MissingFactError` in words."""
+
+
+@dataclass(frozen=True)
+class Trouble:
+    """Why something could not be opened, and which facts would help."""
+
+    text: str
+    facts: tuple[str, ...] = ()
+
+
+def try_to_open(
+    session: Session | Callable[[], Session], *, label: str, place: str = "session"
+) -> None:
+    """Open a session; if that fails, the run starts again and `draw_trouble` says why.
+
+    Parameters
+    ----------
+    session
+        The session, or what makes it.
+    label
+        What it is called on the pages.
+    place
+        Part of the page that the trouble is shown in.
+    """
+    st.session_state.pop(_key(place), None)
+    st.session_state[_OPENED] = place, label
+    try:
+        state.open_session(session() if callable(session) else session, label=label)
+    except MissingFactError as error:
+        trouble = Trouble(_question(error.facts) or public(error), error.facts)
+    except NvcoreError as error:
+        trouble = Trouble(public(error))
+    # only reached when it failed: what opens starts the run again
+    del st.session_state[_OPENED]
+    st.session_state[_key(place)] = trouble
+    st.rerun()
+
+
+def trouble_of(place: str) -> Trouble | None:
+    """What went wrong in this part of the page; None: nothing."""
+    found: Trouble | None = st.session_state.get(_key(place))
+    return found
+
+
+def forget_trouble(place: str) -> None:
+    """To be called when the choice that made trouble has changed."""
+    st.session_state.pop(_key(place), None)
+
+
+def draw_trouble(place: str) -> None:
+    """The banner that says why something could not be opened, or once that it was."""
+    opened_in, label = st.session_state.get(_OPENED, ("", ""))
+    if opened_in == place:
+        del st.session_state[_OPENED]
+        st.success(
+            f"Opened: {plain(label)}. What was read, and what to mind, stands above.",
+            icon=":material/check_circle:",
+        )
+    trouble = trouble_of(place)
+    if trouble is not None:
+        is_question = bool(trouble.facts)
+        icon = ":material/help:" if is_question else ":material/error:"
+        (st.warning if is_question else st.error)(plain(trouble.text), icon=icon)
+
+
+def _question(facts: tuple[str, ...]) -> str:
+    """What is asked, without the command line's flags."""
+    words = " and ".join(FACTS[fact] for fact in facts if fact in FACTS)
+    return f"The files do not say {words}. Fill in the fields below." if words else ""
+
+
+def _key(place: str) -> str:
+    return f"{_KEY}_{place}"
+
+
+def public(text: object) -> str:
+    """The text without the paths of the machine."""
+    space = state.workspace()
+    folders = [state.ROOT, space.folder, *space.folder.glob("upload-*")]
+    try:
+        root = local_files.local_root()
+    except NvcoreError:  # told where files are chosen
+        root = None
+    if root is not None:
+        folders.append(root.folder)
+    if space.session is not None:
+        folders.append(space.session.folder)
+    return public_text(text, folders)

@@ -1,0 +1,158 @@
+"""Encounters page: the table, and the encounter that was chosen in it."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any, Final
+
+import pandas as pd
+import streamlit as st
+
+from nvcore.analysis import Result
+from nvcore.encounter_moments import encounter_moments
+from nvcore.figures.encounters import position_map
+from nvcore.figures.style import CONFIG
+from nvcore.schema import CATEGORY_TEXT, Category
+from ui import encounters_picture, state
+from ui.clicks import clicked_point, clicked_row
+from ui.navigate import open_row
+from ui.table_columns import as_shown, class_words, column_config, table_height
+from ui.text import UNDEFINED, number, plain
+
+FIRST_COLUMNS: Final = (
+    "recording", "track", "category", "miss_class_x", "miss_class_y", "coverage_x", "coverage_y",
+    "lag_s_x", "lag_s_y", "lead_time_s", "peak_height", "lateral_position", "aspect_z",
+)  # fmt: skip
+"""What most people look for; the other columns follow."""
+CHOSEN: Final = "encounters_chosen"
+
+
+def draw(result: Result, encounters: pd.DataFrame) -> None:
+    """The table, then the map beside the chosen encounter.
+
+    Parameters
+    ----------
+    encounters
+        Rows of `nvcore.tables.encounters_table` that pass the filters, with their index.
+    """
+    if encounters.empty:
+        st.info("No encounter passes the filters: widen or clear them.", icon=":material/info:")
+        return
+    _draw_table(encounters)
+    left, right = st.columns([3, 2], gap="medium")
+    with left:
+        _draw_map(encounters)
+    with right:
+        _draw_chosen(result, encounters)
+
+
+def _draw_table(encounters: pd.DataFrame) -> None:
+    rest = [name for name in encounters if name not in FIRST_COLUMNS]
+    shown = as_shown(encounters[[*FIRST_COLUMNS, *rest]])
+    # other rows, other table: a selection must not slip to another pedestrian
+    key = f"encounters_table_{hash(tuple(encounters.index))}"
+    st.dataframe(
+        shown, hide_index=True, column_config=column_config("encounters.csv"),
+        height=table_height(len(shown)), placeholder=UNDEFINED, key=key,
+        selection_mode=("single-row", "single-cell"),
+        on_select=partial(_choose_row, key, encounters.index),
+    )  # fmt: skip
+
+
+def _choose_row(key: str, index: pd.Index) -> None:
+    row = clicked_row(key)
+    if row is not None:
+        _choose(int(index[row]))
+
+
+def _draw_map(encounters: pd.DataFrame) -> None:
+    st.plotly_chart(
+        position_map(encounters, theme=state.theme()), theme=None, config=CONFIG,
+        key="encounters_map", selection_mode="points", on_select=_choose_point,
+    )  # fmt: skip
+
+
+def _choose_point() -> None:
+    clicked = clicked_point("encounters_map")
+    if clicked is not None:
+        _choose(int(clicked[0]))
+
+
+def _choose(encounter: int) -> None:
+    """Remember an encounter by its row, for the data that are open."""
+    st.session_state[CHOSEN] = (_fingerprint(), encounter)
+
+
+def _fingerprint() -> str:
+    dataset = state.workspace().dataset
+    assert dataset is not None
+    return dataset.fingerprint
+
+
+def _draw_chosen(result: Result, encounters: pd.DataFrame) -> None:
+    fingerprint, chosen = st.session_state.get(CHOSEN, ("", -1))
+    if fingerprint != _fingerprint() or chosen not in encounters.index:
+        st.info(
+            "Click a row of the table or a mark on the map to see the encounter here and open it "
+            "in the Timeline.",
+            icon=":material/touch_app:",
+        )
+        return
+    row = encounters.loc[chosen]
+    st.subheader(f"Pedestrian {row['track']} in {plain(row['recording'])}")
+    st.markdown(CATEGORY_TEXT[Category(row["category"])])
+    moments = encounter_moments(result).iloc[chosen]
+    encounters_picture.draw(result, chosen, int(moments["shown_row"]))
+    _draw_ways(result, moments)
+    st.table(_both(row))
+    st.caption(
+        f"Up to {row['peak_height']:.0f} px tall (k {row['peak_k']:.2f}); mean position "
+        f"{row['lateral_position']:+.2f} (-1 left edge, 1 right edge); pose z-score "
+        f"{number(row['aspect_z'], '+.1f')}; frames {row['first_frame']} to {row['last_frame']}."
+    )
+
+
+def _both(row: pd.Series[Any]) -> pd.DataFrame:
+    """How X and Y did with one encounter, side by side, as text."""
+    columns = {}
+    for letter in "xy":
+        matched, coverage = row[f"matched_{letter}"], row[f"coverage_{letter}"]
+        share = f"{matched} of {row['n_relevant']} frames"
+        columns[letter.upper()] = {
+            "Miss class": class_words(row[f"miss_class_{letter}"]) or UNDEFINED,
+            "Matched": f"{share} ({coverage:.0%})" if row["n_relevant"] else UNDEFINED,
+            "Lag": _seconds(row[f"lag_s_{letter}"]),
+            "Longest gap": _seconds(row[f"gap_s_{letter}"]),
+            "Tail": _seconds(row[f"tail_s_{letter}"]),
+        }
+    return pd.DataFrame(columns)
+
+
+def _seconds(value: float) -> str:
+    shown = number(value, ".2f")
+    return shown if shown == UNDEFINED else f"{shown} s"
+
+
+def _draw_ways(result: Result, moments: pd.Series[Any]) -> None:
+    """Buttons to the frames that are worth seeing."""
+    frames = result.dataset.frames
+    shown = int(moments["shown_row"])
+    by = {letter: int(moments[f"missed_row_{letter}"]) for letter in "xy"}
+    first = [letter.upper() for letter, row in by.items() if row == shown]
+    if st.button(
+        "Show in timeline", key="encounters_show", type="primary", icon=":material/movie:",
+        width="stretch",
+    ):  # fmt: skip
+        open_row(shown)
+    why = f"where {' and '.join(first)} first miss{'es' if len(first) == 1 else ''} the pedestrian"
+    st.caption(
+        f"Frame {frames['frame'].iloc[shown]} at {frames['time_s'].iloc[shown]:.2f} s"
+        f"{', ' + why if first else ', where the encounter begins to count'}."
+    )
+    later = {letter: row for letter, row in by.items() if row > shown}
+    for letter, row in later.items():
+        if st.button(
+            f"Show where {letter.upper()} first misses (frame {frames['frame'].iloc[row]})",
+            key=f"encounters_show_{letter}", width="stretch",
+        ):  # fmt: skip
+            open_row(row)

@@ -1,0 +1,217 @@
+"""Export page: an interval of a recording as an annotated video."""
+
+from __future__ import annotations
+
+import secrets
+import weakref
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+import streamlit as st
+
+from nvcore.analysis import Result
+from nvcore.media import write_video
+from ui import state
+from ui.export_frame import file_stem, first_picture, numbers_of
+from ui.text import plain
+from ui.video_job import JobState, Progress, VideoJob
+from ui.workspace import Workspace
+
+LONGEST_S: Final = 120.0
+"""Of the video, not of the recording."""
+USUAL_S: Final = 10.0
+"""Length that is proposed."""
+SPEEDS: Final = {1.0: "real time", 0.5: "half", 0.25: "quarter", 2.0: "double"}
+FPS_RANGE: Final = (0.1, 240.0)
+FOLDER: Final = "exports"
+POLL_S: Final = 0.5
+JOB: Final = "video_job"
+
+
+@dataclass(frozen=True)
+class Interval:
+    """What is to be written.
+
+    Attributes
+    ----------
+    row_start, row_stop
+        Rows within the recording.
+    fps
+        Frames per second of the video.
+    """
+
+    row_start: int
+    row_stop: int
+    fps: float
+
+    @property
+    def n_frames(self) -> int:
+        """How many frames the video has."""
+        return self.row_stop - self.row_start
+
+    @property
+    def length_s(self) -> float:
+        """How long the video plays."""
+        return self.n_frames / self.fps
+
+
+def draw(result: Result) -> None:
+    """The form, or how far the video is."""
+    st.subheader("Interval as video")
+    space = state.workspace()
+    job, dataset = st.session_state.get(JOB, (None, None))
+    if job is not None and dataset is not space.dataset:  # something else was opened meanwhile
+        job.discard()
+        job = None
+    is_busy = job is not None and job.state in (JobState.WAITING, JobState.RUNNING)
+    _draw_form(result, is_busy=is_busy)
+    if is_busy:
+        _draw_progress(job)
+    elif job is not None:
+        _draw_outcome(job)
+
+
+@st.fragment
+def _draw_form(result: Result, *, is_busy: bool) -> None:
+    recording = state.recording()
+    times = _times_of(result, recording)
+    end = float(times[-1])
+    here = float(times[state.row()])
+    start = max(min(here - USUAL_S / 2, end - USUAL_S), 0.0)
+    columns = st.columns([1, 1, 1, 1], vertical_alignment="bottom")
+    # a key for each place: the proposal follows the current frame
+    key = f"{recording}_{state.row()}"
+    first = columns[0].number_input(
+        "From (s)", 0.0, end, round(start, 2), 1.0, key=f"video_from_{key}", format="%.2f"
+    )
+    last = columns[1].number_input(
+        "To (s)", 0.0, end, min(start + USUAL_S, end), 1.0, key=f"video_to_{key}", format="%.2f"
+    )
+    speed = columns[2].selectbox(
+        "Speed", list(SPEEDS), format_func=SPEEDS.__getitem__, key="video_speed"
+    )
+    labels = columns[3].toggle("Track ids and scores", key="video_labels")
+    interval = chosen_interval(
+        times, first, last, speed, float(result.dataset.frame_columns.fps[recording])
+    )
+    trouble = why_not(interval)
+    st.caption(
+        f"{plain(state.recording_names()[recording])}: {interval.n_frames:,} frames at "
+        f"{interval.fps:.3g} per second, {interval.length_s:.1f} s of video (MP4, at most "
+        f"{LONGEST_S:.0f} s each). The parameters are in its caption and inside the file."
+    )
+    if trouble:
+        st.warning(trouble, icon=":material/info:")
+    if st.button(
+        "Make the video", icon=":material/movie:", key="make_video",
+        disabled=bool(trouble) or is_busy,
+    ):  # fmt: skip
+        _start(result, recording, interval, labels=labels)
+        st.rerun()
+
+
+def _times_of(result: Result, recording: int) -> np.ndarray:
+    first, last = result.dataset.frame_columns.first[recording : recording + 2]
+    times: np.ndarray = result.dataset.frames["time_s"].to_numpy()[first:last]
+    return times
+
+
+def chosen_interval(
+    times: np.ndarray, first_s: float, last_s: float, speed: float, fps: float
+) -> Interval:
+    """Rows from one time to another, both included, and how fast they are shown.
+
+    Parameters
+    ----------
+    times
+        Of the recording's evaluated frames, s, rising.
+    speed
+        1: evaluated frames follow each other as fast as they were taken.
+    fps
+        Frame rate of the recording; counts where there is a single frame.
+    """
+    step = float(np.median(np.diff(times))) if len(times) > 1 else 1 / fps
+    near = step / 100  # fields round to hundredths
+    start = int(np.searchsorted(times, first_s - max(near, 0.005)))
+    stop = int(np.searchsorted(times, last_s + max(near, 0.005), side="right"))
+    return Interval(start, max(stop, start), float(np.clip(speed / step, *FPS_RANGE)))
+
+
+def why_not(interval: Interval) -> str:
+    """Why there can be no such video, and what to change; empty: there can."""
+    if interval.n_frames < 1:
+        return "There is no evaluated frame between these times: choose a later end."
+    if interval.length_s > LONGEST_S:
+        return (
+            f"That would be {interval.length_s:.0f} s of video; at most {LONGEST_S:.0f} s are "
+            "made at a time. Choose a shorter interval or a faster speed."
+        )
+    return ""
+
+
+def _start(result: Result, recording: int, interval: Interval, *, labels: bool) -> None:
+    space = state.workspace()
+    earlier = st.session_state.get(JOB)
+    if earlier is not None:
+        earlier[0].discard()
+    folder = space.folder / FOLDER
+    folder.mkdir(mode=0o700, exist_ok=True)
+    path = folder / f"{secrets.token_hex(8)}.mp4"
+    numbers = numbers_of(result, recording)[interval.row_start : interval.row_stop]
+    name = f"{file_stem(state.recording_names()[recording])}-{numbers[0]}-{numbers[-1]}.mp4"
+    job = start_job(
+        space, result, recording, interval, path, name,
+        first_picture=first_picture(recording), stretch=state.stretch(), labels=labels,
+    )  # fmt: skip
+    st.session_state[JOB] = (job, space.dataset)
+
+
+def start_job(
+    space: Workspace, result: Result, recording: int, interval: Interval, path: Path, name: str, *,
+    first_picture: int | None, stretch: tuple[float, float], labels: bool,
+) -> VideoJob:  # fmt: skip
+    """Start writing; it ends with the session, and when the session opens something else."""
+    # the thread must not hold the workspace: it would keep the session's files alive
+    session, dataset = weakref.ref(space), weakref.ref(space.dataset)
+    pictures, start = space.pictures, int(result.dataset.frame_columns.first[recording])
+
+    def write(progress: Progress) -> bool:
+        return write_video(
+            result, pictures, recording, start + interval.row_start, start + interval.row_stop,
+            path, fps=interval.fps, progress=progress, first_picture=first_picture, lo=stretch[0],
+            hi=stretch[1], labels=labels,
+        )  # fmt: skip
+
+    def is_wanted() -> bool:
+        here = session()
+        return here is not None and here.dataset is not None and here.dataset is dataset()
+
+    return VideoJob(path, name, write, is_wanted)
+
+
+@st.fragment(run_every=POLL_S)
+def _draw_progress(job: VideoJob) -> None:
+    if job.state not in (JobState.WAITING, JobState.RUNNING):
+        st.rerun()
+    if job.state is JobState.WAITING:
+        st.progress(0.0, "Waiting: other videos are being made on this server.")
+    else:
+        st.progress(job.share, f"Making {job.name}: {job.share:.0%}")
+    if st.button("Cancel", icon=":material/close:", key="cancel_video"):
+        job.cancel()
+
+
+def _draw_outcome(job: VideoJob) -> None:
+    if job.state is JobState.CANCELLED:
+        st.info("The video was cancelled; nothing is left of it.")
+    elif job.state is JobState.FAILED:
+        st.error(plain(job.error) or "The video could not be made.", icon=":material/error:")
+    else:
+        path = job.path  # the callable must not hold the job, which holds the pictures
+        st.download_button(
+            job.name, lambda: path.open("rb"), job.name, "video/mp4", on_click="ignore",
+            icon=":material/download:", type="primary", key="download_video",
+        )  # fmt: skip
+        st.caption(f"{path.stat().st_size / 1e6:.1f} MB. It stays here until the next one.")

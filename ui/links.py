@@ -1,0 +1,72 @@
+"""What the address of a page asks for, checked before anything believes it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import fields
+
+import numpy as np
+
+from nvcore.errors import ParameterError
+from nvcore.params import Params, params_from
+
+MAX_DIGITS = 18
+
+
+def read_place(
+    name: str | None,
+    frame: str | None,
+    names: Sequence[str],
+    frame_numbers: Callable[[int], np.ndarray],
+) -> tuple[tuple[int, int], list[str]]:
+    """Recording index and row within it, and what could not be followed, in words.
+
+    Parameters
+    ----------
+    name, frame
+        As in the address; None: not there.
+    names
+        Names of the recordings.
+    frame_numbers
+        Listed frame numbers of a recording, increasing, by its index.
+    """
+    wrong = []
+    recording = names.index(name) if name in names else 0
+    if name is not None and name not in names:
+        wrong.append("there is no such recording in what is open, the first one is shown")
+    if frame is None or not len(numbers := frame_numbers(recording)):
+        return (recording, 0), wrong
+    digits = frame.removeprefix("-")
+    if not (digits.isascii() and digits.isdigit() and len(digits) <= MAX_DIGITS):
+        return (recording, 0), [*wrong, "its frame is no number"]
+    nearest = int(np.abs(numbers - int(frame)).argmin())
+    if numbers[nearest] != int(frame):
+        wrong.append("its frame is not an evaluated one, the nearest is shown")
+    return (recording, nearest), wrong
+
+
+def read_parameters(query: Mapping[str, str]) -> tuple[dict[str, float | str], list[str]]:
+    """Parameters of the address, and in words those that have no possible value."""
+    given: dict[str, float | str] = {}
+    wrong = []
+    for spec in fields(Params):
+        text = query.get(spec.name)
+        if text is None:
+            continue
+        try:
+            value = text if spec.metadata["choices"] else float(text)
+            params_from({spec.name: value})
+        except (ParameterError, ValueError):
+            wrong.append(f"its value of {spec.name} is not possible, the default is used")
+        else:
+            given[spec.name] = value
+    return given, wrong
+
+
+def changed_parameters(live: Params, start: Params) -> dict[str, str]:
+    """The live parameters that differ from those at the start, as in an address."""
+    return {
+        name: value if isinstance(value, str) else f"{value:.10g}"
+        for name, value in live.given().items()
+        if value != getattr(start, name)
+    }

@@ -1,0 +1,38 @@
+"""What every page has: navigation, sidebar, and errors as text. Streamlit's script."""
+
+from __future__ import annotations
+
+import streamlit as st
+
+from nvcore.errors import NvcoreError
+from ui import sidebar, state
+from ui.navigate import PAGES
+
+st.set_page_config(
+    page_title="nvcore", page_icon=str(state.ROOT / "ui" / "assets" / "icon.svg"), layout="wide",
+    initial_sidebar_state="expanded",
+)  # fmt: skip
+st.logo(str(state.ROOT / "ui" / "assets" / "logo.svg"), size="large")
+st.html(state.ROOT / "ui" / "assets" / "style.css")
+
+page = st.navigation(
+    [
+        st.Page(PAGES / "data.py", title="Data", icon=":material/folder_open:"),
+        st.Page(PAGES / "overview.py", title="Overview", icon=":material/balance:", default=True),
+        st.Page(PAGES / "timeline.py", title="Timeline", icon=":material/timeline:"),
+        st.Page(PAGES / "encounters.py", title="Encounters", icon=":material/directions_walk:"),
+        st.Page(PAGES / "saliency.py", title="Saliency", icon=":material/priority_high:"),
+        st.Page(PAGES / "export.py", title="Export", icon=":material/download:"),
+        st.Page(PAGES / "metrics.py", title="Metrics", icon=":material/menu_book:"),
+    ],
+    position="top",
+)
+
+try:
+    state.begin_run()
+    sidebar.draw()
+    if wrong := state.bad_link():
+        st.warning(f"The link could not be followed in all: {wrong}.", icon=":material/link_off:")
+    page.run()
+except NvcoreError as error:
+    st.error(str(error), icon=":material/error:")

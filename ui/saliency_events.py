@@ -1,0 +1,93 @@
+"""Saliency page: which recording is shown, and the table of events."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Final
+
+import pandas as pd
+import streamlit as st
+
+from nvcore.analysis import Result
+from nvcore.tables import events_table, sides
+from ui import state
+from ui.clicks import clicked_row
+from ui.navigate import open_row
+from ui.saliency_figures import OPEN, WANTED
+from ui.table_columns import as_shown, column_config, table_height
+from ui.text import UNDEFINED
+
+BOTH: Final = "both"
+
+
+def open_asked() -> None:
+    """Open the frame that a click in a figure or the table asked for, if one did."""
+    row = st.session_state.pop(OPEN, None)
+    if row is not None:
+        open_row(row)
+
+
+def choose_recording() -> int | None:
+    """The recording whose events are shown; None: all. Drawn only where there are several."""
+    names = state.recording_names()
+    if len(names) == 1:
+        return None
+    dataset = state.workspace().dataset
+    assert dataset is not None
+    key = f"saliency_recording_{dataset.fingerprint[:12]}"
+    wanted = st.session_state.pop(WANTED, None)
+    if wanted is not None:
+        st.session_state[key] = wanted
+    chosen: int | None = st.selectbox(
+        "Recording", range(len(names)), index=None, format_func=names.__getitem__, key=key,
+        placeholder="all recordings", persist_state="session", width=360,
+    )  # fmt: skip
+    return chosen
+
+
+def draw_table(result: Result, recording: int | None) -> None:
+    """All events, the most salient first; a click on one opens its first frame.
+
+    Parameters
+    ----------
+    recording
+        Row of the recordings table; None: all of them.
+    """
+    letter = st.segmented_control(
+        "Events of", [BOTH, "X", "Y"], default=BOTH, required=True, key="saliency_system",
+        persist_state="session",
+    )  # fmt: skip
+    events, first_row = _events(result, recording, None if letter == BOTH else letter.lower())
+    if events.empty:
+        st.info("No event here: nobody is missed by more than the tolerance.")
+        return
+    key = f"saliency_events_{hash(tuple(first_row))}"
+    st.dataframe(
+        as_shown(events.assign(system=events["system"].str.upper())), hide_index=True,
+        column_config=column_config("events.csv"), height=table_height(len(events)), key=key,
+        placeholder=UNDEFINED, selection_mode=("single-row", "single-cell"),
+        on_select=partial(_ask_for_row, key, first_row),
+    )  # fmt: skip
+    st.caption("Click an event here or in a figure to open its first frame in the Timeline.")
+
+
+def _events(
+    result: Result, recording: int | None, letter: str | None
+) -> tuple[pd.DataFrame, list[int]]:
+    """Rows of `nvcore.tables.events_table` that are shown, and the frame row where each begins."""
+    place = pd.concat([system.events[["recording", "first_row"]] for _, system in sides(result)])
+    place = place.reset_index(drop=True)
+    events = events_table(result)
+    is_shown = pd.Series(True, index=events.index)
+    if recording is not None:
+        is_shown &= place["recording"] == recording
+    if letter is not None:
+        is_shown &= events["system"] == letter
+    shown = events[is_shown].sort_values("saliency_s", ascending=False, kind="stable")
+    return shown, place["first_row"][shown.index].tolist()
+
+
+def _ask_for_row(key: str, first_row: list[int]) -> None:
+    row = clicked_row(key)
+    if row is not None:
+        st.session_state[OPEN] = first_row[row]

@@ -1,0 +1,92 @@
+"""Closes a workspace some time after its browser has gone.
+
+Streamlit lets go of a session whose browser stays away for two minutes, but only when the next
+visitor comes: until then the uploads would lie about.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+import weakref
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Final, Protocol
+
+from streamlit import runtime
+from streamlit.runtime.scriptrunner import get_script_run_ctx
+
+GRACE_S: Final = 150.0
+"""How long a browser may stay away; longer than Streamlit waits for it to come back."""
+INTERVAL_S: Final = 20.0
+
+
+class Closable(Protocol):
+    """What ends with a session."""
+
+    def close(self) -> None:
+        """End."""
+
+
+@dataclass
+class _Watched:
+    """Something that ends with a session, and when the session's browser was last seen."""
+
+    what: weakref.ref[Closable]
+    is_alive: Callable[[], bool]
+    seen_s: float = field(default_factory=time.monotonic)
+
+
+_watched: list[_Watched] = []
+_lock = threading.Lock()
+_threads: list[threading.Thread] = []
+
+
+def end_with_session(what: Closable) -> None:
+    """Close this when the running session's browser has gone; nothing without a session."""
+    context = get_script_run_ctx(suppress_warning=True)
+    if context is None or not runtime.exists():
+        return
+    session_id = context.session_id
+    watch(what, lambda: runtime.exists() and runtime.get_instance().is_active_session(session_id))
+    with _lock:
+        if not _threads:
+            _threads.append(threading.Thread(target=_run, name="session-end", daemon=True))
+            _threads[0].start()
+
+
+def watch(what: Closable, is_alive: Callable[[], bool]) -> None:
+    """Close this when `is_alive` has been false for `GRACE_S`; see `sweep`."""
+    with _lock:
+        _watched.append(_Watched(weakref.ref(what), is_alive))
+
+
+def sweep(now_s: float) -> None:
+    """Close what has been without its browser for too long.
+
+    Parameters
+    ----------
+    now_s
+        Time by ``time.monotonic``.
+    """
+    with _lock:
+        watched = list(_watched)
+    ended = []
+    for one in watched:
+        what = one.what()
+        if what is None:
+            ended.append(one)
+        elif one.is_alive():
+            one.seen_s = now_s
+        elif now_s - one.seen_s > GRACE_S:
+            what.close()
+            ended.append(one)
+    with _lock:
+        for one in ended:
+            _watched.remove(one)
+
+
+def _run() -> None:
+    while True:
+        time.sleep(INTERVAL_S)
+        sweep(time.monotonic())

@@ -1,0 +1,335 @@
+"""What is open, with which settings, and what came out: the only keeper of UI state."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable
+from dataclasses import fields, replace
+from pathlib import Path
+from typing import Any, Final, Literal
+
+import numpy as np
+import streamlit as st
+
+from nvcore.analysis import Result, analyse
+from nvcore.audit import audit
+from nvcore.dataset import Dataset
+from nvcore.findings import Finding
+from nvcore.loading import compared_systems, effective_params, load
+from nvcore.params import Params
+from nvcore.session import Session
+from nvcore.session_file import read_session
+from ui.links import changed_parameters, read_parameters, read_place
+from ui.pictures import Picturing, find_pictures
+from ui.workspace import Workspace
+
+ROOT: Final = Path(__file__).resolve().parent.parent
+SAMPLE: Final = ROOT / "sample_data" / "session.toml"
+SAMPLE_LABEL: Final = "Sample recordings"
+Theme = Literal["light", "dark"]
+
+# Results are shared between sessions by content: never keyed by a table, which Streamlit would
+# hash by sample, and few, since one of a million frames takes hundreds of megabytes.
+MOST_RESULTS: Final = 6
+
+
+def workspace() -> Workspace:
+    """The workspace of this browser session; the first call opens the sample recordings."""
+    found = st.session_state.get("workspace")
+    if found is None:
+        found = st.session_state["workspace"] = Workspace()
+    if found.dataset is None:
+        with st.spinner("Opening the sample recordings"):
+            _open(found, read_session(SAMPLE), SAMPLE_LABEL)
+        _forget_widgets()
+    return found
+
+
+def open_session(session: Session, *, label: str) -> None:
+    """Open another comparison in this session's workspace, and start its run again.
+
+    Raises
+    ------
+    NvcoreError
+        If an input cannot be used; what was open stays open.
+    """
+    space = workspace()
+    with st.spinner("Reading the files"):
+        _open(space, session, label)
+    # the widgets of this run are drawn: they take their new values in the next one
+    st.session_state["new_session"] = True
+    st.session_state["place"] = 0, 0
+    st.rerun()
+
+
+def begin_run() -> None:
+    """To be called before any widget is drawn."""
+    workspace()
+    if "place" not in st.session_state:
+        _follow_link()
+    if st.session_state.pop("new_session", False):
+        _forget_widgets()
+    for name, value in st.session_state.pop("new_params", {}).items():
+        st.session_state[name] = value
+
+
+def set_params(**values: Any) -> None:
+    """Give parameters these values in the next run; to be followed by a rerun."""
+    st.session_state["new_params"] = {**st.session_state.get("new_params", {}), **values}
+
+
+def reset_params() -> None:
+    """Give all parameters the values of the open session in the next run."""
+    st.session_state["new_session"] = True
+
+
+def score_span(system: str) -> tuple[float, float] | None:
+    """Lowest and highest score of a system; None without scores or with a single one."""
+    space = workspace()
+    assert space.dataset is not None
+    score = space.dataset.system(system).score
+    score = score[np.isfinite(score)]
+    if not len(score) or score.min() == score.max():
+        return None
+    return float(score.min()), float(score.max())
+
+
+def session_params() -> Params:
+    """The parameters that the open session starts with."""
+    space = workspace()
+    assert space.session is not None
+    assert space.dataset is not None
+    return effective_params(space.session, space.dataset)
+
+
+def params() -> Params:
+    """The live parameters."""
+    found: Params | None = st.session_state.get("params")
+    return session_params() if found is None else found
+
+
+def systems() -> tuple[str, str | None]:
+    """Names of X and Y; Y is None where there is one system only."""
+    space = workspace()
+    assert space.session is not None
+    assert space.dataset is not None
+    return compared_systems(space.session, space.dataset)
+
+
+def result() -> Result | None:
+    """The comparison with the live parameters; None where there is only one system."""
+    space = workspace()
+    assert space.dataset is not None
+    x, y = systems()
+    if y is None:
+        space.result = None
+        return None
+    settings = params()
+    found = _analysed(space.dataset.fingerprint, settings, x, y, space.dataset, space.result)
+    if found is not space.result:
+        space.result = found
+        key = f"{space.dataset.fingerprint}{settings!r}{x}\0{y}"
+        space.version = hashlib.sha256(key.encode()).hexdigest()[:12]
+    return found
+
+
+def findings() -> tuple[Finding, ...]:
+    """What the audit found in the open inputs, worst first."""
+    space = workspace()
+    assert space.dataset is not None
+    x, y = systems()
+    settings = params()
+    names = ("threshold_x", "threshold_y", "match", "iou", "lateral_tolerance", "proximity")
+    relevant = replace(Params(), **{name: getattr(settings, name) for name in names})
+    return _audited(space.dataset.fingerprint, relevant, x, y, space.dataset)
+
+
+@st.cache_resource(max_entries=MOST_RESULTS, show_spinner="Comparing the systems")
+def _analysed(
+    fingerprint: str,  # noqa: ARG001  the key that stands for the tables
+    settings: Params,
+    x: str,
+    y: str,
+    _dataset: Dataset,
+    _previous: Result | None,
+) -> Result:
+    if _previous is not None and _previous.dataset is not _dataset:
+        _previous = None
+    return analyse(_dataset, settings, x=x, y=y, previous=_previous)
+
+
+@st.cache_resource(max_entries=MOST_RESULTS, show_spinner="Auditing the inputs")
+def _audited(
+    fingerprint: str,  # noqa: ARG001  the key that stands for the tables
+    settings: Params,
+    x: str,
+    y: str | None,
+    _dataset: Dataset,
+) -> tuple[Finding, ...]:
+    return audit(_dataset, settings, x=x, y=y)
+
+
+def theme() -> Theme:
+    """Whether the page is shown light or dark."""
+    return "dark" if st.context.theme.type == "dark" else "light"
+
+
+def recording_names() -> list[str]:
+    """Names of the recordings, in their order."""
+    space = workspace()
+    assert space.dataset is not None
+    names: list[str] = space.dataset.recordings["name"].tolist()
+    return names
+
+
+def recording() -> int:
+    """Index of the current recording."""
+    return _place()[0]
+
+
+def row() -> int:
+    """Row of the current frame within the current recording."""
+    return _place()[1]
+
+
+def _place() -> tuple[int, int]:
+    place: tuple[int, int] = st.session_state.get("place", (0, 0))
+    return place
+
+
+def go_to(recording_index: int, row_in_recording: int) -> None:
+    """Make this the current frame, in the page's address as well."""
+    settle(recording_index, row_in_recording)
+    st.session_state["seek"] = seek() + 1
+
+
+def settle(recording_index: int, row_in_recording: int) -> None:
+    """Make this the current frame without asking the viewer to go there: it is there."""
+    last = max(len(_frame_numbers(recording_index)) - 1, 0)
+    st.session_state["place"] = recording_index, min(max(row_in_recording, 0), last)
+    write_address()
+
+
+def write_address() -> None:
+    """Put the current frame and the parameters that were changed into the page's address."""
+    wanted = link_to(*_place())
+    for name in [*(spec.name for spec in fields(Params)), "recording", "frame"]:
+        if name in wanted:
+            if st.query_params.get(name) != wanted[name]:
+                st.query_params[name] = wanted[name]
+        else:
+            st.query_params.pop(name, None)
+
+
+def seek() -> int:
+    """Changes whenever somebody else than the viewer chooses the frame."""
+    wishes: int = st.session_state.get("seek", 0)
+    return wishes
+
+
+def place_of(row_in_all: int) -> tuple[int, int]:
+    """Recording and row within it, of a row of the frames table."""
+    space = workspace()
+    assert space.dataset is not None
+    frames = space.dataset.frame_columns
+    recording_index = int(frames.recording[row_in_all])
+    return recording_index, row_in_all - int(frames.first[recording_index])
+
+
+def row_in_all() -> int:
+    """Row of the current frame in the frames table."""
+    space = workspace()
+    assert space.dataset is not None
+    return int(space.dataset.frame_columns.first[recording()]) + row()
+
+
+def link_to(recording_index: int, row_in_recording: int) -> dict[str, str]:
+    """What the address of a page needs to open at this frame with the live parameters."""
+    numbers = _frame_numbers(recording_index)
+    at = {"recording": recording_names()[recording_index]}
+    if len(numbers):
+        at["frame"] = str(int(numbers[row_in_recording]))
+    return at | changed_parameters(params(), session_params())
+
+
+def bad_link() -> str:
+    """What in the address could not be followed, in words; empty if nothing. Told once."""
+    wrong: str = st.session_state.pop("bad_link", "")
+    return wrong
+
+
+def _follow_link() -> None:
+    """Take recording and frame from the address that the session was opened by."""
+    place, wrong = read_place(
+        st.query_params.get("recording"), st.query_params.get("frame"), recording_names(),
+        _frame_numbers,
+    )  # fmt: skip
+    given, impossible = read_parameters(st.query_params.to_dict())
+    st.session_state["new_params"] = given
+    wrong += impossible
+    st.session_state["place"] = place
+    st.session_state["bad_link"] = "; ".join(wrong)
+
+
+def _frame_numbers(recording_index: int) -> np.ndarray:
+    space = workspace()
+    assert space.dataset is not None
+    frames = space.dataset.frame_columns
+    first, last = frames.first[recording_index : recording_index + 2]
+    return frames.frame[first:last]
+
+
+def _open(space: Workspace, session: Session, label: str) -> None:
+    dataset = load(session)
+    pictures: Picturing = find_pictures(session, dataset)
+    space.close_pictures()
+    space.session, space.dataset, space.label = session, dataset, label
+    space.pictures, space.picture_rows = pictures.sources, pictures.indices
+    space.picture_notes = pictures.notes
+    space.result, space.version = None, ""
+
+
+def _forget_widgets() -> None:
+    """Forget the widgets' values, so that they start with those of the open session."""
+    st.session_state.pop("params", None)
+    if st.session_state.get("has_opened", False):
+        for spec in fields(Params):
+            st.session_state.pop(spec.name, None)
+    st.session_state["has_opened"] = True  # the first time the address may set parameters
+
+
+def is_new_click(key: str, points: Any) -> bool:
+    """Whether a chart's selection was made since it was last asked about: it outlives reruns."""
+    seen = st.session_state.setdefault("seen_clicks", {})
+    at = repr(points)
+    if seen.get(key) == at:
+        return False
+    seen[key] = at
+    return True
+
+
+def choose_category(category: str) -> None:
+    """Show the encounters of one Venn category when the Encounters page is next drawn."""
+    st.session_state["category"] = category
+
+
+@st.cache_data(max_entries=200, show_spinner=False)
+def thumbnail(
+    token: str,  # noqa: ARG001  pictures belong to one session
+    version: str,  # noqa: ARG001
+    settings: Params,  # noqa: ARG001
+    row_in_all: int,  # noqa: ARG001
+    _draw: Callable[[], bytes],
+) -> bytes:
+    """A drawn picture, kept for the pictures, settings and frame that it is of."""
+    return _draw()
+
+
+STRETCH: Final = (0.5, 99.8)
+"""Percentiles that pictures are stretched to by default: night drives are dim."""
+
+
+def stretch() -> tuple[float, float]:
+    """Percentiles of the display stretch."""
+    lo, hi = st.session_state.get("stretch", STRETCH)
+    return float(lo), float(hi)

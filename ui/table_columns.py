@@ -1,0 +1,104 @@
+"""Columns of the report's tables for `st.dataframe`: headings, formats, help texts."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import pandas as pd
+import streamlit as st
+
+from nvcore.figures.encounters import CLASS_WORDS
+from nvcore.figures.venn import WORDS
+from nvcore.report_columns import REPORT_COLUMNS, Column, Kind
+
+HEADINGS: Final = {
+    "track": "Pedestrian",
+    "n_relevant": "Relevant frames",
+    "n_frames": "Annotated frames",
+    "miss_class": "miss class",
+    "lag_s": "lag (s)",
+    "gap_s": "gap (s)",
+    "tail_s": "tail (s)",
+    "lead_time_s": "Lead of X (s)",
+    "peak_height": "Largest height (px)",
+    "peak_k": "Largest k",
+    "aspect_ratio": "Height / width",
+    "aspect_z": "Pose z-score",
+    "occluded_share": "Occluded",
+    "start_s": "Start (s)",
+    "duration_s": "Duration (s)",
+    "tau": "Ends at",
+    "saliency_s": "Saliency (s)",
+}
+"""Headings that do not follow from the column's name."""
+
+PERCENT: Final = frozenset({"coverage", "occluded_share", "tau"})
+SIGNED: Final = frozenset({"lead_time_s", "lateral_position", "aspect_z"})
+LINE_PX: Final = 35
+MOST_LINES: Final = 10
+
+
+def heading(name: str) -> str:
+    """Heading of a column, "X lag (s)" for ``lag_s_x``."""
+    base, letter = _split(name)
+    words = HEADINGS.get(base, base.replace("_", " "))
+    return f"{letter.upper()} {words}" if letter else words[0].upper() + words[1:]
+
+
+def column_config(file: str) -> dict[str, Any]:
+    """Settings of all columns of a report's file, for `st.dataframe`."""
+    return {column.name: _config(column) for column in REPORT_COLUMNS[file]}
+
+
+def as_shown(table: pd.DataFrame) -> pd.DataFrame:
+    """Rows of a report's table for `column_config`: shares in percent, categories in words."""
+    shown = {}
+    for name in table:
+        base, _ = _split(str(name))
+        if base in PERCENT:
+            shown[str(name)] = 100 * table[name]
+        elif base in ("category", "miss_class"):
+            words = class_words if base == "miss_class" else category_words
+            shown[str(name)] = pd.Series([words(value) for value in table[name]], table.index)
+    return table.assign(**shown)
+
+
+def table_height(n_rows: int) -> int:
+    """Height of a table with its heading that shows up to ten rows, px."""
+    return LINE_PX * (min(max(n_rows, 1), MOST_LINES) + 1) + 3
+
+
+def category_words(value: str) -> str:
+    """A Venn category in words."""
+    words = {kind.value: text for kind, text in WORDS.items()}
+    return words[value]
+
+
+def class_words(value: str | None) -> str | None:
+    """A miss class in words; None stays None."""
+    words = {kind.value: text for kind, text in CLASS_WORDS.items()}
+    return None if value is None else words[value]
+
+
+def _split(name: str) -> tuple[str, str]:
+    is_of_system = name.endswith(("_x", "_y"))
+    return (name[:-2], name[-1]) if is_of_system else (name, "")
+
+
+def _config(column: Column) -> Any:
+    base, _ = _split(column.name)
+    text = column.meaning + (f" Empty: {column.empty}." if column.empty else "")
+    if column.better:
+        text += " Higher is better." if column.better == "high" else " Lower is better."
+    label = heading(column.name)
+    pinned = column.name in ("recording", "track")
+    if column.kind is Kind.TRUTH_VALUE:
+        return st.column_config.CheckboxColumn(label, help=text)
+    if column.kind is Kind.TEXT:
+        return st.column_config.TextColumn(label, help=text, pinned=pinned)
+    if column.kind is Kind.INTEGER:
+        return st.column_config.NumberColumn(label, help=text, pinned=pinned, format="%d")
+    if base in PERCENT:
+        return st.column_config.NumberColumn(label, help=text, format="%.0f %%")
+    form = "%+.2f" if base in SIGNED else "%.0f" if base == "peak_height" else "%.2f"
+    return st.column_config.NumberColumn(label, help=text, format=form)

@@ -1,0 +1,56 @@
+"""Timeline page: viewer, time plot and lanes that move together."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import streamlit as st
+
+from nvcore.analysis import Result
+from nvcore.figures.lanes import lanes_figure
+from nvcore.figures.style import CONFIG
+from nvcore.figures.time_plot import similarity_plot
+from ui import state, timeline_viewer
+
+
+@st.fragment
+def draw_all(result: Result) -> None:
+    """Everything that shows the current frame; a click in one part moves all."""
+    left, right = st.columns([3, 1], gap="medium")
+    with left:
+        settled = timeline_viewer.draw(result)
+    if settled != state.row():
+        state.settle(state.recording(), settled)
+    cursor = state.row_in_all()
+    with right:
+        timeline_viewer.panel(result, cursor)
+    upright = st.toggle(
+        "Time upwards, X left and Y right", key="upright", persist_state="session",
+        help="The plot as in the paper's figure 8: the middle is perfect.",
+    )  # fmt: skip
+    _clickable(
+        similarity_plot(
+            result, state.recording(), theme=state.theme(), cursor_row=cursor,
+            layout="upright" if upright else "time",
+        ),
+        "time_plot",
+    )  # fmt: skip
+    st.caption(
+        "Thin: similarity of each frame, 1 is best. Thick: moving mean. Filled: low intervals. "
+        "Marks above: saliency events. Click to see the frame ([Metrics](/metrics#similarity))."
+    )
+    _clickable(
+        lanes_figure(result, state.recording(), theme=state.theme(), cursor_row=cursor), "lanes"
+    )
+
+
+def _clickable(figure: Any, key: str) -> None:
+    chosen = st.plotly_chart(
+        figure, theme=None, config=CONFIG, key=f"{key}_{state.recording()}", on_select="rerun",
+        selection_mode="points",
+    )  # fmt: skip
+    points = chosen["selection"]["points"]
+    if points and state.is_new_click(key, points):
+        row = int(points[0]["customdata"])
+        state.go_to(*state.place_of(row))
+        st.rerun(scope="fragment")

@@ -1,0 +1,115 @@
+"""Timeline page: choice of the recording, the frame viewer and what is in the frame."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import streamlit as st
+
+from nvcore.analysis import Result
+from nvcore.frame_facts import FrameFacts, frame_facts
+from nvcore.moments import next_misses
+from nvcore.tables import sides
+from ui import state
+from ui.text import number, plain
+from ui.viewer import viewer
+
+HEIGHT_PX = 520
+MAX_ROWS = 8
+
+
+def recording_choice() -> None:
+    """The recording selector, and by which rule pictures show frames."""
+    names = state.recording_names()
+    left, right = st.columns([2, 3], vertical_alignment="bottom")
+    chosen = left.selectbox(
+        "Recording", range(len(names)), index=state.recording(),
+        format_func=lambda i: names[i], key=f"recording_choice_{state.recording()}",
+    )  # fmt: skip
+    if chosen != state.recording():
+        state.go_to(chosen, 0)
+        st.rerun()
+    note = state.workspace().picture_notes.get(state.recording())
+    right.caption(plain(note or "This recording has no pictures: boxes are drawn on a blank."))
+
+
+def draw(result: Result) -> int:
+    """The viewer; returns the settled row within the recording."""
+    space, recording = state.workspace(), state.recording()
+    frames = result.dataset.frame_columns
+    first, last = int(frames.first[recording]), int(frames.first[recording + 1])
+    rows = space.picture_rows.get(recording)
+    lo, hi = state.stretch()
+    settled = viewer(
+        token=space.token,
+        recording=recording,
+        n_rows=last - first,
+        width=float(frames.width[recording]),
+        height=float(frames.height[recording]),
+        fps=float(frames.fps[recording]),
+        frames=frames.frame[first:last],
+        times_s=result.dataset.frames["time_s"].to_numpy()[first:last],
+        has_picture=np.zeros(last - first, dtype=bool) if rows is None else rows >= 0,
+        version=space.version,
+        traces={letter: system.similarity[first:last] for letter, system in sides(result)},
+        low=result.params.low,
+        intervals=[_spans(system.intervals, recording, first) for _, system in sides(result)],
+        misses=next_misses(result, recording),
+        names=[system.name for _, system in sides(result)],
+        seek=(state.row(), state.seek()),
+        lo=lo,
+        hi=hi,
+        theme=state.theme(),
+        height_px=HEIGHT_PX,
+        key="viewer",
+        picture_version=space.pictures_version,
+    )
+    return 0 if settled is None else settled
+
+
+def _spans(intervals: pd.DataFrame, recording: int, first: int) -> np.ndarray:
+    mine = intervals[intervals["recording"].to_numpy() == recording]
+    return np.column_stack([mine["first_row"] - first, mine["last_row"] - first + 1])
+
+
+def panel(result: Result, row_in_all: int) -> None:
+    """The frame in figures: similarity of both, who is missed by whom."""
+    facts = frame_facts(result, row_in_all)
+    st.markdown(f"**Frame {facts.frame}**, {facts.time_s:.2f} s")
+    left, right = st.columns(2)
+    for column, letter, system in ((left, "X", facts.x), (right, "Y", facts.y)):
+        column.metric(f"similarity {letter}", number(system.similarity, ".3f"))
+        column.caption(
+            f"{system.matched} of {facts.n_truth} pedestrians matched, {system.false_alarms} "
+            f"false alarm{'s' if system.false_alarms != 1 else ''}"
+        )
+    _missed(facts)
+    with st.expander("Picture"):
+        st.slider(
+            "Stretch (percentiles of the grey values)", 0.0, 100.0, state.stretch(), 0.1,
+            key="stretch", persist_state="session",
+            help="Grey values below the first percentile are black, above the second white.",
+        )  # fmt: skip
+
+
+def _missed(facts: FrameFacts) -> None:
+    missed = facts.missed
+    if not facts.n_truth:
+        st.caption("Nobody is annotated in this frame.")
+        return
+    if missed.empty:
+        st.caption("Nobody is missed in this frame.")
+        return
+    st.markdown("Missed, the tallest first")
+    shown = pd.DataFrame(
+        {
+            "pedestrian": missed["track"],
+            "px": missed["height_px"].round(),
+            "by": np.select(
+                [~missed["found_x"] & ~missed["found_y"], ~missed["found_x"]],
+                ["X and Y", "X"], "Y",
+            ),
+            "counts": np.where(missed["is_relevant"], "yes", "too far"),
+        }
+    ).head(MAX_ROWS)  # fmt: skip
+    st.dataframe(shown, hide_index=True, height="content", row_height=28, key="missed")

@@ -1,0 +1,167 @@
+// The elements around the canvas: legend with layer switches, transport, help. Text from files is
+// only ever set as text.
+
+const ICONS = {
+  first: "M6 5h2v14H6zM19 5v14L9 12z",
+  last: "M16 5h2v14h-2zM5 5v14l10-7z",
+  back: "M16 5v14L6 12z",
+  forward: "M8 5v14l10-7z",
+  missBack: "M20 5v14l-8-7zM12 5v14L4 12z",
+  missForward: "M4 5v14l8-7zM12 5v14l8-7z",
+  play: "M7 4v16l13-8z",
+  pause: "M6 5h4v14H6zM14 5h4v14h-4z",
+  fit: "M3 3h7v2H5v5H3zM14 3h7v7h-2V5h-5zM3 14h2v5h5v2H3zM19 14h2v7h-7v-2h5z",
+  full: "M14 3h7v7h-2V6.4l-5 5L12.600 10l5-5H14zM10 21H3v-7h2v3.600l5-5L11.400 14l-5 5H10z",
+  labels: "M3 5h11l7 7-7 7H3zm3 5v4h4v-4z",
+  close: "M6.400 5 12 10.600 17.600 5 19 6.400 13.400 12 19 17.600 17.600 19 12 13.400 6.400 19 5 17.600 10.600 12 5 6.400z",
+};
+
+const SPEEDS = [0.25, 0.5, 1, 2, 4];
+
+const KEYS = [
+  ["Space", "play or pause"],
+  ["← →", "one frame back or forward"],
+  ["Shift + ← →", "one second back or forward"],
+  ["Home End", "first or last frame"],
+  ["n p", "next or previous miss begins"],
+  ["x y g", "show or hide X, Y, ground truth"],
+  ["l", "show or hide labels"],
+  ["+ −", "zoom (also Ctrl + wheel; drag to move)"],
+  ["f", "fit the picture"],
+  ["?", "this help"],
+];
+
+const SAMPLES = [
+  [{ source: "truth", state: 8 | 2 | 4 }, "pedestrian found by both (ground truth, thin)"],
+  [{ source: "x", state: 1 }, "detection of X (solid)"],
+  [{ source: "y", state: 1 }, "detection of Y (dashed)"],
+  [{ source: "truth", state: 8 | 4 }, "missed by X"],
+  [{ source: "truth", state: 8 | 16 | 32 }, "missed by both; ▼ the most salient pedestrian for a system"],
+  [{ source: "y", state: 2 }, "false alarm (crossed out)"],
+  [{ source: "truth", state: 0 }, "not relevant for the driver, or ignored (dotted)"],
+];
+
+function make(tag, attributes = {}, children = []) {
+  const element = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) {
+    if (name === "text") element.textContent = value;
+    else element.setAttribute(name, value);
+  }
+  element.append(...children);
+  return element;
+}
+
+function svg(paths, size = 20) {
+  const space = "http://www.w3.org/2000/svg";
+  const element = document.createElementNS(space, "svg");
+  const attributes = { viewBox: "0 0 24 24", width: size, height: size, "aria-hidden": "true", focusable: "false" };
+  for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
+  const path = document.createElementNS(space, "path");
+  path.setAttribute("d", paths);
+  path.setAttribute("fill", "currentColor");
+  path.setAttribute("fill-rule", "evenodd");
+  element.append(path);
+  return element;
+}
+
+function iconButton(name, label, key, act) {
+  const title = key ? `${label} (${key})` : label;
+  const button = make("button", { type: "button", "aria-label": label, title, class: "icon" }, [svg(ICONS[name])]);
+  button.addEventListener("click", act);
+  return button;
+}
+
+// A switch of the legend: line sample, name, what the system does in this frame.
+function legendButton(layer, act) {
+  const button = make("button", { type: "button", "aria-pressed": "true", class: `layer ${layer}` }, [
+    make("span", { class: "sample", "aria-hidden": "true" }),
+    make("span", { class: "name" }),
+    make("span", { class: "counts" }),
+  ]);
+  button.addEventListener("click", act);
+  return button;
+}
+
+function makeControls(actions) {
+  const parts = {};
+  parts.legend = make("div", { class: "legend", role: "group", "aria-label": "Layers" });
+  for (const layer of ["x", "y", "truth"]) {
+    parts[layer] = legendButton(layer, () => actions.toggle(layer));
+    parts.legend.append(parts[layer]);
+  }
+  parts.picture = make("canvas", { class: "picture", role: "img" });
+  parts.message = make("div", { class: "message", hidden: "" });
+  parts.stage = make("div", { class: "stage" }, [parts.picture, parts.message]);
+  parts.strip = make("canvas", { class: "strip", role: "slider", "aria-label": "Position in the recording" });
+  parts.tip = make("div", { class: "tip", hidden: "", "aria-hidden": "true" });
+  parts.stripHolder = make("div", { class: "strip-holder" }, [parts.strip, parts.tip]);
+  parts.play = iconButton("play", "Play", "space", actions.playPause);
+  parts.play.classList.add("play");
+  parts.labels = iconButton("labels", "Labels", "l", () => actions.toggle("labels"));
+  parts.speed = make("select", { "aria-label": "Speed", title: "Speed" },
+    SPEEDS.map((speed) => make("option", { value: String(speed), text: `${speed}×` })));
+  parts.speed.value = "1";
+  parts.speed.addEventListener("change", () => actions.speed(Number(parts.speed.value)));
+  parts.readout = make("div", { class: "readout" }, [
+    make("span", { class: "frame" }), make("span", { class: "time" }), make("span", { class: "row" }),
+  ]);
+  parts.full = iconButton("full", "Full screen", "", actions.fullScreen);
+  parts.help = make("button", { type: "button", class: "icon text", text: "?", "aria-label": "Keys and legend", title: "Keys and legend (?)" });
+  parts.help.addEventListener("click", actions.help);
+  parts.bar = make("div", { class: "bar", role: "toolbar", "aria-label": "Transport" }, [
+    iconButton("first", "First frame", "Home", actions.first),
+    iconButton("missBack", "Previous miss", "p", actions.previousMiss),
+    iconButton("back", "Previous frame", "←", actions.previous),
+    parts.play,
+    iconButton("forward", "Next frame", "→", actions.next),
+    iconButton("missForward", "Next miss", "n", actions.nextMiss),
+    iconButton("last", "Last frame", "End", actions.last),
+    parts.speed, parts.readout, parts.labels,
+    iconButton("fit", "Fit the picture", "f", actions.fit),
+    parts.full, parts.help,
+  ]);
+  parts.spoken = make("div", { class: "spoken", role: "status", "aria-live": "polite" });
+  parts.root = make("div", {
+    class: "viewer", role: "group", tabindex: "0", "aria-label": "Frame viewer; press ? for its keys",
+  }, [parts.legend, parts.stage, parts.stripHolder, parts.bar, parts.spoken]);
+  return parts;
+}
+
+function makeHelp(palette, close) {
+  const closer = iconButton("close", "Close", "Esc", close);
+  const keys = make("dl", {}, KEYS.flatMap(([key, meaning]) =>
+    [make("dt", { text: key }), make("dd", { text: meaning })]));
+  const samples = make("ul", {}, SAMPLES.map(([sample, meaning]) =>
+    make("li", {}, [drawSample(sample, palette), make("span", { text: meaning })])));
+  const note = make("p", {
+    text: "Playback is in real time. Recordings sampled more slowly than four frames a second play at four frames a second.",
+  });
+  return make("div", { class: "help", role: "dialog", "aria-label": "Keys and legend" }, [
+    closer, make("div", { class: "columns" }, [keys, samples]), note,
+  ]);
+}
+
+// The legend is drawn by the code that draws the picture, so that they cannot differ.
+function drawSample(sample, palette) {
+  const isMiss = sample.source === "truth" && missedBy(sample.state) !== "";
+  const width = 84;
+  const height = isMiss ? 66 : 44;
+  const ratio = window.devicePixelRatio || 1;
+  const canvas = make("canvas", { "aria-hidden": "true" });
+  canvas.width = width * ratio;
+  canvas.height = height * ratio;
+  canvas.style.width = `${width}px`;
+  canvas.style.height = `${height}px`;
+  const ctx = canvas.getContext("2d");
+  ctx.scale(ratio, ratio);
+  const found = {
+    start: 0, stop: 1,
+    boxes: {
+      x: [31], y: [isMiss ? 38 : 7], w: [22], h: [isMiss ? 22 : 30], score: [NaN], track: [-1],
+      source: [SOURCE[sample.source]], state: [sample.state],
+    },
+  };
+  const layers = { truth: true, x: true, y: true, labels: false };
+  drawBoxes(ctx, found, { scale: 1, x: 0, y: 0 }, layers, palette, { width, height });
+  return canvas;
+}

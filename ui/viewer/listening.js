@@ -1,0 +1,135 @@
+// Keys, mouse and touch of a viewer.
+
+function listen(viewer) {
+  const { root, parts } = viewer;
+  root.addEventListener("keydown", (event) => onKey(viewer, event));
+  // after a click the keys belong to the viewer again, not to the button
+  parts.bar.addEventListener("click", (event) => returnFocus(viewer, event));
+  parts.legend.addEventListener("click", (event) => returnFocus(viewer, event));
+  parts.speed.addEventListener("change", () => root.focus({ preventScroll: true }));
+  parts.labels.setAttribute("aria-pressed", "true");
+  viewer.observer = new ResizeObserver(() => viewer.wake());
+  viewer.observer.observe(parts.stage);
+  viewer.observer.observe(parts.stripHolder);
+  listenToStrip(viewer);
+  listenToPicture(viewer);
+}
+
+function returnFocus(viewer, event) {
+  const isByPointer = event.detail > 0;
+  if (isByPointer && !viewer.help && event.target.tagName !== "SELECT") viewer.root.focus({ preventScroll: true });
+}
+
+function onKey(viewer, event) {
+  if (event.ctrlKey || event.metaKey || event.altKey) return;
+  const isControl = ["BUTTON", "SELECT"].includes(event.target.tagName);
+  if (isControl && [" ", "Enter"].includes(event.key)) {
+    event.stopPropagation(); // the control's own key
+    return;
+  }
+  if (event.target.tagName === "SELECT" && event.key.length > 1) return;
+  const { recording, row } = viewer;
+  const sign = event.key === "ArrowLeft" ? -1 : 1;
+  const actions = {
+    " ": () => viewer.playPause(),
+    ArrowLeft: () => viewer.goTo(event.shiftKey ? recording.rowAfter(row, sign) : row + sign),
+    ArrowRight: () => viewer.goTo(event.shiftKey ? recording.rowAfter(row, sign) : row + sign),
+    Home: () => viewer.goTo(0),
+    End: () => viewer.goTo(recording.nRows - 1),
+    n: () => viewer.goToMiss(1),
+    p: () => viewer.goToMiss(-1),
+    x: () => viewer.toggle("x"),
+    y: () => viewer.toggle("y"),
+    g: () => viewer.toggle("truth"),
+    l: () => viewer.toggle("labels"),
+    f: () => viewer.fit(),
+    "+": () => viewer.zoomBy(1.5),
+    "-": () => viewer.zoomBy(1 / 1.5),
+    "?": () => viewer.toggleHelp(),
+    Escape: () => viewer.help && viewer.toggleHelp(),
+  };
+  const act = actions[event.key.length === 1 ? event.key.toLowerCase() : event.key];
+  if (!act || !recording || recording.nRows === 0) return;
+  if (event.key === "Escape" && !viewer.help) return;
+  event.preventDefault();
+  event.stopPropagation();
+  act();
+}
+
+function listenToStrip(viewer) {
+  const { strip, tip, stripHolder } = viewer.parts;
+  const rowAt = (event) => viewer.strip.rowAt(event.clientX - strip.getBoundingClientRect().left);
+  const hover = (event) => {
+    if (!viewer.recording?.nRows) return;
+    const row = rowAt(event);
+    viewer.hoverRow = row;
+    const { recording } = viewer;
+    const place = `frame ${recording.frames[row]} · ${recording.timeText(row)}`;
+    tip.textContent = `${place} · ${viewer.strip.valuesText(row)}`;
+    tip.hidden = false;
+    const half = tip.offsetWidth / 2;
+    const x = event.clientX - stripHolder.getBoundingClientRect().left;
+    tip.style.left = `${Math.max(half, Math.min(stripHolder.clientWidth - half, x))}px`;
+    viewer.wake();
+  };
+  const leave = () => {
+    viewer.hoverRow = null;
+    tip.hidden = true;
+    viewer.wake();
+  };
+  strip.addEventListener("pointerdown", (event) => {
+    if (event.button !== 0 || !viewer.recording?.nRows) return;
+    strip.setPointerCapture(event.pointerId);
+    viewer.root.focus({ preventScroll: true });
+    event.preventDefault();
+    viewer.isDragging = true;
+    viewer.goTo(rowAt(event));
+  });
+  strip.addEventListener("pointermove", (event) => {
+    hover(event);
+    if (viewer.isDragging && rowAt(event) !== viewer.row) viewer.goTo(rowAt(event));
+  });
+  const release = () => {
+    if (!viewer.isDragging) return;
+    viewer.isDragging = false;
+    viewer.goTo(viewer.row);
+  };
+  strip.addEventListener("pointerup", release);
+  strip.addEventListener("pointercancel", release);
+  strip.addEventListener("pointerleave", leave);
+}
+
+function listenToPicture(viewer) {
+  const { picture, stage } = viewer.parts;
+  const pointOf = (event) => {
+    const { left, top } = stage.getBoundingClientRect();
+    return { x: event.clientX - left, y: event.clientY - top };
+  };
+  let last = null;
+  picture.addEventListener("pointerdown", (event) => {
+    viewer.root.focus({ preventScroll: true });
+    event.preventDefault();
+    if (event.button !== 0 || viewer.view.zoom === 1) return;
+    picture.setPointerCapture(event.pointerId);
+    last = pointOf(event);
+  });
+  picture.addEventListener("pointermove", (event) => {
+    if (!last) return;
+    const point = pointOf(event);
+    viewer.moveBy(point.x - last.x, point.y - last.y);
+    last = point;
+  });
+  const release = () => { last = null; };
+  picture.addEventListener("pointerup", release);
+  picture.addEventListener("pointercancel", release);
+  picture.addEventListener("dblclick", (event) => {
+    if (viewer.view.zoom > 1) viewer.fit();
+    else viewer.zoomBy(3, pointOf(event));
+  });
+  picture.addEventListener("wheel", (event) => {
+    const isFull = viewer.root.getRootNode().fullscreenElement === viewer.root;
+    if (!event.ctrlKey && !isFull) return; // the page scrolls
+    event.preventDefault();
+    viewer.zoomBy(Math.exp(-event.deltaY / 400), pointOf(event));
+  }, { passive: false });
+}

@@ -1,0 +1,35 @@
+// Which row is due while the viewer plays, and how many pictures to ask for.
+
+const LONGEST_LAG_S = 0.5; // playback waits for pictures when it is so far ahead of them
+const SCREEN_S = 1 / 60;
+
+// The row to paint now: the newest one that is due and complete. Frames are dropped, never mixed.
+function advance(viewer, now) {
+  const { playing, recording, speed } = viewer;
+  const { clock, nRows } = recording;
+  if (playing.at !== null) playing.position += ((now - playing.at) / 1000) * speed;
+  playing.at = now;
+  const shown = Math.max(playing.from, Math.min(viewer.shownRow, viewer.row));
+  const lag = Math.max(LONGEST_LAG_S * speed, 2 * LONGEST_GAP_S);
+  playing.position = Math.min(playing.position, clock[shown] + lag);
+  const due = recording.clamp(countUpTo(clock, playing.position + 1e-9) - 1);
+  let row = due;
+  while (row > shown && !viewer.isReady(row)) row -= 1;
+  if (row !== viewer.row) {
+    viewer.row = row;
+    showPosition(viewer, row);
+  }
+  viewer.load();
+  if (row === nRows - 1) viewer.stopAt(row);
+  return row;
+}
+
+// Every how many rows a picture is asked for: more than 1 when they come more slowly than they
+// are due.
+function rowsPerPicture({ recording, row, speed, pictures }) {
+  const { clock, nRows } = recording;
+  const last = Math.min(nRows - 1, row + PREFETCH);
+  const interval = (clock[last] - clock[row]) / Math.max(1, last - row) / speed;
+  const needed = Math.max(pictures.secondsPerPicture, SCREEN_S);
+  return interval > 0 ? Math.max(1, Math.min(16, Math.ceil((0.9 * needed) / interval))) : 1;
+}
