@@ -81,7 +81,7 @@ def growth_exponent(sizes: Sequence[int], seconds: Sequence[float]) -> float:
     return across / sum((a - mean_x) ** 2 for a in x)
 
 
-def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """A Markdown table, padded so that it reads well in a terminal; the first column is text."""
     widths = [max(len(row[i]) for row in (head, *rows)) for i in range(len(head))]
 
@@ -179,7 +179,7 @@ def _growth_table(ours: dict[int, dict[str, Any]]) -> str:
     ]
     memory = ["peak memory beyond input", *(f"{ours[n]['peak_mb']:.0f} MB" for n in sizes), ""]
     inputs = ["input", *(f"{ours[n]['input_mb']:.0f} MB" for n in sizes), ""]
-    return _table(["", *(f"{n:,} frames" for n in sizes), "growth"], [*rows, memory, inputs])
+    return table(["", *(f"{n:,} frames" for n in sizes), "growth"], [*rows, memory, inputs])
 
 
 def _large(sizes: Sequence[int]) -> list[int]:
@@ -236,7 +236,7 @@ def _targets_table(
         took = float(command_line[call])
         row(f"{call} nvcore compare on the sample", f"under {limit_s} s", f"{took:.1f} s",
             took < limit_s)  # fmt: skip
-    return _table(["what", "target", "found", "met"], rows)
+    return table(["what", "target", "found", "met"], rows)
 
 
 def _beside_note() -> str:
@@ -276,7 +276,7 @@ def _beside_table(ours: dict[str, Any], beside: dict[str, dict[str, Any]]) -> st
         )  # fmt: skip
     head = ["", "both systems", "ratio", "runs", "peak memory", "making its objects",
             "held against ours"]  # fmt: skip
-    return _table(head, rows)
+    return table(head, rows)
 
 
 def _agreement(check: dict[str, list[float]], figures: dict[str, Any]) -> str:

@@ -103,6 +103,36 @@ class FrameColumns:
         gaps = np.bincount(self.recording, weights=self.gap, minlength=len(self.fps))
         return float((gaps / self.fps).sum())
 
+    def within(self, window_s: float) -> tuple[np.ndarray, np.ndarray]:
+        """First row, and one past the last, of the frames at most half a window away from each.
+
+        Never across recordings. Compared in frame numbers, so that a frame exactly half a window
+        away always counts. The newest window is kept: it is the same for every system and alpha.
+
+        Returns
+        -------
+        start, stop
+            int64, shape (n_frames,).
+        """
+        found = self._windows.get(window_s)
+        if found is None:
+            half_width = 0.5 * window_s * self.fps[self.recording] * (1 + 1e-9)
+            # one axis for all recordings, with more than a window between them
+            is_other = np.concatenate([[False], np.diff(self.recording) != 0])
+            step = np.concatenate([[0.0], np.diff(self.frame).astype(float)])
+            axis = np.cumsum(np.where(is_other, 2 * half_width.max(initial=0) + 1, step))
+            found = (
+                np.searchsorted(axis, axis - half_width, side="left"),
+                np.searchsorted(axis, axis + half_width, side="right"),
+            )
+            self._windows.clear()
+            self._windows[window_s] = found
+        return found
+
+    @cached_property
+    def _windows(self) -> dict[float, tuple[np.ndarray, np.ndarray]]:
+        return {}
+
 
 @dataclass(frozen=True, eq=False)
 class Dataset:

@@ -147,13 +147,7 @@ def smooth(values: np.ndarray, frames: FrameColumns, *, window: float = 1.0) -> 
 
     Compared in frame numbers, so that a frame exactly half a window away always counts.
     """
-    half_width = 0.5 * window * frames.fps[frames.recording] * (1 + 1e-9)
-    # one axis for all recordings, with more than a window between them
-    apart = np.concatenate([[0.0], np.where(np.diff(frames.recording) != 0, 1.0, 0.0)])
-    step = np.concatenate([[0.0], np.diff(frames.frame).astype(float)])
-    axis = np.cumsum(np.where(apart > 0, 2 * half_width.max(initial=0) + 1, step))
-    start = np.searchsorted(axis, axis - half_width, side="left")
-    stop = np.searchsorted(axis, axis + half_width, side="right")
+    start, stop = frames.within(window)
     total = np.concatenate([[0.0], np.cumsum(values)])
     mean: np.ndarray = (total[stop] - total[start]) / (stop - start)
     return mean

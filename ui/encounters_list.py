@@ -16,7 +16,14 @@ from nvcore.schema import CATEGORY_TEXT, Category
 from ui import encounters_picture, state
 from ui.clicks import clicked_point, clicked_row
 from ui.navigate import open_row
-from ui.table_columns import as_shown, class_words, column_config, table_height
+from ui.table_columns import (
+    MOST_ROWS,
+    as_shown,
+    class_words,
+    column_config,
+    rows_told,
+    table_height,
+)
 from ui.text import UNDEFINED, number, plain
 
 FIRST_COLUMNS: Final = (
@@ -48,15 +55,17 @@ def draw(result: Result, encounters: pd.DataFrame) -> None:
 
 def _draw_table(encounters: pd.DataFrame) -> None:
     rest = [name for name in encounters if name not in FIRST_COLUMNS]
-    shown = as_shown(encounters[[*FIRST_COLUMNS, *rest]])
+    shown = as_shown(encounters[[*FIRST_COLUMNS, *rest]].head(MOST_ROWS))
     # other rows, other table: a selection must not slip to another pedestrian
-    key = f"encounters_table_{hash(tuple(encounters.index))}"
+    key = f"encounters_table_{hash(tuple(shown.index))}"
     st.dataframe(
         shown, hide_index=True, column_config=column_config("encounters.csv"),
         height=table_height(len(shown)), placeholder=UNDEFINED, key=key,
         selection_mode=("single-row", "single-cell"),
-        on_select=partial(_choose_row, key, encounters.index),
+        on_select=partial(_choose_row, key, shown.index),
     )  # fmt: skip
+    if told := rows_told(len(encounters), "first"):
+        st.caption(f"{told} The filters choose among all.")
 
 
 def _choose_row(key: str, index: pd.Index) -> None:

@@ -55,9 +55,10 @@ def draw(result: Result) -> None:
         caption=caption,
     )  # fmt: skip
     name, frame = state.recording_names()[recording], int(result.dataset.frame_columns.frame[row])
+    drawn = ", ".join(LAYERS[one] for one in layers) or "nobody"
     left.image(
         picture, caption=f"Frame {frame}, as it will be saved", width="stretch",
-        alt=f"Frame {frame} of {name} with the boxes of {', '.join(LAYERS[one] for one in layers) or 'nobody'}",
+        alt=f"Frame {frame} of {name} with the boxes of {drawn}",
     )  # fmt: skip
     right.download_button(
         "Picture (PNG)", lambda: frame_png(picture, result),

@@ -29,8 +29,9 @@ WHAT: Final = {
 }
 TERMS: Final = (
     "[Similarity](metrics#similarity) (0 to 1, 1 is best) says how near what a system shows is "
-    "to what is there. An [encounter](metrics#encounters) is one pedestrian, from the first to the last "
-    "annotated frame. In a [saliency event](metrics#saliency) one missed pedestrian stands out."
+    "to what is there. An [encounter](metrics#encounters) is one pedestrian, from the first to the "
+    "last annotated frame. In a [saliency event](metrics#saliency) one missed pedestrian stands "
+    "out."
 )
 MIME: Final = {"csv": "text/csv", "json": "application/json", "toml": "application/toml"}
 MOST_NAMED: Final = 12

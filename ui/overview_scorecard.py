@@ -9,7 +9,7 @@ import streamlit as st
 
 from nvcore.analysis import Result
 from nvcore.figures.recordings import recordings_plot
-from nvcore.figures.style import CONFIG
+from nvcore.figures.style import CONFIG, count_text
 from nvcore.findings import Finding, Severity
 from nvcore.scorecard import difference, number
 from nvcore.scorecard_table import ScoreRow, class_rows, score_rows
@@ -40,7 +40,8 @@ def verdict_box(result: Result, findings: Sequence[Finding]) -> None:
 def _extent(result: Result) -> str:
     venn = result.venn
     return (
-        f"{len(result.dataset.recordings):,} recordings, {len(result.dataset.frames):,} frames, "
+        f"{count_text(len(result.dataset.recordings), 'recording')}, "
+        f"{count_text(len(result.dataset.frames), 'frame')}, "
         f"{result.duration_s:,.1f} s. An encounter is one pedestrian from first to last annotated "
         f"frame; {venn.n_near:,} came near enough to count, {venn.distant:,} stayed distant "
         "([Metrics](/metrics#encounters))."

@@ -14,7 +14,7 @@ from ui import state
 from ui.clicks import clicked_row
 from ui.navigate import open_row
 from ui.saliency_figures import OPEN, WANTED
-from ui.table_columns import as_shown, column_config, table_height
+from ui.table_columns import MOST_ROWS, as_shown, column_config, rows_told, table_height
 from ui.text import UNDEFINED
 
 BOTH: Final = "both"
@@ -61,6 +61,8 @@ def draw_table(result: Result, recording: int | None) -> None:
     if events.empty:
         st.info("No event here: nobody is missed by more than the tolerance.")
         return
+    n_events = len(events)
+    events, first_row = events.head(MOST_ROWS), first_row[:MOST_ROWS]
     key = f"saliency_events_{hash(tuple(first_row))}"
     st.dataframe(
         as_shown(events.assign(system=events["system"].str.upper())), hide_index=True,
@@ -68,7 +70,10 @@ def draw_table(result: Result, recording: int | None) -> None:
         placeholder=UNDEFINED, selection_mode=("single-row", "single-cell"),
         on_select=partial(_ask_for_row, key, first_row),
     )  # fmt: skip
-    st.caption("Click an event here or in a figure to open its first frame in the Timeline.")
+    st.caption(
+        "Click an event here or in a figure to open its first frame in the Timeline. "
+        + rows_told(n_events, "most salient")
+    )
 
 
 def _events(

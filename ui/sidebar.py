@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import Field, fields
+from dataclasses import Field, fields, replace
 from typing import Any, Final
 
 import numpy as np
+import plotly.graph_objects as go
 import streamlit as st
 
+from nvcore.dataset import Dataset
 from nvcore.errors import ParameterError
 from nvcore.figures.inputs import proximity_plot
 from nvcore.figures.style import CONFIG
+from nvcore.palette import Theme
 from nvcore.params import MIDPOINT_SHARE, SPREAD_SHARE, Params
 from nvcore.presets import PRESETS
 from ui import state
@@ -137,14 +140,27 @@ def _proximity() -> dict[str, Any]:
         space = state.workspace()
         assert space.dataset is not None
         try:
-            shown_params = Params(**{**_others(), **values})
+            shown_params = replace(Params(horizon=state.session_params().horizon), **values)
         except ParameterError:
             return values
         st.plotly_chart(
-            proximity_plot(space.dataset, shown_params, theme=state.theme()),
+            _proximity_plot(
+                space.dataset.fingerprint, shown_params, state.theme(), space.dataset
+            ),
             theme=None, config=CONFIG, key="proximity_plot",
         )  # fmt: skip
     return values
+
+
+@st.cache_resource(max_entries=50, show_spinner=False)
+def _proximity_plot(
+    fingerprint: str,  # noqa: ARG001  the key that stands for the tables
+    settings: Params,
+    theme: Theme,
+    _dataset: Dataset,
+) -> go.Figure:
+    """The weight over the heights of the truth; it stays while other sliders move."""
+    return proximity_plot(_dataset, settings, theme=theme)
 
 
 def _thresholds() -> dict[str, Any]:

@@ -87,7 +87,16 @@ def score_span(system: str) -> tuple[float, float] | None:
     """Lowest and highest score of a system; None without scores or with a single one."""
     space = workspace()
     assert space.dataset is not None
-    score = space.dataset.system(system).score
+    return _score_span(space.dataset.fingerprint, system, space.dataset)
+
+
+@st.cache_resource(max_entries=100, show_spinner=False)
+def _score_span(
+    fingerprint: str,  # noqa: ARG001  the key that stands for the tables
+    system: str,
+    _dataset: Dataset,
+) -> tuple[float, float] | None:
+    score = _dataset.system(system).score
     score = score[np.isfinite(score)]
     if not len(score) or score.min() == score.max():
         return None

@@ -34,6 +34,10 @@ HEADINGS: Final = {
 
 PERCENT: Final = frozenset({"coverage", "occluded_share", "tau"})
 SIGNED: Final = frozenset({"lead_time_s", "lateral_position", "aspect_z"})
+CATEGORY_WORDS: Final = {kind.value: text for kind, text in WORDS.items()}
+MISS_WORDS: Final = {kind.value: text for kind, text in CLASS_WORDS.items()}
+MOST_ROWS: Final = 5000
+"""Rows of a table that are sent to the browser; more would slow down every change."""
 LINE_PX: Final = 35
 MOST_LINES: Final = 10
 
@@ -58,9 +62,23 @@ def as_shown(table: pd.DataFrame) -> pd.DataFrame:
         if base in PERCENT:
             shown[str(name)] = 100 * table[name]
         elif base in ("category", "miss_class"):
-            words = class_words if base == "miss_class" else category_words
-            shown[str(name)] = pd.Series([words(value) for value in table[name]], table.index)
+            shown[str(name)] = table[name].map(
+                MISS_WORDS if base == "miss_class" else CATEGORY_WORDS
+            )
     return table.assign(**shown)
+
+
+def rows_told(n_rows: int, which: str) -> str:
+    """What is said under a table of which not all rows are listed; empty if all are.
+
+    Parameters
+    ----------
+    which
+        Which rows are listed: "first", "most salient".
+    """
+    if n_rows <= MOST_ROWS:
+        return ""
+    return f"The {which} {MOST_ROWS:,} of {n_rows:,} are listed; Export has them all."
 
 
 def table_height(n_rows: int) -> int:
@@ -70,14 +88,12 @@ def table_height(n_rows: int) -> int:
 
 def category_words(value: str) -> str:
     """A Venn category in words."""
-    words = {kind.value: text for kind, text in WORDS.items()}
-    return words[value]
+    return CATEGORY_WORDS[value]
 
 
-def class_words(value: str | None) -> str | None:
-    """A miss class in words; None stays None."""
-    words = {kind.value: text for kind, text in CLASS_WORDS.items()}
-    return None if value is None else words[value]
+def class_words(value: object) -> str | None:
+    """A miss class in words; None where there is none."""
+    return MISS_WORDS[value] if isinstance(value, str) else None
 
 
 def _split(name: str) -> tuple[str, str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Final
 
 import streamlit as st
 
@@ -11,6 +11,9 @@ from nvcore.figures.lanes import lanes_figure
 from nvcore.figures.style import CONFIG
 from nvcore.figures.time_plot import similarity_plot
 from ui import state, timeline_viewer
+
+LANES_PX: Final = 640
+"""Height from which on the lanes scroll by themselves."""
 
 
 @st.fragment
@@ -39,9 +42,9 @@ def draw_all(result: Result) -> None:
         "Thin: similarity of each frame, 1 is best. Thick: moving mean. Filled: low intervals. "
         "Marks above: saliency events. Click to see the frame ([Metrics](/metrics#similarity))."
     )
-    _clickable(
-        lanes_figure(result, state.recording(), theme=state.theme(), cursor_row=cursor), "lanes"
-    )
+    lanes = lanes_figure(result, state.recording(), theme=state.theme(), cursor_row=cursor)
+    with st.container(height=LANES_PX if lanes.layout.height > LANES_PX else "content"):
+        _clickable(lanes, "lanes")
 
 
 def _clickable(figure: Any, key: str) -> None:

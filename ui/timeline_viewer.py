@@ -103,7 +103,7 @@ def _missed(facts: FrameFacts) -> None:
     st.markdown("Missed, the tallest first")
     shown = pd.DataFrame(
         {
-            "pedestrian": missed["track"],
+            "ped.": missed["track"],
             "px": missed["height_px"].round(),
             "by": np.select(
                 [~missed["found_x"] & ~missed["found_y"], ~missed["found_x"]],
@@ -112,4 +112,14 @@ def _missed(facts: FrameFacts) -> None:
             "counts": np.where(missed["is_relevant"], "yes", "too far"),
         }
     ).head(MAX_ROWS)  # fmt: skip
-    st.dataframe(shown, hide_index=True, height="content", row_height=28, key="missed")
+    st.dataframe(
+        shown, hide_index=True, height="content", row_height=28, key="missed",
+        column_config={
+            "ped.": st.column_config.NumberColumn(width=45, help="Track of the pedestrian."),
+            "px": st.column_config.NumberColumn(width=45, help="Height of the box in pixels."),
+            "by": st.column_config.TextColumn(width=60, help="Who misses this pedestrian."),
+            "counts": st.column_config.TextColumn(
+                width=60, help="Whether the pedestrian is near enough to count for an encounter."
+            ),
+        },
+    )  # fmt: skip

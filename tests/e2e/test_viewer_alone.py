@@ -8,29 +8,15 @@ from pathlib import Path
 
 import pytest
 import viewer_scene as scene
+from app_server import serve
+from playwright import sync_api
 from viewer_reading import READER, RECORDER, is_whole
-from viewer_server import serve_viewer
-
-sync_api = pytest.importorskip("playwright.sync_api")
-CHROMIUM = Path("/usr/bin/chromium")
-FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-sync"]
-FLAGS += ["--disable-background-networking", "--disable-component-update"]
 
 
 @pytest.fixture(scope="module")
 def address() -> Iterator[str]:
-    with serve_viewer() as url:
+    with serve(Path(__file__).with_name("viewer_app.py")) as url:
         yield url
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[sync_api.Browser]:
-    if not CHROMIUM.exists():
-        pytest.skip(f"{CHROMIUM} is missing; install the package chromium")
-    with sync_api.sync_playwright() as playwright:
-        opened = playwright.chromium.launch(executable_path=str(CHROMIUM), args=FLAGS)
-        yield opened
-        opened.close()
 
 
 @pytest.fixture

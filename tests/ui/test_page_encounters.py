@@ -11,7 +11,7 @@ from inputs import drive
 from streamlit.testing.v1 import AppTest
 
 from nvcore.session import Session, Source, SystemSource
-from ui import encounters_figures, encounters_list, state
+from ui import encounters_figures, encounters_list, state, table_columns
 from ui.encounters_filters import Filters
 from ui.encounters_picture import cut_out
 
@@ -81,14 +81,14 @@ def test_a_click_in_the_venn_diagram_or_a_link_presets_the_category(way: dict[st
     page = opened(**way)
     assert set(listed(page)["category"]) == {"only X"}
     assert "**8** of 46" in texts(page)
-    assert page.query_params["category"] == ["x_only"]
+    assert page.query_params["category"] == "x_only"
 
 
 def test_a_preset_category_can_be_changed():
     page = opened(category="x_only")
     page.button_group[0].set_value(["y_only"])
     assert set(listed(checked(page.run()))["category"]) == {"only Y"}
-    assert page.query_params["category"] == ["y_only"]
+    assert page.query_params["category"] == "y_only"
 
 
 def test_an_unknown_category_in_a_link_is_told():
@@ -206,14 +206,23 @@ def test_one_system_alone_is_sent_to_the_data_page(tmp_path, monkeypatch):
 
 def test_without_pedestrians_there_is_nobody_to_miss(tmp_path, monkeypatch):
     empty = session(tmp_path, "fir.csv", "nir.csv")
-    (tmp_path / "truth.csv").write_text("recording,frame,x,y,w,h,track\n", encoding="utf-8")
+    ignored = "recording,frame,x,y,w,h,track,ignore\nurban,0,100,200,40,100,1,1\n"
+    (tmp_path / "truth.csv").write_text(ignored, encoding="utf-8")
     assert "nobody to miss" in texts(with_session(empty, monkeypatch))
 
 
 def test_without_pictures_the_boxes_are_drawn_all_the_same(tmp_path, monkeypatch):
     page = with_session(session(tmp_path, "fir.csv", "nir.csv"), monkeypatch)
     assert "**2** of 2" in texts(page)
-    assert "Pedestrian 1 in rural" in texts(choose(page, 0))
+    assert "Pedestrian 1 in urban" in texts(choose(page, 0))
+
+
+def test_of_very_many_encounters_the_first_are_listed(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(encounters_list, "MOST_ROWS", 20)
+    monkeypatch.setattr(table_columns, "MOST_ROWS", 20)
+    page = opened()
+    assert len(listed(page)) == 20
+    assert "The first 20 of 46 are listed" in texts(page)
 
 
 SIX = pd.DataFrame(

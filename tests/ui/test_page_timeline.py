@@ -47,5 +47,5 @@ def test_the_missed_pedestrians_are_listed_with_who_misses_them(app: AppTest):
     (choice,) = [one for one in app.selectbox if one.label == "Recording"]
     choice.set_value(0).run()
     table = app.dataframe[0].value
-    assert table["pedestrian"].tolist() == [1, 2, 5]
+    assert table["ped."].tolist() == [1, 2, 5]
     assert set(table["by"]) == {"X and Y"}

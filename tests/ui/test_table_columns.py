@@ -6,7 +6,7 @@ import pandas as pd
 import pytest
 
 from nvcore.report_columns import REPORT_COLUMNS
-from ui.table_columns import as_shown, column_config, heading, table_height
+from ui.table_columns import as_shown, column_config, heading, rows_told, table_height
 
 
 @pytest.mark.parametrize(
@@ -59,3 +59,9 @@ def test_shares_are_shown_in_percent_and_classes_in_words():
 
 def test_a_table_grows_up_to_ten_rows():
     assert table_height(0) == table_height(1) < table_height(10) == table_height(5000)
+
+
+def test_a_table_that_is_cut_short_says_so():
+    assert rows_told(5000, "first") == ""
+    told = rows_told(12345, "most salient")
+    assert told == "The most salient 5,000 of 12,345 are listed; Export has them all."

@@ -1,0 +1,243 @@
+"""The dashboard in a browser: from a key press on a slider to the changed plot, and playing.
+
+    python -m bench.web [--frames 0 100000 1000000] [--repeat 10] [--port 8650] [--out FILE]
+
+Starts the app on a folder of sets, opens each in Chromium (``$NVCORE_CHROMIUM``, else
+/usr/bin/chromium), goes to the Timeline page and presses the right arrow key on one slider after
+the other. 0 frames stand for the sample recordings. Each set has a server of its own. Prints one
+line of JSON; with ``--out`` it writes the section "In the browser" of that page.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import urllib.error
+import urllib.request
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from time import monotonic, perf_counter, sleep
+from typing import Any
+
+from playwright.sync_api import Browser, Locator, Page, sync_playwright
+
+from bench.csv_files import write_csv
+from bench.measure import report
+from bench.sets import make_set
+from bench.web_scene import FPS, READER, is_whole, write_scene
+from bench.web_tables import put_section, web_section
+
+ROOT = Path(__file__).resolve().parent.parent
+CHROMIUM = os.environ.get("NVCORE_CHROMIUM", "/usr/bin/chromium")
+FLAGS = (
+    *("--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"),
+    *("--disable-background-networking", "--disable-component-update", "--disable-sync"),
+)
+SLIDERS = {
+    "alpha": "Misses against false alarms (alpha)",
+    "sigmoid midpoint": "Counts half at (px)",
+    "threshold": "Score threshold of X",
+}
+"""What is moved, and its label."""
+OPEN_S, WARM = 600, 2
+PLAY_S = 5.0
+NO_CHANGE_MS = 5_000
+"""A key press after which the plot stays as it is, since no detection lies between the two
+thresholds, say, is not counted."""
+
+# Resolves with the milliseconds from the next key press until the lines of the time plot have
+# changed and the frame with them was painted; -1 if they do not change.
+WATCH = """([plot, limit_ms]) => {
+  const lines = () => [...document.querySelectorAll(`${plot} .scatterlayer path.js-line`)]
+    .map(line => line.getAttribute("d")).join();
+  const before = lines();
+  window.painted = new Promise(done => addEventListener("keydown", () => {
+    const start = performance.now();
+    const look = () => {
+      const now = lines(), passed = performance.now() - start;
+      if (now && now !== before)
+        requestAnimationFrame(() => setTimeout(() => done(performance.now() - start)));
+      else if (passed > limit_ms) done(-1);
+      else requestAnimationFrame(look);
+    };
+    look();
+  }, { capture: true, once: true }));
+}"""
+
+# Collects one reading for each row that the viewer paints while it plays.
+PLAYED = (
+    "async (viewer, ms) => { const read = "
+    + READER
+    + """; const seen = []; const start = performance.now();
+  while (performance.now() - start < ms) {
+    await new Promise(requestAnimationFrame);
+    if (!seen.length || seen.at(-1).shown !== Number(viewer.dataset.shownRow)) {
+      seen.push(read(viewer));
+      seen.at(-1).ms = performance.now() - start;
+    }
+  }
+  return seen; }"""
+)
+
+
+@contextmanager
+def serve(folder: Path, port: int) -> Iterator[str]:
+    """Address of the app, started on a folder."""
+    command = [sys.executable, "-m", "streamlit", "run", str(ROOT / "app.py")]
+    command += [f"--server.port={port}", "--server.address=127.0.0.1", "--server.headless=true"]
+    command += ["--", "--local-root", str(folder)]
+    server = subprocess.Popen(
+        command, cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    )
+    url = f"http://127.0.0.1:{port}"
+    try:
+        _wait_for(url, server)
+        yield url
+    finally:
+        server.terminate()
+        server.wait(20)
+
+
+def _wait_for(url: str, server: subprocess.Popen[bytes]) -> None:
+    end = monotonic() + 60
+    while monotonic() < end and server.poll() is None:
+        try:
+            with urllib.request.urlopen(f"{url}/_stcore/health", timeout=1):
+                return
+        except (urllib.error.URLError, TimeoutError, ConnectionError):
+            sleep(0.1)
+    sys.exit(f"the app did not start at {url}")
+
+
+def measure_set(browser: Browser, url: str, repeat: int, *, is_sample: bool) -> dict[str, Any]:
+    """Seconds to open the set and of each key press, by slider."""
+    page = browser.new_page(viewport={"width": 1280, "height": 1000})
+    opened_s = None if is_sample else open_set(page, url)
+    if is_sample:
+        page.goto(url)
+    go_to(page, "Timeline")
+    page.locator(".st-key-time_plot_0 .scatterlayer path.js-line").first.wait_for(timeout=60_000)
+    settle(page)
+    seconds = {name: move(page, label, repeat) for name, label in SLIDERS.items()}
+    page.close()
+    return {"opened_s": opened_s, "seconds": seconds}
+
+
+def open_set(page: Page, url: str) -> float:
+    """Open the folder's session file on the Data page; seconds until everything stands there."""
+    page.goto(f"{url}/data")
+    settle(page)
+    local = page.get_by_role("tab", name=re.compile("machine|local|folder", re.I))
+    if local.count():
+        local.first.click()
+    button = page.get_by_role("button", name="Open session")
+    button.wait_for(timeout=60_000)
+    start = perf_counter()
+    button.click()
+    page.get_by_text(re.compile("^Opened: session")).wait_for(timeout=1000 * OPEN_S)
+    settle(page)
+    return perf_counter() - start
+
+
+def go_to(page: Page, name: str) -> None:
+    settle(page)
+    page.get_by_role("link", name=name, exact=True).first.click()
+    page.get_by_role("heading", name=name, level=1).wait_for(timeout=1000 * OPEN_S)
+    settle(page)
+
+
+def settle(page: Page) -> None:
+    """Wait until the script has ended and nothing old is shown."""
+    page.locator('[data-testid="stApp"][data-test-script-state="notRunning"]').wait_for(
+        timeout=1000 * OPEN_S
+    )
+    page.wait_for_function(
+        "() => !document.querySelector('[data-testid=stSkeleton], [data-stale=true]')",
+        timeout=1000 * OPEN_S,
+    )
+
+
+def move(page: Page, label: str, repeat: int) -> list[float]:
+    """Seconds from key press to painted plot; the first `WARM` presses are not counted."""
+    slider = page.get_by_role("slider", name=label)
+    seconds: list[float] = []
+    for _ in range(3 * (WARM + repeat)):
+        slider.focus()
+        page.evaluate(WATCH, [".st-key-time_plot_0", NO_CHANGE_MS])
+        page.keyboard.press("ArrowRight")
+        took_ms = float(page.evaluate("() => window.painted"))
+        settle(page)
+        if took_ms > 0:
+            seconds.append(took_ms / 1000)
+        if len(seconds) == WARM + repeat:
+            break
+    return seconds[WARM:]
+
+
+def measure_playing(browser: Browser, url: str) -> dict[str, float]:
+    """How many of the frames due are painted, and how many with boxes of another frame."""
+    page = browser.new_page(viewport={"width": 1280, "height": 1000})
+    open_set(page, url)
+    go_to(page, "Timeline")
+    viewer = page.locator(".viewer")
+    page.wait_for_function("() => document.querySelector('.viewer')?.dataset.shownRow === '0'")
+    _play(page, viewer, 1000)
+    seen = _play(page, viewer, 1000 * PLAY_S)
+    seen = [one for one in seen if one["ms"] > 300]  # it has started by then
+    due = (seen[-1]["ms"] - seen[0]["ms"]) / 1000 * FPS + 1
+    page.close()
+    return {
+        "due": round(due),
+        "painted": len(seen),
+        "mixed": sum(not is_whole(one) for one in seen),
+    }
+
+
+def _play(page: Page, viewer: Locator, ms: float) -> list[dict[str, float]]:
+    viewer.focus()
+    page.keyboard.press("Space")
+    seen: list[dict[str, float]] = viewer.evaluate(PLAYED, ms)
+    page.keyboard.press("Space")
+    return seen
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--frames", type=int, nargs="+", default=[0, 100_000, 1_000_000])
+    parser.add_argument("--one-recording", action="store_true", help="one long recording")
+    parser.add_argument("--repeat", type=int, default=10)
+    parser.add_argument("--port", type=int, default=8650)
+    parser.add_argument("--out", type=Path)
+    given = parser.parse_args()
+    if not Path(CHROMIUM).exists():
+        report(failed=f"{CHROMIUM} is missing: apt-get install chromium")
+        return
+    figures: dict[str, Any] = {"load": os.getloadavg()[0], "sets": {}}
+    with sync_playwright() as playwright, tempfile.TemporaryDirectory() as made:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=list(FLAGS))
+        figures["chromium"] = browser.version
+        for n in given.frames:
+            folder = Path(made) / str(n)
+            folder.mkdir()
+            if n:
+                write_csv(make_set(n), folder, one_recording=given.one_recording)
+            print(f"in the browser, {n:,} frames ..." if n else "sample ...", file=sys.stderr)
+            with serve(folder, given.port) as url:
+                figures["sets"][n] = measure_set(browser, url, given.repeat, is_sample=not n)
+        folder = Path(made) / "scene"
+        write_scene(folder)
+        with serve(folder, given.port) as url:
+            figures["playing"] = measure_playing(browser, url)
+        browser.close()
+    if given.out:
+        put_section(given.out, web_section(figures))
+    report(**figures)
+
+
+if __name__ == "__main__":
+    main()

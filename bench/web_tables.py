@@ -1,0 +1,71 @@
+"""The figures of `bench.web` as the section "In the browser" of docs/benchmarks.md."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+from bench.tables import seconds_text, table
+
+HEADING = "## In the browser"
+TARGETS_S = {0: 0.3, 100_000: 0.5, 1_000_000: 1.0}
+"""By number of frames; 0 is the sample."""
+HOW = """\
+The dashboard's Timeline page (viewer, time plot, lanes and sidebar) in headless Chromium {version},
+without a GPU, server and browser on this machine. *Key press to plot*: from the key event on the
+slider to the first frame of the browser with changed lines in the time plot; median of {n} presses
+(slowest in brackets), each after the page was still. *Opening*: from the click that opens the
+session file (CSV) to the Data page with all that was read and found. Sets as above, in recordings
+of 1,000 frames; the sample has ten of 300. Load of the machine when it began: {load:.1f}.
+"""
+
+
+def web_section(figures: dict[str, Any]) -> str:
+    """The whole section, its heading first."""
+    if "failed" in figures:
+        return f"{HEADING}\n\nNot measured: {figures['failed']}\n"
+    sets = {int(n): one for n, one in figures["sets"].items()}
+    names = list(next(iter(sets.values()))["seconds"])
+    n_presses = min(len(runs) for one in sets.values() for runs in one["seconds"].values())
+    rows = [[name, *(_cell(one["seconds"][name]) for one in sets.values())] for name in names]
+    rows.append(["target", *(_target(n) for n in sets)])
+    rows.append(["met", *(_met(n, one["seconds"]) for n, one in sets.items())])
+    opened = [one["opened_s"] for one in sets.values()]
+    rows.append(["opening", *("" if s is None else seconds_text(s) for s in opened)])
+    head = ["key press to plot", *(f"{n:,} frames" if n else "sample" for n in sets)]
+    how = HOW.format(version=figures["chromium"], n=n_presses, load=figures["load"])
+    return "\n\n".join([HEADING, how.rstrip(), table(head, rows), _playing(figures["playing"])]) + "\n"
+
+
+def put_section(path: Path, section: str) -> None:
+    """Put the section into a page, in place of the one that is there."""
+    before, _, after = path.read_text(encoding="utf-8").partition(f"\n{HEADING}\n")
+    _, mark, rest = after.partition("\n## ")
+    path.write_text(f"{before.rstrip()}\n\n{section}" + (mark + rest), encoding="utf-8")
+
+
+def _cell(seconds: list[float]) -> str:
+    if not seconds:
+        return "–"
+    return f"{seconds_text(median(seconds))} ({seconds_text(max(seconds))})"
+
+
+def _target(n: int) -> str:
+    return f"{seconds_text(TARGETS_S[n])} or less" if n in TARGETS_S else ""
+
+
+def _met(n: int, seconds: dict[str, list[float]]) -> str:
+    if n not in TARGETS_S:
+        return ""
+    is_met = all(runs and median(runs) <= TARGETS_S[n] for runs in seconds.values())
+    return "yes" if is_met else "no"
+
+
+def _playing(figures: dict[str, float]) -> str:
+    return (
+        f"Playing a recording of 20 frames per second (640x480, H.264) with boxes: "
+        f"{figures['painted']} of {figures['due']} frames due were painted; in {figures['mixed']} of "
+        "them picture and boxes were not of the same frame (the frame number is in the pixels of "
+        "the picture and in the place of a box, both read back from the canvas)."
+    )

@@ -1,0 +1,53 @@
+"""Files that a person sends: the viewer's made-up scene as truth, two systems and a video."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import NamedTuple
+
+import av
+import cv2
+import numpy as np
+import viewer_scene as scene
+
+RECORDING = "walk"
+N_FRAMES = 150
+SOURCES = ("truth", "camera_a", "camera_b")
+
+
+class Sent(NamedTuple):
+    truth: Path
+    x: Path
+    y: Path
+    video: Path
+
+
+def write_files(folder: Path) -> Sent:
+    """Frame f of the recording is row f of the scene, whose picture has its number in it."""
+    columns = ("recording,frame,x,y,w,h,track", *["recording,frame,x,y,w,h,score"] * 2)
+    tables = [[header] for header in columns]
+    for frame in range(N_FRAMES):
+        for box in scene.boxes_of(frame):
+            if box.source == 0 and box.state & 1:  # an ignore region
+                continue
+            last = box.track if box.source == 0 else f"{box.score:.2f}"
+            tables[box.source].append(f"{RECORDING},{frame},{box.x},{box.y},{box.w},{box.h},{last}")
+    paths = [folder / f"{name}.csv" for name in SOURCES]
+    for path, lines in zip(paths, tables, strict=True):
+        path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    video = folder / f"{RECORDING}.mp4"
+    _write_video(video)
+    return Sent(*paths, video)
+
+
+def _write_video(path: Path) -> None:
+    with av.open(str(path), "w") as container:
+        stream = container.add_stream("libx264", rate=int(scene.FPS))
+        stream.width, stream.height, stream.pix_fmt = scene.WIDTH, scene.HEIGHT, "yuv420p"
+        stream.codec_context.gop_size = 50
+        stream.options = {"crf": "23", "preset": "ultrafast"}
+        for row in range(N_FRAMES):
+            jpeg = np.frombuffer(scene.jpeg_of(row), dtype=np.uint8)
+            picture = cv2.imdecode(jpeg, cv2.IMREAD_COLOR_RGB)
+            container.mux(stream.encode(av.VideoFrame.from_ndarray(picture, format="rgb24")))
+        container.mux(stream.encode(None))

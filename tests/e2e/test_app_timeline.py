@@ -1,0 +1,153 @@
+"""The Timeline page of the sample in a real browser: links, keys, clicks, parameters."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+from app_server import ROOT
+from playwright.sync_api import Locator, expect
+
+from nvcore.analysis import analyse
+from nvcore.loading import compared_systems, effective_params, load
+from nvcore.moments import next_misses
+from nvcore.session_file import read_session
+
+LINK = "timeline?alpha=0.4&recording=rural_child&frame=57"
+RECORDING = 4  # rural_child is the fifth of the sample
+LAST_FRAME = 299
+ANY_TRACE = ".js-line"
+
+
+def painted_lines(plot: Locator) -> list[str]:
+    """The lines of a plot as they are painted."""
+    paths: list[str] = plot.locator(ANY_TRACE).evaluate_all(
+        "all => all.map(one => one.getAttribute('d'))"
+    )
+    return paths
+
+
+def click_at(plot: Locator, across: float, down: float) -> None:
+    """Click into a plot's area, at a share of its width and height."""
+    area = plot.locator(".nsewdrag").first
+    area.scroll_into_view_if_needed()
+    box = area.bounding_box()
+    assert box is not None
+    area.page.mouse.move(box["x"] + across * box["width"], box["y"] + down * box["height"])
+    area.page.mouse.click(box["x"] + across * box["width"], box["y"] + down * box["height"])
+
+
+@pytest.fixture(scope="module")
+def misses() -> list[int]:
+    """Rows of the recording where a miss starts, from the library."""
+    session = read_session(ROOT / "sample_data" / "session.toml")
+    dataset = load(session)
+    x, y = compared_systems(session, dataset)
+    result = analyse(dataset, effective_params(session, dataset), x=x, y=y)
+    return [int(row) for row in next_misses(result, RECORDING)]
+
+
+def test_a_link_opens_cold_at_its_frame_and_parameters(visit):
+    one = visit(LINK)
+    one.shows(57)
+    one.panel_shows(57)
+    expect(one.slider("alpha")).to_have_attribute("aria-valuenow", "0.4")
+    expect(one.page.get_by_role("combobox", name="Recording")).to_have_value("rural_child")
+    for name, value in (("alpha", "0.4"), ("recording", "rural_child"), ("frame", "57")):
+        one.query(name, value)
+
+
+def test_a_link_that_cannot_be_followed_says_so_and_the_app_lives_on(visit):
+    one = visit("timeline?recording=nowhere&frame=abc&alpha=7")
+    alert = one.page.get_by_role("alert")
+    expect(alert).to_contain_text("there is no such recording in what is open")
+    expect(alert).to_contain_text("its frame is no number")
+    expect(alert).to_contain_text("its value of alpha is not possible")
+    one.shows(0)
+    expect(one.slider("alpha")).to_have_attribute("aria-valuenow", "0.9")
+
+
+def test_an_alpha_moved_by_key_changes_the_painted_traces(visit):
+    one = visit(LINK)
+    plot = one.keyed(f"time_plot_{RECORDING}")
+    expect(plot.locator(ANY_TRACE).first).to_be_attached()
+    before = painted_lines(plot)
+    one.slider("alpha").press("ArrowRight")
+    expect(one.slider("alpha")).to_have_attribute("aria-valuenow", "0.45")
+    one.page.wait_for_function(
+        "([key, line, before]) => { const now = [...document.querySelectorAll(`.st-key-${key} "
+        "${line}`)]; return now.length && now.some(one => !before.includes(one.getAttribute('d'))) }",
+        arg=[f"time_plot_{RECORDING}", ANY_TRACE, before],
+    )
+    one.query("alpha", "0.45")
+    one.shows(57)
+
+
+def test_a_click_in_the_time_plot_moves_the_frame(visit):
+    one = visit(LINK)
+    one.shows(57)
+    click_at(one.keyed(f"time_plot_{RECORDING}"), 0.5, 0.5)
+    one.shows(re.compile("^1[45][0-9]$"))
+    frame = int(one.viewer.get_attribute("data-frame") or "")
+    one.panel_shows(frame)
+    one.query("frame", str(frame))
+
+
+def test_a_click_in_a_lane_moves_the_frame(visit):
+    one = visit(LINK)
+    one.shows(57)
+    bar = one.keyed(f"lanes_{RECORDING}").locator(".barlayer .point path").last
+    bar.scroll_into_view_if_needed()
+    box = bar.bounding_box()
+    assert box is not None
+    one.page.mouse.click(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    one.shows(re.compile("^(?!57$)[0-9]+$"))
+    one.panel_shows(int(one.viewer.get_attribute("data-frame") or ""))
+
+
+def test_n_lands_on_the_next_miss(visit, misses):
+    first = next(row for row in misses if row > 57)
+    one = visit(LINK)
+    one.shows(57)
+    one.viewer.press("n")
+    one.shows(first)
+    one.panel_shows(first)
+    expect(one.page.get_by_text("Missed, the tallest first")).to_be_visible()
+
+
+def test_the_frame_is_kept_on_the_way_through_other_pages(visit):
+    one = visit(LINK)
+    one.shows(57)
+    one.viewer.press("ArrowRight")
+    one.panel_shows(58)
+    one.switch_to("Saliency")
+    one.switch_to("Timeline")
+    one.shows(58)
+    expect(one.slider("alpha")).to_have_attribute("aria-valuenow", "0.4")
+
+
+def test_a_frame_is_given_to_the_token_of_a_living_session_only(visit):
+    one = visit(LINK)
+    one.shows(57)
+    token, version = one.page.evaluate(
+        """() => performance.getEntriesByType("resource")
+             .map(one => one.name.match(new RegExp("/nv/([^/]+)/frame/4/57[.]jpg[?](.*)$")))
+             .filter(Boolean)[0].slice(1)"""
+    )
+    request = one.page.request
+    own = request.get(f"{one.address}/nv/{token}/frame/4/57.jpg?{version}")
+    assert own.status == 200
+    assert own.headers["content-type"] == "image/jpeg"
+    for other in (token[:-1], token[::-1], "x" * len(token)):
+        foreign = request.get(f"{one.address}/nv/{other}/frame/4/57.jpg?{version}")
+        assert foreign.status == 404
+        assert foreign.headers["content-type"].startswith("text/plain")
+        assert request.get(f"{one.address}/nv/{other}/boxes/4/0").status == 404
+
+
+def test_the_paper_s_upright_plot_is_a_switch_away(visit):
+    one = visit(LINK)
+    plot = one.keyed(f"time_plot_{RECORDING}")
+    expect(plot.locator(".xaxislayer-above, .g-xtitle").first).to_contain_text("time (s)")
+    one.page.get_by_text("Time upwards, X left and Y right").click()
+    expect(plot.locator(".g-ytitle").first).to_contain_text("time (s)")

@@ -1,0 +1,105 @@
+"""Own files in a real browser: from disk to a verdict, played, and seen by nobody else."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+import viewer_scene as scene
+from app_files import N_FRAMES, RECORDING, Sent, write_files
+from app_visit import Visit
+from playwright.sync_api import expect
+from viewer_reading import READER, RECORDER, is_whole
+
+PLAYED_S = 3
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory) -> Sent:
+    return write_files(tmp_path_factory.mktemp("sent"))
+
+
+def send(one: Visit, files: Sent) -> None:
+    """Upload all files and answer what the app asks."""
+    one.page.get_by_role("tab", name="Upload").click()
+    for key, path in (
+        ("upload_truth", files.truth), ("upload_system_0", files.x), ("upload_system_1", files.y),
+    ):  # fmt: skip
+        field = one.keyed(key)
+        field.locator("input[type=file]").set_input_files(path)
+        expect(field.get_by_text(path.name)).to_be_visible()
+    one.keyed("upload_pictures").locator("input[type=file]").set_input_files(files.video)
+    expect(one.page.get_by_text(f"Here: {files.video.name}")).to_be_visible()
+    one.page.get_by_role("button", name="Open these files").click()
+    # the files do not say it; the size is proposed from the video
+    rate = one.page.get_by_role("spinbutton", name="Frames per second")
+    rate.fill(f"{scene.FPS:g}")
+    rate.press("Enter")
+    expect(rate).to_be_visible()
+    one.page.get_by_role("button", name="Open these files").click()
+    expect(one.heading("Open: Uploaded files")).to_be_visible()
+
+
+@pytest.fixture
+def sent(visit, files) -> Visit:
+    one: Visit = visit("data")
+    send(one, files)
+    return one
+
+
+def test_uploaded_files_reach_a_verdict(sent):
+    sent.switch_to("Overview")
+    expect(sent.keyed("verdict")).to_contain_text(re.compile("encounter|pedestrian"))
+    expect(sent.page.get_by_text(f"1 recording, {N_FRAMES} frames, 7.5 s")).to_be_visible()
+
+
+def test_an_uploaded_video_plays_with_picture_and_boxes_of_the_same_frame(sent):
+    sent.switch_to("Timeline")
+    sent.shows(0)
+    assert is_whole(sent.viewer.evaluate(READER))
+    sent.viewer.press(" ")
+    seen = sent.viewer.evaluate(RECORDER, PLAYED_S)
+    sent.viewer.press(" ")
+    assert [reading for reading in seen if not is_whole(reading)] == []
+    assert len(seen) >= 0.5 * PLAYED_S * scene.FPS, f"{len(seen)} frames in {PLAYED_S} s"
+    assert seen[-1]["shown"] - seen[0]["shown"] == pytest.approx(PLAYED_S * scene.FPS, abs=10)
+
+
+def test_two_sessions_see_nothing_of_each_other(sent, visit):
+    other: Visit = visit("timeline?alpha=0.4&recording=rural_child&frame=57")
+    other.shows(57)
+    sent.switch_to("Timeline")
+    expect(sent.slider("alpha")).to_have_attribute("aria-valuenow", "0.9")
+    expect(sent.page.get_by_role("combobox", name="Recording")).to_have_value(RECORDING)
+    sent.slider("alpha").press("ArrowLeft")
+    sent.query("alpha", "0.85")
+    other.slider("alpha").press("ArrowRight")
+    other.query("alpha", "0.45")
+    other.switch_to("Data")
+    expect(other.heading("Open: Sample recordings")).to_be_visible()
+    expect(other.page.get_by_text(RECORDING, exact=True)).to_have_count(0)
+    expect(sent.slider("alpha")).to_have_attribute("aria-valuenow", "0.85")
+    assert token_of(sent) != token_of(other)
+
+
+def token_of(one: Visit) -> str:
+    token: str = one.page.evaluate(
+        """() => performance.getEntriesByType("resource")
+             .map(one => one.name.match("/nv/([^/]+)/boxes/")).filter(Boolean)[0][1]"""
+    )
+    return token
+
+
+def test_a_picture_named_csv_is_refused_in_words_and_the_sample_stays(visit, files, tmp_path):
+    wrong = tmp_path / "truth.csv"
+    wrong.write_bytes(b"\x89PNG\r\n\x1a\n" + bytes(range(256)) * 8)
+    one: Visit = visit("data")
+    one.page.get_by_role("tab", name="Upload").click()
+    for key, path in (("upload_truth", wrong), ("upload_system_0", files.x)):
+        one.keyed(key).locator("input[type=file]").set_input_files(path)
+        expect(one.keyed(key).get_by_text(path.name)).to_be_visible()
+    one.page.get_by_role("button", name="Open these files").click()
+    alert = one.page.get_by_role("alert").filter(has_text="truth.csv")
+    expect(alert).to_be_visible()
+    expect(alert).not_to_contain_text("Traceback")
+    expect(one.heading("Open: Sample recordings")).to_be_visible()
