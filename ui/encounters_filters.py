@@ -71,7 +71,8 @@ def draw(encounters: pd.DataFrame) -> pd.DataFrame:
     wrong = _take_category()
     kept = _draw_widgets(encounters).keep(encounters)
     _write_category(st.session_state[key("category")])
-    told, clear = st.columns([4, 1], vertical_alignment="center")
+    # on the left: the table's own tools come up on the right
+    told, clear, _ = st.columns([2, 1.4, 3], vertical_alignment="center")
     told.markdown(f"**{len(kept):,}** of {len(encounters):,} encounters")
     clear.button(
         "Clear filters", key="encounters_clear", on_click=clear_filters, type="tertiary",

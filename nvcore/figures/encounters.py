@@ -36,6 +36,8 @@ NONE_LEFT: Final = "No encounter is left: widen the filters."
 MAX_BINS: Final = 25
 LEAD_STEPS_S: Final = (0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)
 """Widths of the bins of lead time that are easy to read."""
+FEW: Final = 6
+"""Counts up to which every whole number gets a tick."""
 MAX_MARKS: Final = 4000
 """Encounters on the map; detected ones are thinned out first."""
 MAP_KINDS: Final = (
@@ -158,7 +160,8 @@ def lead_time_plot(encounters: pd.DataFrame, *, theme: Theme) -> go.Figure:
             barmode="overlay",
             xaxis=axis(theme, "← Y first        lead time of X over Y (s)        X first →",
                        range=[centre[0] - width, centre[-1] + width]),
-            yaxis=axis(theme, "encounters", rangemode="tozero", fixedrange=True, tickformat=",d"),
+            yaxis=axis(theme, "encounters", rangemode="tozero", fixedrange=True, tickformat=",d",
+                       **({"dtick": 1} if counts.max() <= FEW else {})),
         ),
     )  # fmt: skip
 
@@ -216,6 +219,7 @@ def position_map(encounters: pd.DataFrame, *, theme: Theme) -> go.Figure:
             title="Where pedestrians are missed",
             subtitle=f"{said}; colour: the system that misses",
             height=430,
+            showlegend=True,
             hoverdistance=24,
             margin={"l": LEFT_PX, "r": 16, "t": 64, "b": 104},
             legend={**LEGEND, "y": 0, "yref": "container"},
