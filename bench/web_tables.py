@@ -35,7 +35,8 @@ def web_section(figures: dict[str, Any]) -> str:
     rows.append(["opening", *("" if s is None else seconds_text(s) for s in opened)])
     head = ["key press to plot", *(f"{n:,} frames" if n else "sample" for n in sets)]
     how = HOW.format(version=figures["chromium"], n=n_presses, load=figures["load"])
-    return "\n\n".join([HEADING, how.rstrip(), table(head, rows), _playing(figures["playing"])]) + "\n"
+    parts = [HEADING, how.rstrip(), table(head, rows), _playing(figures["playing"])]
+    return "\n\n".join(parts) + "\n"
 
 
 def put_section(path: Path, section: str) -> None:
@@ -65,7 +66,7 @@ def _met(n: int, seconds: dict[str, list[float]]) -> str:
 def _playing(figures: dict[str, float]) -> str:
     return (
         f"Playing a recording of 20 frames per second (640x480, H.264) with boxes: "
-        f"{figures['painted']} of {figures['due']} frames due were painted; in {figures['mixed']} of "
-        "them picture and boxes were not of the same frame (the frame number is in the pixels of "
+        f"{figures['painted']} of {figures['due']} frames due were painted; in "
+        f"{figures['mixed']} of them picture and boxes were not of the same frame (the frame number is in the pixels of "
         "the picture and in the place of a box, both read back from the canvas)."
     )

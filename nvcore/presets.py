@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Final
 
 from nvcore.params import MIDPOINT_SHARE, SPREAD_SHARE, Params
@@ -31,38 +31,36 @@ class Preset:
     spread_share: float
 
     def values(self, height: float | None) -> dict[str, float | str | None]:
-        """The parameters that it sets, for pictures of this height in px.
+        """All parameters but the thresholds, for pictures of this height in px.
 
         Midpoint and spread are None, taken from each recording, where they are the default
         shares or the height is unknown.
         """
-        is_default = (self.midpoint_share, self.spread_share) == (MIDPOINT_SHARE, SPREAD_SHARE)
-        if is_default or height is None:
-            midpoint = spread = None
-        else:
-            midpoint, spread = self.midpoint_share * height, self.spread_share * height
-        defaults = Params()
-        return {
-            "alpha": defaults.alpha,
-            "proximity": "height",
-            "edge_weight": self.edge_weight,
-            "midpoint": midpoint,
-            "spread": spread,
+        defaults = {
+            name: value
+            for name, value in asdict(Params()).items()
+            if not name.startswith("threshold")
         }
+        is_default = (self.midpoint_share, self.spread_share) == (MIDPOINT_SHARE, SPREAD_SHARE)
+        changes: dict[str, float | str | None] = {"edge_weight": self.edge_weight}
+        if not is_default and height is not None:
+            changes["midpoint"] = self.midpoint_share * height
+            changes["spread"] = self.spread_share * height
+        return defaults | changes
 
 
 PRESETS: Final = (
     Preset(
         "Paper",
-        "The settings of the paper where it makes them, defaults elsewhere: a miss far to the "
-        "side costs little.",
+        "All settings but the thresholds as by default: the paper's where it gives them. A miss "
+        "far to the side costs little.",
         edge_weight=0.0,
         midpoint_share=MIDPOINT_SHARE,
         spread_share=SPREAD_SHARE,
     ),
     Preset(
         "Urban",
-        "Low speed: only near pedestrians count fully (those taller than 15 % of the picture), a "
+        "Low speed: a pedestrian counts half at 15 % of the tallest picture's height, a "
         "miss on the far sidewalk costs little.",
         edge_weight=0.0,
         midpoint_share=0.15,
@@ -70,7 +68,7 @@ PRESETS: Final = (
     ),
     Preset(
         "Rural",
-        "High speed: pedestrians count from farther off (6 % of the picture's height), and a miss "
+        "High speed: a pedestrian counts half at 6 % of the tallest picture's height, and a miss "
         "at the road's edge costs as much as one straight ahead.",
         edge_weight=1.0,
         midpoint_share=0.06,

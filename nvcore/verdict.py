@@ -16,8 +16,8 @@ SIGNIFICANT: Final = 0.05
 CAVEATS: Final = {
     "short-encounters": "most encounters are one frame long, so that p counts frames rather than "
     "persons and saliency and rates per hour mean little",
-    "score-floors": "X and Y are compared at different operating points; with thresholds it may "
-    "turn round",
+    "score-floors": "X and Y are compared at different operating points; with thresholds the "
+    "other may come out better",
     "mixed-weighting": "X and Y are weighted by different rules",
     "same-boxes": "two of the inputs have the same boxes",
     "size-too-large": "the image size seems wrong",
@@ -80,16 +80,16 @@ def _encounters(result: Result) -> str:
     n_split = venn.x_only + venn.y_only
     if not venn.n_near:
         return (
-            "There is no encounter near enough to count: these data do not say which system "
-            "detects more pedestrians."
+            "There is no encounter near enough to count: these data do not show which system "
+            "detects more."
         )
     if not n_split:
         return (
-            f"X and Y detect the same {venn.both} of {venn.n_near} encounters: these data show no "
-            "difference in which pedestrians are detected."
+            f"X and Y detect the same {venn.both} of {venn.n_near} encounters: these data do not "
+            "tell them apart by whom they detect."
         )
     winner, loser = ("X", "Y") if venn.x_only > venn.y_only else ("Y", "X")
-    more, fewer = max(venn.x_only, venn.y_only), min(venn.x_only, venn.y_only)
+    more = max(venn.x_only, venn.y_only)
     if venn.dominant is not None:
         claim = (
             f"{winner} detects every encounter that {loser} detects, and {more} more of "
@@ -103,12 +103,8 @@ def _encounters(result: Result) -> str:
         f"{venn.y_only} (p = {p:.2g})"
     )
     if p <= SIGNIFICANT:
-        return (
-            f"{winner} detects more pedestrians, but not all that {loser} detects: {split}."
-            if fewer
-            else f"{winner} detects more pedestrians: {split}."
-        )
-    return f"These data show no difference in how many pedestrians are detected: {split}."
+        return f"{winner} detects more encounters, but not all that {loser} detects: {split}."
+    return f"These data do not show which system detects more encounters: {split}."
 
 
 def _figures(result: Result) -> str:

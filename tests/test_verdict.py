@@ -47,22 +47,22 @@ def test_dominance_by_a_few_is_told_to_be_possible_by_chance():
 
 def test_an_uneven_split_beyond_chance_names_the_better_without_dominance():
     assert encounters(detecting(12, range(11), range(10, 12))) == (
-        "X detects more pedestrians, but not all that Y detects: of the 11 encounters that only "
+        "X detects more encounters, but not all that Y detects: of the 11 encounters that only "
         "one system detects, X detects 10 and Y 1 (p = 0.012)."
     )
 
 
 def test_an_even_split_shows_no_difference():
     assert encounters(detecting(6, range(4), range(2, 6))) == (
-        "These data show no difference in how many pedestrians are detected: of the 4 encounters "
-        "that only one system detects, X detects 2 and Y 2 (p = 1)."
+        "These data do not show which system detects more encounters: of the 4 encounters that "
+        "only one system detects, X detects 2 and Y 2 (p = 1)."
     )
 
 
 def test_the_same_encounters_are_told_with_their_number():
     assert encounters(detecting(4, range(3), range(3))) == (
-        "X and Y detect the same 3 of 4 encounters: these data show no difference in which "
-        "pedestrians are detected."
+        "X and Y detect the same 3 of 4 encounters: these data do not tell them apart by whom "
+        "they detect."
     )
 
 

@@ -86,7 +86,7 @@ def _compare(x: str, y: str | None) -> None:
     assert space.session is not None
     assert space.dataset is not None
     space.session, thresholds = with_systems(space.session, space.dataset, state.params(), x=x, y=y)
-    space.result = None
+    space.forget()
     for letter, name in (("x", x), ("y", y)):
         if name is not None:
             _set_threshold(letter, name, thresholds[f"threshold_{letter}"])

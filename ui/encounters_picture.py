@@ -10,6 +10,7 @@ import streamlit as st
 from nvcore.analysis import Result
 from nvcore.media.annotate import LAYERS, annotate
 from ui import state
+from ui.pictures import picture_of
 
 HEIGHTS: Final = 2.2
 """Height of the cut-out in heights of the pedestrian."""
@@ -29,10 +30,8 @@ def draw(result: Result, encounter: int, row: int) -> None:
     row
         Row of the frames table.
     """
-    space = state.workspace()
     recording, in_recording = state.place_of(row)
-    pictures, index = space.pictures.get(recording), space.picture_rows.get(recording)
-    picture = -1 if pictures is None or index is None else int(index[in_recording])
+    pictures, picture = picture_of(state.workspace(), recording, in_recording)
     lo, hi = state.stretch()
     drawn = annotate(
         result, pictures, picture, row, lo=lo, hi=hi, layers=LAYERS, labels=True, caption=False

@@ -9,8 +9,9 @@ import numpy as np
 import streamlit as st
 
 from nvcore.analysis import Result
-from nvcore.media import annotated_frame, frame_png
+from nvcore.media.annotate import annotate, frame_png
 from ui import state
+from ui.pictures import picture_of
 from ui.timeline_viewer import recording_choice
 
 LAYERS: Final = {"truth": "Truth", "x": "X", "y": "Y"}
@@ -49,11 +50,10 @@ def draw(result: Result) -> None:
         labels = st.toggle("Track ids and scores", key="export_labels")
         caption = st.toggle("Figures below the picture", value=True, key="export_caption")
     lo, hi = state.stretch()
-    picture = annotated_frame(
-        result, state.workspace().pictures.get(recording), row,
-        first_picture=first_picture(recording), lo=lo, hi=hi, layers=layers, labels=labels,
-        caption=caption,
-    )  # fmt: skip
+    pictures, index = picture_of(state.workspace(), recording, state.row())
+    picture = annotate(
+        result, pictures, index, row, lo=lo, hi=hi, layers=layers, labels=labels, caption=caption
+    )
     name, frame = state.recording_names()[recording], int(result.dataset.frame_columns.frame[row])
     drawn = ", ".join(LAYERS[one] for one in layers) or "nobody"
     left.image(
@@ -91,13 +91,6 @@ def nearest_row(numbers: np.ndarray, wanted: int, row: int) -> int:
     if nearest == row:
         nearest += 1 if wanted > numbers[row] else -1
     return min(max(nearest, 0), len(numbers) - 1)
-
-
-def first_picture(recording: int) -> int | None:
-    """What the session says of the first picture of a recording."""
-    session, name = state.workspace().session, state.recording_names()[recording]
-    assert session is not None
-    return {facts.name: facts.first_picture for facts in session.recordings}.get(name)
 
 
 def file_stem(name: str) -> str:

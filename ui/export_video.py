@@ -12,9 +12,9 @@ import numpy as np
 import streamlit as st
 
 from nvcore.analysis import Result
-from nvcore.media import write_video
+from nvcore.media import FPS_RANGE, write_video
 from ui import state
-from ui.export_frame import file_stem, first_picture, numbers_of
+from ui.export_frame import file_stem, numbers_of
 from ui.text import plain
 from ui.video_job import JobState, Progress, VideoJob
 from ui.workspace import Workspace
@@ -24,7 +24,6 @@ LONGEST_S: Final = 120.0
 USUAL_S: Final = 10.0
 """Length that is proposed."""
 SPEEDS: Final = {1.0: "real time", 0.5: "half", 0.25: "quarter", 2.0: "double"}
-FPS_RANGE: Final = (0.1, 240.0)
 FOLDER: Final = "exports"
 POLL_S: Final = 0.5
 JOB: Final = "video_job"
@@ -60,17 +59,24 @@ class Interval:
 def draw(result: Result) -> None:
     """The form, or how far the video is."""
     st.subheader("Interval as video")
-    space = state.workspace()
-    job, dataset = st.session_state.get(JOB, (None, None))
-    if job is not None and dataset is not space.dataset:  # something else was opened meanwhile
-        job.discard()
+    job: VideoJob | None = st.session_state.get(JOB)
+    if job is not None and not job.is_wanted():  # something else was opened meanwhile
+        _discard()
         job = None
     is_busy = job is not None and job.state in (JobState.WAITING, JobState.RUNNING)
     _draw_form(result, is_busy=is_busy)
+    if job is None:
+        return
     if is_busy:
         _draw_progress(job)
-    elif job is not None:
+    else:
         _draw_outcome(job)
+
+
+def _discard() -> None:
+    job: VideoJob | None = st.session_state.pop(JOB, None)
+    if job is not None:
+        job.discard()
 
 
 @st.fragment
@@ -153,34 +159,31 @@ def why_not(interval: Interval) -> str:
 
 def _start(result: Result, recording: int, interval: Interval, *, labels: bool) -> None:
     space = state.workspace()
-    earlier = st.session_state.get(JOB)
-    if earlier is not None:
-        earlier[0].discard()
+    _discard()
     folder = space.folder / FOLDER
     folder.mkdir(mode=0o700, exist_ok=True)
     path = folder / f"{secrets.token_hex(8)}.mp4"
     numbers = numbers_of(result, recording)[interval.row_start : interval.row_stop]
     name = f"{file_stem(state.recording_names()[recording])}-{numbers[0]}-{numbers[-1]}.mp4"
-    job = start_job(
-        space, result, recording, interval, path, name,
-        first_picture=first_picture(recording), stretch=state.stretch(), labels=labels,
-    )  # fmt: skip
-    st.session_state[JOB] = (job, space.dataset)
+    st.session_state[JOB] = start_job(
+        space, result, recording, interval, path, name, stretch=state.stretch(), labels=labels
+    )
 
 
 def start_job(
     space: Workspace, result: Result, recording: int, interval: Interval, path: Path, name: str, *,
-    first_picture: int | None, stretch: tuple[float, float], labels: bool,
+    stretch: tuple[float, float], labels: bool,
 ) -> VideoJob:  # fmt: skip
     """Start writing; it ends with the session, and when the session opens something else."""
     # the thread must not hold the workspace: it would keep the session's files alive
     session, dataset = weakref.ref(space), weakref.ref(space.dataset)
-    pictures, start = space.pictures, int(result.dataset.frame_columns.first[recording])
+    pictures, indices = space.pictures, space.picture_rows.get(recording)
+    start = int(result.dataset.frame_columns.first[recording])
 
     def write(progress: Progress) -> bool:
         return write_video(
             result, pictures, recording, start + interval.row_start, start + interval.row_stop,
-            path, fps=interval.fps, progress=progress, first_picture=first_picture, lo=stretch[0],
+            path, fps=interval.fps, progress=progress, indices=indices, lo=stretch[0],
             hi=stretch[1], labels=labels,
         )  # fmt: skip
 

@@ -31,6 +31,8 @@ page = st.navigation(
 try:
     state.begin_run()
     sidebar.draw()
+    if page.url_path != "metrics":  # its address may name a section, which writing would drop
+        state.write_address()
     if wrong := state.bad_link():
         st.warning(f"The link could not be followed in all: {wrong}.", icon=":material/link_off:")
     page.run()

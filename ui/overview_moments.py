@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import fields, replace
 from typing import Any, Final
 
 import cv2
@@ -12,7 +11,6 @@ from nvcore.analysis import Result
 from nvcore.media import Pictures, jpeg
 from nvcore.media.annotate import LAYERS, annotate
 from nvcore.moments import worst_moments
-from nvcore.params import Params
 from ui import state
 from ui.navigate import open_row
 from ui.text import plain
@@ -23,12 +21,6 @@ KINDS: Final = {
     "x_better": "X far better",
     "y_better": "Y far better",
 }
-DRAWN: Final = {
-    *("threshold_x", "threshold_y", "match", "iou", "lateral_tolerance"),
-    *("proximity", "midpoint", "spread", "midpoint_m", "spread_m", "horizon"),
-    *("distance", "edge_weight"),
-}
-"""Parameters that change matches, or which miss is the most salient."""
 THUMBNAIL_PX: Final = 640
 N_MOMENTS: Final = 4
 
@@ -76,21 +68,7 @@ def _thumbnail(result: Result, recording: int, in_recording: int, row: int) -> b
     index = space.picture_rows.get(recording)
     if pictures is None or index is None or index[in_recording] < 0:
         return None
-    return state.thumbnail(
-        space.token,
-        space.pictures_version,
-        _what_is_drawn(result.params),
-        row,
-        lambda: _draw(result, pictures, row, int(index[in_recording])),
-    )
-
-
-def _what_is_drawn(params: Params) -> Params:
-    """The parameters that boxes and marks depend on; the others as by default."""
-    return replace(
-        Params(),
-        **{spec.name: getattr(params, spec.name) for spec in fields(Params) if spec.name in DRAWN},
-    )
+    return state.thumbnail(row, lambda: _draw(result, pictures, row, int(index[in_recording])))
 
 
 def _draw(result: Result, pictures: Pictures, row: int, index: int) -> bytes:

@@ -43,8 +43,9 @@ def _extent(result: Result) -> str:
         f"{count_text(len(result.dataset.recordings), 'recording')}, "
         f"{count_text(len(result.dataset.frames), 'frame')}, "
         f"{result.duration_s:,.1f} s. An encounter is one pedestrian from first to last annotated "
-        f"frame; {venn.n_near:,} came near enough to count, {venn.distant:,} stayed distant "
-        "([Metrics](/metrics#encounters))."
+        f"frame; {venn.n_near:,} came near enough to count, {venn.distant:,} stayed distant. p: "
+        "how often so uneven a split would come by chance if both were equally good (exact "
+        "McNemar test) ([Metrics](/metrics#encounters))."
     )
 
 
@@ -57,8 +58,9 @@ def scorecard(result: Result) -> None:
     )  # fmt: skip
     st.caption(
         "↑ higher is better, ↓ lower is better. Similarity, per frame, 1 is best: how well "
-        "detections fit the pedestrians, near ones first. Saliency, in seconds, 0 is best: how "
-        "long the most annoying miss lasts, more if it is late ([Metrics](/metrics#similarity))."
+        "detections fit the pedestrians, near ones first. Saliency, in seconds, 0 is best: "
+        "how long the most salient misses last, in full only when they are late "
+        "([Metrics](/metrics#similarity))."
     )
     with st.expander(f"How the {result.venn.n_near:,} encounters went"):
         st.dataframe(

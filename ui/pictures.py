@@ -12,6 +12,7 @@ from nvcore.errors import MediaError
 from nvcore.media import Pictures, open_pictures, picture_index, size_note
 from nvcore.session import Session
 from ui.opening import facts_of
+from ui.workspace import Workspace
 
 
 @dataclass(frozen=True)
@@ -55,3 +56,11 @@ def find_pictures(session: Session, dataset: Dataset) -> Picturing:
         sources[number], indices[number] = pictures, index
         notes[number] = " ".join(part for part in (note, other_size) if part)
     return Picturing(sources, indices, notes)
+
+
+def picture_of(space: Workspace, recording: int, row: int) -> tuple[Pictures | None, int]:
+    """The pictures of a recording, and which of them shows a frame (row within it); -1: none."""
+    pictures, indices = space.pictures.get(recording), space.picture_rows.get(recording)
+    if pictures is None or indices is None:
+        return None, -1
+    return pictures, int(indices[row])

@@ -63,10 +63,11 @@ async def frame(request: Request) -> Response:
 async def boxes(request: Request) -> Response:
     """Boxes of a stretch of rows of a recording, as `nvcore.box_states.pack_boxes` packs them."""
     space = workspace_of(request.path_params["token"])
-    result = None if space is None else space.result
-    if space is None or result is None:
+    compared = None if space is None else space.compared
+    if compared is None:
         return _not_found("the session has ended, or nothing is compared yet")
     recording, chunk = _index(request, "recording"), _index(request, "chunk")
+    result = compared.result
     first_rows = result.dataset.frame_columns.first
     if recording >= len(first_rows) - 1:
         return _not_found("there is no such recording")
@@ -75,7 +76,7 @@ async def boxes(request: Request) -> Response:
     if start >= end:
         return _not_found("there are no such frames")
     # boxes of a newer analysis than the address says are shown, but not kept under that address
-    kept = KEPT if request.query_params.get("v") == space.version else NOT_KEPT
+    kept = KEPT if request.query_params.get("v") == compared.version else NOT_KEPT
     content = await run_in_threadpool(pack_boxes, result, start, min(start + ROWS_PER_CHUNK, end))
     return Response(content, media_type="application/octet-stream", headers=_headers(kept))
 

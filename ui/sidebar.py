@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import Field, fields, replace
+from dataclasses import Field, fields
 from typing import Any, Final
 
 import numpy as np
-import plotly.graph_objects as go
 import streamlit as st
 
-from nvcore.dataset import Dataset
 from nvcore.errors import ParameterError
 from nvcore.figures.inputs import proximity_plot
 from nvcore.figures.style import CONFIG
-from nvcore.palette import Theme
 from nvcore.params import MIDPOINT_SHARE, SPREAD_SHARE, Params
 from nvcore.presets import PRESETS
 from ui import state
@@ -94,7 +91,6 @@ def draw() -> None:
         st.session_state["params"] = Params(**{**_others(), **values})
     except ParameterError as error:
         st.error(f"{error}. The last settings that worked stay in use.")
-    state.write_address()
 
 
 def _others() -> dict[str, Any]:
@@ -109,10 +105,13 @@ def _presets() -> None:
         if column.button(
             preset.name, help=preset.text, width="stretch", key=f"preset_{preset.name}"
         ):
-            values = preset.values(_height())
-            shown = {"midpoint": _default_midpoint(), "spread": _default_spread()}
+            height = _height()
+            shown = {"midpoint": MIDPOINT_SHARE * height, "spread": SPREAD_SHARE * height}
             state.set_params(
-                **{name: shown.get(name) if v is None else v for name, v in values.items()}
+                **{
+                    name: shown.get(name) if value is None else value
+                    for name, value in preset.values(height).items()
+                }
             )
             st.rerun()
 
@@ -120,6 +119,11 @@ def _presets() -> None:
 def _proximity() -> dict[str, Any]:
     kind = _widget("proximity")
     values = {"proximity": kind}
+    if kind == "horizon":
+        values["horizon"] = st.number_input(
+            LABELS["horizon"], value=state.session_params().horizon, key="horizon",
+            help=FIELDS["horizon"].metadata["help"], placeholder="each recording's own",
+        )  # fmt: skip
     if kind in ("height", "horizon"):
         height = _height()
         for name, default in (("midpoint", _default_midpoint()), ("spread", _default_spread())):
@@ -140,27 +144,16 @@ def _proximity() -> dict[str, Any]:
         space = state.workspace()
         assert space.dataset is not None
         try:
-            shown_params = replace(Params(horizon=state.session_params().horizon), **values)
+            shown_params = Params(**{"horizon": state.session_params().horizon, **values})
         except ParameterError:
             return values
-        st.plotly_chart(
-            _proximity_plot(
-                space.dataset.fingerprint, shown_params, state.theme(), space.dataset
-            ),
-            theme=None, config=CONFIG, key="proximity_plot",
+        dataset, theme = space.dataset, state.theme()
+        figure = space.keep(  # it stays while other sliders move
+            "proximity_plot", (shown_params, theme),
+            lambda: proximity_plot(dataset, shown_params, theme=theme), most=8,
         )  # fmt: skip
+        st.plotly_chart(figure, theme=None, config=CONFIG, key="proximity_plot")
     return values
-
-
-@st.cache_resource(max_entries=50, show_spinner=False)
-def _proximity_plot(
-    fingerprint: str,  # noqa: ARG001  the key that stands for the tables
-    settings: Params,
-    theme: Theme,
-    _dataset: Dataset,
-) -> go.Figure:
-    """The weight over the heights of the truth; it stays while other sliders move."""
-    return proximity_plot(_dataset, settings, theme=theme)
 
 
 def _thresholds() -> dict[str, Any]:
@@ -179,7 +172,7 @@ def _thresholds() -> dict[str, Any]:
             continue
         low, high = span
         given = getattr(state.session_params(), key)
-        start = low if given is None else min(max(given, low), high)
+        start = low if given is None else given
         shown = _number_slider(
             key, low=low, high=high, value=start, step=_step(high - low),
             help=FIELDS[key].metadata["help"] + " At the left end all count.",
@@ -218,9 +211,10 @@ def _number_slider(
     name: str, *, low: float, high: float, value: float, step: float, **more: Any
 ) -> float:
     more = {"help": FIELDS[name].metadata["help"], **more}
-    high = max(high, low + step)
+    # a session or a link may give any possible value: the slider then reaches to it
     given = float(st.session_state.get(name, value))
-    st.session_state[name] = min(max(given, low), high)
+    low, high = min(low, given), max(high, given, low + step)
+    st.session_state[name] = given
     return float(
         st.slider(
             LABELS[name], min_value=float(low), max_value=float(high),

@@ -21,16 +21,19 @@ from nvcore.session import Session
 from nvcore.session_file import read_session
 from ui.links import changed_parameters, read_parameters, read_place
 from ui.pictures import Picturing, find_pictures
-from ui.workspace import Workspace
+from ui.workspace import Compared, Workspace
 
 ROOT: Final = Path(__file__).resolve().parent.parent
 SAMPLE: Final = ROOT / "sample_data" / "session.toml"
 SAMPLE_LABEL: Final = "Sample recordings"
 Theme = Literal["light", "dark"]
 
-# Results are shared between sessions by content: never keyed by a table, which Streamlit would
-# hash by sample, and few, since one of a million frames takes hundreds of megabytes.
-MOST_RESULTS: Final = 6
+MOST_THUMBNAILS: Final = 64
+NOT_OF_BOXES: Final = (
+    *("alpha", "low", "window", "coverage", "lag_s", "gap_s"),
+    *("recency_midpoint", "recency_spread", "saliency_aggregate", "saliency_scope"),
+)
+"""Parameters that move no box and change no match nor which miss is the most salient."""
 
 
 def workspace() -> Workspace:
@@ -87,16 +90,12 @@ def score_span(system: str) -> tuple[float, float] | None:
     """Lowest and highest score of a system; None without scores or with a single one."""
     space = workspace()
     assert space.dataset is not None
-    return _score_span(space.dataset.fingerprint, system, space.dataset)
+    dataset = space.dataset
+    return space.keep("score_span", system, lambda: _score_span(dataset, system), most=20)
 
 
-@st.cache_resource(max_entries=100, show_spinner=False)
-def _score_span(
-    fingerprint: str,  # noqa: ARG001  the key that stands for the tables
-    system: str,
-    _dataset: Dataset,
-) -> tuple[float, float] | None:
-    score = _dataset.system(system).score
+def _score_span(dataset: Dataset, system: str) -> tuple[float, float] | None:
+    score = dataset.system(system).score
     score = score[np.isfinite(score)]
     if not len(score) or score.min() == score.max():
         return None
@@ -131,15 +130,31 @@ def result() -> Result | None:
     assert space.dataset is not None
     x, y = systems()
     if y is None:
-        space.result = None
+        space.compared = None
         return None
     settings = params()
-    found = _analysed(space.dataset.fingerprint, settings, x, y, space.dataset, space.result)
+    found = space.keep("result", (settings, x, y), lambda: _analyse(space, settings, x, y))
     if found is not space.result:
-        space.result = found
-        key = f"{space.dataset.fingerprint}{settings!r}{x}\0{y}"
-        space.version = hashlib.sha256(key.encode()).hexdigest()[:12]
+        key = f"{space.dataset.fingerprint}{of_boxes(settings)!r}{x}\0{y}"
+        space.compared = Compared(found, hashlib.sha256(key.encode()).hexdigest()[:12])
     return found
+
+
+def _analyse(space: Workspace, settings: Params, x: str, y: str) -> Result:
+    assert space.dataset is not None
+    if space.result is not None:
+        return analyse(space.dataset, settings, x=x, y=y, previous=space.result)
+    with st.spinner("Comparing the systems"):
+        return analyse(space.dataset, settings, x=x, y=y)
+
+
+def of_boxes(settings: Params) -> Params:
+    """The settings that boxes, their matches and the most salient misses depend on.
+
+    The others as by default: what is drawn of boxes may be kept while only those move.
+    """
+    start = Params()
+    return replace(settings, **{name: getattr(start, name) for name in NOT_OF_BOXES})
 
 
 def findings() -> tuple[Finding, ...]:
@@ -150,32 +165,13 @@ def findings() -> tuple[Finding, ...]:
     settings = params()
     names = ("threshold_x", "threshold_y", "match", "iou", "lateral_tolerance", "proximity")
     relevant = replace(Params(), **{name: getattr(settings, name) for name in names})
-    return _audited(space.dataset.fingerprint, relevant, x, y, space.dataset)
+    return space.keep("findings", (relevant, x, y), lambda: _audit(space, relevant, x, y))
 
 
-@st.cache_resource(max_entries=MOST_RESULTS, show_spinner="Comparing the systems")
-def _analysed(
-    fingerprint: str,  # noqa: ARG001  the key that stands for the tables
-    settings: Params,
-    x: str,
-    y: str,
-    _dataset: Dataset,
-    _previous: Result | None,
-) -> Result:
-    if _previous is not None and _previous.dataset is not _dataset:
-        _previous = None
-    return analyse(_dataset, settings, x=x, y=y, previous=_previous)
-
-
-@st.cache_resource(max_entries=MOST_RESULTS, show_spinner="Auditing the inputs")
-def _audited(
-    fingerprint: str,  # noqa: ARG001  the key that stands for the tables
-    settings: Params,
-    x: str,
-    y: str | None,
-    _dataset: Dataset,
-) -> tuple[Finding, ...]:
-    return audit(_dataset, settings, x=x, y=y)
+def _audit(space: Workspace, settings: Params, x: str, y: str | None) -> tuple[Finding, ...]:
+    assert space.dataset is not None
+    with st.spinner("Auditing the inputs"):
+        return audit(space.dataset, settings, x=x, y=y)
 
 
 def theme() -> Theme:
@@ -295,7 +291,7 @@ def _open(space: Workspace, session: Session, label: str) -> None:
     space.session, space.dataset, space.label = session, dataset, label
     space.pictures, space.picture_rows = pictures.sources, pictures.indices
     space.picture_notes = pictures.notes
-    space.result, space.version = None, ""
+    space.forget()
 
 
 def _forget_widgets() -> None:
@@ -322,23 +318,21 @@ def choose_category(category: str) -> None:
     st.session_state["category"] = category
 
 
-@st.cache_data(max_entries=200, show_spinner=False)
-def thumbnail(
-    token: str,  # noqa: ARG001  pictures belong to one session
-    version: str,  # noqa: ARG001
-    settings: Params,  # noqa: ARG001
-    row_in_all: int,  # noqa: ARG001
-    _draw: Callable[[], bytes],
-) -> bytes:
-    """A drawn picture, kept for the pictures, settings and frame that it is of."""
-    return _draw()
+def thumbnail(row_of_all: int, draw: Callable[[], bytes]) -> bytes:
+    """A drawn picture, kept while nothing that shows in it changes."""
+    space = workspace()
+    key = (space.version, space.pictures_version, stretch(), row_of_all)
+    return space.keep("thumbnails", key, draw, most=MOST_THUMBNAILS)
 
 
 STRETCH: Final = (0.5, 99.8)
 """Percentiles that pictures are stretched to by default: night drives are dim."""
+LEAST_STRETCH: Final = 0.1
+"""Least distance of the two."""
 
 
 def stretch() -> tuple[float, float]:
     """Percentiles of the display stretch."""
     lo, hi = st.session_state.get("stretch", STRETCH)
-    return float(lo), float(hi)
+    lo = min(float(lo), 100 - LEAST_STRETCH)
+    return lo, max(float(hi), lo + LEAST_STRETCH)

@@ -42,7 +42,11 @@ def draw_all(result: Result) -> None:
         "Thin: similarity of each frame, 1 is best. Thick: moving mean. Filled: low intervals. "
         "Marks above: saliency events. Click to see the frame ([Metrics](/metrics#similarity))."
     )
-    lanes = lanes_figure(result, state.recording(), theme=state.theme(), cursor_row=cursor)
+    theme, recording = state.theme(), state.recording()
+    lanes = state.workspace().keep(  # they stay while alpha and the like move
+        "lanes", (state.workspace().version, recording, theme, cursor),
+        lambda: lanes_figure(result, recording, theme=theme, cursor_row=cursor),
+    )  # fmt: skip
     with st.container(height=LANES_PX if lanes.layout.height > LANES_PX else "content"):
         _clickable(lanes, "lanes")
 

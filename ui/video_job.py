@@ -43,6 +43,8 @@ class VideoJob:
         What is done, 0..1.
     error
         Why it failed, in words.
+    is_wanted
+        Whether the session still shows what the video shows.
     """
 
     def __init__(
@@ -65,17 +67,12 @@ class VideoJob:
         self.path, self.name = path, name
         self.share, self.error = 0.0, ""
         self.state = JobState.WAITING
-        self._is_wanted = is_wanted
+        self.is_wanted = is_wanted
         self._stop = threading.Event()
         self._thread = threading.Thread(
             target=self._run, args=(write,), name="video export", daemon=True
         )
         self._thread.start()
-
-    @property
-    def is_over(self) -> bool:
-        """Whether nothing more will happen."""
-        return not self._thread.is_alive()
 
     def cancel(self) -> None:
         """Stop after the current frame; nothing is left of the video."""
@@ -92,7 +89,7 @@ class VideoJob:
         self.path.unlink(missing_ok=True)
 
     def _goes_on(self) -> bool:
-        return not self._stop.is_set() and self._is_wanted()
+        return not self._stop.is_set() and self.is_wanted()
 
     def _progress(self, share: float) -> bool:
         self.share = share

@@ -6,14 +6,14 @@ import secrets
 import shutil
 import threading
 import weakref
-from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from collections import OrderedDict
+from collections.abc import Callable, Hashable, Mapping
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 import numpy as np
 
 from nvcore.analysis import Result
 from nvcore.dataset import Dataset
-from nvcore.findings import Finding
 from nvcore.media.base import Pictures
 from nvcore.session import Session
 from ui.session_end import end_with_session
@@ -21,6 +21,16 @@ from ui.session_folders import new_folder
 
 if TYPE_CHECKING:
     from ui.uploads import Stored
+
+Kept = TypeVar("Kept")
+
+
+class Compared(NamedTuple):
+    """An analysis, and a name for it in addresses; set and read as one."""
+
+    result: Result
+    version: str
+
 
 _workspaces: weakref.WeakValueDictionary[str, Workspace] = weakref.WeakValueDictionary()
 
@@ -39,10 +49,8 @@ class Workspace:
         Own folder for uploads, mode 0700; gone when the workspace is.
     session, dataset, label
         The open comparison and what it is called; None and empty before one is opened.
-    findings
-        What the audit has to say of it.
-    result
-        The newest analysis, which the routes read boxes from.
+    compared
+        The newest analysis, which the routes read boxes from, with its version.
     pictures
         Picture source by recording index; a recording without pictures is absent.
     picture_rows
@@ -63,8 +71,7 @@ class Workspace:
         self.session: Session | None = None
         self.dataset: Dataset | None = None
         self.label = ""
-        self.findings: tuple[Finding, ...] = ()
-        self.result: Result | None = None
+        self.compared: Compared | None = None
         self.pictures: Mapping[int, Pictures] = {}
         self.picture_rows: Mapping[int, np.ndarray] = {}
         self.picture_notes: Mapping[int, str] = {}
@@ -72,25 +79,50 @@ class Workspace:
         self.stored: dict[str, Stored] = {}
         self.used_bytes = 0
         self.n_received = 0
-        self._version = ""
+        self._kept: dict[str, OrderedDict[Hashable, object]] = {}
         self._n_changes = 0
         self._remove = weakref.finalize(self, shutil.rmtree, self.folder, ignore_errors=True)
         _workspaces[self.token] = self
         end_with_session(self)
 
     @property
+    def result(self) -> Result | None:
+        """The newest analysis."""
+        return None if self.compared is None else self.compared.result
+
+    @property
     def version(self) -> str:
-        """Changes with every analysis and with the pictures: an address that has it may be kept."""
-        return f"{self._version}.{self._n_changes}"
+        """Changes with every analysis: an address that has it may be kept."""
+        return "" if self.compared is None else self.compared.version
 
     @property
     def pictures_version(self) -> str:
         """Changes with the pictures."""
         return str(self._n_changes)
 
-    @version.setter
-    def version(self, version: str) -> None:
-        self._version = version
+    def keep(self, kind: str, key: Hashable, make: Callable[[], Kept], *, most: int = 1) -> Kept:
+        """What was made for this key before, else what `make` makes; it ends with the session.
+
+        Parameters
+        ----------
+        kind
+            Name of a store of its own.
+        most
+            How many the store holds; the longest unused goes first.
+        """
+        store = self._kept.setdefault(kind, OrderedDict())
+        if key not in store:
+            store[key] = make()
+            while len(store) > most:
+                store.popitem(last=False)
+        store.move_to_end(key)
+        found: Kept = store[key]  # type: ignore[assignment]
+        return found
+
+    def forget(self) -> None:
+        """Let go of what was computed."""
+        self.compared = None
+        self._kept.clear()
 
     def close_pictures(self) -> None:
         """Let go of the picture files; no recording has pictures until new ones are set."""
@@ -104,8 +136,8 @@ class Workspace:
         """Forget everything and remove the folder; the token is unknown from now on."""
         _workspaces.pop(self.token, None)
         self.close_pictures()
-        self.session = self.dataset = self.result = None
-        self.findings = ()
+        self.session = self.dataset = None
+        self.forget()
         self._remove()
 
 

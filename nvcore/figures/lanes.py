@@ -26,9 +26,9 @@ from nvcore.tables import sides
 
 MAX_LANES: Final = 200
 """Encounters drawn: those that are missed longest."""
-MAX_CLICKS: Final = 4000
+MAX_CLICKS: Final = 1500
 """Places that can be clicked, over all lanes."""
-MAX_CLICKS_LANE: Final = 300
+MAX_CLICKS_LANE: Final = 120
 MAX_BARS: Final = 3000
 PIXELS: Final = 4000
 """Columns of pixels that are told apart when there are more bars than that."""

@@ -29,8 +29,8 @@ from nvcore.tables import sides
 
 TimeLayout = Literal["time", "upright"]
 
-MAX_CLICKS: Final = 1500
-"""Frames that can be clicked: one for every column of pixels."""
+MAX_CLICKS: Final = 800
+"""Frames that can be clicked: one for a column of pixels; the browser draws a marker for each."""
 MEAN_POINTS: Final = 2000
 HEIGHT_PX: Final[dict[TimeLayout, int]] = {"time": 400, "upright": 720}
 

@@ -11,13 +11,14 @@ from nvcore.media.annotate import annotated_frame, frame_png
 from nvcore.media.archive import Archive, ArchiveLimits
 from nvcore.media.base import Picture, Pictures
 from nvcore.media.draw import DrawnBoxes, draw_boxes
-from nvcore.media.export_video import write_video
+from nvcore.media.export_video import FPS_RANGE, write_video
 from nvcore.media.image_header import IMAGE_SUFFIXES
 from nvcore.media.index import picture_index, size_note
 from nvcore.media.sources import is_below, open_pictures
 from nvcore.media.stretch import jpeg, png, stretch
 
 __all__ = [
+    "FPS_RANGE",
     "IMAGE_SUFFIXES",
     "Archive",
     "ArchiveLimits",

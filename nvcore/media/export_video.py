@@ -9,6 +9,7 @@ from typing import Final
 
 import av
 import numpy as np
+from numpy.typing import NDArray
 
 from nvcore.analysis import Result
 from nvcore.errors import MediaError, ParameterError, one_line
@@ -20,7 +21,8 @@ from nvcore.version import __version__
 
 _QUALITY: Final = "23"
 _KEY_EVERY: Final = 40
-_FPS_RANGE: Final = (0.1, 240.0)
+FPS_RANGE: Final = (0.1, 240.0)
+"""Frames per second that a video may have."""
 
 
 def write_video(
@@ -34,6 +36,7 @@ def write_video(
     fps: float,
     progress: Callable[[float], bool] | None = None,
     first_picture: int | None = None,
+    indices: NDArray[np.int64] | None = None,
     lo: float = 0.0,
     hi: float = 100.0,
     labels: bool = False,
@@ -56,18 +59,21 @@ def write_video(
         Frames per second of the video, 0.1..240.
     progress
         Called after every frame with the share that is done, 0..1; returns False to stop.
+    indices
+        Picture of every frame of the recording, -1 none, as `nvcore.media.picture_index` gives
+        it; None: by that function, with `first_picture`.
     first_picture, lo, hi, labels
         See `nvcore.media.annotated_frame`.
 
     Raises
     ------
     ParameterError
-        If `fps` is out of range or there are no frames.
+        If `fps` is out of range, there are no frames, or `indices` has not one for each frame.
     MediaError
         If the file cannot be written.
     """
-    if not _FPS_RANGE[0] <= fps <= _FPS_RANGE[1]:
-        raise ParameterError(f"fps: expected {_FPS_RANGE[0]:g} to {_FPS_RANGE[1]:g}, got {fps:g}")
+    if not FPS_RANGE[0] <= fps <= FPS_RANGE[1]:
+        raise ParameterError(f"fps: expected {FPS_RANGE[0]:g} to {FPS_RANGE[1]:g}, got {fps:g}")
     frames = result.dataset.frame_columns
     first, last = int(frames.first[recording]), int(frames.first[recording + 1])
     if not first <= row_start < row_stop <= last:
@@ -76,9 +82,11 @@ def write_video(
             f"{row_stop}"
         )
     source = pictures.get(recording)
-    index = [-1] * (last - first)
-    if source is not None:
-        index = picture_index(frames.frame[first:last], source, first_picture)[0].tolist()
+    if indices is not None and len(indices) != last - first:
+        raise ParameterError(f"indices: expected {last - first} pictures, got {len(indices)}")
+    if indices is None and source is not None:
+        indices = picture_index(frames.frame[first:last], source, first_picture)[0]
+    index = [-1] * (last - first) if indices is None else indices.tolist()
 
     def draw(row: int) -> Canvas:
         return annotate(

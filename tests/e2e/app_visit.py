@@ -1,15 +1,15 @@
-"""One person's browser window at the app, which notes everything that goes wrong in it."""
+"""One person's window at the app, which notes everything that goes wrong in it."""
 
 from __future__ import annotations
 
 import re
-from typing import Literal
 from urllib.parse import urlsplit
 
-from playwright.sync_api import Browser, ConsoleMessage, Locator, Page, Request, expect
+from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Locator, Page, expect
 
 SIZE = {"width": 1280, "height": 800}
-WAIT_MS = 30_000
+WAIT_MS = 20_000
+HEADINGS = {"Metrics": "Documentation"}  # of the other pages: as in the navigation
 # Streamlit looks for its server below the page's own path first
 HARMLESS = re.compile(r"/(_stcore/health|_stcore/host-config)$")
 IS_DRAWN = """() => document.querySelector('[data-testid="stApp"]')
@@ -20,8 +20,13 @@ IS_DRAWN = """() => document.querySelector('[data-testid="stApp"]')
 expect.set_options(timeout=WAIT_MS)
 
 
+def new_person(browser: Browser, theme: str = "light") -> BrowserContext:
+    """Windows with cookies and a cache of their own."""
+    return browser.new_context(viewport=SIZE, color_scheme="dark" if theme == "dark" else "light")
+
+
 class Visit:
-    """A window with cookies of its own.
+    """A page of the app in one window, with a session of its own.
 
     Attributes
     ----------
@@ -29,20 +34,18 @@ class Visit:
         Errors in the console, scripts that failed, and requests to other hosts.
     """
 
-    def __init__(self, browser: Browser, address: str, *, theme: str = "light") -> None:
-        scheme: Literal["light", "dark"] = "dark" if theme == "dark" else "light"
+    def __init__(self, context: BrowserContext, address: str) -> None:
         self.address = address
         self.complaints: list[str] = []
-        self._context = browser.new_context(viewport=SIZE, color_scheme=scheme)
-        self._context.set_default_timeout(WAIT_MS)
-        self._context.on("request", self._look_at_request)
-        self._context.on("console", self._look_at_message)
-        self._context.on("weberror", lambda error: self.complaints.append(str(error.error)))
-        self.page: Page = self._context.new_page()
+        self.page: Page = context.new_page()
+        self.page.set_default_timeout(WAIT_MS)
+        self.page.on("request", lambda request: self._look_at_host(request.url))
         self.page.on("websocket", lambda socket: self._look_at_host(socket.url))
+        self.page.on("console", self._look_at_message)
+        self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
 
     def close(self) -> None:
-        self._context.close()
+        self.page.close()
 
     def go(self, page: str) -> None:
         """Open a page by its address, in a new session."""
@@ -52,7 +55,7 @@ class Visit:
     def switch_to(self, title: str) -> None:
         """Open another page by the navigation, in the same session."""
         self.page.get_by_test_id("stTopNavLink").filter(has_text=title).click()
-        expect(self.heading(title, level=1)).to_be_visible()
+        expect(self.heading(HEADINGS.get(title, title), level=1)).to_be_visible()
         self.wait_until_drawn()
 
     def wait_until_drawn(self) -> None:
@@ -82,7 +85,8 @@ class Visit:
 
     def panel_shows(self, frame: int) -> None:
         """Wait until Python's figures beside the viewer are those of this frame."""
-        expect(self.page.get_by_text(re.compile(rf"^Frame {frame},"))).to_be_visible()
+        panel = self.page.get_by_test_id("stMarkdownContainer")
+        expect(panel.filter(has_text=re.compile(rf"^Frame {frame},"))).to_be_visible()
 
     def query(self, name: str, value: str) -> None:
         """Wait until the page's address has this."""
@@ -90,9 +94,6 @@ class Visit:
             "([name, value]) => new URL(location).searchParams.get(name) === value",
             arg=[name, value],
         )
-
-    def _look_at_request(self, request: Request) -> None:
-        self._look_at_host(request.url)
 
     def _look_at_host(self, url: str) -> None:
         parts = urlsplit(url)

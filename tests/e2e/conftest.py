@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack
 
 import pytest
 from app_server import ROOT, open_chromium, serve
-from app_visit import Visit
-from playwright.sync_api import Browser
+from app_visit import Visit, new_person
+from playwright.sync_api import Browser, BrowserContext
 
 
 @pytest.fixture(scope="session")
@@ -25,19 +24,33 @@ def browser() -> Iterator[Browser]:
         yield opened
 
 
+@pytest.fixture(scope="module")
+def person(browser: Browser) -> Iterator[Callable[[str], BrowserContext]]:
+    """Somebody's browser with this theme: kept for the module, since a full cache loads faster."""
+    people: dict[str, BrowserContext] = {}
+
+    def find(theme: str) -> BrowserContext:
+        if theme not in people:
+            people[theme] = new_person(browser, theme)
+        return people[theme]
+
+    yield find
+    for one in people.values():
+        one.close()
+
+
 @pytest.fixture
-def visit(browser: Browser, app: str) -> Iterator[Callable[..., Visit]]:
-    """Opens a page of the app as one more person; afterwards nothing may have gone wrong."""
-    with ExitStack() as visits:
-        opened: list[Visit] = []
+def visit(person: Callable[[str], BrowserContext], app: str) -> Iterator[Callable[..., Visit]]:
+    """Opens a page of the app in a new session; afterwards nothing may have gone wrong."""
+    opened: list[Visit] = []
 
-        def open_page(page: str = "", *, theme: str = "light") -> Visit:
-            one = Visit(browser, app, theme=theme)
-            visits.callback(one.close)
-            opened.append(one)
-            one.go(page)
-            return one
+    def open_page(page: str = "", *, theme: str = "light") -> Visit:
+        one = Visit(person(theme), app)
+        opened.append(one)
+        one.go(page)
+        return one
 
-        yield open_page
-        complaints = [complaint for one in opened for complaint in one.complaints]
-    assert complaints == []
+    yield open_page
+    for one in opened:
+        one.close()
+    assert [complaint for one in opened for complaint in one.complaints] == []

@@ -16,14 +16,19 @@ from playwright.sync_api import expect
 TITLES = ("Data", "Overview", "Timeline", "Encounters", "Saliency", "Export", "Metrics")
 THEMES = ("light", "dark")
 
-# Place in the window of a marker of the Venn diagram that stands for a category.
+# Place in the window of the marker of the Venn diagram that lies deepest in a category's region.
 FIND_REGION = """category => {
   const plot = document.querySelector(".st-key-venn .js-plotly-plot");
   const trace = plot._fullData[0], layout = plot._fullLayout, area = plot.getBoundingClientRect();
-  const own = [...trace.customdata.keys()].filter(i => String(trace.customdata[i]) === category);
-  const i = own[Math.floor(own.length / 2)];
-  return [area.left + layout._size.l + layout.xaxis.l2p(trace.x[i]),
-          area.top + layout._size.t + layout.yaxis.l2p(trace.y[i])];
+  const { w, h, l, t } = layout._size;
+  const all = [...trace.customdata.keys()].map(i => ({
+    x: layout.xaxis.l2p(trace.x[i]), y: layout.yaxis.l2p(trace.y[i]),
+    isOwn: String(trace.customdata[i]) === category }));
+  const others = all.filter(one => !one.isOwn);
+  const depth = one => Math.min(one.x, w - one.x, one.y, h - one.y,
+    ...others.map(other => Math.hypot(one.x - other.x, one.y - other.y)));
+  const deepest = all.filter(one => one.isOwn).reduce((a, b) => depth(a) < depth(b) ? b : a);
+  return [area.left + l + deepest.x, area.top + t + deepest.y];
 }"""
 
 
@@ -88,9 +93,9 @@ def test_the_dark_theme_reaches_page_plots_and_viewer(visit):
 
 
 @pytest.fixture(scope="module", params=THEMES)
-def themed(request, browser, app) -> Iterator[Visit]:
+def themed(request, person, app) -> Iterator[Visit]:
     """One session that goes through all pages."""
-    one = Visit(browser, app, theme=request.param)
+    one = Visit(person(request.param), app)
     one.go("")
     yield one
     one.close()

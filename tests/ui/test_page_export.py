@@ -212,7 +212,7 @@ def test_a_video_is_made_in_the_background_and_offered():
             field.set_value(0.45)
     checked(page.run())
     checked(page.button(key="make_video").click().run())
-    job, _ = page.session_state["video_job"]
+    job = page.session_state["video_job"]
     job.join()
     checked(page.run())
     assert job.state is JobState.DONE
@@ -226,26 +226,28 @@ def test_a_video_is_made_in_the_background_and_offered():
 def test_opening_something_else_takes_the_video_away(tmp_path: Path):
     page = opened()
     removed = []
-    job = SimpleNamespace(discard=lambda: removed.append(True), state=JobState.RUNNING)
-    page.session_state["video_job"] = (job, object())
+    page.session_state["video_job"] = SimpleNamespace(
+        discard=lambda: removed.append(True), state=JobState.RUNNING, is_wanted=lambda: False
+    )
     checked(page.run())
     assert removed
+    assert "video_job" not in page.session_state
     assert "Cancel" not in [button.label for button in page.button]
 
 
 def test_a_cancelled_video_is_told_of():
     page = opened()
-    space = page.session_state["workspace"]
-    job = SimpleNamespace(state=JobState.CANCELLED, error="")
-    page.session_state["video_job"] = (job, space.dataset)
+    page.session_state["video_job"] = SimpleNamespace(
+        state=JobState.CANCELLED, error="", is_wanted=lambda: True
+    )
     assert "was cancelled" in texts(checked(page.run()))
 
 
 def test_a_video_that_fails_says_why_without_markup():
     page = opened()
-    space = page.session_state["workspace"]
-    job = SimpleNamespace(state=JobState.FAILED, error="no *room*")
-    page.session_state["video_job"] = (job, space.dataset)
+    page.session_state["video_job"] = SimpleNamespace(
+        state=JobState.FAILED, error="no *room*", is_wanted=lambda: True
+    )
     checked(page.run())
     assert [one.value for one in page.error] == [r"no \*room\*"]
 
@@ -255,8 +257,8 @@ def test_a_video_ends_with_its_session(tmp_path: Path):
     space = page.session_state["workspace"]
     interval = Interval(0, 300, 20)
     job = start_job(
-        space, space.result, 0, interval, tmp_path / "v.mp4", "v.mp4", first_picture=None,
-        stretch=(0.0, 100.0), labels=False,
+        space, space.result, 0, interval, tmp_path / "v.mp4", "v.mp4", stretch=(0.0, 100.0),
+        labels=False,
     )  # fmt: skip
     space.close()
     job.join()

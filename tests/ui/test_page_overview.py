@@ -28,7 +28,7 @@ def scorecard(app: AppTest) -> dict[str, tuple[str, str, str]]:
 def test_the_app_opens_on_the_verdict_of_the_sample_recordings(app: AppTest):
     assert not app.exception
     assert app.title[0].value == "Overview"
-    assert "These data show no difference in how many pedestrians are detected" in texts(app)
+    assert "These data do not show which system detects more encounters" in texts(app)
 
 
 def test_the_scorecard_has_the_figures_of_the_command_line(app: AppTest):

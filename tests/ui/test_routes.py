@@ -14,7 +14,7 @@ from builders import at, compare, make_dataset
 from nvcore.box_states import pack_boxes
 from nvcore.errors import MediaError
 from ui.routes import ROWS_PER_CHUNK, address
-from ui.workspace import Workspace
+from ui.workspace import Compared, Workspace
 
 PNG = b"\x89PNG\r\n\x1a\n" + bytes(100)
 N_ROWS = ROWS_PER_CHUNK + 2
@@ -39,8 +39,7 @@ def space(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Workspace:
     monkeypatch.setenv("NVCORE_UPLOAD_DIR", str(tmp_path))
     space = Workspace()
     space.dataset = make_dataset(truth=[at(3, 50)], x=[at(3, 50)], n_frames=N_ROWS)
-    space.result = compare(space.dataset)
-    space.version = "v1"
+    space.compared = Compared(compare(space.dataset), "v1")
     space.pictures = {0: Grey()}
     space.picture_rows = {0: np.array([-1, 0, 1, 2])}
     return space
@@ -112,7 +111,7 @@ def test_the_token_of_an_ended_session_finds_nothing(
 def test_one_session_does_not_get_anothers_boxes(space: Workspace):
     other = Workspace()
     other.dataset = make_dataset(truth=[at(0, 10)], n_frames=1)
-    other.result = compare(other.dataset)
+    other.compared = Compared(compare(other.dataset), "v1")
     mine, theirs = (ask(f"{address(one)}/boxes/0/0").body for one in (space, other))
     assert theirs == pack_boxes(other.result, 0, 1)
     assert mine != theirs
@@ -138,7 +137,7 @@ def test_boxes_of_the_newest_analysis_are_kept_under_its_version_only(space: Wor
 
 
 def test_before_an_analysis_there_are_no_boxes(space: Workspace):
-    space.result = None
+    space.compared = None
     assert ask(f"{address(space)}/boxes/0/0").status == 404
 
 

@@ -39,7 +39,7 @@ def test_a_job_writes_its_video(tmp_path: Path):
     writer.may_go_on.set()
     job = VideoJob(writer.path, "a.mp4", writer, always)
     job.join()
-    assert (job.state, job.share, job.is_over) == (JobState.DONE, 1.0, True)
+    assert (job.state, job.share) == (JobState.DONE, 1.0)
     assert writer.path.read_bytes() == b"video"
 
 

@@ -86,13 +86,29 @@ def test_pictures_that_several_recordings_share_are_closed_once():
     assert space.pictures == {}
 
 
-def test_the_version_changes_with_the_pictures_though_the_analysis_is_the_same():
+def test_the_version_of_the_pictures_changes_with_them():
     space = Workspace()
-    space.version = "abc"
-    before = space.version
+    before = space.pictures_version
     space.close_pictures()
-    space.version = "abc"
-    assert space.version != before
+    assert space.pictures_version != before
+
+
+def test_what_is_kept_is_made_once_and_the_longest_unused_goes():
+    space, made = Workspace(), []
+
+    def get(key: int) -> int:
+        return space.keep("squares", key, lambda: made.append(key) or key * key, most=2)
+
+    assert [get(2), get(3), get(2), get(4), get(2), get(3)] == [4, 9, 4, 16, 4, 9]
+    assert made == [2, 3, 4, 3]
+
+
+def test_a_closed_workspace_keeps_nothing():
+    space, made = Workspace(), []
+    for _ in range(2):
+        space.keep("kind", 1, lambda: made.append(1))
+        space.close()
+    assert made == [1, 1]
 
 
 def test_what_a_dead_process_left_is_removed(base: Path):
