@@ -5,6 +5,6 @@ from pathlib import Path
 import streamlit as st
 
 from ui.routes import ROUTES
-from ui.trouble import show_bug
+from ui.trouble import show_trouble
 
-app = st.App(Path(__file__).parent / "ui" / "main.py", routes=ROUTES, on_script_error=show_bug)
+app = st.App(Path(__file__).parent / "ui" / "main.py", routes=ROUTES, on_script_error=show_trouble)

@@ -19,6 +19,7 @@ from typing import Any
 
 from bench.command_line import measure_command_line
 from bench.tables import write_tables
+from bench.web_tables import web_section
 
 ROOT = Path(__file__).resolve().parent.parent
 TOOLS_PYTHON = ROOT / ".venv-bench" / "tools" / "bin" / "python"
@@ -99,7 +100,10 @@ def main() -> None:
                 )
     print("command line ...", file=sys.stderr)
     command_line = measure_command_line(ROOT)
-    text = write_tables(ours, beside, others_at, command_line)
+    print("browser ...", file=sys.stderr)
+    frames = ["0", "5000"] if quick else ["0", "100000", "1000000"]
+    web = run_worker(Path(sys.executable), "bench.web", "--frames", *frames)
+    text = write_tables(ours, beside, others_at, command_line) + "\n" + web_section(web)
     print(text)
     if out:
         out.write_text(text, encoding="utf-8")

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import argparse
 import os
-import re
 import subprocess
 import sys
 import tempfile
@@ -132,14 +131,13 @@ def open_set(page: Page, url: str) -> float:
     """Open the folder's session file on the Data page; seconds until everything stands there."""
     page.goto(f"{url}/data")
     settle(page)
-    page.get_by_role("tab", name="This computer").click()
+    page.get_by_role("tab", name="Local folder").click()
     button = page.get_by_role("button", name="Open session")
     button.wait_for(timeout=60_000)
     start = perf_counter()
     button.click()
-    page.get_by_text(re.compile("^Opened: session")).wait_for(
-        state="attached", timeout=1000 * OPEN_S
-    )
+    # the sidebar names it before the page is done
+    page.get_by_text("X: first").first.wait_for(state="attached", timeout=1000 * OPEN_S)
     settle(page)
     return perf_counter() - start
 
@@ -228,6 +226,7 @@ def main() -> None:
             print(f"in the browser, {n:,} frames ..." if n else "sample ...", file=sys.stderr)
             with serve(folder, given.port) as url:
                 figures["sets"][n] = measure_set(browser, url, given.repeat, is_sample=not n)
+            print(figures["sets"][n], file=sys.stderr)
         folder = Path(made) / "scene"
         write_scene(folder)
         with serve(folder, given.port) as url:

@@ -65,8 +65,8 @@ def _met(n: int, seconds: dict[str, list[float]]) -> str:
 
 def _playing(figures: dict[str, float]) -> str:
     return (
-        f"Playing a recording of 20 frames per second (640x480, H.264) with boxes: "
-        f"{figures['painted']} of {figures['due']} frames due were painted; in "
-        f"{figures['mixed']} of them picture and boxes were not of the same frame (the frame number is in the pixels of "
-        "the picture and in the place of a box, both read back from the canvas)."
+        "Playing a recording of 20 frames per second (640x480, H.264) with boxes: "
+        f"{figures['painted']} of {figures['due']} frames due were painted; in {figures['mixed']} "
+        "of them picture and boxes were not of the same frame (the frame number is in the pixels "
+        "of the picture and in the place of a box, both read back from the canvas)."
     )

@@ -41,7 +41,7 @@ _LARGEST_TRACK = 2**31 - 1
 
 @dataclass(frozen=True, eq=False)
 class BoxStates:
-    """States of all boxes of a result.
+    """States of the boxes of some frames.
 
     Attributes
     ----------
@@ -66,13 +66,8 @@ class BoxStates:
     y: np.ndarray
 
 
-def box_states(result: Result) -> BoxStates:
-    """What became of every box of the truth and of both systems."""
-    return states_of_rows(result, 0, len(result.dataset.frames))
-
-
-def states_of_rows(result: Result, row_start: int, row_stop: int) -> BoxStates:
-    """`box_states` of the boxes of frames ``row_start:row_stop`` (rows of the frames table)."""
+def box_states(result: Result, row_start: int, row_stop: int) -> BoxStates:
+    """What became of the boxes of frames ``row_start:row_stop`` (rows of the frames table)."""
     truth = result.dataset.truth
     boxes = _boxes_of(truth, row_start, row_stop)
     is_pedestrian = ~truth.ignore[boxes]
@@ -179,7 +174,7 @@ def unpack_boxes(content: bytes) -> PackedBoxes:
 
 def _gather(result: Result, row_start: int, row_stop: int) -> PackedBoxes:
     dataset, frames = result.dataset, result.dataset.frame_columns
-    states = states_of_rows(result, row_start, row_stop)
+    states = box_states(result, row_start, row_stop)
     state = np.zeros(len(states.state_x), np.uint8)
     for is_set, bit in (
         (states.state_x == NOT_JUDGED, BIT_IGNORE),

@@ -11,6 +11,8 @@ from nvcore.analysis import Result, SystemResult
 from nvcore.schema import Category, MissClass
 
 FUSION_SYSTEMS: Final = ("x", "y", "x_or_y", "x_and_y")
+ALL_CLASSES: Final = "all"
+"""Row and column of the sums in `miss_class_totals`."""
 
 
 def miss_class_counts(result: Result) -> pd.DataFrame:
@@ -34,6 +36,14 @@ def miss_class_counts(result: Result) -> pd.DataFrame:
         index=pd.Index(names, name="miss_class_x"),
         columns=pd.Index(names, name="miss_class_y"),
     )
+
+
+def miss_class_totals(result: Result) -> pd.DataFrame:
+    """`miss_class_counts` with a last row and column of the sums, both called `ALL_CLASSES`."""
+    counts = miss_class_counts(result)
+    counts.loc[ALL_CLASSES] = counts.sum(axis=0)
+    counts[ALL_CLASSES] = counts.sum(axis=1)
+    return counts
 
 
 def fusion_table(result: Result) -> pd.DataFrame:

@@ -1,4 +1,4 @@
-"""Where to look at an encounter: the first frame in which a system misses the pedestrian."""
+"""Where to look at an encounter: the first frame in which a system misses it, and its box."""
 
 from __future__ import annotations
 
@@ -48,6 +48,31 @@ def encounter_moments(result: Result) -> pd.DataFrame:
     is_missed_at_all = (both != NEVER).any(axis=0)
     moments["shown_row"] = np.where(is_missed_at_all, earlier, first)
     return pd.DataFrame(moments, columns=list(MOMENT_COLUMNS)).astype("int64")
+
+
+def encounter_box(result: Result, encounter: int, row: int) -> np.ndarray:
+    """x, y, w, h (px) of the pedestrian of an encounter in a frame.
+
+    Parameters
+    ----------
+    encounter
+        Row of ``result.encounters``.
+    row
+        Row of the frames table, one in which the pedestrian is annotated. Where the track stands
+        there twice: its first box.
+
+    Raises
+    ------
+    ValueError
+        If the pedestrian is not annotated in this frame.
+    """
+    of, truth = result.encounters, result.dataset.truth
+    start, stop = of.offsets[encounter : encounter + 2]
+    at = start + np.searchsorted(of.frame_index[start:stop], row)
+    if at == stop or of.frame_index[at] != row:
+        raise ValueError(f"encounter {encounter} has no box in row {row} of the frames table")
+    box = of.order[at]
+    return np.array([truth.x[box], truth.y[box], truth.w[box], truth.h[box]])
 
 
 def _twice(found: np.ndarray, keys: np.ndarray) -> np.ndarray:

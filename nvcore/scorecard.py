@@ -10,6 +10,7 @@ from nvcore.analysis import Result, SystemResult
 from nvcore.dataset import Dataset
 from nvcore.errors import one_line
 from nvcore.findings import Finding, Severity
+from nvcore.input_tables import inputs_table
 from nvcore.schema import Category
 from nvcore.scorecard_table import ScoreRow, class_rows, score_rows
 from nvcore.tables import sides, worst_intervals
@@ -62,11 +63,10 @@ def render_findings(findings: Sequence[Finding]) -> str:
 def render_dataset(dataset: Dataset) -> str:
     """What was read, how it was converted, and which frames are evaluated."""
     lines = []
-    for subject, group in dataset.inputs.groupby("subject", sort=False):
-        files = group["file"].tolist()
-        what = files[0] if len(files) == 1 else f"{len(files)} files, {files[0]} ..."
-        conversion = group["conversion"].iloc[0]
-        lines.append(f"{subject}: {what} ({group['format'].iloc[0]}; {conversion})")
+    for row in inputs_table(dataset).to_dict("records"):
+        first, n_files = row["first_file"], row["n_files"]
+        what = first if n_files == 1 else f"{n_files} files, {first} ..."
+        lines.append(f"{row['subject']}: {what} ({row['format']}; {row['conversion']})")
     return _text([*lines, *dataset.notes])
 
 
@@ -141,9 +141,9 @@ def difference(x: float, y: float, form: str) -> str:
     return format(x - y, sign + form).replace("%", " pp")
 
 
-def number(value: float, form: str) -> str:
+def number(value: float | None, form: str) -> str:
     """The number in this format, a dash where it is undefined."""
-    return UNDEFINED if np.isnan(value) else format(value, form)
+    return UNDEFINED if value is None or np.isnan(value) else format(value, form)
 
 
 def _venn(result: Result) -> str:

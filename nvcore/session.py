@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
@@ -46,6 +46,8 @@ class RecordingFacts:
             raise SessionError(
                 f"first_picture: expected a frame number, found {self.first_picture}"
             )
+        _can_be_a_path("frames", self.frames)
+        _can_be_a_path("pictures", self.pictures)
 
 
 @dataclass(frozen=True)
@@ -71,6 +73,8 @@ class Source:
     def __post_init__(self) -> None:
         if not self.path or not all(self.path):
             raise SessionError("path: expected a file, folder or glob, found nothing")
+        for text in self.path:
+            _can_be_a_path("path", text)
         if self.classes is not None and not (self.classes and all(self.classes)):
             raise SessionError("classes: expected names or numbers of classes, found nothing")
 
@@ -154,10 +158,20 @@ class Session:
 
     def __post_init__(self) -> None:
         _positive("fps", self.fps)
+        _can_be_a_path("frames", self.frames)
         names = [one.name for one in self.recordings]
         for name in names:
             if names.count(name) > 1:
                 raise SessionError(f"expected one [[recording]] named {name!r}, found several")
+
+    def paths(self) -> Iterator[str]:
+        """What it names of files: inputs, frame lists, pictures, as they are written."""
+        for source in (self.truth, *self.systems):
+            yield from source.path
+        for frames in (self.frames, *(one.frames for one in self.recordings)):
+            if frames is not None and not is_frame_range(frames):
+                yield frames
+        yield from (one.pictures for one in self.recordings if one.pictures is not None)
 
     @property
     def common_size(self) -> tuple[int, int] | None:
@@ -179,6 +193,11 @@ def _positive(name: str, value: float | None) -> None:
 def _finite(name: str, value: float | None) -> None:
     if value is not None and not math.isfinite(value):
         raise SessionError(f"{name}: expected a finite number, found {value:g}")
+
+
+def _can_be_a_path(name: str, text: str | None) -> None:
+    if text is not None and re.search(r"[\x00-\x1f\x7f-\x9f]", text):
+        raise SessionError(f"{name}: expected a path without control characters, found {text!r}")
 
 
 def parse_size(text: str) -> tuple[int, int]:

@@ -121,13 +121,33 @@ def _spans(result: Result, spans: pd.DataFrame, letter: str) -> dict[str, Any]:
 
 def events_table(result: Result) -> pd.DataFrame:
     """One row per saliency event of either system."""
+    return located_events(result)[column_names("events.csv")]
+
+
+def located_events(result: Result) -> pd.DataFrame:
+    """`events_table`, with where to find each event in the other tables.
+
+    Returns
+    -------
+    The columns of `events_table`, and recording_row (row of the recordings table), first_row and
+    last_row (rows of the frames table).
+    """
     tables = []
     for letter, system in sides(result):
         spans = _spans(result, system.events, letter)
         spans |= {name: system.events[name] for name in ("track", "tau", "recency")}
         spans["saliency_s"] = system.events["saliency_s"]
+        spans |= {name: system.events[name] for name in ("first_row", "last_row")}
+        spans["recording_row"] = system.events["recording"]
         tables.append(pd.DataFrame(spans))
-    return pd.concat(tables, ignore_index=True)[column_names("events.csv")]
+    return pd.concat(tables, ignore_index=True)
+
+
+def worst_events(result: Result, letter: str, *, n: int = 5) -> pd.DataFrame:
+    """The `n` events of one system with the largest saliency, worst first, as `located_events`."""
+    table = located_events(result)
+    table = table[table["system"] == letter]
+    return table.sort_values("saliency_s", ascending=False, kind="stable").head(n)
 
 
 def intervals_table(result: Result) -> pd.DataFrame:

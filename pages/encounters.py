@@ -5,6 +5,7 @@ import streamlit as st
 from nvcore.tables import encounters_table
 from ui import encounters_figures, encounters_filters, encounters_list, state
 from ui.empty import one_system_only
+from ui.text import docs_link
 
 
 @st.fragment
@@ -24,10 +25,10 @@ elif not len(result.encounters):
     st.info("The truth has no pedestrians: there is nobody to meet, and nobody to miss.")
 else:
     st.caption(
-        "An [encounter](/metrics#encounters) is one pedestrian of one recording, met once. It "
-        "counts in its *relevant* frames, those in which the pedestrian is near enough to matter "
-        "(k ≥ 0.5); without any it is *distant*. A system *detects* it by matching it in enough of "
-        "them; the [miss class](/metrics#miss-classes) says how it failed."
+        f"An {docs_link('encounter', 'encounters')} is one pedestrian of one recording, met once. "
+        "It counts in its *relevant* frames, those in which the pedestrian is near enough to "
+        "matter (k ≥ 0.5); without any it is *distant*. A system *detects* it by matching it in "
+        f"enough of them; the {docs_link('miss class', 'miss-classes')} says how it failed."
     )
     draw_filtered()
     encounters_figures.draw_exclusivity(result)

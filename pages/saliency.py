@@ -4,6 +4,7 @@ import streamlit as st
 
 from ui import saliency_events, saliency_figures, state
 from ui.empty import one_system_only
+from ui.text import docs_link
 
 
 @st.fragment
@@ -24,7 +25,7 @@ if result is None:
     one_system_only()
 else:
     st.caption(
-        "[Saliency](/metrics#saliency), in seconds, 0 is best: how much the misses will be "
+        f"{docs_link('Saliency', 'saliency')}, in seconds, 0 is best: how much the misses will be "
         "noticed. A *saliency event* is a run of frames in which one pedestrian is the most "
         "salient miss. It counts by its *duration* times its *recency*, a weight of 0 to 1 that is "
         "larger for late misses, because the end of a drive is remembered best."

@@ -43,26 +43,26 @@ def result() -> Result:
 
 
 def test_a_truth_box_is_found_missed_or_not_judged(result: Result):
-    states = box_states(result)
+    states = box_states(result, 0, 3)
     assert states.state_x.tolist() == [FOUND, FOUND, NOT_JUDGED]
     assert states.state_y.tolist() == [FOUND, MISSED, NOT_JUDGED]
 
 
 def test_detections_keep_the_state_of_the_matching(result: Result):
-    states = box_states(result)
+    states = box_states(result, 0, 3)
     assert states.x.tolist() == [MATCHED, MATCHED, ABSORBED, FALSE_ALARM]
     assert states.y.tolist() == [MATCHED, BELOW]
 
 
 def test_only_the_most_salient_miss_is_marked(result: Result):
-    states = box_states(result)
+    states = box_states(result, 0, 3)
     assert states.is_salient_x.tolist() == [False, False, False]
     assert states.is_salient_y.tolist() == [False, True, False]
 
 
 def test_relevant_are_near_pedestrians_that_are_judged():
     truth = [at(0, 30, track=1), at(0, 60, track=2, h=5), at(0, 80, ignore=True)]
-    states = box_states(compare(make_dataset(truth), proximity="height"))
+    states = box_states(compare(make_dataset(truth), proximity="height"), 0, 1)
     assert states.is_relevant.tolist() == [True, False, False]
 
 

@@ -10,7 +10,13 @@ from hypothesis import strategies as st
 from scenes import draw_scene
 
 from nvcore.analysis import Result, analyse
-from nvcore.encounter_counts import FUSION_SYSTEMS, fusion_table, miss_class_counts
+from nvcore.encounter_counts import (
+    ALL_CLASSES,
+    FUSION_SYSTEMS,
+    fusion_table,
+    miss_class_counts,
+    miss_class_totals,
+)
 from nvcore.schema import MissClass
 from nvcore.tables import summary
 
@@ -32,6 +38,14 @@ def test_every_class_of_x_stands_against_every_class_of_y(result: Result):
     assert table.loc["none", "none"] == 1
     assert table.loc["never", "never"] == 1
     assert table.to_numpy().sum() == 3
+
+
+def test_sums_stand_in_the_last_row_and_column(result: Result):
+    table = miss_class_totals(result)
+    assert (table.index[-1], table.columns[-1]) == (ALL_CLASSES, ALL_CLASSES)
+    assert table.loc["none", ALL_CLASSES] == 2  # X misses one of three, Y two
+    assert table.loc[ALL_CLASSES, "never"] == 2
+    assert table.loc[ALL_CLASSES, ALL_CLASSES] == 3
 
 
 def test_distant_encounters_have_no_miss_class():

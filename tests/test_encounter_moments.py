@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import pytest
 from builders import Place, at, compare, make_dataset
 
-from nvcore.encounter_moments import MOMENT_COLUMNS, NEVER, encounter_moments
+from nvcore.encounter_moments import MOMENT_COLUMNS, NEVER, encounter_box, encounter_moments
 
 
 def moments(truth, x=(), y=(), **more) -> list[dict[str, int]]:
@@ -54,3 +55,18 @@ def test_a_track_that_stands_twice_in_a_frame_is_found_if_one_of_its_boxes_is():
 def test_without_encounters_the_columns_are_there():
     table = encounter_moments(compare(make_dataset(n_frames=2)))
     assert (len(table), tuple(table)) == (0, MOMENT_COLUMNS)
+
+
+def test_the_box_of_an_encounter_is_its_own_in_that_frame():
+    truth = [at(f, c + f, track=t) for f in (2, 4) for t, c in ((1, 20), (2, 60))]
+    result = compare(make_dataset(truth, n_frames=6))
+    x, _, w, _ = encounter_box(result, 1, 4)
+    assert x + w / 2 == 64
+
+
+@pytest.mark.parametrize("row", [3, 5])
+def test_a_frame_without_the_pedestrian_has_no_box_of_it(row: int):
+    truth = [at(f, 50, track=1) for f in (2, 4)]
+    result = compare(make_dataset([*truth, at(5, 20, track=2)], n_frames=6))
+    with pytest.raises(ValueError, match=f"no box in row {row}"):
+        encounter_box(result, 0, row)

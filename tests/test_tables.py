@@ -17,8 +17,10 @@ from nvcore.tables import (
     findings_table,
     frames_table,
     intervals_table,
+    located_events,
     recordings_table,
     summary,
+    worst_events,
     worst_intervals,
 )
 
@@ -113,6 +115,25 @@ def test_a_saliency_event_is_one_row(result: Result):
     assert table.iloc[0, :7].tolist() == ["y", "r0", 7, 0, 9, 0.0, 1.0]
     # recency at tau = 1: 1 / (1 + exp(-(1 - 0.5) / 0.1))
     assert table["saliency_s"][0] == pytest.approx(1 / (1 + np.exp(-5)))
+
+
+def test_an_event_is_found_in_the_frames_and_the_recordings():
+    truth = [at(f, 50, track=7, recording=1) for f in range(3, 6)]
+    places = [Place(range(10)), Place(range(10))]
+    x, y = located_events(compare(make_dataset(truth, places=places))).to_dict("records")
+    for event in (x, y):
+        assert (event["recording"], event["recording_row"]) == ("r1", 1)
+        assert (event["first_frame"], event["last_frame"]) == (3, 5)
+        assert (event["first_row"], event["last_row"]) == (13, 15)
+
+
+def test_worst_events_are_the_most_salient_of_one_system():
+    truth = [at(f, 50, track=1) for f in range(12)]
+    seen = [0, 3, 4, 6, 7, 8, 11]  # missed in frames 1-2, 5, 9-10: late misses weigh more
+    dataset = make_dataset(truth, [at(f, 50, score=1.0) for f in seen])
+    worst = worst_events(compare(dataset), "x", n=2)
+    assert worst["first_frame"].tolist() == [9, 5]
+    assert set(worst["system"]) == {"x"}
 
 
 def test_a_low_interval_is_one_row_with_its_worst_frame(result: Result):

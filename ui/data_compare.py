@@ -23,6 +23,8 @@ from ui.opening import with_systems
 from ui.text import number, plain
 
 WANTED: Final = "thresholds_wanted"
+TOLD: Final = "same_point_told"
+"""Whether the point is to be told in this run."""
 MOST_KEPT: Final = 32
 """Curves and points that are kept for all sessions."""
 
@@ -141,11 +143,11 @@ def _take_threshold(letter: str, name: str) -> None:
 
 
 def _set_threshold(letter: str, name: str, threshold: float | None) -> None:
-    """Move the sidebar's slider, which reaches over the scores; at its left end all count."""
+    """Move the sidebar's slider, at whose left end, the lowest score, every detection counts."""
     span = state.score_span(name)
     if span is not None:
-        low, high = span
-        at = low if threshold is None else min(max(threshold, low), high)
+        low = span[0]
+        at = low if threshold is None else max(threshold, low)
         wanted = st.session_state.setdefault(WANTED, {})
         wanted[f"threshold_{letter}"] = at
         state.set_params(**wanted)
@@ -173,25 +175,33 @@ def _draw_same_point(x: str, y: str) -> None:
         help="Sets the threshold of Y so that it has as many false alarms per frame as X has at "
         "its own threshold. Without it a system that reports more of everything looks better.",
     )
-    told = st.session_state.pop("same_point_told", None)
-    if told is not None:
-        st.caption(plain(told))
+    if st.session_state.pop(TOLD, False):
+        st.caption(plain(_same_point_text(x, y)))
+
+
+def _same_point_text(x: str, y: str) -> str:
+    """What the thresholds that are in force now give."""
+    dataset, params = state.workspace().dataset, state.params()
+    assert dataset is not None
+    of_x = _point(dataset, x, params, params.threshold_x)
+    of_y = _point(dataset, y, params, params.threshold_y)
+    limit = (
+        "every detection of Y counts"
+        if of_y.threshold is None
+        else f"Y has the threshold {of_y.threshold:g}"
+    )
+    return (
+        f"Now {limit}: {number(of_y.false_alarms_per_frame, '.3g')} false alarms per frame, X has "
+        f"{number(of_x.false_alarms_per_frame, '.3g')}."
+    )
 
 
 def _take_same_point(x: str, y: str) -> None:
     dataset = state.workspace().dataset
     assert dataset is not None
     same = same_operating_point(dataset, state.params(), x, y)
-    limit = (
-        "every detection of Y counts"
-        if same.threshold_y is None
-        else (f"Y has the threshold {same.threshold_y:g}")
-    )
-    st.session_state["same_point_told"] = (
-        f"Now {limit}: {same.y.false_alarms_per_frame:.3g} false alarms per frame, X has "
-        f"{same.x.false_alarms_per_frame:.3g}."
-    )
     _set_threshold("y", y, same.threshold_y)
+    st.session_state[TOLD] = True
 
 
 def _curve(dataset: Dataset, system: str, params: Params) -> pd.DataFrame:

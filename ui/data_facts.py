@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, Final
 
@@ -46,6 +47,19 @@ class Facts:
             size=self.size, fps=self.fps, frames=checked_frames(self.frames or ""), **parts
         )
 
+    def added_to(self, session: Session) -> Session:
+        """A session that was read from a file, with these facts; what is not given stays.
+
+        Raises
+        ------
+        SessionError
+            If the frames are no range.
+        """
+        given = {
+            "size": self.size, "fps": self.fps, "frames": checked_frames(self.frames or ""),
+        }  # fmt: skip
+        return replace(session, **{k: v for k, v in given.items() if v is not None})
+
 
 def draw_facts(place: str, pictures: Iterable[Path]) -> Facts:
     """Fields for what the files did not say when they were last opened; none if nothing.
@@ -62,7 +76,7 @@ def draw_facts(place: str, pictures: Iterable[Path]) -> Facts:
     asked |= set(() if trouble is None else trouble.facts)
     facts: dict[str, Any] = {}
     if "size" in asked:
-        proposed = _picture_size(pictures)
+        proposed = picture_size(pictures)
         width, height = proposed or (None, None)
         left, right = st.columns(2)
         wide = left.number_input(
@@ -120,14 +134,26 @@ def draw_reading(role: Role, key: str, changed: Callable[[], None]) -> dict[str,
     }
 
 
-def _picture_size(paths: Iterable[Path]) -> tuple[int, int] | None:
+def picture_size(paths: Iterable[Path]) -> tuple[int, int] | None:
     """Size of the first pictures that can be opened."""
     for path in paths:
         try:
-            pictures = open_pictures(path)
-        except MediaError:  # told when they are shown
+            status = path.stat()
+        except OSError:  # told when they are shown
             continue
-        size = int(pictures.width), int(pictures.height)
-        pictures.close()
-        return size
+        size = _size_of(path, status.st_mtime_ns, status.st_size)
+        if size is not None:
+            return size
     return None
+
+
+@lru_cache(maxsize=256)
+def _size_of(path: Path, changed_ns: int, n_bytes: int) -> tuple[int, int] | None:  # noqa: ARG001
+    """Size of these pictures, kept for the file as it is: a long video takes time to open."""
+    try:
+        pictures = open_pictures(path)
+    except MediaError:  # told when they are shown
+        return None
+    size = int(pictures.width), int(pictures.height)
+    pictures.close()
+    return size

@@ -10,8 +10,9 @@ import streamlit as st
 
 from nvcore.findings import Finding, Severity, worst_first
 from ui import state
-from ui.data_opening import public, try_to_open
+from ui.data_opening import try_to_open
 from ui.opening import corrected, corrections_up_to
+from ui.public import public
 from ui.text import plain
 
 BADGES: Final = {

@@ -11,10 +11,12 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.dataset import Dataset
+from nvcore.input_tables import inputs_table, left_out_table
 from nvcore.session import Session
 from ui import state
-from ui.data_opening import draw_trouble, public, try_to_open
+from ui.data_opening import draw_trouble, try_to_open
 from ui.opening import facts_of, relative_path, with_recordings
+from ui.public import public
 from ui.text import plain
 from ui.uploads import Stored
 from ui.workspace import Workspace
@@ -32,10 +34,11 @@ def draw() -> None:
     assert dataset is not None
     st.header(f"Open: {plain(space.label)}")
     st.table(_inputs(dataset), width="stretch", hide_index=True)
-    n_left_out = len(dataset.left_out)
-    if n_left_out:
-        reasons = dataset.left_out.groupby(["subject", "reason"], sort=False).size()
-        told = "; ".join(f"{who}: {n:,} {why}" for (who, why), n in reasons.items())
+    left_out = left_out_table(dataset)
+    if not left_out.empty:
+        told = "; ".join(
+            f"{one.subject}: {one.n_rows:,} {one.reason}" for one in left_out.itertuples()
+        )
         st.caption(f"Rows that could not be placed: {plain(told)}.")
     recordings = _recordings(space, dataset)
     if len(recordings) > MOST_IN_TABLE:
@@ -52,19 +55,17 @@ def draw() -> None:
 def _inputs(dataset: Dataset) -> pd.DataFrame:
     """One row per source; the texts are Markdown that shows names as they are."""
     x, y = state.systems()
-    n_boxes = dataset.boxes["source"].value_counts()
     rows = []
-    for number, (subject, files) in enumerate(dataset.inputs.groupby("subject", sort=False)):
-        letter = {x: "X: ", y: "Y: "}.get(subject, "")
-        first = public(str(files["file"].iloc[0]))
-        more = f" and {len(files) - 1:,} more" if len(files) > 1 else ""
+    for source in inputs_table(dataset).itertuples():
+        letter = {x: "X: ", y: "Y: "}.get(source.subject, "")
+        more = f" and {source.n_files - 1:,} more" if source.n_files > 1 else ""
         rows.append(
             {
-                "Source": "Truth" if number == 0 else f"{letter}{plain(subject)}",
-                "Files": f"{plain(first)}{more}",
-                "Format": plain(files["format"].iloc[0]),
-                "Boxes": f"{int(n_boxes.get(number, 0)):,}",
-                "Read as": plain(files["conversion"].iloc[0]),
+                "Source": f"{letter}{plain(source.subject)}" if source.Index else "Truth",
+                "Files": f"{plain(public(source.first_file))}{more}",
+                "Format": plain(source.format),
+                "Boxes": f"{source.n_boxes:,}",
+                "Read as": plain(source.conversion),
             }
         )
     return pd.DataFrame(rows)

@@ -17,6 +17,7 @@ from ui.opening import check_confined, guess_pictures, recording_names, with_rec
 from ui.text import plain
 
 PLACE: Final = "local"
+SESSION: Final = "local_session"
 TOP: Final = "(top folder)"
 UP: Final = ".."
 ROLES: Final = {
@@ -65,6 +66,7 @@ def _go() -> None:
     here, chosen = st.session_state["local_folder"], st.session_state["local_next"]
     if chosen is not None:
         st.session_state["local_folder"] = here.rpartition("/")[0] if chosen == UP else chosen
+        _session_changed()
     st.session_state["local_next"] = None
 
 
@@ -73,9 +75,19 @@ def _draw_session(root: LocalRoot, entries: list[Entry]) -> None:
     if not files:
         return
     left, right = st.columns([4, 1], vertical_alignment="bottom")
-    file = left.selectbox("Session file", files, format_func=_last, key="local_session")
-    if right.button("Open session", key="open_local_session", width="stretch"):
-        try_to_open(lambda: _session_file(root, file), label=_last(file), place=PLACE)
+    file = left.selectbox(
+        "Session file", files, format_func=_last, key="local_session", on_change=_session_changed
+    )
+    is_wanted = right.button("Open session", key="open_local_session", width="stretch")
+    draw_trouble(SESSION)
+    facts = draw_facts(SESSION, [])
+    if is_wanted:
+        try_to_open(lambda: _session_file(root, file, facts), label=_last(file), place=SESSION)
+
+
+def _session_changed() -> None:
+    forget_trouble(SESSION)
+    forget_facts(SESSION)
 
 
 def _draw_role(key: str, title: str, entries: list[Entry]) -> list[str]:
@@ -94,8 +106,8 @@ def _last(path: str) -> str:
     return path.rpartition("/")[2]
 
 
-def _session_file(root: LocalRoot, path: str) -> Session:
-    session = read_session(root.find(path))
+def _session_file(root: LocalRoot, path: str, facts: Facts) -> Session:
+    session = facts.added_to(read_session(root.find(path)))
     check_confined(session, root.folder)
     return session
 

@@ -1,4 +1,4 @@
-"""Data page: open the sample, an upload, a session file, or files of this computer."""
+"""Data page: open the sample, an upload, a session file, or files of the local folder."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def draw() -> None:
     """The tabs."""
     st.header("Open another comparison")
     root, trouble = _root()
-    titles = ["Sample", "Upload", "Session file", *(["This computer"] if root else [])]
+    titles = ["Sample", "Upload", "Session file", *(["Local folder"] if root else [])]
     if trouble:
         st.warning(plain(trouble), icon=":material/warning:")
     tabs = st.tabs(titles)

@@ -10,8 +10,8 @@ import streamlit as st
 
 from nvcore.errors import MissingFactError, NvcoreError
 from nvcore.session import Session
-from ui import local_files, state
-from ui.opening import public_text
+from ui import state
+from ui.public import public
 from ui.text import plain
 
 _KEY: Final = "data_trouble"
@@ -95,18 +95,3 @@ def _question(facts: tuple[str, ...]) -> str:
 
 def _key(place: str) -> str:
     return f"{_KEY}_{place}"
-
-
-def public(text: object) -> str:
-    """The text without the paths of the machine."""
-    space = state.workspace()
-    folders = [state.ROOT, space.folder, *space.folder.glob("upload-*")]
-    try:
-        root = local_files.local_root()
-    except NvcoreError:  # told where files are chosen
-        root = None
-    if root is not None:
-        folders.append(root.folder)
-    if space.session is not None:
-        folders.append(space.session.folder)
-    return public_text(text, folders)

@@ -10,6 +10,8 @@ import streamlit as st
 from nvcore.errors import InputError
 from nvcore.session import Session
 from ui import state
+from ui.data_facts import Facts, draw_facts, forget_facts
+from ui.data_inputs import sent_pictures
 from ui.data_opening import draw_trouble, forget_trouble, try_to_open
 from ui.opening import uploaded_session
 from ui.uploads import PICTURES, SentFile, new_upload, store_annotations
@@ -30,19 +32,22 @@ def draw() -> None:
         key="session_files", on_change=_changed,
     )  # fmt: skip
     draw_trouble(PLACE)
+    facts = draw_facts(PLACE, sent_pictures(state.workspace()).values())
     if st.button("Open this session", key="open_session_file", type="primary"):
         label = "" if file is None else file.name
-        try_to_open(lambda: _session(file, others), label=label, place=PLACE)
+        try_to_open(lambda: _session(file, others, facts), label=label, place=PLACE)
 
 
 def _changed() -> None:
     forget_trouble(PLACE)
+    forget_facts(PLACE)
 
 
-def _session(file: SentFile | None, others: Sequence[SentFile]) -> Session:
+def _session(file: SentFile | None, others: Sequence[SentFile], facts: Facts) -> Session:
     if file is None:
         raise InputError("Choose the session file first.")
     space = state.workspace()
     folder = new_upload(space)
     paths = store_annotations(space, folder, "files", others)
-    return uploaded_session(bytes(file.getbuffer()), folder, paths, space.folder / PICTURES)
+    content = bytes(file.getbuffer())
+    return facts.added_to(uploaded_session(content, folder, paths, space.folder / PICTURES))

@@ -9,7 +9,7 @@ import streamlit as st
 
 from nvcore.analysis import Result
 from nvcore.comparison_words import describe_fusion, describe_misses
-from nvcore.encounter_counts import fusion_table, miss_class_counts
+from nvcore.encounter_counts import ALL_CLASSES, fusion_table, miss_class_totals
 from nvcore.figures.encounters import lead_time_plot, miss_classes_plot
 from nvcore.figures.fusion import LABELS, fusion_plot
 from nvcore.figures.style import CONFIG
@@ -17,10 +17,8 @@ from ui import state
 from ui.clicks import clicked_cell, clicked_point
 from ui.encounters_filters import set_classes
 from ui.table_columns import class_words
-from ui.text import UNDEFINED
+from ui.text import UNDEFINED, docs_link
 
-ALL: Final = "all"
-"""Row and column of the sums."""
 TABLE_PX: Final = 800
 MANY_BOXES: Final = 300_000
 """Boxes of all sources from which a fusion takes so long that it waits to be asked for."""
@@ -48,8 +46,8 @@ def draw_classes(result: Result, encounters: pd.DataFrame) -> None:
             key="encounters_lead",
         )  # fmt: skip
         st.caption(
-            "[Lead time](/metrics#lead-time): how much earlier X matches a pedestrian than Y, "
-            "counted from the moment it is near enough to matter."
+            f"{docs_link('Lead time', 'lead-time')}: how much earlier X matches a pedestrian than "
+            "Y, counted from the moment it is near enough to matter."
         )
 
 
@@ -65,9 +63,9 @@ def draw_exclusivity(result: Result) -> None:
     st.subheader("Do X and Y miss the same pedestrians?")
     st.markdown("\n".join(f"- {one}" for one in describe_misses(result)))
     st.caption(
-        "[Jaccard index](/metrics#exclusivity): share of all misses that both have, 0 to 1. Phi: "
-        "how much the misses of X and Y go together, -1 to 1, 0 if not at all. McNemar's p: how "
-        "often chance alone gives so uneven a split. The filters have no effect here."
+        f"{docs_link('Jaccard index', 'exclusivity')}: share of all misses that both have, 0 to "
+        "1. Phi: how much the misses of X and Y go together, -1 to 1, 0 if not at all. McNemar's "
+        "p: how often chance alone gives so uneven a split. The filters have no effect here."
     )
     st.markdown("**Miss class of X (rows) against that of Y (columns)**")
     st.dataframe(
@@ -78,15 +76,13 @@ def draw_exclusivity(result: Result) -> None:
 
 
 def _class_table(result: Result) -> pd.DataFrame:
-    counts = miss_class_counts(result)
-    counts.loc[ALL] = counts.sum(axis=0)
-    counts[ALL] = counts.sum(axis=1)
+    counts = miss_class_totals(result)
     counts.index = pd.Index([f"X {_class_name(kind)}" for kind in counts.index])
     return counts.rename(columns={kind: f"Y {_class_name(kind)}" for kind in counts})
 
 
 def _class_name(kind: str) -> str:
-    return ALL if kind == ALL else class_words(kind) or UNDEFINED
+    return kind if kind == ALL_CLASSES else class_words(kind) or UNDEFINED
 
 
 def _choose_pair() -> None:
@@ -95,19 +91,19 @@ def _choose_pair() -> None:
     if clicked is None or result is None:
         return
     row, heading = clicked
-    kinds = [*miss_class_counts(result).index, ALL]
-    y = next((kind for kind in kinds if f"Y {_class_name(kind)}" == heading), ALL)
+    kinds = list(miss_class_totals(result).index)
+    y = next((kind for kind in kinds if f"Y {_class_name(kind)}" == heading), ALL_CLASSES)
     x = kinds[row]
-    set_classes(None if x == ALL else x, None if y == ALL else y)
+    set_classes(*(None if kind == ALL_CLASSES else kind for kind in (x, y)))
 
 
 def draw_fusion(result: Result) -> None:
     """What ``X or Y`` and ``X and Y`` would gain and cost."""
     st.subheader("What would a fusion bring?")
     st.caption(
-        "[Fusion](/metrics#fusion): \u201cX or Y\u201d shows what either detects, \u201cX and "
-        "Y\u201d what both detect. A false-alert episode is a run of false alarms that a driver "
-        "would notice as one. The filters have no effect here."
+        f"{docs_link('Fusion', 'fusion')}: \u201cX or Y\u201d shows what either detects, \u201cX "
+        "and Y\u201d what both detect. A false-alert episode is a run of false alarms that a "
+        "driver would notice as one. The filters have no effect here."
     )
     if len(result.dataset.boxes) >= MANY_BOXES and not st.toggle(
         "Work it out", key="encounters_fuse", persist_state="session",

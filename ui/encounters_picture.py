@@ -8,6 +8,7 @@ import numpy as np
 import streamlit as st
 
 from nvcore.analysis import Result
+from nvcore.encounter_moments import encounter_box
 from nvcore.media.annotate import LAYERS, annotate
 from ui import state
 from ui.pictures import picture_of
@@ -39,17 +40,9 @@ def draw(result: Result, encounter: int, row: int) -> None:
     frames = result.dataset.frame_columns
     scale = drawn.shape[1] / frames.width[recording], drawn.shape[0] / frames.height[recording]
     st.image(
-        cut_out(drawn, _box_of(result, encounter, row) * np.tile(scale, 2)), width="stretch",
+        cut_out(drawn, encounter_box(result, encounter, row) * np.tile(scale, 2)), width="stretch",
         alt="The pedestrian with the boxes of truth, X and Y",
     )  # fmt: skip
-
-
-def _box_of(result: Result, encounter: int, row: int) -> np.ndarray:
-    """x, y, w, h of the pedestrian in a frame in which it is annotated."""
-    of, truth = result.encounters, result.dataset.truth
-    start, stop = of.offsets[encounter : encounter + 2]
-    box = of.order[start + np.searchsorted(of.frame_index[start:stop], row)]
-    return np.array([truth.x[box], truth.y[box], truth.w[box], truth.h[box]])
 
 
 def cut_out(picture: np.ndarray, xywh: np.ndarray) -> np.ndarray:

@@ -13,9 +13,10 @@ from nvcore.findings import Finding
 from nvcore.report_columns import REPORT_COLUMNS, Column
 from nvcore.session import Session
 from ui import state
-from ui.data_opening import public
-from ui.export_session import inputs_beside, live_session, portable_session, public_findings
-from ui.text import UNDEFINED, plain
+from ui.export_session import inputs_beside, portable_session, public_findings
+from ui.opening import live_session
+from ui.public import public
+from ui.text import UNDEFINED, docs_link, plain
 
 WHAT: Final = {
     "frames.csv": "evaluated frames: counts, distances and similarity of each",
@@ -28,10 +29,10 @@ WHAT: Final = {
     "session.toml": "The session: what to run to get the same report again",
 }
 TERMS: Final = (
-    "[Similarity](metrics#similarity) (0 to 1, 1 is best) says how near what a system shows is "
-    "to what is there. An [encounter](metrics#encounters) is one pedestrian, from the first to the "
-    "last annotated frame. In a [saliency event](metrics#saliency) one missed pedestrian stands "
-    "out."
+    f"{docs_link('Similarity', 'similarity')} (0 to 1, 1 is best) says how near what a system "
+    f"shows is to what is there. An {docs_link('encounter', 'encounters')} is one pedestrian, from "
+    "the first to the last annotated frame. In a "
+    f"{docs_link('saliency event', 'saliency')} one missed pedestrian stands out."
 )
 MIME: Final = {"csv": "text/csv", "json": "application/json", "toml": "application/toml"}
 MOST_NAMED: Final = 12

@@ -7,14 +7,12 @@ them the bare file names are written, as their sender knows them.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Set
+from collections.abc import Callable, Iterable, Mapping, Set
 from dataclasses import replace
 from pathlib import Path, PurePosixPath
 from typing import Final, TypeVar
 
-from nvcore.dataset import Dataset
 from nvcore.findings import Finding
-from nvcore.params import Params
 from nvcore.readers.naming import NEUTRAL
 from nvcore.session import Session, Source, SystemSource, is_frame_range
 from ui.opening import relative_path
@@ -26,20 +24,6 @@ OWN_FOLDER: Final = "data"
 """Folder for files that need one; the readers take no recording's name from it."""
 
 AnySource = TypeVar("AnySource", Source, SystemSource)
-
-
-def live_session(
-    session: Session, dataset: Dataset, params: Params, *, x: str, y: str | None
-) -> Session:
-    """The session that does what is shown: with the live parameters, thresholds and systems."""
-    # a threshold of None counts every detection; as a parameter it would leave the system's own
-    live = {x: params.threshold_x, y: params.threshold_y}
-    systems = tuple(
-        replace(system, threshold=live.get(name, system.threshold))
-        for name, system in zip(dataset.systems, session.systems, strict=True)
-    )
-    settings = replace(params, threshold_x=None, threshold_y=None)
-    return replace(session, systems=systems, params=settings, x=x, y=y)
 
 
 def portable_session(
@@ -64,7 +48,7 @@ def portable_session(
 def inputs_beside(portable: Session) -> list[str]:
     """What has to lie beside the written session, in its words; pictures are not needed."""
     pictures = {facts.pictures for facts in portable.recordings}
-    return [path for path in dict.fromkeys(_paths_of(portable)) if path not in pictures]
+    return [path for path in dict.fromkeys(portable.paths()) if path not in pictures]
 
 
 def public_findings(
@@ -115,7 +99,7 @@ def _renamed(session: Session, name: Callable[[str], str]) -> Session:
 
 def _names_of_uploads(session: Session, recordings: Set[str]) -> Mapping[str, str]:
     """Name of each path of a session of uploads: the shortest that is its own."""
-    spellings = {path: _spellings(path) for path in _paths_of(session)}
+    spellings = {path: _spellings(path) for path in session.paths()}
     for path in (path for source in _sources(session) for path in source.path):
         stem = PurePosixPath(path).stem
         if stem in recordings and stem.lower() in NEUTRAL:
@@ -145,12 +129,3 @@ def _spellings(path: str) -> tuple[str, ...]:
 
 def _sources(session: Session) -> tuple[Source, ...]:
     return session.truth, *session.systems
-
-
-def _paths_of(session: Session) -> Iterator[str]:
-    for source in _sources(session):
-        yield from source.path
-    for frames in (session.frames, *(facts.frames for facts in session.recordings)):
-        if frames is not None and not is_frame_range(frames):
-            yield frames
-    yield from (facts.pictures for facts in session.recordings if facts.pictures is not None)

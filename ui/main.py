@@ -7,6 +7,7 @@ import streamlit as st
 from nvcore.errors import NvcoreError
 from ui import sidebar, state
 from ui.navigate import PAGES
+from ui.public import shown_error
 
 st.set_page_config(
     page_title="nvcore", page_icon=str(state.ROOT / "ui" / "assets" / "icon.svg"), layout="wide",
@@ -37,4 +38,4 @@ try:
         st.warning(f"The link could not be followed in all: {wrong}.", icon=":material/link_off:")
     page.run()
 except NvcoreError as error:
-    st.error(str(error), icon=":material/error:")
+    st.error(shown_error(error), icon=":material/error:")

@@ -10,7 +10,7 @@ from __future__ import annotations
 import glob
 import os
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from fnmatch import fnmatchcase
 from pathlib import Path, PurePosixPath
@@ -86,7 +86,10 @@ def uploaded_session(content: bytes, folder: Path, files: Sequence[str], picture
     """
     place = folder / "session.toml"
     place.write_bytes(content)
-    session = read_session(place)
+    try:
+        session = read_session(place)
+    finally:
+        place.unlink()  # what it says is in the session; it would be of no upload's size
     sent = _Sent(folder, files)
     frames = None if session.frames is None else sent.frames(session.frames)
     return replace(
@@ -157,7 +160,7 @@ def _shared_end(a: PurePosixPath, b: PurePosixPath) -> int:
 
 def _uploaded_pictures(text: str | None, pictures: Path, folder: Path) -> str | None:
     name = None if text is None else PurePosixPath(text.replace("\\", "/")).name
-    if not name or name == ".." or not (pictures / name).exists():
+    if not name or name == ".." or not os.path.exists(pictures / name):  # noqa: PTH110  # any name
         return None
     return relative_path(pictures / name, folder)
 
@@ -176,9 +179,10 @@ def check_confined(session: Session, root: Path) -> None:
         If one of its paths leaves the folder.
     """
     real_root = os.path.realpath(root)
-    for text in _paths_of(session):
+    for text in session.paths():
         path = session.folder / text
-        if glob.has_magic(text) and not path.exists():
+        # os.path: Path.exists refuses names that are too long; that is told when they are opened
+        if glob.has_magic(text) and not os.path.exists(path):  # noqa: PTH110
             start = Path(*_before_magic(path.parts))
             # looked at first: matching a pattern outside would already tell what is there
             is_inside = Path(os.path.realpath(start)).is_relative_to(real_root) and all(
@@ -192,14 +196,6 @@ def check_confined(session: Session, root: Path) -> None:
                 f"names {PurePosixPath(text).name!r}, which lies outside the folder that the app "
                 "may read; put it there, or start the app with a folder that holds all files"
             )
-
-
-def _paths_of(session: Session) -> Iterator[str]:
-    for source in (session.truth, *session.systems):
-        yield from source.path
-    lists = [session.frames, *(facts.frames for facts in session.recordings)]
-    yield from (text for text in lists if text is not None and not is_frame_range(text))
-    yield from (facts.pictures for facts in session.recordings if facts.pictures is not None)
 
 
 def _before_magic(parts: Sequence[str]) -> list[str]:
@@ -308,17 +304,27 @@ def with_systems(
     A threshold belongs to its system: the live ones stay with the systems that were X and Y.
     """
     old_x, old_y = compared_systems(session, dataset)
-    live = {old_x: params.threshold_x, old_y: params.threshold_y}
+    live = live_session(session, dataset, params, x=old_x, y=old_y)
+    own: dict[str | None, float | None] = {
+        name: system.threshold for name, system in zip(dataset.systems, live.systems, strict=True)
+    }
+    settings = replace(session.params, threshold_x=None, threshold_y=None)
+    changed = replace(live, params=settings, x=x, y=y)
+    return changed, {"threshold_x": own.get(x), "threshold_y": own.get(y)}
+
+
+def live_session(
+    session: Session, dataset: Dataset, params: Params, *, x: str, y: str | None
+) -> Session:
+    """The session that does what is shown: with the live parameters, thresholds and systems."""
+    # a threshold of None counts every detection; as a parameter it would leave the system's own
+    live = {x: params.threshold_x, y: params.threshold_y}
     systems = tuple(
         replace(system, threshold=live.get(name, system.threshold))
         for name, system in zip(dataset.systems, session.systems, strict=True)
     )
-    own: dict[str | None, float | None] = {
-        name: system.threshold for name, system in zip(dataset.systems, systems, strict=True)
-    }
-    settings = replace(session.params, threshold_x=None, threshold_y=None)
-    changed = replace(session, systems=systems, params=settings, x=x, y=y)
-    return changed, {"threshold_x": own.get(x), "threshold_y": own.get(y)}
+    settings = replace(params, threshold_x=None, threshold_y=None)
+    return replace(session, systems=systems, params=settings, x=x, y=y)
 
 
 def public_text(text: object, folders: Iterable[Path]) -> str:
@@ -335,8 +341,13 @@ def public_text(text: object, folders: Iterable[Path]) -> str:
     """
     shown = str(text)
     for folder in sorted(set(folders), key=lambda one: len(str(one)), reverse=True):
-        shown = shown.replace(f"{folder}{os.sep}", "").replace(str(folder), "the folder")
-        for n_parts in range(SHOWN_FOLDERS, 0, -1):
-            tail = "/".join(folder.parts[-n_parts:])
+        parts = folder.relative_to(folder.anchor).parts
+        if not parts:  # "/" and ".": every path would be below it
+            continue
+        whole = rf"(?<![\w.-]){re.escape(str(folder))}"
+        shown = re.sub(rf"{whole}[/\\]+", "", shown)
+        shown = re.sub(rf"{whole}(?![.+@~#%=-]*\w)", "the folder", shown)
+        for n_parts in range(min(SHOWN_FOLDERS, len(parts)), 0, -1):
+            tail = "/".join(parts[-n_parts:])
             shown = re.sub(rf"(?<![\w/.-]){re.escape(tail)}/", "", shown)
-    return shown.replace(f"{ANNOTATION_FOLDERS}/", "")
+    return re.sub(rf"(?<![\w.-]){re.escape(str(ANNOTATION_FOLDERS))}/", "", shown)

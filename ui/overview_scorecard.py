@@ -17,7 +17,7 @@ from nvcore.tables import recordings_table
 from nvcore.verdict import verdict
 from ui import state
 from ui.navigate import open_frame, open_page
-from ui.text import plain
+from ui.text import docs_link, plain
 
 BETTER = {"higher": " ↑", "lower": " ↓", "": ""}
 
@@ -45,7 +45,7 @@ def _extent(result: Result) -> str:
         f"{result.duration_s:,.1f} s. An encounter is one pedestrian from first to last annotated "
         f"frame; {venn.n_near:,} came near enough to count, {venn.distant:,} stayed distant. p: "
         "how often so uneven a split would come by chance if both were equally good (exact "
-        "McNemar test) ([Metrics](/metrics#encounters))."
+        f"McNemar test) ({docs_link('Metrics', 'encounters')})."
     )
 
 
@@ -60,7 +60,7 @@ def scorecard(result: Result) -> None:
         "↑ higher is better, ↓ lower is better. Similarity, per frame, 1 is best: how well "
         "detections fit the pedestrians, near ones first. Saliency, in seconds, 0 is best: "
         "how long the most salient misses last, in full only when they are late "
-        "([Metrics](/metrics#similarity))."
+        f"({docs_link('Metrics', 'similarity')})."
     )
     with st.expander(f"How the {result.venn.n_near:,} encounters went"):
         st.dataframe(

@@ -9,7 +9,8 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.analysis import Result
-from nvcore.tables import events_table, sides
+from nvcore.report_columns import column_names
+from nvcore.tables import located_events
 from ui import state
 from ui.clicks import clicked_row
 from ui.navigate import open_row
@@ -79,17 +80,14 @@ def draw_table(result: Result, recording: int | None) -> None:
 def _events(
     result: Result, recording: int | None, letter: str | None
 ) -> tuple[pd.DataFrame, list[int]]:
-    """Rows of `nvcore.tables.events_table` that are shown, and the frame row where each begins."""
-    place = pd.concat([system.events[["recording", "first_row"]] for _, system in sides(result)])
-    place = place.reset_index(drop=True)
-    events = events_table(result)
-    is_shown = pd.Series(True, index=events.index)
+    """Rows of events.csv that are shown, and the frame row where each begins."""
+    events = located_events(result)
     if recording is not None:
-        is_shown &= place["recording"] == recording
+        events = events[events["recording_row"] == recording]
     if letter is not None:
-        is_shown &= events["system"] == letter
-    shown = events[is_shown].sort_values("saliency_s", ascending=False, kind="stable")
-    return shown, place["first_row"][shown.index].tolist()
+        events = events[events["system"] == letter]
+    events = events.sort_values("saliency_s", ascending=False, kind="stable")
+    return events[column_names("events.csv")], events["first_row"].tolist()
 
 
 def _ask_for_row(key: str, first_row: list[int]) -> None:

@@ -8,11 +8,11 @@ from typing import Final
 import plotly.graph_objects as go
 import streamlit as st
 
-from nvcore.analysis import Result, SystemResult
+from nvcore.analysis import Result
 from nvcore.comparison_words import describe_saliency
 from nvcore.figures.saliency import parts_plot, recency_plot, saliency_by_recording
 from nvcore.figures.style import CONFIG
-from nvcore.tables import recordings_table, sides
+from nvcore.tables import recordings_table, sides, worst_events
 from ui import state
 from ui.clicks import clicked_point
 from ui.navigate import open_row
@@ -34,17 +34,15 @@ def draw_numbers(result: Result) -> None:
         column.markdown(said)
         if not system.events.empty:
             with column:
-                _draw_way(result, letter, system)
+                _draw_way(result, letter)
 
 
-def _draw_way(result: Result, letter: str, system: SystemResult) -> None:
+def _draw_way(result: Result, letter: str) -> None:
     """Button to the most salient event of a system."""
-    events = system.events
-    worst = int(events["saliency_s"].to_numpy().argmax())
-    name = result.dataset.recordings["name"].iloc[int(events["recording"].iloc[worst])]
-    st.caption(f"The most salient: pedestrian {events['track'].iloc[worst]} in {plain(name)}.")
+    worst = worst_events(result, letter, n=1).iloc[0]
+    st.caption(f"The most salient: pedestrian {worst['track']} in {plain(worst['recording'])}.")
     if st.button("Show in timeline", key=f"saliency_show_{letter}", icon=":material/movie:"):
-        open_row(int(events["first_row"].iloc[worst]))
+        open_row(int(worst["first_row"]))
 
 
 def draw_events(result: Result, recording: int | None) -> None:

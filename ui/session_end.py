@@ -6,6 +6,7 @@ visitor comes: until then the uploads would lie about.
 
 from __future__ import annotations
 
+import logging
 import threading
 import time
 import weakref
@@ -37,6 +38,7 @@ class _Watched:
     seen_s: float = field(default_factory=time.monotonic)
 
 
+_LOG = logging.getLogger("nvcore.ui")
 _watched: list[_Watched] = []
 _lock = threading.Lock()
 _threads: list[threading.Thread] = []
@@ -50,8 +52,8 @@ def end_with_session(what: Closable) -> None:
     session_id = context.session_id
     watch(what, lambda: runtime.exists() and runtime.get_instance().is_active_session(session_id))
     with _lock:
-        if not _threads:
-            _threads.append(threading.Thread(target=_run, name="session-end", daemon=True))
+        if not _threads or not _threads[-1].is_alive():
+            _threads[:] = [threading.Thread(target=_run, name="session-end", daemon=True)]
             _threads[0].start()
 
 
@@ -71,19 +73,22 @@ def sweep(now_s: float) -> None:
     """
     with _lock:
         watched = list(_watched)
-    ended = []
     for one in watched:
         what = one.what()
-        if what is None:
-            ended.append(one)
-        elif one.is_alive():
+        if what is not None and one.is_alive():
             one.seen_s = now_s
-        elif now_s - one.seen_s > GRACE_S:
+        elif what is None or now_s - one.seen_s > GRACE_S:
+            with _lock:
+                _watched.remove(one)  # first: what cannot be closed is not tried for ever
+            _close(what)
+
+
+def _close(what: Closable | None) -> None:
+    try:
+        if what is not None:
             what.close()
-            ended.append(one)
-    with _lock:
-        for one in ended:
-            _watched.remove(one)
+    except OSError as error:  # one must not keep the others from being closed
+        _LOG.warning("what a session left could not be removed: %s", error)
 
 
 def _run() -> None:

@@ -3,13 +3,16 @@
     BASE/PROCESS.lock       held as long as the process lives
     BASE/PROCESS/SESSION/   one folder for each browser session
 
-What a killed process left behind is removed by the next one that starts.
+BASE is a folder of its own, ``nvcore-uploads-USER``, in the system's temporary folder or in
+`ENVIRONMENT`. What a killed process left behind is removed by the next one that starts: only
+folders that have the names given here, and a lock that nobody holds.
 """
 
 from __future__ import annotations
 
 import atexit
 import os
+import re
 import secrets
 import shutil
 import stat
@@ -21,7 +24,12 @@ from typing import Final
 from filelock import FileLock, Timeout
 
 ENVIRONMENT: Final = "NVCORE_UPLOAD_DIR"
-"""Where uploads are kept while their session lasts; default: the system's temporary folder."""
+"""Where uploads are kept while their session lasts; default: the system's temporary folder.
+
+It may hold other things: they are left alone.
+"""
+_NAME: Final = re.compile(r"[0-9a-f]{16}")
+"""Names of the folders made here."""
 
 _held: list[FileLock] = []
 """Locks of this process; the system lets go of them when it ends, however it ends."""
@@ -35,23 +43,29 @@ def new_folder() -> Path:
 
 
 def base_folder() -> Path:
-    """The folder that all processes of this user share."""
+    """The folder that all processes of this user share; nothing else is in it."""
     given = os.environ.get(ENVIRONMENT)
     if given:
-        folder = Path(given)
-        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-        return folder.resolve()
+        parent = Path(given)
+        parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+        parent = parent.resolve()
+    else:
+        parent = Path(tempfile.gettempdir())
     if os.name == "nt":  # there the temporary folder is the user's own
-        folder = Path(tempfile.gettempdir()) / "nvcore-uploads"
+        folder = parent / "nvcore-uploads"
         folder.mkdir(exist_ok=True)
         return folder
-    folder = Path(tempfile.gettempdir()) / f"nvcore-uploads-{os.getuid()}"
-    folder.mkdir(mode=0o700, exist_ok=True)
-    found = folder.lstat()
-    is_ours = stat.S_ISDIR(found.st_mode) and found.st_uid == os.getuid()
-    if not is_ours or found.st_mode & 0o077:
+    folder = parent / f"nvcore-uploads-{os.getuid()}"
+    try:
+        folder.mkdir(mode=0o700, exist_ok=True)
+        found = folder.lstat()
+        is_ours = stat.S_ISDIR(found.st_mode) and found.st_uid == os.getuid()
+        is_private = not found.st_mode & 0o077
+    except FileExistsError:  # a file, or a link that leads nowhere
+        is_ours = is_private = False
+    if not is_ours or not is_private:
         # somebody else was here first: others might read what is put there
-        return Path(tempfile.mkdtemp(prefix="nvcore-uploads-"))
+        return Path(tempfile.mkdtemp(prefix="nvcore-uploads-", dir=parent))
     return folder
 
 
@@ -71,12 +85,18 @@ def process_folder(base: Path) -> Path:
 
 
 def remove_leftovers(base: Path) -> None:
-    """Remove the folders of processes that no longer live."""
+    """Remove the folders of processes that no longer live.
+
+    Whatever was not made by `process_folder` stays: making the lock anew would get it for any
+    folder, so a folder counts only with the lock that is there.
+    """
     for folder in base.iterdir():
-        if not folder.is_dir() or folder.is_symlink():
+        lock = folder.with_suffix(".lock")
+        is_made_here = _NAME.fullmatch(folder.name) and lock.is_file()
+        if not is_made_here or folder.is_symlink() or not folder.is_dir():
             continue
         try:
-            with FileLock(folder.with_suffix(".lock"), timeout=0):
+            with FileLock(lock, timeout=0):
                 _remove(folder)
         except (OSError, Timeout):  # not ours, or alive
             continue

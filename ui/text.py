@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import re
-from typing import Final
 
 from nvcore.errors import one_line
+from nvcore.scorecard import UNDEFINED, number
 
-UNDEFINED: Final = "–"
+__all__ = ["UNDEFINED", "docs_link", "number", "plain"]
 
 _MARKUP = re.compile(r"([\\`*_{}\[\]<>()#+\-.!|$~:&^=])")
 
@@ -23,6 +23,15 @@ def plain(name: object) -> str:
     return _MARKUP.sub(r"\\\1", one_line(str(name)))
 
 
-def number(value: float | None, form: str) -> str:
-    """The number in this format, a dash where it is undefined."""
-    return UNDEFINED if value is None or value != value else format(value, form)
+def docs_link(text: str, anchor: str) -> str:
+    """Markdown of a link to a section of the Metrics page, from any page.
+
+    It is relative, so that it also works where the app is served below a path: all pages lie
+    beside each other.
+
+    Examples
+    --------
+    >>> docs_link("Saliency", "saliency")
+    '[Saliency](metrics#saliency)'
+    """
+    return f"[{text}](metrics#{anchor})"

@@ -11,6 +11,7 @@ from nvcore.figures.lanes import lanes_figure
 from nvcore.figures.style import CONFIG
 from nvcore.figures.time_plot import similarity_plot
 from ui import state, timeline_viewer
+from ui.text import docs_link
 
 LANES_PX: Final = 640
 """Height from which on the lanes scroll by themselves."""
@@ -40,7 +41,8 @@ def draw_all(result: Result) -> None:
     )  # fmt: skip
     st.caption(
         "Thin: similarity of each frame, 1 is best. Thick: moving mean. Filled: low intervals. "
-        "Marks above: saliency events. Click to see the frame ([Metrics](/metrics#similarity))."
+        "Marks above: saliency events. Click to see the frame "
+        f"({docs_link('Metrics', 'similarity')})."
     )
     theme, recording = state.theme(), state.recording()
     lanes = state.workspace().keep(  # they stay while alpha and the like move

@@ -23,7 +23,7 @@ from typing import IO, Final, Literal, Protocol
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import ClientDisconnect
 
-from nvcore.errors import NvcoreError
+from nvcore.errors import MediaError, NvcoreError
 from nvcore.media.archive import Archive, ArchiveLimits
 from ui.workspace import Workspace
 
@@ -269,10 +269,9 @@ def new_upload(space: Workspace) -> Path:
     is_open = None if space.session is None else space.session.folder
     for folder in space.folder.glob("upload-*"):
         if folder != is_open:
-            n_bytes = sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
             shutil.rmtree(folder, ignore_errors=True)
             with space.lock:
-                space.used_bytes -= n_bytes
+                space.used_bytes -= space.upload_bytes.pop(folder, 0)
     with space.lock:
         space.n_received += 1
         folder = space.folder / f"upload-{space.n_received}"
@@ -293,7 +292,7 @@ def store_annotations(
     UploadError
         If there is no room.
     MediaError
-        If an archive is damaged or may not be unpacked.
+        If an archive is damaged or may not be unpacked; nothing of it stays.
     """
     target = folder / slot / ANNOTATION_FOLDERS
     target.mkdir(parents=True)
@@ -303,30 +302,47 @@ def store_annotations(
         _check_room(space, len(content), so_far=0)
         name = free_name(safe_name(file.name), (path.name for path in target.iterdir()))
         path = target / name
-        path.write_bytes(content)
+        try:
+            path.write_bytes(content)
+        except OSError as error:
+            path.unlink(missing_ok=True)
+            raise UploadError(
+                f"The file could not be stored ({error.strerror}).",
+                HTTPStatus.INSUFFICIENT_STORAGE,
+            ) from error
+        n_bytes = len(content)
         if path.suffix.lower() == ".zip" and kind_of(bytes(content[:HEAD_BYTES])) == "zip":
-            path = _unpack(space, path)
-        else:
-            with space.lock:
-                space.used_bytes += len(content)
+            path, n_bytes = _unpack(space, path)
+        with space.lock:
+            space.used_bytes += n_bytes
+            space.upload_bytes[folder] = space.upload_bytes.get(folder, 0) + n_bytes
         paths.append(path)
     return tuple(path.relative_to(folder).as_posix() for path in paths)
 
 
-def _unpack(space: Workspace, packed: Path) -> Path:
-    """Unpack an archive beside itself and remove it; the folder in which its content begins."""
+def _unpack(space: Workspace, packed: Path) -> tuple[Path, int]:
+    """Unpack an archive beside itself and remove it.
+
+    Returns
+    -------
+    The folder in which its content begins, and the bytes of all that was unpacked.
+    """
     room = min(MAX_UNPACKED_BYTES, _room(space))
     folder = packed.with_name(free_name(packed.stem, (one.name for one in packed.parent.iterdir())))
     folder.mkdir()
-    with Archive(packed, ArchiveLimits(total_bytes=room)) as archive:
-        written = archive.unpack(folder)
-    packed.unlink()
-    with space.lock:
-        space.used_bytes += sum(path.stat().st_size for path in written)
+    try:
+        with Archive(packed, ArchiveLimits(total_bytes=room)) as archive:
+            written = archive.unpack(folder)
+    except MediaError:
+        shutil.rmtree(folder, ignore_errors=True)
+        raise
+    finally:
+        packed.unlink()
+    n_bytes = sum(path.stat().st_size for path in written)
     while True:
         inside = list(folder.iterdir())
         if len(inside) != 1 or not inside[0].is_dir() or inside[0].name in ("gt", "det"):
-            return folder
+            return folder, n_bytes
         folder = inside[0]
 
 

@@ -8,6 +8,7 @@ import threading
 import weakref
 from collections import OrderedDict
 from collections.abc import Callable, Hashable, Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 import numpy as np
@@ -61,6 +62,8 @@ class Workspace:
         Uploaded pictures, by name; written by `ui.uploads`.
     used_bytes, n_received
         Size of all uploads, and how many there have been.
+    upload_bytes
+        What of `used_bytes` belongs to the annotations of a form, by its folder.
     lock
         Held while those are changed.
     """
@@ -78,6 +81,7 @@ class Workspace:
         self.lock = threading.Lock()
         self.stored: dict[str, Stored] = {}
         self.used_bytes = 0
+        self.upload_bytes: dict[Path, int] = {}
         self.n_received = 0
         self._kept: dict[str, OrderedDict[Hashable, object]] = {}
         self._n_changes = 0

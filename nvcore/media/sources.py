@@ -36,9 +36,13 @@ def open_pictures(path: Path | Sequence[Path], *, inside: str | None = None) -> 
             return open_pictures(paths[0], inside=inside)
         return files_as_pictures(paths, f"{len(paths)} pictures")
     name = one_line(path.name)
-    if path.is_dir():
+    try:
+        is_folder, is_file = path.is_dir(), path.is_file()
+    except OSError as error:  # a name that is too long, a folder that may not be looked into
+        raise MediaError(f"cannot be opened ({error.strerror})", file=name) from error
+    if is_folder:
         return folder_as_pictures(path, inside=inside)
-    if not path.is_file():
+    if not is_file:
         raise MediaError("there is no such file or folder of pictures", file=name)
     try:
         with path.open("rb") as file:
@@ -64,16 +68,20 @@ def open_pictures(path: Path | Sequence[Path], *, inside: str | None = None) -> 
 def is_below(path: Path, root: Path) -> bool:
     """Whether a path, links followed, lies in a folder; of a folder also all that it holds.
 
-    For places where people may look at one folder only: pictures there may be links.
+    For places where people may look at one folder only: pictures there may be links. A name that
+    no file can have (too long, with a NUL) lies where it would lie, or nowhere.
     """
     real_root = os.path.realpath(root)
 
     def lies_below(one: str | Path) -> bool:
-        return Path(os.path.realpath(one)).is_relative_to(real_root)
+        try:
+            return Path(os.path.realpath(one)).is_relative_to(real_root)
+        except ValueError:  # NUL
+            return False
 
     if not lies_below(path):
         return False
-    return not path.is_dir() or all(
+    return not os.path.isdir(path) or all(  # noqa: PTH112  # Path.is_dir refuses long names
         lies_below(Path(folder) / name)
         for folder, folders, files in os.walk(path)
         for name in (*folders, *files)

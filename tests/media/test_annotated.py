@@ -136,6 +136,21 @@ def test_a_video_holds_the_frames_asked_for_and_where_they_come_from(tmp_path: P
     assert [block_number(picture) for picture in shown] == [3, 4, 5, 6, 7]
 
 
+def test_a_video_shows_the_pictures_that_are_said_to_be_of_its_frames(tmp_path: Path):
+    source = open_pictures(write_numbered_video(tmp_path / "in.mp4", n=10))
+    indices = np.array([-1, 0, 1, 2, 3, 4, 5, 6, 7, 8])
+    path = tmp_path / "out.mp4"
+    assert write_video(result(), {0: source}, 0, 4, 6, path, fps=20, indices=indices)
+    with av.open(str(path)) as video:
+        shown = [block_number(frame.to_ndarray(format="rgb24")) for frame in video.decode(video=0)]
+    assert shown == [3, 4]
+
+
+def test_pictures_of_other_frames_are_refused(tmp_path: Path):
+    with pytest.raises(ParameterError, match="expected 10 pictures, got 3"):
+        write_video(result(), {}, 0, 0, 2, tmp_path / "out.mp4", fps=20, indices=np.arange(3))
+
+
 def test_a_video_without_pictures_is_boxes_on_a_dark_blank(tmp_path: Path):
     assert write_video(result(), {}, 0, 0, 2, tmp_path / "out.mp4", fps=20)
     picture = open_pictures(tmp_path / "out.mp4").read(1)

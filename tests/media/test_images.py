@@ -176,6 +176,17 @@ def test_a_link_out_of_the_folder_is_noticed(tmp_path: Path):
     assert not is_below(inside / "pictures", inside)
 
 
+def test_a_name_longer_than_any_file_has_lies_where_it_would_lie(tmp_path: Path):
+    assert is_below(tmp_path / ("a" * 300), tmp_path)
+    assert not is_below(tmp_path / ".." / ("a" * 300), tmp_path)
+    assert not is_below(tmp_path / "a\0b", tmp_path)
+
+
+def test_a_name_longer_than_any_file_has_is_told(tmp_path: Path):
+    with pytest.raises(MediaError, match="cannot be opened .*too long"):
+        open_pictures(tmp_path / ("a" * 300))
+
+
 def test_16_pictures_stay_in_memory(tmp_path: Path):
     paths = [write_picture(tmp_path / f"{number}.png", numbered(number)) for number in range(20)]
     pictures = open_pictures(tmp_path)

@@ -20,8 +20,8 @@ from nvcore.findings import Finding, Severity
 from nvcore.loading import effective_params, load
 from nvcore.session import RecordingFacts, Session, Source, SystemSource
 from nvcore.session_file import read_session
-from ui.export_session import inputs_beside, live_session, portable_session, public_findings
-from ui.opening import public_text, uploaded_session
+from ui.export_session import inputs_beside, portable_session, public_findings
+from ui.opening import live_session, public_text, uploaded_session
 from ui.uploads import new_upload, store_annotations
 from ui.workspace import Workspace
 

@@ -229,3 +229,45 @@ def test_links_that_lead_out_are_refused(root: Path, path: str):
 )
 def test_messages_lose_the_folders_of_the_machine(text: str, shown: str):
     assert public_text(text, [Path("/srv/up/s1/upload-2"), Path("/srv/up/s1")]) == shown
+
+
+@pytest.mark.parametrize(
+    ("text", "shown"),
+    [
+        ("/srv/night_07/t.csv: x", "/srv/night_07/t.csv: x"),
+        ("/srv/night.bak: x", "/srv/night.bak: x"),
+        ("/data/srv/night/t.csv: x", "/data/srv/night/t.csv: x"),
+        ("nothing in /srv/night.", "nothing in the folder."),
+        ("'/srv/night'", "'the folder'"),
+        ("a ratio of 1/2 or srv", "a ratio of 1/2 or srv"),
+    ],
+)
+def test_a_folder_ends_where_its_name_ends(text: str, shown: str):
+    assert public_text(text, [Path("/srv/night")]) == shown
+
+
+@pytest.mark.parametrize("folder", ["/", "."])
+def test_a_folder_that_holds_everything_changes_no_message(folder: str):
+    text = "night/t.csv, line 3: expected 1/2. See ./notes or /etc."
+    assert public_text(text, [Path(folder)]) == text
+
+
+LONG = "a" * 300
+"""Longer than the name of a file may be."""
+
+
+def test_a_long_name_of_pictures_is_none_that_were_sent(tmp_path: Path):
+    text = TOML.replace("A.mp4", LONG)
+    found = uploaded_session(text.encode(), tmp_path, upload(tmp_path), tmp_path / "pictures")
+    assert found.recordings[0].pictures is None
+
+
+@pytest.mark.parametrize("name", [LONG, f"{LONG}[1]", f"../root/{LONG}"])
+def test_a_long_name_inside_the_folder_is_left_to_those_who_open_it(root: Path, name: str):
+    check_confined(replace(session(root), truth=Source((name,))), root)
+    check_confined(session(root, recordings=(RecordingFacts("r", pictures=name),)), root)
+
+
+def test_the_uploaded_session_file_itself_does_not_stay(tmp_path: Path):
+    uploaded_session(TOML.encode(), tmp_path, upload(tmp_path), tmp_path / "pictures")
+    assert not (tmp_path / "session.toml").exists()

@@ -62,11 +62,11 @@ def send_drive(page: AppTest, folder: Path, *systems: str) -> None:
         send(page, f"upload_system_{number}", (name, (folder / name).read_bytes()))
 
 
-def answer(page: AppTest, **values: float) -> None:
+def answer(page: AppTest, place: str = "upload", **values: float) -> None:
     """Fill in what the page asks for: width, height, fps."""
     for name, value in values.items():
         (field,) = [
-            one for one in page.number_input if (one.key or "").startswith(f"{name}_upload")
+            one for one in page.number_input if (one.key or "").startswith(f"{name}_{place}")
         ]
         field.set_value(value)
 
@@ -197,6 +197,22 @@ def test_the_same_operating_point_sets_the_threshold_of_y():
     press(page, "same_point")
     assert "false alarms per frame, X has" in texts(page)
     assert page.number_input(key="data_threshold_y").value > 0.5
+
+
+def test_the_same_operating_point_may_lie_above_the_highest_score(tmp_path: Path):
+    drive(tmp_path)
+    with (tmp_path / "nir.csv").open("a") as stream:  # the best score is a false alarm
+        stream.write("rural,5,500,200,40,100,0.95\n")
+    page = opened()
+    for key, name in (("truth", "truth"), ("system_0", "fir"), ("system_1", "nir")):
+        send(page, f"upload_{key}", (f"{name}.csv", (tmp_path / f"{name}.csv").read_bytes()))
+    press(page, "open_upload")
+    answer(page, width=640, height=480, fps=20.0)
+    press(page, "open_upload")
+    press(page, "same_point")
+    assert page.session_state["params"].threshold_y > 0.95
+    assert "0 false alarms per frame, X has 0." in texts(page)
+    assert [one.value for one in page.metric if "False alarms" in one.label] == ["0.0", "0.0"]
 
 
 def test_without_truth_the_page_says_what_to_choose():
@@ -390,6 +406,50 @@ def test_a_session_file_opens_with_the_files_it_names(tmp_path: Path):
     assert page.number_input(key="data_threshold_x").value == 0.8
 
 
+BARE_SESSION = b'[truth]\npath = "truth.csv"\n[[system]]\npath = "fir.csv"\n'
+"""Says neither the size of the pictures nor the frame rate."""
+
+
+def test_a_session_file_that_lacks_facts_asks_for_them_and_opens(tmp_path: Path):
+    page = opened()
+    drive(tmp_path)
+    send(page, "session_file", ("mine.toml", BARE_SESSION))
+    names = ("truth.csv", "fir.csv")
+    send(page, "session_files", *((name, (tmp_path / name).read_bytes()) for name in names))
+    press(page, "open_session_file")
+    assert "Fill in the fields below" in texts(page)
+    answer(page, "session_file", width=640, height=480, fps=20.0)
+    press(page, "open_session_file")
+    assert "Open: mine.toml" in texts(page)
+    assert page.table[1].value["Size (px)"].tolist() == ["640 × 480"] * 2
+
+
+def test_a_local_session_that_lacks_facts_asks_for_them_and_opens(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    drive(tmp_path)
+    (tmp_path / "mine.toml").write_bytes(BARE_SESSION)
+    monkeypatch.setenv("NVCORE_LOCAL_ROOT", str(tmp_path))
+    page = press(opened(), "open_local_session")
+    assert "Fill in the fields below" in texts(page)
+    answer(page, "local_session", width=640, height=480, fps=20.0)
+    press(page, "open_local_session")
+    assert "Open: mine.toml" in texts(page)
+
+
+def test_a_local_session_with_a_long_name_of_pictures_is_opened_without_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    drive(tmp_path)
+    facts = b'[defaults]\nsize = "640x480"\nfps = 20\n[[recording]]\nname = "urban"\n'
+    pictures = f'pictures = "{"a" * 300}"\n'.encode()
+    (tmp_path / "mine.toml").write_bytes(facts + pictures + BARE_SESSION)
+    monkeypatch.setenv("NVCORE_LOCAL_ROOT", str(tmp_path))
+    page = press(opened(), "open_local_session")
+    assert "Open: mine.toml" in texts(page)
+    assert "cannot be opened" in " ".join(page.table[1].value["Pictures"])
+
+
 def test_a_session_file_cannot_name_files_of_the_machine(tmp_path: Path):
     page = opened()
     drive(tmp_path)
@@ -418,7 +478,7 @@ def test_files_below_the_local_root_are_opened(tmp_path: Path, monkeypatch: pyte
     drive(tmp_path / "night" / "one")
     monkeypatch.setenv("NVCORE_LOCAL_ROOT", str(tmp_path / "night"))
     page = opened()
-    assert [tab.label for tab in page.tabs][-1] == "This computer"
+    assert [tab.label for tab in page.tabs][-1] == "Local folder"
     checked(page.selectbox(key="local_next").set_value("one").run())
     for key, name in (("truth", "truth"), ("x", "fir"), ("y", "nir")):
         page.multiselect(key=f"local_{key}").set_value([f"one/{name}.csv"])

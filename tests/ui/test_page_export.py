@@ -11,6 +11,9 @@ import pytest
 from inputs import DATA, drive
 from streamlit.testing.v1 import AppTest
 
+from nvcore.analysis import Result
+from nvcore.media.annotate import annotate
+from nvcore.media.draw import Canvas
 from ui.export_frame import file_stem, nearest_row
 from ui.export_link import link
 from ui.export_video import LONGEST_S, Interval, chosen_interval, start_job, why_not
@@ -127,6 +130,41 @@ def test_hostile_names_are_shown_as_text(tmp_path: Path):
     page = opened(OPENING.format(folder=str(tmp_path), systems=systems) + PAGE)
     shown = "\n".join(one.value for one in (*page.caption, *page.markdown))
     assert "<b>" not in shown.replace("\\<b\\>", "")
+
+
+def test_the_picture_of_a_frame_is_that_of_the_timeline(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    shown = []
+
+    def drawn(result: Result, pictures: object, index: int, row: int, **options: object) -> Canvas:
+        shown.append(index)
+        return annotate(result, pictures, index, row, **options)
+
+    monkeypatch.setattr("ui.export_frame.annotate", drawn)
+    page = opened(recording="rural_child", frame="120")
+    space = page.session_state["workspace"]
+    place, _ = page.session_state["place"]
+    space.picture_rows = {**space.picture_rows, place: space.picture_rows[place] - 7}
+    checked(page.run())
+    assert shown == [120, 113]
+
+
+def test_a_video_has_the_pictures_of_the_timeline(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    page = opened()
+    space = page.session_state["workspace"]
+    given = []
+
+    def written(*_: object, indices: np.ndarray, **__: object) -> bool:
+        given.append(indices)
+        return True
+
+    monkeypatch.setattr("ui.export_video.write_video", written)
+    start_job(
+        space, space.result, 3, Interval(0, 10, 20), tmp_path / "v.mp4", "v.mp4",
+        stretch=(0.0, 100.0), labels=False,
+    ).join()  # fmt: skip
+    assert given[0] is space.picture_rows[3]
 
 
 def test_the_link_keeps_recording_and_frame():

@@ -17,6 +17,11 @@ class Thing:
         self.is_closed = True
 
 
+class Stuck:
+    def close(self) -> None:
+        raise OSError("disk gone")
+
+
 class Browser:
     is_here = True
 
@@ -62,6 +67,22 @@ def test_it_is_closed_once_when_the_browser_stays_away(now_s: float, watched: li
     sweep(now_s + 1.1 * GRACE_S)
     assert thing.is_closed
     assert watched == []
+
+
+def test_what_cannot_be_closed_is_told_once_and_keeps_nothing_else_open(
+    now_s: float, watched: list, caplog: pytest.LogCaptureFixture
+):
+    stuck, thing, browser = Stuck(), Thing(), Browser()
+    watch(stuck, browser)
+    watch(thing, browser)
+    browser.is_here = False
+    sweep(now_s + 1.1 * GRACE_S)
+    sweep(now_s + 1.2 * GRACE_S)
+    assert thing.is_closed
+    assert watched == []
+    assert [record.getMessage() for record in caplog.records] == [
+        "what a session left could not be removed: disk gone"
+    ]
 
 
 def test_what_is_gone_already_is_forgotten(now_s: float, watched: list):

@@ -15,6 +15,7 @@ from starlette.requests import ClientDisconnect
 
 from nvcore.errors import MediaError
 from nvcore.readers.naming import NEUTRAL
+from nvcore.session import Session, Source
 from ui import uploads
 from ui.uploads import (
     ANNOTATION_FOLDERS,
@@ -47,6 +48,15 @@ class Sent:
 def packed(members: dict[str, bytes]) -> bytes:
     content = io.BytesIO()
     with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, text in members.items():
+            archive.writestr(name, text)
+    return content.getvalue()
+
+
+def packed_plain(members: dict[str, bytes]) -> bytes:
+    """Not compressed, so that the content can be found and changed."""
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w") as archive:
         for name, text in members.items():
             archive.writestr(name, text)
     return content.getvalue()
@@ -278,4 +288,50 @@ def test_a_new_form_removes_the_files_of_those_that_did_not_open(space: Workspac
     assert space.used_bytes == 5
     new_upload(space)
     assert not old.exists()
+    assert space.used_bytes == 0
+
+
+@pytest.mark.parametrize(
+    "content",
+    [b"PK\x03\x04" + bytes(500), packed({"a.csv": b"1" * 90, "../b.csv": b"1"})],
+    ids=["damaged", "leaves its folder"],
+)
+def test_nothing_stays_of_an_archive_that_is_refused(space: Workspace, content: bytes):
+    folder = new_upload(space)
+    files = [Sent("a.csv", b"12345"), Sent("b.zip", content)]
+    with pytest.raises(MediaError):
+        store_annotations(space, folder, "truth", files)
+    assert files_in(folder) == ["truth/annotations/data/a.csv"]
+    assert space.used_bytes == 5
+    new_upload(space)
+    assert space.used_bytes == 0
+
+
+def test_nothing_stays_of_an_archive_that_breaks_while_it_is_unpacked(space: Workspace):
+    members = {"mot/a.csv": bytes(range(256)), "mot/b.csv": b"no checksum of mine"}
+    content = packed_plain(members).replace(b"no checksum", b"NO CHECKSUM")
+    folder = new_upload(space)
+    with pytest.raises(MediaError):
+        store_annotations(space, folder, "truth", [Sent("b.zip", content)])
+    assert files_in(folder) == []
+    assert space.used_bytes == 0
+
+
+def test_what_was_not_counted_makes_no_room(space: Workspace):
+    folder = new_upload(space)
+    store_annotations(space, folder, "truth", [Sent("a.zip", packed({"a.csv": b"1" * 90}))])
+    assert space.used_bytes == 90
+    (folder / "made-by-the-app.toml").write_bytes(bytes(500))
+    new_upload(space)
+    assert space.used_bytes == 0
+
+
+def test_the_files_of_the_open_comparison_stay_counted(space: Workspace):
+    folder = new_upload(space)
+    paths = store_annotations(space, folder, "truth", [Sent("a.csv", b"12345")])
+    space.session = Session(folder, Source(paths), ())
+    new_upload(space)
+    assert space.used_bytes == 5
+    space.session = None
+    new_upload(space)
     assert space.used_bytes == 0

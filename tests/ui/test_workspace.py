@@ -19,7 +19,7 @@ from ui.workspace import Workspace, workspace_of
 @pytest.fixture(autouse=True)
 def base(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setenv("NVCORE_UPLOAD_DIR", str(tmp_path / "uploads"))
-    return tmp_path / "uploads"
+    return base_folder()
 
 
 class _Source:
@@ -112,7 +112,6 @@ def test_a_closed_workspace_keeps_nothing():
 
 
 def test_what_a_dead_process_left_is_removed(base: Path):
-    base.mkdir()
     code = (
         "import os; from ui.workspace import Workspace; space = Workspace(); "
         "(space.folder / 'video.mp4').write_bytes(b'1'); print(space.folder); "
@@ -134,11 +133,40 @@ def test_what_a_living_process_has_stays(base: Path):
     assert space.folder.exists()
 
 
-def test_a_folder_without_a_lock_is_a_leftover(base: Path):
-    (base / "old" / "session").mkdir(parents=True)
+def test_a_leftover_is_removed_by_the_next_process_that_starts(base: Path):
+    (base / "0123456789abcdef" / "session").mkdir(parents=True)
+    (base / "0123456789abcdef.lock").touch()
     process_folder.cache_clear()
     Workspace()
-    assert not (base / "old").exists()
+    assert not (base / "0123456789abcdef").exists()
+
+
+@pytest.mark.parametrize(
+    ("name", "lock"),
+    [
+        ("holiday", "holiday.lock"),
+        ("0123456789abcdef", ""),
+        ("0123456789abcdef.photos", "0123456789abcdef.lock"),
+    ],
+)
+def test_a_folder_that_was_not_made_here_stays(base: Path, name: str, lock: str):
+    (base / name).mkdir()
+    (base / name / "photo.jpg").write_text("1")
+    if lock:
+        (base / lock).touch()
+    remove_leftovers(base)
+    assert (base / name / "photo.jpg").exists()
+
+
+def test_the_folder_for_uploads_may_hold_other_things(base: Path):
+    mine = base.parent / "0123456789abcdef"
+    mine.mkdir()
+    mine.with_suffix(".lock").touch()
+    process_folder.cache_clear()
+    space = Workspace()
+    assert mine.exists()
+    assert space.folder.is_relative_to(base)
+    assert base.parent == Path(os.environ["NVCORE_UPLOAD_DIR"]).resolve()
 
 
 def test_a_shared_folder_that_others_may_read_is_not_used(

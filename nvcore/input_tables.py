@@ -1,0 +1,37 @@
+"""Tables of what was read: one row per source, and what could not be placed."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+
+from nvcore.dataset import Dataset
+
+
+def inputs_table(dataset: Dataset) -> pd.DataFrame:
+    """What each source was read from, and how.
+
+    Returns
+    -------
+    One row per source, in the order of ``boxes.source``: the truth, then the systems. Columns:
+    subject ("truth" or the system's name), first_file (its name), n_files, format, conversion (in
+    words), n_boxes (placed boxes, those to be ignored too). No rows for data made in memory.
+    """
+    table = (
+        dataset.inputs.groupby("subject", sort=False)
+        .agg(
+            first_file=("file", "first"),
+            n_files=("file", "size"),
+            format=("format", "first"),
+            conversion=("conversion", "first"),
+        )
+        .reset_index()
+    )
+    n_boxes = np.bincount(dataset.boxes["source"], minlength=len(table))
+    return table.assign(n_boxes=n_boxes[: len(table)])
+
+
+def left_out_table(dataset: Dataset) -> pd.DataFrame:
+    """How many rows of which source could not be placed: columns subject, reason, n_rows."""
+    counts = dataset.left_out.groupby(["subject", "reason"], sort=False).size()
+    return counts.rename("n_rows").reset_index()

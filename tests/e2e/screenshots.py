@@ -1,0 +1,71 @@
+"""Makes the pictures of the documentation: ``python tests/e2e/screenshots.py``.
+
+Every page of the sample at 1280 x 800, Overview and Timeline in the dark theme as well, into
+``docs/images/``, with 256 colours so that the files stay small.
+"""
+
+from __future__ import annotations
+
+import io
+import re
+from pathlib import Path
+
+from app_server import ROOT, open_chromium, serve
+from app_visit import Visit, new_person
+from PIL import Image
+from playwright.sync_api import expect
+
+FOLDER = ROOT / "docs" / "images"
+MAX_BYTES = 150_000
+# X has found the child again, Y has not
+MOMENT = "recording=rural_child&frame=225"
+PAGES = {
+    "data": "data",
+    "overview": "",
+    "timeline": f"timeline?{MOMENT}",
+    "encounters": "encounters",
+    "saliency": "saliency?recording=rural_child",
+    "export": f"export?{MOMENT}",
+    "metrics": "metrics",
+}
+DARK = ("overview", "timeline")
+IS_WHOLE = """() => document.fonts.status === "loaded"
+  && [...document.images].every(image => image.complete && image.naturalWidth)"""
+TWO_PAINTS = """() => new Promise(
+  done => requestAnimationFrame(() => requestAnimationFrame(done)))"""
+
+
+def main() -> None:
+    """Write all pictures."""
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    with serve(ROOT / "app.py") as address, open_chromium() as browser:
+        for theme, names in (("light", tuple(PAGES)), ("dark", DARK)):
+            person = new_person(browser, theme)
+            for name in names:
+                suffix = "" if theme == "light" else f"-{theme}"
+                one = Visit(person, address)
+                one.go(PAGES[name])
+                one.page.wait_for_function(IS_WHOLE)
+                if one.viewer.count():
+                    expect(one.viewer).to_have_attribute("data-shown-row", re.compile("[0-9]"))
+                one.page.evaluate(TWO_PAINTS)
+                save(one.page.screenshot(), FOLDER / f"{name}{suffix}.png")
+                one.close()
+            person.close()
+
+
+def save(png: bytes, path: Path) -> None:
+    """Write a picture with 256 colours, or fewer where that is too large."""
+    picture = Image.open(io.BytesIO(png)).convert("RGB")
+    for n_colours in (256, 128, 64, 32):
+        content = io.BytesIO()
+        # this method keeps rare colours: the thin lines of X and Y on a page of greys
+        few = picture.quantize(n_colours, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+        few.save(content, "PNG", optimize=True)
+        if content.tell() < MAX_BYTES:
+            break
+    path.write_bytes(content.getvalue())
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,73 @@
+"""Every page in every situation: nothing breaks, and what is missing is said."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from streamlit.testing.v1 import AppTest
+
+from ui import state
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGES = ["data", "overview", "timeline", "encounters", "saliency", "export", "metrics"]
+HEAD = "recording,frame,x,y,w,h,track,score\n"
+FRAMES = range(30)
+
+
+def rows(x: int, *, track: int = 1, score: str = "0.9", recording: str = "night") -> str:
+    return "".join(
+        f"{recording},{frame},{x + frame},200,40,120,{track},{score}\n" for frame in FRAMES
+    )
+
+
+def write(folder: Path, systems: dict[str, str], *, frames: str = "0:29", truth: str = "") -> Path:
+    """A session with one recording without pictures."""
+    (folder / "truth.csv").write_text(HEAD.replace(",score", "") + truth.replace(",0.9", ""))
+    text = f'[defaults]\nsize = "640x480"\nfps = 10\nframes = "{frames}"\n'
+    text += '[truth]\npath = "truth.csv"\n'
+    for name, content in systems.items():
+        (folder / f"{name}.csv").write_text(HEAD.replace("track,", "") + content)
+        text += f'[[system]]\nname = "{name}"\npath = "{name}.csv"\n'
+    session = folder / "session.toml"
+    session.write_text(text)
+    return session
+
+
+def detections(x: int) -> str:
+    return "".join(f"night,{frame},{x + frame},200,40,120,0.{frame % 9}\n" for frame in FRAMES)
+
+
+def situation(name: str, folder: Path) -> Path:
+    truth = rows(300)
+    if name == "sample":
+        return state.SAMPLE
+    if name == "one system":
+        return write(folder, {"only": detections(300)}, truth=truth)
+    if name == "no pictures":
+        return write(folder, {"one": detections(300), "two": detections(310)}, truth=truth)
+    if name == "nobody detected":
+        return write(folder, {"one": "", "two": detections(300)}, truth=truth)
+    # five frames off, and boxes of no area
+    late = detections(300).replace("night,", "night,1", 5) + "night,3,1,1,0,0,0.5\n"
+    return write(folder, {"one": late, "two": detections(300)}, truth=truth)
+
+
+@pytest.mark.parametrize("page", PAGES)
+@pytest.mark.parametrize(
+    "name", ["sample", "one system", "no pictures", "nobody detected", "audit errors"]
+)
+def test_a_page_shows_what_there_is(
+    page: str, name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr(state, "SAMPLE", situation(name, tmp_path))
+    app = AppTest.from_file(str(ROOT / "ui" / "main.py"), default_timeout=90).run()
+    app.switch_page(str(ROOT / "pages" / f"{page}.py")).run()
+    assert not app.exception
+    assert app.title
+    shown = " ".join(one.value for one in [*app.info, *app.error, *app.warning])
+    assert "fault of the program" not in shown
+    if name == "one system" and page in ("overview", "timeline"):
+        assert "A comparison needs two" in shown
+    if name in ("nobody detected", "audit errors") and page == "overview":
+        assert "depends on what the audit found" in shown

@@ -1,0 +1,61 @@
+"""Facts that a person gives: the size proposed, and what they add to a session."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from pathlib import Path
+
+import pytest
+
+from nvcore.errors import SessionError
+from nvcore.session import Session, Source
+from ui import data_facts
+from ui.data_facts import Facts, picture_size
+
+VIDEO = Path(__file__).resolve().parents[2] / "sample_data" / "odd_pose.mp4"
+
+
+@pytest.fixture
+def opened(monkeypatch: pytest.MonkeyPatch) -> list[Path]:
+    """What was opened, in turn."""
+    found: list[Path] = []
+    real = data_facts.open_pictures
+
+    def counted(path: Path):
+        found.append(path)
+        return real(path)
+
+    monkeypatch.setattr(data_facts, "open_pictures", counted)
+    return found
+
+
+def test_a_video_is_opened_once_for_its_size(tmp_path: Path, opened: list[Path]):
+    video = Path(shutil.copy(VIDEO, tmp_path / "drive.mp4"))
+    assert [picture_size([video]) for _ in range(3)] == [(640, 480)] * 3
+    assert opened == [video]
+
+
+def test_a_video_that_was_replaced_is_opened_again(tmp_path: Path, opened: list[Path]):
+    video = Path(shutil.copy(VIDEO, tmp_path / "drive.mp4"))
+    picture_size([video])
+    os.utime(video, ns=(1, 1))
+    picture_size([video])
+    assert opened == [video, video]
+
+
+def test_the_size_is_that_of_the_first_that_can_be_opened(tmp_path: Path):
+    (tmp_path / "no.mp4").write_bytes(b"no video")
+    assert picture_size([tmp_path / "gone.mp4", tmp_path / "no.mp4", VIDEO]) == (640, 480)
+
+
+def test_facts_fill_what_a_session_leaves_open():
+    session = Session(Path("/drives"), Source(("t.csv",)), (), fps=10, frames="0:9")
+    filled = Facts(size=(640, 480), frames="0:99").added_to(session)
+    assert (filled.size, filled.fps, filled.frames) == ((640, 480), 10, "0:99")
+
+
+def test_frames_added_to_a_session_are_a_range_and_no_file():
+    session = Session(Path("/drives"), Source(("t.csv",)), ())
+    with pytest.raises(SessionError, match="expected FIRST:LAST"):
+        Facts(frames="/etc/passwd").added_to(session)
