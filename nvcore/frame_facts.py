@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from nvcore.analysis import Result, SystemResult
-from nvcore.box_states import FOUND, states_of_rows
+from nvcore.box_states import FOUND, box_states
 from nvcore.kernels import ABSORBED
 
 PEDESTRIAN_COLUMNS: Final = (
@@ -92,7 +92,7 @@ def frame_facts(result: Result, row: int) -> FrameFacts:
     """All about one frame, by its row in the frames table."""
     dataset, frames = result.dataset, result.dataset.frame_columns
     truth = dataset.truth
-    states = states_of_rows(result, row, row + 1)
+    states = box_states(result, row, row + 1)
     rows = np.arange(truth.offsets[row], truth.offsets[row + 1])
     table = pd.DataFrame(
         {

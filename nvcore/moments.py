@@ -173,7 +173,7 @@ def _miss_reason(
     )
     rows, at = encounters.order[slice(*inside)], encounters.frame_index[slice(*inside)]
     track = int(encounters.track[encounter])
-    who = f"pedestrian {track} ({result.dataset.truth.h[rows].max():.0f} px tall)"
+    who = f"pedestrian {track} (up to {result.dataset.truth.h[rows].max():.0f} px tall)"
     missed, missed_by_rival = (
         # a track that stands twice in a frame is found if one of its boxes is
         np.setdiff1d(at, at[one.matches.truth_det[rows] >= 0])

@@ -65,6 +65,8 @@ def find_files(source: Source, folder: Path, role: Role) -> tuple[list[SourceFil
     kept = [
         file for file in files if file.path in stated or file.path.suffix.lower() in chosen.suffixes
     ]
+    # a seqinfo.ini sent along is read as what it is: facts about the recording beside it
+    kept = [file for file in kept if file.path.name.lower() != "seqinfo.ini"] or kept
     return kept or files, chosen
 
 

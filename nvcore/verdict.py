@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from typing import Final
 
 import numpy as np
 
 from nvcore.analysis import Result, SystemResult
 from nvcore.findings import Finding, Severity
+from nvcore.tables import sides
 
 SIGNIFICANT: Final = 0.05
 """Largest p-value at which a difference in detected encounters is called one."""
 
 CAVEATS: Final = {
-    "short-encounters": "most encounters are one frame long, so that p counts frames rather than "
-    "persons and saliency and rates per hour mean little",
+    "short-encounters": "most encounters are one frame long, so that counts of them are counts of "
+    "frames rather than persons, and saliency and episodes mean little",
     "score-floors": "X and Y are compared at different operating points; with thresholds the "
     "other may come out better",
     "mixed-weighting": "X and Y are weighted by different rules",
@@ -55,10 +56,14 @@ def verdict(result: Result, findings: Sequence[Finding] = ()) -> tuple[str, ...]
     >>> print(" ".join(verdict(result)))  # doctest: +SKIP
     X detects every encounter that Y detects, and 9 more of 40 (p = 0.0039).
     """
-    sentences = [_encounters(result)]
+    codes = {one.code for one in findings}
+    sentences = [_encounters(result, codes)]
     figures = _figures(result)
     if figures:
         sentences.append(figures)
+    unlimited = _without_threshold(result)
+    if unlimited:
+        sentences.append(unlimited)
     grave = [one for one in findings if one.severity is not Severity.NOTE]
     if grave:
         sentences.append(_caveat(grave))
@@ -75,8 +80,24 @@ def _caveat(grave: Sequence[Finding]) -> str:
     return f"This depends on what the audit found: {'; '.join(known)}."
 
 
-def _encounters(result: Result) -> str:
+def _without_threshold(result: Result) -> str:
+    """Whose every detection counts, though it has scores."""
+    letters = [
+        letter.upper()
+        for letter, system in sides(result)
+        if system.threshold is None and np.isfinite(result.dataset.system(system.name).score).any()
+    ]
+    if not letters:
+        return ""
+    return f"Every detection of {' and '.join(letters)} counts, however low its score."
+
+
+def _encounters(result: Result, codes: Set[str]) -> str:
     venn, p = result.venn, result.exclusivity.mcnemar_p
+    if "same-boxes" in codes:
+        return "Two of the inputs have the same boxes: this is no comparison of two systems."
+    is_testable = "short-encounters" not in codes
+    chance = f" (p = {p:.2g})" if is_testable else ""
     n_split = venn.x_only + venn.y_only
     if not venn.n_near:
         return (
@@ -95,13 +116,15 @@ def _encounters(result: Result) -> str:
             f"{winner} detects every encounter that {loser} detects, and {more} more of "
             f"{venn.n_near}"
         )
-        if p <= SIGNIFICANT:
-            return f"{claim} (p = {p:.2g})."
-        return f"{claim}; so few could come by chance (p = {p:.2g})."
+        if p <= SIGNIFICANT or not is_testable:
+            return f"{claim}{chance}."
+        return f"{claim}; so small a difference may well be chance{chance}."
     split = (
         f"of the {n_split} encounters that only one system detects, X detects {venn.x_only} and Y "
-        f"{venn.y_only} (p = {p:.2g})"
+        f"{venn.y_only}{chance}"
     )
+    if not is_testable:
+        return f"{split[0].upper()}{split[1:]}."
     if p <= SIGNIFICANT:
         return f"{winner} detects more encounters, but not all that {loser} detects: {split}."
     return f"These data do not show which system detects more encounters: {split}."
@@ -114,10 +137,10 @@ def _figures(result: Result) -> str:
         _better("the lower saliency", x.saliency_s, y.saliency_s, ".2f", unit=" s"),
         _better(
             "fewer false-alert episodes",
-            x.false_alarm_summary.episodes_per_hour,
-            y.false_alarm_summary.episodes_per_hour,
-            ".0f",
-            unit=" an hour",
+            x.false_alarm_summary.episodes if result.duration_s else np.nan,
+            y.false_alarm_summary.episodes if result.duration_s else np.nan,
+            "d",
+            unit=f" in {_duration(result.duration_s)}",
         ),
     ]
     known = [part for part in parts if part]
@@ -128,6 +151,10 @@ def _figures(result: Result) -> str:
         f"{text[0].upper()}{text[1:]}; whether these differences are more than chance is not "
         "tested."
     )
+
+
+def _duration(seconds: float) -> str:
+    return f"{seconds:.0f} s" if seconds < 600 else f"{seconds / 3600:.1f} h"
 
 
 def _mean(system: SystemResult) -> float:

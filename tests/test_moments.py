@@ -50,13 +50,15 @@ def test_a_system_that_is_never_worse_has_no_moments(y_blind: Result):
 
 def test_the_reason_names_the_pedestrian_and_who_finds_it(y_blind: Result):
     table = worst_moments(y_blind)
-    assert set(table["reason"]) == {"Y misses pedestrian 7 (50 px tall) for 0.40 s; X finds it."}
+    assert set(table["reason"]) == {
+        "Y misses pedestrian 7 (up to 50 px tall) for 0.40 s; X finds it."
+    }
 
 
 def test_the_reason_says_when_both_miss_the_pedestrian():
     result = compare(make_dataset(middle(range(20), track=3)))
     assert of_kind(result, "x")["reason"].tolist() == [
-        "X misses pedestrian 3 (50 px tall) for 2.0 s; Y misses it, too."
+        "X misses pedestrian 3 (up to 50 px tall) for 2.0 s; Y misses it, too."
     ]
 
 
@@ -65,7 +67,7 @@ def test_a_miss_of_a_part_of_the_interval_is_told_with_the_whole():
     result = compare(make_dataset(truth))
     (row,) = of_kind(result, "x").to_dict("records")
     assert (row["first_frame"], row["last_frame"]) == (0, 5)
-    assert "pedestrian 1 (50 px tall) for 0.30 s of 0.60 s" in row["reason"]
+    assert "pedestrian 1 (up to 50 px tall) for 0.30 s of 0.60 s" in row["reason"]
 
 
 def test_a_miss_is_told_for_the_interval_not_for_the_time_before():
@@ -88,7 +90,7 @@ def test_the_reason_says_for_how_long_the_other_finds_whom_one_misses():
     truth = middle(range(4), track=1)
     result = compare(make_dataset(truth, y=middle([1])))
     assert of_kind(result, "x")["reason"].tolist() == [
-        "X misses pedestrian 1 (50 px tall) for 0.40 s; Y finds it for 0.10 s of that time."
+        "X misses pedestrian 1 (up to 50 px tall) for 0.40 s; Y finds it for 0.10 s of that time."
     ]
 
 
@@ -116,7 +118,7 @@ def test_false_alarms_of_one_frame_are_counted():
 def test_boxes_that_match_and_stand_apart_are_no_misses():
     truth, x = [at(0, 50, w=40, track=1)], [at(0, 60, w=40)]  # IoU 0.6, 10 px apart
     assert of_kind(compare(make_dataset(truth, x)), "x")["reason"].tolist() == [
-        "X's nearest detection is up to 10 px from pedestrian 1 (50 px tall)."
+        "X's nearest detection is up to 10 px from pedestrian 1 (up to 50 px tall)."
     ]
     assert of_kind(compare(make_dataset(truth, x), alpha=0.1), "x")["reason"].tolist() == [
         "X has detections up to 10 px from the nearest pedestrian."

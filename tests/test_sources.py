@@ -172,3 +172,10 @@ def test_a_file_that_vanishes_before_the_digest_is_an_input_error(tmp_path: Path
     (tmp_path / "a.csv").unlink()
     with pytest.raises(InputError, match=r"a\.csv: cannot be opened \(No such file"):
         digest(files)
+
+
+def test_a_seqinfo_named_beside_its_truth_is_no_annotation(tmp_path: Path) -> None:
+    (tmp_path / "gt.txt").write_text("1,1,10,10,20,40,1,1,1\n")
+    (tmp_path / "seqinfo.ini").write_text("[Sequence]\nname=A\nimWidth=100\nimHeight=100\n")
+    files, _ = find_files(Source(("gt.txt", "seqinfo.ini")), tmp_path, "truth")
+    assert [file.path.name for file in files] == ["gt.txt"]

@@ -40,8 +40,8 @@ def test_dominance_beyond_chance_is_told_with_its_p():
 
 def test_dominance_by_a_few_is_told_to_be_possible_by_chance():
     assert encounters(detecting(9, range(7), range(9))) == (
-        "Y detects every encounter that X detects, and 2 more of 9; so few could come by chance "
-        "(p = 0.5)."
+        "Y detects every encounter that X detects, and 2 more of 9; so small a difference "
+        "may well be chance (p = 0.5)."
     )
 
 
@@ -75,7 +75,7 @@ def test_the_figures_stand_side_by_side_and_are_not_called_significant():
     result = detecting(6, range(6), range(2), alarms_y=3)
     figures = verdict(result)[1]
     assert figures.startswith("X has the higher mean similarity (1.000 to 0.")
-    assert "X has fewer false-alert episodes (0 to 2000 an hour)" in figures
+    assert "X has fewer false-alert episodes (0 to 1 in 2 s)" in figures
     assert figures.endswith("whether these differences are more than chance is not tested.")
 
 
@@ -83,7 +83,7 @@ def test_figures_that_look_the_same_are_not_called_better():
     figures = verdict(detecting(4, range(4), range(4)))[1]
     assert figures.startswith(
         "Both have the same mean similarity (1.000), both have the same saliency (0.00 s), and "
-        "both have the same false-alert episodes (0 an hour);"
+        "both have the same false-alert episodes (0 in 1 s);"
     )
 
 
@@ -114,3 +114,32 @@ def test_every_caveat_is_about_a_finding_that_the_audit_has():
     audit = Path(__file__).resolve().parent.parent / "nvcore" / "audit"
     source = "".join(path.read_text(encoding="utf-8") for path in audit.glob("*.py"))
     assert [code for code in CAVEATS if f'"{code}"' not in source] == []
+
+
+def test_equal_boxes_are_no_comparison():
+    result = detecting(9, range(9), range(3))
+    assert verdict(result, [finding("same-boxes")])[0] == (
+        "Two of the inputs have the same boxes: this is no comparison of two systems."
+    )
+
+
+def test_no_p_is_given_where_encounters_are_single_frames():
+    short = [finding("short-encounters")]
+    assert verdict(detecting(9, range(9), range(3)), short)[0] == (
+        "X detects every encounter that Y detects, and 6 more of 9."
+    )
+    assert verdict(detecting(12, range(11), range(10, 12)), short)[0] == (
+        "Of the 11 encounters that only one system detects, X detects 10 and Y 1."
+    )
+
+
+def test_systems_whose_every_detection_counts_are_told():
+    assert "Every detection of X and Y counts, however low its score." in verdict(
+        detecting(4, range(4), range(4))
+    )
+
+
+def test_a_threshold_ends_that_remark():
+    result = detecting(4, range(4), range(4))
+    both = compare(result.dataset, threshold_x=0.5, threshold_y=0.5)
+    assert not [one for one in verdict(both) if one.startswith("Every detection")]

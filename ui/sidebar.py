@@ -178,6 +178,8 @@ def _thresholds() -> dict[str, Any]:
             help=FIELDS[key].metadata["help"] + " At the left end all count.",
         )  # fmt: skip
         values[key] = None if shown <= low else shown
+        if values[key] is None:
+            st.caption(f"Every detection of {letter.upper()} counts.")
     return values
 
 

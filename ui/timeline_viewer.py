@@ -14,7 +14,7 @@ from ui import state
 from ui.text import number, plain
 from ui.viewer import viewer
 
-HEIGHT_PX = 520
+HEIGHT_PX = 700
 MAX_ROWS = 8
 
 
@@ -109,7 +109,7 @@ def _missed(facts: FrameFacts) -> None:
                 [~missed["found_x"] & ~missed["found_y"], ~missed["found_x"]],
                 ["X and Y", "X"], "Y",
             ),
-            "counts": np.where(missed["is_relevant"], "yes", "too far"),
+            "counts": np.where(missed["is_relevant"], "yes", "no"),
         }
     ).head(MAX_ROWS)  # fmt: skip
     st.dataframe(
@@ -119,7 +119,9 @@ def _missed(facts: FrameFacts) -> None:
             "px": st.column_config.NumberColumn(width=45, help="Height of the box in pixels."),
             "by": st.column_config.TextColumn(width=60, help="Who misses this pedestrian."),
             "counts": st.column_config.TextColumn(
-                width=60, help="Whether the pedestrian is near enough to count for an encounter."
+                width=60,
+                help="Whether the proximity weight is at least 0.5: only then a miss counts in the "
+                "encounters. Similarity weighs all.",
             ),
         },
     )  # fmt: skip

@@ -36,9 +36,8 @@ def serve(script: Path) -> Iterator[str]:
     command += [f"--server.port={port}", "--browser.gatherUsageStats=false"]
     command += ["--server.address=127.0.0.1", "--server.fileWatcherType=none"]
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    server = subprocess.Popen(
-        command, cwd=ROOT, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-    )
+    # what the server logs as an error is shown with the test that failed
+    server = subprocess.Popen(command, cwd=ROOT, env=environment, stdout=subprocess.DEVNULL)
     url = f"http://127.0.0.1:{port}"
     try:
         _wait_for(url, server)

@@ -183,7 +183,7 @@ def test_a_name_longer_than_any_file_has_lies_where_it_would_lie(tmp_path: Path)
 
 
 def test_a_name_longer_than_any_file_has_is_told(tmp_path: Path):
-    with pytest.raises(MediaError, match="cannot be opened .*too long"):
+    with pytest.raises(MediaError, match=r"cannot be opened .*too long"):
         open_pictures(tmp_path / ("a" * 300))
 
 

@@ -36,6 +36,23 @@ def test_every_link_within_the_app_leads_to_a_heading(name: str):
     assert [link for link in links if link[1] not in anchors[link[0] or name]] == []
 
 
+def test_every_link_of_a_page_to_the_metrics_leads_to_a_heading():
+    sources = [
+        path.read_text() for folder in ("ui", "pages") for path in (ROOT / folder).glob("*.py")
+    ]
+    anchors = {section.anchor for section in sections_of("metrics")}
+    links = re.findall(r"docs_link\('[^']+', '([^']+)'\)", "\n".join(sources))
+    assert links
+    assert set(links) <= anchors
+
+
+def test_no_link_begins_at_the_root_of_the_server():
+    """The app may be served below a path."""
+    for folder in ("ui", "pages"):
+        for path in (ROOT / folder).glob("*.py"):
+            assert "](/" not in path.read_text(), path.name
+
+
 @pytest.mark.parametrize("name", PAGES)
 def test_no_link_leads_to_a_file_of_the_repository(name: str):
     text = "\n".join(section.body for section in sections_of(name))

@@ -22,7 +22,7 @@ function showCounts(parts, counts) {
   };
   for (const system of ["x", "y"]) {
     const missed = counts[`missed_${system}`];
-    set(parts[system], `${missed} missed, ${counts[`false_${system}`]} false`);
+    set(parts[system], `${missed} near missed, ${counts[`false_${system}`]} false`);
     parts[system].classList.toggle("misses", missed > 0);
   }
   set(parts.truth, `${counts.truth}, ${counts.relevant} relevant`);

@@ -99,7 +99,8 @@ class Viewer {
     const { width, height } = this.recording;
     const { style } = this.parts.stage;
     style.aspectRatio = `${width} / ${height}`;
-    style.maxHeight = `${this.sent.height_px}px`;
+    // the transport stays in sight below the picture
+    style.maxHeight = `min(${this.sent.height_px}px, max(300px, calc(100vh - 23rem)))`;
   }
 
   // ---- moving about
