@@ -247,3 +247,11 @@ def test_a_path_that_no_file_can_have_is_refused(tmp_path: Path, lines: tuple[st
     with pytest.raises(SessionError, match="expected a path, found one with a NUL") as caught:
         read_session(write(tmp_path / "s.toml", *lines))
     assert str(caught.value).isprintable()
+
+
+def test_the_paths_of_a_session_are_inputs_frame_lists_and_pictures():
+    facts = RecordingFacts("a", frames="a.txt", pictures="a.mp4")
+    session = Session(
+        Path(), Source(("t.csv",)), (SystemSource(("x.csv", "y/*.csv")),), (facts,), frames="0:9"
+    )
+    assert list(session.paths()) == ["t.csv", "x.csv", "y/*.csv", "a.txt", "a.mp4"]

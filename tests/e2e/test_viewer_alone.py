@@ -19,16 +19,23 @@ def address() -> Iterator[str]:
         yield url
 
 
-@pytest.fixture
-def page(browser: sync_api.Browser, address: str) -> Iterator[sync_api.Page]:
+@pytest.fixture(scope="module")
+def window(browser: sync_api.Browser) -> Iterator[sync_api.BrowserContext]:
+    """Kept for all tests: with a full cache the page loads faster."""
     context = browser.new_context(viewport={"width": 1280, "height": 900})
-    opened = context.new_page()
+    yield context
+    context.close()
+
+
+@pytest.fixture
+def page(window: sync_api.BrowserContext, address: str) -> Iterator[sync_api.Page]:
+    opened = window.new_page()
     complaints: list[str] = []
     opened.on("pageerror", lambda error: complaints.append(str(error)))
     opened.goto(address)
     painted(opened, 5)
     yield opened
-    context.close()
+    opened.close()
     assert complaints == []
 
 
