@@ -175,6 +175,10 @@ def _draw_same_point(x: str, y: str) -> None:
         help="Sets the threshold of Y so that it has as many false alarms per frame as X has at "
         "its own threshold. Without it a system that reports more of everything looks better.",
     )
+    if state.params().threshold_x is None and state.score_span(x) is not None:
+        st.caption(
+            "Every detection of X counts now: choose the threshold at which X would be used first."
+        )
     if st.session_state.pop(TOLD, False):
         st.caption(plain(_same_point_text(x, y)))
 

@@ -11,6 +11,7 @@ import streamlit as st
 from nvcore.errors import MissingFactError, NvcoreError
 from nvcore.session import Session
 from ui import state
+from ui.navigate import ask_for_page
 from ui.public import public
 from ui.text import plain
 
@@ -80,6 +81,8 @@ def draw_trouble(place: str) -> None:
             f"Opened: {plain(label)}. What was read, and what to mind, stands above.",
             icon=":material/check_circle:",
         )
+        st.button("See the comparison", type="primary", key=f"see_{place}",
+                  on_click=ask_for_page, args=("overview",))  # fmt: skip
     trouble = trouble_of(place)
     if trouble is not None:
         is_question = bool(trouble.facts)

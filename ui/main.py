@@ -6,7 +6,7 @@ import streamlit as st
 
 from nvcore.errors import NvcoreError
 from ui import sidebar, state
-from ui.navigate import PAGES
+from ui.navigate import PAGES, follow_wish
 from ui.public import shown_error
 
 st.set_page_config(
@@ -30,6 +30,7 @@ page = st.navigation(
 )
 
 try:
+    follow_wish()
     state.begin_run()
     sidebar.draw()
     if page.url_path != "metrics":  # its address may name a section, which writing would drop

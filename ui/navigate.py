@@ -22,6 +22,18 @@ def open_row(row: int) -> NoReturn:
     open_frame(*state.place_of(row))
 
 
+def ask_for_page(name: str) -> None:
+    """Go to a page in the next run: for buttons that are not drawn again."""
+    st.session_state["wanted_page"] = name
+
+
+def follow_wish() -> None:
+    """Go to the page that was asked for, if any."""
+    name = st.session_state.pop("wanted_page", None)
+    if name is not None:
+        open_page(name)
+
+
 def open_page(name: str) -> NoReturn:
     """Go to a page; recording, frame and parameters stay."""
     st.switch_page(str(PAGES / f"{name}.py"))

@@ -110,3 +110,10 @@ def test_every_kind_of_moment_can_be_looked_at(app: AppTest, kind: str):
     app.run()
     assert not app.exception
     assert [one for one in app.button if one.label == "Open frame"]
+
+
+def test_a_page_that_was_asked_for_is_opened(app: AppTest):
+    app.session_state["wanted_page"] = "timeline"
+    app.run()
+    assert not app.exception
+    assert app.title[0].value == "Timeline"
