@@ -36,7 +36,7 @@ chromium:
 	    echo "The browser tests need Chromium: install the package chromium, or set NVCORE_CHROMIUM to the program."; \
 	fi
 
-bench: $(LIBRARY) $(TOOLS) $(MOTMETRICS)
+bench: $(DEVELOP) chromium $(TOOLS) $(MOTMETRICS)
 	$(BIN)/python -m bench.run $(BENCH)
 
 # The virtual environment is made and filled once, and again only when a pinned version changes.

@@ -131,7 +131,7 @@ def open_set(page: Page, url: str) -> float:
     """Open the folder's session file on the Data page; seconds until everything stands there."""
     page.goto(f"{url}/data")
     settle(page)
-    page.get_by_role("tab", name="Local folder").click()
+    page.get_by_role("tab", name="Local folder").click(timeout=60_000)
     button = page.get_by_role("button", name="Open session")
     button.wait_for(timeout=60_000)
     start = perf_counter()

@@ -10,7 +10,7 @@ result = state.result()
 if result is None:
     one_system_only()
 else:
-    overview_scorecard.verdict_box(result, state.findings())
+    verdict = st.container()  # filled last: it waits for the audit
     left, right = st.columns([1.15, 1], gap="large")
     with left:
         overview_scorecard.scorecard(result)
@@ -18,3 +18,5 @@ else:
         overview_venn.draw(result)
     overview_moments.draw(result)
     overview_scorecard.by_recording(result)
+    with verdict:
+        overview_scorecard.verdict_box(result, state.findings())

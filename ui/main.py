@@ -32,11 +32,12 @@ page = st.navigation(
 try:
     follow_wish()
     state.begin_run()
-    sidebar.draw()
+    place = sidebar.draw()
     if page.url_path != "metrics":  # its address may name a section, which writing would drop
         state.write_address()
     if wrong := state.bad_link():
         st.warning(f"The link could not be followed in all: {wrong}.", icon=":material/link_off:")
     page.run()
+    sidebar.draw_proximity(place)
 except NvcoreError as error:
     st.error(shown_error(error), icon=":material/error:")

@@ -7,6 +7,7 @@ from typing import Any, Final
 
 import numpy as np
 import streamlit as st
+from streamlit.delta_generator import DeltaGenerator
 
 from nvcore.errors import ParameterError
 from nvcore.figures.inputs import proximity_plot
@@ -15,6 +16,7 @@ from nvcore.params import MIDPOINT_SHARE, SPREAD_SHARE, Params
 from nvcore.presets import PRESETS
 from ui import state
 from ui.legend import legend
+from ui.text import plain
 
 FIELDS: Final[dict[str, Field[Any]]] = {spec.name: spec for spec in fields(Params)}
 LABELS: Final = {
@@ -56,6 +58,7 @@ CHOICES: Final = {
     "recording": "the recording",
     "encounter": "the encounter",
 }
+OF_PROXIMITY: Final = ("proximity", "midpoint", "spread", "midpoint_m", "spread_m", "horizon")
 MAX_SLIDER: Final = {"lag_s": 5.0, "gap_s": 5.0, "window": 10.0, "recency_spread": 0.5}
 """Ends of sliders where the parameter's own range is wider than anybody moves it."""
 ADVANCED: Final = (
@@ -70,15 +73,21 @@ ADVANCED: Final = (
 KEPT_NUMBERS: Final = 1e-9
 
 
-def draw() -> None:
-    """Draw the sidebar, and make its values the live parameters."""
+def draw() -> DeltaGenerator | None:
+    """Draw the sidebar, and make its values the live parameters.
+
+    Returns
+    -------
+    The place for `draw_proximity`; None where there is nothing to show.
+    """
     with st.sidebar:
         legend()
         _presets()
         values: dict[str, Any] = {}
         values["alpha"] = _slider("alpha")
         values["edge_weight"] = _slider("edge_weight", format="urban %0.2f rural")
-        values |= _proximity()
+        nearness, place = _proximity()
+        values |= nearness
         values |= _thresholds()
         with st.expander("Advanced"):
             for title, names in ADVANCED:
@@ -90,7 +99,8 @@ def draw() -> None:
     try:
         st.session_state["params"] = Params(**{**_others(), **values})
     except ParameterError as error:
-        st.error(f"{error}. The last settings that worked stay in use.")
+        st.error(f"{plain(error)}. The last settings that worked stay in use.")
+    return place
 
 
 def _others() -> dict[str, Any]:
@@ -116,7 +126,7 @@ def _presets() -> None:
             st.rerun()
 
 
-def _proximity() -> dict[str, Any]:
+def _proximity() -> tuple[dict[str, Any], DeltaGenerator | None]:
     kind = _widget("proximity")
     values = {"proximity": kind}
     if kind == "horizon":
@@ -140,20 +150,22 @@ def _proximity() -> dict[str, Any]:
         values["spread_m"] = _number_slider(
             "spread_m", low=0.5, high=40.0, value=state.session_params().spread_m, step=0.5
         )
-    if kind != "none":
-        space = state.workspace()
-        assert space.dataset is not None
-        try:
-            shown_params = Params(**{"horizon": state.session_params().horizon, **values})
-        except ParameterError:
-            return values
-        dataset, theme = space.dataset, state.theme()
-        figure = space.keep(  # it stays while other sliders move
-            "proximity_plot", (shown_params, theme),
-            lambda: proximity_plot(dataset, shown_params, theme=theme), most=8,
-        )  # fmt: skip
-        st.plotly_chart(figure, theme=None, config=CONFIG, key="proximity_plot")
-    return values
+    return values, None if kind == "none" else st.container()
+
+
+def draw_proximity(place: DeltaGenerator | None) -> None:
+    """The weight over the pedestrians' heights; drawn last, since nothing waits for it."""
+    if place is None:
+        return
+    space, settings, theme = state.workspace(), state.params(), state.theme()
+    dataset = space.dataset
+    assert dataset is not None
+    shown = Params(**{name: getattr(settings, name) for name in OF_PROXIMITY})
+    figure = space.keep(  # it stays while other sliders move
+        "proximity_plot", (shown, theme), lambda: proximity_plot(dataset, shown, theme=theme),
+        most=8,
+    )  # fmt: skip
+    place.plotly_chart(figure, theme=None, config=CONFIG, key="proximity_plot")
 
 
 def _thresholds() -> dict[str, Any]:

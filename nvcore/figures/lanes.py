@@ -27,7 +27,8 @@ from nvcore.tables import sides
 MAX_LANES: Final = 200
 """Encounters drawn: those that are missed longest."""
 MAX_CLICKS: Final = 1500
-"""Places that can be clicked, over all lanes."""
+"""Places that can be clicked, over all lanes; the browser draws a marker for each."""
+MIN_CLICKS_LANE: Final = 20
 MAX_CLICKS_LANE: Final = 120
 MAX_BARS: Final = 3000
 PIXELS: Final = 4000
@@ -164,7 +165,7 @@ def _bars(
 
 def _clicks(result: Result, runs: pd.DataFrame, n_lanes: int) -> go.Scatter:
     """Invisible markers along every lane; each knows its frame and what both systems did there."""
-    each = min(MAX_CLICKS // n_lanes, MAX_CLICKS_LANE)
+    each = min(max(MAX_CLICKS // n_lanes, MIN_CLICKS_LANE), MAX_CLICKS_LANE)
     ends = runs.groupby("lane").agg(
         first=("first_row", "min"), last=("last_row", "max"), encounter=("encounter", "first")
     )

@@ -104,6 +104,8 @@ def themed(request, person, app) -> Iterator[Visit]:
 @pytest.mark.parametrize("title", TITLES)
 def test_a_page_has_no_serious_accessibility_fault(themed, title):
     themed.switch_to(title)
+    if title == "Timeline":
+        themed.shows(0)
     found = Axe().run(themed.page).response
     faults = [
         f"{rule['impact']} {rule['id']}: {node['html'][:200]} {node['failureSummary']}"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import pytest
 import viewer_scene as scene
@@ -19,15 +20,22 @@ def files(tmp_path_factory) -> Sent:
     return write_files(tmp_path_factory.mktemp("sent"))
 
 
+def send_annotations(one: Visit, key: str, path: Path) -> None:
+    """Choose a file in the field with this key, and wait until it has arrived."""
+    field = one.keyed(key)
+    with one.page.expect_response(re.compile("/_stcore/upload_file/")):
+        field.locator("input[type=file]").set_input_files(path)
+    expect(field.get_by_text(path.name)).to_be_visible()
+    expect(field.get_by_role("progressbar")).to_have_count(0)
+
+
 def send(one: Visit, files: Sent) -> None:
     """Upload all files and answer what the app asks."""
     one.page.get_by_role("tab", name="Upload").click()
     for key, path in (
         ("upload_truth", files.truth), ("upload_system_0", files.x), ("upload_system_1", files.y),
     ):  # fmt: skip
-        field = one.keyed(key)
-        field.locator("input[type=file]").set_input_files(path)
-        expect(field.get_by_text(path.name)).to_be_visible()
+        send_annotations(one, key, path)
     one.keyed("upload_pictures").locator("input[type=file]").set_input_files(files.video)
     expect(one.page.get_by_text(f"Here: {files.video.name}")).to_be_visible()
     one.page.get_by_role("button", name="Open these files").click()
@@ -96,8 +104,7 @@ def test_a_picture_named_csv_is_refused_in_words_and_the_sample_stays(visit, fil
     one: Visit = visit("data")
     one.page.get_by_role("tab", name="Upload").click()
     for key, path in (("upload_truth", wrong), ("upload_system_0", files.x)):
-        one.keyed(key).locator("input[type=file]").set_input_files(path)
-        expect(one.keyed(key).get_by_text(path.name)).to_be_visible()
+        send_annotations(one, key, path)
     one.page.get_by_role("button", name="Open these files").click()
     alert = one.page.get_by_role("alert").filter(has_text="truth.csv")
     expect(alert).to_be_visible()

@@ -89,7 +89,7 @@ function makeControls(actions) {
     parts[layer] = legendButton(layer, () => actions.toggle(layer));
     parts.legend.append(parts[layer]);
   }
-  parts.picture = make("canvas", { class: "picture", role: "img" });
+  parts.picture = make("canvas", { class: "picture", role: "img", "aria-label": "Loading" });
   parts.message = make("div", { class: "message", hidden: "" });
   parts.stage = make("div", { class: "stage" }, [parts.picture, parts.message]);
   parts.strip = make("canvas", { class: "strip", role: "slider", "aria-label": "Position in the recording" });
