@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import Field, fields
 from typing import Any, Final
 
@@ -139,7 +140,7 @@ def _proximity() -> tuple[dict[str, Any], DeltaGenerator | None]:
         for name, default in (("midpoint", _default_midpoint()), ("spread", _default_spread())):
             end = 0.5 * height if name == "midpoint" else 0.15 * height
             shown = _number_slider(name, low=1.0 if name == "spread" else 0.0, high=end,
-                                   value=default, step=1.0)  # fmt: skip
+                                   value=default, step=0.1)  # fmt: skip
             given = getattr(state.session_params(), name)
             is_default = given is None and abs(shown - default) < KEPT_NUMBERS
             values[name] = None if is_default else shown
@@ -182,11 +183,13 @@ def _thresholds() -> dict[str, Any]:
             st.caption(f"{letter.upper()} has no scores: every detection counts.")
             values[key] = getattr(state.session_params(), key)
             continue
-        low, high = span
+        step = _step(span[1] - span[0])
+        low = math.floor(span[0] / step) * step  # so that round values lie on the slider's steps
+        high = span[1]
         given = getattr(state.session_params(), key)
         start = low if given is None else given
         shown = _number_slider(
-            key, low=low, high=high, value=start, step=_step(high - low),
+            key, low=low, high=high, value=start, step=step,
             help=FIELDS[key].metadata["help"] + " At the left end all count.",
         )  # fmt: skip
         values[key] = None if shown <= low else shown
