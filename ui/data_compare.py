@@ -22,7 +22,6 @@ from ui import state
 from ui.opening import with_systems
 from ui.text import number, plain
 
-WANTED: Final = "thresholds_wanted"
 TOLD: Final = "same_point_told"
 """Whether the point is to be told in this run."""
 MOST_KEPT: Final = 32
@@ -31,7 +30,6 @@ MOST_KEPT: Final = 32
 
 def draw() -> None:
     """Choice of X and Y, then one column for each."""
-    _insist()
     st.header("Compare")
     _draw_choice()
     x, y = state.systems()
@@ -148,21 +146,7 @@ def _set_threshold(letter: str, name: str, threshold: float | None) -> None:
     if span is not None:
         low = span[0]
         at = low if threshold is None else max(threshold, low)
-        wanted = st.session_state.setdefault(WANTED, {})
-        wanted[f"threshold_{letter}"] = at
-        state.set_params(**wanted)
-
-
-def _insist() -> None:
-    """Set thresholds a second time where the page's address overruled them.
-
-    With another system a slider has another range, which makes it a new one for Streamlit; a new
-    one takes its value from the address, once.
-    """
-    wanted = st.session_state.pop(WANTED, {})
-    if any(st.session_state.get(key) != value for key, value in wanted.items()):
-        state.set_params(**wanted)
-        st.rerun()
+        state.set_params(**{f"threshold_{letter}": at})
 
 
 def _draw_same_point(x: str, y: str) -> None:

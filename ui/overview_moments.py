@@ -13,6 +13,7 @@ from nvcore.media.annotate import LAYERS, annotate
 from nvcore.moments import worst_moments
 from ui import state
 from ui.navigate import open_row
+from ui.pictures import picture_of
 from ui.text import plain
 
 KINDS: Final = {
@@ -63,12 +64,10 @@ def _moment(result: Result, kind: str, title: str, moment: dict[str, Any]) -> No
 
 
 def _thumbnail(result: Result, recording: int, in_recording: int, row: int) -> bytes | None:
-    space = state.workspace()
-    pictures = space.pictures.get(recording)
-    index = space.picture_rows.get(recording)
-    if pictures is None or index is None or index[in_recording] < 0:
+    pictures, index = picture_of(state.workspace(), recording, in_recording)
+    if pictures is None or index < 0:
         return None
-    return state.thumbnail(row, lambda: _draw(result, pictures, row, int(index[in_recording])))
+    return state.thumbnail(row, lambda: _draw(result, pictures, row, index))
 
 
 def _draw(result: Result, pictures: Pictures, row: int, index: int) -> bytes:

@@ -192,7 +192,7 @@ def _thresholds() -> dict[str, Any]:
             key, low=low, high=high, value=start, step=step,
             help=FIELDS[key].metadata["help"] + " At the left end all count.",
         )  # fmt: skip
-        values[key] = None if shown <= low else shown
+        values[key] = None if shown <= span[0] else shown
         if values[key] is None:
             st.caption(f"Every detection of {letter.upper()} counts.")
     return values
