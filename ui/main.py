@@ -5,7 +5,7 @@ from __future__ import annotations
 import streamlit as st
 
 from nvcore.errors import NvcoreError
-from ui import sidebar, state
+from ui import live_params, sidebar, state
 from ui.navigate import PAGES, follow_wish
 from ui.public import shown_error
 
@@ -29,15 +29,17 @@ page = st.navigation(
     position="top",
 )
 
+wrong_params = None
 try:
     follow_wish()
     state.begin_run()
-    place = sidebar.draw()
+    wrong_params = live_params.read()
     if page.url_path != "metrics":  # its address may name a section, which writing would drop
         state.write_address()
     if wrong := state.bad_link():
         st.warning(f"The link could not be followed in all: {wrong}.", icon=":material/link_off:")
     page.run()
-    sidebar.draw_proximity(place)
 except NvcoreError as error:
     st.error(shown_error(error), icon=":material/error:")
+if wrong_params is not None:  # something is open
+    sidebar.draw(wrong_params)

@@ -26,8 +26,6 @@ def draw_all(result: Result) -> None:
     if settled != state.row():
         state.settle(state.recording(), settled)
     cursor = state.row_in_all()
-    with right:
-        timeline_viewer.panel(result, cursor)
     upright = st.toggle(
         "Time upwards, X left and Y right", key="upright", persist_state="session",
         help="The plot as in the paper's figure 8: the middle is perfect.",
@@ -39,6 +37,8 @@ def draw_all(result: Result) -> None:
         ),
         "time_plot",
     )  # fmt: skip
+    with right:  # after the plot, which one waits for while a slider moves
+        timeline_viewer.panel(result, cursor)
     st.caption(
         "Thin: similarity of each frame, 1 is best. Thick: moving mean. Filled: low intervals. "
         "Marks above: saliency events. Click to see the frame "
