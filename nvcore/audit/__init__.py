@@ -6,7 +6,7 @@ import numpy as np
 
 from nvcore.audit.agreement import find_disagreement, match_pair
 from nvcore.audit.boxes import audit_doubles, audit_geometry, audit_tracks
-from nvcore.audit.cases import Audited, audited_systems, audited_truth
+from nvcore.audit.cases import Audited, audited_system, audited_systems, audited_truth
 from nvcore.audit.coverage import audit_system_coverage, audit_truth_coverage
 from nvcore.audit.facts import audit_fps, audit_frame_list, audit_size
 from nvcore.audit.operating_points import audit_operating_points
@@ -64,36 +64,83 @@ def audit(
     """
     params = params or Params()
     names = _compared(dataset, x, y)
-    thresholds = dict(zip(names, (params.threshold_x, params.threshold_y), strict=False))
+    findings = [*audit_inputs(dataset)]
+    for system in dataset.systems:
+        threshold, letter = _role(system, names, params)
+        findings += audit_system(dataset, system, threshold, letter=letter)
+    findings += audit_pair(dataset, params, x=x, y=y)
+    return worst_first(findings)
+
+
+def audit_inputs(dataset: Dataset) -> tuple[Finding, ...]:
+    """The part of `audit` that depends on no setting: readers' findings, frames, boxes, scores."""
     truth = audited_truth(dataset)
-    systems = audited_systems(dataset)
     findings = [*dataset.findings, *audit_left_out(dataset)]
     findings += [*audit_truth_coverage(dataset), *_audit_boxes(truth), *audit_tracks(truth)]
     findings += [*audit_size(dataset), *audit_fps(dataset), *audit_frame_list(dataset)]
-    findings += audit_encounter_lengths(dataset, params)
-    counting = {}
-    for system in systems:
-        letter = "xy"[names.index(system.name)] if system.name in names else ""
-        threshold = thresholds.get(system.name)
+    for system in audited_systems(dataset):
         findings += [*audit_system_coverage(system), *_audit_boxes(system), *audit_scores(system)]
-        findings += audit_threshold(system, threshold, flag=f"--threshold-{letter}")
         findings += audit_same_as_truth(system)
-        counting[system.name] = above_threshold(system.boxes, threshold)
-        findings += find_offsets(system, counting[system.name], letter=letter)
-    if len(names) == 2 and names[0] != names[1]:
-        by_name = {system.name: system for system in systems}
-        one, other = (by_name[name] for name in names)
-        findings += audit_weighting(truth, one, other, params)
-        findings += audit_same_systems(one, other, (counting[one.name], counting[other.name]))
-        if np.any(~dataset.truth.ignore):
-            matches = match_pair(dataset, one, other, params)
-            findings += find_disagreement(dataset, one, other, matches)
-            findings += audit_operating_points(one, other, matches, params)
-    return worst_first(findings)
+    return tuple(findings)
+
+
+def audit_system(
+    dataset: Dataset, name: str, threshold: float | None, *, letter: str = ""
+) -> tuple[Finding, ...]:
+    """The part of `audit` that depends on one system's threshold: what it leaves, and offsets.
+
+    Parameters
+    ----------
+    name
+        Of the system.
+    threshold
+        Lowest score that counts; None: every detection counts.
+    letter
+        ``x`` or ``y`` where it is one of the compared systems: its flags are named.
+    """
+    system = audited_system(dataset, name)
+    counting = above_threshold(system.boxes, threshold)
+    return (
+        *audit_threshold(system, threshold, flag=f"--threshold-{letter}"),
+        *find_offsets(system, counting, letter=letter),
+    )
+
+
+def audit_pair(
+    dataset: Dataset, params: Params, *, x: str | None = None, y: str | None = None
+) -> tuple[Finding, ...]:
+    """The part of `audit` that depends on the settings and on both systems."""
+    names = _compared(dataset, x, y)
+    findings = [*audit_encounter_lengths(dataset, params)]
+    if len(names) < 2 or names[0] == names[1]:
+        return tuple(findings)
+    one, other = (audited_system(dataset, name) for name in names)
+    findings += audit_weighting(audited_truth(dataset), one, other, params)
+    thresholds = params.threshold_x, params.threshold_y
+    counting = tuple(
+        above_threshold(system.boxes, threshold)
+        for system, threshold in zip((one, other), thresholds, strict=True)
+    )
+    findings += audit_same_systems(one, other, counting)
+    if np.any(~dataset.truth.ignore):
+        matches = match_pair(dataset, one, other, params)
+        findings += find_disagreement(dataset, one, other, matches)
+        findings += audit_operating_points(one, other, matches, params)
+    return tuple(findings)
 
 
 def _audit_boxes(audited: Audited) -> list[Finding]:
     return [*audit_geometry(audited), *audit_doubles(audited)]
+
+
+def _role(system: str, names: list[str], params: Params) -> tuple[float | None, str]:
+    """Threshold and letter of a system; that of X where one system is compared with itself."""
+    for name, threshold, letter in zip(
+        names, (params.threshold_x, params.threshold_y), "xy", strict=False
+    ):
+        if name == system:
+            return threshold, letter
+    return None, ""
 
 
 def _compared(dataset: Dataset, x: str | None, y: str | None) -> list[str]:

@@ -87,7 +87,12 @@ def audited_truth(dataset: Dataset) -> Audited:
 
 def audited_systems(dataset: Dataset) -> list[Audited]:
     """All systems, in the order of the dataset."""
-    return [Audited(dataset, name, False, dataset.system(name)) for name in dataset.systems]
+    return [audited_system(dataset, name) for name in dataset.systems]
+
+
+def audited_system(dataset: Dataset, name: str) -> Audited:
+    """One system, by its name."""
+    return Audited(dataset, name, False, dataset.system(name))
 
 
 def file_name(dataset: Dataset, file: int, line: int) -> str:
