@@ -28,7 +28,7 @@ N_MOMENTS: Final = 4
 
 def draw(result: Result) -> None:
     """A row of moments for each kind; a button opens the frame."""
-    st.subheader("Moments to look at")
+    st.header("Moments to look at")
     st.caption(
         "The stretches of low similarity that weigh most, and those in which the systems differ "
         "most. The picture is the worst frame: pedestrians white, X solid blue, Y dashed orange."

@@ -27,7 +27,7 @@ def verdict_box(result: Result, findings: Sequence[Finding]) -> None:
     sentences = verdict(result, findings)
     grave = [one for one in findings if one.severity is not Severity.NOTE]
     with st.container(border=True, key="verdict"):
-        st.markdown(f"#### {plain(sentences[0])}")
+        st.markdown(f"## {plain(sentences[0])}")
         if len(sentences) > 1:
             st.markdown(plain(" ".join(sentences[1 : len(sentences) - bool(grave)])))
         if grave:
@@ -51,7 +51,7 @@ def _extent(result: Result) -> str:
 
 def scorecard(result: Result) -> None:
     """Every figure of X beside that of Y, the difference, and which way is better."""
-    st.subheader("Scorecard")
+    st.header("Scorecard")
     st.dataframe(
         _shown(score_rows(result)), hide_index=True, key="scorecard", height="content",
         column_config=_columns("figure"), row_height=30,
@@ -97,7 +97,7 @@ def _columns(first: str) -> dict[str, object]:
 
 def by_recording(result: Result) -> None:
     """Mean similarity of each recording as paired points; a click opens it."""
-    st.subheader("By recording")
+    st.header("By recording")
     table = recordings_table(result)
     chosen = st.plotly_chart(
         recordings_plot(table, (result.x.name, result.y.name), theme=state.theme()),

@@ -13,7 +13,7 @@ from ui.navigate import open_page
 
 def draw(result: Result) -> None:
     """The diagram, and the same by buttons for those who do not click in pictures."""
-    st.subheader("Who detects whom")
+    st.header("Who detects whom")
     chosen = st.plotly_chart(
         venn_figure(result.venn, (result.x.name, result.y.name), theme=state.theme()),
         theme=None, config=CONFIG, key="venn", on_select="rerun", selection_mode="points",
