@@ -41,12 +41,14 @@ bench: $(DEVELOP) chromium $(TOOLS) $(MOTMETRICS)
 
 # The virtual environment is made and filled once, and again only when a pinned version changes.
 $(LIBRARY): requirements.txt pyproject.toml
+	@echo "Installing into .venv: about a minute, once."
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements.txt
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps -e .
 	touch $@
 
 $(DEVELOP): $(LIBRARY) requirements-dev.txt
+	@echo "Installing what the tests need."
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements-dev.txt
 	touch $@
 

@@ -13,7 +13,7 @@ def draw_events() -> None:
     saliency_events.open_asked()
     result = state.result()
     saliency_figures.draw_recordings(result)
-    st.subheader("Events")
+    st.header("Events")
     recording = saliency_events.choose_recording()
     saliency_figures.draw_events(result, recording)
     saliency_events.draw_table(result, recording)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
+
 import pytest
 
 from nvcore.params import Params
@@ -11,7 +13,8 @@ from nvcore.presets import PRESETS
 @pytest.mark.parametrize("preset", PRESETS, ids=lambda preset: preset.name)
 @pytest.mark.parametrize("height", [None, 480.0])
 def test_a_preset_makes_valid_parameters(preset, height):
-    Params(**preset.values(height))
+    values = preset.values(height)
+    assert asdict(Params(**values)).items() >= values.items()
 
 
 def test_the_paper_is_the_default():

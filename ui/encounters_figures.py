@@ -60,7 +60,7 @@ def _choose_class() -> None:
 
 def draw_exclusivity(result: Result) -> None:
     """Whether both miss the same pedestrians: in words, and class against class."""
-    st.subheader("Do X and Y miss the same pedestrians?")
+    st.header("Do X and Y miss the same pedestrians?")
     st.markdown("\n".join(f"- {one}" for one in describe_misses(result)))
     st.caption(
         f"{docs_link('Jaccard index', 'exclusivity')}: share of all misses that both have, 0 to "
@@ -77,7 +77,8 @@ def draw_exclusivity(result: Result) -> None:
 
 def _class_table(result: Result) -> pd.DataFrame:
     counts = miss_class_totals(result)
-    counts.index = pd.Index([f"X {_class_name(kind)}" for kind in counts.index])
+    names = [f"X {_class_name(kind)}" for kind in counts.index]
+    counts.index = pd.Index(names, name="Miss class")
     return counts.rename(columns={kind: f"Y {_class_name(kind)}" for kind in counts})
 
 
@@ -99,7 +100,7 @@ def _choose_pair() -> None:
 
 def draw_fusion(result: Result) -> None:
     """What ``X or Y`` and ``X and Y`` would gain and cost."""
-    st.subheader("What would a fusion bring?")
+    st.header("What would a fusion bring?")
     st.caption(
         f"{docs_link('Fusion', 'fusion')}: \u201cX or Y\u201d shows what either detects, \u201cX "
         "and Y\u201d what both detect. A false-alert episode is a run of false alarms that a "

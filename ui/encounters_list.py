@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import partial
 from typing import Any, Final
 
+import numpy as np
 import pandas as pd
 import streamlit as st
 
@@ -12,7 +13,7 @@ from nvcore.analysis import Result
 from nvcore.encounter_moments import encounter_moments
 from nvcore.figures.encounters import position_map
 from nvcore.figures.style import CONFIG
-from nvcore.schema import CATEGORY_TEXT, Category
+from nvcore.schema import CATEGORY_TEXT, Category, MissClass
 from ui import encounters_picture, state
 from ui.clicks import clicked_point, clicked_row
 from ui.navigate import open_row
@@ -28,9 +29,14 @@ from ui.text import UNDEFINED, number, plain
 
 FIRST_COLUMNS: Final = (
     "recording", "track", "category", "miss_class_x", "miss_class_y", "coverage_x", "coverage_y",
-    "lag_s_x", "lag_s_y", "lead_time_s", "peak_height", "lateral_position", "aspect_z",
+    "lead_time_s", "peak_height", "lateral_position",
 )  # fmt: skip
-"""What most people look for; the other columns follow."""
+"""What most people look for, as many as stand side by side in a small window."""
+ORDER: Final = (
+    "First come the pedestrians that a system does not detect, then those that it detects late or "
+    "loses, then those without failure; distant ones are last. In each of these groups the "
+    "tallest, so the nearest, are on top. Click a heading to sort by it."
+)
 CHOSEN: Final = "encounters_chosen"
 
 
@@ -55,17 +61,40 @@ def draw(result: Result, encounters: pd.DataFrame) -> None:
 
 def _draw_table(encounters: pd.DataFrame) -> None:
     rest = [name for name in encounters if name not in FIRST_COLUMNS]
-    shown = as_shown(encounters[[*FIRST_COLUMNS, *rest]].head(MOST_ROWS))
+    shown = as_shown(by_weight(encounters)[[*FIRST_COLUMNS, *rest]].head(MOST_ROWS))
+    left, right = st.columns([5, 1], vertical_alignment="bottom")
+    left.caption(ORDER)
+    has_all = right.toggle(
+        "All columns", key="encounters_columns", persist_state="session",
+        help="Also lag, gap, tail, frames, pose and more, to the right.",
+    )  # fmt: skip
     # other rows, other table: a selection must not slip to another pedestrian
     key = f"encounters_table_{hash(tuple(shown.index))}"
     st.dataframe(
         shown, hide_index=True, column_config=column_config("encounters.csv"),
         height=table_height(len(shown)), placeholder=UNDEFINED, key=key,
+        column_order=None if has_all else FIRST_COLUMNS,
         selection_mode=("single-row", "single-cell"),
         on_select=partial(_choose_row, key, shown.index),
     )  # fmt: skip
     if told := rows_told(len(encounters), "first"):
         st.caption(f"{told} The filters choose among all.")
+
+
+def by_weight(encounters: pd.DataFrame) -> pd.DataFrame:
+    """The rows in the order of `ORDER`, with their index."""
+    classes = encounters[["miss_class_x", "miss_class_y"]]
+    is_failure = (classes.notna() & (classes != MissClass.NONE)).any(axis=1)
+    group = np.select(
+        [
+            encounters["category"] == Category.DISTANT,
+            encounters["category"] != Category.BOTH,
+            is_failure,
+        ],
+        [3, 0, 1], 2,
+    )  # fmt: skip
+    height = encounters["peak_height"].to_numpy(dtype=float)
+    return encounters.iloc[np.lexsort((-height, group))]
 
 
 def _choose_row(key: str, index: pd.Index) -> None:
@@ -108,7 +137,7 @@ def _draw_chosen(result: Result, encounters: pd.DataFrame) -> None:
         )
         return
     row = encounters.loc[chosen]
-    st.subheader(f"Pedestrian {row['track']} in {plain(row['recording'])}")
+    st.header(f"Pedestrian {row['track']} in {plain(row['recording'])}")
     st.markdown(CATEGORY_TEXT[Category(row["category"])])
     moments = encounter_moments(result).iloc[chosen]
     encounters_picture.draw(result, chosen, int(moments["shown_row"]))
@@ -134,7 +163,7 @@ def _both(row: pd.Series[Any]) -> pd.DataFrame:
             "Longest gap": _seconds(row[f"gap_s_{letter}"]),
             "Tail": _seconds(row[f"tail_s_{letter}"]),
         }
-    return pd.DataFrame(columns)
+    return pd.DataFrame(columns).rename_axis("Figure")
 
 
 def _seconds(value: float) -> str:

@@ -19,7 +19,7 @@ LAYERS: Final = {"truth": "Truth", "x": "X", "y": "Y"}
 
 def choose_frame(result: Result) -> bool:
     """Recording and frame of everything below; whether there is a frame at all."""
-    st.subheader("Frame as picture")
+    st.header("Frame as picture")
     if not len(result.dataset.frames):
         st.info("There is no evaluated frame. Check the frame list on the Data page.")
         return False

@@ -27,7 +27,7 @@ INCOMPLETE: Final = (
 
 def draw() -> None:
     """The link, to be copied, and what it cannot do."""
-    st.subheader("Link")
+    st.header("Link")
     place = st.segmented_control(
         "It opens the", list(PLACES), default="timeline", format_func=PLACES.__getitem__,
         required=True, key="export_place",

@@ -50,7 +50,7 @@ class _Report:
 def draw(result: Result) -> None:
     """Downloads of everything, of single files, and what their columns mean."""
     report = _report(result)
-    st.subheader("Report")
+    st.header("Report")
     st.markdown(
         "The files that `nvcore compare --out` writes, with the parameters in the sidebar. "
         "[What they hold](metrics?doc=report)."

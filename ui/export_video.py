@@ -58,7 +58,7 @@ class Interval:
 
 def draw(result: Result) -> None:
     """The form, or how far the video is."""
-    st.subheader("Interval as video")
+    st.header("Interval as video")
     job: VideoJob | None = st.session_state.get(JOB)
     if job is not None and not job.is_wanted():  # something else was opened meanwhile
         _discard()

@@ -1,8 +1,10 @@
 """What the browser fetches and sends beside the page: frames, boxes, uploads of pictures.
 
 Routes run outside the session, so a workspace's token in the address is their guard: without the
-token of a living session everything is "not found". No address holds a path of the machine.
+token of a living session everything is "not found". No address holds a path of the machine. All
+lie below the app's base path (``server.baseUrlPath``), where it has one.
 
+    GET /overview                                    the page that the app opens on
     GET /nv/TOKEN/frame/RECORDING/ROW.jpg?lo=&hi=    picture of a row of a recording
     GET /nv/TOKEN/boxes/RECORDING/CHUNK?v=           boxes of 1024 rows (nvcore.box_states)
     PUT /nv/TOKEN/upload/SLOT?name=                  one file of pictures, or a video
@@ -15,9 +17,10 @@ from http import HTTPStatus
 from typing import Final
 from urllib.parse import urlsplit
 
+import streamlit as st
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
-from starlette.responses import JSONResponse, PlainTextResponse, Response
+from starlette.responses import JSONResponse, PlainTextResponse, RedirectResponse, Response
 from starlette.routing import Route
 
 from nvcore.box_states import pack_boxes
@@ -107,18 +110,36 @@ async def upload(request: Request) -> Response:
     )
 
 
-ROUTES: Final = [
-    Route("/nv/{token}/frame/{recording}/{row}.jpg", frame, methods=["GET"]),
-    Route("/nv/{token}/boxes/{recording}/{chunk}", boxes, methods=["GET"]),
-    Route("/nv/{token}/upload/{slot}", upload, methods=["PUT"]),
-]
-"""For ``st.App(routes=...)``."""
+async def overview(request: Request) -> Response:
+    """The Overview under its own name: Streamlit knows the page that it opens on as ``/`` only."""
+    query = request.url.query
+    # relative, so that it holds behind any path
+    return RedirectResponse(f"./{'?' if query else ''}{query}", headers=_headers(NOT_KEPT))
+
+
+def _prefix(base: str) -> str:
+    base = base.strip("/")
+    return f"/{base}" if base else ""
+
+
+def routes_below(base: str) -> list[Route]:
+    """All routes, for an app that is served below the path `base`; empty: at the top."""
+    start = _prefix(base)
+    return [
+        Route(f"{start}/overview", overview, methods=["GET"]),
+        Route(f"{start}/nv/{{token}}/frame/{{recording}}/{{row}}.jpg", frame, methods=["GET"]),
+        Route(f"{start}/nv/{{token}}/boxes/{{recording}}/{{chunk}}", boxes, methods=["GET"]),
+        Route(f"{start}/nv/{{token}}/upload/{{slot}}", upload, methods=["PUT"]),
+    ]
+
+
+ROUTES: Final = routes_below(st.get_option("server.baseUrlPath") or "")
+"""For ``st.App(routes=...)``, which does not put the base path before them by itself."""
 
 
 def address(space: Workspace, base: str = "") -> str:
     """Start of the addresses of a workspace's routes, after the app's base path."""
-    base = base.strip("/")
-    return f"{'/' + base if base else ''}/nv/{space.token}"
+    return f"{_prefix(base)}/nv/{space.token}"
 
 
 def _index(request: Request, name: str) -> int:

@@ -20,7 +20,8 @@ HEADINGS: Final = {
     "gap_s": "gap (s)",
     "tail_s": "tail (s)",
     "lead_time_s": "Lead of X (s)",
-    "peak_height": "Largest height (px)",
+    "peak_height": "Height (px)",
+    "lateral_position": "Position",
     "peak_k": "Largest k",
     "aspect_ratio": "Height / width",
     "aspect_z": "Pose z-score",
@@ -36,6 +37,17 @@ PERCENT: Final = frozenset({"coverage", "occluded_share", "tau"})
 SIGNED: Final = frozenset({"lead_time_s", "lateral_position", "aspect_z"})
 CATEGORY_WORDS: Final = {kind.value: text for kind, text in WORDS.items()}
 MISS_WORDS: Final = {kind.value: text for kind, text in CLASS_WORDS.items()}
+WIDTHS: Final = {
+    "recording": 124,
+    "track": 80,
+    "category": 72,
+    "miss_class": 90,
+    "coverage": 85,
+    "lead_time_s": 92,
+    "peak_height": 82,
+    "lateral_position": 70,
+}
+"""Of columns that stand side by side in a window of 1280, px; the others are as wide as needed."""
 MOST_ROWS: Final = 5000
 """Rows of a table that are sent to the browser; more would slow down every change."""
 LINE_PX: Final = 35
@@ -107,14 +119,16 @@ def _config(column: Column) -> Any:
     if column.better:
         text += " Higher is better." if column.better == "high" else " Lower is better."
     label = heading(column.name)
-    pinned = column.name in ("recording", "track")
+    pinned, width = column.name in ("recording", "track"), WIDTHS.get(base)
     if column.kind is Kind.TRUTH_VALUE:
         return st.column_config.CheckboxColumn(label, help=text)
     if column.kind is Kind.TEXT:
-        return st.column_config.TextColumn(label, help=text, pinned=pinned)
+        return st.column_config.TextColumn(label, width=width, help=text, pinned=pinned)
     if column.kind is Kind.INTEGER:
-        return st.column_config.NumberColumn(label, help=text, pinned=pinned, format="%d")
+        return st.column_config.NumberColumn(
+            label, width=width, help=text, pinned=pinned, format="%d"
+        )
     if base in PERCENT:
-        return st.column_config.NumberColumn(label, help=text, format="%.0f %%")
+        return st.column_config.NumberColumn(label, width=width, help=text, format="%.0f %%")
     form = "%+.2f" if base in SIGNED else "%.0f" if base == "peak_height" else "%.2f"
-    return st.column_config.NumberColumn(label, help=text, format=form)
+    return st.column_config.NumberColumn(label, width=width, help=text, format=form)

@@ -25,6 +25,8 @@ from nvcore.palette import Theme
 MAX_RECORDINGS: Final = 40
 """Recordings drawn: those with the largest differences."""
 ROW_PX: Final = 24
+MARGIN: Final = 0.03
+"""Room beside the points, as a share of the axis."""
 
 
 def paired_points(
@@ -36,6 +38,7 @@ def paired_points(
     title: str,
     axis_title: str,
     higher_is_better: bool,
+    least_range: tuple[float, float],
 ) -> go.Figure:
     """X and Y joined by a line for each recording; `customdata` is the recording's row.
 
@@ -47,6 +50,8 @@ def paired_points(
         `nvcore.tables.recordings_table`, or rows of it with the same index.
     column
         Name of the figure without the system, such as "mean_similarity".
+    least_range
+        What the axis shows at least, so that a small difference looks small.
     """
     x, y = (recordings[f"{column}_{letter}"].to_numpy(dtype=float) for letter in "xy")
     known = np.flatnonzero(np.isfinite(x) & np.isfinite(y))
@@ -62,6 +67,9 @@ def paired_points(
         f"{label}<br>X {one:.3f}   Y {other:.3f}   X − Y {one - other:+.3f}"
         for label, one, other in zip(labels, x[chosen], y[chosen], strict=True)
     ]
+    values = np.concatenate([x[chosen], y[chosen]])
+    low, high = min(least_range[0], values.min()), max(least_range[1], values.max())
+    margin = MARGIN * (high - low)
     look = LOOK[theme]
     nan = np.full(len(chosen), np.nan)
     traces = [
@@ -93,15 +101,17 @@ def paired_points(
     said = count_text(len(known), "recording")
     if len(known) > len(chosen):
         said += f", the {len(chosen)} with the largest differences drawn"
+    if len(chosen) > 1:
+        said += "; on top those where X is better"
     return go.Figure(
         traces,
         layout(
             theme,
             title=title,
-            subtitle=f"{said}; on top those where X is better",
+            subtitle=said,
             height=150 + ROW_PX * len(chosen),
             hoverdistance=-1,
-            xaxis=axis(theme, axis_title),
+            xaxis=axis(theme, axis_title, range=[low - margin, high + margin]),
             yaxis=axis(
                 theme, range=[len(chosen) - 0.4, -0.6], fixedrange=True,
                 tickvals=place, ticktext=labels, automargin=True,

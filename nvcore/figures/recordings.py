@@ -22,4 +22,5 @@ def recordings_plot(recordings: pd.DataFrame, names: tuple[str, str], *, theme: 
     return paired_points(
         recordings, "mean_similarity", names, theme=theme, title="Similarity by recording",
         axis_title="mean similarity (1 = perfect)", higher_is_better=True,
+        least_range=(0.5, 1.0),
     )  # fmt: skip

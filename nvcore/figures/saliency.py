@@ -183,4 +183,5 @@ def saliency_by_recording(
     return paired_points(
         recordings, "saliency", names, theme=theme, title="Saliency by recording",
         axis_title="saliency (s, 0 = nothing to notice)", higher_is_better=False,
+        least_range=(0.0, 1.0),
     )  # fmt: skip

@@ -2,7 +2,8 @@
 
 Truth thin, X solid, Y dashed, each in its colour. A missed pedestrian has corners in the colour of
 the system that misses them (both: left X, right Y) and says so above; the most salient one has a
-triangle there. False alarms are crossed, ignore regions dotted.
+triangle there. False alarms are crossed, ignore regions dotted. Labels keep off each other and off
+missed pedestrians (`nvcore.media.labels`).
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from nvcore.box_states import (
 )
 from nvcore.kernels import FALSE_ALARM
 from nvcore.media.base import Picture
+from nvcore.media.labels import Box, LabelRoom, Place, overlap, tag_places
 from nvcore.palette import TRUTH_COLOUR, X_COLOUR, Y_COLOUR, rgb
 
 Colour = tuple[int, int, int]
@@ -102,6 +104,7 @@ def draw_boxes(
             _draw_detections(canvas, boxes, scale, colour, is_dashed=is_dashed, unit=unit)
     if truth is not None:
         _draw_truth(canvas, truth, scale, unit)
+    _draw_labels(canvas, truth or DrawnBoxes(), x, y, scale, unit)
     return canvas
 
 
@@ -128,9 +131,6 @@ def _corners(canvas: Canvas, xywh: NDArray[np.float64], scale: NDArray[np.float6
     return [(row[0], row[1], row[2], row[3]) for row in np.round(clipped).tolist()]
 
 
-Box = tuple[float, float, float, float]
-
-
 def _draw_detections(
     canvas: Canvas, boxes: DrawnBoxes, scale: NDArray[np.float64], colour: Colour,
     *, is_dashed: bool, unit: int,
@@ -145,11 +145,6 @@ def _draw_detections(
             for sign in (-1, 1):
                 _line(canvas, across - arm, down - sign * arm, across + arm, down + sign * arm,
                       colour, unit)  # fmt: skip
-        if boxes.labels:
-            # left of the box, where no mark stands: X above, Y below
-            text, size = boxes.labels[number], 0.4 * unit
-            at = left - text_width(text, size) - 5 * unit, bottom if is_dashed else top + 10 * unit
-            put_text(canvas, text, at, size, colour, outline=True)
 
 
 def _draw_truth(canvas: Canvas, boxes: DrawnBoxes, scale: NDArray[np.float64], unit: int) -> None:
@@ -160,9 +155,6 @@ def _draw_truth(canvas: Canvas, boxes: DrawnBoxes, scale: NDArray[np.float64], u
         _draw_rectangle(canvas, box, TRUTH_RGB, unit, dash)
         if not state & BIT_IGNORE:
             _mark_miss(canvas, box, state, unit)
-        if boxes.labels:
-            at = (box[2] + 5 * unit, box[3])
-            put_text(canvas, boxes.labels[number], at, 0.4 * unit, TRUTH_RGB, outline=True)
 
 
 def _mark_miss(canvas: Canvas, box: Box, state: int, unit: int) -> None:
@@ -180,33 +172,101 @@ def _mark_miss(canvas: Canvas, box: Box, state: int, unit: int) -> None:
         for level, down in ((top, 1), (bottom, -1)):
             _line(canvas, edge, level, edge + sign * arm_x, level, colour, thickness)
             _line(canvas, edge, level, edge, level + down * arm_y, colour, thickness)
-    if not is_relevant:
+
+
+def _draw_labels(
+    canvas: Canvas, truth: DrawnBoxes, x: DrawnBoxes | None, y: DrawnBoxes | None,
+    scale: NDArray[np.float64], unit: int,
+) -> None:  # fmt: skip
+    """Tags of the missed pedestrians, the tallest first; then what else finds room."""
+    boxes = _corners(canvas, truth.xywh, scale)
+    texts = truth.labels or [""] * len(boxes)
+    gap = 5.0 * unit
+    grown = {i: (b[0] - gap, b[1] - gap, b[2] + gap, b[3] + gap) for i, b in enumerate(boxes)}
+    height, width = canvas.shape[:2]
+    missed = {
+        i: box for i, box in grown.items()
+        if _is_tagged(int(truth.state[i])) and overlap(box, (0, 0, width, height))
+    }  # fmt: skip
+    room = LabelRoom(width, height, list(missed.values()))
+    for i in sorted(missed, key=lambda i: missed[i][1] - missed[i][3]):
+        _draw_tag(canvas, room, missed[i], int(truth.state[i]), texts[i], unit)
+    for found, colour, is_upper in ((x, X_RGB, True), (y, Y_RGB, False)):
+        if found is not None and found.labels:
+            for text, box in zip(found.labels, _corners(canvas, found.xywh, scale), strict=True):
+                _draw_label(canvas, room, text, box, colour, unit, is_left=True, is_upper=is_upper)
+    for i, (text, box) in enumerate(zip(texts, boxes, strict=True)):
+        if i not in missed:
+            _draw_label(canvas, room, text, box, TRUTH_RGB, unit, is_left=False, is_upper=False)
+
+
+def _is_tagged(state: int) -> bool:
+    """Whether a truth box counts and is missed by a system."""
+    both = BIT_MATCHED_X | BIT_MATCHED_Y
+    return bool(state & BIT_RELEVANT) and not state & BIT_IGNORE and state & both != both
+
+
+def _draw_tag(canvas: Canvas, room: LabelRoom, box: Box, state: int, text: str, unit: int) -> None:
+    """A filled field for each system that misses, and the label."""
+    marks = [
+        (letter, colour, bool(state & salient))
+        for letter, colour, matched, salient in (
+            ("X", X_RGB, BIT_MATCHED_X, BIT_SALIENT_X), ("Y", Y_RGB, BIT_MATCHED_Y, BIT_SALIENT_Y),
+        ) if not state & matched
+    ]  # fmt: skip
+    size = 0.4 * unit
+    width = sum(_chip_width(is_salient, unit) + 2 * unit for _, _, is_salient in marks)
+    if text:
+        width += text_width(text, size) + 2 * unit
+    extent = (float(width), 15.0 * unit)
+    at, top, _, _ = room.must_take(extent, tag_places(box, extent))
+    base = top + 12 * unit
+    for letter, colour, is_salient in marks:
+        _draw_chip(canvas, at, base, letter, colour, is_salient, unit)
+        at += _chip_width(is_salient, unit) + 2 * unit
+    if text:
+        put_text(canvas, text, (at, base), size, TRUTH_RGB, outline=True)
+
+
+def _draw_label(
+    canvas: Canvas, room: LabelRoom, text: str, box: Box, colour: Colour, unit: int,
+    *, is_left: bool, is_upper: bool,
+) -> None:  # fmt: skip
+    """A text beside its box, else above or below it, else not at all."""
+    if not text:
         return
-    at = left
-    base = top - 5 * unit if top > 26 * unit else bottom + 17 * unit
-    marks = (
-        ("X", X_RGB, is_missed[0], state & BIT_SALIENT_X),
-        ("Y", Y_RGB, is_missed[1], state & BIT_SALIENT_Y),
-    )
-    for letter, colour, missed, is_salient in marks:
-        if missed:
-            at = _draw_chip(canvas, at, base, letter, colour, bool(is_salient), unit)
+    size = 0.4 * unit
+    width, height, gap = text_width(text, size), 13.0 * unit, 5.0 * unit
+    left, top, right, bottom = box
+    level = top if is_upper else bottom - 10 * unit
+    aligned = left if is_left else right - width
+    beside: list[Place] = [(left - gap - width, level), (right + gap, level)]
+    upright: list[Place] = [(aligned, top - gap - height), (aligned, bottom + gap)]
+    places = [
+        *(beside if is_left else beside[::-1]), *(upright if is_upper else upright[::-1]),
+    ]  # fmt: skip
+    taken = room.take((width, height), places)
+    if taken is not None:
+        put_text(canvas, text, (taken[0], taken[1] + 10 * unit), size, colour, outline=True)
+
+
+def _chip_width(is_salient: bool, unit: int) -> int:
+    return (25 if is_salient else 15) * unit
 
 
 def _draw_chip(
     canvas: Canvas, left: float, base: float, letter: str, colour: Colour, is_salient: bool,
     unit: int,
-) -> float:  # fmt: skip
-    """A filled field with the letter (and a triangle, if most salient); where the next starts."""
-    width = (25 if is_salient else 15) * unit
+) -> None:  # fmt: skip
+    """A filled field with the letter (and a triangle, if most salient)."""
     left_px, base_px = round(left), round(base)
-    cv2.rectangle(canvas, (left_px, base_px - 12 * unit), (left_px + width, base_px + 3 * unit),
+    right_px = left_px + _chip_width(is_salient, unit)
+    cv2.rectangle(canvas, (left_px, base_px - 12 * unit), (right_px, base_px + 3 * unit),
                   colour, -1)  # fmt: skip
     put_text(canvas, letter, (left_px + 3 * unit, base_px), 0.42 * unit, BLANK_RGB)
     if is_salient:
         tip = np.array([[15, -8], [23, -8], [19, -1]]) * unit + [left_px, base_px]
         cv2.fillPoly(canvas, [tip.astype(np.int32)], BLANK_RGB, cv2.LINE_AA)
-    return left + width + 2 * unit
 
 
 def _draw_rectangle(

@@ -27,8 +27,14 @@ FLAGS = (
 
 
 @contextmanager
-def serve(script: Path) -> Iterator[str]:
-    """The address of a server that runs this script from the project's folder."""
+def serve(script: Path, *, base: str = "") -> Iterator[str]:
+    """The address of a server that runs this script from the project's folder.
+
+    Parameters
+    ----------
+    base
+        Path below which the app is served (``server.baseUrlPath``).
+    """
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
@@ -36,9 +42,10 @@ def serve(script: Path) -> Iterator[str]:
     command += [f"--server.port={port}", "--browser.gatherUsageStats=false"]
     command += ["--server.address=127.0.0.1", "--server.fileWatcherType=none"]
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    command += [f"--server.baseUrlPath={base}"] if base else []
     # what the server logs as an error is shown with the test that failed
     server = subprocess.Popen(command, cwd=ROOT, env=environment, stdout=subprocess.DEVNULL)
-    url = f"http://127.0.0.1:{port}"
+    url = f"http://127.0.0.1:{port}{'/' + base if base else ''}"
     try:
         _wait_for(url, server)
         yield url

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import pytest
 from app_server import ROOT, open_chromium, serve
 from app_visit import Visit, new_person
-from playwright.sync_api import Browser, BrowserContext
+from playwright.sync_api import Browser, BrowserContext, Page
+from viewer_window import painted
 
 
 @pytest.fixture(scope="session")
@@ -54,3 +56,29 @@ def visit(person: Callable[[str], BrowserContext], app: str) -> Iterator[Callabl
     for one in opened:
         one.close()
     assert [complaint for one in opened for complaint in one.complaints] == []
+
+
+@pytest.fixture(scope="module")
+def viewer_address() -> Iterator[str]:
+    with serve(Path(__file__).with_name("viewer_app.py")) as url:
+        yield url
+
+
+@pytest.fixture(scope="module")
+def viewer_window(browser: Browser) -> Iterator[BrowserContext]:
+    """Kept for all tests: with a full cache the page loads faster."""
+    context = browser.new_context(viewport={"width": 1280, "height": 900})
+    yield context
+    context.close()
+
+
+@pytest.fixture
+def page(viewer_window: BrowserContext, viewer_address: str) -> Iterator[Page]:
+    opened = viewer_window.new_page()
+    complaints: list[str] = []
+    opened.on("pageerror", lambda error: complaints.append(str(error)))
+    opened.goto(viewer_address)
+    assert painted(opened, 5) == 5
+    yield opened
+    opened.close()
+    assert complaints == []

@@ -88,6 +88,7 @@ def test_a_click_in_the_time_plot_moves_the_frame(visit):
     click_at(one.keyed(f"time_plot_{RECORDING}"), 0.5, 0.5)
     one.shows(re.compile("^1[45][0-9]$"))
     frame = int(one.viewer.get_attribute("data-frame") or "")
+    assert 140 <= frame < 160
     one.panel_shows(frame)
     one.query("frame", str(frame))
 
@@ -97,17 +98,40 @@ def test_a_click_in_a_lane_moves_the_frame(visit):
     one.shows(57)
     click_at(one.keyed(f"lanes_{RECORDING}"), 0.75, 0.3)
     one.shows(re.compile("^2[0-9][0-9]$"))
-    one.panel_shows(int(one.viewer.get_attribute("data-frame") or ""))
+    frame = int(one.viewer.get_attribute("data-frame") or "")
+    assert 200 <= frame < 300
+    one.panel_shows(frame)
 
 
 def test_n_lands_on_the_next_miss(visit, misses):
     first = next(row for row in misses if row > 57)
     one = visit(LINK)
     one.shows(57)
-    one.viewer.press("n")
+    one.page.keyboard.press("n")  # the viewer needs no click before
     one.shows(first)
     one.panel_shows(first)
     expect(one.page.get_by_text("Missed, the tallest first")).to_be_visible()
+
+
+def test_arrows_in_a_table_leave_the_frame_alone(visit):
+    one = visit(LINK)
+    one.panel_shows(57)
+    one.page.get_by_test_id("stDataFrame").first.click()
+    one.page.keyboard.press("ArrowRight")
+    one.page.keyboard.press("n")
+    expect(one.viewer).to_have_attribute("data-row", "57")
+
+
+def test_keys_work_after_a_click_on_the_page(visit, misses):
+    one = visit(LINK)
+    one.shows(57)
+    one.heading("Timeline", level=1).click()
+    one.page.keyboard.press("ArrowRight")
+    expect(one.viewer).to_have_attribute("data-row", "58")
+    one.slider("alpha").press("n")
+    first = next(row for row in misses if row > 58)
+    expect(one.viewer).to_have_attribute("data-row", str(first))
+    expect(one.slider("alpha")).to_have_value("0.4")
 
 
 def test_the_frame_is_kept_on_the_way_through_other_pages(visit):

@@ -3,69 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 import viewer_scene as scene
-from app_server import serve
 from playwright import sync_api
-from viewer_reading import READER, RECORDER, is_whole
-
-
-@pytest.fixture(scope="module")
-def address() -> Iterator[str]:
-    with serve(Path(__file__).with_name("viewer_app.py")) as url:
-        yield url
-
-
-@pytest.fixture(scope="module")
-def window(browser: sync_api.Browser) -> Iterator[sync_api.BrowserContext]:
-    """Kept for all tests: with a full cache the page loads faster."""
-    context = browser.new_context(viewport={"width": 1280, "height": 900})
-    yield context
-    context.close()
-
-
-@pytest.fixture
-def page(window: sync_api.BrowserContext, address: str) -> Iterator[sync_api.Page]:
-    opened = window.new_page()
-    complaints: list[str] = []
-    opened.on("pageerror", lambda error: complaints.append(str(error)))
-    opened.goto(address)
-    painted(opened, 5)
-    yield opened
-    opened.close()
-    assert complaints == []
-
-
-def viewer_of(page: sync_api.Page) -> sync_api.Locator:
-    return page.locator(".viewer")
-
-
-def painted(page: sync_api.Page, row: int) -> None:
-    """Wait until this row is on the canvas."""
-    sync_api.expect(viewer_of(page)).to_have_attribute("data-shown-row", str(row), timeout=20_000)
-
-
-def settled(page: sync_api.Page, row: int | None) -> None:
-    """Wait until Python has heard of this row."""
-    sync_api.expect(page.get_by_text(re.compile(f"^settled {row} "))).to_be_visible()
-
-
-def press(page: sync_api.Page, *keys: str) -> None:
-    viewer_of(page).focus()
-    for key in keys:
-        page.keyboard.press(key)
-
-
-def choose(page: sync_api.Page, recording: str) -> None:
-    page.get_by_role("combobox", name="recording").click()
-    page.get_by_role("option", name=recording, exact=True).click()
-
-
-def read(page: sync_api.Page) -> dict[str, float]:
-    return viewer_of(page).evaluate(READER)
+from viewer_reading import RECORDER, is_whole
+from viewer_window import choose, painted, press, read, settled, viewer_of
 
 
 def test_the_viewer_opens_on_the_row_that_python_names(page):
@@ -78,56 +21,49 @@ def test_the_frame_number_is_on_the_root_for_tests(page):
     sync_api.expect(viewer_of(page)).to_have_attribute("data-frame", str(scene.FIRST_FRAME + 5))
 
 
-def test_arrow_keys_step_one_frame(page):
-    press(page, "ArrowRight", "ArrowRight", "ArrowLeft")
-    painted(page, 6)
-    settled(page, 6)
-
-
 def test_quick_steps_count_from_the_requested_frame(page):
     press(page, *["ArrowRight"] * 30)
-    painted(page, 35)
+    assert painted(page, 35) == 35
     assert is_whole(read(page))
 
 
-def test_shift_and_arrow_step_one_second(page):
-    press(page, "Shift+ArrowRight")
-    painted(page, 25)
-
-
-def test_home_and_end_go_to_the_ends(page):
-    press(page, "Home")
-    painted(page, 0)
-    press(page, "End")
-    painted(page, scene.N_ROWS - 1)
-
-
-def test_n_and_p_go_to_the_misses(page):
-    press(page, "n", "n")
-    painted(page, scene.MISSED_BY_Y.start)
-    press(page, "p")
-    painted(page, scene.MISSED_BY_X.start)
+@pytest.mark.parametrize(
+    ("keys", "row"),
+    [
+        (["ArrowRight", "ArrowRight", "ArrowLeft"], 6),
+        (["Shift+ArrowRight"], 25),
+        (["Home"], 0),
+        (["End"], scene.N_ROWS - 1),
+        (["n", "n"], scene.MISSED_BY_Y.start),
+        (["n", "n", "p"], scene.MISSED_BY_X.start),
+    ],
+    ids=["one frame", "one second", "start", "end", "misses", "a miss back"],
+)
+def test_keys_move_to_a_frame_and_python_hears_of_it(page, keys, row):
+    press(page, *keys)
+    assert painted(page, row) == row
+    assert settled(page, row) == str(row)
 
 
 def test_who_is_missed_by_whom_is_told_in_words(page):
     press(page, "n")
-    settled(page, scene.MISSED_BY_X.start)
+    assert settled(page, scene.MISSED_BY_X.start) == str(scene.MISSED_BY_X.start)
     said = page.locator(".viewer .spoken")
     sync_api.expect(said).to_contain_text("X misses 1, Y misses 0, false alarms X 1, Y 1")
 
 
 def test_python_seeks_with_a_new_number(page):
     press(page, "ArrowRight")
-    settled(page, 6)
+    assert settled(page, 6) == str(6)
     page.get_by_role("button", name="seek 123").click()
-    painted(page, 123)
-    settled(page, 123)
+    assert painted(page, 123) == 123
+    assert settled(page, 123) == str(123)
 
 
 def test_a_seek_during_playback_stops_it(page):
     press(page, " ")
     page.get_by_role("button", name="seek 123").click()
-    painted(page, 123)
+    assert painted(page, 123) == 123
     sync_api.expect(viewer_of(page)).to_have_attribute("data-playing", "false")
 
 
@@ -146,7 +82,7 @@ def test_dragging_in_the_strip_tells_python_only_the_last_row(page):
     page.mouse.move(box["x"] + 700, middle, steps=20)
     page.mouse.up()
     row = int(viewer_of(page).get_attribute("data-row"))
-    settled(page, row)
+    assert settled(page, row) == str(row)
     # one run at the start, one for the last row
     sync_api.expect(page.get_by_text(re.compile("^settled .* run 2$"))).to_be_visible()
 
@@ -166,7 +102,8 @@ def test_python_hears_of_the_row_when_playback_stops_not_before(page):
     sync_api.expect(viewer_of(page)).to_have_attribute("data-row", re.compile("^[3-9][0-9]$"))
     sync_api.expect(page.get_by_text(re.compile("^settled 5 .* run 1$"))).to_be_visible()
     press(page, " ")
-    settled(page, int(viewer_of(page).get_attribute("data-row")))
+    row = int(viewer_of(page).get_attribute("data-row"))
+    assert settled(page, row) == str(row)
 
 
 def test_a_slider_move_does_not_stop_playback(page):
@@ -194,9 +131,9 @@ def test_a_jump_during_playback_goes_on_from_there(page):
 
 def test_playback_stops_at_the_last_frame(page):
     press(page, "End", "ArrowLeft", "ArrowLeft", "ArrowLeft", " ")
-    painted(page, scene.N_ROWS - 1)
+    assert painted(page, scene.N_ROWS - 1) == scene.N_ROWS - 1
     sync_api.expect(viewer_of(page)).to_have_attribute("data-playing", "false")
-    settled(page, scene.N_ROWS - 1)
+    assert settled(page, scene.N_ROWS - 1) == str(scene.N_ROWS - 1)
 
 
 def test_four_times_the_speed_plays_four_times_as_far(page):
@@ -211,7 +148,7 @@ def test_four_times_the_speed_plays_four_times_as_far(page):
 def test_slow_pictures_drop_frames_but_never_show_other_boxes(page):
     choose(page, "slow")
     sync_api.expect(page.get_by_text("kind slow")).to_be_visible()
-    painted(page, 5)
+    assert painted(page, 5) == 5
     press(page, " ")
     seen = viewer_of(page).evaluate(RECORDER, 5)
     press(page, " ")
@@ -225,48 +162,11 @@ def test_a_sampled_recording_plays_four_frames_a_second(page):
     choose(page, "sampled")
     # frame 1005 at two frames a second
     sync_api.expect(page.locator(".viewer .time")).to_have_text("8:22.50 min")
-    painted(page, 5)
+    assert painted(page, 5) == 5
     press(page, " ")
     seen = viewer_of(page).evaluate(RECORDER, 2)
     press(page, " ")
     assert seen[-1]["shown"] - seen[0]["shown"] in (7, 8, 9)
-
-
-@pytest.mark.parametrize(("key", "name"), [("x", "X "), ("y", "Y "), ("g", "Ground truth")])
-def test_a_key_switches_a_layer_off_and_on(page, key, name):
-    button = page.locator(".viewer .legend").get_by_role("button", name=name)
-    press(page, key)
-    sync_api.expect(button).to_have_attribute("aria-pressed", "false")
-    press(page, key)
-    sync_api.expect(button).to_have_attribute("aria-pressed", "true")
-
-
-def test_a_hidden_layer_is_not_drawn(page):
-    assert read(page)["box"] is not None
-    press(page, "x")
-    viewer_of(page).evaluate("() => new Promise(requestAnimationFrame)")
-    assert read(page)["box"] is None
-
-
-def test_space_on_a_button_is_the_buttons_own(page):
-    page.get_by_role("button", name="Next frame").focus()
-    page.keyboard.press(" ")
-    painted(page, 6)
-    sync_api.expect(viewer_of(page)).to_have_attribute("data-playing", "false")
-
-
-def test_after_a_click_on_a_button_the_keys_work(page):
-    page.get_by_role("button", name="Next frame").click()
-    page.keyboard.press("ArrowRight")
-    painted(page, 7)
-
-
-def test_help_opens_by_key_and_closes_by_escape(page):
-    press(page, "?")
-    dialog = page.get_by_role("dialog", name="Keys and legend")
-    sync_api.expect(dialog).to_contain_text("missed by both")
-    page.keyboard.press("Escape")
-    sync_api.expect(dialog).to_have_count(0)
 
 
 def test_zoom_and_fit_keep_the_frame(page):
@@ -279,7 +179,7 @@ def test_zoom_and_fit_keep_the_frame(page):
 
 def test_a_row_without_a_picture_shows_its_boxes_and_says_so(page):
     press(page, "End")
-    painted(page, scene.N_ROWS - 1)
+    assert painted(page, scene.N_ROWS - 1) == scene.N_ROWS - 1
     message = page.locator(".viewer .message")
     sync_api.expect(message).to_have_text("No picture for this frame")
     assert read(page)["box"] == pytest.approx(scene.x_of(scene.N_ROWS - 1), abs=2.5)
@@ -287,7 +187,7 @@ def test_a_row_without_a_picture_shows_its_boxes_and_says_so(page):
 
 def test_a_picture_that_the_server_lacks_is_told(page):
     press(page, "n", "n", "n", "Shift+ArrowRight", *["ArrowRight"] * 10)
-    painted(page, scene.LOST_PICTURE)
+    assert painted(page, scene.LOST_PICTURE) == scene.LOST_PICTURE
     message = page.locator(".viewer .message")
     sync_api.expect(message).to_have_text("No picture for this frame")
 
@@ -296,7 +196,7 @@ def test_boxes_beyond_the_first_chunk_are_fetched(page):
     choose(page, "long")
     sync_api.expect(page.locator(".viewer .row")).to_have_text(f"6 of {scene.N_LONG}")
     press(page, "End")
-    painted(page, scene.N_LONG - 1)
+    assert painted(page, scene.N_LONG - 1) == scene.N_LONG - 1
     assert read(page)["box"] == pytest.approx(scene.x_of(scene.N_LONG - 1), abs=2.5)
 
 
@@ -304,28 +204,28 @@ def test_a_recording_without_pictures_shows_its_boxes(page):
     choose(page, "boxes only")
     message = page.locator(".viewer .message")
     sync_api.expect(message).to_have_text("No pictures: boxes only")
-    painted(page, 5)
+    assert painted(page, 5) == 5
     assert read(page)["box"] == pytest.approx(scene.x_of(5), abs=2.5)
 
 
-def test_a_session_that_has_ended_is_told(page):
-    choose(page, "ended")
-    message = page.locator(".viewer .message")
-    sync_api.expect(message).to_contain_text("The session has ended; load the page again")
-
-
-def test_an_empty_recording_is_told(page):
-    choose(page, "empty")
-    message = page.locator(".viewer .message")
-    sync_api.expect(message).to_have_text("This recording has no frames")
-    settled(page, None)
+@pytest.mark.parametrize(
+    ("recording", "words", "row"),
+    [
+        ("ended", "The session has ended; load the page again", "5"),
+        ("empty", "This recording has no frames", "None"),
+    ],
+)
+def test_why_nothing_is_shown_is_told(page, recording, words, row):
+    choose(page, recording)
+    sync_api.expect(page.locator(".viewer .message")).to_contain_text(words)
+    assert settled(page, row) == row
 
 
 def test_another_recording_does_not_inherit_the_row(page):
     press(page, "n")
-    settled(page, scene.MISSED_BY_X.start)
+    assert settled(page, scene.MISSED_BY_X.start) == str(scene.MISSED_BY_X.start)
     choose(page, "boxes only")
-    settled(page, 5)
+    assert settled(page, 5) == str(5)
 
 
 def test_a_new_stretch_fetches_the_picture_anew(page):
@@ -333,7 +233,7 @@ def test_a_new_stretch_fetches_the_picture_anew(page):
         field = page.get_by_role("spinbutton", name="hi")
         field.fill("99")
         field.press("Enter")
-    painted(page, 5)
+    assert painted(page, 5) == 5
 
 
 def test_a_viewer_that_was_away_starts_where_python_says(page):
@@ -341,9 +241,9 @@ def test_a_viewer_that_was_away_starts_where_python_says(page):
     page.get_by_text("show", exact=True).click()
     sync_api.expect(viewer_of(page)).to_have_count(0)
     page.get_by_text("show", exact=True).click()
-    painted(page, 5)
+    assert painted(page, 5) == 5
     press(page, "ArrowRight")
-    settled(page, 6)
+    assert settled(page, 6) == str(6)
 
 
 def test_names_from_files_are_text(page):

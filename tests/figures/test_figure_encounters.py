@@ -164,6 +164,28 @@ def test_a_recording_without_a_mean_is_left_out() -> None:
     assert trace(figure, "X: FIR").customdata.tolist() == [1]
 
 
+def test_a_small_difference_looks_small() -> None:
+    similarity = recordings_plot(recordings((0.873, 0.95)), NAMES, theme="light")
+    assert similarity.layout.xaxis.range == pytest.approx((0.485, 1.015))
+    saliency = recordings((0.02, 0.03), column="saliency")
+    figure = saliency_by_recording(saliency, NAMES, theme="light")
+    assert figure.layout.xaxis.range == pytest.approx((-0.03, 1.03))
+
+
+def test_one_recording_alone_is_on_top_of_nothing() -> None:
+    one = recordings_plot(recordings((0.8, 0.9)), NAMES, theme="light")
+    two = recordings_plot(recordings((0.8, 0.9), (0.7, 0.9)), NAMES, theme="light")
+    assert "on top" not in words(one)
+    assert "2 recordings; on top those where X is better" in words(two)
+
+
+def test_no_recording_lies_outside_the_axis() -> None:
+    figure = recordings_plot(recordings((0.2, 0.95), (0.4, 0.3)), NAMES, theme="light")
+    low, high = figure.layout.xaxis.range
+    assert low < 0.2
+    assert high > 1
+
+
 def test_without_recordings_there_is_nothing_to_compare() -> None:
     assert "no recording" in words(recordings_plot(recordings(), NAMES, theme="light"))
 

@@ -45,7 +45,7 @@ def checked(page: AppTest) -> AppTest:
 
 def texts(page: AppTest) -> str:
     """All that is said in words, markup taken away."""
-    kinds = (page.markdown, page.caption, page.warning, page.info, page.subheader)
+    kinds = (page.markdown, page.caption, page.warning, page.info, page.header)
     return "\n".join(one.value for kind in kinds for one in kind).replace("\\", "")
 
 
@@ -135,6 +135,13 @@ def test_a_chosen_encounter_is_told_and_opens_at_its_first_missed_frame(
     ]  # fmt: skip
     checked(page.button(key="encounters_show").click().run())
     assert shown == [40]
+
+
+def test_no_table_has_an_empty_heading():
+    page = choose(opened(), 2)
+    assert page.table[0].value.index.name == "Figure"
+    pairs = [one.value for one in page.dataframe if "Y never" in one.value]
+    assert [one.index.name for one in pairs] == ["Miss class"]
 
 
 def test_each_system_s_first_miss_can_be_opened(monkeypatch: pytest.MonkeyPatch):
@@ -236,6 +243,25 @@ SIX = pd.DataFrame(
         "aspect_z": [0, 1, 2, -3, 0, np.nan],
     }
 )
+
+
+def test_missed_pedestrians_come_first_and_distant_ones_last_each_the_nearest_on_top():
+    late = SIX.assign(peak_height=[95.0, 60, 70, 80, 90, 200])
+    assert encounters_list.by_weight(late).index.tolist() == [4, 3, 2, 1, 0, 5]
+
+
+def test_the_table_opens_on_the_nearest_missed_pedestrians_and_says_so():
+    page = opened()
+    assert listed(page)["category"].head(3).isin(["only X", "only Y", "neither"]).all()
+    assert set(listed(page)["category"].tail(6)) == {"distant"}
+    assert "the tallest, so the nearest, are on top" in texts(page)
+
+
+def test_a_few_columns_are_shown_until_all_are_asked_for():
+    page = opened()
+    assert list(page.dataframe[0].proto.column_order) == list(encounters_list.FIRST_COLUMNS)
+    checked(page.toggle(key="encounters_columns").set_value(True).run())
+    assert list(page.dataframe[0].proto.column_order) == []
 
 
 @pytest.mark.parametrize(

@@ -68,7 +68,7 @@ def downloads(page: AppTest) -> list[str]:
 
 
 def texts(page: AppTest) -> str:
-    kinds = (page.markdown, page.caption, page.error, page.warning, page.info, page.subheader)
+    kinds = (page.markdown, page.caption, page.error, page.warning, page.info, page.header)
     return "\n".join(one.value for kind in kinds for one in kind).replace("\\", "")
 
 

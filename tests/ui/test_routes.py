@@ -13,7 +13,7 @@ from builders import at, compare, make_dataset
 
 from nvcore.box_states import pack_boxes
 from nvcore.errors import MediaError
-from ui.routes import ROWS_PER_CHUNK, address
+from ui.routes import ROWS_PER_CHUNK, address, routes_below
 from ui.workspace import Compared, Workspace
 
 PNG = b"\x89PNG\r\n\x1a\n" + bytes(100)
@@ -213,3 +213,16 @@ def test_other_methods_are_not_allowed(space: Workspace, method: str):
 
 def test_addresses_begin_with_the_apps_base_path(space: Workspace):
     assert address(space, "/apps/night/") == f"/apps/night/nv/{space.token}"
+
+
+@pytest.mark.parametrize("base", ["apps/night", "/apps/night/"])
+def test_routes_lie_below_the_apps_base_path(base: str):
+    assert {route.path.split("{")[0] for route in routes_below(base)} == {
+        "/apps/night/overview", "/apps/night/nv/",
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("query", ["", "?alpha=0.4&recording=a%20b"])
+def test_the_overview_s_own_name_leads_to_where_the_app_opens(query: str):
+    answer = ask(f"/overview{query}")
+    assert (answer.status, answer.headers["location"]) == (307, f"./{query}")

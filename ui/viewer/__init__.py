@@ -18,7 +18,7 @@ from ui.viewer.packing import decimate_minima, find_spans, pack, pack_frames, pa
 
 FOLDER = Path(__file__).parent
 SCRIPTS = (
-    *("boxes", "pictures", "recording", "drawing", "strip", "view"),
+    *("boxes", "pictures", "recording", "labels", "drawing", "strip", "view"),
     *("controls", "readout", "playback", "listening", "viewer"),
 )
 

@@ -31,6 +31,12 @@ const KEYS = [
   ["?", "this help"],
 ];
 
+// Those of the keys that are told below the picture.
+const USUAL_KEYS = [
+  [["space"], "play"], [["←", "→"], "frame"], [["n", "p"], "next, previous miss"], [["x", "y", "g"], "hide X, Y, truth"],
+  [["?"], "all keys"],
+];
+
 const SAMPLES = [
   [{ source: "truth", state: 8 | 2 | 4 }, "pedestrian found by both (ground truth, thin)"],
   [{ source: "x", state: 1 }, "detection of X (solid)"],
@@ -120,10 +126,13 @@ function makeControls(actions) {
     iconButton("fit", "Fit the picture", "f", actions.fit),
     parts.full, parts.help,
   ]);
+  const keys = USUAL_KEYS.map(([names, meaning]) =>
+    make("span", {}, [...names.flatMap((name) => [make("kbd", { text: name }), " "]), meaning]));
+  parts.keys = make("div", { class: "keys", "aria-hidden": "true" }, keys); // "?" tells them too
   parts.spoken = make("div", { class: "spoken", role: "status", "aria-live": "polite" });
   parts.root = make("div", {
     class: "viewer", role: "group", tabindex: "0", "aria-label": "Frame viewer; press ? for its keys",
-  }, [parts.legend, parts.stage, parts.stripHolder, parts.bar, parts.spoken]);
+  }, [parts.legend, parts.stage, parts.stripHolder, parts.bar, parts.keys, parts.spoken]);
   return parts;
 }
 
@@ -134,7 +143,7 @@ function makeHelp(palette, close) {
   const samples = make("ul", {}, SAMPLES.map(([sample, meaning]) =>
     make("li", {}, [drawSample(sample, palette), make("span", { text: meaning })])));
   const note = make("p", {
-    text: "Playback is in real time. Recordings sampled more slowly than four frames a second play at four frames a second.",
+    text: "The keys work while the picture is in sight and nothing is being typed; arrows and space move a slider or press a button while that has the focus. Playback is in real time. Recordings sampled more slowly than four frames a second play at four frames a second.",
   });
   return make("div", { class: "help", role: "dialog", "aria-label": "Keys and legend" }, [
     closer, make("div", { class: "columns" }, [keys, samples]), note,
@@ -162,6 +171,6 @@ function drawSample(sample, palette) {
     },
   };
   const layers = { truth: true, x: true, y: true, labels: false };
-  drawBoxes(ctx, found, { scale: 1, x: 0, y: 0 }, layers, palette, { width, height });
+  drawBoxes(ctx, found, { scale: 1, x: 0, y: 0 }, layers, palette, { x: 0, y: 0, w: width, h: height });
   return canvas;
 }

@@ -2,9 +2,6 @@
 // corner marks and a filled tag, a false alarm is crossed out.
 
 const HALO = "rgba(0, 0, 0, 0.6)";
-const LABEL_GROUND = "rgba(8, 11, 16, 0.72)";
-const LABEL_FONT = '600 12px "Source Sans", "Source Sans Pro", sans-serif';
-const LABEL_HEIGHT = 15;
 const Y_DASH = [6, 4];
 const FAINT_DASH = [2, 3];
 
@@ -81,45 +78,6 @@ function fillTriangle(ctx, x, y, colour) {
   ctx.stroke();
 }
 
-// Labels keep off each other: the first free of their places is taken; an unimportant label that
-// finds none is left out.
-class Labels {
-  constructor(ctx, width, height) {
-    this.ctx = ctx;
-    this.width = width;
-    this.height = height;
-    this.taken = [];
-    ctx.font = LABEL_FONT;
-    ctx.textBaseline = "middle";
-  }
-
-  // parts: [{text, colour, ground}]; places: [[left, top]...] with left as a share of the label
-  put(parts, places, isImportant = false) {
-    const widths = parts.map((part) => this.ctx.measureText(part.text).width + 8);
-    const width = widths.reduce((sum, value) => sum + value, 0);
-    const rects = places.map(([x, y, share = 0]) => ({
-      x: Math.max(0, Math.min(this.width - width, x - share * width)),
-      y: Math.max(0, Math.min(this.height - LABEL_HEIGHT, y)),
-      w: width, h: LABEL_HEIGHT,
-    }));
-    const isFree = (rect) => this.taken.every((other) =>
-      rect.x >= other.x + other.w || other.x >= rect.x + rect.w
-      || rect.y >= other.y + other.h || other.y >= rect.y + rect.h);
-    const rect = rects.find(isFree) ?? (isImportant ? rects[0] : null);
-    if (!rect) return null;
-    this.taken.push(rect);
-    let x = rect.x;
-    parts.forEach((part, index) => {
-      this.ctx.fillStyle = part.ground ?? LABEL_GROUND;
-      this.ctx.fillRect(x, rect.y, widths[index], LABEL_HEIGHT);
-      this.ctx.fillStyle = part.colour;
-      this.ctx.fillText(part.text, x + 4, rect.y + LABEL_HEIGHT / 2 + 0.5);
-      x += widths[index];
-    });
-    return rect;
-  }
-}
-
 function detectionStyle(system, state, palette) {
   const style = { colour: palette[system], dash: system === "y" ? Y_DASH : [], width: 2 };
   if (state === DETECTION_STATE.absorbed) return { ...style, width: 1, alpha: 0.55 };
@@ -167,15 +125,19 @@ function drawDetections(ctx, list, system, palette) {
   }
 }
 
-function missTag(missed, palette) {
-  const dark = "#0B0E13";
-  const part = (system, text) => ({ text, colour: dark, ground: palette[system] });
-  if (missed === "xy") return [part("x", "X"), part("y", "Y missed")];
-  return [part(missed, missed === "x" ? "X missed" : "Y missed")];
+// The tag of a missed pedestrian, in full and short.
+function missTags(missed, track, palette) {
+  const part = (system, text) => ({ text, colour: "#0B0E13", ground: palette[system] });
+  const name = track ? [{ text: track, colour: palette.truth }] : [];
+  const short = [...missed].map((system) => part(system, system.toUpperCase()));
+  const last = missed[missed.length - 1];
+  const full = [...short.slice(0, -1), part(last, `${last.toUpperCase()} missed`)];
+  return [[...full, ...name], [...short, ...name]];
 }
 
-// found: from BoxStore.ofRow; place: {scale, x, y} from the recording's pixels to the canvas's.
-function drawBoxes(ctx, found, place, layers, palette, size) {
+// found: from BoxStore.ofRow; place: {scale, x, y} from the recording's pixels to the canvas's;
+// area: the part of the canvas that shows the picture.
+function drawBoxes(ctx, found, place, layers, palette, area) {
   const lists = { truth: [], x: [], y: [] };
   const names = ["truth", "x", "y"];
   const { boxes } = found;
@@ -185,67 +147,75 @@ function drawBoxes(ctx, found, place, layers, palette, size) {
       w: place.scale * boxes.w[i], h: place.scale * boxes.h[i],
       score: boxes.score[i], track: boxes.track[i], state: boxes.state[i],
     };
-    const isInside = box.x < size.width && box.y < size.height && box.x + box.w > 0 && box.y + box.h > 0;
+    const isInside = box.x < area.x + area.w && box.y < area.y + area.h
+      && box.x + box.w > area.x && box.y + box.h > area.y;
     if (isInside) lists[names[boxes.source[i]]].push(box);
   }
   // a layer that is off hides its boxes and its misses; the truth off hides every miss
   if (layers.truth) for (const box of lists.truth) strokeRect(ctx, box, truthStyle(box.state, palette));
   if (layers.x) drawDetections(ctx, lists.x, "x", palette);
   if (layers.y) drawDetections(ctx, lists.y, "y", palette);
-  const labels = new Labels(ctx, size.width, size.height);
   const shownMiss = (box) => [...missedBy(box.state)].filter((system) => layers[system]).join("");
   const missed = layers.truth ? lists.truth.filter((box) => shownMiss(box) !== "") : [];
   for (const box of missed) {
     const systems = shownMiss(box);
     strokeCorners(ctx, box, palette[systems[0]], palette[systems[systems.length - 1]]);
   }
-  const tops = new Map();
+  const labels = new Labels(ctx, area, missed);
+  missed.sort((a, b) => b.h - a.h); // the nearest have the first choice of places
+  const tags = new Map();
   for (const box of missed) {
-    const centre = box.x + box.w / 2;
-    const places = [[centre, box.y - LABEL_HEIGHT - 6, 0.5], [centre, box.y + box.h + 6, 0.5]];
-    tops.set(box, labels.put(missTag(shownMiss(box), palette), places, true).y);
+    const track = layers.labels ? trackText(box) : "";
+    tags.set(box, labels.putTag(missTags(shownMiss(box), track, palette), box));
   }
   for (const box of layers.truth ? lists.truth : []) {
     const systems = ["x", "y"].filter((name) => layers[name] && box.state & TRUTH_STATE[`salient_${name}`]);
     if (!systems.length) continue;
     const colour = systems.length === 1 ? palette[systems[0]] : palette.truth;
-    const top = Math.min(tops.get(box) ?? box.y, box.y);
-    const rect = { x: box.x + box.w / 2 - 9, y: Math.max(1, top - 15), w: 18, h: 14 };
-    labels.taken.push(rect);
-    fillTriangle(ctx, rect.x + 9, rect.y + 12, colour);
+    markSalient(labels, box, tags.get(box) ?? box, colour);
   }
-  if (layers.labels) drawLabels(labels, lists, layers, palette);
+  if (layers.labels) drawLabels(labels, lists, layers, palette, tags);
 }
 
-function drawLabels(labels, lists, layers, palette) {
-  const score = (box, system) => {
-    const name = system.toUpperCase();
-    const isFalse = box.state === DETECTION_STATE.false_alarm;
-    const value = Number.isFinite(box.score) ? ` ${box.score.toFixed(2)}` : "";
-    return [{ text: `${name}${isFalse ? " false" : ""}${value}`, colour: palette[system] }];
+// A triangle above the box and its tag, else beside the tag.
+function markSalient(labels, box, tag, colour) {
+  const [w, h] = [18, 14];
+  const top = Math.min(tag.y, box.y - 1);
+  const places = [
+    [box.x + (box.w - w) / 2, top - h - 1], [tag.x + (tag.w - w) / 2, top - h - 1],
+    [tag.x + tag.w + 1, tag.y], [tag.x - w - 1, tag.y],
+  ];
+  const rect = labels.reserve(places, w, h);
+  fillTriangle(labels.ctx, rect.x + w / 2, rect.y + 12, colour);
+}
+
+function trackText(box) {
+  return box.track >= 0 ? `#${box.track}` : "";
+}
+
+// What is not missed: scores, tracks and ignored regions, where there is room.
+function drawLabels(labels, lists, layers, palette, tags) {
+  const around = (box, share, text) => {
+    const isRoomy = box.h >= LEAST_INSIDE && box.w >= labels.widthOf(text) + 4;
+    const inside = isRoomy ? [PLACE.inside(box, share)] : [];
+    const near = [PLACE.above(box, share, 1), PLACE.below(box, share, 1)];
+    // beyond the marks of a missed pedestrian in the same place
+    return [...near, ...inside, PLACE.above(box, share, 7), PLACE.below(box, share, 7)];
   };
-  const above = (box) => box.y - LABEL_HEIGHT - 1;
-  const below = (box) => box.y + box.h + 1;
   // false alarms first: there is nothing else by which to know them
   for (const isFalse of [true, false]) {
     for (const [system, share] of [["x", 0], ["y", 1]]) {
-      if (!layers[system]) continue;
-      for (const box of lists[system]) {
+      for (const box of layers[system] ? lists[system] : []) {
         if ((box.state === DETECTION_STATE.false_alarm) !== isFalse) continue;
-        const edge = box.x + share * box.w;
-        const inside = box.w > 70 && box.h > 40 ? [[edge, box.y + 2, share]] : [];
-        const places = [[edge, above(box), share], [edge, below(box), share], ...inside];
-        labels.put(score(box, system), places, isFalse);
+        const score = Number.isFinite(box.score) ? ` ${box.score.toFixed(2)}` : "";
+        const text = `${system.toUpperCase()}${isFalse ? " false" : ""}${score}`;
+        labels.put([{ text, colour: palette[system] }], around(box, share, text));
       }
     }
   }
-  if (!layers.truth) return;
-  for (const box of lists.truth) {
-    const isIgnored = box.state & TRUTH_STATE.ignore;
-    const track = box.track >= 0 ? `#${box.track}` : "";
-    const text = isIgnored ? "ignored" : track;
-    const style = { text, colour: palette.truth };
-    const centre = box.x + box.w / 2;
-    if (text) labels.put([style], [[centre, below(box), 0.5], [centre, above(box), 0.5]]);
+  for (const box of layers.truth ? lists.truth : []) {
+    const text = box.state & TRUTH_STATE.ignore ? "ignored" : trackText(box);
+    if (!text || tags.has(box)) continue;
+    labels.put([{ text, colour: palette.truth }], [PLACE.below(box, 0.5, 1), PLACE.above(box, 0.5, 1)]);
   }
 }

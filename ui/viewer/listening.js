@@ -1,8 +1,18 @@
 // Keys, mouse and touch of a viewer.
 
+// Where keys are typed text or choose among things: they are never the viewer's. Tables are a canvas.
+const TYPING = 'canvas, input:not([type="range"], [type="checkbox"], [type="radio"]), textarea, select, '
+  + '[contenteditable="true"], [role="textbox"], [role="combobox"], [role="searchbox"], [role="spinbutton"], '
+  + '[aria-haspopup="listbox"], [role="grid"], [role="listbox"], [role="menu"], [role="dialog"]';
+// What has arrows, space, Home and End for itself; letters it leaves to the viewer.
+const CONTROL = 'input, a[href], button, summary, [role="slider"], [role="button"], [role="tab"], [role="radio"], '
+  + '[role="checkbox"], [role="switch"]';
+
 function listen(viewer) {
   const { root, parts } = viewer;
   root.addEventListener("keydown", (event) => onKey(viewer, event));
+  viewer.onPageKey = (event) => onPageKey(viewer, event);
+  document.addEventListener("keydown", viewer.onPageKey);
   // after a click the keys belong to the viewer again, not to the button
   parts.bar.addEventListener("click", (event) => returnFocus(viewer, event));
   parts.legend.addEventListener("click", (event) => returnFocus(viewer, event));
@@ -18,6 +28,20 @@ function listen(viewer) {
 function returnFocus(viewer, event) {
   const isByPointer = event.detail > 0;
   if (isByPointer && !viewer.help && event.target.tagName !== "SELECT") viewer.root.focus({ preventScroll: true });
+}
+
+// A key that was pressed elsewhere on the page, with the picture in sight.
+function onPageKey(viewer, event) {
+  const { root, parts } = viewer;
+  const [target] = event.composedPath();
+  if (event.defaultPrevented || !root.isConnected || event.composedPath().includes(root)) return;
+  const { top, height } = parts.stage.getBoundingClientRect();
+  const middle = top + height / 2;
+  if (middle < 0 || middle > window.innerHeight || !(target instanceof Element)) return;
+  if (target.closest(TYPING)) return;
+  const isLetter = event.key.length === 1 && event.key !== " ";
+  const isOthers = target.closest(CONTROL) !== null || ["Home", "End"].includes(event.key); // those scroll
+  if (isLetter || !isOthers) onKey(viewer, event);
 }
 
 function onKey(viewer, event) {

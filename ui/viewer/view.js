@@ -30,6 +30,15 @@ class View {
     return { scale, x, y, size };
   }
 
+  // The part of the canvas that shows the picture.
+  get seen() {
+    const { scale, x, y, size } = this.place;
+    const left = Math.max(0, x), top = Math.max(0, y);
+    const right = Math.min(size.width, x + this.recording.width * scale);
+    const bottom = Math.min(size.height, y + this.recording.height * scale);
+    return { x: left, y: top, w: right - left, h: bottom - top };
+  }
+
   centreOn(x, y) {
     const half = 0.5 / this.zoom;
     const inside = (value) => Math.max(half, Math.min(1 - half, value));

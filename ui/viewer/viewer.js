@@ -69,8 +69,7 @@ class Viewer {
       this.shown = null;
       delete this.root.dataset.shownRow;
       this.view.fit();
-      const { picture } = this.parts;
-      picture.getContext("2d").clearRect(0, 0, picture.width, picture.height);
+      this.parts.picture.width = 0; // clears it; painting gives it its size again
     }
     if (isSeek) this.seek(sent.seek[0]);
     else this.load();
@@ -100,7 +99,7 @@ class Viewer {
     const { style } = this.parts.stage;
     style.aspectRatio = `${width} / ${height}`;
     // the transport stays in sight below the picture
-    style.maxHeight = `min(${this.sent.height_px}px, max(300px, calc(100vh - 23rem)))`;
+    style.maxHeight = `min(${this.sent.height_px}px, max(300px, calc(100vh - 24.6rem)))`;
   }
 
   // ---- moving about
@@ -281,7 +280,7 @@ class Viewer {
       ctx.fillRect(frame.x, frame.y, frame.w, frame.h);
     }
     const found = this.boxes.ofRow(row) ?? shownFound;
-    if (found) drawBoxes(ctx, found, place, this.layers, this.sent.colours.picture, place.size);
+    if (found) drawBoxes(ctx, found, place, this.layers, this.sent.colours.picture, this.view.seen);
     this.pictures.pin(entry ?? null);
     this.shown = { row, entry, found };
     this.isStale = false;
@@ -374,6 +373,7 @@ class Viewer {
     clearTimeout(this.settleTimer);
     clearTimeout(this.loadingTimer);
     this.observer.disconnect();
+    document.removeEventListener("keydown", this.onPageKey);
     this.pictures.pin(null);
     this.pictures.reset(() => "");
     this.boxes.reset("", "", 0);

@@ -1,0 +1,98 @@
+"""Where labels stand: inside the picture, off each other and off missed pedestrians.
+
+A label that finds no room is left out, unless it is that of a missed pedestrian.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+Box = tuple[float, float, float, float]
+"""Left, top, right, bottom."""
+Place = tuple[float, float]
+"""Left and top."""
+
+FAR_LINES: Final = 5
+
+
+class LabelRoom:
+    """What is still free of a picture.
+
+    Parameters
+    ----------
+    width, height
+        Size of the picture, px.
+    missed
+        Boxes that no label may cover.
+    """
+
+    def __init__(self, width: float, height: float, missed: Sequence[Box] = ()):
+        self.width = width
+        self.height = height
+        self.taken: list[Box] = list(missed)
+
+    def take(self, size: Place, places: Sequence[Place]) -> Box | None:
+        """The first of the places that is free, taken from now on; None where none is.
+
+        Parameters
+        ----------
+        size
+            Width and height of the label, px.
+        places
+            Left and top that it may have, the best first.
+        """
+        for left, top in places:
+            box = (left, top, left + size[0], top + size[1])
+            is_inside = left >= 0 and top >= 0 and box[2] <= self.width and box[3] <= self.height
+            if is_inside and not any(overlap(box, other) for other in self.taken):
+                self.taken.append(box)
+                return box
+        return None
+
+    def must_take(self, size: Place, places: Sequence[Place]) -> Box:
+        """As `take`; where nothing is free, the place inside the picture that hides least."""
+        moved = [self._inside(place, size) for place in places]
+        found = self.take(size, moved)
+        if found is None:
+            boxes = [(left, top, left + size[0], top + size[1]) for left, top in moved]
+            found = min(boxes, key=lambda box: sum(overlap(box, other) for other in self.taken))
+            self.taken.append(found)
+        return found
+
+    def _inside(self, place: Place, size: Place) -> Place:
+        left, top = place
+        return (
+            max(0.0, min(left, self.width - size[0])),
+            max(0.0, min(top, self.height - size[1])),
+        )
+
+
+def overlap(one: Box, other: Box) -> float:
+    """Area that two boxes share, px².
+
+    Examples
+    --------
+    >>> overlap((0, 0, 4, 4), (2, 3, 9, 9))
+    2
+    >>> overlap((0, 0, 4, 4), (4, 0, 8, 4))
+    0
+    """
+    across = min(one[2], other[2]) - max(one[0], other[0])
+    down = min(one[3], other[3]) - max(one[1], other[1])
+    return across * down if across > 0 and down > 0 else 0
+
+
+def tag_places(box: Box, size: Place) -> list[Place]:
+    """Where a tag of this size may stand at a box: above, below, beside, then further off."""
+    left, top, right, bottom = box
+    width, height = size
+    near = [
+        (left, top - height), (left, bottom), (right - width, top - height),
+        (right - width, bottom), (right, top), (left - width, top),
+    ]  # fmt: skip
+    lines = [line * (height + 1) for line in range(1, FAR_LINES + 1)]
+    far = [
+        place for away in lines for place in ((left, top - height - away), (left, bottom + away))
+    ]
+    return near + far

@@ -1,0 +1,69 @@
+"""The app below a path of its own (``server.baseUrlPath``), as behind a shared address."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+import pytest
+from app_files import write_files
+from app_server import ROOT, serve
+from app_visit import Visit, new_person
+from playwright.sync_api import Browser, expect
+
+BASE = "apps/night"
+
+
+@pytest.fixture(scope="module")
+def address() -> Iterator[str]:
+    with serve(ROOT / "app.py", base=BASE) as below:
+        yield below
+
+
+@pytest.fixture
+def one(browser: Browser, address: str) -> Iterator[Visit]:
+    person = new_person(browser)
+    yield Visit(person, address)
+    person.close()
+
+
+def test_a_deep_link_shows_pictures_and_boxes(one):
+    below = f"/{BASE}/nv/[^/]+/"
+    with (
+        one.page.expect_response(re.compile(f"{below}boxes/4/0")) as boxes,
+        one.page.expect_response(re.compile(f"{below}frame/4/57.jpg")) as picture,
+    ):
+        one.go("timeline?alpha=0.4&recording=rural_child&frame=57")
+    assert picture.value.headers["content-type"] == "image/jpeg"
+    assert boxes.value.headers["content-type"] == "application/octet-stream"
+    one.shows(57)
+    expect(one.slider("alpha")).to_have_value("0.4")
+    expect(one.page.locator(".viewer .message")).to_be_hidden()
+    assert one.complaints == []
+
+
+def test_a_video_is_uploaded(one, tmp_path):
+    video = write_files(tmp_path).video
+    one.go("data")
+    one.page.get_by_role("tab", name="Upload").click()
+    one.keyed("upload_pictures").locator("input[type=file]").set_input_files(video)
+    expect(one.page.get_by_text(f"Here: {video.name}")).to_be_visible()
+    assert one.complaints == []
+
+
+def test_a_term_leads_to_its_explanation(one):
+    one.go("saliency")
+    link = one.page.get_by_test_id("stMain").get_by_role("link", name="Saliency").first
+    one.page.goto(link.evaluate("link => link.href"))
+    expect(one.page.locator("#saliency")).to_be_in_viewport()
+    assert f"/{BASE}/metrics#saliency" in one.page.url
+
+
+def test_the_overview_opens_by_its_name_and_by_the_path_alone(one):
+    one.go("overview?alpha=0.4")
+    expect(one.heading("Overview", level=1)).to_be_visible()
+    expect(one.slider("alpha")).to_have_value("0.4")
+    one.page.goto(one.address)
+    one.wait_until_drawn()
+    expect(one.heading("Overview", level=1)).to_be_visible()
+    assert one.complaints == []
