@@ -4,7 +4,7 @@ scene, body, camera     who walks where, in three dimensions
 places, recordings      the ten recordings
 truth, systems          boxes, and what two systems make of them
 canvas, backdrop, objects, vehicles, people, render     pictures
-writing                 files
+writing, ratings        files; simulated ratings
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from nvcore.sample.ratings import RATINGS_FILE, ratings_text, simulate_ratings
 from nvcore.sample.recordings import all_recordings
 from nvcore.sample.render import pictures
 from nvcore.sample.scene import Recording
@@ -62,7 +63,9 @@ def generate(folder: Path, *, progress: Callable[[str, float], None] | None = No
     made = tables(recordings)
     for path, table in made.items():
         (folder / path).write_bytes(csv_text(table).encode())
-    (folder / "session.toml").write_bytes(session_text(recordings).encode())
+    session = folder / "session.toml"
+    session.write_bytes(session_text(recordings).encode())
+    (folder / RATINGS_FILE).write_bytes(ratings_text(simulate_ratings(session)).encode())
     (folder / "README.md").write_bytes(readme_text(recordings, made[TRUTH_FILE]).encode())
     for done, recording in enumerate(recordings):
         if progress is not None:

@@ -117,6 +117,9 @@ Each recording lasts {seconds} s at {fps} frames per second.
   little beside dazzling headlamps, and takes some reflecting signs for people.
 - `session.toml`: all of it as one comparison; both systems count from score 0.5 up.
 - `<recording>.mp4`: the pictures, H.264.
+- `ratings_simulated.csv`: made-up ratings, 1 (not annoying) to 7, of every recording with the boxes
+  of each system. Nobody was asked: 16 participants are simulated, one of whom takes the scale the
+  wrong way round, and some ratings are missing.
 
 Frames count from 0. Losses and false alarms last for some frames: both systems are range models
 with a slowly wandering disturbance, not coin flips.

@@ -11,6 +11,7 @@ import pandas as pd
 import pytest
 
 from nvcore import sample
+from nvcore.sample.ratings import RATINGS_FILE, ratings_text, simulate_ratings
 from nvcore.sample.writing import csv_text, readme_text, session_text
 
 FOLDER = Path(__file__).resolve().parents[2] / "sample_data"
@@ -42,6 +43,11 @@ def test_the_committed_session_and_readme_are_what_the_generator_makes(
     recordings = sample.all_recordings()
     assert (FOLDER / "session.toml").read_text("utf-8") == session_text(recordings)
     assert (FOLDER / "README.md").read_text("utf-8") == readme_text(recordings, made["truth.csv"])
+
+
+def test_the_committed_ratings_are_what_the_generator_makes() -> None:
+    made = ratings_text(simulate_ratings(FOLDER / "session.toml"))
+    assert (FOLDER / RATINGS_FILE).read_text("utf-8") == made
 
 
 def test_the_session_names_files_that_exist() -> None:
@@ -113,5 +119,5 @@ def test_the_generator_writes_all_files_and_reports_progress(
     steps: list[tuple[str, float]] = []
     sample.generate(tmp_path / "new", progress=lambda name, share: steps.append((name, share)))
     written = sorted(path.name for path in (tmp_path / "new").iterdir())
-    assert written == sorted([*TABLES, "README.md", "session.toml", "rural_road.mp4"])
+    assert written == sorted([*TABLES, "README.md", RATINGS_FILE, "session.toml", "rural_road.mp4"])
     assert steps == [("rural_road", 0.0), ("", 1.0)]

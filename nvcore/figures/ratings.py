@@ -1,0 +1,129 @@
+"""Ratings of people against saliency (paper, figure 9), and whom the others do not agree with."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+import pandas as pd
+import plotly.graph_objects as go
+
+from nvcore.figures.style import (
+    LOOK,
+    SYMBOL,
+    axis,
+    count_text,
+    empty_figure,
+    layout,
+    plain,
+    steady_marker,
+    system_label,
+)
+from nvcore.palette import Theme
+from nvcore.ratings.agreement import Agreement
+from nvcore.ratings.validation import Correlation
+
+MOST_CLIPS: Final = 2_000
+MOST_PARTICIPANTS: Final = 60
+ROW_PX: Final = 20
+
+
+def rating_plot(
+    clips: pd.DataFrame,
+    correlations: Sequence[Correlation],
+    names: tuple[str, str],
+    *,
+    theme: Theme,
+) -> go.Figure:
+    """Saliency of every clip against its mean rank; one mark for each clip.
+
+    Parameters
+    ----------
+    clips
+        Of `nvcore.ratings.validation.join_clips`.
+    correlations
+        Of `nvcore.ratings.validation.correlate`; the first defined one is told.
+    names
+        Names of X and Y.
+    """
+    if clips.empty:
+        return empty_figure("No clip has both a rating and a saliency.", theme=theme)
+    look = LOOK[theme]
+    traces = []
+    for letter, name in zip("xy", names, strict=True):
+        mine = clips[clips["system"] == name].head(MOST_CLIPS)
+        text = [
+            f"{plain(clip)}, boxes of {letter.upper()}<br>mean rank {rank:.1f} of "
+            f"{count_text(n, 'rating')}<br>saliency {saliency:.2f} s"
+            for clip, rank, n, saliency in zip(
+                mine["clip"], mine["mean_rank"], mine["n_ratings"], mine["saliency_s"], strict=True
+            )
+        ]
+        marker = steady_marker(
+            color=look.of(letter), size=10, symbol=SYMBOL[letter],
+            line={"width": 1, "color": look.surface},
+        )  # fmt: skip
+        traces.append(
+            go.Scatter(
+                x=mine["mean_rank"], y=mine["saliency_s"], mode="markers", text=text,
+                hovertemplate="%{text}<extra></extra>", name=system_label(letter, name),
+                customdata=mine.index.to_numpy(), **marker,
+            )
+        )  # fmt: skip
+    told = next((f"; {told_in_words(one)}" for one in correlations if not one.note), "")
+    return go.Figure(
+        traces,
+        layout(
+            theme,
+            title="Saliency against the ratings",
+            subtitle=f"{count_text(len(clips), 'clip')}{told}",
+            height=420,
+            xaxis=axis(theme, "mean rank (1 = least annoying)"),
+            yaxis=axis(theme, "saliency (s)") | {"rangemode": "tozero"},
+        ),
+    )
+
+
+def told_in_words(one: Correlation) -> str:
+    """The coefficient with its interval, such as ``Pearson's r 0.81 (95 %: 0.55 to 0.93)``."""
+    if not np.isfinite(one.value):
+        return f"{one.name} –: {one.note}"
+    if not np.isfinite(one.low):
+        return f"{one.name} {one.value:.2f} ({one.note})"
+    return f"{one.name} {one.value:.2f} (95 %: {one.low:.2f} to {one.high:.2f})"
+
+
+def participants_plot(agreement: Agreement, *, theme: Theme) -> go.Figure:
+    """How well each participant's ranks agree with the mean of the others', lowest on top."""
+    people = agreement.participants
+    known = people[np.isfinite(people["agreement"])].sort_values("agreement", kind="stable")
+    if known.empty:
+        return empty_figure("No participant rated enough clips that others rated, too.",
+                            theme=theme)  # fmt: skip
+    shown = known.head(MOST_PARTICIPANTS)
+    look = LOOK[theme]
+    colour = np.where(shown["is_outlier"], look.ink, look.muted)
+    symbol = np.where(shown["is_outlier"], "x", "circle")
+    labels = [plain(name, max_length=24) for name in shown["participant"]]
+    n_odd = int(known["is_outlier"].sum())
+    trace = go.Scatter(
+        x=shown["agreement"], y=np.arange(len(shown)), mode="markers", hoverinfo="skip",
+        showlegend=False, marker={"color": colour, "symbol": symbol, "size": 10},
+    )  # fmt: skip
+    end = max(len(shown) - 0.5, 0.5)
+    return go.Figure(
+        trace,
+        layout(
+            theme,
+            title="Agreement of each participant with the others",
+            subtitle=f"{count_text(len(known), 'participant')}; "
+            f"{n_odd or 'none'} going another way (marked x)",
+            height=130 + ROW_PX * max(len(shown), 4), showlegend=False,
+            xaxis=axis(theme, "correlation with the mean rank of the others")
+            | {"range": [min(-0.1, float(shown["agreement"].min()) - 0.05), 1.03]},
+            yaxis=axis(theme)
+            | {"tickvals": list(range(len(shown))), "ticktext": labels, "range": [end, -0.5],
+               "showgrid": False},
+        ),
+    )  # fmt: skip

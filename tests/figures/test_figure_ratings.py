@@ -1,0 +1,57 @@
+"""Figures of ratings."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+from figure_parts import trace, words
+
+from nvcore.figures.ratings import participants_plot, rating_plot
+from nvcore.ratings.agreement import Agreement
+from nvcore.ratings.validation import correlate
+
+
+def clips(n: int = 12) -> pd.DataFrame:
+    rank = np.arange(1.0, n + 1)
+    return pd.DataFrame(
+        {
+            "clip": [f"<b>drive {i}" for i in range(n)],
+            "system": ["FIR", "NIR"] * (n // 2),
+            "mean_rank": rank,
+            "n_ratings": 5,
+            "saliency_s": rank**2,
+        }
+    )
+
+
+def test_each_clip_stands_at_its_rank_and_saliency_with_the_coefficient_told() -> None:
+    table = clips()
+    found = correlate(table["saliency_s"].to_numpy(), table["mean_rank"].to_numpy())
+    figure = rating_plot(table, found, ("FIR", "NIR"), theme="light")
+    of_x = trace(figure, "X: FIR")
+    assert list(of_x.x) == [1, 3, 5, 7, 9, 11]
+    assert list(of_x.y) == [1, 9, 25, 49, 81, 121]
+    assert "12 clips; Pearson's r 0.97 (95 %:" in words(figure)
+    assert "<b>" not in of_x.text[0]
+
+
+def test_no_clips_say_so() -> None:
+    figure = rating_plot(clips().head(0), [], ("FIR", "NIR"), theme="dark")
+    assert "No clip has both" in words(figure)
+
+
+def test_participants_who_go_another_way_are_marked() -> None:
+    people = pd.DataFrame(
+        {
+            "participant": ["A", "B", "C"],
+            "n_rated": [5, 5, 5],
+            "agreement": [0.9, -0.4, np.nan],
+            "is_outlier": [False, True, False],
+        }
+    )
+    agreement = Agreement(3, 5, 0, 0.4, 0.2, "", people)
+    figure = participants_plot(agreement, theme="light")
+    assert list(figure.data[0].x) == [-0.4, 0.9]
+    assert list(figure.data[0].marker.symbol) == ["x", "circle"]
+    assert list(figure.layout.yaxis.ticktext) == ["B", "A"]
+    assert "2 participants; 1 going another way" in words(figure)

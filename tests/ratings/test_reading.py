@@ -1,0 +1,48 @@
+"""Ratings from CSV files: what is read, and what is refused with its line."""
+
+import numpy as np
+import pytest
+from inputs import write
+
+from nvcore.errors import FormatError
+from nvcore.ratings.reading import read_ratings
+
+
+def test_reads_participants_clips_and_missing_ratings(tmp_path):
+    path = write(tmp_path / "r.csv", "participant,clip,rating", "P1,A,3", "P1,B,", "P2,A,1.5")
+    table = read_ratings(path)
+    assert table["participant"].tolist() == ["P1", "P1", "P2"]
+    assert table["clip"].tolist() == ["A", "B", "A"]
+    assert table["system"].tolist() == ["", "", ""]
+    np.testing.assert_array_equal(table["rating"], [3, np.nan, 1.5])
+
+
+def test_reads_the_system_and_any_order_of_columns(tmp_path):
+    path = write(tmp_path / "r.csv", "Rating, Clip ,system,participant", "7,A,FIR,P1")
+    row = read_ratings(path).iloc[0]
+    assert (row["participant"], row["clip"], row["system"], row["rating"]) == ("P1", "A", "FIR", 7)
+
+
+@pytest.mark.parametrize(
+    ("lines", "line", "words"),
+    [
+        (["participant,clip,rating", "P1,A,3", "P1,A,4"], 3, "a second time"),
+        (["participant,clip,rating", "P1,A,3", "P1,B,much"], 3, "'much'"),
+        (["participant,clip,rating", "P1,A,inf"], 2, "'inf'"),
+        (["participant,clip,rating", ",A,3"], 2, "the participant is empty"),
+        (["person,clip,rating", "P1,A,3"], 1, "participant is missing"),
+    ],
+)
+def test_says_what_is_wrong_and_in_which_line(tmp_path, lines, line, words):
+    with pytest.raises(FormatError) as caught:
+        read_ratings(write(tmp_path / "r.csv", *lines))
+    assert caught.value.line == line
+    assert words in caught.value.message
+
+
+@pytest.mark.parametrize("content", [b"", b"\x89PNG\r\n\x1a\n\x00\xff\xfe", b'a,b\n"1'])
+def test_other_files_are_refused(tmp_path, content):
+    path = tmp_path / "r.csv"
+    path.write_bytes(content)
+    with pytest.raises(FormatError):
+        read_ratings(path)

@@ -1,0 +1,132 @@
+"""Rating sessions: orders that are balanced, ratings that outlive everything."""
+
+import signal
+import subprocess
+import sys
+from collections import Counter
+from concurrent.futures import ThreadPoolExecutor
+from itertools import pairwise
+
+import pytest
+
+from nvcore.csvtext import to_csv_bytes
+from nvcore.errors import InputError
+from nvcore.ratings.order import counterbalanced
+from nvcore.ratings.reading import read_ratings
+from nvcore.ratings.store import RatingStore
+
+CLIPS = (("A", "FIR"), ("B", "FIR"), ("A", "NIR"), ("B", "NIR"))
+
+
+@pytest.fixture
+def store(tmp_path):
+    return RatingStore(tmp_path / "new" / "ratings.sqlite")
+
+
+@pytest.mark.parametrize("n", [1, 2, 3, 4, 5, 8, 9])
+def test_orders_are_balanced(n):
+    rows = [counterbalanced(n, i).tolist() for i in range(n if n % 2 == 0 else 2 * n)]
+    assert all(sorted(row) == list(range(n)) for row in rows)
+    places = Counter((place, clip) for row in rows for place, clip in enumerate(row))
+    assert set(places.values()) == {len(rows) // n}
+    follows = Counter(pair for row in rows for pair in pairwise(row))
+    assert len(follows) == n * (n - 1)
+    assert len(set(follows.values())) <= 1
+
+
+def test_each_participant_keeps_their_own_order(store):
+    study = store.begin("print", CLIPS)
+    orders = [store.order(study, name) for name in ("P1", "P2", "P3", "P4")]
+    assert sorted(orders[0]) == [0, 1, 2, 3]
+    assert len({tuple(order) for order in orders}) == 4
+    assert store.order(study, " P2 ") == orders[1]
+
+
+def test_a_rating_is_there_after_the_program_is_killed(tmp_path):
+    path = tmp_path / "ratings.sqlite"
+    code = f"""
+import os, signal
+from pathlib import Path
+from nvcore.ratings.store import RatingStore
+store = RatingStore(Path({str(path)!r}))
+study = store.begin("print", {CLIPS!r})
+clip = store.order(study, "P1")[0]
+store.rate(study, "P1", clip, 6)
+print(study.token, clip, flush=True)
+os.kill(os.getpid(), signal.SIGKILL)
+"""
+    ended = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=False
+    )
+    assert ended.returncode == -signal.SIGKILL, ended.stderr
+    token, clip = ended.stdout.split()
+    store = RatingStore(path)
+    study = store.study(token)
+    assert study is not None
+    assert study.clips == CLIPS
+    assert store.rated(study, "P1") == {int(clip): 6}
+
+
+def test_the_table_is_what_a_file_of_it_gives(store, tmp_path):
+    study = store.begin("print", CLIPS)
+    for name in ("P2", "P1"):
+        store.order(study, name)
+        for clip in (2, 0):
+            store.rate(study, name, clip, 1 + clip)
+    store.rate(study, "P1", 0, 7)  # thought again
+    table = store.ratings(study)
+    assert table.to_numpy().tolist() == [
+        ["P2", "A", "FIR", 1.0], ["P2", "A", "NIR", 3.0],
+        ["P1", "A", "FIR", 7.0], ["P1", "A", "NIR", 3.0],
+    ]  # fmt: skip
+    path = tmp_path / "ratings.csv"
+    path.write_bytes(to_csv_bytes(table))
+    assert read_ratings(path).equals(table[["participant", "clip", "system", "rating"]])
+
+
+def test_studies_do_not_see_each_other(store):
+    one, other = store.begin("print", CLIPS), store.begin("print", CLIPS)
+    store.order(one, "P1")
+    store.rate(one, "P1", 0, 3)
+    assert len(store.ratings(one)) == 1
+    assert len(store.ratings(other)) == 0
+    assert store.study("x' OR '1'='1") is None
+
+
+def test_many_join_and_rate_at_once(store):
+    study = store.begin("print", CLIPS)
+
+    def rate_all(number):
+        for clip in store.order(study, f"P{number}"):
+            store.rate(study, f"P{number}", clip, 1 + clip)
+
+    with ThreadPoolExecutor(8) as pool:
+        list(pool.map(rate_all, range(8)))
+    assert len(store.ratings(study)) == 32
+
+
+@pytest.mark.parametrize(
+    ("clip", "rating", "words"), [(4, 3, "clip 5"), (0, 8, "1 to 7"), (0, 0, "given 0")]
+)
+def test_what_is_not_on_the_scale_is_refused(store, clip, rating, words):
+    study = store.begin("print", CLIPS)
+    store.order(study, "P1")
+    with pytest.raises(InputError, match=words):
+        store.rate(study, "P1", clip, rating)
+    assert store.rated(study, "P1") == {}
+
+
+def test_strangers_empty_names_and_empty_studies_are_refused(store):
+    study = store.begin("print", CLIPS)
+    with pytest.raises(InputError, match="has not joined"):
+        store.rate(study, "nobody", 0, 3)
+    with pytest.raises(InputError, match="1 to 64"):
+        store.order(study, "  ")
+    with pytest.raises(InputError, match="each once"):
+        store.begin("print", [])
+    with pytest.raises(InputError, match="must rise"):
+        store.begin("print", CLIPS, low=7, high=7)
+
+
+def test_the_file_is_nobody_elses(store, tmp_path):
+    assert (tmp_path / "new").stat().st_mode & 0o077 == 0
