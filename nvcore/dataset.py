@@ -141,7 +141,8 @@ class Dataset:
     Attributes
     ----------
     recordings
-        One row per recording: name, width, height (px), fps, horizon (px, NaN unknown).
+        One row per recording: name, width, height (px), fps, horizon (px, NaN unknown), tags
+        (tuple of str).
     frames
         One row per listed frame, frames without boxes too: recording (row of `recordings`),
         frame, time_s, step_s. Sorted by recording, then frame.
@@ -308,7 +309,7 @@ def dataset_from_tables(
     Parameters
     ----------
     recordings
-        Columns name, width, height, fps, and optionally horizon.
+        Columns name, width, height, fps, and optionally horizon and tags.
     frames_by_recording
         Listed frame numbers of each recording, sorted, unique.
     boxes
@@ -326,6 +327,8 @@ def dataset_from_tables(
     InputError
         If the size or the frame rate of a recording is no positive number.
     """
+    if "tags" not in recordings:
+        recordings = recordings.assign(tags=pd.Series([()] * len(recordings), dtype=object).array)
     columns: dict[str, object] = {str(name): recordings[name].to_numpy() for name in recordings}
     recordings = conform(columns, RECORDING_DTYPES, n_rows=len(recordings))
     for name in ("width", "height", "fps"):
@@ -345,8 +348,13 @@ def dataset_from_tables(
     if len(key) > 1 and np.any(np.diff(key) < 0):
         table = table.iloc[np.argsort(key, kind="stable")].reset_index(drop=True)
     if fingerprint is None:
-        fingerprint = tables_fingerprint([recordings, frames, table], systems)
+        fingerprint = tables_fingerprint([without_empty_tags(recordings), frames, table], systems)
     return Dataset(recordings, frames, table, tuple(systems), fingerprint, **rest)  # type: ignore[arg-type]
+
+
+def without_empty_tags(recordings: pd.DataFrame) -> pd.DataFrame:
+    """The recordings as they enter a fingerprint: without the tags if there are none."""
+    return recordings if any(recordings["tags"]) else recordings.drop(columns="tags")
 
 
 def tables_fingerprint(tables: Iterable[pd.DataFrame], systems: Sequence[str]) -> str:

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from nvcore.dataset import Dataset, compared_names, dataset_from_tables
+from nvcore.dataset import Dataset, compared_names, dataset_from_tables, without_empty_tags
 from nvcore.errors import MissingFactError
 from nvcore.findings import Finding, Severity
 from nvcore.frame_lists import own_frames, parse_frames
@@ -25,7 +25,7 @@ from nvcore.readers.base import (
 )
 from nvcore.recording_facts import NO_BOX, contradicted_facts, describe_recordings
 from nvcore.session import Session, Source, SystemSource
-from nvcore.sources import digest, find_files, system_name
+from nvcore.sources import digest, find_files, system_names
 
 Progress = Callable[[str], None]
 """Told what is being done next, in a few words."""
@@ -57,15 +57,16 @@ def load(session: Session, *, progress: Progress | None = None) -> Dataset:
     truth = _read(session, session.truth, "truth", "truth", None)
     names = truth.reading.recordings["name"].tolist()
     loaded = [truth]
-    for source in session.systems:
-        name = source.name or system_name(source, names)
+    told = system_names(session.systems, names)
+    for source, by_path in zip(session.systems, told, strict=True):
+        name = source.name or by_path
         while name in {one.subject for one in loaded}:
             name += " (2)"
         tell(f"reading {name}")
         system = _read(session, source, name, "detections", truth.reading)
         loaded.append(_corrected(system, source))
     tell("placing boxes in frames")
-    return _place(session, loaded)
+    return _place(session, _named_by_session(session, loaded))
 
 
 def effective_params(session: Session, dataset: Dataset) -> Params:
@@ -165,6 +166,31 @@ def _same_single_recording(reading: Reading, truth: Reading) -> Reading:
         recordings=recordings,
         conversion="; ".join(part for part in (reading.conversion, note) if part),
     )
+
+
+def _named_by_session(session: Session, loaded: list[_Loaded]) -> list[_Loaded]:
+    """The sources with the only recording called as the session calls it."""
+    told = loaded[0].reading.recordings["name"].tolist()
+    if len(told) != 1 or len(session.recordings) != 1:
+        return loaded
+    old, new = told[0], session.recordings[0].name
+    if any((one.reading.recordings["name"] == new).any() for one in loaded):
+        return loaded  # it is called so already, or a system holds another one of that name
+
+    def renamed(table: pd.DataFrame, column: str = "recording") -> pd.DataFrame:
+        return table.assign(**{column: table[column].where(table[column] != old, new)})
+
+    readings = [
+        replace(
+            one.reading,
+            boxes=renamed(one.reading.boxes),
+            recordings=renamed(one.reading.recordings, "name"),
+            images=None if one.reading.images is None else renamed(one.reading.images),
+            annotated=None if one.reading.annotated is None else renamed(one.reading.annotated),
+        )
+        for one in loaded
+    ]
+    return [replace(one, reading=reading) for one, reading in zip(loaded, readings, strict=True)]
 
 
 def _corrected(system: _Loaded, source: SystemSource) -> _Loaded:
@@ -335,7 +361,7 @@ def _fingerprint(
         settings = {**asdict(source), "path": None, "format": one.format.name}
         settings |= {"threshold": None, "name": None}
         digest_.update(f"{one.subject}\n{one.digests}\n{settings}\n".encode())
-    digest_.update(recordings.to_csv(index=False).encode())
+    digest_.update(without_empty_tags(recordings).to_csv(index=False).encode())
     for listed in frames:
         digest_.update(listed.astype(np.int64).tobytes())
     return digest_.hexdigest()

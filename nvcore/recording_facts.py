@@ -45,7 +45,7 @@ def contradicted_facts(truth: Reading, recordings: pd.DataFrame) -> list[Finding
 
 
 def describe_recordings(session: Session, truth: Reading) -> pd.DataFrame:
-    """Name, width, height, fps, horizon of every recording; what is unknown is an error."""
+    """Name, width, height, fps, horizon, tags of recordings; what is unknown is an error."""
     table = truth.recordings.copy()
     facts = {one.name: one for one in session.recordings}
     if len(table) == 1 and len(facts) == 1 and table["name"][0] not in facts:
@@ -71,7 +71,8 @@ def describe_recordings(session: Session, truth: Reading) -> pd.DataFrame:
             own = {name for name, one in facts.items() if getattr(one, column) is not None}
             table.loc[~table["name"].isin(own), column] = common
     _check_known(table)
-    return table
+    tags = [facts[name].tags if name in facts else () for name in table["name"]]
+    return table.assign(tags=pd.Series(tags, dtype=object))
 
 
 def _check_known(table: pd.DataFrame) -> None:

@@ -59,6 +59,7 @@ RECORDING_DTYPES: Final[dict[str, str]] = {
     "height": "float64",  # px
     "fps": "float64",  # frames per second
     "horizon": "float64",  # row of the horizon, px; NaN: unknown
+    "tags": "object",  # words by which recordings are chosen, tuple of str
 }
 
 LEFT_OUT_DTYPES: Final[dict[str, str]] = {

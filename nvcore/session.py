@@ -24,7 +24,7 @@ class RecordingFacts:
     """What the session says of one recording; None: the data tell.
 
     `pictures` is a video, a folder or an archive, `first_picture` the number of the frame that
-    its first picture shows.
+    its first picture shows. `tags` are words by which recordings can be chosen, such as "night".
     """
 
     name: str
@@ -35,6 +35,7 @@ class RecordingFacts:
     horizon: float | None = None
     pictures: str | None = None
     first_picture: int | None = None
+    tags: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if not self.name:
@@ -48,6 +49,8 @@ class RecordingFacts:
             )
         _can_be_a_path("frames", self.frames)
         _can_be_a_path("pictures", self.pictures)
+        if not all(tag.strip() for tag in self.tags) or len(set(self.tags)) < len(self.tags):
+            raise SessionError(f"tags: expected different words, found {list(self.tags)}")
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@
     horizon = 236.0
     pictures = "urban_01.mp4" a video, a folder, or an archive
     first_picture = 0        number of the frame that the first picture shows
+    tags = ["night", "rain"] words by which recordings can be chosen
 
     [defaults]               the same facts for all recordings: size, fps, frames
     size = "640x480"
@@ -148,18 +149,13 @@ class _Parser:
         paths = [path] if isinstance(path, str) else path
         if not isinstance(paths, list) or not paths or not all(isinstance(p, str) for p in paths):
             raise self.fail(f"{where}: expected path to be a text or a list of texts")
-        classes = table.get("classes")
-        if classes is not None and not (
-            isinstance(classes, list) and all(isinstance(name, str) for name in classes)
-        ):
-            raise self.fail(f"{where}: expected classes to be a list of texts")
         for key in ("frame_base", "box_base"):
             if self.value(table, key, int, where) not in (None, 0, 1):
                 raise self.fail(f"{where}: expected {key} to be 0 or 1, found {table[key]!r}")
         return {
             "path": tuple(paths),
             "format": self.value(table, "format", str, where),
-            "classes": None if classes is None else tuple(classes),
+            "classes": self.texts(table, "classes", where),
             "frame_base": table.get("frame_base"),
             "box_base": table.get("box_base"),
         }
@@ -195,6 +191,7 @@ class _Parser:
             frames=self.value(table, "frames", str, where),
             pictures=self.value(table, "pictures", str, where),
             first_picture=self.value(table, "first_picture", int, where),
+            tags=self.texts(table, "tags", where) or (),
             **numbers,
         )
 
@@ -223,6 +220,14 @@ class _Parser:
             wanted = {str: "a text", int: "a whole number"}[kind]
             raise self.fail(f"{where}: expected {key} to be {wanted}, found {value!r}")
         return value
+
+    def texts(self, table: dict[str, Any], key: str, where: str) -> tuple[str, ...] | None:
+        texts = table.get(key)
+        if texts is None:
+            return None
+        if not isinstance(texts, list) or not all(isinstance(text, str) for text in texts):
+            raise self.fail(f"{where}: expected {key} to be a list of texts")
+        return tuple(texts)
 
     def pair(self, value: object, key: str, where: str) -> tuple[float, float]:
         if (
@@ -270,6 +275,7 @@ def write_session(session: Session, *, version: str, fingerprint: str) -> str:
                 **vars(facts),
                 "frames": _absolute_frames(facts.frames, folder),
                 "pictures": None if facts.pictures is None else _absolute(facts.pictures, folder),
+                "tags": list(facts.tags) or None,
             }
         )
         for facts in session.recordings

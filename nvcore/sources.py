@@ -158,16 +158,39 @@ def system_name(source: Source, recordings: Sequence[str]) -> str:
 
     The part nearest to the file that is neither a neutral word (``det``) nor a recording.
     """
+    parts = _telling_parts(source, recordings)
+    return parts[0] if parts else Path(source.path[0]).stem
+
+
+def system_names(sources: Sequence[Source], recordings: Sequence[str]) -> list[str]:
+    """Names for systems by their paths, told apart where the paths allow it.
+
+    Each as by `system_name`; where that gives several the same name (``x/out.csv`` and
+    ``y/out.csv``), all are named by the next part of their paths in which they differ.
+    """
+    nearest = [system_name(source, recordings) for source in sources]
+    parts = [_telling_parts(source, recordings) for source in sources]
+    for level in range(max(map(len, parts), default=0)):
+        names = [
+            found[min(level, len(found) - 1)] if found else name
+            for found, name in zip(parts, nearest, strict=True)
+        ]
+        if len(set(names)) == len(names):
+            return names
+    return nearest
+
+
+def _telling_parts(source: Source, recordings: Sequence[str]) -> list[str]:
+    """Parts of the path that are neither neutral nor a recording, nearest to the file first."""
     path = Path(source.path[0])
-    for part in (path.stem, *reversed(path.parts[:-1])):
-        if (
-            part.lower() not in NEUTRAL
-            and part not in recordings
-            and part not in ("", "/", ".", "..")
-            and not glob.has_magic(part)
-        ):
-            return part
-    return path.stem
+    return [
+        part
+        for part in (path.stem, *reversed(path.parts[:-1]))
+        if part.lower() not in NEUTRAL
+        and part not in recordings
+        and part not in ("", "/", ".", "..")
+        and not glob.has_magic(part)
+    ]
 
 
 def digest(files: Sequence[SourceFile]) -> list[str]:

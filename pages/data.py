@@ -3,8 +3,11 @@
 import streamlit as st
 
 from ui import data_compare, data_findings, data_inputs, data_open
+from ui.data_opening import draw_failures
 
 st.title("Data")
-for part in (data_findings, data_inputs, data_open, data_compare):
+for draw in (
+    draw_failures, data_findings.draw, data_inputs.draw, data_open.draw, data_compare.draw,
+):  # fmt: skip
     with st.container():  # one place each: an upload goes on when there is more or less above it
-        part.draw()
+        draw()

@@ -97,6 +97,14 @@ def test_two_systems_of_one_name_are_told_apart(tmp_path: Path):
     assert dataset.systems == ("fir", "fir (2)")
 
 
+def test_systems_in_files_of_one_name_are_called_by_their_folders(tmp_path: Path):
+    one_box(tmp_path)
+    for folder in ("faster", "tracker"):
+        write(tmp_path / folder / "out.csv", DETECTIONS, "0,1,1,5,10,0.5")
+    dataset = load(session_of(tmp_path, "truth.csv", "faster/out.csv", "tracker/out.csv"))
+    assert dataset.systems == ("faster", "tracker")
+
+
 def test_a_system_without_detections_has_all_frames(tmp_path: Path):
     dataset = load(session_of(one_box(tmp_path), "truth.csv", "fir.csv"))
     assert (len(dataset.system("fir")), len(dataset.frames)) == (0, 10)
@@ -144,6 +152,21 @@ def test_the_only_recording_of_session_and_truth_is_the_same(tmp_path: Path):
     dataset = load(session)
     assert dataset.recordings["fps"].tolist() == [12.5]
     assert dataset.frames["frame"].tolist() == [0, 1, 2, 3]
+
+
+def test_the_session_names_the_only_recording_and_no_box_is_lost(tmp_path: Path):
+    folder = one_box(tmp_path, "0,1,1,5,10,0.5")
+    dataset = load(session_of(folder, "truth.csv", "fir.csv", recordings=(facts_of("PETS09"),)))
+    assert names(dataset) == ["PETS09"]
+    assert (len(dataset.truth), len(dataset.system("fir")), len(dataset.left_out)) == (10, 1, 0)
+
+
+def test_a_recording_does_not_get_the_name_of_another_that_a_system_holds(tmp_path: Path):
+    write(tmp_path / "truth.csv", "recording," + TRUTH, "day,0,1,1,5,10,1")
+    write(tmp_path / "fir.csv", "recording," + DETECTIONS, "day,0,1,1,5,10,0.5",
+          "dusk,0,1,1,5,10,0.5")  # fmt: skip
+    dataset = load(session_of(tmp_path, "truth.csv", "fir.csv", recordings=(facts_of("dusk"),)))
+    assert len(dataset.system("fir")) == 1
 
 
 @pytest.mark.parametrize(

@@ -1,8 +1,8 @@
 """Mistakes of other evaluation tools that must not happen here.
 
 The numbers are those of the project's list of peers' bugs, section "Correctness bugs of metrics".
-What can only go wrong while reading a file is tested with the readers; what concerns curves and
-classes (31 in part, 32, 45) has no counterpart here.
+What can only go wrong while reading a file is tested with the readers, curves and areas under them
+in test_peer_bugs_curves.py; what concerns classes (45) has no counterpart here.
 """
 
 from __future__ import annotations

@@ -29,7 +29,9 @@ FULL = Session(
         SystemSource(("nir.csv",), name="NIR", scale=(1.25, 1.25)),
     ),
     recordings=(
-        RecordingFacts("urban", 640.0, 480.0, 20.0, "frames.txt", 236.5, "urban.mp4", 3),
+        RecordingFacts(
+            "urban", 640.0, 480.0, 20.0, "frames.txt", 236.5, "urban.mp4", 3, ("night", "wet road")
+        ),
         RecordingFacts("rural", frames="0:299:20"),
     ),
     size=(1280, 960),
@@ -61,7 +63,7 @@ def test_every_key_is_read(tmp_path: Path):
         tmp_path,
         '[defaults]\nsize = "640x480"\nfps = 20\nframes = "0:9"',
         '[[recording]]\nname = "urban"\nwidth = 320\nheight = 240\nfps = 12.5\nframes = "0:4"\n'
-        'horizon = 120\npictures = "urban.mp4"\nfirst_picture = 2330',
+        'horizon = 120\npictures = "urban.mp4"\nfirst_picture = 2330\ntags = ["night"]',
         '[truth]\npath = ["a.csv", "b.csv"]\nformat = "csv"\nclasses = ["person"]\n'
         "frame_base = 0\nbox_base = 1",
         '[[system]]\nname = "FIR"\npath = "fir.csv"\nthreshold = 0.5\noffset_frames = 2\n'
@@ -74,7 +76,7 @@ def test_every_key_is_read(tmp_path: Path):
     first, second = session.systems
     assert (session.size, session.fps, session.frames) == ((640, 480), 20.0, "0:9")
     assert session.recordings == (
-        RecordingFacts("urban", 320.0, 240.0, 12.5, "0:4", 120.0, "urban.mp4", 2330),
+        RecordingFacts("urban", 320.0, 240.0, 12.5, "0:4", 120.0, "urban.mp4", 2330, ("night",)),
     )
     assert session.truth == Source(("a.csv", "b.csv"), "csv", ("person",), 0, 1)
     assert (first.name, first.threshold, first.offset_frames) == ("FIR", 0.5, 2)

@@ -11,7 +11,7 @@ from inputs import mot_layout, write
 
 from nvcore.errors import InputError, UnknownFormatError
 from nvcore.session import Source
-from nvcore.sources import digest, find_files, system_name
+from nvcore.sources import digest, find_files, system_name, system_names
 
 DETECTION = "frame,x,y,w,h,score\n1,1,1,5,10,0.5"
 
@@ -157,6 +157,21 @@ def test_an_unknown_format_lists_the_known_ones(tmp_path: Path):
 )
 def test_a_system_is_named_by_the_part_of_its_path_that_tells_most(path: str, expected: str):
     assert system_name(Source((path,)), ["0016", "0017"]) == expected
+
+
+@pytest.mark.parametrize(
+    ("paths", "expected"),
+    [
+        (["fir.csv", "nir.csv"], ["fir", "nir"]),
+        (["a/out.csv", "b/out.csv"], ["a", "b"]),
+        (["a/run/out.csv", "b/run/out.csv"], ["a", "b"]),
+        (["rrc/0016.txt", "pointrcnn/0016.txt"], ["rrc", "pointrcnn"]),
+        (["out.csv", "out.csv"], ["out", "out"]),
+        ([], []),
+    ],
+)
+def test_systems_are_named_by_what_tells_them_apart(paths: list[str], expected: list[str]):
+    assert system_names([Source((path,)) for path in paths], ["0016"]) == expected
 
 
 def test_a_digest_is_the_sha256_of_the_bytes(tmp_path: Path):

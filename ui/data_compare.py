@@ -20,7 +20,7 @@ from nvcore.operating_point import (
 from nvcore.params import Params
 from ui import state
 from ui.opening import with_systems
-from ui.text import number, plain
+from ui.text import docs_link, number, plain
 
 TOLD: Final = "same_point_told"
 """Whether the point is to be told in this run."""
@@ -40,6 +40,11 @@ def draw() -> None:
         )
     else:
         _draw_same_point(x, y)
+    st.caption(
+        "False alarms here are single detections that match nobody, counted in every frame. What a "
+        "driver would notice is on the Overview: false-alert episodes, false alarms linked over "
+        f"frames ({docs_link('more', 'false-alarms')})."
+    )
     columns = st.columns(2)
     for column, letter, name in zip(columns, "xy", (x, y), strict=True):
         if name is not None:
@@ -116,8 +121,10 @@ def _draw_system(letter: str, name: str) -> None:
     alarms.metric(
         "False alarms per minute",
         number(point.false_alarms_per_minute, ".1f"),
-        help=f"{point.n_false_alarms:,} in all, {number(point.false_alarms_per_frame, '.3g')} per "
-        "frame: detections that match nobody.",
+        help="Detections that match nobody, per minute of the recordings.",
+    )
+    alarms.caption(
+        f"{number(point.false_alarms_per_frame, '.3g')} per frame; {point.n_false_alarms:,} in all"
     )
     if state.score_span(name) is not None:
         st.plotly_chart(
@@ -150,8 +157,10 @@ def _set_threshold(letter: str, name: str, threshold: float | None) -> None:
 
 
 def _draw_same_point(x: str, y: str) -> None:
+    can_move = state.score_span(y) is not None
     st.button(
         "Same operating point",
+        disabled=not can_move,
         key="same_point",
         icon=":material/balance:",
         on_click=_take_same_point,
@@ -159,7 +168,12 @@ def _draw_same_point(x: str, y: str) -> None:
         help="Sets the threshold of Y so that it has as many false alarms per frame as X has at "
         "its own threshold. Without it a system that reports more of everything looks better.",
     )
-    if state.params().threshold_x is None and state.score_span(x) is not None:
+    if not can_move:
+        st.caption(
+            "Y has no scores that differ, so its threshold cannot be moved to X's false alarms"
+            + ("; swap the two to move the other one." if state.score_span(x) else ".")
+        )
+    elif state.params().threshold_x is None and state.score_span(x) is not None:
         st.caption(
             "Every detection of X counts now: choose the threshold at which X would be used first."
         )

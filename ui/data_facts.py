@@ -15,7 +15,7 @@ from nvcore.media.sources import open_pictures
 from nvcore.readers import FORMATS
 from nvcore.readers.base import Role
 from nvcore.session import Session
-from ui.data_opening import trouble_of
+from ui.data_opening import FACTS, trouble_of
 from ui.opening import checked_frames
 
 MAX_SIZE_PX: Final = 100_000
@@ -61,49 +61,74 @@ class Facts:
         return replace(session, **{k: v for k, v in given.items() if v is not None})
 
 
-def draw_facts(place: str, pictures: Iterable[Path]) -> Facts:
-    """Fields for what the files did not say when they were last opened; none if nothing.
+def draw_facts(place: str, pictures: Iterable[Path], lacking: Iterable[str] = ()) -> Facts:
+    """Fields for what the files do not say; none if nothing.
 
     Parameters
     ----------
     place
         Part of the page; see `ui.data_opening`.
     pictures
-        Pictures of the recordings, whose size is proposed.
+        Pictures of the recordings, whose size and frame rate are proposed.
+    lacking
+        What the files are known not to say; what they left open when they were last opened is
+        asked as well.
     """
     trouble = trouble_of(place)
     asked = st.session_state.setdefault(f"asked_{place}", set())
     asked |= set(() if trouble is None else trouble.facts)
+    asked = asked | set(lacking)
+    pictures = list(pictures)
     facts: dict[str, Any] = {}
+    if asked:
+        words = " and ".join(FACTS[fact] for fact in FACTS if fact in asked)
+        st.markdown(f"**Not in the files: {words}**")
     if "size" in asked:
-        proposed = picture_size(pictures)
-        width, height = proposed or (None, None)
-        left, right = st.columns(2)
-        wide = left.number_input(
-            "Width of the pictures (px)", 1, MAX_SIZE_PX, value=width, step=1,
-            key=f"width_{place}_{width}",
-        )  # fmt: skip
-        high = right.number_input(
-            "Height of the pictures (px)", 1, MAX_SIZE_PX, value=height, step=1,
-            key=f"height_{place}_{height}",
-        )  # fmt: skip
-        if proposed is not None:
-            st.caption(
-                "The size is that of the pictures sent; boxes have to be in the same pixels."
-            )
-        facts["size"] = None if wide is None or high is None else (int(wide), int(high))
+        facts["size"] = _draw_size(place, picture_size(pictures))
     if "fps" in asked:
-        facts["fps"] = st.number_input(
-            "Frames per second", 0.01, MAX_FPS, value=None, step=1.0, key=f"fps_{place}",
-            help="How many frame numbers make a second: of the numbering in the files, even if "
-            "only every tenth frame is annotated.",
-        )  # fmt: skip
+        facts["fps"] = _draw_rate(place, picture_rate(pictures))
     if "frames" in asked:
         facts["frames"] = st.text_input(
             "Evaluated frames", placeholder="0:299", key=f"frames_{place}",
             help="FIRST:LAST or FIRST:LAST:STEP, by the frame numbers of the truth.",
         )  # fmt: skip
     return Facts(**facts)
+
+
+def _draw_size(place: str, proposed: tuple[int, int] | None) -> tuple[int, int] | None:
+    if st.session_state.get(f"width_{place}_None") is not None:
+        proposed = None  # what a person has typed stays
+    width, height = proposed or (None, None)
+    left, right = st.columns(2)
+    wide = left.number_input(
+        "Width of the pictures (px)", 1, MAX_SIZE_PX, value=width, step=1,
+        key=f"width_{place}_{width}", placeholder="such as 640",
+    )  # fmt: skip
+    high = right.number_input(
+        "Height of the pictures (px)", 1, MAX_SIZE_PX, value=height, step=1,
+        key=f"height_{place}_{height}", placeholder="such as 480",
+    )  # fmt: skip
+    if proposed is not None:
+        st.caption("The size of the pictures given; boxes have to be in the same pixels.")
+    return None if wide is None or high is None else (int(wide), int(high))
+
+
+def _draw_rate(place: str, proposed: float | None) -> float | None:
+    if st.session_state.get(f"fps_{place}_None") is not None:
+        proposed = None  # what a person has typed stays
+    rate = st.number_input(
+        "Frames per second", 0.01, MAX_FPS, value=proposed, step=1.0,
+        key=f"fps_{place}_{proposed}", placeholder="such as 20", format="%.6g",
+        help="How many frame numbers make a second: of the numbering in the files, even if only "
+        "every tenth frame is annotated. A video is proposed with the rate at which it plays, "
+        "which may differ from that of the camera.",
+    )  # fmt: skip
+    if proposed is not None:
+        st.caption(
+            "The rate at which the video plays; change it if the camera took the frames at "
+            "another one. Times, lead times and rates per minute depend on it."
+        )
+    return None if rate is None else float(rate)
 
 
 def forget_facts(place: str) -> None:
@@ -136,24 +161,50 @@ def draw_reading(role: Role, key: str, changed: Callable[[], None]) -> dict[str,
 
 def picture_size(paths: Iterable[Path]) -> tuple[int, int] | None:
     """Size of the first pictures that can be opened."""
-    for path in paths:
-        try:
-            status = path.stat()
-        except OSError:  # told when they are shown
-            continue
-        size = _size_of(path, status.st_mtime_ns, status.st_size)
-        if size is not None:
-            return size
-    return None
+    return next((one.size for one in map(look_at_pictures, paths) if one.size), None)
+
+
+def picture_rate(paths: Iterable[Path]) -> float | None:
+    """Frame rate of the first pictures that state one, within what can be given."""
+    rates = (one.fps for one in map(look_at_pictures, paths))
+    return next((rate for rate in rates if rate is not None and 0.01 <= rate <= MAX_FPS), None)
+
+
+@dataclass(frozen=True)
+class PictureLook:
+    """What pictures turn out to be.
+
+    Attributes
+    ----------
+    size
+        (width, height) px; None: they cannot be opened.
+    fps
+        Frame rate that they state, 1/s.
+    trouble
+        Why they cannot be opened.
+    """
+
+    size: tuple[int, int] | None = None
+    fps: float | None = None
+    trouble: str = ""
+
+
+def look_at_pictures(path: Path) -> PictureLook:
+    """Open pictures to see what they are; once for the file as it is."""
+    try:
+        status = path.stat()
+    except OSError as error:
+        return PictureLook(trouble=f"cannot be opened ({error.strerror})")
+    return _look_at_pictures(path, status.st_mtime_ns, status.st_size)
 
 
 @lru_cache(maxsize=256)
-def _size_of(path: Path, changed_ns: int, n_bytes: int) -> tuple[int, int] | None:  # noqa: ARG001
-    """Size of these pictures, kept for the file as it is: a long video takes time to open."""
+def _look_at_pictures(path: Path, changed_ns: int, n_bytes: int) -> PictureLook:  # noqa: ARG001
+    """Kept for the file as it is: a long video takes time to open."""
     try:
         pictures = open_pictures(path)
-    except MediaError:  # told when they are shown
-        return None
-    size = int(pictures.width), int(pictures.height)
+    except MediaError as error:
+        return PictureLook(trouble=error.message)
+    found = PictureLook((int(pictures.width), int(pictures.height)), pictures.fps)
     pictures.close()
-    return size
+    return found

@@ -18,36 +18,48 @@ from ui.text import plain
 BADGES: Final = {
     Severity.ERROR: ":red-badge[:material/error: Error]",
     Severity.WARNING: ":orange-badge[:material/warning: Warning]",
-    Severity.NOTE: ":gray-badge[:material/info: Note]",
+    Severity.NOTE: ":gray-badge[:material/info: Remark]",
+}
+KINDS: Final = {
+    Severity.ERROR: ("error that makes figures wrong", "errors that make figures wrong"),
+    Severity.WARNING: ("warning that may change figures", "warnings that may change figures"),
+    Severity.NOTE: ("remark that changes no figure", "remarks that change no figure"),
 }
 MOST_SHOWN: Final = 4
 """Findings that stand open; the rest is folded."""
 
 
 def draw() -> None:
-    """All findings of the open comparison."""
+    """What is open, and all findings about it."""
     findings = worst_first(state.findings())
-    st.header("What to mind before trusting the figures")
+    label, n = state.workspace().label, len(state.recording_names())
+    st.header(f"Open now: {plain(label)} ({n:,} recording{'s' if n > 1 else ''})")
+    st.subheader("What to mind before trusting the figures")
     if not findings:
-        st.success("The audit of the inputs found nothing to mind.", icon=":material/check_circle:")
+        st.success(
+            f"The audit of {plain(label)} found nothing to mind.", icon=":material/check_circle:"
+        )
         return
-    st.caption(_counts(findings))
     urgent = [one for one in findings if one.severity is not Severity.NOTE]
+    if urgent:
+        st.caption(_counts(findings))
     for number, finding in enumerate(urgent[:MOST_SHOWN]):
         _draw_one(findings, finding, number)
     rest = [*urgent[MOST_SHOWN:], *(one for one in findings if one.severity is Severity.NOTE)]
     if rest:
-        with st.expander(f"{len(rest)} more: {_counts(rest)}", expanded=not urgent):
+        title = f"{'And ' if urgent else ''}{_counts(rest)}"
+        with st.expander(title, expanded=not urgent):
             for number, finding in enumerate(rest, start=MOST_SHOWN):
                 _draw_one(findings, finding, number)
 
 
 def _counts(findings: Sequence[Finding]) -> str:
+    """How many there are of each severity, and what that means for the figures."""
     words = []
-    for severity in Severity:
-        n = sum(one.severity is severity for one in findings)
+    for severity, (one, several) in KINDS.items():
+        n = sum(finding.severity is severity for finding in findings)
         if n:
-            words.append(f"{n} {severity.value}{'s' if n > 1 else ''}")
+            words.append(f"{n} {one if n == 1 else several}")
     return ", ".join(words)
 
 

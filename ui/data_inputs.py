@@ -32,7 +32,7 @@ def draw() -> None:
     space = state.workspace()
     dataset = space.dataset
     assert dataset is not None
-    st.header(f"Open: {plain(space.label)}")
+    st.subheader("What was read")
     st.table(_inputs(dataset), width="stretch", hide_index=True)
     left_out = left_out_table(dataset)
     if not left_out.empty:

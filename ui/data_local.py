@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
 import streamlit as st
 
 from nvcore.errors import InputError
+from nvcore.readers.base import Role
 from nvcore.session import Session, Source, SystemSource
 from nvcore.session_file import read_session
 from ui.data_facts import Facts, draw_facts, forget_facts
+from ui.data_look import Look, draw_look, look_at, unusable
+from ui.data_names import draw_recording, draw_system_name, proposed_names, with_recording_name
 from ui.data_opening import draw_trouble, forget_trouble, try_to_open
+from ui.data_pictures import ChosenPictures, draw_checked
 from ui.local_files import Entry, LocalRoot
 from ui.opening import check_confined, guess_pictures, recording_names, with_recordings
 from ui.text import plain
@@ -24,8 +30,22 @@ ROLES: Final = {
     "local_truth": "Ground truth",
     "local_x": "System X",
     "local_y": "System Y",
-    "local_pictures": "Pictures",
+    "local_pictures": "Pictures (not needed for the figures)",
 }
+SYSTEMS: Final = ("local_x", "local_y")
+SOURCES: Final = ("local_truth", *SYSTEMS)
+
+
+@dataclass(frozen=True)
+class _Form:
+    """All that is to be opened."""
+
+    chosen: dict[str, list[str]]
+    names: list[str]
+    recording: str
+    pictures: ChosenPictures
+    facts: Facts
+    unusable: str
 
 
 def draw(root: LocalRoot) -> None:
@@ -40,13 +60,68 @@ def draw(root: LocalRoot) -> None:
     _draw_folder(here, entries)
     _draw_session(root, entries)
     st.markdown("**Or choose files and folders**, here and in other folders:")
-    chosen = {key: _draw_role(key, title, entries) for key, title in ROLES.items()}
-    draw_trouble(PLACE)
-    facts = draw_facts(PLACE, [root.find(path) for path in chosen["local_pictures"]])
+    form = _draw_form(root, entries)
     if st.button("Open these files", key="open_local", type="primary"):
         try_to_open(
-            lambda: _session(root, chosen, facts), label=f"Files in {here or TOP}", place=PLACE
+            lambda: _session(root, form),
+            label=f"Files in {here}" if here else "Local files",
+            place=PLACE,
         )
+
+
+def _draw_form(root: LocalRoot, entries: list[Entry]) -> _Form:
+    chosen: dict[str, list[str]] = {}
+    looks: list[Look | None] = []
+    name_fields = []
+    for key in SOURCES:
+        left, right = st.columns([1, 3])
+        with right:
+            chosen[key] = _draw_role(key, entries)
+            truth = looks[0] if looks else None
+            look = _look(root, chosen[key], truth, role="detections" if looks else "truth")
+            draw_look(look, truth)
+        name_fields.append(left)
+        looks.append(look)
+    recordings = [] if looks[0] is None else looks[0].recordings
+    chosen["local_pictures"] = _draw_role("local_pictures", entries)
+    places = {path: root.find(path) for path in chosen["local_pictures"]}
+    with name_fields[0]:
+        recording = draw_recording(recordings, places, place=PLACE, changed=_changed)
+    proposed = proposed_names([chosen[key] for key in SYSTEMS], chosen["local_truth"], recordings)
+    names = []
+    for number, (key, name) in enumerate(zip(SYSTEMS, proposed, strict=True), start=1):
+        with name_fields[number]:
+            title = ROLES[key].replace("S", "s")
+            names.append(draw_system_name(title, name, number, key=f"{key}_name", changed=_changed))
+    pictures = draw_checked(PLACE, places, recordings)
+    lacking = {fact for look in looks if look is not None for fact in look.lacking}
+    facts = draw_facts(PLACE, pictures.usable.values(), lacking)
+    draw_trouble(PLACE)
+    titles = ["the ground truth", *(f"system {key[-1].upper()}" for key in SYSTEMS)]
+    wrong = unusable(zip(titles, looks, strict=True))
+    return _Form(chosen, names, recording, pictures, facts, wrong)
+
+
+def _look(
+    root: LocalRoot, paths: Sequence[str], truth: Look | None, *, role: Role = "truth"
+) -> Look | None:
+    """What the chosen paths hold, read only if they stay below the root."""
+    if not paths:
+        return None
+
+    def source() -> Source:
+        made = Source(path=tuple(paths))
+        check_confined(Session(root.folder, made, ()), root.folder)
+        return made
+
+    try:
+        status = [root.find(path).stat() for path in paths]
+    except InputError as error:
+        return Look(trouble=str(error))
+    changed = tuple((one.st_mtime_ns, one.st_size) for one in status)
+    return look_at(
+        (*paths, changed, role, truth), source, role=role, folder=root.folder, truth=truth
+    )
 
 
 def _draw_folder(here: str, entries: list[Entry]) -> None:
@@ -79,8 +154,8 @@ def _draw_session(root: LocalRoot, entries: list[Entry]) -> None:
         "Session file", files, format_func=_last, key="local_session", on_change=_session_changed
     )
     is_wanted = right.button("Open session", key="open_local_session", width="stretch")
-    draw_trouble(SESSION)
     facts = draw_facts(SESSION, [])
+    draw_trouble(SESSION)
     if is_wanted:
         try_to_open(lambda: _session_file(root, file, facts), label=_last(file), place=SESSION)
 
@@ -90,11 +165,11 @@ def _session_changed() -> None:
     forget_facts(SESSION)
 
 
-def _draw_role(key: str, title: str, entries: list[Entry]) -> list[str]:
+def _draw_role(key: str, entries: list[Entry]) -> list[str]:
     """Files and folders of one role; what was chosen in other folders stays chosen."""
     before: list[str] = st.session_state.get(key, [])
     options = [*before, *(entry.path for entry in entries if entry.path not in before)]
-    return st.multiselect(title, options, key=key, on_change=_changed)
+    return st.multiselect(ROLES[key], options, key=key, on_change=_changed)
 
 
 def _changed() -> None:
@@ -112,23 +187,31 @@ def _session_file(root: LocalRoot, path: str, facts: Facts) -> Session:
     return session
 
 
-def _session(root: LocalRoot, chosen: dict[str, list[str]], facts: Facts) -> Session:
+def _session(root: LocalRoot, form: _Form) -> Session:
+    chosen = form.chosen
     if not chosen["local_truth"]:
         raise InputError("Choose the ground truth first: the boxes that both systems should find.")
-    systems = [chosen[key] for key in ("local_x", "local_y") if chosen[key]]
+    systems = [
+        (chosen[key], name) for key, name in zip(SYSTEMS, form.names, strict=True) if chosen[key]
+    ]
     if not systems:
         raise InputError("Choose the detections of at least one system.")
-    session = facts.session(
+    for wrong in (form.unusable, form.pictures.stops):
+        if wrong:
+            raise InputError(wrong)
+    session = form.facts.session(
         folder=root.folder,
         truth=Source(path=tuple(chosen["local_truth"])),
-        systems=tuple(SystemSource(path=tuple(paths)) for paths in systems),
+        systems=tuple(SystemSource(path=tuple(paths), name=name) for paths, name in systems),
     )
     check_confined(session, root.folder)
-    pictures = {Path(path).name: path for path in chosen["local_pictures"]}
-    if pictures:
+    if form.pictures.usable or form.recording:
         names = recording_names(session)
-        whose = guess_pictures(names, pictures)
-        changes = {name: {"pictures": pictures[label]} for name, label in whose.items()}
-        session = with_recordings(session, names, changes)
+        files = {Path(path).name: path for path in form.pictures.usable}
+        whose = guess_pictures(names, files)
+        changes = {name: {"pictures": files[label]} for name, label in whose.items()}
+        session = with_recording_name(
+            with_recordings(session, names, changes), names, form.recording
+        )
         check_confined(session, root.folder)
     return session

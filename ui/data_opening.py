@@ -27,9 +27,10 @@ FACTS: Final = {
 
 @dataclass(frozen=True)
 class Trouble:
-    """Why something could not be opened, and which facts would help."""
+    """Why something could not be opened, what it was called, and which facts would help."""
 
     text: str
+    label: str
     facts: tuple[str, ...] = ()
 
 
@@ -52,9 +53,9 @@ def try_to_open(
     try:
         state.open_session(session() if callable(session) else session, label=label)
     except MissingFactError as error:
-        trouble = Trouble(_question(error.facts) or public(error), error.facts)
+        trouble = Trouble(_question(error.facts) or public(error), label, error.facts)
     except NvcoreError as error:
-        trouble = Trouble(public(error))
+        trouble = Trouble(public(error), label)
     # only reached when it failed: what opens starts the run again
     del st.session_state[_OPENED]
     st.session_state[_key(place)] = trouble
@@ -72,13 +73,30 @@ def forget_trouble(place: str) -> None:
     st.session_state.pop(_key(place), None)
 
 
+def draw_failures() -> None:
+    """At the top of the page: what could not be opened, so that the rest is not taken for it."""
+    keys = [key for key in st.session_state if str(key).startswith(f"{_KEY}_")]
+    if _OPENED in st.session_state:  # something was opened since
+        for key in keys:
+            del st.session_state[key]
+        return
+    for key in keys:
+        trouble: Trouble = st.session_state[key]
+        st.error(
+            f"**Not opened: {plain(trouble.label) or 'nothing chosen'}.** {plain(trouble.text)}\n\n"
+            f"Still open, and what this page is about: {plain(state.workspace().label)}.",
+            icon=":material/error:",
+        )
+
+
 def draw_trouble(place: str) -> None:
     """The banner that says why something could not be opened, or once that it was."""
     opened_in, label = st.session_state.get(_OPENED, ("", ""))
     if opened_in == place:
         del st.session_state[_OPENED]
         st.success(
-            f"Opened: {plain(label)}. What was read, and what to mind, stands above.",
+            f"Opened: {plain(label)}. What was read, and what to mind: see above."
+            + _on_thresholds(),
             icon=":material/check_circle:",
         )
         st.button("See the comparison", type="primary", key=f"see_{place}",
@@ -90,10 +108,24 @@ def draw_trouble(place: str) -> None:
         (st.warning if is_question else st.error)(plain(trouble.text), icon=icon)
 
 
+def _on_thresholds() -> str:
+    """That thresholds are still to be chosen, where there are scores."""
+    settings = state.params()
+    limits = (settings.threshold_x, settings.threshold_y)
+    is_open = any(
+        limit is None and state.score_span(name) is not None
+        for name, limit in zip(state.systems(), limits, strict=True)
+        if name is not None
+    )
+    if not is_open:
+        return ""
+    return " Every detection counts, however low its score, until thresholds are set under Compare."
+
+
 def _question(facts: tuple[str, ...]) -> str:
     """What is asked, without the command line's flags."""
     words = " and ".join(FACTS[fact] for fact in facts if fact in FACTS)
-    return f"The files do not say {words}. Fill in the fields below." if words else ""
+    return f"The files do not say {words}. Fill in the fields for it." if words else ""
 
 
 def _key(place: str) -> str:

@@ -31,8 +31,8 @@ def draw() -> None:
         "The files that it names, or a ZIP archive of their folder", accept_multiple_files=True,
         key="session_files", on_change=_changed,
     )  # fmt: skip
-    draw_trouble(PLACE)
     facts = draw_facts(PLACE, sent_pictures(state.workspace()).values())
+    draw_trouble(PLACE)
     if st.button("Open this session", key="open_session_file", type="primary"):
         label = "" if file is None else file.name
         try_to_open(lambda: _session(file, others, facts), label=label, place=PLACE)

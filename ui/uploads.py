@@ -299,7 +299,10 @@ def store_annotations(
     paths: list[Path] = []
     for file in files:
         content = file.getbuffer()
-        _check_room(space, len(content), so_far=0)
+        try:
+            _check_room(space, len(content), so_far=0)
+        except UploadError as error:
+            raise UploadError(f"{safe_name(file.name)}: {error}", error.status) from error
         name = free_name(safe_name(file.name), (path.name for path in target.iterdir()))
         path = target / name
         try:
@@ -307,7 +310,7 @@ def store_annotations(
         except OSError as error:
             path.unlink(missing_ok=True)
             raise UploadError(
-                f"The file could not be stored ({error.strerror}).",
+                f"{name}: The file could not be stored ({error.strerror}).",
                 HTTPStatus.INSUFFICIENT_STORAGE,
             ) from error
         n_bytes = len(content)

@@ -33,6 +33,8 @@ class Pictures(Protocol):
     numbers
         Frame number in the name of each picture, int64, shape (n,), all different; None for a
         video and where names have none.
+    fps
+        Frame rate that a video states, 1/s; None: it states none, or these are single pictures.
     note
         What the user should know, as a sentence; empty: nothing.
     """
@@ -43,6 +45,7 @@ class Pictures(Protocol):
     height: int
     is_video: bool
     numbers: NDArray[np.int64] | None
+    fps: float | None
     note: str
 
     def read(self, index: int) -> Picture:

@@ -54,6 +54,7 @@ class Images:
         """
         self.name, self.n, self.note = name, len(names), ""
         self.numbers = numbers_of(names)
+        self.fps: float | None = None
         self._names, self._read_bytes, self._close = names, read_bytes, close
         self._recent, self._lock = Recent(), Lock()
         self.height, self.width = self.read(0).shape[:2]

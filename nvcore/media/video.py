@@ -55,6 +55,8 @@ class Video:
         self._format = format_of_file(path, self.name)
         try:
             stream = self._open()
+            rate = stream.average_rate
+            self.fps = float(rate) if rate else None
             self._table = list_pictures(
                 self._container, stream, self._format, self.name,
                 is_cut=is_cut_off(path, self._format),

@@ -27,6 +27,7 @@ def send_annotations(one: Visit, key: str, path: Path) -> None:
         field.locator("input[type=file]").set_input_files(path)
     expect(field.get_by_text(path.name)).to_be_visible()
     expect(field.get_by_role("progressbar")).to_have_count(0)
+    one.wait_until_drawn()
 
 
 def send(one: Visit, files: Sent) -> None:
@@ -38,14 +39,11 @@ def send(one: Visit, files: Sent) -> None:
         send_annotations(one, key, path)
     one.keyed("upload_pictures").locator("input[type=file]").set_input_files(files.video)
     expect(one.page.get_by_text(f"Here: {files.video.name}")).to_be_visible()
-    one.page.get_by_role("button", name="Open these files").click()
-    # the files do not say it; the size is proposed from the video
+    # the files say neither size nor frame rate; both are proposed from the video
     rate = one.page.get_by_role("spinbutton", name="Frames per second")
-    rate.fill(f"{scene.FPS:g}")
-    rate.press("Enter")
-    expect(rate).to_be_visible()
+    expect(rate).to_have_value(f"{scene.FPS:g}")
     one.page.get_by_role("button", name="Open these files").click()
-    expect(one.heading("Open: Uploaded files")).to_be_visible()
+    expect(one.heading("Open now: Uploaded files")).to_be_visible()
 
 
 @pytest.fixture
@@ -84,7 +82,7 @@ def test_two_sessions_see_nothing_of_each_other(sent, visit):
     other.slider("alpha").press("ArrowRight")
     other.query("alpha", "0.45")
     other.switch_to("Data")
-    expect(other.heading("Open: Sample recordings")).to_be_visible()
+    expect(other.heading("Open now: Sample recordings")).to_be_visible()
     expect(other.page.get_by_text(RECORDING, exact=True)).to_have_count(0)
     expect(sent.slider("alpha")).to_have_value("0.85")
     assert token_of(sent) != token_of(other)
@@ -106,7 +104,32 @@ def test_a_picture_named_csv_is_refused_in_words_and_the_sample_stays(visit, fil
     for key, path in (("upload_truth", wrong), ("upload_system_0", files.x)):
         send_annotations(one, key, path)
     one.page.get_by_role("button", name="Open these files").click()
-    alert = one.page.get_by_role("alert").filter(has_text="truth.csv")
+    alert = one.page.get_by_role("alert").filter(has_text="truth.csv: expected ground truth")
     expect(alert).to_be_visible()
     expect(alert).not_to_contain_text("Traceback")
-    expect(one.heading("Open: Sample recordings")).to_be_visible()
+    expect(one.heading("Open now: Sample recordings")).to_be_visible()
+
+
+def test_pictures_that_are_refused_stop_the_opening_until_one_goes_on_without(
+    visit, files, tmp_path
+):
+    wrong = tmp_path / "walk.mp4"
+    wrong.write_text("no video\n")
+    one: Visit = visit("data")
+    one.page.get_by_role("tab", name="Upload").click()
+    for key, path in (("upload_truth", files.truth), ("upload_system_0", files.x)):
+        send_annotations(one, key, path)
+    one.keyed("upload_pictures").locator("input[type=file]").set_input_files(wrong)
+    told = one.page.get_by_role("alert").filter(has_text="walk.mp4")
+    expect(told).to_contain_text("neither a video")
+    assert ["415" in complaint for complaint in one.complaints] == [True]
+    one.complaints.clear()  # the browser's own word for the refusal
+    for name, value in (("Width", 640), ("Height", 512), ("Frames per second", scene.FPS)):
+        field = one.page.get_by_role("spinbutton", name=name)
+        field.fill(f"{value:g}")
+        field.press("Enter")
+    one.page.get_by_role("button", name="Open these files").click()
+    expect(one.page.get_by_text("Not opened: Uploaded files")).to_be_visible()
+    one.page.get_by_text("Go on without the refused pictures", exact=True).click()
+    one.page.get_by_role("button", name="Open these files").click()
+    expect(one.heading("Open now: Uploaded files")).to_be_visible()

@@ -13,9 +13,10 @@ import pytest
 from picture_files import HEIGHT, WIDTH, number_in, write_numbered_video
 
 from nvcore.errors import MediaError
-from nvcore.media import open_pictures
+from nvcore.media import open_pictures, png
 from nvcore.media.video import Video
 
+ROOT = Path(__file__).resolve().parents[2]
 UNEVEN = np.cumsum([1 + number * 7 % 5 for number in range(100)]).tolist()
 KINDS = {
     "long.mp4": {"g": "250", "bf": "3"},
@@ -43,6 +44,12 @@ def test_pictures_shown_last_survive_closing_and_reading_again(tmp_path: Path):
     video = Video(write_numbered_video(tmp_path / "a.mp4"))
     video.close()
     assert number_in(video.read(99)) == 99
+
+
+def test_a_video_states_its_frame_rate_and_a_picture_none(tmp_path: Path):
+    video = open_pictures(ROOT / "sample_data" / "odd_pose.mp4")
+    (tmp_path / "a.png").write_bytes(png(video.read(0)))
+    assert (video.fps, open_pictures(tmp_path / "a.png").fps) == (20, None)
 
 
 def test_several_threads_read_the_right_pictures(tmp_path: Path):

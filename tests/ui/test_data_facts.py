@@ -11,7 +11,7 @@ import pytest
 from nvcore.errors import SessionError
 from nvcore.session import Session, Source
 from ui import data_facts
-from ui.data_facts import Facts, picture_size
+from ui.data_facts import Facts, look_at_pictures, picture_rate, picture_size
 
 VIDEO = Path(__file__).resolve().parents[2] / "sample_data" / "odd_pose.mp4"
 
@@ -47,6 +47,17 @@ def test_a_video_that_was_replaced_is_opened_again(tmp_path: Path, opened: list[
 def test_the_size_is_that_of_the_first_that_can_be_opened(tmp_path: Path):
     (tmp_path / "no.mp4").write_bytes(b"no video")
     assert picture_size([tmp_path / "gone.mp4", tmp_path / "no.mp4", VIDEO]) == (640, 480)
+
+
+def test_pictures_that_cannot_be_opened_say_why(tmp_path: Path):
+    (tmp_path / "no.mp4").write_bytes(b"no video")
+    assert "is text, not pictures" in look_at_pictures(tmp_path / "no.mp4").trouble
+    assert "No such file" in look_at_pictures(tmp_path / "gone.mp4").trouble
+
+
+def test_the_rate_is_that_of_the_first_video(tmp_path: Path):
+    assert picture_rate([tmp_path / "gone.mp4", VIDEO]) == 20
+    assert picture_rate([tmp_path / "gone.mp4"]) is None
 
 
 def test_facts_fill_what_a_session_leaves_open():

@@ -189,9 +189,18 @@ def root(tmp_path: Path) -> Path:
     return tmp_path / "root"
 
 
+def refusal(one: Session, root: Path) -> str:
+    """Why a session may not be read; empty: it may."""
+    try:
+        check_confined(one, root)
+    except SessionError as error:
+        return str(error)
+    return ""
+
+
 def test_a_session_inside_the_folder_is_allowed(root: Path):
-    check_confined(session(root, frames="0:9"), root)
-    check_confined(replace(session(root), truth=Source(("*.csv", "sub"))), root)
+    assert refusal(session(root, frames="0:9"), root) == ""
+    assert refusal(replace(session(root), truth=Source(("*.csv", "sub"))), root) == ""
 
 
 @pytest.mark.parametrize(
@@ -264,8 +273,9 @@ def test_a_long_name_of_pictures_is_none_that_were_sent(tmp_path: Path):
 
 @pytest.mark.parametrize("name", [LONG, f"{LONG}[1]", f"../root/{LONG}"])
 def test_a_long_name_inside_the_folder_is_left_to_those_who_open_it(root: Path, name: str):
-    check_confined(replace(session(root), truth=Source((name,))), root)
-    check_confined(session(root, recordings=(RecordingFacts("r", pictures=name),)), root)
+    assert refusal(replace(session(root), truth=Source((name,))), root) == ""
+    pictures = session(root, recordings=(RecordingFacts("r", pictures=name),))
+    assert refusal(pictures, root) == ""
 
 
 def test_the_uploaded_session_file_itself_does_not_stay(tmp_path: Path):

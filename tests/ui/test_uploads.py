@@ -335,3 +335,11 @@ def test_the_files_of_the_open_comparison_stay_counted(space: Workspace):
     space.session = None
     new_upload(space)
     assert space.used_bytes == 0
+
+
+def test_a_form_over_the_cap_is_refused_with_the_name_of_the_file(
+    space: Workspace, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr(uploads, "MAX_SESSION_BYTES", 5)
+    with pytest.raises(UploadError, match=r"^gt\.txt: A session takes"):
+        store_annotations(space, new_upload(space), "truth", [Sent("gt.txt", b"1,2,3,4\n")])

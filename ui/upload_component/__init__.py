@@ -15,6 +15,8 @@ from ui.uploads import MAX_FILE_BYTES, PICTURES
 from ui.workspace import Workspace
 
 FOLDER = Path(__file__).parent
+MOST_TOLD = 6
+"""Files that were not taken and are told of."""
 
 _COMPONENT = st.components.v2.component(
     "nvcore_upload",
@@ -23,14 +25,22 @@ _COMPONENT = st.components.v2.component(
 )
 
 
-def upload_pictures(space: Workspace, *, key: str) -> None:
-    """Draw the field; the run starts again when files have arrived in ``space.stored``."""
+def upload_pictures(space: Workspace, *, key: str) -> list[str]:
+    """Draw the field; the run starts again when files have arrived in ``space.stored``.
+
+    Returns
+    -------
+    Which of the files last chosen were not taken, and why: one text each, not yet plain.
+    """
     base = st.get_option("server.baseUrlPath") or ""
-    _COMPONENT(
+    state = _COMPONENT(
         data={
             "url": f"{address(space, base)}/upload/{PICTURES}",
             "maxBytes": MAX_FILE_BYTES,
         },
         key=key,
         on_arrived_change=lambda: None,
+        on_refused_change=lambda: None,
     )
+    refused = getattr(state, "refused", None)
+    return [str(one) for one in refused[:MOST_TOLD]] if isinstance(refused, list) else []

@@ -29,10 +29,9 @@ class Field {
     this.bar = element("progress", { max: "1", value: "0", "aria-label": "Sent", hidden: "" });
     this.stop = element("button", { type: "button", hidden: "" }, "Cancel");
     this.status = element("span", { class: "nv-hint", role: "status" });
-    this.list = element("ul", { hidden: "" });
     const row = element("div", { class: "nv-row" });
     row.append(this.choose, this.hint, this.bar, this.stop);
-    this.root.append(row, this.input, this.status, this.list);
+    this.root.append(row, this.input, this.status);
     parent.appendChild(this.root);
 
     this.choose.addEventListener("click", () => this.input.click());
@@ -80,7 +79,7 @@ class Field {
       return;
     }
     if (file.size > this.data.maxBytes) {
-      this.fail(file, "is too large");
+      this.fail(file, `is larger than ${(this.data.maxBytes / 2 ** 30).toFixed(0)} GiB`);
       return;
     }
     const request = new XMLHttpRequest();
@@ -120,9 +119,27 @@ class Field {
   finish() {
     this.request = null;
     this.show();
-    this.status.textContent = this.sent === 1 ? "1 file sent" : `${this.sent} files sent`;
+    const sent = this.sent === 1 ? "1 file sent" : `${this.sent} files sent`;
+    const n = this.errors.length;
+    this.status.textContent = n ? `${sent}, ${n} refused` : sent;
+    this.tellRefused();
     // a new value every time, or Python would not hear of the second upload
     if (this.sent) this.tell("arrived", Date.now());
+  }
+
+  // Python says it at the field, and before anything is opened without these files
+  tellRefused() {
+    const lines = this.lines();
+    if (!lines.length && !this.toldRefused) return;
+    this.toldRefused = lines.length > 0;
+    this.tell("refused", lines);
+  }
+
+  lines() {
+    const lines = this.errors.slice(0, SHOWN_ERRORS);
+    const more = this.errors.length - lines.length;
+    if (more > 0) lines[lines.length - 1] += ` (and ${more} more)`;
+    return lines;
   }
 
   progress(file, loaded) {
@@ -135,11 +152,6 @@ class Field {
     const isBusy = Boolean(this.request) || this.waiting.length > 0;
     this.bar.hidden = this.stop.hidden = !isBusy;
     this.hint.hidden = isBusy;
-    this.list.hidden = !this.errors.length;
-    const lines = this.errors.slice(0, SHOWN_ERRORS);
-    const more = this.errors.length - lines.length;
-    if (more > 0) lines.push(`and ${more} more`);
-    this.list.replaceChildren(...lines.map((line) => element("li", {}, line)));
   }
 }
 

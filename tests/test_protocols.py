@@ -1,0 +1,202 @@
+"""Protocols: what each filter leaves out, that nothing is deleted, and what they say."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+from builders import Box, Place, make_dataset
+
+from nvcore.curves import detection_curve
+from nvcore.dataset import Dataset
+from nvcore.errors import InputError, ParameterError
+from nvcore.params import Params
+from nvcore.protocols import (
+    ASPECT,
+    BORDER,
+    FLAGGED,
+    HEIGHT,
+    OCCLUSION,
+    PROTOCOLS,
+    Protocol,
+    filter_truth,
+    has_tags,
+    known_tags,
+)
+
+SIZE = {"width": 640.0, "height": 512.0}
+
+
+def person(h: float = 60, *, x: float = 100, y: float = 100, w: float = 25, **more: object) -> Box:
+    return Box(0, x, y, w, h, **more)  # type: ignore[arg-type]
+
+
+def counted(protocol: Protocol, *boxes: Box, **size: float) -> list[bool]:
+    return filter_truth(make_dataset(boxes, **{**SIZE, **size}), protocol).counts.tolist()
+
+
+def tagged(dataset: Dataset, *tags: tuple[str, ...]) -> Dataset:
+    column = pd.Series(list(tags), dtype=object)
+    return replace(dataset, recordings=dataset.recordings.assign(tags=column))
+
+
+def drives() -> Dataset:
+    """Three recordings with 2, 1 and 0 pedestrians in 4, 3 and 2 frames."""
+    truth = [person(recording=0), Box(3, 200, 100, 25, 60), person(recording=1)]
+    return tagged(
+        make_dataset(truth, places=[Place(range(n), 640, 512) for n in (4, 3, 2)]),
+        ("night", "rain"), ("day", "rain"), ("night",),
+    )  # fmt: skip
+
+
+def test_heights_at_the_limits_count():
+    protocol = Protocol("p", height_px=(50, 80))
+    boxes = [person(h) for h in (49.9, 50, 80, 80.1)]
+    assert counted(protocol, *boxes) == [False, True, True, False]
+
+
+def test_every_level_of_occlusion_is_an_option_and_unknown_counts_as_none():
+    boxes = [person(occlusion=level) for level in (-1, 0, 1, 2)]
+    assert counted(Protocol("p", occlusion=(0, 1)), *boxes) == [True, True, True, False]
+    assert counted(Protocol("p", occlusion=(1, 2)), *boxes) == [False, False, True, True]
+    assert filter_truth(make_dataset(boxes), Protocol("p")).n_unknown_occlusion == 1
+
+
+def test_kaist_s_border_is_x_5_to_635_and_y_5_to_507():
+    inside = person(x=5, y=5), person(x=610, y=447)
+    outside = (person(x=4.9), person(y=4.9), person(x=610.1), person(y=447.1))
+    assert counted(PROTOCOLS["kaist-reasonable"], *inside) == [True, True]
+    assert counted(PROTOCOLS["kaist-reasonable"], *outside) == [False] * 4
+
+
+def test_the_border_moves_with_the_size_of_the_picture():
+    assert counted(Protocol("p", border_px=(0, 0, 10, 0)), person(), width=134.0) == [False]
+    assert counted(Protocol("p", border_px=(0, 0, 10, 0)), person(), width=135.0) == [True]
+
+
+def test_aspect_is_height_by_width_as_everywhere_else():
+    protocol = Protocol("p", aspect=(2.0, 3.0))
+    assert counted(protocol, person(50), person(75), person(76), person(49)) == [
+        True, True, False, False,
+    ]  # fmt: skip
+
+
+def test_no_border_rule_keeps_boxes_that_leave_the_picture():
+    assert counted(PROTOCOLS["all"], person(x=-10)) == [True]
+
+
+def test_left_out_boxes_stay_as_ignored_ones_and_keep_their_rows():
+    dataset = make_dataset([person(30), person(60), person(60, ignore=True)], **SIZE)
+    found = filter_truth(dataset, PROTOCOLS["reasonable"])
+    assert found.truth.ignore.tolist() == [True, False, True]
+    assert np.array_equal(found.truth.h, dataset.truth.h)
+    assert dataset.truth.ignore.tolist() == [False, False, True]  # nothing changed in place
+
+
+def test_a_detection_of_a_left_out_pedestrian_is_neither_right_nor_wrong():
+    dataset = make_dataset([person(30)], [person(30, score=0.9)], **SIZE)
+    curve = detection_curve(dataset, "x", Params(), Protocol("p", height_px=(50, math.inf)))
+    assert (len(curve), curve.n_truth) == (0, 0)
+
+
+def test_both_systems_are_measured_on_one_frozen_truth():
+    # 37 of the peers' bugs: the number of pedestrians depended on the system
+    truth = [person(30), person(60)]
+    dataset = make_dataset(truth, [person(60, score=1)], [person(30, score=1)] * 3, **SIZE)
+    curves = [detection_curve(dataset, name, Params(), PROTOCOLS["reasonable"]) for name in "xy"]
+    assert [(curve.n_truth, curve.n_images) for curve in curves] == [(1, 1), (1, 1)]
+    assert [curve.fp.sum() for curve in curves] == [0, 0]
+
+
+def test_it_is_said_how_many_boxes_each_filter_leaves_out():
+    boxes = [
+        person(ignore=True), person(30), person(30, occlusion=2), person(occlusion=2),
+        person(x=0), person(w=70),
+    ]  # fmt: skip
+    protocol = replace(PROTOCOLS["kaist-reasonable"], aspect=(1, 5))
+    found = filter_truth(make_dataset(boxes, **SIZE), protocol)
+    assert dict(found.n_left_out) == {FLAGGED: 1, HEIGHT: 2, OCCLUSION: 2, BORDER: 1, ASPECT: 1}
+    assert found.n_truth == 0
+
+
+def test_expanded_filtering_leaves_out_detections_of_quite_another_size():
+    dataset = make_dataset(
+        [person(60)], [person(h, x=300, score=0.5) for h in (39, 40, 100, 101)], **SIZE
+    )
+    protocol = Protocol("p", height_px=(50, 80), expand=1.25)
+    curve = detection_curve(dataset, "x", Params(), protocol)
+    assert curve.fp.tolist() == [2]
+    assert detection_curve(dataset, "x", Params(), replace(protocol, expand=None)).fp[0] == 4
+
+
+def test_tags_choose_recordings_with_all_their_frames():
+    dataset = drives()
+    assert known_tags(dataset) == ("day", "night", "rain")
+    assert has_tags(dataset, ("night",)).tolist() == [True, False, True]
+    night = filter_truth(dataset, Protocol("p", tags=("night",)))
+    assert (night.n_truth, night.n_images) == (2, 4 + 2)
+    both = filter_truth(dataset, Protocol("p", tags=("night", "rain")))
+    assert (both.n_truth, both.n_images) == (2, 4)
+
+
+def test_recordings_can_be_chosen_by_a_mask_as_well():
+    dataset = drives()
+    found = filter_truth(
+        dataset, Protocol("p", tags=("rain",)), recordings=np.array([False, True, True])
+    )
+    assert (found.n_truth, found.n_images) == (1, 3)
+
+
+def test_tags_that_no_recording_has_are_an_error_that_lists_the_tags():
+    with pytest.raises(InputError, match=r"no recording .* has the tags fog; .* day, night, rain"):
+        filter_truth(drives(), Protocol("p", tags=("fog",)))
+    with pytest.raises(InputError, match="give tags in the session file"):
+        filter_truth(make_dataset(n_frames=1), Protocol("p", tags=("fog",)))
+
+
+def test_a_mask_without_a_recording_is_an_error():
+    with pytest.raises(InputError, match="no recording with frames is chosen"):
+        filter_truth(drives(), Protocol("p"), recordings=np.zeros(3, dtype=bool))
+
+
+@pytest.mark.parametrize(
+    ("wrong", "words"),
+    [
+        ({"height_px": (80, 50)}, "height_px: expected 0 <= lowest <= highest, got 80 and 50"),
+        ({"height_px": (math.nan, 50)}, "height_px"),
+        ({"aspect": (-1, 50)}, "aspect"),
+        ({"occlusion": ()}, "occlusion: expected one or more of 0, 1, 2"),
+        ({"occlusion": (3,)}, "occlusion"),
+        ({"border_px": (5, 5, 5, -1)}, "border_px: expected four margins"),
+        ({"expand": 0.8}, "expand: expected 1 or more, got 0.8"),
+    ],
+)
+def test_filters_that_mean_nothing_are_refused(wrong, words):
+    with pytest.raises(ParameterError, match=words):
+        Protocol("p", **wrong)
+
+
+def test_filters_are_said_in_words():
+    assert PROTOCOLS["all"].filters == ()
+    assert PROTOCOLS["kaist-reasonable"].filters == (
+        "height 55 or more px", "occlusion none or partial",
+        "whole box at least 5 px inside the picture",
+    )  # fmt: skip
+    assert "detections 24 to 100 px high" in PROTOCOLS["medium"].filters
+    odd = Protocol("p", border_px=(0, 1, 2, 3), aspect=(0, 5), tags=("night", "rain"))
+    assert odd.filters == (
+        "whole box at least 0, 1, 2, 3 px (left, top, right, bottom) inside the picture",
+        "height / width 5 or less", "recordings tagged night and rain",
+    )  # fmt: skip
+
+
+def test_every_named_protocol_says_what_it_is_in_one_sentence():
+    assert list(PROTOCOLS) == [
+        "all", "reasonable", "near", "medium", "far", "occlusion", "kaist-reasonable",
+    ]  # fmt: skip
+    for name, protocol in PROTOCOLS.items():
+        assert protocol.name == name
+        assert protocol.text.endswith(".")

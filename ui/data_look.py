@@ -1,0 +1,160 @@
+"""Data page: what chosen files turn out to be, told before anything is opened."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Iterable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Final
+
+import streamlit as st
+
+from nvcore.errors import MissingFactError, NvcoreError
+from nvcore.loading import read_source
+from nvcore.readers.base import Reading, Role
+from nvcore.session import Source
+from nvcore.sources import find_files
+from ui.public import public
+from ui.text import plain
+
+_KEPT: Final = "data_looks"
+MOST_KEPT: Final = 40
+"""Sources that are remembered, so that files are read once and not at every click."""
+
+
+_RATE: Final[dict[Role, frozenset[str]]] = {"truth": frozenset({"fps"}), "detections": frozenset()}
+
+
+@dataclass(frozen=True, eq=False)
+class Look:
+    """What one source holds, read by itself; each look is a thing of its own, also as a key.
+
+    Attributes
+    ----------
+    trouble
+        Why it cannot be used; empty: it can.
+    lacking
+        Facts that its files do not say, of ``size`` and ``fps``.
+    told
+        Format, and how many boxes in which frames.
+    first_frame
+        Lowest frame number; None without boxes.
+    reading
+        Its recordings and images; the boxes are let go of.
+    """
+
+    trouble: str = ""
+    lacking: frozenset[str] = frozenset()
+    told: str = ""
+    first_frame: int | None = None
+    reading: Reading | None = None
+
+    @property
+    def recordings(self) -> list[str]:
+        """Names of the recordings; none where the files could not be read."""
+        return [] if self.reading is None else self.reading.recordings["name"].tolist()
+
+
+def look_at(
+    key: Hashable,
+    source: Callable[[], Source],
+    *,
+    role: Role,
+    folder: Path,
+    truth: Look | None = None,
+) -> Look:
+    """Read a source by itself; once for each key.
+
+    Parameters
+    ----------
+    key
+        Stands for the content of the files and for how they are read.
+    source
+        Makes the source, whose paths start from `folder`; its errors are the look's trouble.
+    truth
+        What the ground truth is, for detections.
+    """
+    looks: dict[Hashable, Look] = st.session_state.setdefault(_KEPT, {})
+    if key not in looks:
+        with st.spinner("Reading the files"):
+            found = _look(source, role, folder, truth)
+        looks[key] = found
+        while len(looks) > MOST_KEPT:
+            del looks[next(iter(looks))]
+    return looks[key]
+
+
+def _look(source: Callable[[], Source], role: Role, folder: Path, truth: Look | None) -> Look:
+    known = None if truth is None else truth.reading
+    try:
+        made = source()
+        title = find_files(made, folder, role)[1].title
+        if role == "detections" and known is None:  # some need to know the ground truth
+            return Look(told=title)
+        reading = read_source(made, role=role, folder=folder, size=_size(known), truth=known)
+    except MissingFactError as error:
+        if not error.facts:
+            return Look(trouble=public(error))
+        # what needs the size to be read never holds a frame rate
+        return Look(lacking=frozenset(error.facts) | _RATE[role])
+    except NvcoreError as error:
+        return Look(trouble=public(error))
+    frames = reading.boxes["frame"]
+    lacking = _lacking(reading) if role == "truth" else frozenset()
+    told = f"{title}: {len(frames):,} boxes"
+    if not len(frames):
+        return Look("", lacking, told, None, reading)
+    told += f" in frames {frames.min()} to {frames.max()}"
+    return Look(
+        "", lacking, told, int(frames.min()), replace(reading, boxes=reading.boxes.iloc[:0])
+    )
+
+
+def _lacking(reading: Reading) -> frozenset[str]:
+    table = reading.recordings
+    is_unknown = {"size": table[["width", "height"]].isna(), "fps": table[["fps"]].isna()}
+    return frozenset(fact for fact, unknown in is_unknown.items() if unknown.to_numpy().any())
+
+
+def _size(truth: Reading | None) -> tuple[int, int] | None:
+    """The size that the ground truth states for all recordings."""
+    if truth is None:
+        return None
+    sizes = truth.recordings[["width", "height"]].dropna().drop_duplicates().to_numpy()
+    if len(sizes) != 1:
+        return None
+    return int(sizes[0, 0]), int(sizes[0, 1])
+
+
+def draw_look(look: Look | None, truth: Look | None = None) -> None:
+    """What a field's files are, or why they cannot be used."""
+    if look is None:
+        return
+    if look.trouble:
+        st.error(plain(look.trouble), icon=":material/error:")
+    elif look.told:
+        st.caption(f"Read as {plain(look.told)}.")
+    firsts = (look.first_frame, None if truth is None else truth.first_frame)
+    if set(firsts) == {0, 1}:
+        st.caption(
+            f"Begins with frame {firsts[0]}, the ground truth with frame {firsts[1]}. Should both "
+            "be the same picture: for CSV choose the first frame's number under “How to read”; "
+            "otherwise the audit proposes a correction after opening."
+        )
+
+
+def unusable(looks: Iterable[tuple[str, Look | None]]) -> str:
+    """What stops an opening, in words; empty: nothing.
+
+    Parameters
+    ----------
+    looks
+        Of each field, by the name it has on the page.
+    """
+    titles = [title for title, look in looks if look is not None and look.trouble]
+    if not titles:
+        return ""
+    return (
+        f"The files of {' and '.join(titles)} cannot be used: the reason stands at "
+        f"{'its field' if len(titles) == 1 else 'their fields'}."
+    )
