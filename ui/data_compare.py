@@ -94,7 +94,7 @@ def _compare(x: str, y: str | None) -> None:
     space.forget()
     for letter, name in (("x", x), ("y", y)):
         if name is not None:
-            _set_threshold(letter, name, thresholds[f"threshold_{letter}"])
+            state.set_threshold(letter, thresholds[f"threshold_{letter}"])
 
 
 def _draw_system(letter: str, name: str) -> None:
@@ -111,7 +111,7 @@ def _draw_system(letter: str, name: str) -> None:
         st.session_state[key] = threshold
         st.number_input(
             f"Score threshold of {letter.upper()}", key=key, value=None, step=0.01, format="%.4g",
-            placeholder="every detection counts", on_change=_take_threshold, args=(letter, name),
+            placeholder="every detection counts", on_change=_take_threshold, args=(letter,),
             help="Detections with a lower score are left out. Empty: every detection counts.",
         )  # fmt: skip
     point = _point(dataset, name, params, threshold)
@@ -143,17 +143,8 @@ def _draw_system(letter: str, name: str) -> None:
         )  # fmt: skip
 
 
-def _take_threshold(letter: str, name: str) -> None:
-    _set_threshold(letter, name, st.session_state[f"data_threshold_{letter}"])
-
-
-def _set_threshold(letter: str, name: str, threshold: float | None) -> None:
-    """Move the sidebar's slider, at whose left end, the lowest score, every detection counts."""
-    span = state.score_span(name)
-    if span is not None:
-        low = span[0]
-        at = low if threshold is None else max(threshold, low)
-        state.set_params(**{f"threshold_{letter}": at})
+def _take_threshold(letter: str) -> None:
+    state.set_threshold(letter, st.session_state[f"data_threshold_{letter}"])
 
 
 def _draw_same_point(x: str, y: str) -> None:
@@ -202,7 +193,7 @@ def _take_same_point(x: str, y: str) -> None:
     dataset = state.workspace().dataset
     assert dataset is not None
     same = same_operating_point(dataset, state.params(), x, y)
-    _set_threshold("y", y, same.threshold_y)
+    state.set_threshold("y", same.threshold_y)
     st.session_state[TOLD] = True
 
 

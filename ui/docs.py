@@ -11,7 +11,10 @@ import streamlit as st
 from ui import state
 
 FOLDER: Final = state.ROOT / "docs"
-PAGES: Final = {"metrics": "Metrics", "report": "Report files", "formats": "Formats"}
+PAGES: Final = {
+    "metrics": "Metrics", "detection": "Detection curves", "validation": "Validation",
+    "report": "Report files", "formats": "Formats",
+}  # fmt: skip
 _HEADING: Final = re.compile(r"(#{1,6}) +(.*)")
 _LINK: Final = re.compile(r"\[((?:[^\]\[]|\[[^\]]*\])*)\]\(([^)\s]+)\)")
 _CODE: Final = re.compile(r"(`+)(?:.*?[^`])?\1(?!`)", re.DOTALL)

@@ -14,9 +14,10 @@ import streamlit as st
 from nvcore.analysis import Result
 from nvcore.media import FPS_RANGE, write_video
 from ui import state
+from ui.background_job import JobState, Progress
 from ui.export_frame import file_stem, numbers_of
 from ui.text import plain
-from ui.video_job import JobState, Progress, VideoJob
+from ui.video_job import VideoJob
 from ui.workspace import Workspace
 
 LONGEST_S: Final = 120.0
@@ -63,7 +64,7 @@ def draw(result: Result) -> None:
     if job is not None and not job.is_wanted():  # something else was opened meanwhile
         _discard()
         job = None
-    is_busy = job is not None and job.state in (JobState.WAITING, JobState.RUNNING)
+    is_busy = job is not None and job.is_busy
     _draw_form(result, is_busy=is_busy)
     if job is None:
         return
@@ -196,7 +197,7 @@ def start_job(
 
 @st.fragment(run_every=POLL_S)
 def _draw_progress(job: VideoJob) -> None:
-    if job.state not in (JobState.WAITING, JobState.RUNNING):
+    if not job.is_busy:
         st.rerun()
     if job.state is JobState.WAITING:
         st.progress(0.0, "Waiting: other videos are being made on this server.")

@@ -23,6 +23,8 @@ page = st.navigation(
         st.Page(PAGES / "timeline.py", title="Timeline", icon=":material/timeline:"),
         st.Page(PAGES / "encounters.py", title="Encounters", icon=":material/directions_walk:"),
         st.Page(PAGES / "saliency.py", title="Saliency", icon=":material/priority_high:"),
+        st.Page(PAGES / "detection.py", title="Detection", icon=":material/show_chart:"),
+        st.Page(PAGES / "stability.py", title="Stability", icon=":material/grid_on:"),
         st.Page(PAGES / "export.py", title="Export", icon=":material/download:"),
         st.Page(PAGES / "metrics.py", title="Metrics", icon=":material/menu_book:"),
     ],

@@ -82,6 +82,15 @@ def set_params(**values: Any) -> None:
     st.session_state["new_params"] = {**st.session_state.get("new_params", {}), **values}
 
 
+def set_threshold(letter: str, threshold: float | None) -> None:
+    """Move the slider of X or Y, at whose left end, the lowest score, every detection counts."""
+    name = systems()["xy".index(letter)]
+    span = None if name is None else score_span(name)
+    if span is not None:
+        at = span[0] if threshold is None else min(max(threshold, span[0]), span[1])
+        set_params(**{f"threshold_{letter}": at})
+
+
 def reset_params() -> None:
     """Give all parameters the values of the open session in the next run."""
     st.session_state["new_session"] = True

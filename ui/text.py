@@ -23,8 +23,8 @@ def plain(name: object) -> str:
     return _MARKUP.sub(r"\\\1", one_line(str(name)))
 
 
-def docs_link(text: str, anchor: str) -> str:
-    """Markdown of a link to a section of the Metrics page, from any page.
+def docs_link(text: str, anchor: str, *, doc: str = "metrics") -> str:
+    """Markdown of a link to a section of the documentation inside the app, from any page.
 
     It is relative, so that it also works where the app is served below a path: all pages lie
     beside each other.
@@ -34,4 +34,5 @@ def docs_link(text: str, anchor: str) -> str:
     >>> docs_link("Saliency", "saliency")
     '[Saliency](metrics#saliency)'
     """
-    return f"[{text}](metrics#{anchor})"
+    page = "" if doc == "metrics" else f"?doc={doc}"
+    return f"[{text}](metrics{page}#{anchor})"

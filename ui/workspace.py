@@ -123,6 +123,10 @@ class Workspace:
         found: Kept = store[key]  # type: ignore[assignment]
         return found
 
+    def known(self, kind: str, key: Hashable) -> object | None:
+        """What `keep` holds for this key; None: nothing."""
+        return self._kept.get(kind, {}).get(key)
+
     def forget(self) -> None:
         """Let go of what was computed."""
         self.compared = None

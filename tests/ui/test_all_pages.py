@@ -10,7 +10,10 @@ from streamlit.testing.v1 import AppTest
 from ui import state
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGES = ["data", "overview", "timeline", "encounters", "saliency", "export", "metrics"]
+PAGES = [
+    *("data", "overview", "timeline", "encounters", "saliency", "detection", "stability"),
+    *("export", "metrics"),
+]
 HEAD = "recording,frame,x,y,w,h,track,score\n"
 FRAMES = range(30)
 

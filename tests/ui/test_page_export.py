@@ -14,10 +14,10 @@ from streamlit.testing.v1 import AppTest
 from nvcore.analysis import Result
 from nvcore.media.annotate import annotate
 from nvcore.media.draw import Canvas
+from ui.background_job import JobState
 from ui.export_frame import file_stem, nearest_row
 from ui.export_link import link
 from ui.export_video import LONGEST_S, Interval, chosen_interval, start_job, why_not
-from ui.video_job import JobState
 
 ROOT = DATA.parents[1]
 PAGE = f"""
@@ -276,7 +276,7 @@ def test_opening_something_else_takes_the_video_away(tmp_path: Path):
 def test_a_cancelled_video_is_told_of():
     page = opened()
     page.session_state["video_job"] = SimpleNamespace(
-        state=JobState.CANCELLED, error="", is_wanted=lambda: True
+        state=JobState.CANCELLED, error="", is_wanted=lambda: True, is_busy=False
     )
     assert "was cancelled" in texts(checked(page.run()))
 
@@ -284,7 +284,7 @@ def test_a_cancelled_video_is_told_of():
 def test_a_video_that_fails_says_why_without_markup():
     page = opened()
     page.session_state["video_job"] = SimpleNamespace(
-        state=JobState.FAILED, error="no *room*", is_wanted=lambda: True
+        state=JobState.FAILED, error="no *room*", is_wanted=lambda: True, is_busy=False
     )
     checked(page.run())
     assert [one.value for one in page.error] == [r"no \*room\*"]

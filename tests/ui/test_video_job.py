@@ -6,8 +6,9 @@ import threading
 from pathlib import Path
 
 from nvcore.errors import MediaError
-from ui import video_job
-from ui.video_job import JobState, Progress, VideoJob
+from ui import background_job
+from ui.background_job import JobState, Progress
+from ui.video_job import VideoJob
 
 PATIENCE_S = 20.0
 
@@ -87,7 +88,9 @@ def test_discarding_removes_the_video(tmp_path: Path):
 
 
 def test_a_further_job_waits_until_another_has_ended(tmp_path: Path):
-    writers = [Writer(tmp_path / f"{number}.mp4") for number in range(video_job.MOST_AT_ONCE + 1)]
+    writers = [
+        Writer(tmp_path / f"{number}.mp4") for number in range(background_job.MOST_AT_ONCE + 1)
+    ]
     jobs = [VideoJob(one.path, one.path.name, one, always) for one in writers[:-1]]
     assert all(one.is_halfway.wait(PATIENCE_S) for one in writers[:-1])
     waiting = VideoJob(writers[-1].path, "last.mp4", writers[-1], always)
@@ -101,7 +104,7 @@ def test_a_further_job_waits_until_another_has_ended(tmp_path: Path):
 
 
 def test_a_waiting_job_can_be_cancelled(tmp_path: Path):
-    writers = [Writer(tmp_path / f"{number}.mp4") for number in range(video_job.MOST_AT_ONCE)]
+    writers = [Writer(tmp_path / f"{number}.mp4") for number in range(background_job.MOST_AT_ONCE)]
     jobs = [VideoJob(one.path, one.path.name, one, always) for one in writers]
     assert all(one.is_halfway.wait(PATIENCE_S) for one in writers)
     waiting = VideoJob(tmp_path / "last.mp4", "last.mp4", Writer(tmp_path / "last.mp4"), always)

@@ -1,0 +1,20 @@
+"""Detection: what X and Y find over all score thresholds, in the terms of the benchmarks."""
+
+import streamlit as st
+
+from ui import detection_curves, detection_protocol, state
+from ui.empty import one_system_only
+from ui.text import docs_link
+
+st.title("Detection")
+result = state.result()
+if result is None:
+    one_system_only()
+else:
+    st.caption(
+        "Curves over all score thresholds, from the same matching as everything else. They count "
+        "boxes, not encounters, and every counted box weighs the same "
+        f"({docs_link('Detection curves', 'detection-curves', doc='detection')})."
+    )
+    protocol = detection_protocol.choose(result.dataset)
+    detection_curves.draw(result, protocol)

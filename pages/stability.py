@@ -1,0 +1,19 @@
+"""Stability: whether the verdict depends on settings that an analyst is free to choose."""
+
+import streamlit as st
+
+from ui import stability_map, state
+from ui.empty import one_system_only
+from ui.text import docs_link
+
+st.title("Stability")
+result = state.result()
+if result is None:
+    one_system_only()
+else:
+    st.caption(
+        "Weights, thresholds and matching rules are choices of whoever compares. Each map shows "
+        "who is better for every choice, all else as in the sidebar; a verdict that holds over the "
+        f"plausible range does not depend on them ({docs_link('Stability', 'stability')})."
+    )
+    stability_map.draw(result)

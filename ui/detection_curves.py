@@ -1,0 +1,155 @@
+"""Detection page: the curves with the operating points, and the figures in a table."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import pandas as pd
+import streamlit as st
+
+from nvcore.analysis import Result
+from nvcore.curve_summary import SUMMARY_ROWS, CurveSummary, summarise_curve
+from nvcore.curves import DetectionCurve, detection_curve
+from nvcore.figures.detection import CurveKind, curve_plot
+from nvcore.figures.style import CONFIG
+from nvcore.params import Params
+from nvcore.protocols import Protocol
+from nvcore.scorecard import difference, number
+from nvcore.tables import sides
+from nvcore.windows import WindowGrid, scale_steps, windows_per_image
+from ui import state
+from ui.detection_protocol import filtered
+from ui.overview_scorecard import BETTER
+from ui.text import docs_link, plain
+
+KIND_WORDS: Final[dict[CurveKind, str]] = {
+    "miss_rate": "Miss rate",
+    "precision_recall": "Precision and recall",
+    "roc": "ROC per image",
+    "roc_windows": "ROC per window",
+    "f1": "F1",
+}
+EXPLAINED: Final[dict[CurveKind, str]] = {
+    "miss_rate": "Lower is better. The log-average miss rate is the mean height of the curve "
+    "between 0.01 and 1 false positives per image.",
+    "precision_recall": "Higher is better. Recall: share of the pedestrians detected. Precision: "
+    "share of the detections that are right.",
+    "roc": "Higher is better: the share of pedestrians detected against false positives per image.",
+    "roc_windows": "As per image, but over the windows that a sliding-window detector looks at.",
+    "f1": "Higher is better: the harmonic mean of precision and recall at every threshold.",
+}
+COUNTS: Final = {"whole": "whole windows, exactly", "area": "by the area formula"}
+MOST_SCALES: Final = 200
+
+
+def draw(result: Result, protocol: Protocol) -> None:
+    """The curves of X and Y under a protocol, and their figures."""
+    curves = [_curve(result, system.name, protocol) for _, system in sides(result)]
+    thresholds = [system.threshold for _, system in sides(result)]
+    summaries = [
+        summarise_curve(curve, threshold)
+        for curve, threshold in zip(curves, thresholds, strict=True)
+    ]
+    kind: CurveKind = st.segmented_control(
+        "Curve", list(KIND_WORDS), default="miss_rate", required=True, key="curve_kind",
+        format_func=KIND_WORDS.__getitem__, label_visibility="collapsed", persist_state="session",
+    )  # fmt: skip
+    windows = _windows(result, protocol) if kind == "roc_windows" else None
+    figure = curve_plot(
+        curves, thresholds, kind, theme=state.theme(), windows_per_image=windows,
+        summaries=[_short(one, kind) for one in summaries],
+    )  # fmt: skip
+    chosen = st.plotly_chart(
+        figure, theme=None, config=CONFIG, key=f"curves_{kind}", on_select="rerun",
+        selection_mode="points",
+    )  # fmt: skip
+    st.caption(f"{EXPLAINED[kind]} Click a curve to count from that score on.")
+    points = chosen["selection"]["points"]
+    if points and state.is_new_click("curves", points):
+        letter, threshold = points[0]["customdata"]
+        state.set_threshold(letter, float(threshold))
+        st.rerun()
+    _draw_table(summaries)
+
+
+def _curve(result: Result, system: str, protocol: Protocol) -> DetectionCurve:
+    params = result.params
+    rule = Params(
+        match=params.match, iou=params.iou, lateral_tolerance=params.lateral_tolerance
+    )  # nothing else matters
+    return state.workspace().keep(
+        "curves", (system, protocol, rule),
+        lambda: detection_curve(result.dataset, system, rule, protocol), most=8,
+    )  # fmt: skip
+
+
+def _short(summary: CurveSummary, kind: CurveKind) -> str:
+    """What the legend says: the figure that belongs to the curve."""
+    if kind == "precision_recall":
+        return f"AP {number(summary.average_precision_coco, '.3f')}"
+    if kind == "f1":
+        return f"best {number(summary.best_f1, '.3f')}"
+    return f"LAMR {number(summary.log_average_miss_rate, '.1%')}" if kind == "miss_rate" else ""
+
+
+def _windows(result: Result, protocol: Protocol) -> float | None:
+    """Windows per image: as given, or counted from the window's size, stride and scales."""
+    given, width, height, stride, scales, way = st.columns([1.3, 1, 1, 1, 1.6, 1.4])
+    number_given: int | None = given.number_input(
+        "Windows per image", 1, None, None, key="windows_given", persist_state="session",
+        placeholder="count them", help="As your detector reports it; empty: counted.",
+    )  # fmt: skip
+    size = [
+        float(place.number_input(label, 1, 2000, value, key=f"window_{label}",
+                                 persist_state="session"))
+        for place, label, value in ((width, "Width (px)", 32), (height, "Height (px)", 64),
+                                    (stride, "Stride (px)", 4))
+    ]  # fmt: skip
+    steps = scales.text_input(
+        "Scales: first, last, step", "1, 2, 0.1", key="window_scales", persist_state="session",
+        help="By which the picture is shrunk.",
+    )  # fmt: skip
+    count = way.selectbox(
+        "Counted", list(COUNTS), format_func=COUNTS.__getitem__, key="window_count",
+        persist_state="session",
+    )  # fmt: skip
+    if number_given:
+        return float(number_given)
+    try:
+        first, last, step = (float(part) for part in steps.split(","))
+        if step <= 0 or (last - first) / step > MOST_SCALES:
+            raise ValueError
+        grid = WindowGrid(*size[:2], stride=size[2], scales=scale_steps(first, last, step),
+                          count=count)  # fmt: skip
+    except ValueError:
+        st.warning("Scales are three numbers, such as 1, 2, 0.1: first, last and step.")
+        return None
+    found = windows_per_image(result.dataset, filtered(result.dataset, protocol).is_counted, grid)
+    st.caption(f"{found:,.0f} windows per image.")
+    return found if found > 0 else None
+
+
+def _draw_table(summaries: list[CurveSummary]) -> None:
+    x, y = summaries
+    rows = [
+        (label + BETTER[better], number(getattr(x, name), form), number(getattr(y, name), form),
+         difference(getattr(x, name), getattr(y, name), form))
+        for name, label, better, form in SUMMARY_ROWS
+    ]  # fmt: skip
+    right = {"alignment": "right", "width": 90}
+    st.header("In figures")
+    st.dataframe(
+        pd.DataFrame(rows, columns=["figure", "X", "Y", "X - Y"]), hide_index=True,
+        key="curve_figures", height="content", row_height=30,
+        column_config={
+            "figure": st.column_config.TextColumn(width=380),
+            **{name: st.column_config.TextColumn(**right) for name in ("X", "Y", "X - Y")},
+        },
+    )  # fmt: skip
+    for letter, one in zip("XY", summaries, strict=True):
+        if one.why_undefined is not None:
+            st.caption(f"{letter}: averages and areas are undefined: {plain(one.why_undefined)}.")
+    st.caption(
+        "↑ higher is better, ↓ lower is better. A difference here is not tested for chance "
+        f"({docs_link('how each is computed', 'areas', doc='detection')})."
+    )
