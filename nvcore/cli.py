@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from nvcore.cli_convert import convert
+from nvcore.cli_gate import gate
 from nvcore.cli_inputs import (
     OUTPUT,
     GroupedCommand,
@@ -187,6 +188,7 @@ def check(strict: bool, **options: Any) -> None:
 
 
 main.add_command(convert)
+main.add_command(gate)
 
 
 @main.command(short_help="Generate the sample recordings again.")
