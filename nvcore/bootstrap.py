@@ -1,0 +1,179 @@
+"""Bootstrap intervals for the difference of two systems that were tried on the same recordings."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from scipy.special import ndtr
+from scipy.stats import DegenerateDataWarning, bootstrap
+from scipy.stats import t as student
+
+SEED: Final = 110360
+"""Seed of every resampling, so that the same input gives the same figures."""
+N_RESAMPLES: Final = 10_000
+CONFIDENCE: Final = 0.95
+MIN_UNITS: Final = 8
+"""Units from which on an interval is given. Of 8 draws, normal to lognormal, an interval of 95 %
+held the true mean in 94 to 90 % of 1,500 simulations; of 6 in 93 to 88 %, its ends being set by a
+few of only 462 distinct resamples."""
+ROWS_AT_ONCE: Final = 100_000
+"""Drawn units held in memory at a time; what fits the cache is fastest."""
+ROUNDING: Final = 1e-12
+"""Differences smaller than this share of the figures are rounding."""
+
+Statistic = Callable[[np.ndarray], np.ndarray]
+"""A figure from sums over units: shape (..., *columns) to shape (...)."""
+
+
+@dataclass(frozen=True)
+class BootstrapDifference:
+    """Difference X - Y of a figure, with its interval.
+
+    Attributes
+    ----------
+    x, y, difference
+        The figure of both systems over all units, and ``x - y``; NaN undefined.
+    low, high
+        Ends of the interval; NaN where none can be given, `reason` then says why.
+    n_units
+        Recordings or blocks of time that were resampled.
+    confidence
+        Nominal share of intervals that hold the true difference.
+    n_resamples, seed
+        Number of resamples; seed of the generator.
+    method
+        Kind of interval, in words; empty without interval.
+    reason
+        Why there is no interval; empty where there is one.
+    """
+
+    x: float
+    y: float
+    difference: float
+    low: float
+    high: float
+    n_units: int
+    confidence: float
+    n_resamples: int
+    seed: int
+    method: str
+    reason: str
+
+
+def ratio(sums: np.ndarray) -> np.ndarray:
+    """First column over the second, shape (..., 2) to (...): a mean or a rate; NaN for 0 / 0."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        quotient: np.ndarray = sums[..., 0] / sums[..., 1]
+    return quotient
+
+
+def bootstrap_difference(
+    x: np.ndarray,
+    y: np.ndarray,
+    statistic: Statistic = ratio,
+    *,
+    n_resamples: int = N_RESAMPLES,
+    confidence: float = CONFIDENCE,
+    seed: int = SEED,
+) -> BootstrapDifference:
+    """Interval for the difference X - Y of a figure, by resampling units (recordings) in pairs.
+
+    Whole units are drawn with replacement, the same ones for X and Y, and the figure is computed
+    from their sums: so frames of one recording may depend on each other as they like. The interval
+    is BCa (bias-corrected and accelerated), with the ends taken further out by Student's t as few
+    units need it: at the level ``1 - 2 * Phi(-sqrt(n / (n - 1)) * t)``, t the quantile of n - 1
+    degrees of freedom.
+
+    Parameters
+    ----------
+    x, y
+        Sums of each unit, shape (n_units, *columns): for a rate two columns, numerator and
+        denominator, with `ratio`; for a curve its counts at every threshold.
+    statistic
+        The figure from such sums, vectorised over leading axes.
+
+    Returns
+    -------
+    Without interval, and with the reason in words, for fewer than `MIN_UNITS` units, a figure that
+    is undefined, or units that all tell the same.
+
+    References
+    ----------
+    Efron (1987), Better bootstrap confidence intervals; Hesterberg (2015), What teachers should
+    know about the bootstrap, The American Statistician 69:371, on the expansion for few units.
+
+    Examples
+    --------
+    >>> x = np.array([[9, 10], [8, 10], [7, 10], [9, 10]] * 2)
+    >>> y = np.array([[8, 10], [8, 10], [5, 10], [7, 10]] * 2)
+    >>> found = bootstrap_difference(x, y)
+    >>> round(found.difference, 3), found.low > 0
+    (0.125, True)
+    """
+    n = len(x)
+    shape = x.shape[1:]
+    value_x, value_y = float(statistic(x.sum(axis=0))), float(statistic(y.sum(axis=0)))
+    difference = value_x - value_y
+    facts = (value_x, value_y, difference)
+
+    def without(reason: str) -> BootstrapDifference:
+        return BootstrapDifference(
+            *facts, np.nan, np.nan, n, confidence, n_resamples, seed, "", reason
+        )
+
+    if not np.isfinite(difference):
+        return without("the figure is undefined")
+    if n < MIN_UNITS:
+        return without(f"too few to resample: {n}, at least {MIN_UNITS} are needed")
+    if np.array_equal(x, y):
+        return without("X and Y are the same in every unit")
+    both = np.concatenate([x.reshape(n, -1), y.reshape(n, -1)], axis=1).astype(float)
+    n_columns = both.shape[1] // 2
+
+    def of_units(units: np.ndarray, axis: int = -1) -> np.ndarray:  # noqa: ARG001
+        sums = count_units(units, n) @ both
+        sums_x, sums_y = sums[..., :n_columns], sums[..., n_columns:]
+        lead = sums.shape[:-1]
+        return statistic(sums_x.reshape(*lead, *shape)) - statistic(sums_y.reshape(*lead, *shape))
+
+    level = 1 - 2 * ndtr(-np.sqrt(n / (n - 1)) * student.isf((1 - confidence) / 2, n - 1))
+    options: dict[str, Any] = {
+        "vectorized": True,
+        "confidence_level": float(level),
+        "batch": max(1, ROWS_AT_ONCE // n),
+    }
+    with warnings.catch_warnings():  # what BCa cannot correct is looked at below
+        warnings.simplefilter("ignore", DegenerateDataWarning)
+        warnings.simplefilter("ignore", RuntimeWarning)
+        found = bootstrap(
+            (np.arange(n),), of_units, n_resamples=n_resamples, method="BCa",
+            rng=np.random.default_rng(seed), **options,
+        )  # fmt: skip
+    resampled = found.bootstrap_distribution
+    if not np.isfinite(resampled).all():
+        return without("the figure is undefined in some resamples: too few units have a part in it")
+    if np.ptp(resampled) <= ROUNDING * max(abs(value_x), abs(value_y)):
+        return without("X and Y differ by the same in every unit: there is nothing to resample")
+    interval, method = found.confidence_interval, "BCa bootstrap"
+    if not np.isfinite([interval.low, interval.high]).all():
+        method = "percentile bootstrap"
+        interval = bootstrap(
+            (np.arange(n),), of_units, n_resamples=0, method="percentile",
+            bootstrap_result=found, **options,
+        ).confidence_interval  # fmt: skip
+    return BootstrapDifference(
+        *facts, float(interval.low), float(interval.high), n, confidence, n_resamples, seed,
+        method, "",
+    )  # fmt: skip
+
+
+def count_units(units: np.ndarray, n: int) -> np.ndarray:
+    """How often each of n units was drawn; (..., n_drawn) to float64 (..., n)."""
+    flat = units.reshape(-1, units.shape[-1])
+    shifted = flat + n * np.arange(len(flat))[:, np.newaxis]
+    counts = np.bincount(shifted.ravel(), minlength=n * len(flat))
+    return counts.reshape(*units.shape[:-1], n).astype(float)

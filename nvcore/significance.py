@@ -1,0 +1,252 @@
+"""Whether the difference between X and Y is more than chance: every figure with its evidence."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+import pandas as pd
+
+from nvcore.analysis import Result
+from nvcore.bootstrap import (
+    N_RESAMPLES,
+    BootstrapDifference,
+    Statistic,
+    bootstrap_difference,
+    ratio,
+)
+from nvcore.paired_tests import McNemar, SwapTest, holm, mcnemar, swap_test
+from nvcore.schema import Category
+from nvcore.tables import sides
+from nvcore.units import RECORDINGS, Units, find_units, saliency_of_recordings, sum_units
+
+SHORT_SHARE: Final = 0.5
+"""Share of one-frame encounters above which they are frames rather than persons."""
+HIGHER: Final = "higher"
+LOWER: Final = "lower"
+D_Z: Final = "Cohen's d_z"
+ODDS_RATIO: Final = "odds ratio"
+
+
+@dataclass(frozen=True, eq=False)
+class UnitFigure:
+    """A figure that is a function of sums over units.
+
+    Attributes
+    ----------
+    figure, label
+        Key, and name with unit of measure for people.
+    better
+        ``higher`` or ``lower``.
+    x, y
+        Sums of each unit, shape (n_units, *columns); rows as numbered in `Units`.
+    statistic
+        The figure from such sums (`nvcore.bootstrap.Statistic`).
+    """
+
+    figure: str
+    label: str
+    better: str
+    x: np.ndarray
+    y: np.ndarray
+    statistic: Statistic = ratio
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What the data say about the difference X - Y in one figure.
+
+    Attributes
+    ----------
+    figure, label, better
+        Key, name with unit of measure, ``higher`` or ``lower``.
+    x, y, difference
+        The figure of both systems, and ``x - y``; NaN undefined.
+    low, high
+        95 % interval of the difference; NaN where none can be given.
+    p
+        Two-sided p-value; NaN where none can be given.
+    effect, effect_name
+        Size of the difference: Cohen's d_z (mean over standard deviation of the units' own
+        differences; positive where X is higher), or the odds ratio of discordant encounters
+        (above 1 where X detects more).
+    n, unit
+        How many of what were compared: encounters, recordings, blocks.
+    method
+        How interval and p-value were made.
+    note
+        Why something is not given, and what the figures do not say.
+    p_holm
+        `p` by Holm's correction for all figures shown together.
+    """
+
+    figure: str
+    label: str
+    better: str
+    x: float
+    y: float
+    difference: float
+    low: float
+    high: float
+    p: float
+    effect: float
+    effect_name: str
+    n: int
+    unit: str
+    method: str
+    note: str
+    p_holm: float = float("nan")
+
+
+COLUMNS: Final = (
+    "figure", "label", "better", "x", "y", "difference", "low", "high", "p", "p_holm", "effect",
+    "effect_name", "n", "unit", "method", "note",
+)  # fmt: skip
+
+
+def significance_table(
+    result: Result, extra: Sequence[UnitFigure] = (), *, units: Units | None = None
+) -> pd.DataFrame:
+    """All figures of a comparison with interval, p-value and effect size.
+
+    Encounters detected come twice: every encounter for itself (McNemar), and by units, which
+    allows for encounters of one recording being alike. Then mean similarity, share of low frames,
+    saliency, false-alert episodes per hour, and `extra`. Where too little is known for a figure,
+    it is NaN and `note` says so in words.
+
+    Parameters
+    ----------
+    extra
+        Further figures from sums over the same units (`find_units`), such as miss rates.
+    units
+        ``find_units(result)``, if known already.
+
+    Returns
+    -------
+    Columns `COLUMNS` (attributes of `Evidence`), one row per figure. p_holm corrects for all of
+    them.
+
+    Examples
+    --------
+    >>> significance_table(result)[["figure", "difference", "low", "high"]]  # doctest: +SKIP
+    """
+    units = find_units(result) if units is None else units
+    figures = (*unit_figures(result, units), *extra)
+    rows = [judge_encounters_detected(result), *(judge_figure(one, units) for one in figures)]
+    rows = [
+        _without_blocks(result, units, row) if row.figure == "saliency" else row for row in rows
+    ]
+    table = pd.DataFrame([vars(row) for row in rows])
+    table["p_holm"] = holm(table["p"].to_numpy())
+    return table[list(COLUMNS)]
+
+
+def judge_encounters_detected(result: Result) -> Evidence:
+    """Share of encounters detected, encounter by encounter: McNemar's test."""
+    found = mcnemar(result.venn)
+    notes = [found.reason]
+    if is_short(result):
+        notes.append(
+            "most encounters are one frame long: these are frames rather than persons, and not "
+            "independent; go by the figure by recordings or blocks"
+        )
+    return Evidence(
+        figure="encounters_detected", label="share of encounters detected", better=HIGHER,
+        x=found.share_x, y=found.share_y, difference=found.difference, low=found.low,
+        high=found.high, p=found.p, effect=found.odds_ratio, effect_name=ODDS_RATIO, n=found.n,
+        unit="encounters", method=_mcnemar_method(found), note=_joined(notes),
+    )  # fmt: skip
+
+
+def _mcnemar_method(found: McNemar) -> str:
+    parts = []
+    if not np.isnan(found.low):
+        parts.append("Newcombe's interval for paired shares")
+    if not np.isnan(found.p):
+        parts.append(f"exact McNemar test of {found.x_only} to {found.y_only}")
+    return "; ".join(parts)
+
+
+def is_short(result: Result) -> bool:
+    """Whether most encounters that count are a single frame long."""
+    near = result.encounters.n_frames[result.category != Category.DISTANT.value]
+    return bool(len(near)) and float((near == 1).mean()) > SHORT_SHARE
+
+
+def unit_figures(result: Result, units: Units) -> tuple[UnitFigure, ...]:
+    """The figures of the scorecard that are made from sums over units."""
+    sums = sum_units(result, units)
+    low, by = result.params.low, units.kind
+    worst = "largest event" if result.params.saliency_aggregate == "max" else "sum of events"
+    made = (
+        ("encounters_detected_by_unit", f"share of encounters detected, by {by}", HIGHER,
+         "detected", "n_encounters", 1.0),
+        ("mean_similarity", "mean similarity", HIGHER, "similarity", "n_frames", 1.0),
+        ("share_low", f"share of frames with similarity below {low:g}", LOWER,
+         "low", "n_frames", 1.0),
+        ("saliency", f"saliency of a recording, {worst} (s)", LOWER,
+         "saliency", "share_of_recording", 1.0),
+        ("false_alert_episodes_per_hour", "false-alert episodes per hour", LOWER,
+         "episodes", "duration_s", 3600.0),
+    )  # fmt: skip
+    figures = []
+    for key, label, better, above, below, factor in made:
+        x, y = (
+            np.column_stack([factor * sums[f"{above}_{letter}"], sums[below]]) for letter in "xy"
+        )
+        figures.append(UnitFigure(key, label, better, x, y))
+    return tuple(figures)
+
+
+def judge_figure(figure: UnitFigure, units: Units) -> Evidence:
+    """Difference of a figure with bootstrap interval, permutation test and effect size."""
+    interval = bootstrap_difference(figure.x, figure.y, figure.statistic)
+    test = swap_test(figure.x, figure.y, figure.statistic)
+    notes = [*dict.fromkeys((interval.reason, test.reason)), units.note]
+    return Evidence(
+        figure=figure.figure, label=figure.label, better=figure.better, x=interval.x, y=interval.y,
+        difference=interval.difference, low=interval.low, high=interval.high, p=test.p,
+        effect=_standardised(figure), effect_name=D_Z, n=len(units), unit=units.kind,
+        method=_unit_method(interval, test, units), note=_joined(notes),
+    )  # fmt: skip
+
+
+def _without_blocks(result: Result, units: Units, row: Evidence) -> Evidence:
+    """The row of saliency, which blocks of time do not have if it is the largest event."""
+    if units.kind == RECORDINGS or result.params.saliency_aggregate == "sum":
+        return row
+    used = np.unique(units.recording)
+    x, y = (
+        float(saliency_of_recordings(result, system)[used].mean()) for _, system in sides(result)
+    )
+    note = "the largest event of a recording cannot be shared out to blocks of time"
+    return replace(row, x=x, y=y, difference=x - y, note=_joined([note, units.note]))
+
+
+def _standardised(figure: UnitFigure) -> float:
+    """Cohen's d_z over the units in which the figure is defined."""
+    differences = figure.statistic(figure.x) - figure.statistic(figure.y)
+    differences = differences[np.isfinite(differences)]
+    spread = float(differences.std(ddof=1)) if len(differences) > 1 else 0.0
+    # equal differences have a spread of a rounding error, not always 0
+    if not spread > 1e-9 * np.abs(differences).max(initial=0):
+        return float("nan")
+    return float(differences.mean()) / spread
+
+
+def _unit_method(interval: BootstrapDifference, test: SwapTest, units: Units) -> str:
+    parts = []
+    if interval.method:
+        parts.append(
+            f"{interval.method} of {units.text}, {N_RESAMPLES:,} resamples, seed {interval.seed}"
+        )
+    if not np.isnan(test.p):
+        how = "all" if test.is_exact else "random"
+        parts.append(f"X and Y exchanged in {test.n_permutations:,} {how} ways")
+    return "; ".join(parts)
+
+
+def _joined(notes: Sequence[str]) -> str:
+    return "; ".join(note for note in notes if note)
