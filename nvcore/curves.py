@@ -175,17 +175,23 @@ class Outcomes:
         Descending, those without a score (NaN) last; float64, (n,).
     is_match
         Whether it is a pedestrian; else a false positive; bool, (n,).
+    frame_index
+        Row of the frames table; int64, (n,).
     recording
         Row of the recordings table; int32, (n,).
     n_truth, n_images
         Pedestrian boxes and frames that count; int64, (n_recordings,).
+    truth
+        The ground truth under the protocol.
     """
 
     score: np.ndarray
     is_match: np.ndarray
+    frame_index: np.ndarray
     recording: np.ndarray
     n_truth: np.ndarray
     n_images: np.ndarray
+    truth: FilteredTruth
 
 
 def detection_curve(
@@ -296,9 +302,11 @@ def _outcomes(
     return Outcomes(
         score=detections.score[rows],
         is_match=matches.state[rows] == MATCHED,
+        frame_index=detections.frame_index[rows],
         recording=frames.recording[detections.frame_index[rows]],
         n_truth=np.bincount(truth_in, minlength=n_recordings),
         n_images=np.bincount(frames.recording[truth.is_counted], minlength=n_recordings),
+        truth=truth,
     )
 
 
