@@ -13,6 +13,7 @@ from nvcore.findings import Finding, Severity
 from nvcore.input_tables import inputs_table
 from nvcore.schema import Category
 from nvcore.scorecard_table import ScoreRow, class_rows, score_rows
+from nvcore.significance import significance_table
 from nvcore.tables import sides, worst_intervals
 from nvcore.venn import Exclusivity
 from nvcore.verdict import verdict
@@ -36,7 +37,7 @@ def render_scorecard(result: Result, findings: Sequence[Finding] = ()) -> str:
         _venn(result),
         _fusion(result),
         *(_worst(result, letter, system) for letter, system in sides(result)),
-        "In short: " + " ".join(verdict(result, findings)),
+        "In short: " + " ".join(verdict(result, findings, evidence=significance_table(result))),
     ]
     return "\n\n".join(parts)
 

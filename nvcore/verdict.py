@@ -6,6 +6,7 @@ from collections.abc import Sequence, Set
 from typing import Final
 
 import numpy as np
+import pandas as pd
 
 from nvcore.analysis import Result, SystemResult
 from nvcore.findings import Finding, Severity
@@ -13,6 +14,18 @@ from nvcore.tables import sides
 
 SIGNIFICANT: Final = 0.05
 """Largest p-value at which a difference in detected encounters is called one."""
+
+TESTED: Final = {
+    "mean_similarity": "mean similarity",
+    "saliency": "saliency per recording",
+    "false_alert_episodes_per_hour": "false-alert episodes",
+}
+"""The figures that stand side by side, by their key in the table of evidence."""
+
+UNITS: Final = {
+    "recordings": "recordings",
+    "blocks": "blocks of time, which say nothing of other recordings",
+}
 
 CAVEATS: Final = {
     "short-encounters": "most encounters are one frame long, so that counts of them are counts of "
@@ -33,18 +46,23 @@ CAVEATS: Final = {
 """What a finding of the audit means for the verdict, by its code."""
 
 
-def verdict(result: Result, findings: Sequence[Finding] = ()) -> tuple[str, ...]:
+def verdict(
+    result: Result, findings: Sequence[Finding] = (), *, evidence: pd.DataFrame | None = None
+) -> tuple[str, ...]:
     """Which system detects more pedestrians, and what the other figures say; plain sentences.
 
-    The first sentence is about encounters, the unit that is tested: one system dominates, one is
-    better beyond chance, or these data show no difference. The second only puts figures side by
-    side. A last one says which warnings and errors of the audit it all depends on. X and Y are
-    called ``X`` and ``Y``.
+    The first sentence is about encounters, one system dominates, is better beyond chance, or these
+    data show no difference. The second puts figures side by side, and says which of their
+    differences are more than chance. A last one says which warnings and errors of the audit it all
+    depends on. X and Y are called ``X`` and ``Y``.
 
     Parameters
     ----------
     findings
         Of the audit of the same inputs.
+    evidence
+        `nvcore.significance.significance_table` of the result; None: that the differences are
+        not tested is said.
 
     Notes
     -----
@@ -60,7 +78,7 @@ def verdict(result: Result, findings: Sequence[Finding] = ()) -> tuple[str, ...]
     sentences = [_encounters(result, codes)]
     figures = _figures(result)
     if figures:
-        sentences.append(figures)
+        sentences.append(f"{figures}; {_chance(evidence)}.")
     unlimited = _without_threshold(result)
     if unlimited:
         sentences.append(unlimited)
@@ -147,10 +165,36 @@ def _figures(result: Result) -> str:
     if not known:
         return ""
     text = known[0] if len(known) == 1 else ", ".join(known[:-1]) + ", and " + known[-1]
-    return (
-        f"{text[0].upper()}{text[1:]}; whether these differences are more than chance is not "
-        "tested."
-    )
+    return f"{text[0].upper()}{text[1:]}"
+
+
+def _chance(evidence: pd.DataFrame | None) -> str:
+    """Which of the differences side by side are more than chance, by their corrected p-values."""
+    if evidence is None:
+        return "whether these differences are more than chance is not tested"
+    shown = evidence[evidence["figure"].isin(TESTED)]
+    tested = shown[np.isfinite(shown["p_holm"])]
+    if tested.empty:
+        return "there are too few data to test these differences for chance"
+    beyond = tested[tested["p_holm"] <= SIGNIFICANT]
+    by = f"by these {int(tested['n'].iloc[0]):,} {UNITS[tested['unit'].iloc[0]]}"
+    if beyond.empty:
+        return f"{by}, none of these differences is shown to be more than chance"
+    told = [
+        f"{TESTED[figure]} ({_interval(low, high)}p = {p:.2g})"
+        for figure, low, high, p in zip(
+            beyond["figure"], beyond["low"], beyond["high"], beyond["p_holm"], strict=True
+        )
+    ]
+    listed = told[0] if len(told) < 2 else ", ".join(told[:-1]) + " and " + told[-1]
+    is_one = len(told) == 1
+    others = "" if len(beyond) == len(shown) else "; the others are not shown to be"
+    noun, verb = ("difference", "is") if is_one else ("differences", "are")
+    return f"{by}, the {noun} in {listed} {verb} more than chance{others}"
+
+
+def _interval(low: float, high: float) -> str:
+    return f"95 % interval {low:.2g} to {high:.2g}, " if np.isfinite(low) else ""
 
 
 def _duration(seconds: float) -> str:

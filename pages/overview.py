@@ -2,7 +2,7 @@
 
 import streamlit as st
 
-from ui import overview_moments, overview_scorecard, overview_venn, state
+from ui import overview_evidence, overview_moments, overview_scorecard, overview_venn, state
 from ui.empty import one_system_only
 
 st.title("Overview")
@@ -18,5 +18,7 @@ else:
         overview_venn.draw(result)
     overview_moments.draw(result)
     overview_scorecard.by_recording(result)
+    evidence = state.evidence()
+    overview_evidence.draw(result, evidence)
     with verdict:
-        overview_scorecard.verdict_box(result, state.findings())
+        overview_scorecard.verdict_box(result, state.findings(), evidence)

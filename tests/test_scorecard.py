@@ -19,6 +19,7 @@ from nvcore.scorecard import (
     render_inputs,
     render_scorecard,
 )
+from nvcore.significance import significance_table
 from nvcore.verdict import verdict
 
 
@@ -157,7 +158,8 @@ def test_two_systems_that_miss_the_same_are_not_told_apart():
 
 
 def test_the_scorecard_ends_in_the_verdict(result: Result):
-    assert lines_of(result)[-1] == "In short: " + " ".join(verdict(result))
+    evidence = significance_table(result)
+    assert lines_of(result)[-1] == "In short: " + " ".join(verdict(result, evidence=evidence))
 
 
 def test_fusion_is_told_for_both_ways(result: Result):

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from builders import Box, at, compare, make_dataset
+import pandas as pd
+from builders import NAN, Box, at, compare, make_dataset
 
 from nvcore.analysis import Result
 from nvcore.findings import Finding, Severity
@@ -77,6 +78,46 @@ def test_the_figures_stand_side_by_side_and_are_not_called_significant():
     assert figures.startswith("X has the higher mean similarity (1.000 to 0.")
     assert "X has fewer false-alert episodes (0 to 1 in 2 s)" in figures
     assert figures.endswith("whether these differences are more than chance is not tested.")
+
+
+def evidence_of(*rows: tuple[str, float, float, float], unit: str = "recordings") -> pd.DataFrame:
+    """Rows of figure, low, high, p_holm."""
+    table = pd.DataFrame(rows, columns=["figure", "low", "high", "p_holm"])
+    return table.assign(n=12, unit=unit)
+
+
+def chance(*rows: tuple[str, float, float, float], **more: str) -> str:
+    told = verdict(detecting(6, range(6), range(2)), evidence=evidence_of(*rows, **more))[1]
+    return told.split("; ", 1)[1]
+
+
+def test_what_is_beyond_chance_is_told_with_its_interval_and_what_is_not():
+    rows = [("mean_similarity", 0.012, 0.043, 0.012), ("saliency", -1.0, 0.5, 0.6)]
+    assert chance(*rows) == (
+        "by these 12 recordings, the difference in mean similarity (95 % interval 0.012 to 0.043, "
+        "p = 0.012) is more than chance; the others are not shown to be."
+    )
+
+
+def test_several_differences_beyond_chance_are_listed():
+    rows = [("mean_similarity", 0.1, 0.2, 0.01), ("saliency", NAN, NAN, 0.02)]
+    assert chance(*rows) == (
+        "by these 12 recordings, the differences in mean similarity (95 % interval 0.1 to 0.2, "
+        "p = 0.01) and saliency per recording (p = 0.02) are more than chance."
+    )
+
+
+def test_blocks_of_time_say_nothing_of_other_recordings():
+    assert chance(("mean_similarity", -1.0, 1.0, 0.5), unit="blocks") == (
+        "by these 12 blocks of time, which say nothing of other recordings, none of these "
+        "differences is shown to be more than chance."
+    )
+
+
+def test_too_little_to_test_is_said():
+    assert chance(("mean_similarity", NAN, NAN, NAN)) == (
+        "there are too few data to test these differences for chance."
+    )
 
 
 def test_figures_that_look_the_same_are_not_called_better():

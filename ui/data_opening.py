@@ -49,7 +49,7 @@ def try_to_open(
         Part of the page that the trouble is shown in.
     """
     st.session_state.pop(_key(place), None)
-    st.session_state[_OPENED] = place, label
+    st.session_state[_OPENED] = place, label, state.workspace().n_opened
     try:
         state.open_session(session() if callable(session) else session, label=label)
     except MissingFactError as error:
@@ -57,7 +57,6 @@ def try_to_open(
     except NvcoreError as error:
         trouble = Trouble(public(error), label)
     # only reached when it failed: what opens starts the run again
-    del st.session_state[_OPENED]
     st.session_state[_key(place)] = trouble
     st.rerun()
 
@@ -73,10 +72,17 @@ def forget_trouble(place: str) -> None:
     st.session_state.pop(_key(place), None)
 
 
+def _opened() -> tuple[str, str] | None:
+    """Part of the page in which something was opened since, and what it is called."""
+    place, label, n_before = st.session_state.get(_OPENED, ("", "", 0))
+    is_open = place and state.workspace().n_opened > n_before
+    return (place, label) if is_open else None
+
+
 def draw_failures() -> None:
     """At the top of the page: what could not be opened, so that the rest is not taken for it."""
     keys = [key for key in st.session_state if str(key).startswith(f"{_KEY}_")]
-    if _OPENED in st.session_state:  # something was opened since
+    if _opened() is not None:
         for key in keys:
             del st.session_state[key]
         return
@@ -91,7 +97,7 @@ def draw_failures() -> None:
 
 def draw_trouble(place: str) -> None:
     """The banner that says why something could not be opened, or once that it was."""
-    opened_in, label = st.session_state.get(_OPENED, ("", ""))
+    opened_in, label = _opened() or ("", "")
     if opened_in == place:
         del st.session_state[_OPENED]
         st.success(

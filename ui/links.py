@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields
 
@@ -54,13 +55,20 @@ def read_parameters(query: Mapping[str, str]) -> tuple[dict[str, float | str], l
         if text is None:
             continue
         try:
-            value = text if spec.metadata["choices"] else float(text)
+            value = text if spec.metadata["choices"] else _finite(text)
             params_from({spec.name: value})
         except (ParameterError, ValueError):
             wrong.append(f"its value of {spec.name} is not possible, the default is used")
         else:
             given[spec.name] = value
     return given, wrong
+
+
+def _finite(text: str) -> float:
+    value = float(text)
+    if not math.isfinite(value):  # possible in a session, but no slider can show it
+        raise ValueError
+    return value
 
 
 def changed_parameters(live: Params, start: Params) -> dict[str, str]:

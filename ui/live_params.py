@@ -52,6 +52,12 @@ def keep_hidden(name: str) -> None:
         st.session_state[name] = st.session_state[name]
 
 
+def keep_all_hidden() -> None:
+    """Keep all parameters' values on a page that has no sidebar."""
+    for name in FIELDS:
+        keep_hidden(name)
+
+
 def picture_height() -> float:
     """Height of the highest pictures, pixels."""
     space = state.workspace()
@@ -90,11 +96,17 @@ def threshold_scale(letter: str) -> tuple[float, float, float] | None:
 
 
 def _threshold(name: str) -> float | None:
-    """At the lowest score every detection counts: no threshold."""
+    """At the lowest score every detection counts: no threshold.
+
+    Where no slider can be drawn the session's own threshold holds, not one that was set for
+    another system before.
+    """
     system = state.systems()[0 if name == "threshold_x" else 1]
     span = None if system is None else state.score_span(system)
+    if span is None:
+        return getattr(state.session_params(), name)  # type: ignore[no-any-return]
     given: float | None = value_of(name)
-    return None if span is not None and given is not None and given <= span[0] else given
+    return None if given is not None and given <= span[0] else given
 
 
 def set_preset(preset: Preset) -> None:

@@ -22,9 +22,9 @@ from ui.text import docs_link, plain
 BETTER = {"higher": " ↑", "lower": " ↓", "": ""}
 
 
-def verdict_box(result: Result, findings: Sequence[Finding]) -> None:
+def verdict_box(result: Result, findings: Sequence[Finding], evidence: pd.DataFrame) -> None:
     """What the figures support, and what it depends on."""
-    sentences = verdict(result, findings)
+    sentences = verdict(result, findings, evidence=evidence)
     grave = [one for one in findings if one.severity is not Severity.NOTE]
     with st.container(border=True, key="verdict"):
         st.markdown(f"## {plain(sentences[0])}")

@@ -151,8 +151,8 @@ def _threshold(letter: str) -> None:
         return
     scale = live_params.threshold_scale(letter)
     if scale is None:
-        live_params.keep_hidden(name)
-        st.caption(f"{letter.upper()} has no scores: every detection counts.")
+        if getattr(state.params(), name) is None:
+            st.caption(f"{letter.upper()} has no scores that differ: every detection counts.")
         return
     low, high, step = scale
     given = getattr(state.session_params(), name)
@@ -206,10 +206,17 @@ def _number_slider(
     name: str, *, low: float, high: float, value: float, step: float, **more: Any
 ) -> None:
     more = {"help": FIELDS[name].metadata["help"], **more}
-    # a session or a link may give any possible value: the slider then reaches to it
+    # a session or a link may give any possible value: the slider then reaches to it, and stays so,
+    # since one with other ends would be another slider and start anew
     given = float(st.session_state.get(name, value))
-    low, high = min(low, given), max(high, given, low + step)
-    if not isinstance(st.session_state.get(name), float):
-        st.session_state[name] = given  # not in each run: it would move a slider that is in motion
-    ends = {"min_value": float(low), "max_value": float(high)}
-    st.slider(LABELS[name], **ends, step=float(step), key=name, **more)
+    base, (least, most) = st.session_state.get(f"ends_{name}", (None, (low, high)))
+    if base != (low, high, step):
+        least, most = low, high
+    ends = min(least, given), max(most, given, low + step)
+    is_known = isinstance(st.session_state.get(name), float)
+    if not is_known or (base, (least, most)) != ((low, high, step), ends):
+        st.session_state[name] = given  # not in each run: it would move a slider in motion
+    st.session_state[f"ends_{name}"] = (low, high, step), ends
+    st.slider(
+        LABELS[name], min_value=ends[0], max_value=ends[1], step=float(step), key=name, **more
+    )

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, Final, Literal
 
 import numpy as np
+import pandas as pd
 import streamlit as st
 
 from nvcore.analysis import Result, analyse
@@ -20,6 +21,7 @@ from nvcore.loading import compared_systems, effective_params, load
 from nvcore.params import Params
 from nvcore.session import Session
 from nvcore.session_file import read_session
+from nvcore.significance import significance_table
 from ui.links import changed_parameters, read_parameters, read_place
 from ui.pictures import Picturing, find_pictures
 from ui.workspace import Compared, Workspace
@@ -37,6 +39,13 @@ NOT_OF_BOXES: Final = (
 """Parameters that move no box and change no match nor which miss is the most salient."""
 
 
+OF_AUDIT: Final = (
+    *("threshold_x", "threshold_y", "match", "iou", "lateral_tolerance"),
+    *("proximity", "midpoint", "spread", "midpoint_m", "spread_m", "horizon"),
+)
+"""Parameters that the audit depends on."""
+
+
 def workspace() -> Workspace:
     """The workspace of this browser session; the first call opens the sample recordings."""
     found = st.session_state.get("workspace")
@@ -45,7 +54,6 @@ def workspace() -> Workspace:
     if found.dataset is None:
         with st.spinner("Opening the sample recordings"):
             _open(found, read_session(SAMPLE), SAMPLE_LABEL)
-        _forget_widgets()
     return found
 
 
@@ -60,19 +68,27 @@ def open_session(session: Session, *, label: str) -> None:
     space = workspace()
     with st.spinner("Reading the files"):
         _open(space, session, label)
-    # the widgets of this run are drawn: they take their new values in the next one
-    st.session_state["new_session"] = True
-    st.session_state["place"] = 0, 0
-    st.rerun()
+    st.rerun()  # the widgets of this run are drawn: they take their new values in the next one
 
 
 def begin_run() -> None:
-    """To be called before any widget is drawn."""
-    workspace()
+    """To be called before any widget is drawn.
+
+    Any run may be cut off by the next one, also while something is being opened: what belongs to
+    the open comparison is therefore renewed here, by its number.
+    """
+    space = workspace()
+    seen: int | None = st.session_state.get("seen_opening")
+    if seen != space.n_opened:
+        _forget_widgets()
+        if seen is not None:  # the first one may be opened by a link
+            st.session_state["place"] = 0, 0
+        st.session_state["seen_opening"] = space.n_opened
+    elif st.session_state.get("wants_reset", False):
+        _forget_widgets()
+        st.session_state["wants_reset"] = False
     if "place" not in st.session_state:
         _follow_link()
-    if st.session_state.pop("new_session", False):
-        _forget_widgets()
     for name, value in st.session_state.pop("new_params", {}).items():
         st.session_state[name] = value
 
@@ -93,7 +109,7 @@ def set_threshold(letter: str, threshold: float | None) -> None:
 
 def reset_params() -> None:
     """Give all parameters the values of the open session in the next run."""
-    st.session_state["new_session"] = True
+    st.session_state["wants_reset"] = True
 
 
 def score_span(system: str) -> tuple[float, float] | None:
@@ -172,8 +188,7 @@ def findings() -> tuple[Finding, ...]:
     space = workspace()
     x, y = systems()
     settings = params()
-    names = ("threshold_x", "threshold_y", "match", "iou", "lateral_tolerance", "proximity")
-    relevant = replace(Params(), **{name: getattr(settings, name) for name in names})
+    relevant = replace(Params(), **{name: getattr(settings, name) for name in OF_AUDIT})
     return space.keep("findings", (relevant, x, y), lambda: _audit(space, relevant, x, y))
 
 
@@ -192,6 +207,17 @@ def _audit(space: Workspace, settings: Params, x: str, y: str | None) -> tuple[F
                 most=2 * len(dataset.systems),
             )  # fmt: skip
         return worst_first([*found, *audit_pair(dataset, settings, x=x, y=y)])
+
+
+def evidence() -> pd.DataFrame | None:
+    """Whether the differences are more than chance; None where there is only one system."""
+    found = result()
+    if found is None:
+        return None
+    space = workspace()
+    return space.keep(
+        "evidence", (found.params, found.x.name, found.y.name), lambda: significance_table(found)
+    )
 
 
 def theme() -> Theme:
@@ -218,8 +244,11 @@ def row() -> int:
 
 
 def _place() -> tuple[int, int]:
-    place: tuple[int, int] = st.session_state.get("place", (0, 0))
-    return place
+    """Recording and row; within what is open, whatever was current before."""
+    chosen, at = st.session_state.get("place", (0, 0))
+    if not 0 <= chosen < len(recording_names()):
+        return 0, 0
+    return chosen, min(at, max(len(_frame_numbers(chosen)) - 1, 0))
 
 
 def go_to(recording_index: int, row_in_recording: int) -> None:
@@ -311,6 +340,7 @@ def _open(space: Workspace, session: Session, label: str) -> None:
     space.session, space.dataset, space.label = session, dataset, label
     space.pictures, space.picture_rows = pictures.sources, pictures.indices
     space.picture_notes = pictures.notes
+    space.n_opened += 1
     space.forget()
 
 

@@ -50,6 +50,8 @@ class Workspace:
         Own folder for uploads, mode 0700; gone when the workspace is.
     session, dataset, label
         The open comparison and what it is called; None and empty before one is opened.
+    n_opened
+        How many comparisons were opened; whoever keeps something of the open one compares it.
     compared
         The newest analysis, which the routes read boxes from, with its version.
     pictures
@@ -74,6 +76,7 @@ class Workspace:
         self.session: Session | None = None
         self.dataset: Dataset | None = None
         self.label = ""
+        self.n_opened = 0
         self.compared: Compared | None = None
         self.pictures: Mapping[int, Pictures] = {}
         self.picture_rows: Mapping[int, np.ndarray] = {}
