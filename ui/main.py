@@ -5,7 +5,7 @@ from __future__ import annotations
 import streamlit as st
 
 from nvcore.errors import NvcoreError
-from ui import live_params, sidebar, state
+from ui import live_params, reload, sidebar, state
 from ui.navigate import PAGES, follow_wish
 from ui.public import shown_error
 
@@ -45,3 +45,5 @@ except NvcoreError as error:
     st.error(shown_error(error), icon=":material/error:")
 if wrong_params is not None:  # something is open
     sidebar.draw(wrong_params)
+    with st.sidebar:
+        reload.draw()

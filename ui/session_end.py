@@ -63,6 +63,13 @@ def watch(what: Closable, is_alive: Callable[[], bool]) -> None:
         _watched.append(_Watched(weakref.ref(what), is_alive))
 
 
+def is_in_use(what: Closable) -> bool:
+    """Whether the browser of a session that has this is there."""
+    with _lock:
+        watched = list(_watched)
+    return any(one.what() is what and one.is_alive() for one in watched)
+
+
 def sweep(now_s: float) -> None:
     """Close what has been without its browser for too long.
 
@@ -80,7 +87,9 @@ def sweep(now_s: float) -> None:
         elif what is None or now_s - one.seen_s > GRACE_S:
             with _lock:
                 _watched.remove(one)  # first: what cannot be closed is not tried for ever
-            _close(what)
+                is_last = not any(other.what() is what for other in _watched)
+            if is_last:  # another session may have taken it over
+                _close(what)
 
 
 def _close(what: Closable | None) -> None:

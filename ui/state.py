@@ -24,7 +24,8 @@ from nvcore.session_file import read_session
 from nvcore.significance import significance_table
 from ui.links import changed_parameters, read_parameters, read_place
 from ui.pictures import Picturing, find_pictures
-from ui.workspace import Compared, Workspace
+from ui.session_end import end_with_session, is_in_use
+from ui.workspace import Compared, Workspace, workspace_of
 
 ROOT: Final = Path(__file__).resolve().parent.parent
 SAMPLE: Final = ROOT / "sample_data" / "session.toml"
@@ -71,12 +72,25 @@ def open_session(session: Session, *, label: str) -> None:
     st.rerun()  # the widgets of this run are drawn: they take their new values in the next one
 
 
+def take_back(token: str) -> None:
+    """Go on with the workspace of that name, as the address says; not if another page uses it."""
+    found = workspace_of(token)
+    if found is None or found.dataset is None or is_in_use(found):
+        return
+    st.session_state["workspace"] = found
+    end_with_session(found)
+    for name in ("seen_opening", "place", "bad_link"):
+        st.session_state.pop(name, None)
+    st.query_params.from_dict(st.session_state["first_query"])
+
+
 def begin_run() -> None:
     """To be called before any widget is drawn.
 
     Any run may be cut off by the next one, also while something is being opened: what belongs to
     the open comparison is therefore renewed here, by its number.
     """
+    st.session_state.setdefault("first_query", st.query_params.to_dict())
     space = workspace()
     seen: int | None = st.session_state.get("seen_opening")
     if seen != space.n_opened:

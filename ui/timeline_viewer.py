@@ -22,9 +22,10 @@ def recording_choice() -> None:
     """The recording selector, and by which rule pictures show frames."""
     names = state.recording_names()
     left, right = st.columns([2, 3], vertical_alignment="bottom")
+    key = f"recording_choice_{state.workspace().n_opened}_{state.recording()}"
     chosen = left.selectbox(
         "Recording", range(len(names)), index=state.recording(),
-        format_func=lambda i: names[i], key=f"recording_choice_{state.recording()}",
+        format_func=lambda i: names[i], key=key,
     )  # fmt: skip
     if chosen != state.recording():
         state.go_to(chosen, 0)

@@ -71,6 +71,17 @@ def test_an_uploaded_video_plays_with_picture_and_boxes_of_the_same_frame(sent):
     assert seen[-1]["shown"] - seen[0]["shown"] == pytest.approx(PLAYED_S * scene.FPS, abs=10)
 
 
+def test_a_reload_keeps_what_was_uploaded_with_place_and_parameters(sent):
+    sent.switch_to("Timeline")
+    sent.slider("alpha").press("ArrowLeft")
+    sent.wait_until_drawn()
+    alpha = sent.slider("alpha").input_value()
+    sent.page.reload()
+    expect(sent.page.get_by_role("combobox", name="Recording")).to_have_value(RECORDING)
+    expect(sent.slider("alpha")).to_have_value(alpha)
+    expect(sent.page.get_by_text("could not be followed")).to_have_count(0)
+
+
 def test_two_sessions_see_nothing_of_each_other(sent, visit):
     other: Visit = visit("timeline?alpha=0.4&recording=rural_child&frame=57", theme="dark")
     other.shows(57)

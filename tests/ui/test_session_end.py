@@ -98,3 +98,14 @@ def test_outside_a_session_nothing_is_watched(watched: list):
 
 def test_the_grace_is_longer_than_streamlit_keeps_a_session():
     assert GRACE_S > 120
+
+
+def test_what_another_session_has_taken_over_stays(now_s: float):
+    thing, browser = Thing(), Browser()
+    watch(thing, lambda: False)
+    watch(thing, browser)
+    sweep(now_s + 2 * GRACE_S)
+    assert not thing.is_closed
+    browser.is_here = False
+    sweep(now_s + 4 * GRACE_S)
+    assert thing.is_closed
