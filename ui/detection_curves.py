@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from typing import Final
 
+import numpy as np
 import pandas as pd
 import streamlit as st
 
 from nvcore.analysis import Result
+from nvcore.curve_evidence import log_average_miss_rate_figure
 from nvcore.curve_summary import SUMMARY_ROWS, CurveSummary, summarise_curve
 from nvcore.curves import DetectionCurve, detection_curve
 from nvcore.figures.detection import CurveKind, curve_plot
@@ -15,7 +17,9 @@ from nvcore.figures.style import CONFIG
 from nvcore.params import Params
 from nvcore.protocols import Protocol
 from nvcore.scorecard import difference, number
+from nvcore.significance import Evidence, judge_figure
 from nvcore.tables import sides
+from nvcore.units import find_units
 from nvcore.windows import WindowGrid, scale_steps, windows_per_image
 from ui import state
 from ui.detection_protocol import filtered
@@ -70,13 +74,47 @@ def draw(result: Result, protocol: Protocol) -> None:
         state.set_threshold(letter, float(threshold))
         st.rerun()
     _draw_table(summaries)
+    _draw_evidence(result, protocol)
+
+
+def _draw_evidence(result: Result, protocol: Protocol) -> None:
+    """Whether the difference in the log-average miss rate is more than chance."""
+    found = state.workspace().keep(
+        "miss_rate_evidence", (result.x.name, result.y.name, _rule(result), protocol),
+        lambda: _judge_miss_rate(result, protocol), most=4,
+    )  # fmt: skip
+    if found is None:
+        return
+    parts = [
+        f"Difference of the log-average miss rates, X less Y: {100 * found.difference:+.2f} pp"
+    ]
+    if np.isfinite(found.low):
+        parts.append(f"95 % interval {100 * found.low:+.2f} to {100 * found.high:+.2f} pp")
+    if np.isfinite(found.p):
+        parts.append(f"p = {found.p:.2g}")
+    said = f"{', '.join(parts)} ({found.n} {found.unit})."
+    st.markdown(plain(said))
+    if found.note:
+        st.caption(plain(f"{found.note[0].upper()}{found.note[1:]}."))
+    st.caption(
+        f"{plain(found.method)} ({docs_link('Significance', 'significance', doc='significance')})."
+    )
+
+
+def _judge_miss_rate(result: Result, protocol: Protocol) -> Evidence | None:
+    units = find_units(result)
+    figure = log_average_miss_rate_figure(result, units, protocol)
+    return None if figure is None else judge_figure(figure, units)
+
+
+def _rule(result: Result) -> Params:
+    """What matching depends on; nothing else matters for curves."""
+    params = result.params
+    return Params(match=params.match, iou=params.iou, lateral_tolerance=params.lateral_tolerance)
 
 
 def _curve(result: Result, system: str, protocol: Protocol) -> DetectionCurve:
-    params = result.params
-    rule = Params(
-        match=params.match, iou=params.iou, lateral_tolerance=params.lateral_tolerance
-    )  # nothing else matters
+    rule = _rule(result)
     return state.workspace().keep(
         "curves", (system, protocol, rule),
         lambda: detection_curve(result.dataset, system, rule, protocol), most=8,
@@ -150,6 +188,6 @@ def _draw_table(summaries: list[CurveSummary]) -> None:
         if one.why_undefined is not None:
             st.caption(f"{letter}: averages and areas are undefined: {plain(one.why_undefined)}.")
     st.caption(
-        "↑ higher is better, ↓ lower is better. A difference here is not tested for chance "
+        "↑ higher is better, ↓ lower is better "
         f"({docs_link('how each is computed', 'areas', doc='detection')})."
     )

@@ -33,10 +33,20 @@ def read() -> str:
     values |= {name: _of_height(name) for name in ("midpoint", "spread")}
     values |= {name: _threshold(name) for name in ("threshold_x", "threshold_y")}
     try:
-        st.session_state["params"] = Params(**values)
+        params = Params(**values)
     except ParameterError as error:
         return str(error)
+    if _lacks_horizon(params):
+        return "The recordings do not state the row of the horizon: type it above"
+    st.session_state["params"] = params
     return ""
+
+
+def _lacks_horizon(params: Params) -> bool:
+    space = state.workspace()
+    assert space.dataset is not None
+    is_unknown = params.horizon is None and space.dataset.recordings["horizon"].isna().any()
+    return params.proximity == "horizon" and bool(is_unknown)
 
 
 def value_of(name: str) -> Any:
@@ -50,12 +60,6 @@ def keep_hidden(name: str) -> None:
     """Keep the value of a parameter whose widget is not drawn: Streamlit would forget it."""
     if name in st.session_state:
         st.session_state[name] = st.session_state[name]
-
-
-def keep_all_hidden() -> None:
-    """Keep all parameters' values on a page that has no sidebar."""
-    for name in FIELDS:
-        keep_hidden(name)
 
 
 def picture_height() -> float:

@@ -43,9 +43,10 @@ def _extent(result: Result) -> str:
         f"{count_text(len(result.dataset.recordings), 'recording')}, "
         f"{count_text(len(result.dataset.frames), 'frame')}, "
         f"{result.duration_s:,.1f} s. An encounter is one pedestrian from first to last annotated "
-        f"frame; {venn.n_near:,} came near enough to count, {venn.distant:,} stayed distant. p: "
-        "how often so uneven a split would come by chance if both were equally good (exact "
-        f"McNemar test) ({docs_link('Metrics', 'encounters')})."
+        f"frame; {venn.n_near:,} came near enough to count, {venn.distant:,} stayed distant. A "
+        f"system detects it by matching it in at least {result.params.coverage:.0%} of the frames "
+        "in which it is near. p, where given: how often so uneven a split would come by chance if "
+        f"both were equally good (exact McNemar test) ({docs_link('Metrics', 'encounters')})."
     )
 
 
@@ -60,13 +61,27 @@ def scorecard(result: Result) -> None:
         "↑ higher is better, ↓ lower is better. Similarity, per frame, 1 is best: how well "
         "detections fit the pedestrians, near ones first. Saliency, in seconds, 0 is best: "
         "how long the most salient misses last, in full only when they are late "
-        f"({docs_link('Metrics', 'similarity')})."
+        f"({docs_link('Metrics', 'similarity')}). {_rule(result)}"
     )
     with st.expander(f"How the {result.venn.n_near:,} encounters went"):
         st.dataframe(
             _shown(class_rows(result)), hide_index=True, key="classes", height="content",
             column_config=_columns("miss class"), row_height=30,
         )  # fmt: skip
+
+
+def _rule(result: Result) -> str:
+    """When a detection matches, and what it is when it does not."""
+    params = result.params
+    how = (
+        f"whom it overlaps by an IoU of {params.iou:g} or more"
+        if params.match == "iou"
+        else f"at whose sideways position it stands, to {params.lateral_tolerance:.0%} of the width"
+    )
+    return (
+        f"A detection matches a pedestrian {how}; a looser box is a false alarm, and the "
+        "pedestrian is missed (Advanced)."
+    )
 
 
 def _shown(rows: Sequence[ScoreRow]) -> pd.DataFrame:

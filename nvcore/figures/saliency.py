@@ -100,7 +100,8 @@ def recency_plot(result: Result, *, theme: Theme, recording: int | None = None) 
         layout(
             theme,
             title="When misses happen, and how much they count",
-            subtitle=f"{', '.join(said)}; larger marks last longer",
+            subtitle=f"{', '.join(said)}; larger marks last longer; X drawn just above the curve, "
+            "Y just below",
             height=360,
             xaxis=axis(theme, f"end of the event in its {whole} (share of the duration)",
                        range=[-0.02, 1.03], fixedrange=True, tickformat=".0%"),

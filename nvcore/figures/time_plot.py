@@ -161,7 +161,7 @@ def _subtitle(result: Result, span: TimeSpan, counts: list[tuple[str, int, int]]
 
 
 def _layout(span: TimeSpan, floor: float, theme: Theme) -> dict[str, Any]:
-    value: dict[str, Any] = {"range": [floor, 1.02], "fixedrange": True, "tickformat": ".1f"}
+    value: dict[str, Any] = {"range": [floor, 1.02], "fixedrange": True, "tickformat": ".2~f"}
     end = float(span.time_s[-1])
     time = {"range": [-0.005 * end, end * 1.005 or 1.0], "title_text": "time (s)"}
     strip: dict[str, Any] = {

@@ -123,3 +123,18 @@ def test_whatever_cuts_off_the_opening_of_a_session_leaves_the_app_alive(
     checked(page.run())
     assert page.session_state["place"] == (0, 0)
     assert live(page).alpha == Params().alpha
+
+
+def test_without_a_horizon_the_last_settings_stay_and_the_sidebar_asks_for_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    boxes = "".join(f"night,{frame},300,200,40,120,0.{frame % 9}\n" for frame in FRAMES)
+    session = write(tmp_path, {"one": boxes, "two": boxes}, truth=rows(300))
+    monkeypatch.setattr(state, "SAMPLE", session)
+    page = app()
+    checked(page.selectbox(key="proximity").set_value("horizon").run())
+    assert "type it above" in page.error[0].value
+    assert live(page).proximity == "height"
+    checked(page.number_input(key="horizon").set_value(150.0).run())
+    assert not page.error
+    assert (live(page).proximity, live(page).horizon) == ("horizon", 150)
