@@ -85,9 +85,8 @@ def _draw_evidence(result: Result, protocol: Protocol) -> None:
     )  # fmt: skip
     if found is None:
         return
-    parts = [
-        f"Difference of the log-average miss rates, X less Y: {100 * found.difference:+.2f} pp"
-    ]
+    words = "Difference of the log-average miss rates, X less Y:"
+    parts = [f"{words} {100 * found.difference:+.2f} pp"]
     if np.isfinite(found.low):
         parts.append(f"95 % interval {100 * found.low:+.2f} to {100 * found.high:+.2f} pp")
     if np.isfinite(found.p):
