@@ -14,6 +14,7 @@ else:
     st.caption(
         "Weights, thresholds and matching rules are choices of whoever compares. Each map shows "
         "who is better for every choice, all else as in the sidebar; a verdict that holds over the "
-        f"plausible range does not depend on them ({docs_link('Stability', 'stability')})."
+        "plausible range does not depend on them "
+        f"({docs_link('Stability', 'stability', doc='significance')})."
     )
     stability_map.draw(result)

@@ -12,7 +12,8 @@ from ui import state
 
 FOLDER: Final = state.ROOT / "docs"
 PAGES: Final = {
-    "metrics": "Metrics", "detection": "Detection curves", "validation": "Validation",
+    "metrics": "Metrics", "detection": "Detection curves", "significance": "Significance",
+    "validation": "Validation",
     "report": "Report files", "formats": "Formats",
 }  # fmt: skip
 _HEADING: Final = re.compile(r"(#{1,6}) +(.*)")
