@@ -127,7 +127,7 @@ def compare(out: Path | None, as_json: bool, strict: bool, **options: Any) -> No
     session = session_from(options, needs_y=True)
     _keep_own_session(session, options["session_file"], out)
     sources = sources_of(session)
-    n_steps = 6 + len(session.systems) + (8 if out is not None else 0)
+    n_steps = 6 + len(session.systems) + (10 if out is not None else 0)
     with pasteable_errors(session.folder, sources), _Steps(n_steps) as steps:
         dataset = load(session, progress=steps)
         params = effective_params(session, dataset)

@@ -10,6 +10,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
+import numpy as np
+import pandas as pd
+
 from nvcore.analysis import Result
 from nvcore.csvtext import to_csv_bytes
 from nvcore.errors import InputError
@@ -17,6 +20,8 @@ from nvcore.findings import Finding
 from nvcore.loading import source_hashes
 from nvcore.session import Session
 from nvcore.session_file import write_session
+from nvcore.significance import significance_table
+from nvcore.subgroups import subgroup_table
 from nvcore.tables import (
     encounters_table,
     events_table,
@@ -47,12 +52,19 @@ def export_files(
         "events.csv": lambda: to_csv_bytes(events_table(result)),
         "intervals.csv": lambda: to_csv_bytes(intervals_table(result)),
         "recordings.csv": lambda: to_csv_bytes(recordings_table(result)),
+        "significance.csv": lambda: _finite_csv(significance_table(result)),
+        "subgroups.csv": lambda: _finite_csv(subgroup_table(result)),
         "findings.csv": lambda: to_csv_bytes(findings_table(findings)),
         "summary.json": lambda: summary_json(result).encode(),
         "session.toml": lambda: write_session(
             written, version=__version__, fingerprint=result.dataset.fingerprint
         ).encode(),
     }
+
+
+def _finite_csv(table: pd.DataFrame) -> bytes:
+    """The table as CSV; an infinite odds ratio is an empty cell, as CSV has no infinity."""
+    return to_csv_bytes(table.replace([np.inf, -np.inf], np.nan))
 
 
 def summary_json(result: Result) -> str:

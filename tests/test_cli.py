@@ -70,7 +70,7 @@ def test_compare_prints_inputs_audit_and_scorecard(folder: Path):
 
 def test_out_writes_the_report_and_says_where(folder: Path, tmp_path: Path):
     result = nvcore("compare", *flags(folder), "--out", tmp_path / "a")
-    assert len(contents(tmp_path / "a")) == 8
+    assert len(contents(tmp_path / "a")) == 10
     assert f"written to {tmp_path / 'a'}" in result.stderr
 
 

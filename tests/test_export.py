@@ -21,7 +21,7 @@ from nvcore.session import Session
 
 FILES = [
     "frames.csv", "encounters.csv", "events.csv", "intervals.csv", "recordings.csv",
-    "findings.csv", "summary.json", "session.toml",
+    "significance.csv", "subgroups.csv", "findings.csv", "summary.json", "session.toml",
 ]  # fmt: skip
 
 

@@ -24,6 +24,8 @@ WHAT: Final = {
     "events.csv": "saliency events of X and Y",
     "intervals.csv": "low-similarity intervals of X and Y",
     "recordings.csv": "recordings, with all aggregates",
+    "significance.csv": "figures with interval and p of their difference",
+    "subgroups.csv": "groups of encounters, such as near and far",
     "findings.csv": "findings of the audit of the inputs",
     "summary.json": "All aggregates over all recordings, parameters and version",
     "session.toml": "The session: what to run to get the same report again",

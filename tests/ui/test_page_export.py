@@ -79,7 +79,8 @@ def the_link(page: AppTest) -> str:
 def test_every_file_of_the_report_can_be_downloaded():
     assert downloads(opened()) == [
         "All files (ZIP)", "frames.csv", "encounters.csv", "events.csv", "intervals.csv",
-        "recordings.csv", "findings.csv", "summary.json", "session.toml", "Picture (PNG)",
+        "recordings.csv", "significance.csv", "subgroups.csv", "findings.csv", "summary.json",
+        "session.toml", "Picture (PNG)",
     ]  # fmt: skip
 
 
