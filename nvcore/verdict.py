@@ -28,6 +28,8 @@ UNITS: Final = {
 }
 
 CAVEATS: Final = {
+    "track-reused": "track ids of the ground truth are used again after a gap, so that two persons "
+    "may be taken for one encounter",
     "short-encounters": "most encounters are one frame long, so that counts of them are counts of "
     "frames rather than persons, and saliency and episodes mean little",
     "score-floors": "X and Y are compared at different operating points; with thresholds the "
@@ -90,10 +92,12 @@ def verdict(
 
 def _caveat(grave: Sequence[Finding]) -> str:
     known = list(dict.fromkeys(CAVEATS[one.code] for one in grave if one.code in CAVEATS))
-    n_other = sum(one.code not in CAVEATS for one in grave)
-    if n_other:
+    others = [one.code for one in grave if one.code not in CAVEATS]
+    if others:
+        codes = ", ".join(dict.fromkeys(others))
         known.append(
-            f"{n_other} {'other ' if known else ''}finding{'s' if n_other > 1 else ''} of the audit"
+            f"{len(others)} {'other ' if known else ''}finding{'s' if len(others) > 1 else ''} of "
+            f"the audit ({codes})"
         )
     return f"This depends on what the audit found: {'; '.join(known)}."
 

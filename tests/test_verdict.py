@@ -142,7 +142,7 @@ def test_the_verdict_says_which_findings_it_depends_on():
     grave = [finding("mixed-weighting"), finding("mixed-weighting"), finding("ids-odd")]
     assert verdict(result, grave)[-1] == (
         "This depends on what the audit found: X and Y are weighted by different rules; 1 other "
-        "finding of the audit."
+        "finding of the audit (ids-odd)."
     )
 
 
