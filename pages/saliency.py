@@ -2,7 +2,7 @@
 
 import streamlit as st
 
-from ui import saliency_events, saliency_figures, state
+from ui import caution, saliency_events, saliency_figures, state
 from ui.empty import one_system_only
 from ui.text import docs_link
 
@@ -28,7 +28,9 @@ else:
         f"{docs_link('Saliency', 'saliency')}, in seconds, 0 is best: how much the misses will be "
         "noticed. A *saliency event* is a run of frames in which one pedestrian is the most "
         "salient miss. It counts by its *duration* times its *recency*, a weight of 0 to 1 that is "
-        "larger for late misses, because the end of a drive is remembered best."
+        "larger for late misses, because the end of a drive is remembered best. Distant "
+        "pedestrians can be the most salient, with the little weight they have."
     )
+    caution.draw(result)
     saliency_figures.draw_numbers(result)
     draw_events()

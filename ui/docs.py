@@ -14,7 +14,7 @@ FOLDER: Final = state.ROOT / "docs"
 PAGES: Final = {
     "metrics": "Metrics", "detection": "Detection curves", "significance": "Significance",
     "validation": "Validation",
-    "report": "Report files", "formats": "Formats",
+    "ratings": "Ratings", "report": "Report files", "formats": "Formats",
 }  # fmt: skip
 _HEADING: Final = re.compile(r"(#{1,6}) +(.*)")
 _LINK: Final = re.compile(r"\[((?:[^\]\[]|\[[^\]]*\])*)\]\(([^)\s]+)\)")

@@ -62,6 +62,12 @@ def keep_hidden(name: str) -> None:
         st.session_state[name] = st.session_state[name]
 
 
+def keep_all_hidden() -> None:
+    """Keep all parameters' values on a page that has no sidebar."""
+    for name in FIELDS:
+        keep_hidden(name)
+
+
 def picture_height() -> float:
     """Height of the highest pictures, pixels."""
     space = state.workspace()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import streamlit as st
 
 from nvcore.errors import NvcoreError
-from ui import live_params, reload, sidebar, state
+from ui import live_params, ratings_links, reload, sidebar, state
 from ui.navigate import PAGES, follow_wish
 from ui.public import shown_error
 
@@ -25,10 +25,11 @@ page = st.navigation(
         st.Page(PAGES / "saliency.py", title="Saliency", icon=":material/priority_high:"),
         st.Page(PAGES / "detection.py", title="Detection", icon=":material/show_chart:"),
         st.Page(PAGES / "stability.py", title="Stability", icon=":material/grid_on:"),
+        st.Page(PAGES / "ratings.py", title="Ratings", icon=":material/rate_review:"),
         st.Page(PAGES / "export.py", title="Export", icon=":material/download:"),
         st.Page(PAGES / "metrics.py", title="Metrics", icon=":material/menu_book:"),
     ],
-    position="top",
+    position="hidden" if ratings_links.is_participant() else "top",
 )
 
 wrong_params = None
@@ -36,14 +37,16 @@ try:
     follow_wish()
     state.begin_run()
     wrong_params = live_params.read()
-    if page.url_path != "metrics":  # its address may name a section, which writing would drop
+    if ratings_links.is_participant():
+        live_params.keep_all_hidden()
+    elif page.url_path != "metrics":  # its address may name a section, which writing would drop
         state.write_address()
     if wrong := state.bad_link():
         st.warning(f"The link could not be followed in all: {wrong}.", icon=":material/link_off:")
     page.run()
 except NvcoreError as error:
     st.error(shown_error(error), icon=":material/error:")
-if wrong_params is not None:  # something is open
+if wrong_params is not None and not ratings_links.is_participant():  # something is open
     sidebar.draw(wrong_params)
     with st.sidebar:
         reload.draw()

@@ -67,6 +67,7 @@ def rating_plot(
         traces.append(
             go.Scatter(
                 x=mine["mean_rank"], y=mine["saliency_s"], mode="markers", text=text,
+                cliponaxis=False,
                 hovertemplate="%{text}<extra></extra>", name=system_label(letter, name),
                 customdata=mine.index.to_numpy(), **marker,
             )

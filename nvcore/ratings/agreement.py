@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import combinations_with_replacement
 from typing import Final
 
 import numpy as np
@@ -15,6 +15,8 @@ LEAST_CLIPS: Final = 3
 """Two participants, or a participant and the others, are compared over at least so many clips."""
 N_PERMUTATIONS: Final = 2_000
 SEED: Final = 20_110_360
+BATCH_CELLS: Final = 2_000_000
+"""Ranks looked at at once: bounds the memory of the permutations."""
 FENCE: Final = 1.5
 """Outliers lie so many interquartile ranges below the lower quartile (Tukey)."""
 
@@ -96,37 +98,68 @@ def _concordance(values: np.ndarray) -> tuple[float, float, str]:
     if not np.isnan(values).any():
         chi2, p = stats.friedmanchisquare(*values.T)
         return float(chi2) / (m * (n - 1)), float(p), "Friedman test, corrected for ties"
-    found = _mean_correlation(values)
+    found = float(_mean_correlations(values[None])[0])
     if np.isnan(found):
         return np.nan, np.nan, "no two participants rated three clips in common"
     rng = np.random.default_rng(SEED)
-    by_chance = np.array([_mean_correlation(_shuffled(values, rng)) for _ in range(N_PERMUTATIONS)])
+    at_once = int(np.clip(BATCH_CELLS // values.size, 1, N_PERMUTATIONS))
+    sizes = [min(at_once, N_PERMUTATIONS - k) for k in range(0, N_PERMUTATIONS, at_once)]
+    by_chance = np.concatenate([_mean_correlations(_shuffled(values, k, rng)) for k in sizes])
     p = (1 + np.count_nonzero(by_chance >= found - 1e-12)) / (1 + N_PERMUTATIONS)
     text = f"mean correlation of pairs, {N_PERMUTATIONS:,} permutations, seed {SEED}"
     return (1 + (m - 1) * found) / m, p, text
 
 
-def _shuffled(values: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    """The ranks of each participant in another order, the missing ones where they are."""
-    mixed = values.copy()
-    for row in mixed:
+def _shuffled(values: np.ndarray, n_times: int, rng: np.random.Generator) -> np.ndarray:
+    """The ranks of each participant in other orders, the missing ones where they are.
+
+    Shape (n_times, participants, clips).
+    """
+    mixed = np.repeat(values[None], n_times, axis=0)
+    for i, row in enumerate(values):
         is_rated = ~np.isnan(row)
-        row[is_rated] = rng.permutation(row[is_rated])
+        mixed[:, i, is_rated] = rng.permuted(mixed[:, i, is_rated], axis=1)
     return mixed
 
 
-def _mean_correlation(values: np.ndarray) -> float:
-    """Mean of Spearman's correlations of the pairs with enough clips in common."""
-    known = ~np.isnan(values)
-    if known.all():
-        return _mean_of_pairs(np.corrcoef(values))
-    pairs = [_spearman(a, b) for a, b in combinations(values, 2)]
-    usable = [r for r in pairs if not np.isnan(r)]
-    return float(np.mean(usable)) if usable else np.nan
+def _mean_correlations(tables: np.ndarray) -> np.ndarray:
+    """Mean of Spearman's correlations of the pairs with enough clips in common, of each table.
+
+    Pairs that have the same clips in common are summed at once: the sum of all products of
+    standardised ranks is the product of their sums.
+
+    Parameters
+    ----------
+    tables
+        Ranks, NaN in the same places of all; float64, (tables, participants, clips).
+    """
+    known = ~np.isnan(tables[0])
+    patterns, member = np.unique(known, axis=0, return_inverse=True)
+    total, n_pairs = np.zeros(len(tables)), np.zeros(len(tables))
+    for p, q in combinations_with_replacement(range(len(patterns)), 2):
+        both = patterns[p] & patterns[q]
+        if np.count_nonzero(both) < LEAST_CLIPS:
+            continue
+        one, n_one = _summed(tables[:, member == p][:, :, both])
+        if p == q:  # without each with itself
+            total += 0.5 * ((one * one).sum(axis=1) - n_one)
+            n_pairs += 0.5 * n_one * (n_one - 1)
+        else:
+            other, n_other = _summed(tables[:, member == q][:, :, both])
+            total += (one * other).sum(axis=1)
+            n_pairs += n_one * n_other
+    mean = np.full(len(tables), np.nan)
+    np.divide(total, n_pairs, out=mean, where=n_pairs > 0)
+    return mean
 
 
-def _mean_of_pairs(matrix: np.ndarray) -> float:
-    return float(np.nanmean(matrix[np.triu_indices(len(matrix), 1)]))
+def _summed(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Sum over participants of their standardised ranks, and how many tell clips apart."""
+    ranks = stats.rankdata(values, axis=2)
+    ranks -= ranks.mean(axis=2, keepdims=True)
+    length = np.sqrt((ranks * ranks).sum(axis=2, keepdims=True))
+    standard = np.divide(ranks, length, out=np.zeros_like(ranks), where=length > 0)
+    return standard.sum(axis=1), (length[:, :, 0] > 0).sum(axis=1)
 
 
 def _spearman(a: np.ndarray, b: np.ndarray) -> float:

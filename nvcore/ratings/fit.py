@@ -184,8 +184,9 @@ def _of_clips(
 
 def _agreement(saliency: np.ndarray, wanted: np.ndarray) -> np.ndarray:
     """1 for pairs in the wanted order, -1 in the other, 0 for ties; int8, (settings, n, n)."""
-    found = np.sign(saliency[:, :, None] - saliency[:, None, :])
-    ordered: np.ndarray = (found * wanted).astype(np.int8)
+    ordered = np.empty((len(saliency), *wanted.shape), dtype=np.int8)
+    for setting, of_clips in zip(ordered, saliency, strict=True):  # all at once would be gigabytes
+        setting[:] = np.sign(np.subtract.outer(of_clips, of_clips)) * wanted
     return ordered
 
 
@@ -193,7 +194,7 @@ def _left_out(agreement: np.ndarray, recording: np.ndarray) -> float:
     """Sum of agreement, each pair by the setting that is best without its two recordings."""
     n = int(recording.max()) + 1
     member = (recording[:, None] == np.arange(n)).astype(np.float64)
-    blocks = np.einsum("ia,sij,jb->sab", member, agreement, member, optimize=True)
+    blocks = np.array([member.T @ one @ member for one in agreement])
     total, row = blocks.sum(axis=(1, 2)), blocks.sum(axis=2)
     own = np.einsum("saa->sa", blocks)
     outside = 2 * row - own  # what leaves with a recording: its row, its column, once itself

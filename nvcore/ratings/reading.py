@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from io import BytesIO
 from pathlib import Path
 from typing import Final
 
@@ -18,13 +19,20 @@ MISSING: Final = frozenset({"", "na", "nan", "-", "\u2013"})
 
 
 def read_ratings(path: Path) -> pd.DataFrame:
-    """Ratings from a CSV file with the columns participant, clip, rating, and perhaps system.
+    """Ratings from a CSV file; see `parse_ratings`."""
+    return parse_ratings(path.read_bytes(), name=path.name)
+
+
+def parse_ratings(content: bytes, *, name: str) -> pd.DataFrame:
+    """Ratings from CSV text with the columns participant, clip, rating, and perhaps system.
 
     Parameters
     ----------
-    path
+    content
         ``clip`` is the name of a recording; ``system`` the one whose boxes were shown. A higher
         rating means more annoying. An empty rating is a missing one.
+    name
+        Of the file, for messages.
 
     Returns
     -------
@@ -37,50 +45,65 @@ def read_ratings(path: Path) -> pd.DataFrame:
         If a column is missing, a rating is no number, or a participant rates a clip twice.
     """
     try:
-        table = pd.read_csv(path, dtype=str, keep_default_na=False, nrows=MOST_ROWS + 1,
+        table = pd.read_csv(BytesIO(content), dtype=str, keep_default_na=False, nrows=MOST_ROWS + 1,
                             encoding="utf-8-sig", skipinitialspace=True)  # fmt: skip
     except (UnicodeDecodeError, pd.errors.ParserError, pd.errors.EmptyDataError) as error:
-        raise FormatError(f"this is no CSV table of ratings ({error})", file=path.name) from error
-    table.columns = [str(name).strip().lower() for name in table.columns]
-    lacking = [name for name in REQUIRED if name not in table]
+        raise FormatError(f"this is no CSV table of ratings ({error})", file=name) from error
+    return check_ratings(table, name=name, first_line=2)
+
+
+def check_ratings(table: pd.DataFrame, *, name: str, first_line: int = 1) -> pd.DataFrame:
+    """Ratings from a table of text; else as `parse_ratings`.
+
+    Parameters
+    ----------
+    first_line
+        Number of the first row, for messages.
+    """
+    table = table.set_axis([str(column).strip().lower() for column in table.columns], axis=1)
+    lacking = [column for column in REQUIRED if column not in table]
     if lacking:
         raise FormatError(
             f"the columns {', '.join(REQUIRED)} are needed; {', '.join(lacking)} is missing, found "
             f"{', '.join(map(str, table.columns[:8]))}",
-            file=path.name, line=1,
+            file=name, line=1,
         )  # fmt: skip
+    if twice := [column for column in (*REQUIRED, SYSTEM) if (table.columns == column).sum() > 1]:
+        raise FormatError(f"there are several columns {twice[0]}", file=name, line=1)
     if len(table) > MOST_ROWS:
-        raise FormatError(f"more than {MOST_ROWS:,} ratings", file=path.name)
-    names = [*REQUIRED[:2], *([SYSTEM] if SYSTEM in table else [])]
-    ratings = pd.DataFrame({name: table[name].str.strip().map(without_safeguard) for name in names})
+        raise FormatError(f"more than {MOST_ROWS:,} ratings", file=name)
+    texts = [*REQUIRED[:2], *([SYSTEM] if SYSTEM in table else [])]
+    ratings = pd.DataFrame(
+        {column: table[column].str.strip().map(without_safeguard) for column in texts}
+    )
     ratings[SYSTEM] = ratings.get(SYSTEM, "")
-    ratings["rating"] = _numbers(table["rating"].str.strip(), path.name)
-    _check(ratings, path.name)
+    ratings["rating"] = _numbers(table["rating"].str.strip(), name, first_line)
+    _check(ratings, name, first_line)
     return ratings
 
 
-def _numbers(text: pd.Series, file: str) -> np.ndarray:
+def _numbers(text: pd.Series, file: str, first_line: int) -> np.ndarray:
     is_missing = text.str.lower().isin(MISSING)
     numbers = pd.to_numeric(text.where(~is_missing), errors="coerce").to_numpy(dtype=float)
     wrong = np.flatnonzero(~is_missing.to_numpy() & ~np.isfinite(numbers))
     if len(wrong):
         raise FormatError(
             f"a rating is a number, or empty where it is missing; found {text.iloc[wrong[0]]!r}",
-            file=file, line=int(wrong[0]) + 2,
+            file=file, line=int(wrong[0]) + first_line,
         )  # fmt: skip
     return numbers
 
 
-def _check(ratings: pd.DataFrame, file: str) -> None:
+def _check(ratings: pd.DataFrame, file: str, first_line: int) -> None:
     for name in REQUIRED[:2]:
         empty = np.flatnonzero((ratings[name] == "").to_numpy())
         if len(empty):
-            raise FormatError(f"the {name} is empty", file=file, line=int(empty[0]) + 2)
+            raise FormatError(f"the {name} is empty", file=file, line=int(empty[0]) + first_line)
     twice = np.flatnonzero(ratings.duplicated(["participant", "clip", SYSTEM]).to_numpy())
     if len(twice):
         row = ratings.iloc[twice[0]]
         shown = f" with the boxes of {row[SYSTEM]}" if row[SYSTEM] else ""
         raise FormatError(
             f"{row['participant']} rates the clip {row['clip']}{shown} a second time",
-            file=file, line=int(twice[0]) + 2,
+            file=file, line=int(twice[0]) + first_line,
         )  # fmt: skip

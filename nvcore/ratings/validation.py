@@ -23,6 +23,8 @@ N_RESAMPLES: Final = 5_000
 SEED: Final = 20_110_360
 BATCH_CELLS: Final = 2_000_000
 """Pairs of clips looked at at once: bounds the memory of the bootstrap."""
+MOST_IN_PAIRS: Final = 120
+"""Clips up to which all pairs of all resamples are looked at at once."""
 Statistic = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 
@@ -122,11 +124,21 @@ def _spearman(one: np.ndarray, other: np.ndarray) -> np.ndarray:
 
 def _kendall(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     """Tau-b over the last axis: the cosine between the signs of all differences."""
+    if one.shape[-1] > MOST_IN_PAIRS:
+        return _kendall_by_sorting(one, other)
     a = np.sign(one[..., :, None] - one[..., None, :])
     b = np.sign(other[..., :, None] - other[..., None, :])
     across = (-2, -1)
     with np.errstate(invalid="ignore", divide="ignore"):
         tau: np.ndarray = (a * b).sum(across) / np.sqrt((a * a).sum(across) * (b * b).sum(across))
+    return tau
+
+
+def _kendall_by_sorting(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """Tau-b in n log n, one resample after the other."""
+    a, b = (x.reshape(-1, x.shape[-1]) for x in np.broadcast_arrays(one, other))
+    values = [stats.kendalltau(x, y).statistic for x, y in zip(a, b, strict=True)]
+    tau: np.ndarray = np.array(values).reshape(np.broadcast_shapes(one.shape, other.shape)[:-1])
     return tau
 
 

@@ -1,11 +1,12 @@
 """Ratings from CSV files: what is read, and what is refused with its line."""
 
 import numpy as np
+import pandas as pd
 import pytest
 from inputs import write
 
 from nvcore.errors import FormatError
-from nvcore.ratings.reading import read_ratings
+from nvcore.ratings.reading import check_ratings, parse_ratings, read_ratings
 
 
 def test_reads_participants_clips_and_missing_ratings(tmp_path):
@@ -46,3 +47,14 @@ def test_other_files_are_refused(tmp_path, content):
     path.write_bytes(content)
     with pytest.raises(FormatError):
         read_ratings(path)
+
+
+def test_a_column_that_is_there_twice_is_refused():
+    with pytest.raises(FormatError, match="several columns rating"):
+        parse_ratings(b"participant,clip,rating,Rating\nA,a,1,2\n", name="r.csv")
+
+
+def test_rows_of_a_table_are_numbered_from_one():
+    table = pd.DataFrame({"participant": ["A", "A"], "clip": ["a", "b"], "rating": ["1", "x"]})
+    with pytest.raises(FormatError, match="line 2"):
+        check_ratings(table, name="the table")

@@ -130,3 +130,29 @@ def test_strangers_empty_names_and_empty_studies_are_refused(store):
 
 def test_the_file_is_nobody_elses(store, tmp_path):
     assert (tmp_path / "new").stat().st_mode & 0o077 == 0
+
+
+def test_the_conductors_name_is_not_the_participants(store):
+    study = store.begin("print", CLIPS, thresholds={"FIR": 0.4, "NIR": None})
+    assert store.study(study.token) == store.conducted(study.conductor) == study
+    assert store.conducted(study.token) is None
+    assert store.study(study.conductor) is None
+
+
+def test_progress_counts_who_has_rated_nothing_too(store):
+    study, other = store.begin("print", CLIPS), store.begin("print", CLIPS)
+    for name in ("Zoe", "Ann"):
+        store.order(study, name)
+    store.order(other, "Bob")
+    store.rate(study, "Ann", 2, 3)
+    assert store.participants(study).to_numpy().tolist() == [["Zoe", 0], ["Ann", 1]]
+
+
+def test_a_file_that_is_no_database_is_told(tmp_path):
+    path = tmp_path / "ratings.sqlite"
+    path.write_bytes(b"something else entirely " * 100)
+    with pytest.raises(InputError, match="file of the ratings cannot be used"):
+        RatingStore(path)
+    assert path.read_bytes().startswith(b"something else")
+    with pytest.raises(InputError, match="folder of the ratings cannot be made"):
+        RatingStore(path / "below" / "ratings.sqlite")

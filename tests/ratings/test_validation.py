@@ -164,3 +164,16 @@ def test_progress_is_told_and_few_recordings_are_refused(result):
         fit_saliency(result, few)
     with pytest.raises(InputError, match="same mean rank"):
         fit_saliency(result, ratings.assign(mean_rank=1.0))
+
+
+def test_many_clips_have_the_same_intervals_in_little_time(monkeypatch):
+    from nvcore.ratings import validation as module
+
+    rng = np.random.default_rng(9)
+    one = np.round(rng.normal(size=60), 1)
+    other = np.round(one + rng.normal(size=60), 1)
+    by_pairs = correlate(one, other)
+    monkeypatch.setattr(module, "MOST_IN_PAIRS", 10)
+    by_sorting = correlate(one, other)
+    assert by_sorting[2].low == pytest.approx(by_pairs[2].low)
+    assert by_sorting[2].high == pytest.approx(by_pairs[2].high)

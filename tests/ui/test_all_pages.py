@@ -12,7 +12,7 @@ from ui import state
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [
     *("data", "overview", "timeline", "encounters", "saliency", "detection", "stability"),
-    *("export", "metrics"),
+    *("ratings", "export", "metrics"),
 ]
 HEAD = "recording,frame,x,y,w,h,track,score\n"
 FRAMES = range(30)
@@ -74,3 +74,16 @@ def test_a_page_shows_what_there_is(
         assert "A comparison needs two" in shown
     if name in ("nobody detected", "audit errors") and page == "overview":
         assert "depends on what the audit found" in shown
+
+
+@pytest.mark.parametrize("page", ["encounters", "saliency"])
+def test_frames_that_pass_for_encounters_are_told_where_the_figures_are(
+    page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    single = "".join(rows(300, track=frame).splitlines(keepends=True)[frame] for frame in FRAMES)
+    session = write(tmp_path, {"one": detections(300), "two": detections(310)}, truth=single)
+    monkeypatch.setattr(state, "SAMPLE", session)
+    app = AppTest.from_file(str(ROOT / "ui" / "main.py"), default_timeout=90).run()
+    app.switch_page(str(ROOT / "pages" / f"{page}.py")).run()
+    assert not app.exception
+    assert any("one frame long" in one.value for one in app.warning)

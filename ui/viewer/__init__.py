@@ -19,7 +19,7 @@ from ui.viewer.packing import decimate_minima, find_spans, pack, pack_frames, pa
 FOLDER = Path(__file__).parent
 SCRIPTS = (
     *("boxes", "pictures", "recording", "labels", "drawing", "strip", "view"),
-    *("controls", "readout", "playback", "listening", "viewer"),
+    *("controls", "readout", "playback", "listening", "viewer", "clip", "show"),
 )
 
 
@@ -59,6 +59,7 @@ def viewer(
     height_px: int,
     key: str,
     picture_version: str = "",
+    only: Literal["x", "y"] | None = None,
 ) -> int | None:
     """Draw the viewer and say which row it has settled on.
 
@@ -102,6 +103,11 @@ def viewer(
         Streamlit's key of the component.
     picture_version : str
         Changes when the recording gets other pictures: they are then fetched anew.
+    only : {"x", "y"} or None
+        A clip for somebody who rates it: the picture and the boxes of this system alone, in a
+        style that does not tell which it is, played from the first row to the last by one button,
+        without seeking. The browser then never gets `names`; `traces`, `intervals` and `misses`
+        are not shown.
 
     Returns
     -------
@@ -131,13 +137,14 @@ def viewer(
             "low": float(low),
             "intervals": {"x": pack(intervals[0], "i4"), "y": pack(intervals[1], "i4")},
             "misses": pack(misses, "i4"),
-            "names": [str(name) for name in names],
+            "names": [] if only else [str(name) for name in names],
             "seek": [row, nonce],
             "lo": float(lo),
             "hi": float(hi),
             "theme": theme,
             "colours": _colours(theme),
             "height_px": int(height_px),
+            "only": only,
         },
         default={"settled": None},
         on_settled_change=_nothing,

@@ -10,6 +10,10 @@ const CONTROL = 'input, a[href], button, summary, [role="slider"], [role="button
 
 function listen(viewer) {
   const { root, parts } = viewer;
+  viewer.observer = new ResizeObserver(() => viewer.wake());
+  viewer.observer.observe(parts.stage);
+  viewer.observer.observe(parts.stripHolder);
+  if (!viewer.isSteered) return;
   root.addEventListener("keydown", (event) => onKey(viewer, event));
   viewer.onPageKey = (event) => onPageKey(viewer, event);
   document.addEventListener("keydown", viewer.onPageKey);
@@ -18,9 +22,6 @@ function listen(viewer) {
   parts.legend.addEventListener("click", (event) => returnFocus(viewer, event));
   parts.speed.addEventListener("change", () => root.focus({ preventScroll: true }));
   parts.labels.setAttribute("aria-pressed", "true");
-  viewer.observer = new ResizeObserver(() => viewer.wake());
-  viewer.observer.observe(parts.stage);
-  viewer.observer.observe(parts.stripHolder);
   listenToStrip(viewer);
   listenToPicture(viewer);
 }

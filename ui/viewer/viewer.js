@@ -41,6 +41,11 @@ class Viewer {
     listen(this);
   }
 
+  // whether keys, mouse and touch move it
+  get isSteered() {
+    return true;
+  }
+
   // ---- what Python sends
 
   update(sent, report) {
@@ -280,11 +285,16 @@ class Viewer {
       ctx.fillRect(frame.x, frame.y, frame.w, frame.h);
     }
     const found = this.boxes.ofRow(row) ?? shownFound;
-    if (found) drawBoxes(ctx, found, place, this.layers, this.sent.colours.picture, this.view.seen);
+    this.drawFound(ctx, found);
     this.pictures.pin(entry ?? null);
     this.shown = { row, entry, found };
     this.isStale = false;
     this.root.dataset.shownRow = String(row);
+  }
+
+  drawFound(ctx, found) {
+    const { place, seen } = this.view;
+    if (found) drawBoxes(ctx, found, place, this.layers, this.sent.colours.picture, seen);
     this.counts = countStates(found);
     showCounts(this.parts, this.counts);
   }
@@ -378,23 +388,4 @@ class Viewer {
     this.pictures.reset(() => "");
     this.boxes.reset("", "", 0);
   }
-}
-
-// Streamlit calls the default function again at every change of the data, with the same parent.
-const viewers = new WeakMap();
-
-export default function show({ data, parentElement, setStateValue }) {
-  let viewer = viewers.get(parentElement);
-  if (!viewer) {
-    viewer = new Viewer();
-    viewers.set(parentElement, viewer);
-    parentElement.append(viewer.root);
-  }
-  viewer.update(data, (settled) => setStateValue("settled", settled));
-  // Also called for a call that a newer one has overtaken; only a viewer that is gone is ended.
-  return () => setTimeout(() => {
-    if (viewer.root.isConnected) return;
-    viewer.destroy();
-    viewers.delete(parentElement);
-  }, 0);
 }

@@ -1,0 +1,169 @@
+"""A rating session in a real browser: a participant, a reload, and the conductor."""
+
+from __future__ import annotations
+
+import csv
+import os
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+import viewer_scene as scene
+from app_files import write_files
+from app_server import ROOT, serve
+from app_visit import Visit
+from axe_playwright_python.sync_playwright import Axe
+from playwright.sync_api import expect
+from test_app_uploads import send
+from viewer_reading import READER
+
+from nvcore.palette import X_COLOUR, Y_COLOUR
+
+RECORDING = "odd_pose"
+MOST_READINGS = 2_000
+# how many pixels of the canvas have each of these colours
+COUNT_COLOURS = """(canvas, colours) => {
+  const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+  return colours.map(([r, g, b]) => {
+    let n = 0;
+    for (let i = 0; i < data.length; i += 4) {
+      const off = Math.abs(data[i] - r) + Math.abs(data[i + 1] - g) + Math.abs(data[i + 2] - b);
+      if (off < 24) n += 1;
+    }
+    return n;
+  });
+}"""
+COLOURS = [
+    [int(colour[i : i + 2], 16) for i in (1, 3, 5)]
+    for colour in ("#F2E205", X_COLOUR["dark"], Y_COLOUR["dark"])
+]
+
+
+@pytest.fixture(scope="module")
+def app(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """A server that keeps its ratings in a folder of the test."""
+    before = os.environ.get("NVCORE_RATINGS")
+    os.environ["NVCORE_RATINGS"] = str(tmp_path_factory.mktemp("kept") / "ratings.sqlite")
+    try:
+        with serve(ROOT / "app.py") as address:
+            yield address
+    finally:
+        if before is None:
+            del os.environ["NVCORE_RATINGS"]
+        else:
+            os.environ["NVCORE_RATINGS"] = before
+
+
+@pytest.fixture
+def links(visit: Callable[..., Visit]) -> tuple[str, str]:
+    """Pages of the participants and of the conductor of a session with two clips."""
+    one = visit("ratings")
+    one.page.get_by_role("radio", name="Rating session").first.click()
+    expect(one.heading("Start a rating session")).to_be_visible()
+    box = one.page.get_by_role("combobox", name="Recordings")
+    one.keyed("rating_recordings").get_by_role("button", name="Clear all").click()
+    box.fill(RECORDING)
+    one.page.get_by_role("option", name=RECORDING).click()
+    expect(one.page.get_by_text("2 clips.")).to_be_visible()
+    one.page.keyboard.press("Escape")
+    one.keyed("rating_start").get_by_role("button").click()
+    expect(one.heading("The rating session")).to_be_visible()
+    codes = one.page.get_by_test_id("stCode").locator("code")
+    expect(codes).to_have_count(2)
+    study, conduct = (code.inner_text().strip().rpartition("/")[2] for code in codes.all())
+    assert study.startswith("ratings?study=")
+    assert conduct.startswith("ratings?conduct=")
+    return study, conduct
+
+
+def watch_and_rate(one: Visit, rating: int) -> None:
+    scale = one.keyed("rating_scale")
+    expect(one.page.get_by_role("button", name="Play the clip")).to_be_visible()
+    expect(scale).to_have_count(0)
+    one.page.get_by_role("button", name="Play the clip").click()
+    expect(one.viewer).to_have_attribute("data-playing", "true")
+    expect(one.page.get_by_role("button", name="Play again")).to_be_visible(timeout=40_000)
+    scale.get_by_role("button", name=str(rating), exact=True).click()
+
+
+def test_a_reload_between_two_clips_loses_no_rating(visit, links, tmp_path: Path):
+    study, conduct = links
+    one = visit(study)
+    expect(one.page.get_by_test_id("stTopNavLink")).to_have_count(0)
+    expect(one.slider("alpha")).to_have_count(0)
+    one.page.get_by_label("Your name").fill("Ann")
+    one.page.get_by_role("button", name="Begin").click()
+    expect(one.heading("Clip 1 of 2")).to_be_visible()
+    watch_and_rate(one, 6)
+    expect(one.heading("Clip 2 of 2")).to_be_visible()
+    one.page.reload()
+    one.wait_until_drawn()
+    expect(one.heading("Clip 2 of 2")).to_be_visible()
+    watch_and_rate(one, 2)
+    expect(one.heading("Thank you")).to_be_visible()
+
+    conductor = visit(conduct)
+    metrics = conductor.page.get_by_test_id("stMetric")
+    expect(metrics.filter(has_text="ratings so far")).to_contain_text("2")
+    with conductor.page.expect_download() as download:
+        conductor.page.get_by_role("button", name="Ratings (CSV)").click()
+    download.value.save_as(tmp_path / "ratings.csv")
+    with (tmp_path / "ratings.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [(row["participant"], row["clip"]) for row in rows] == [("Ann", RECORDING)] * 2
+    assert sorted(row["system"] for row in rows) == ["FIR", "NIR"]
+    assert sorted(row["rating"] for row in rows) == ["2", "6"]
+
+
+def test_a_clip_shows_one_systems_boxes_tells_nothing_and_cannot_be_steered(visit, links):
+    one = visit(f"{links[0]}&participant=Bob")
+    canvas = one.viewer.locator("canvas.picture")
+    expect(one.viewer).to_have_attribute("data-shown-row", "0")
+    for key in ("ArrowRight", "End", "n", " "):
+        one.page.keyboard.press(key)
+    canvas.dblclick(position={"x": 20, "y": 20})
+    expect(one.viewer).to_have_attribute("data-row", "0")
+    one.page.get_by_role("button", name="Play the clip").click()
+    again = one.page.get_by_role("button", name="Play again")
+    readings = [canvas.evaluate(COUNT_COLOURS, COLOURS)]
+    while again.count() == 0 and len(readings) < MOST_READINGS:
+        readings.append(canvas.evaluate(COUNT_COLOURS, COLOURS))
+    assert max(neutral for neutral, _, _ in readings) > 100
+    assert max(max(x, y) for _, x, y in readings) < 10
+    expect(again).to_be_visible(timeout=40_000)
+    told = one.viewer.evaluate("viewer => viewer.outerHTML")
+    assert [name for name in ("FIR", "NIR", "miss", "Ground truth") if name in told] == []
+    again.click()
+    expect(one.viewer).to_have_attribute("data-playing", "true")
+    expect(one.keyed("rating_scale")).to_be_visible()  # it was seen once
+
+
+def test_own_files_are_rated_on_the_conductors_screen_also_after_a_reload(visit, tmp_path: Path):
+    one = visit("data")
+    send(one, write_files(tmp_path))
+    one.switch_to("Ratings")
+    one.page.get_by_role("radio", name="Rating session").first.click()
+    one.keyed("rating_start").get_by_role("button").click()
+    one.keyed("rating_here").get_by_role("button").click()
+    one.page.get_by_label("Your name").fill("Eve")
+    one.page.get_by_role("button", name="Begin").click()
+    expect(one.heading("Clip 1 of 2")).to_be_visible()
+    watch_and_rate(one, 3)
+    expect(one.heading("Clip 2 of 2")).to_be_visible()
+    one.page.reload()
+    expect(one.heading("Clip 2 of 2")).to_be_visible()
+    expect(one.viewer).to_have_attribute("data-shown-row", "0")
+    assert one.viewer.evaluate(READER)["frame"] == scene.FIRST_FRAME  # their own pictures
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_the_pages_have_no_accessibility_fault(visit, links, theme):
+    for address in ("ratings", links[0], f"{links[0]}&participant=Dan", links[1]):
+        one = visit(address, theme=theme)
+        found = Axe().run(one.page).response
+        faults = [
+            f"{address} {rule['id']}: {node['html'][:200]} {node['failureSummary']}"
+            for rule in found["violations"]
+            for node in rule["nodes"]
+        ]
+        assert faults == []

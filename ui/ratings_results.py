@@ -1,0 +1,188 @@
+"""Ratings page, results: whether people agree, and whether saliency agrees with them."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+import pandas as pd
+import streamlit as st
+
+from nvcore.analysis import Result
+from nvcore.csvtext import to_csv_bytes
+from nvcore.errors import InputError
+from nvcore.figures.ratings import participants_plot, rating_plot
+from nvcore.figures.style import CONFIG, count_text
+from nvcore.ratings.agreement import Agreement, measure_agreement, rank_ratings
+from nvcore.ratings.validation import Correlation, clip_saliency, correlate, join_clips
+from ui import ratings_fit, ratings_source, state
+from ui.ratings_source import Given
+from ui.table_columns import table_height
+from ui.text import UNDEFINED, docs_link, number, plain
+
+STRONG: Final = 0.7
+MODERATE: Final = 0.4
+CHANCE: Final = 0.05
+MOST_KEPT: Final = 8
+HOW: Final = docs_link("how", "saliency-against-mean-rank", doc="ratings")
+
+
+def draw(result: Result) -> None:
+    """Ratings, agreement, saliency against the mean rank, and the fit."""
+    given = ratings_source.choose(result)
+    if given is None:
+        return
+    digest = ratings_source.digest(given)
+    left_out = _people(given, digest)
+    kept = given.ratings[~given.ratings["participant"].isin(left_out)]
+    ranks = rank_ratings(kept)
+    if ranks.empty:
+        st.info("Nobody is left.")
+        return
+    key = (digest, tuple(left_out))
+    try:
+        clips = join_clips(ranks, clip_saliency(result), system=given.system)
+    except InputError as error:
+        st.error(plain(str(error)))
+    else:
+        _against_saliency(result, clips, ranks.shape[1])
+        ratings_fit.draw(result, clips, key)
+    _downloads(kept, ranks)
+
+
+def _agreement(ratings: pd.DataFrame, key: object) -> Agreement:
+    return state.workspace().keep(
+        "rating_agreement", key, lambda: measure_agreement(rank_ratings(ratings)), most=MOST_KEPT
+    )
+
+
+def _people(given: Given, digest: int) -> list[str]:
+    """How far people agree; the participants who are left out."""
+    st.header("Do people agree?")
+    everybody = _agreement(given.ratings, (digest, ()))
+    people = everybody.participants
+    left_out = st.multiselect(
+        "Leave out participants", people["participant"].tolist(), key="ratings_left_out",
+        placeholder="nobody is left out",
+        help="Who took the scale the wrong way round, or did not watch. Everybody who is left out "
+        "is told here and in no figure below.",
+    )  # fmt: skip
+    kept = everybody
+    if left_out:
+        ratings = given.ratings[~given.ratings["participant"].isin(left_out)]
+        kept = _agreement(ratings, (digest, tuple(left_out)))
+        st.warning(
+            f"{count_text(len(left_out), 'participant')} left out by hand: "
+            f"{plain(', '.join(left_out))}. All figures are without them.",
+            icon=":material/person_off:",
+        )
+    columns = st.columns(4)
+    columns[0].metric("Kendall's W", number(kept.w, ".2f"), help=kept.method)
+    columns[1].metric("participants", f"{kept.n_participants:,}")
+    columns[2].metric("clips", f"{kept.n_clips:,}")
+    columns[3].metric("ratings missing", f"{kept.n_missing:,}")
+    st.markdown(plain(_concordance(kept)))
+    odd = people.loc[people["is_outlier"] & ~people["participant"].isin(left_out), "participant"]
+    if len(odd):
+        st.caption(
+            f"{plain(', '.join(odd.head(8)))}: ranks the clips another way than the others do. "
+            "Look why before you leave anybody out."
+        )
+    st.plotly_chart(
+        participants_plot(everybody, theme=state.theme()), theme=None, config=CONFIG,
+        key="rating_participants",
+    )  # fmt: skip
+    return left_out
+
+
+def _concordance(found: Agreement) -> str:
+    """Kendall's W in plain words."""
+    if not np.isfinite(found.w):
+        return f"{UNDEFINED}: {found.method}."
+    degree = "strongly" if found.w >= STRONG else "moderately" if found.w >= MODERATE else "little"
+    p = "p < 0.001" if found.p < 0.001 else f"p = {found.p:.3f}"
+    told = (
+        f"Ranks by chance would hardly agree as much ({p})."
+        if found.p < CHANCE
+        else f"Ranks by chance may well agree as much ({p}): the mean ranks mean little."
+    )
+    return (
+        f"The participants agree {degree} on which clips are more annoying: W is 0 for no "
+        f"agreement and 1 for the same ranks. {told}"
+    )
+
+
+def _against_saliency(result: Result, clips: pd.DataFrame, n_rated: int) -> None:
+    st.header("Does saliency say what people say?")
+    names = (result.x.name, result.y.name)
+    with st.spinner("Correlating"):
+        found = state.workspace().keep(
+            "rating_correlations",
+            clips[["mean_rank", "saliency_s"]].to_numpy().tobytes(),
+            lambda: correlate(clips["saliency_s"].to_numpy(), clips["mean_rank"].to_numpy()),
+            most=MOST_KEPT,
+        )
+    st.plotly_chart(
+        rating_plot(clips, found, names, theme=state.theme()), theme=None, config=CONFIG,
+        key="rating_plot",
+    )  # fmt: skip
+    if n_rated > len(clips):
+        st.caption(
+            f"{count_text(n_rated - len(clips), 'rated clip')} not in this comparison and left out."
+        )
+    st.dataframe(_correlations(found), hide_index=True, key="rating_correlations", row_height=32)
+    st.caption(
+        "1: the more annoying people find a clip, the higher its saliency; 0: no connection. "
+        "Intervals are from resampling the clips. Two clips of one recording are taken as "
+        f"independent, so they are somewhat too narrow ({HOW})."
+    )
+    with st.expander("Mean rank of each clip", key="rating_clips_open"):
+        st.dataframe(
+            clips.sort_values("mean_rank", ascending=False, kind="stable"), hide_index=True,
+            key="rating_clips", height=table_height(len(clips)),
+            column_config={
+                "clip": st.column_config.TextColumn("Recording"),
+                "system": st.column_config.TextColumn("Boxes of"),
+                "mean_rank": st.column_config.NumberColumn(
+                    "Mean rank", format="%.1f", help="1 is the least annoying clip."
+                ),
+                "n_ratings": st.column_config.NumberColumn("Ratings"),
+                "saliency_s": st.column_config.NumberColumn("Saliency (s)", format="%.2f"),
+            },
+        )  # fmt: skip
+
+
+def _correlations(found: list[Correlation]) -> pd.DataFrame:
+    """The coefficients as text; undefined ones with the reason."""
+    table = pd.DataFrame(
+        {
+            "coefficient": [one.name for one in found],
+            "value": [number(one.value, ".2f") for one in found],
+            "95 % interval": [
+                f"{one.low:.2f} to {one.high:.2f}" if np.isfinite(one.low) else UNDEFINED
+                for one in found
+            ],
+            "p": [UNDEFINED if not np.isfinite(one.p) else f"{one.p:.2g}" for one in found],
+            "why there is none": [one.note for one in found],
+        }
+    )
+    return table if any(one.note for one in found) else table.iloc[:, :-1]
+
+
+def _downloads(ratings: pd.DataFrame, ranks: pd.DataFrame) -> None:
+    st.header("Files")
+    with st.container(horizontal=True):
+        st.download_button(
+            "Ratings (CSV)", data=lambda: to_csv_bytes(ratings), file_name="ratings.csv",
+            mime="text/csv", on_click="ignore", icon=":material/download:", key="ratings_csv",
+        )  # fmt: skip
+        st.download_button(
+            "Ranks (CSV)", data=lambda: to_csv_bytes(_long(ranks)), file_name="ranks.csv",
+            mime="text/csv", on_click="ignore", icon=":material/download:", key="ranks_csv",
+        )  # fmt: skip
+
+
+def _long(ranks: pd.DataFrame) -> pd.DataFrame:
+    """One row for each participant and clip."""
+    table = ranks.melt(ignore_index=False, value_name="rank").reset_index()
+    return table[["participant", "clip", "system", "rank"]]

@@ -1,0 +1,65 @@
+// A clip for somebody who rates it: the picture and the boxes of one system, from the first row to
+// the last without a halt. Nothing tells which system it is, nor what is right.
+
+const CLIP_COLOUR = "#F2E205"; // neither that of X nor of Y
+const CLIP_TEXT = "A clip of a drive, with boxes drawn by a detection system";
+
+class ClipViewer extends Viewer {
+  constructor() {
+    super();
+    const { root, parts } = this;
+    root.classList.add("clip");
+    root.removeAttribute("tabindex");
+    root.setAttribute("aria-label", CLIP_TEXT);
+    parts.picture.setAttribute("aria-label", CLIP_TEXT);
+    for (const part of [parts.legend, parts.stripHolder, parts.bar, parts.keys]) part.remove();
+    this.starter = make("button", { type: "button", class: "starter" });
+    this.starter.addEventListener("click", () => this.playPause());
+    parts.stage.append(this.starter);
+    root.dataset.ended = "false";
+    this.showPlaying();
+  }
+
+  get isSteered() {
+    return false;
+  }
+
+  playPause() {
+    if (!this.playing) super.playPause();
+  }
+
+  stopAt(row) {
+    this.root.dataset.ended = "true";
+    super.stopAt(row);
+  }
+
+  showPlaying() {
+    super.showPlaying();
+    const text = this.root.dataset.ended === "true" ? "Play again" : "Play the clip";
+    this.starter.replaceChildren(svg(ICONS.play, 40), make("span", { text }));
+    this.starter.hidden = Boolean(this.playing);
+  }
+
+  setNames() {}
+
+  setHeight() {
+    super.setHeight();
+    // title, progress and the buttons of the scale stay in sight
+    this.parts.stage.style.maxHeight = `min(${this.sent.height_px}px, max(240px, calc(100vh - 21rem)))`;
+  }
+
+  drawFound(ctx, found) {
+    if (!found) return;
+    const { boxes } = found;
+    const { scale, x, y } = this.view.place;
+    for (let i = found.start; i < found.stop; i += 1) {
+      if (boxes.source[i] !== SOURCE[this.sent.only]) continue;
+      const box = {
+        x: x + scale * boxes.x[i], y: y + scale * boxes.y[i], w: scale * boxes.w[i], h: scale * boxes.h[i],
+      };
+      strokeRect(ctx, box, { colour: CLIP_COLOUR });
+    }
+  }
+
+  speak() {}
+}
