@@ -23,6 +23,7 @@ from nvcore.cli_inputs import (
     session_from,
     sources_of,
 )
+from nvcore.cli_report import report
 from nvcore.errors import InputError, NvcoreError, one_line
 from nvcore.params import MATCHING
 from nvcore.session import Session
@@ -189,6 +190,7 @@ def check(strict: bool, **options: Any) -> None:
 
 main.add_command(convert)
 main.add_command(gate)
+main.add_command(report)
 
 
 @main.command(short_help="Generate the sample recordings again.")

@@ -6,6 +6,7 @@ import hashlib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 import pandas as pd
@@ -102,6 +103,26 @@ class FrameColumns:
         """Recording time of all recordings: the sum of the time steps."""
         gaps = np.bincount(self.recording, weights=self.gap, minlength=len(self.fps))
         return float((gaps / self.fps).sum())
+
+    @cached_property
+    def sampling_step(self) -> np.ndarray:
+        """Median frames from one listed frame to the next; 1: every frame is listed.
+
+        Above 1 the frames between were not looked at, and events counted in listed frames (false
+        alarms) are too few per minute of recording time by about this factor.
+
+        Returns
+        -------
+        float64, shape (n_recordings,); 1 for a recording of a single frame or none.
+        """
+        first = self.first
+        return np.array(
+            [
+                np.median(self.gap[start:stop]) if stop > start else 1.0
+                for start, stop in pairwise(first)
+            ],
+            dtype=np.float64,
+        )
 
     def within(self, window_s: float) -> tuple[np.ndarray, np.ndarray]:
         """First row, and one past the last, of the frames at most half a window away from each.

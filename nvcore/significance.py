@@ -243,8 +243,10 @@ def _unit_method(interval: BootstrapDifference, test: SwapTest, units: Units) ->
             f"{interval.method} of {units.text}, {N_RESAMPLES:,} resamples, seed {interval.seed}"
         )
     if not np.isnan(test.p):
-        how = "all" if test.is_exact else "random"
-        parts.append(f"X and Y exchanged in {test.n_permutations:,} {how} ways")
+        ways = (
+            f"all {test.n_permutations:,}" if test.is_exact else f"{test.n_permutations:,} random"
+        )
+        parts.append(f"X and Y exchanged in {ways} ways")
     return "; ".join(parts)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import glob
 import hashlib
 import os
+import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Final
@@ -25,6 +26,13 @@ EMPTY_DOCUMENT: Final = (
     "the file is empty; expected detections. A system that detected nothing has an empty text or "
     "CSV file, or an empty list ([]) in a JSON file"
 )
+
+FRAME_LIST: Final = (
+    "found a whole number on every line, as in a list of evaluated frames: it belongs in the field "
+    "“Evaluated frames” (on the command line: --frames)"
+)
+HEAD_BYTES: Final = 4096
+"""What of a file is looked at to tell a list of frames."""
 
 
 def find_files(source: Source, folder: Path, role: Role) -> tuple[list[SourceFile], Format]:
@@ -59,6 +67,9 @@ def find_files(source: Source, folder: Path, role: Role) -> tuple[list[SourceFil
         if files[0].path.suffix.lower() in (".json", ".xml"):
             raise InputError(EMPTY_DOCUMENT, file=files[0].name)
         return files, NOTHING
+    if named is None and _is_frame_list(files):
+        expected = "ground truth" if role == "truth" else "the detections of a system"
+        raise InputError(f"expected {expected}, {FRAME_LIST}", file=files[0].name)
     chosen = named if named is not None else detect_format(files, role)
     # beside what a folder or glob brings along, a file that was named is always read
     stated = {folder / text for text in source.path}
@@ -68,6 +79,22 @@ def find_files(source: Source, folder: Path, role: Role) -> tuple[list[SourceFil
     # a seqinfo.ini sent along is read as what it is: facts about the recording beside it
     kept = [file for file in kept if file.path.name.lower() != "seqinfo.ini"] or kept
     return kept or files, chosen
+
+
+def _is_frame_list(files: Sequence[SourceFile]) -> bool:
+    """Whether the only file begins with lines of one whole number each."""
+    if len(files) != 1:
+        return False
+    try:
+        with files[0].path.open("rb") as stream:
+            head = stream.read(HEAD_BYTES)
+    except OSError:  # told when it is read
+        return False
+    lines = head.removeprefix(b"\xef\xbb\xbf").splitlines()
+    if len(head) == HEAD_BYTES:
+        lines = lines[:-1]  # cut off
+    lines = [line for line in lines if line.strip()]
+    return bool(lines) and all(re.fullmatch(rb"\s*-?\d{1,15}\s*", line) for line in lines)
 
 
 def _expand(text: str, folder: Path, role: Role, named: Format | None) -> list[SourceFile]:
@@ -166,18 +193,24 @@ def system_names(sources: Sequence[Source], recordings: Sequence[str]) -> list[s
     """Names for systems by their paths, told apart where the paths allow it.
 
     Each as by `system_name`; where that gives several the same name (``x/out.csv`` and
-    ``y/out.csv``), all are named by the next part of their paths in which they differ.
+    ``y/out.csv``), these are named by the next part of their paths in which they differ; the
+    others keep theirs.
     """
-    nearest = [system_name(source, recordings) for source in sources]
+    names = [system_name(source, recordings) for source in sources]
     parts = [_telling_parts(source, recordings) for source in sources]
-    for level in range(max(map(len, parts), default=0)):
-        names = [
-            found[min(level, len(found) - 1)] if found else name
-            for found, name in zip(parts, nearest, strict=True)
-        ]
-        if len(set(names)) == len(names):
-            return names
-    return nearest
+    clashing: dict[str, list[int]] = {}
+    for i, name in enumerate(names):
+        clashing.setdefault(name, []).append(i)
+    for same in clashing.values():
+        others = {name for i, name in enumerate(names) if i not in same}
+        deepest = max(len(parts[i]) for i in same) if len(same) > 1 else 0
+        for level in range(1, deepest):
+            raised = [parts[i][min(level, len(parts[i]) - 1)] for i in same if parts[i]]
+            if len({*raised}) == len(same) and not others & {*raised}:
+                for i, name in zip(same, raised, strict=True):
+                    names[i] = name
+                break
+    return names
 
 
 def _telling_parts(source: Source, recordings: Sequence[str]) -> list[str]:

@@ -2,7 +2,7 @@
 
 import streamlit as st
 
-from ui import export_frame, export_link, export_report, export_video, state
+from ui import export_frame, export_html, export_link, export_report, export_video, state
 from ui.empty import one_system_only
 
 st.title("Export")
@@ -11,6 +11,7 @@ if result is None:
     one_system_only()
 else:
     export_report.draw(result)
+    export_html.draw(result)
     export_link.draw()
     if export_frame.choose_frame(result):
         export_frame.draw(result)

@@ -56,6 +56,11 @@ def test_a_recording_without_frames_takes_no_rows() -> None:
     assert dataset.frame_columns.gap.tolist() == [1, 1]
 
 
+def test_the_sampling_step_is_the_median_gap_of_each_recording() -> None:
+    places = [Place([9, 29, 49, 69, 80]), Place([]), Place([3, 4, 5, 9]), Place([7])]
+    assert make_dataset(places=places).frame_columns.sampling_step.tolist() == [20, 1, 1, 1]
+
+
 def test_the_duration_of_all_recordings_is_the_sum_of_their_time_steps() -> None:
     dataset = make_dataset(places=[Place([0, 10], fps=10), Place([0], fps=2)])
     assert dataset.frame_columns.duration_s == pytest.approx(2.5)

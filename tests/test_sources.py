@@ -167,6 +167,9 @@ def test_a_system_is_named_by_the_part_of_its_path_that_tells_most(path: str, ex
         (["a/run/out.csv", "b/run/out.csv"], ["a", "b"]),
         (["rrc/0016.txt", "pointrcnn/0016.txt"], ["rrc", "pointrcnn"]),
         (["out.csv", "out.csv"], ["out", "out"]),
+        (["acf/out.csv", "hog/out.csv", "acf/v2.csv"], ["acf", "hog", "v2"]),
+        (["acf/out.csv", "acf/out.csv", "x/v2.csv", "y/v2.csv"], ["out", "out", "x", "y"]),
+        (["hog.csv", "hog/out.csv", "acf/out.csv"], ["hog", "out", "out"]),
         ([], []),
     ],
 )
@@ -194,3 +197,16 @@ def test_a_seqinfo_named_beside_its_truth_is_no_annotation(tmp_path: Path) -> No
     (tmp_path / "seqinfo.ini").write_text("[Sequence]\nname=A\nimWidth=100\nimHeight=100\n")
     files, _ = find_files(Source(("gt.txt", "seqinfo.ini")), tmp_path, "truth")
     assert [file.path.name for file in files] == ["gt.txt"]
+
+
+@pytest.mark.parametrize("role", ["truth", "detections"])
+def test_a_list_of_frames_says_where_it_belongs(tmp_path: Path, role: str):
+    write(tmp_path / "frames.txt", "9\n29\n49\n")
+    with pytest.raises(InputError, match=r"list of evaluated frames.*--frames"):
+        names(tmp_path, "frames.txt", role=role)
+
+
+def test_a_long_list_of_frames_is_known_by_its_beginning(tmp_path: Path):
+    write(tmp_path / "frames.txt", "".join(f"{frame}\n" for frame in range(10_000)))
+    with pytest.raises(InputError, match="list of evaluated frames"):
+        names(tmp_path, "frames.txt")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Final
 
 import pandas as pd
@@ -19,11 +20,12 @@ from nvcore.operating_point import (
 )
 from nvcore.params import Params
 from ui import state
+from ui.data_sampling import sampling_note
 from ui.opening import with_systems
 from ui.text import docs_link, number, plain
 
 TOLD: Final = "same_point_told"
-"""Whether the point is to be told in this run."""
+"""Which system was moved, to be told in this run."""
 MOST_KEPT: Final = 32
 """Curves and points that are kept for all sessions."""
 
@@ -126,6 +128,8 @@ def _draw_system(letter: str, name: str) -> None:
     alarms.caption(
         f"{number(point.false_alarms_per_frame, '.3g')} per frame; {point.n_false_alarms:,} in all"
     )
+    if note := sampling_note(dataset.frame_columns):
+        alarms.caption(note)
     if state.score_span(name) is not None:
         st.plotly_chart(
             score_plot(
@@ -148,53 +152,69 @@ def _take_threshold(letter: str) -> None:
 
 
 def _draw_same_point(x: str, y: str) -> None:
-    can_move = state.score_span(y) is not None
+    """The button that moves one system to the other's false alarms: Y, or X where Y cannot be."""
+    can_move = {"x": state.score_span(x) is not None, "y": state.score_span(y) is not None}
+    moved, fixed = ("y", "x") if can_move["y"] or not can_move["x"] else ("x", "y")
+    needs_threshold = can_move[fixed] and getattr(state.params(), f"threshold_{fixed}") is None
     st.button(
         "Same operating point",
-        disabled=not can_move,
+        disabled=needs_threshold or not can_move[moved],
         key="same_point",
         icon=":material/balance:",
         on_click=_take_same_point,
-        args=(x, y),
-        help="Sets the threshold of Y so that it has as many false alarms per frame as X has at "
-        "its own threshold. Without it a system that reports more of everything looks better.",
+        args=(x, y, moved),
+        help=f"Sets the threshold of {moved.upper()} so that it has as many false alarms per frame "
+        f"as {fixed.upper()} has now. Without it a system that reports more of everything "
+        "looks better.",
     )
-    if not can_move:
+    if not can_move[moved]:
+        st.caption("Neither system has scores that differ: there is no threshold to move.")
+    elif needs_threshold:
         st.caption(
-            "Y has no scores that differ, so its threshold cannot be moved to X's false alarms"
-            + ("; swap the two to move the other one." if state.score_span(x) else ".")
+            f"First set a score threshold of {fixed.upper()}: the one at which it would be used. "
+            "As long as every detection counts, its false alarms say nothing."
         )
-    elif state.params().threshold_x is None and state.score_span(x) is not None:
+    elif moved == "x":
         st.caption(
-            "Every detection of X counts now: choose the threshold at which X would be used first."
+            "Y has no scores that differ, so its threshold cannot be moved: X is moved to Y's "
+            "false alarms instead."
         )
-    if st.session_state.pop(TOLD, False):
-        st.caption(plain(_same_point_text(x, y)))
+    if (told := st.session_state.pop(TOLD, None)) is not None:
+        st.caption(plain(_same_point_text(x, y, told)))
 
 
-def _same_point_text(x: str, y: str) -> str:
+def _same_point_text(x: str, y: str, moved: str) -> str:
     """What the thresholds that are in force now give."""
     dataset, params = state.workspace().dataset, state.params()
     assert dataset is not None
-    of_x = _point(dataset, x, params, params.threshold_x)
-    of_y = _point(dataset, y, params, params.threshold_y)
+    points = {
+        "X": _point(dataset, x, params, params.threshold_x),
+        "Y": _point(dataset, y, params, params.threshold_y),
+    }
+    one, other = ("X", "Y") if moved == "x" else ("Y", "X")
     limit = (
-        "every detection of Y counts"
-        if of_y.threshold is None
-        else f"Y has the threshold {of_y.threshold:g}"
+        f"every detection of {one} counts"
+        if points[one].threshold is None
+        else f"{one} has the threshold {points[one].threshold:g}"
     )
     return (
-        f"Now {limit}: {number(of_y.false_alarms_per_frame, '.3g')} false alarms per frame, X has "
-        f"{number(of_x.false_alarms_per_frame, '.3g')}."
+        f"{one} was moved. Now {limit}: "
+        f"{number(points[one].false_alarms_per_frame, '.3g')} false alarms per frame, {other} has "
+        f"{number(points[other].false_alarms_per_frame, '.3g')}."
     )
 
 
-def _take_same_point(x: str, y: str) -> None:
-    dataset = state.workspace().dataset
+def _take_same_point(x: str, y: str, moved: str) -> None:
+    dataset, params = state.workspace().dataset, state.params()
     assert dataset is not None
-    same = same_operating_point(dataset, state.params(), x, y)
-    state.set_threshold("y", same.threshold_y)
-    st.session_state[TOLD] = True
+    if moved == "y":
+        found = same_operating_point(dataset, params, x, y)
+    else:  # the library moves the second of the two
+        found = same_operating_point(
+            dataset, replace(params, threshold_x=params.threshold_y, threshold_y=None), y, x
+        )
+    state.set_threshold(moved, found.threshold_y)
+    st.session_state[TOLD] = moved
 
 
 def _curve(dataset: Dataset, system: str, params: Params) -> pd.DataFrame:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Hashable, Iterable
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from pathlib import Path
 from typing import Any, Final
 
@@ -18,6 +17,9 @@ from nvcore.session import Session
 from ui.data_opening import FACTS, trouble_of
 from ui.opening import checked_frames
 
+_LOOKS: Final = "picture_looks"
+MOST_LOOKS: Final = 256
+"""Pictures that are remembered: a long video takes time to open."""
 MAX_SIZE_PX: Final = 100_000
 MAX_FPS: Final = 10_000.0
 AUTOMATIC: Final = "told from the content"
@@ -35,17 +37,23 @@ class Facts:
     fps: float | None = None
     frames: str | None = None
 
-    def session(self, **parts: Any) -> Session:
+    def session(self, *, frame_list: str | None = None, **parts: Any) -> Session:
         """A session with these facts.
+
+        Parameters
+        ----------
+        frame_list
+            Path of a list of evaluated frames, which goes before a range.
+        parts
+            What else is in it.
 
         Raises
         ------
         SessionError
             If the frames are no range.
         """
-        return Session(
-            size=self.size, fps=self.fps, frames=checked_frames(self.frames or ""), **parts
-        )
+        frames = frame_list or checked_frames(self.frames or "")
+        return Session(size=self.size, fps=self.fps, frames=frames, **parts)
 
     def added_to(self, session: Session) -> Session:
         """A session that was read from a file, with these facts; what is not given stays.
@@ -61,7 +69,39 @@ class Facts:
         return replace(session, **{k: v for k, v in given.items() if v is not None})
 
 
-def draw_facts(place: str, pictures: Iterable[Path], lacking: Iterable[str] = ()) -> Facts:
+@dataclass(frozen=True)
+class Usual:
+    """What most recordings in a format have.
+
+    Attributes
+    ----------
+    size
+        (width, height) px.
+    fps
+        Frames per second; None: they are single pictures.
+    name
+        What recordings of that format are called.
+    others
+        Which other sizes there are.
+    """
+
+    size: tuple[int, int]
+    fps: float | None
+    name: str
+    others: str
+
+
+_OF_KITTI: Final = ("KITTI", "1224 × 370, 1238 × 374 or 1241 × 376")
+USUAL: Final = {
+    "kitti-tracking": Usual((1242, 375), 10.0, *_OF_KITTI),
+    "kitti-object": Usual((1242, 375), None, *_OF_KITTI),
+}
+"""By the name of the format."""
+
+
+def draw_facts(
+    place: str, pictures: Iterable[Path], lacking: Iterable[str] = (), format_name: str = ""
+) -> Facts:
     """Fields for what the files do not say; none if nothing.
 
     Parameters
@@ -73,20 +113,22 @@ def draw_facts(place: str, pictures: Iterable[Path], lacking: Iterable[str] = ()
     lacking
         What the files are known not to say; what they left open when they were last opened is
         asked as well.
+    format_name
+        Format of the ground truth, whose usual facts are proposed where pictures tell none.
     """
     trouble = trouble_of(place)
     asked = st.session_state.setdefault(f"asked_{place}", set())
     asked |= set(() if trouble is None else trouble.facts)
     asked = asked | set(lacking)
-    pictures = list(pictures)
+    pictures, usual = list(pictures), USUAL.get(format_name)
     facts: dict[str, Any] = {}
     if asked:
         words = " and ".join(FACTS[fact] for fact in FACTS if fact in asked)
         st.markdown(f"**Not in the files: {words}**")
     if "size" in asked:
-        facts["size"] = _draw_size(place, picture_size(pictures))
+        facts["size"] = _draw_size(place, picture_size(pictures), usual)
     if "fps" in asked:
-        facts["fps"] = _draw_rate(place, picture_rate(pictures))
+        facts["fps"] = _draw_rate(place, picture_rate(pictures), usual)
     if "frames" in asked:
         facts["frames"] = st.text_input(
             "Evaluated frames", placeholder="0:299", key=f"frames_{place}",
@@ -95,9 +137,15 @@ def draw_facts(place: str, pictures: Iterable[Path], lacking: Iterable[str] = ()
     return Facts(**facts)
 
 
-def _draw_size(place: str, proposed: tuple[int, int] | None) -> tuple[int, int] | None:
-    if st.session_state.get(f"width_{place}_None") is not None:
-        proposed = None  # what a person has typed stays
+def _draw_size(
+    place: str, of_pictures: tuple[int, int] | None, usual: Usual | None
+) -> tuple[int, int] | None:
+    of_format = None if usual is None else usual.size
+    if of_format is not None and _is_typed(f"width_{place}", of_format[0]):
+        of_pictures = None
+    proposed = of_pictures or of_format
+    if _is_typed(f"width_{place}", None):
+        proposed = None
     width, height = proposed or (None, None)
     left, right = st.columns(2)
     wide = left.number_input(
@@ -108,14 +156,25 @@ def _draw_size(place: str, proposed: tuple[int, int] | None) -> tuple[int, int] 
         "Height of the pictures (px)", 1, MAX_SIZE_PX, value=height, step=1,
         key=f"height_{place}_{height}", placeholder="such as 480",
     )  # fmt: skip
-    if proposed is not None:
+    if proposed is not None and of_pictures is not None:
         st.caption("The size of the pictures given; boxes have to be in the same pixels.")
+    elif proposed is not None and usual is not None:
+        st.caption(f"The usual size in {usual.name}; some of its recordings have {usual.others}.")
     return None if wide is None or high is None else (int(wide), int(high))
 
 
-def _draw_rate(place: str, proposed: float | None) -> float | None:
-    if st.session_state.get(f"fps_{place}_None") is not None:
-        proposed = None  # what a person has typed stays
+def _is_typed(name: str, proposed: float | None) -> bool:
+    """Whether a person changed what was proposed: that stays, whatever is proposed later."""
+    return st.session_state.get(f"{name}_{proposed}") not in (None, proposed)
+
+
+def _draw_rate(place: str, of_pictures: float | None, usual: Usual | None) -> float | None:
+    of_format = None if usual is None else usual.fps
+    if of_format is not None and _is_typed(f"fps_{place}", of_format):
+        of_pictures = None
+    proposed = of_pictures or of_format
+    if _is_typed(f"fps_{place}", None):
+        proposed = None
     rate = st.number_input(
         "Frames per second", 0.01, MAX_FPS, value=proposed, step=1.0,
         key=f"fps_{place}_{proposed}", placeholder="such as 20", format="%.6g",
@@ -123,7 +182,9 @@ def _draw_rate(place: str, proposed: float | None) -> float | None:
         "every tenth frame is annotated. A video is proposed with the rate at which it plays, "
         "which may differ from that of the camera.",
     )  # fmt: skip
-    if proposed is not None:
+    if proposed is not None and of_pictures is None and usual is not None:
+        st.caption(f"The usual rate in {usual.name}.")
+    elif proposed is not None:
         st.caption(
             "The rate at which the video plays; change it if the camera took the frames at "
             "another one. Times, lead times and rates per minute depend on it."
@@ -190,17 +251,25 @@ class PictureLook:
 
 
 def look_at_pictures(path: Path) -> PictureLook:
-    """Open pictures to see what they are; once for the file as it is."""
+    """Open pictures to see what they are; once in a session for the file as it is.
+
+    A folder with trouble is opened again: it stays as it is when a picture in it is mended.
+    """
     try:
         status = path.stat()
     except OSError as error:
         return PictureLook(trouble=f"cannot be opened ({error.strerror})")
-    return _look_at_pictures(path, status.st_mtime_ns, status.st_size)
+    looks: dict[Hashable, PictureLook] = st.session_state.setdefault(_LOOKS, {})
+    key = (path, status.st_mtime_ns, status.st_size)
+    found = looks.pop(key, None) or _look_at_pictures(path)
+    if not (found.trouble and path.is_dir()):
+        looks[key] = found  # at the end: the longest unused goes first
+        while len(looks) > MOST_LOOKS:
+            del looks[next(iter(looks))]
+    return found
 
 
-@lru_cache(maxsize=256)
-def _look_at_pictures(path: Path, changed_ns: int, n_bytes: int) -> PictureLook:  # noqa: ARG001
-    """Kept for the file as it is: a long video takes time to open."""
+def _look_at_pictures(path: Path) -> PictureLook:
     try:
         pictures = open_pictures(path)
     except MediaError as error:

@@ -23,7 +23,7 @@ BADGES: Final = {
 KINDS: Final = {
     Severity.ERROR: ("error that makes figures wrong", "errors that make figures wrong"),
     Severity.WARNING: ("warning that may change figures", "warnings that may change figures"),
-    Severity.NOTE: ("remark that changes no figure", "remarks that change no figure"),
+    Severity.NOTE: ("remark to look at", "remarks to look at"),
 }
 MOST_SHOWN: Final = 4
 """Findings that stand open; the rest is folded."""

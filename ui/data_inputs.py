@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path, PurePosixPath
@@ -21,6 +22,9 @@ from ui.text import plain
 from ui.uploads import Stored
 from ui.workspace import Workspace
 
+_OLD_NAME: Final = re.compile(
+    r"\b(the (?:only|truth's only) recording),? (?:'(?:[^'\\]|\\.)*'|\"(?:[^\"\\]|\\.)*\")"
+)
 NONE: Final = "no pictures"
 MOST_IN_TABLE: Final = 12
 """Recordings that are shown without scrolling."""
@@ -56,6 +60,9 @@ def _inputs(dataset: Dataset) -> pd.DataFrame:
     """One row per source; the texts are Markdown that shows names as they are."""
     x, y = state.systems()
     rows = []
+    n_ignored = int(dataset.truth.ignore.sum())
+    n_counted = len(dataset.truth) - n_ignored
+    ignored = f": {n_counted:,} pedestrians, {n_ignored:,} to be ignored" if n_ignored else ""
     for source in inputs_table(dataset).itertuples():
         letter = {x: "X: ", y: "Y: "}.get(source.subject, "")
         more = f" and {source.n_files - 1:,} more" if source.n_files > 1 else ""
@@ -64,11 +71,22 @@ def _inputs(dataset: Dataset) -> pd.DataFrame:
                 "Source": f"{letter}{plain(source.subject)}" if source.Index else "Truth",
                 "Files": f"{plain(public(source.first_file))}{more}",
                 "Format": plain(source.format),
-                "Boxes": f"{source.n_boxes:,}",
-                "Read as": plain(source.conversion),
+                "Boxes": f"{source.n_boxes:,}{'' if source.Index else ignored}",
+                "Read as": plain(_without_old_name(source.conversion)),
             }
         )
     return pd.DataFrame(rows)
+
+
+def _without_old_name(conversion: str) -> str:
+    """The text without what the file calls the only recording: its name stands in the next table.
+
+    Examples
+    --------
+    >>> _without_old_name("the only file taken for the only recording, 'gt'; pixels as they are")
+    'the only file taken for the only recording; pixels as they are'
+    """
+    return _OLD_NAME.sub(r"\1", conversion)
 
 
 def _recordings(space: Workspace, dataset: Dataset) -> pd.DataFrame:

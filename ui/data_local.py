@@ -9,17 +9,20 @@ from typing import Final
 
 import streamlit as st
 
-from nvcore.errors import InputError
+from nvcore.errors import InputError, NvcoreError
 from nvcore.readers.base import Role
 from nvcore.session import Session, Source, SystemSource
 from nvcore.session_file import read_session
+from nvcore.sources import find_files
 from ui.data_facts import Facts, draw_facts, forget_facts
+from ui.data_frames import FRAMES_HELP, FRAMES_LABEL, FrameList, draw_frame_list, look_at_list
 from ui.data_look import Look, draw_look, look_at, unusable
 from ui.data_names import draw_recording, draw_system_name, proposed_names, with_recording_name
 from ui.data_opening import draw_trouble, forget_trouble, try_to_open
 from ui.data_pictures import ChosenPictures, draw_checked
 from ui.local_files import Entry, LocalRoot
 from ui.opening import check_confined, guess_pictures, recording_names, with_recordings
+from ui.public import public
 from ui.text import plain
 
 PLACE: Final = "local"
@@ -30,6 +33,7 @@ ROLES: Final = {
     "local_truth": "Ground truth",
     "local_x": "System X",
     "local_y": "System Y",
+    "local_frames": FRAMES_LABEL,
     "local_pictures": "Pictures (not needed for the figures)",
 }
 SYSTEMS: Final = ("local_x", "local_y")
@@ -43,6 +47,7 @@ class _Form:
     chosen: dict[str, list[str]]
     names: list[str]
     recording: str
+    frames: FrameList
     pictures: ChosenPictures
     facts: Facts
     unusable: str
@@ -83,8 +88,9 @@ def _draw_form(root: LocalRoot, entries: list[Entry]) -> _Form:
         name_fields.append(left)
         looks.append(look)
     recordings = [] if looks[0] is None else looks[0].recordings
+    frames = _draw_frame_list(root, entries, recordings)
     chosen["local_pictures"] = _draw_role("local_pictures", entries)
-    places = {path: root.find(path) for path in chosen["local_pictures"]}
+    places, gone = _find(root, chosen["local_pictures"])
     with name_fields[0]:
         recording = draw_recording(recordings, places, place=PLACE, changed=_changed)
     proposed = proposed_names([chosen[key] for key in SYSTEMS], chosen["local_truth"], recordings)
@@ -93,13 +99,37 @@ def _draw_form(root: LocalRoot, entries: list[Entry]) -> _Form:
         with name_fields[number]:
             title = ROLES[key].replace("S", "s")
             names.append(draw_system_name(title, name, number, key=f"{key}_name", changed=_changed))
-    pictures = draw_checked(PLACE, places, recordings)
+    pictures = draw_checked(PLACE, places, recordings, gone)
     lacking = {fact for look in looks if look is not None for fact in look.lacking}
-    facts = draw_facts(PLACE, pictures.usable.values(), lacking)
+    told_format = "" if looks[0] is None else looks[0].format
+    facts = draw_facts(PLACE, pictures.usable.values(), lacking, told_format)
     draw_trouble(PLACE)
     titles = ["the ground truth", *(f"system {key[-1].upper()}" for key in SYSTEMS)]
     wrong = unusable(zip(titles, looks, strict=True))
-    return _Form(chosen, names, recording, pictures, facts, wrong)
+    return _Form(chosen, names, recording, frames, pictures, facts, wrong)
+
+
+def _draw_frame_list(root: LocalRoot, entries: list[Entry], recordings: Sequence[str]) -> FrameList:
+    files = [entry for entry in entries if not entry.is_folder]
+    chosen = _draw_role("local_frames", files, most=1, help_text=FRAMES_HELP)
+    if not chosen:
+        return FrameList()
+    try:
+        root.find(chosen[0])
+    except InputError as error:
+        return draw_frame_list(FrameList(trouble=str(error)), recordings)
+    return draw_frame_list(look_at_list(chosen[0], root.folder), recordings)
+
+
+def _find(root: LocalRoot, paths: Sequence[str]) -> tuple[dict[str, Path], list[str]]:
+    """Where the paths lead, and what is wrong with those that lead nowhere any more."""
+    found, gone = {}, []
+    for path in paths:
+        try:
+            found[path] = root.find(path)
+        except InputError as error:
+            gone.append(str(error))
+    return found, gone
 
 
 def _look(
@@ -109,19 +139,33 @@ def _look(
     if not paths:
         return None
 
-    def source() -> Source:
-        made = Source(path=tuple(paths))
-        check_confined(Session(root.folder, made, ()), root.folder)
-        return made
-
+    source = Source(path=tuple(paths))
     try:
-        status = [root.find(path).stat() for path in paths]
-    except InputError as error:
-        return Look(trouble=str(error))
-    changed = tuple((one.st_mtime_ns, one.st_size) for one in status)
-    return look_at(
-        (*paths, changed, role, truth), source, role=role, folder=root.folder, truth=truth
-    )
+        for path in paths:
+            root.find(path)
+        check_confined(Session(root.folder, source, ()), root.folder)
+        files, _ = find_files(source, root.folder, role)
+    except NvcoreError as error:
+        return Look(trouble=public(error))
+    key = (*paths, role, _state_of(root, [file.path for file in files]))
+    return look_at(key, lambda: source, role=role, folder=root.folder, truth=truth)
+
+
+def _state_of(root: LocalRoot, files: Sequence[Path]) -> tuple[tuple[str, int, int], ...]:
+    """Changes when a file does: a folder stays as it is when a file in it is mended.
+
+    Read along with them: seqinfo.ini beside MOTChallenge's files or up to two folders above.
+    """
+    folders = {folder for file in files for folder in file.parents[:3]}
+    beside = [folder / "seqinfo.ini" for folder in sorted(folders)]
+    found = []
+    for file in (*files, *(one for one in beside if one.is_relative_to(root.folder))):
+        try:
+            status = file.stat()
+        except OSError:  # told when it is read
+            continue
+        found.append((str(file), status.st_mtime_ns, status.st_size))
+    return tuple(found)
 
 
 def _draw_folder(here: str, entries: list[Entry]) -> None:
@@ -165,11 +209,15 @@ def _session_changed() -> None:
     forget_facts(SESSION)
 
 
-def _draw_role(key: str, entries: list[Entry]) -> list[str]:
+def _draw_role(
+    key: str, entries: list[Entry], *, most: int | None = None, help_text: str | None = None
+) -> list[str]:
     """Files and folders of one role; what was chosen in other folders stays chosen."""
     before: list[str] = st.session_state.get(key, [])
     options = [*before, *(entry.path for entry in entries if entry.path not in before)]
-    return st.multiselect(ROLES[key], options, key=key, on_change=_changed)
+    return st.multiselect(
+        ROLES[key], options, key=key, on_change=_changed, max_selections=most, help=help_text
+    )
 
 
 def _changed() -> None:
@@ -196,10 +244,11 @@ def _session(root: LocalRoot, form: _Form) -> Session:
     ]
     if not systems:
         raise InputError("Choose the detections of at least one system.")
-    for wrong in (form.unusable, form.pictures.stops):
+    for wrong in (form.unusable, form.frames.stops, form.pictures.stops):
         if wrong:
             raise InputError(wrong)
     session = form.facts.session(
+        frame_list=form.frames.path,
         folder=root.folder,
         truth=Source(path=tuple(chosen["local_truth"])),
         systems=tuple(SystemSource(path=tuple(paths), name=name) for paths, name in systems),

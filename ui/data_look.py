@@ -35,6 +35,8 @@ class Look:
         Why it cannot be used; empty: it can.
     lacking
         Facts that its files do not say, of ``size`` and ``fps``.
+    format
+        Name of the format (`nvcore.readers.base.Format.name`); empty: not told.
     told
         Format, and how many boxes in which frames.
     first_frame
@@ -45,6 +47,7 @@ class Look:
 
     trouble: str = ""
     lacking: frozenset[str] = frozenset()
+    format: str = ""
     told: str = ""
     first_frame: int | None = None
     reading: Reading | None = None
@@ -75,39 +78,49 @@ def look_at(
         What the ground truth is, for detections.
     """
     looks: dict[Hashable, Look] = st.session_state.setdefault(_KEPT, {})
-    if key not in looks:
-        with st.spinner("Reading the files"):
-            found = _look(source, role, folder, truth)
-        looks[key] = found
-        while len(looks) > MOST_KEPT:
-            del looks[next(iter(looks))]
-    return looks[key]
-
-
-def _look(source: Callable[[], Source], role: Role, folder: Path, truth: Look | None) -> Look:
     known = None if truth is None else truth.reading
+    of_both = (key, None if known is None else truth)  # without a reading it tells nothing
+    found = looks.pop(of_both, None)
+    if found is None:
+        with st.spinner("Reading the files"):
+            found = _look(source, role, folder, known)
+    looks[of_both] = found  # at the end: the longest unused goes first
+    while len(looks) > MOST_KEPT:
+        del looks[next(iter(looks))]
+    return found
+
+
+def _look(source: Callable[[], Source], role: Role, folder: Path, known: Reading | None) -> Look:
+    name = ""
     try:
         made = source()
-        title = find_files(made, folder, role)[1].title
+        chosen = find_files(made, folder, role)[1]
+        name, title = chosen.name, chosen.title
         if role == "detections" and known is None:  # some need to know the ground truth
-            return Look(told=title)
+            return Look(format=name, told=title)
         reading = read_source(made, role=role, folder=folder, size=_size(known), truth=known)
     except MissingFactError as error:
         if not error.facts:
             return Look(trouble=public(error))
         # what needs the size to be read never holds a frame rate
-        return Look(lacking=frozenset(error.facts) | _RATE[role])
+        return Look(lacking=frozenset(error.facts) | _RATE[role], format=name)
     except NvcoreError as error:
         return Look(trouble=public(error))
     frames = reading.boxes["frame"]
     lacking = _lacking(reading) if role == "truth" else frozenset()
-    told = f"{title}: {len(frames):,} boxes"
-    if not len(frames):
-        return Look("", lacking, told, None, reading)
-    told += f" in frames {frames.min()} to {frames.max()}"
-    return Look(
-        "", lacking, told, int(frames.min()), replace(reading, boxes=reading.boxes.iloc[:0])
-    )
+    told, first = f"{title}: {len(frames):,} boxes", None
+    if len(frames):
+        told += f" in frames {frames.min()} to {frames.max()}"
+        first = int(frames.min())
+    if n_ignored := int(reading.boxes["ignore"].sum()):
+        told += f", {n_ignored:,} of them to be ignored"
+    return Look("", lacking, name, told, first, _light(reading))
+
+
+def _light(reading: Reading) -> Reading:
+    """The reading without its boxes; copied, as a part would keep the whole table in memory."""
+    images = None if reading.images is None else reading.images.copy()
+    return replace(reading, boxes=reading.boxes.iloc[:0].copy(), images=images, annotated=None)
 
 
 def _lacking(reading: Reading) -> frozenset[str]:

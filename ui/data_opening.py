@@ -17,12 +17,25 @@ from ui.text import plain
 
 _KEY: Final = "data_trouble"
 _OPENED: Final = "data_opened"
+_SHOWN: Final = "data_opened_shown"
+_SEE: Final = "see_opened"
+SESSION: Final = "session"
+"""The part of the page that changes what is open, rather than opening something else."""
 FACTS: Final = {
     "size": "the image size",
     "fps": "the frame rate",
     "frames": "which frames are evaluated",
 }
 """Facts of `MissingFactError` in words."""
+_TO_TOP = st.components.v2.component(
+    "nvcore_to_top",
+    js="""
+    export default function () {
+      document.querySelector('[data-testid="stMain"]')?.scrollTo({ top: 0 });
+    }
+    """,
+)
+"""Shows the top of the page: whoever opens something is far below it."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +48,7 @@ class Trouble:
 
 
 def try_to_open(
-    session: Session | Callable[[], Session], *, label: str, place: str = "session"
+    session: Session | Callable[[], Session], *, label: str, place: str = SESSION
 ) -> None:
     """Open a session; if that fails, the run starts again and `draw_trouble` says why.
 
@@ -79,12 +92,15 @@ def _opened() -> tuple[str, str] | None:
     return (place, label) if is_open else None
 
 
-def draw_failures() -> None:
-    """At the top of the page: what could not be opened, so that the rest is not taken for it."""
+def draw_outcome() -> None:
+    """At the top of the page: what was opened, or could not be and is not what the page shows."""
     keys = [key for key in st.session_state if str(key).startswith(f"{_KEY}_")]
-    if _opened() is not None:
+    opened = _opened()
+    if opened is not None:
         for key in keys:
             del st.session_state[key]
+        if opened[0] != SESSION:
+            _draw_opened(opened[1])
         return
     for key in keys:
         trouble: Trouble = st.session_state[key]
@@ -95,18 +111,34 @@ def draw_failures() -> None:
         )
 
 
+def _draw_opened(label: str) -> None:
+    """The next step, for as long as one stays on the page."""
+    n_opened = state.workspace().n_opened
+    is_first = st.session_state.get(_SHOWN) != n_opened
+    if not is_first and _SEE not in st.session_state:  # values of another page's widgets go
+        del st.session_state[_OPENED]
+        return
+    st.session_state[_SHOWN] = n_opened
+    st.success(
+        f"**Opened: {plain(label)}.** Below: what to mind and what was read.{_on_thresholds()}",
+        icon=":material/check_circle:",
+    )
+    st.button(
+        "Next: see the comparison", type="primary", icon=":material/arrow_forward:", key=_SEE,
+        on_click=ask_for_page, args=("overview",),
+    )  # fmt: skip
+    _TO_TOP(key="to_top", data={"opened": n_opened}, height=1)
+
+
 def draw_trouble(place: str) -> None:
-    """The banner that says why something could not be opened, or once that it was."""
+    """The banner that says why something could not be opened, or once that it was changed."""
     opened_in, label = _opened() or ("", "")
-    if opened_in == place:
+    if opened_in == place == SESSION:
         del st.session_state[_OPENED]
         st.success(
-            f"Opened: {plain(label)}. What was read, and what to mind: see above."
-            + _on_thresholds(),
+            f"Changed, and opened again: {plain(label)}. What to mind stands above.",
             icon=":material/check_circle:",
         )
-        st.button("See the comparison", type="primary", key=f"see_{place}",
-                  on_click=ask_for_page, args=("overview",))  # fmt: skip
     trouble = trouble_of(place)
     if trouble is not None:
         is_question = bool(trouble.facts)
@@ -125,7 +157,10 @@ def _on_thresholds() -> str:
     )
     if not is_open:
         return ""
-    return " Every detection counts, however low its score, until thresholds are set under Compare."
+    return (
+        " Every detection counts, however low its score, until thresholds are set under “Compare”, "
+        "at the end of this page."
+    )
 
 
 def _question(facts: tuple[str, ...]) -> str:

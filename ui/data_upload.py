@@ -15,6 +15,7 @@ from nvcore.errors import InputError, NvcoreError
 from nvcore.session import Session, Source, SystemSource
 from ui import state
 from ui.data_facts import Facts, draw_facts, draw_reading, forget_facts
+from ui.data_frames import FRAMES_HELP, FRAMES_LABEL, FrameList, draw_frame_list, look_at_list
 from ui.data_inputs import sent_pictures
 from ui.data_look import Look, draw_look, look_at, unusable
 from ui.data_names import draw_recording, draw_system_name, proposed_names, with_recording_name
@@ -91,6 +92,7 @@ class _Form:
     names: list[str]
     recording: str
     stored: _Stored
+    frames: FrameList
     pictures: ChosenPictures
     facts: Facts
     unusable: str
@@ -102,9 +104,9 @@ def draw() -> None:
     st.caption(
         "Files stay on this server only while this browser tab is open; nobody else sees them."
     )
-    truth, systems = _draw_truth(), _draw_systems()
+    truth, systems, listed = _draw_truth(), _draw_systems(), _draw_frame_list()
     with st.container():  # for spinners: what comes below keeps its place, and its uploads
-        stored = _store(space, [truth, *systems])
+        stored = _store(space, [truth, *systems, listed])
         truth_look = _look(stored, truth, None)
         looks = [_look(stored, system, truth_look) for system in systems]
     recordings = [] if truth_look is None else truth_look.recordings
@@ -116,13 +118,16 @@ def draw() -> None:
     for system, look in zip(systems, looks, strict=True):
         with system.below:
             draw_look(look, truth_look)
+    with listed.below:
+        frames = _look_at_list(stored, listed, recordings)
     pictures = _draw_pictures(space, recordings)
     every = [truth_look, *looks]
     lacking = {fact for look in every if look is not None for fact in look.lacking}
-    facts = draw_facts(PLACE, pictures.usable.values(), lacking)
+    told_format = "" if truth_look is None else truth_look.format
+    facts = draw_facts(PLACE, pictures.usable.values(), lacking, told_format)
     draw_trouble(PLACE)
     wrong = unusable(zip([one.title for one in (truth, *systems)], every, strict=True))
-    form = _Form(truth, systems, names, recording, stored, pictures, facts, wrong)
+    form = _Form(truth, systems, names, recording, stored, frames, pictures, facts, wrong)
     if st.button("Open these files", key="open_upload", type="primary"):
         try_to_open(lambda: _session(form), label=LABEL, place=PLACE)
 
@@ -163,6 +168,24 @@ def _draw_systems() -> list[_Chosen]:
         disabled=n_systems >= MOST_SYSTEMS,
     )  # fmt: skip
     return found
+
+
+def _draw_frame_list() -> _Chosen:
+    _, right = st.columns([1, 3])
+    file = right.file_uploader(
+        FRAMES_LABEL, key="upload_frames", help=FRAMES_HELP, on_change=_changed
+    )
+    files = [] if file is None else [file]
+    return _Chosen("the evaluated frames", "frames", files, {}, right.container(), right)
+
+
+def _look_at_list(stored: _Stored, listed: _Chosen, recordings: Sequence[str]) -> FrameList:
+    if not listed.files:
+        return FrameList()
+    if listed.slot in stored.troubles:
+        return draw_frame_list(FrameList(trouble=stored.troubles[listed.slot]), recordings)
+    (path,) = stored.paths[listed.slot]
+    return draw_frame_list(look_at_list(path, stored.folder), recordings)
 
 
 def _numbered(number: int) -> str:
@@ -209,7 +232,8 @@ def _store(space: Workspace, fields: Sequence[_Chosen]) -> _Stored:
     """The files on disk; written again only where other files were chosen."""
     ids = tuple(field.ids for field in fields)
     before: _Stored | None = st.session_state.get(_STORED)
-    if before is not None and before.ids == ids and before.folder.is_dir():
+    is_same = before is not None and before.ids == ids and before.folder.is_dir()
+    if before is not None and is_same and not before.troubles:  # there may be room by now
         return before
     if not any(ids):
         return _Stored(ids, space.folder, {}, {})
@@ -231,7 +255,7 @@ def _look(stored: _Stored, chosen: _Chosen, truth: Look | None) -> Look | None:
     if not chosen.files:
         return None
     role = "truth" if chosen.slot == "truth" else "detections"
-    key = (chosen.ids, repr(chosen.reading), stored.troubles.get(chosen.slot), role, truth)
+    key = (chosen.ids, repr(chosen.reading), stored.troubles.get(chosen.slot), role)
     return look_at(key, lambda: stored.source(chosen), role=role, folder=stored.folder, truth=truth)
 
 
@@ -241,11 +265,12 @@ def _session(form: _Form) -> Session:
         raise InputError("Choose the ground truth first: the boxes that both systems should find.")
     if not given:
         raise InputError("Choose the detections of at least one system.")
-    for wrong in (form.unusable, form.pictures.stops):
+    for wrong in (form.unusable, form.frames.stops, form.pictures.stops):
         if wrong:
             raise InputError(wrong)
     stored = form.stored
     session = form.facts.session(
+        frame_list=form.frames.path,
         folder=stored.folder,
         truth=stored.source(form.truth),
         systems=tuple(

@@ -16,6 +16,7 @@ from nvcore.scorecard_table import ScoreRow, class_rows, score_rows
 from nvcore.tables import recordings_table
 from nvcore.verdict import verdict
 from ui import state
+from ui.data_sampling import sampling_note
 from ui.navigate import open_frame, open_page
 from ui.text import docs_link, plain
 
@@ -35,6 +36,8 @@ def verdict_box(result: Result, findings: Sequence[Finding], evidence: pd.DataFr
             if st.button("See the findings on the Data page"):
                 open_page("data")
     st.caption(_extent(result))
+    if note := sampling_note(result.dataset.frame_columns):
+        st.caption(note)
 
 
 def _extent(result: Result) -> str:

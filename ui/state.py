@@ -117,7 +117,7 @@ def set_threshold(letter: str, threshold: float | None) -> None:
     name = systems()["xy".index(letter)]
     span = None if name is None else score_span(name)
     if span is not None:
-        at = span[0] if threshold is None else min(max(threshold, span[0]), span[1])
+        at = span[0] if threshold is None else max(threshold, span[0])
         set_params(**{f"threshold_{letter}": at})
 
 

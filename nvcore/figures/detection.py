@@ -185,10 +185,13 @@ def _operating_point(
 
 
 def _text(curve: DetectionCurve, letter: str, row: int) -> str:
-    recall, precision = curve.tp[row] / max(curve.n_truth, 1), curve.precision[row]
+    # of this point only: the curve's own properties are arrays of all its points
+    tp, fp = int(curve.tp[row]), int(curve.fp[row])
+    precision = tp / (tp + fp) if tp + fp else float("nan")
+    recall, fppi = tp / max(curve.n_truth, 1), fp / max(curve.n_images, 1)
     return (
         f"{letter.upper()}, score ≥ {curve.threshold[row]:.4g}<br>recall {recall:.3f}, precision "
-        f"{precision:.3f}<br>{curve.fppi[row]:.3g} false positives per image"
+        f"{precision:.3f}<br>{fppi:.3g} false positives per image"
     )
 
 

@@ -74,6 +74,7 @@ def test_an_uploaded_video_plays_with_picture_and_boxes_of_the_same_frame(sent):
 def test_a_reload_keeps_what_was_uploaded_with_place_and_parameters(sent):
     sent.switch_to("Timeline")
     sent.slider("alpha").press("ArrowLeft")
+    expect(sent.page).to_have_url(re.compile("alpha="))
     sent.wait_until_drawn()
     alpha = sent.slider("alpha").input_value()
     sent.page.reload()

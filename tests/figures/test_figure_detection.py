@@ -80,3 +80,18 @@ def test_a_long_curve_is_thinned_and_keeps_its_ends(kind: str) -> None:
     whole = {"miss_rate": long.fppi, "precision_recall": long.recall, "f1": long.threshold}[kind]
     assert line.x[0] == whole[0]
     assert line.x[-1] == whole[-1]
+
+
+def test_what_stands_at_a_point_is_the_curve_s_there() -> None:
+    curve = curve_of([0, 1, 2], [0, 10, 100], n_truth=4)
+    texts = trace(curve_plot((curve,), (None,), "f1", theme="light"), "X, points").text
+    assert "recall 0.250, precision 0.091<br>0.1 false positives per image" in texts[1]
+    assert "precision nan" in texts[0]
+
+
+def test_a_curve_of_many_points_costs_no_array_for_each(monkeypatch: pytest.MonkeyPatch) -> None:
+    made = []
+    monkeypatch.setattr("nvcore.curves._ratio", lambda part, whole: made.append(1) or part / whole)
+    n = np.arange(1, 501)
+    curve_plot((curve_of(n, n, n_truth=500),), (None,), "precision_recall", theme="light")
+    assert len(made) < 10

@@ -6,7 +6,10 @@ import os
 import shutil
 from pathlib import Path
 
+import cv2
+import numpy as np
 import pytest
+from streamlit.testing.v1 import AppTest
 
 from nvcore.errors import SessionError
 from nvcore.session import Session, Source
@@ -70,3 +73,34 @@ def test_frames_added_to_a_session_are_a_range_and_no_file():
     session = Session(Path("/drives"), Source(("t.csv",)), ())
     with pytest.raises(SessionError, match="expected FIRST:LAST"):
         Facts(frames="/etc/passwd").added_to(session)
+
+
+def test_a_folder_of_pictures_that_was_mended_in_place_is_opened_again(tmp_path: Path):
+    picture = tmp_path / "pictures" / "0.png"
+    picture.parent.mkdir()
+    picture.write_bytes(b"\x89PNG\r\n\x1a\n" + bytes(100))
+    assert look_at_pictures(picture.parent).trouble
+    cv2.imwrite(str(picture), np.zeros((48, 64), np.uint8))
+    assert look_at_pictures(picture.parent).size == (64, 48)
+
+
+def size_in_a_session(path: str) -> None:
+    from pathlib import Path
+
+    import streamlit as st
+
+    from ui.data_facts import picture_size
+
+    st.text(str(picture_size([Path(path)])))
+
+
+def test_what_pictures_are_is_kept_for_one_session(tmp_path: Path, opened: list[Path]):
+    video = shutil.copy(VIDEO, tmp_path / "drive.mp4")
+    mine, other = (
+        AppTest.from_function(size_in_a_session, args=(str(video),), default_timeout=30)
+        for _ in range(2)
+    )
+    mine.run().run()
+    assert len(opened) == 1
+    assert other.run().text[0].value == "(640, 480)"
+    assert len(opened) == 2

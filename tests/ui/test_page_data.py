@@ -144,3 +144,19 @@ def test_findings_are_counted_with_what_they_mean_for_the_figures(tmp_path: Path
     answer(page, width=640, height=480, fps=20.0)
     press(page, "open_upload")
     assert "1 error that makes figures wrong" in texts(page)
+
+
+def test_what_only_may_be_looked_at_is_not_said_to_change_no_figure():
+    page = opened()
+    truth = b"frame,x,y,w,h\n0,9,9,40,90\n1,9,9,40,90\n2,9,9,40,90\n"
+    both = b"frame,x,y,w,h,score\n0,9,9,40,90,0.9\n1,300,100,40,90,0.5\n"  # one of nobody
+    send(page, "upload_truth", ("t.csv", truth))
+    send(page, "upload_system_0", ("a.csv", both))
+    send(page, "upload_system_1", ("b.csv", both + b"2,10,9,40,90,0.9\n"))
+    checked(page.run())
+    answer(page, width=640, height=480, fps=20.0)
+    press(page, "open_upload")
+    counts = [one.label for one in page.expander if "to look at" in one.label]
+    assert "where the ground truth has nobody" in texts(page)
+    assert len(counts) == 1
+    assert "change" not in counts[0]

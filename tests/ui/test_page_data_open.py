@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
 import pytest
 from data_page import (
     PNG,
+    ROOT,
     answer,
     checked,
     opened,
     press,
     send,
+    space_of,
     texts,
 )
-from inputs import drive, write
+from inputs import drive, mot_layout, write
+from streamlit.testing.v1 import AppTest
 
 
 @pytest.fixture(autouse=True)
@@ -176,3 +180,88 @@ def test_a_local_file_that_cannot_be_used_is_told_at_its_field(
     assert "bad.csv: expected ground truth, found a PNG" in told.value.replace("\\", "")
     press(page, "open_local")
     assert "The files of the ground truth cannot be used" in texts(page)
+
+
+def local_page(root: Path, monkeypatch: pytest.MonkeyPatch, **chosen: str) -> AppTest:
+    """The form with what was chosen below the root, by role."""
+    monkeypatch.setenv("NVCORE_LOCAL_ROOT", str(root))
+    page = opened()
+    for role, path in chosen.items():
+        page.multiselect(key=f"local_{role}").set_value([path])
+    return checked(page.run())
+
+
+def test_a_file_that_was_mended_in_a_chosen_folder_is_read_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    drive(tmp_path)
+    good = (tmp_path / "truth.csv").read_bytes()
+    file = write(tmp_path / "truth" / "night.csv", "frame,x,y,w,h", "1,2,3,4,oops")
+    page = local_page(tmp_path, monkeypatch, truth="truth", x="fir.csv")
+    assert "night.csv, line 2" in texts(page)
+    file.write_bytes(good)
+    checked(page.run())
+    assert page.error == []
+    assert "Read as plain CSV: 40 boxes" in texts(page)
+
+
+def test_a_seqinfo_that_was_mended_is_read_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    mot_layout(tmp_path, ("A",))
+    info = write(tmp_path / "A" / "seqinfo.ini", "[Wrong]")
+    page = local_page(tmp_path, monkeypatch, truth="A")
+    assert "expected a section [Sequence]" in texts(page)
+    write(info, "[Sequence]", "frameRate=10", "imWidth=640", "imHeight=480", "seqLength=5")
+    assert checked(page.run()).error == []
+
+
+def test_chosen_pictures_that_go_are_told_and_the_page_lives_on(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    drive(tmp_path)
+    video = shutil.copy(ROOT / "sample_data" / "odd_pose.mp4", tmp_path / "drive.mp4")
+    page = local_page(tmp_path, monkeypatch, truth="truth.csv", x="fir.csv", pictures="drive.mp4")
+    assert page.error == []
+    Path(video).unlink()
+    checked(page.run())
+    (told,) = page.error
+    assert "These pictures were refused" in told.value
+    assert "drive.mp4: there is no such file or folder" in told.value.replace("\\", "")
+    assert page.button(key="open_local").label == "Open these files"
+    (without,) = [one for one in page.checkbox if "without the refused" in one.label]
+    checked(without.check().run())
+    answer(page, "local", width=640, height=480, fps=20.0)
+    press(page, "open_local")
+    assert "Opened: Local files" in texts(page)
+
+
+def sampled_drive(folder: Path) -> Path:
+    """One recording of which the frames 0, 3 and 9 were looked at, and boxes stand in two."""
+    write(folder / "truth.csv", "frame,x,y,w,h", "0,100,100,40,90", "9,100,100,40,90")
+    write(folder / "fir.csv", "frame,x,y,w,h,score", "0,100,100,40,90,0.9", "3,9,9,40,90,0.4")
+    return write(folder / "frames.txt", "0", "3", "9")
+
+
+def test_a_local_list_of_evaluated_frames_is_followed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    sampled_drive(tmp_path)
+    chosen = {"truth": "truth.csv", "x": "fir.csv", "frames": "frames.txt"}
+    page = local_page(tmp_path, monkeypatch, **chosen)
+    assert "Read as 3 frames, 0 to 9." in texts(page)
+    answer(page, "local", width=640, height=480, fps=20.0)
+    press(page, "open_local")
+    assert space_of(page).dataset.frames["frame"].tolist() == [0, 3, 9]
+
+
+def test_a_local_list_of_frames_that_goes_stops_the_opening(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    frames = sampled_drive(tmp_path)
+    chosen = {"truth": "truth.csv", "x": "fir.csv", "frames": "frames.txt"}
+    page = local_page(tmp_path, monkeypatch, **chosen)
+    frames.unlink()
+    checked(page.run())
+    answer(page, "local", width=640, height=480, fps=20.0)
+    press(page, "open_local")
+    assert "frames.txt: there is no such file" in texts(page)
+    assert "The list of evaluated frames cannot be used" in texts(page)

@@ -25,7 +25,7 @@ from data_page import (
 from inputs import mot_layout
 from streamlit.testing.v1 import AppTest
 
-from ui import data_upload
+from ui import data_upload, uploads
 
 
 @pytest.fixture(autouse=True)
@@ -323,3 +323,62 @@ def test_frames_that_begin_with_another_number_are_told(tmp_path: Path):
     send(page, "upload_system_0", ("a.csv", b"frame,x,y,w,h,score\n1,1,1,9,20,0.5\n"))
     checked(page.run())
     assert "Begins with frame 1, the ground truth with frame 0" in texts(page)
+
+
+def test_files_that_found_no_room_are_taken_when_there_is_room_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    page = opened()
+    send_drive(page, tmp_path, "fir.csv")
+    with monkeypatch.context() as full:
+        full.setattr(uploads, "MAX_SESSION_BYTES", 10)
+        checked(page.run())
+        assert "remove uploads that are no longer needed" in texts(page)
+    checked(page.run())
+    assert page.error == []
+    assert "Read as plain CSV: 40 boxes in frames 0 to 19." in texts(page)
+    answer(page, width=640, height=480, fps=20.0)
+    assert "Opened: Uploaded files" in texts(press(page, "open_upload"))
+
+
+def test_kittis_usual_size_and_rate_are_proposed_without_pictures():
+    page = kitti_page()
+    asked = {one.label: one.value for one in page.number_input if "upload" in (one.key or "")}
+    assert asked == {
+        "Width of the pictures (px)": 1242,
+        "Height of the pictures (px)": 375,
+        "Frames per second": 10.0,
+    }
+    assert "The usual size in KITTI; some of its recordings have 1224 × 370" in texts(page)
+    assert "The usual rate in KITTI." in texts(page)
+
+
+def test_a_size_typed_in_place_of_the_usual_one_stays_when_a_video_arrives():
+    page = kitti_page()
+    answer(page, width=1224.0)
+    checked(page.run())
+    send_video(page, "drive.mp4")
+    checked(page.run())
+    (width,) = [one for one in page.number_input if one.label.startswith("Width")]
+    assert width.value == 1224
+
+
+def test_boxes_to_be_ignored_are_told_apart_before_and_after_opening():
+    page = opened()
+    rows = b"frame,x,y,w,h,ignore\n0,9,9,40,90,0\n1,9,9,40,90,1\n2,9,9,40,90,0\n"
+    send(page, "upload_truth", ("t.csv", rows))
+    send(page, "upload_system_0", ("a.csv", b"frame,x,y,w,h,score\n0,9,9,40,90,0.5\n"))
+    checked(page.run())
+    assert "3 boxes in frames 0 to 2, 1 of them to be ignored" in texts(page)
+    answer(page, width=640, height=480, fps=20.0)
+    press(page, "open_upload")
+    assert page.table[0].value["Boxes"].tolist() == ["3: 2 pedestrians, 1 to be ignored", "1"]
+
+
+def test_what_was_read_does_not_call_the_recording_by_its_old_name():
+    page = kitti_page()
+    page.text_input(key="recording_name_upload").set_value("crossing")
+    press(page, "open_upload")
+    told = [text.replace("\\", "") for text in page.table[0].value["Read as"]]
+    assert space_of(page).dataset.recordings["name"].tolist() == ["crossing"]
+    assert not any("0016" in text for text in told)

@@ -1,0 +1,108 @@
+"""``nvcore report``: the comparison as one HTML file."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import click
+
+from nvcore.cli_inputs import (
+    OUTPUT,
+    GroupedCommand,
+    findings_at_paths,
+    grouped_option,
+    input_options,
+    parameter_options,
+    pasteable_errors,
+    session_from,
+    sources_of,
+)
+from nvcore.errors import one_line
+
+REPORT = "Report"
+EXIT_FINDINGS = 1
+
+
+@click.command(cls=GroupedCommand, short_help="Write the comparison as one HTML file.")
+@input_options
+@grouped_option(
+    REPORT,
+    "--protocol",
+    metavar="NAME",
+    default="all",
+    show_default=True,
+    help="Which pedestrians count in the detection figures (docs/detection.md).",
+)
+@grouped_option(
+    REPORT,
+    "--stability/--no-stability",
+    default=None,
+    help="Whether to map the verdict over alpha and midpoint. Default: for up to 20,000 frames.",
+)
+@grouped_option(
+    OUTPUT,
+    "--out",
+    type=click.Path(dir_okay=False, path_type=Path),
+    metavar="FILE.html",
+    default=Path("report.html"),
+    show_default=True,
+    help="The file to write.",
+)
+@grouped_option(
+    OUTPUT, "--strict", is_flag=True, help="Warnings of the audit give exit code 1, too."
+)
+@parameter_options
+def report(protocol: str, stability: bool | None, out: Path, strict: bool, **options: Any) -> None:
+    """Write the comparison of X and Y as one HTML file.
+
+    Inputs as for compare. The file has verdict, figures, evidence frames, tables, parameters and
+    hashes of the inputs; it needs neither network nor this program, and browsers print it to PDF.
+    Exit code 0: fine, 1: the audit found errors (with --strict: or warnings), 2: bad input.
+    """
+    from nvcore.analysis import analyse
+    from nvcore.audit import audit
+    from nvcore.html_report import write_html_report
+    from nvcore.loading import compared_systems, effective_params, load
+    from nvcore.protocols import PROTOCOLS
+    from nvcore.scorecard import render_findings
+    from nvcore.sources import paths_to_show
+
+    if protocol not in PROTOCOLS:
+        raise click.UsageError(
+            f"there is no protocol {protocol!r}; there are: {', '.join(PROTOCOLS)}"
+        )
+    if out.suffix.lower() not in (".html", ".htm"):  # an input named by mistake stays as it is
+        raise click.UsageError(
+            f"--out: expected a file that ends in .html, got {one_line(str(out))}"
+        )
+    session = session_from(options, needs_y=True)
+    sources = sources_of(session)
+    with pasteable_errors(session.folder, sources):
+        dataset = load(session, progress=_show)
+        params = effective_params(session, dataset)
+        x, y = compared_systems(session, dataset)
+        findings = audit(dataset, params, x=x, y=y)
+        result = analyse(dataset, params, x=x, y=y)
+        write_html_report(
+            result, session, findings, out, protocol=PROTOCOLS[protocol], stability=stability,
+            progress=_goes_on,
+        )  # fmt: skip
+    shown = paths_to_show(session.folder, sources)
+    click.echo(render_findings(findings_at_paths(findings, shown)))
+    click.echo(one_line(f"written to {out}"), err=True)
+    bad = {"error", "warning"} if strict else {"error"}
+    if any(finding.severity.value in bad for finding in findings):
+        raise SystemExit(EXIT_FINDINGS)
+
+
+def _goes_on(_share: float, what: str) -> bool:
+    _show(what)
+    return True
+
+
+def _show(what: str) -> None:
+    """What is being done, on a terminal."""
+    if sys.stderr.isatty():
+        click.echo(one_line(what), err=True)

@@ -1,0 +1,168 @@
+"""Everything that the report says, in order: sections of texts, tables, charts and frames."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import CancelledError
+from dataclasses import dataclass
+
+from nvcore.analysis import Result
+from nvcore.curve_evidence import log_average_miss_rate_figure
+from nvcore.errors import InputError, one_line
+from nvcore.findings import Finding
+from nvcore.html_report import words
+from nvcore.html_report.blocks import Section, Sentences
+from nvcore.html_report.evidence_sections import (
+    detection_section,
+    frames_section,
+    significance_section,
+    stability_section,
+    subgroups_section,
+    verdict_section,
+)
+from nvcore.html_report.frames import RecordingPictures, decisive_moments, photo
+from nvcore.html_report.input_sections import audit_section, inputs_section, parameters_section
+from nvcore.html_report.result_sections import (
+    encounters_section,
+    false_alerts_section,
+    only_one_section,
+    saliency_section,
+    scorecard_section,
+    similarity_section,
+)
+from nvcore.protocols import Protocol
+from nvcore.scorecard import UNDEFINED
+from nvcore.significance import significance_table
+from nvcore.subgroups import subgroup_table
+from nvcore.tables import sides
+from nvcore.units import find_units
+from nvcore.version import __version__
+
+Progress = Callable[[float, str], bool]
+"""Told the share that is done and what comes next; says whether to go on."""
+
+
+@dataclass(frozen=True)
+class Content:
+    """What stands on the page.
+
+    Attributes
+    ----------
+    title
+        Which systems are compared.
+    facts
+        Label and text of what was compared.
+    sections
+        In order.
+    version, fingerprint
+        Of the program and of the inputs.
+    """
+
+    title: str
+    facts: tuple[tuple[str, str], ...]
+    sections: tuple[Section, ...]
+    version: str
+    fingerprint: str
+
+
+def report_content(
+    result: Result,
+    findings: Sequence[Finding],
+    *,
+    pictures: RecordingPictures,
+    protocol: Protocol,
+    stability: bool | None,
+    progress: Progress,
+) -> Content:
+    """Gather the report.
+
+    Raises
+    ------
+    CancelledError
+        If `progress` said so.
+    """
+
+    def tell(share: float, what: str) -> None:
+        if not progress(share, what):
+            raise CancelledError
+
+    tell(0.0, "testing the differences")
+    units = find_units(result)
+    try:
+        lamr = log_average_miss_rate_figure(result, units, protocol)
+    except InputError:  # the section of the curves says why
+        lamr = None
+    evidence = significance_table(result, [] if lamr is None else [lamr], units=units)
+    subgroups = subgroup_table(result)
+    tell(0.15, "detection curves")
+    detection = detection_section(result, protocol)
+    tell(0.3, "tables")
+    sections = [
+        verdict_section(result, findings, evidence),
+        Section(
+            "reading", "How to read this report", None, (Sentences(words.reading(result.params)),)
+        ),
+        scorecard_section(result),
+        encounters_section(result),
+        similarity_section(result),
+        saliency_section(result),
+        false_alerts_section(result),
+        significance_section(evidence),
+        subgroups_section(subgroups),
+        detection,
+    ]
+    tell(0.4, "the stability map")
+    sections.append(stability_section(result, wanted=stability))
+    moments = decisive_moments(result)
+    photos = []
+    for number, moment in enumerate(moments):
+        tell(0.6 + 0.3 * number / len(moments), "evidence frames")
+        photos.append(photo(result, moment, pictures))
+    sections += [
+        frames_section(photos, pictures.troubles),
+        only_one_section(result),
+        audit_section(findings),
+        inputs_section(result),
+        parameters_section(result),
+    ]
+    tell(0.9, "the page")
+    return Content(
+        title=f"{one_line(result.x.name)} (X) and {one_line(result.y.name)} (Y) compared",
+        facts=_facts(result, protocol),
+        sections=tuple(sections),
+        version=__version__,
+        fingerprint=result.dataset.fingerprint,
+    )
+
+
+def _facts(result: Result, protocol: Protocol) -> tuple[tuple[str, str], ...]:
+    thresholds = [
+        (
+            letter.upper(),
+            one_line(system.name)
+            + (
+                ", every detection counts"
+                if system.threshold is None
+                else f", detections with a score of {system.threshold:g} or more"
+            ),
+        )
+        for letter, system in sides(result)
+    ]
+    n_recordings = len(result.dataset.recordings)
+    return (
+        *thresholds,
+        (
+            "Data",
+            f"{n_recordings:,} recording{'' if n_recordings == 1 else 's'}, "
+            f"{len(result.dataset.frames):,} evaluated frames, {result.duration_s:,.1f} s, "
+            f"{int(result.n_truth.sum()):,} pedestrian boxes",
+        ),
+        (
+            "Encounters",
+            f"{result.venn.n_near:,} that count, and {result.venn.distant:,} distant ones that do "
+            "not",
+        ),
+        ("Protocol of the detection figures", protocol.name),
+        ("Program", f"nvcore {__version__}"),
+        ("Fingerprint of the inputs", result.dataset.fingerprint or UNDEFINED),
+    )

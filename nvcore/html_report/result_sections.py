@@ -1,0 +1,213 @@
+"""Sections of what was found: scorecard, encounters, similarity, saliency, false alerts."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from nvcore.analysis import Result
+from nvcore.comparison_words import describe_misses, describe_saliency
+from nvcore.encounter_moments import encounter_moments
+from nvcore.figures.encounters import miss_classes_plot
+from nvcore.figures.recordings import recordings_plot
+from nvcore.figures.style import count_text
+from nvcore.figures.venn import WORDS, venn_figure
+from nvcore.html_report import words
+from nvcore.html_report.blocks import Chart, Section, Sentences, Table, table
+from nvcore.html_report.charts import THEME
+from nvcore.schema import CATEGORY_TEXT, MISS_CLASS_TEXT, Category
+from nvcore.scorecard import UNDEFINED, difference, number
+from nvcore.scorecard_table import ScoreRow, class_rows, score_rows
+from nvcore.tables import (
+    encounters_table,
+    recordings_table,
+    sides,
+    system_summary,
+    worst_events,
+    worst_intervals,
+)
+
+FIGURES_HEAD = ("Figure", "X", "Y", "X - Y", "Better")
+N_WORST = 3
+"""Intervals, events and episodes of each system that are listed."""
+
+
+def names_of(result: Result) -> tuple[str, str]:
+    """Names of X and Y."""
+    return result.x.name, result.y.name
+
+
+def scorecard_section(result: Result) -> Section:
+    """All figures side by side."""
+    rows = [_score_row(one) for one in score_rows(result)]
+    rows.append((f"how the {result.venn.n_near} encounters went:", "", "", "", ""))
+    rows += [_score_row(one) for one in class_rows(result)]
+    return Section(
+        "scorecard", "Scorecard", words.scorecard(result.params),
+        (table("Figures of X and Y", FIGURES_HEAD, rows, right=(1, 2, 3)),),
+    )  # fmt: skip
+
+
+def _score_row(row: ScoreRow) -> tuple[str, ...]:
+    label = ("– " if row.level else "") + row.label
+    shown = (number(row.x, row.form), number(row.y, row.form), difference(row.x, row.y, row.form))
+    return (label, *shown, row.better)
+
+
+def encounters_section(result: Result) -> Section:
+    """Who detects whom, and how those missed are missed."""
+    counts = result.venn.counts()
+    in_words = ", ".join(f"{WORDS[kind]} {counts[kind]}" for kind in Category)
+    classes = [
+        (one.label, number(one.x, "d"), number(one.y, "d"), MISS_CLASS_TEXT[kind])
+        for one, kind in zip(class_rows(result), MISS_CLASS_TEXT, strict=True)
+    ]
+    lead = result.lead_time_s
+    lead = lead[np.isfinite(lead)]
+    said = [*describe_misses(result)]
+    if len(lead):
+        said.append(
+            f"In the {len(lead)} encounters that both match, X leads by {lead.mean():+.2f} s on "
+            f"average (median {np.median(lead):+.2f} s)."
+        )
+    names = names_of(result)
+    return Section(
+        "encounters", "Who detects whom", words.who(result.params),
+        (
+            Chart("venn", venn_figure(result.venn, names, theme=THEME), f"Encounters: {in_words}"),
+            table("Encounters by who detects them", ("Category", "Encounters", "Meaning"),
+                  [(WORDS[kind], counts[kind], CATEGORY_TEXT[kind]) for kind in Category],
+                  right=(1,)),
+            Sentences(tuple(said)),
+            Chart("classes", miss_classes_plot(encounters_table(result), names, theme=THEME),
+                  "How many encounters each system fails in which way"),
+            table("How they were missed", ("Class", "X", "Y", "Meaning"), classes, right=(1, 2)),
+        ),
+    )  # fmt: skip
+
+
+def similarity_section(result: Result) -> Section:
+    """Mean similarity by recording, and the worst intervals."""
+    recordings = recordings_table(result)
+    rows = [
+        (
+            one["recording"], f"{one['n_frames']:,}",
+            *(number(one[f"mean_similarity_{letter}"], ".4f") for letter in "xy"),
+            difference(one["mean_similarity_x"], one["mean_similarity_y"], ".4f"),
+            *(number(one[f"share_low_{letter}"], ".1%") for letter in "xy"),
+        )
+        for one in recordings.to_dict("records")
+    ]  # fmt: skip
+    low = f"below {result.params.low:g}"
+    head = ("Recording", "Frames", "Mean X", "Mean Y", "X - Y", f"{low}, X", f"{low}, Y")
+    return Section(
+        "similarity", "Similarity", words.similarity(result.params),
+        (
+            Chart("recordings", recordings_plot(recordings, names_of(result), theme=THEME),
+                  "Mean similarity of X and Y in every recording"),
+            table("Similarity by recording", head, rows, right=range(1, 7)),
+            _intervals(result),
+        ),
+    )  # fmt: skip
+
+
+def _intervals(result: Result) -> Table:
+    worst = pd.concat([worst_intervals(result, letter, n=N_WORST) for letter in "xy"])
+    rows = [
+        (
+            one["system"].upper(), one["recording"], f"{one['first_frame']} to {one['last_frame']}",
+            f"{one['start_s']:.2f}", f"{one['duration_s']:.2f}", f"{one['severity_s']:.3f}",
+            f"{one['min_similarity']:.3f}",
+        )
+        for one in worst.to_dict("records")
+    ]  # fmt: skip
+    head = ("System", "Recording", "Frames", "Start (s)", "Duration (s)", "Severity (s)", "Lowest")
+    return table("The worst low intervals", head, rows, right=range(3, 7))
+
+
+def saliency_section(result: Result) -> Section:
+    """How saliency comes about, and the largest events."""
+    worst = pd.concat([worst_events(result, letter, n=N_WORST) for letter in "xy"])
+    rows = [
+        (
+            one["system"].upper(), one["recording"], one["track"], f"{one['start_s']:.2f}",
+            f"{one['duration_s']:.2f}", f"{one['tau']:.3f}", f"{one['recency']:.3f}",
+            f"{one['saliency_s']:.3f}",
+        )
+        for one in worst.to_dict("records")
+    ]  # fmt: skip
+    head = ("System", "Recording", "Pedestrian", "Start (s)", "Duration (s)", "Passed at its end",
+            "Recency", "Saliency (s)")  # fmt: skip
+    return Section(
+        "saliency", "Saliency", words.saliency(result.params),
+        (
+            Sentences(describe_saliency(result)),
+            table("The most salient events", head, rows, right=range(3, 8)),
+        ),
+    )  # fmt: skip
+
+
+def false_alerts_section(result: Result) -> Section:
+    """False alarms and episodes of both systems."""
+    x, y = (system_summary(result, system) for _, system in sides(result))
+    figures = (
+        ("detections that count", "detections", "d", ""),
+        ("false alarms", "false_alarms", "d", "lower"),
+        ("false alarms per frame", "false_alarms_per_frame", ".3f", "lower"),
+        ("false alarms per minute", "false_alarms_per_minute", ".1f", "lower"),
+        ("false-alert episodes", "false_alert_episodes", "d", "lower"),
+        ("false-alert episodes per hour", "false_alert_episodes_per_hour", ".1f", "lower"),
+        ("mean duration of an episode (s)", "mean_episode_s", ".2f", "lower"),
+        ("longest episode (s)", "longest_episode_s", ".2f", "lower"),
+    )
+    rows = [
+        (label, number(x[key], form), number(y[key], form), difference(x[key], y[key], form), best)
+        for label, key, form, best in figures
+    ]
+    head = ("System", "Recording", "Frames", "Start (s)", "Duration (s)", "Boxes")
+    return Section(
+        "false-alerts", "False alerts", words.FALSE_ALERTS,
+        (
+            table("False alarms and episodes", FIGURES_HEAD, rows, right=(1, 2, 3)),
+            table("The longest episodes", head, _episodes(result), right=range(3, 6)),
+        ),
+    )  # fmt: skip
+
+
+def _episodes(result: Result) -> list[tuple[Any, ...]]:
+    frames, name = result.dataset.frames, result.dataset.recordings["name"]
+    rows = []
+    for letter, system in sides(result):
+        longest = system.episodes.sort_values("duration_s", ascending=False, kind="stable")
+        for one in longest.head(N_WORST).to_dict("records"):
+            first, last = (int(frames["frame"].iloc[one[key]]) for key in ("first_row", "last_row"))
+            start = f"{frames['time_s'].iloc[one['first_row']]:.2f}"
+            rows.append((letter.upper(), name.iloc[one["recording"]], f"{first} to {last}", start,
+                         f"{one['duration_s']:.2f}", one["n_boxes"]))  # fmt: skip
+    return rows
+
+
+def only_one_section(result: Result) -> Section:
+    """Encounters that only one system detects, row by row."""
+    encounters = encounters_table(result)
+    moments = encounter_moments(result)
+    frames = result.dataset.frames
+    rows: list[tuple[Any, ...]] = []
+    for category, letter, other in ((Category.X_ONLY, "x", "y"), (Category.Y_ONLY, "y", "x")):
+        chosen = encounters[encounters["category"] == category.value]
+        missed = moments.loc[chosen.index, f"missed_row_{other}"].to_numpy()
+        for one, row in zip(chosen.to_dict("records"), missed.tolist(), strict=True):
+            time = f"{frames['time_s'].iloc[row]:.2f}" if row >= 0 else UNDEFINED
+            rows.append((
+                f"only {letter.upper()}", one["recording"], one["track"], time,
+                one["n_relevant"], f"{one['peak_height']:.0f}",
+                number(one["coverage_x"], ".0%"), number(one["coverage_y"], ".0%"),
+                str(one[f"miss_class_{other}"]).replace("_", " "),
+            ))  # fmt: skip
+    head = ("Detected by", "Recording", "Pedestrian", "Missed from (s)", "Relevant frames",
+            "Height (px)", "Coverage X", "Coverage Y", "The other's failure")  # fmt: skip
+    title = f"{count_text(len(rows), 'encounter')} that only one system detects"
+    shown = table(title, head, rows, right=range(3, 8))
+    return Section("only-one", "Encounters that only one detects", words.ONLY_ONE, (shown,))

@@ -1,0 +1,145 @@
+"""Evidence frames: which are chosen, and that the pictures are the right ones."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from builders import Box, Place, at, compare, make_dataset
+from inputs import drive, facts_of, session_of
+
+from nvcore.analysis import Result, analyse
+from nvcore.html_report.frames import (
+    EXCLUSIVE,
+    MOST,
+    RecordingPictures,
+    decisive_moments,
+    photo,
+    session_pictures,
+)
+from nvcore.loading import load
+from nvcore.media.images import files_as_pictures
+
+
+def decoded(jpeg: bytes) -> np.ndarray:
+    return cv2.imdecode(np.frombuffer(jpeg, np.uint8), cv2.IMREAD_COLOR)
+
+
+def missed_by_one(who_misses: str, centres: Sequence[float], *, recording: int = 0) -> Result:
+    """One pedestrian on its way, missed by one system in all frames; the other finds it."""
+    truth = [at(t, c, track=7, recording=recording) for t, c in enumerate(centres)]
+    found = [at(t, c, recording=recording) for t, c in enumerate(centres)]
+    x, y = ([], found) if who_misses == "x" else (found, [])
+    return compare(make_dataset(truth, x, y, n_frames=len(centres)))
+
+
+@pytest.mark.parametrize(("loser", "winner"), [("x", "Y"), ("y", "X")])
+def test_of_an_encounter_that_one_detects_the_frame_that_costs_most_is_shown(loser, winner):
+    # the farther from the border, the more a miss costs: 40 of 50 px in frame 2
+    first = decisive_moments(missed_by_one(loser, [10, 25, 40, 30, 5]))[0]
+    assert (first.row, first.title, first.encounter) == (2, f"Only {winner} detects", 0)
+    assert first.text == (
+        f"Pedestrian 7: {winner} matches 100% of the relevant frames, {loser.upper()} 0% (never)."
+    )
+
+
+def test_a_frame_that_both_miss_does_not_tell_the_two_apart():
+    truth = [at(t, 30 if t else 50, track=1) for t in range(4)]
+    x = [at(t, 30) for t in (1, 2, 3)]  # frame 0, which would cost most, is missed by both
+    first = decisive_moments(compare(make_dataset(truth, x, [], n_frames=4)))[0]
+    assert (first.title, first.row) == ("Only X detects", 1)
+
+
+def test_there_are_a_dozen_at_most_and_no_frame_twice():
+    centres = [10 + 3 * i for i in range(14)]
+    truth = [at(0, c, track=1, recording=i) for i, c in enumerate(centres)]
+    x = [at(0, c, recording=i) for i, c in enumerate(centres) if i % 2]
+    y = [at(0, c, recording=i) for i, c in enumerate(centres) if not i % 2]
+    places = [Place([0])] * 14
+    moments = decisive_moments(compare(make_dataset(truth, x, y, places=places)))
+    titles = [one.title for one in moments]
+    assert (
+        titles[: 2 * EXCLUSIVE] == ["Only X detects"] * EXCLUSIVE + ["Only Y detects"] * EXCLUSIVE
+    )
+    assert len(moments) <= MOST
+    assert len({one.row for one in moments}) == len(moments)
+    # the clearest first: those in the middle
+    assert [one.row for one in moments[:EXCLUSIVE]] == [13, 11, 9, 7]
+
+
+def test_a_frame_with_two_such_pedestrians_is_shown_once():
+    truth = [at(t, c, track=c) for t in range(2) for c in (40, 60)]
+    x = [at(t, c) for t in range(2) for c in (40, 60)]
+    moments = decisive_moments(compare(make_dataset(truth, x, [], n_frames=2)))
+    assert sorted(one.row for one in moments) == sorted({one.row for one in moments})
+    assert moments[0].title == "Only X detects"
+
+
+def test_without_a_difference_there_is_nothing_to_show():
+    truth = [at(t, 50, track=1) for t in range(3)]
+    assert decisive_moments(compare(make_dataset(truth, truth, truth, n_frames=3))) == []
+
+
+def test_a_false_alarm_is_a_worst_moment_without_a_pedestrian():
+    result = compare(make_dataset([], [at(1, 50)], [], n_frames=3), alpha=0)
+    (first, *_) = decisive_moments(result)
+    assert (first.row, first.encounter) == (1, -1)
+    assert "false alarm" in first.text
+
+
+@pytest.fixture
+def pictures(tmp_path: Path) -> RecordingPictures:
+    """Six grey pictures, the brightness tells which."""
+    paths = [tmp_path / f"{i}.png" for i in range(6)]
+    for i, path in enumerate(paths):
+        cv2.imwrite(str(path), np.full((100, 100), 30 * i, np.uint8))
+    source = files_as_pictures(paths, "six")
+    return RecordingPictures({0: source}, {0: np.arange(5, 0, -1)}, (0.0, 100.0))
+
+
+def test_the_picture_is_that_of_the_frame(pictures):
+    result = missed_by_one("x", [10, 25, 40, 30, 5])
+    moment = decisive_moments(result)[0]
+    drawn = photo(result, moment, pictures)
+    assert decoded(drawn.jpeg)[-20, 20].mean() == pytest.approx(30 * 3, abs=6)  # row 2: picture 3
+    assert drawn.place == "r0, frame 2, 0.20 s"
+    assert drawn.figures == "similarity of this frame: X 0.28, Y 1.00"
+
+
+def test_without_pictures_boxes_stand_on_a_blank():
+    result = missed_by_one("x", [50, 50, 50])
+    moment = decisive_moments(result)[0]
+    shown = decoded(photo(result, moment, RecordingPictures()).jpeg)
+    assert shown.shape[1] == 880
+    assert shown[-20, 20].max() < 50
+    assert shown.max() > 200  # boxes and the ellipse
+
+
+def test_the_pedestrian_meant_is_encircled():
+    wide = [Box(0, 40, 40, 20, 50, 1)]
+    result = compare(make_dataset(wide, wide, [], n_frames=1))
+    moment = decisive_moments(result)[0]
+    drawn = decoded(photo(result, moment, RecordingPictures()).jpeg).astype(int)
+    plain = decoded(photo(result, moment._replace(encounter=-1), RecordingPictures()).jpeg)
+    rows, columns = np.nonzero(np.abs(drawn - plain).max(axis=-1) > 80)
+    scale = 880 / 100
+    assert rows.min() < 40 * scale < 90 * scale < rows.max()
+    assert columns.min() < 40 * scale < 60 * scale < columns.max()
+
+
+def test_pictures_of_a_session_are_found_and_what_cannot_be_opened_is_told(tmp_path: Path):
+    drive(tmp_path)
+    cv2.imwrite(str(tmp_path / "0.png"), np.zeros((480, 640), np.uint8))
+    facts = (facts_of("urban", pictures="0.png"), facts_of("rural", pictures="absent.mp4"))
+    session = session_of(tmp_path, recordings=facts)
+    dataset = load(session)
+    found = session_pictures(session, dataset)
+    names = dataset.recordings["name"].tolist()
+    assert list(found.sources) == [names.index("urban")]
+    assert found.troubles == ("rural: there is no such file or folder of pictures",)
+    moments = decisive_moments(analyse(dataset))
+    assert moments
+    found.close()
