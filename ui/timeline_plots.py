@@ -20,12 +20,27 @@ LANES_PX: Final = 640
 @st.fragment
 def draw_all(result: Result) -> None:
     """Everything that shows the current frame; a click in one part moves all."""
-    left, right = st.columns([3, 1], gap="medium")
-    with left:
-        settled = timeline_viewer.draw(result)
+    settled = timeline_viewer.settled(result)
     if settled != state.row():
         state.settle(state.recording(), settled)
     cursor = state.row_in_all()
+    left, right = st.columns([3, 1], gap="medium")
+    with st.container():  # first: while a slider moves one waits for the plot
+        _draw_plot(result, cursor)
+    with left:
+        timeline_viewer.draw(result)
+    with right:
+        timeline_viewer.panel(result, cursor)
+    theme, recording = state.theme(), state.recording()
+    lanes = state.workspace().keep(  # they stay while alpha and the like move
+        "lanes", (state.workspace().version, recording, theme, cursor),
+        lambda: lanes_figure(result, recording, theme=theme, cursor_row=cursor),
+    )  # fmt: skip
+    with st.container(height=LANES_PX if lanes.layout.height > LANES_PX else "content"):
+        _clickable(lanes, "lanes")
+
+
+def _draw_plot(result: Result, cursor: int) -> None:
     upright = st.toggle(
         "Time upwards, X left and Y right", key="upright", persist_state="session",
         help="The plot as in the paper's figure 8: the middle is perfect.",
@@ -37,20 +52,11 @@ def draw_all(result: Result) -> None:
         ),
         "time_plot",
     )  # fmt: skip
-    with right:  # after the plot, which one waits for while a slider moves
-        timeline_viewer.panel(result, cursor)
     st.caption(
         "Thin: similarity of each frame, 1 is best. Thick: moving mean. Filled: low intervals. "
         "Marks above: saliency events. Click to see the frame "
         f"({docs_link('Metrics', 'similarity')})."
     )
-    theme, recording = state.theme(), state.recording()
-    lanes = state.workspace().keep(  # they stay while alpha and the like move
-        "lanes", (state.workspace().version, recording, theme, cursor),
-        lambda: lanes_figure(result, recording, theme=theme, cursor_row=cursor),
-    )  # fmt: skip
-    with st.container(height=LANES_PX if lanes.layout.height > LANES_PX else "content"):
-        _clickable(lanes, "lanes")
 
 
 def _clickable(figure: Any, key: str) -> None:

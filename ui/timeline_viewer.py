@@ -12,9 +12,10 @@ from nvcore.moments import next_misses
 from nvcore.tables import sides
 from ui import state
 from ui.text import number, plain
-from ui.viewer import viewer
+from ui.viewer import settled_in, viewer
 
 HEIGHT_PX = 700
+KEY = "viewer"
 MAX_ROWS = 8
 
 
@@ -34,14 +35,24 @@ def recording_choice() -> None:
     right.caption(plain(note or "This recording has no pictures: boxes are drawn on a blank."))
 
 
-def draw(result: Result) -> int:
-    """The viewer; returns the settled row within the recording."""
+def settled(result: Result) -> int:
+    """Row within the recording that the viewer has settled on, also before it is drawn."""
+    first, last = result.dataset.frame_columns.first[state.recording() : state.recording() + 2]
+    if first == last:
+        return 0
+    return settled_in(
+        KEY, recording=state.recording(), n_rows=int(last - first), seek=(state.row(), state.seek())
+    )
+
+
+def draw(result: Result) -> None:
+    """The viewer."""
     space, recording = state.workspace(), state.recording()
     frames = result.dataset.frame_columns
     first, last = int(frames.first[recording]), int(frames.first[recording + 1])
     rows = space.picture_rows.get(recording)
     lo, hi = state.stretch()
-    settled = viewer(
+    viewer(
         token=space.token,
         recording=recording,
         n_rows=last - first,
@@ -62,10 +73,9 @@ def draw(result: Result) -> int:
         hi=hi,
         theme=state.theme(),
         height_px=HEIGHT_PX,
-        key="viewer",
+        key=KEY,
         picture_version=space.pictures_version,
     )
-    return 0 if settled is None else settled
 
 
 def _spans(intervals: pd.DataFrame, recording: int, first: int) -> np.ndarray:

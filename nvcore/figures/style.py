@@ -137,6 +137,7 @@ def layout(
     return {
         "height": height,
         "autosize": True,
+        "template": "none",
         "paper_bgcolor": "rgba(0,0,0,0)",
         "plot_bgcolor": "rgba(0,0,0,0)",
         "font": {"family": FONT, "size": 13, "color": look.ink},

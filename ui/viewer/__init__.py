@@ -154,6 +154,12 @@ def viewer(
     return settled_row(answer.get("settled"), recording=recording, n_rows=n_rows, seek=(row, nonce))
 
 
+def settled_in(key: str, *, recording: int, n_rows: int, seek: tuple[int, int]) -> int:
+    """What `viewer` of this key is going to return: it is known before it is drawn."""
+    known = st.session_state.get(key) or {}
+    return settled_row(known.get("settled"), recording=recording, n_rows=n_rows, seek=seek)
+
+
 def settled_row(settled: Any, *, recording: int, n_rows: int, seek: tuple[int, int]) -> int:
     """The row that the browser reports, if it belongs to this recording and this `seek`.
 
