@@ -13,7 +13,10 @@ from app_visit import Visit
 from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import expect
 
-TITLES = ("Data", "Overview", "Timeline", "Encounters", "Saliency", "Export", "Metrics")
+TITLES = (
+    *("Data", "Overview", "Timeline", "Encounters", "Saliency", "Detection", "Stability"),
+    *("Ratings", "Export", "Metrics"),
+)
 THEMES = ("light", "dark")
 
 # Place in the window of the marker of the Venn diagram that lies deepest in a category's region.
