@@ -158,6 +158,20 @@ def test_slow_pictures_drop_frames_but_never_show_other_boxes(page):
     assert seen[-1]["shown"] - seen[0]["shown"] > 50
 
 
+def test_slow_pictures_do_not_keep_playback_from_its_end(page):
+    choose(page, "slow")
+    sync_api.expect(page.get_by_text("kind slow")).to_be_visible()
+    last = scene.N_ROWS - 1
+    press(page, "End")
+    assert painted(page, last) == last
+    press(page, "Shift+ArrowLeft")  # one second: the pictures between are not here yet
+    assert painted(page, last - 20) == last - 20
+    page.get_by_label("Speed").select_option("4")  # so that not every picture is asked for
+    press(page, " ")
+    assert painted(page, last) == last
+    sync_api.expect(viewer_of(page)).to_have_attribute("data-playing", "false")
+
+
 def test_a_sampled_recording_plays_four_frames_a_second(page):
     choose(page, "sampled")
     # frame 1005 at two frames a second

@@ -198,8 +198,9 @@ class Viewer {
     const rows = [this.row];
     const stride = this.playing ? rowsPerPicture(this) : 1;
     const ahead = this.isDragging ? 0 : PREFETCH;
-    for (let step = 1; step <= ahead; step += 1) rows.push(this.row + this.direction * stride * step);
-    const wanted = rows.filter((row) => row >= 0 && row < recording.nRows && recording.hasPicture(row));
+    // clamped: long strides must not step over the last row, where playing ends
+    for (let step = 1; step <= ahead; step += 1) rows.push(recording.clamp(this.row + this.direction * stride * step));
+    const wanted = [...new Set(rows)].filter((row) => recording.hasPicture(row));
     this.pictures.want(wanted, this.isDragging ? 1 : REQUESTS);
   }
 
