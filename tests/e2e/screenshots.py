@@ -25,6 +25,9 @@ PAGES = {
     "timeline": f"timeline?{MOMENT}",
     "encounters": "encounters",
     "saliency": "saliency?recording=rural_child",
+    "detection": "detection",
+    "stability": "stability",
+    "ratings": "ratings",
     "export": f"export?{MOMENT}",
     "metrics": "metrics",
 }
