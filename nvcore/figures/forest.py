@@ -68,7 +68,10 @@ def subgroup_forest(subgroups: pd.DataFrame, *, theme: Theme) -> go.Figure:
             "larger squares: more encounters; open: too few for an interval",
             height=130 + ROW_PX * len(table), showlegend=False,
             margin={"l": 190, "r": 150, "t": 64, "b": 48},
-            xaxis=axis(theme, "difference in percentage points (right: X detects more)"),
+            xaxis=axis(
+                theme, "difference in percentage points (right: X detects more)",
+                range=_range(difference, low, high),
+            ),
             yaxis=axis(theme)
             | {"tickvals": place.tolist(), "ticktext": labels, "showgrid": False,
                "range": [len(table) - 0.5, -0.5], "fixedrange": True},
@@ -81,6 +84,14 @@ def subgroup_forest(subgroups: pd.DataFrame, *, theme: Theme) -> go.Figure:
             font={"size": 12, "color": look.muted},
         )  # fmt: skip
     return figure
+
+
+def _range(difference: np.ndarray, low: np.ndarray, high: np.ndarray) -> list[float]:
+    """Ends of the axis, with room beside every interval."""
+    values = np.concatenate([difference, low, high, [0.0]])
+    least, most = float(np.nanmin(values)), float(np.nanmax(values))
+    room = 0.05 * max(most - least, 1.0)
+    return [least - room, most + room]
 
 
 def _text(row: dict[Hashable, Any]) -> str:

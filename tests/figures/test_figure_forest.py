@@ -31,6 +31,9 @@ def test_each_group_stands_with_difference_interval_and_counts() -> None:
     assert points.x[edge] == pytest.approx(-100 * 4 / 12)
     assert "12: X 0%, Y 33%" in words(figure)
     assert trace(figure, "95 % interval").x[0] == pytest.approx(100 * rows["low"][0])
+    least, most = figure.layout.xaxis.range
+    assert least < 100 * rows["low"].min()
+    assert most > 100 * rows["high"].max()
 
 
 def test_a_group_without_interval_is_open() -> None:
