@@ -127,12 +127,15 @@ def gate_figures(
     for name in [one.removesuffix("_x") for one in figures if one.endswith("_x")]:
         figures[f"{name}_difference"] = figures[f"{name}_x"] - figures[f"{name}_y"]
     count = Counter(finding.severity for finding in findings)
+    venn = result.venn
+    # without an encounter nothing can be missed: undefined, so that no rule passes by that
+    defined = 1.0 if venn.n_near else math.nan
     return figures | {
-        "new_misses": float(result.venn.x_only),
-        "mended_misses": float(result.venn.y_only),
-        "missed_by_both": float(result.venn.neither),
-        "encounters": float(result.venn.n_near),
-        "mcnemar_p": float(result.exclusivity.mcnemar_p),
+        "new_misses": venn.x_only * defined,
+        "mended_misses": venn.y_only * defined,
+        "missed_by_both": venn.neither * defined,
+        "encounters": float(venn.n_near),
+        "mcnemar_p": result.exclusivity.mcnemar_p * defined,
         "audit_errors": float(count[Severity.ERROR]),
         "audit_warnings": float(count[Severity.WARNING]),
     }

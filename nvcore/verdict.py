@@ -77,7 +77,7 @@ def verdict(
     X detects every encounter that Y detects, and 9 more of 40 (p = 0.0039).
     """
     codes = {one.code for one in findings}
-    sentences = [_encounters(result, codes)]
+    sentences = [_encounters(result, codes) + _by_units(result, codes, evidence)]
     figures = _figures(result)
     if figures:
         sentences.append(f"{figures}; {_chance(evidence)}.")
@@ -152,6 +152,22 @@ def _encounters(result: Result, codes: Set[str]) -> str:
     return f"These data do not show which system detects more encounters: {split}."
 
 
+def _by_units(result: Result, codes: Set[str], evidence: pd.DataFrame | None) -> str:
+    """That encounters of one recording are alike, where that takes the evidence away."""
+    is_claimed = result.exclusivity.mcnemar_p <= SIGNIFICANT and not (
+        {"same-boxes", "short-encounters"} & codes
+    )
+    if evidence is None or not is_claimed:
+        return ""
+    row = evidence[evidence["figure"] == "encounters_detected_by_unit"]
+    if row.empty or float(row["p_holm"].iloc[0]) <= SIGNIFICANT:
+        return ""
+    unit = f"{int(row['n'].iloc[0]):,} {row['unit'].iloc[0]}"
+    return (
+        f" Judged by {unit} instead of single encounters, that is not shown to be more than chance."
+    )
+
+
 def _figures(result: Result) -> str:
     x, y = result.x, result.y
     parts = [
@@ -185,9 +201,10 @@ def _chance(evidence: pd.DataFrame | None) -> str:
     if beyond.empty:
         return f"{by}, none of these differences is shown to be more than chance"
     told = [
-        f"{TESTED[figure]} ({_interval(low, high)}p = {p:.2g})"
-        for figure, low, high, p in zip(
-            beyond["figure"], beyond["low"], beyond["high"], beyond["p_holm"], strict=True
+        f"{TESTED[figure]} (for {_favoured(difference, better)}, {_interval(low, high)}p = {p:.2g})"
+        for figure, difference, better, low, high, p in zip(
+            *(beyond[name] for name in ("figure", "difference", "better", "low", "high", "p_holm")),
+            strict=True,
         )
     ]
     listed = told[0] if len(told) < 2 else ", ".join(told[:-1]) + " and " + told[-1]
@@ -197,8 +214,13 @@ def _chance(evidence: pd.DataFrame | None) -> str:
     return f"{by}, the {noun} in {listed} {verb} more than chance{others}"
 
 
+def _favoured(difference: float, better: str) -> str:
+    """Whom a difference X - Y speaks for."""
+    return "X" if (difference > 0) == (better == "higher") else "Y"
+
+
 def _interval(low: float, high: float) -> str:
-    return f"95 % interval {low:.2g} to {high:.2g}, " if np.isfinite(low) else ""
+    return f"X - Y 95 % interval {low:.2g} to {high:.2g}, " if np.isfinite(low) else ""
 
 
 def _duration(seconds: float) -> str:

@@ -100,6 +100,17 @@ def test_the_command_passes_where_all_rules_hold():
     assert ran.exit_code == 0, ran.output
 
 
+def test_nothing_to_miss_passes_no_rule(tmp_path: Path):
+    for name in ("truth", "one", "two"):
+        (tmp_path / f"{name}.csv").write_text("frame,x,y,w,h,score\n1,5,5,10,20,0.5\n")
+    (tmp_path / "truth.csv").write_text("frame,x,y,w,h,ignore\n1,5,5,10,20,1\n")
+    flags = [part for letter, name in (("truth", "truth"), ("x", "one"), ("y", "two"))
+             for part in (f"--{letter}", tmp_path / f"{name}.csv")]  # fmt: skip
+    ran = nvcore("gate", *flags, "--size", "640x480", "--fps", 10, "--rule", "new_misses == 0")
+    assert ran.exit_code == 1, ran.output
+    assert "new_misses is undefined" in ran.stdout
+
+
 def test_the_protocol_changes_the_figures_of_the_curve():
     every = nvcore("gate", SAMPLE, "--list").stdout
     near = nvcore("gate", SAMPLE, "--list", "--protocol", "near").stdout

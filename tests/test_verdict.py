@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pandas as pd
+import pytest
 from builders import NAN, Box, at, compare, make_dataset
 
 from nvcore.analysis import Result
@@ -83,7 +84,7 @@ def test_the_figures_stand_side_by_side_and_are_not_called_significant():
 def evidence_of(*rows: tuple[str, float, float, float], unit: str = "recordings") -> pd.DataFrame:
     """Rows of figure, low, high, p_holm."""
     table = pd.DataFrame(rows, columns=["figure", "low", "high", "p_holm"])
-    return table.assign(n=12, unit=unit)
+    return table.assign(n=12, unit=unit, difference=table["low"].fillna(1.0), better="higher")
 
 
 def chance(*rows: tuple[str, float, float, float], **more: str) -> str:
@@ -94,17 +95,35 @@ def chance(*rows: tuple[str, float, float, float], **more: str) -> str:
 def test_what_is_beyond_chance_is_told_with_its_interval_and_what_is_not():
     rows = [("mean_similarity", 0.012, 0.043, 0.012), ("saliency", -1.0, 0.5, 0.6)]
     assert chance(*rows) == (
-        "by these 12 recordings, the difference in mean similarity (95 % interval 0.012 to 0.043, "
-        "p = 0.012) is more than chance; the others are not shown to be."
+        "by these 12 recordings, the difference in mean similarity (for X, X - Y 95 % interval "
+        "0.012 to 0.043, p = 0.012) is more than chance; the others are not shown to be."
     )
 
 
 def test_several_differences_beyond_chance_are_listed():
     rows = [("mean_similarity", 0.1, 0.2, 0.01), ("saliency", NAN, NAN, 0.02)]
     assert chance(*rows) == (
-        "by these 12 recordings, the differences in mean similarity (95 % interval 0.1 to 0.2, "
-        "p = 0.01) and saliency per recording (p = 0.02) are more than chance."
+        "by these 12 recordings, the differences in mean similarity (for X, X - Y 95 % interval "
+        "0.1 to 0.2, p = 0.01) and saliency per recording (for X, p = 0.02) are more than chance."
     )
+
+
+def test_a_difference_is_told_for_whom_it_speaks():
+    rows = evidence_of(("saliency", -0.9, -0.2, 0.01)).assign(better="lower")
+    assert (
+        "saliency per recording (for X, "
+        in verdict(detecting(6, range(6), range(2)), evidence=rows)[1]
+    )
+
+
+@pytest.mark.parametrize(("p", "is_doubted"), [(0.01, False), (0.3, True), (NAN, True)])
+def test_encounters_of_few_recordings_are_doubted(p: float, is_doubted: bool):
+    result = detecting(12, range(10), range(2))
+    assert result.exclusivity.mcnemar_p < 0.05
+    rows = evidence_of(("encounters_detected_by_unit", -0.1, 0.5, p))
+    first = verdict(result, evidence=rows)[0]
+    assert first.startswith(verdict(result)[0])
+    assert ("Judged by 12 recordings instead" in first) == is_doubted
 
 
 def test_blocks_of_time_say_nothing_of_other_recordings():

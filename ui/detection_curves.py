@@ -80,7 +80,7 @@ def draw(result: Result, protocol: Protocol) -> None:
 def _draw_evidence(result: Result, protocol: Protocol) -> None:
     """Whether the difference in the log-average miss rate is more than chance."""
     found = state.workspace().keep(
-        "miss_rate_evidence", (result.x.name, result.y.name, _rule(result), protocol),
+        "miss_rate_evidence", (result.x.name, result.y.name, result.params, protocol),
         lambda: _judge_miss_rate(result, protocol), most=4,
     )  # fmt: skip
     if found is None:

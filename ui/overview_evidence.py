@@ -36,11 +36,13 @@ def draw(result: Result, evidence: pd.DataFrame) -> None:
         },
     )  # fmt: skip
     notes = dict.fromkeys(note for row in evidence["note"] if row for note in row.split("; "))
+    has_blocks = (evidence["unit"] == "blocks").any()
+    units = "stretches of these recordings" if has_blocks else "recordings"
     for note in notes:
         st.caption(plain(f"{UNDEFINED} {note[0].upper()}{note[1:]}."))
     st.caption(
         "Both systems saw the same pedestrians, so differences are judged in pairs: how far they "
-        "would vary with other recordings like these (interval), and how often chance alone would "
+        f"would vary with other {units} (interval), and how often chance alone would "
         f"make them as large (p; at most {SIGNIFICANT} is called more than chance). p (Holm) "
         "allows for all the rows being looked at together. effect: size of the difference, "
         "Cohen's d or, with ×, the odds ratio "
@@ -52,7 +54,7 @@ def draw(result: Result, evidence: pd.DataFrame) -> None:
                 st.markdown(f"- {plain(label)}: {plain(method)}")
     theme = state.theme()
     table = state.workspace().keep(
-        "subgroups", state.workspace().version, lambda: subgroup_table(result)
+        "subgroups", (result.params, result.x.name, result.y.name), lambda: subgroup_table(result)
     )
     st.plotly_chart(subgroup_forest(table, theme=theme), theme=None, config=CONFIG, key="subgroups")
     st.caption(
