@@ -59,7 +59,12 @@ def draw(result: Result, clips: pd.DataFrame, ratings_key: object) -> None:
     )
     key = (ratings_key, state.workspace().version, result.params)
     if st.session_state.get(TAKEN) == result.params:
-        st.success("The fitted settings are in use. Reset in the sidebar takes them back.")
+        st.warning(
+            "The fitted settings are in use. They were chosen by ratings: if by these, the plot, "
+            "the correlations and another fit on this page are too good, and no evidence. Reset in "
+            "the sidebar takes them back.",
+            icon=":material/warning:",
+        )
     found: Any = state.workspace().known("rating_fit", key) or _from_job(key)
     if found is None:
         found = _ask(result, clips, key)
