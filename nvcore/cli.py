@@ -24,6 +24,7 @@ from nvcore.cli_inputs import (
     sources_of,
 )
 from nvcore.cli_report import report
+from nvcore.cli_steps import exit_on_findings
 from nvcore.errors import InputError, NvcoreError, one_line
 from nvcore.params import MATCHING
 from nvcore.session import Session
@@ -31,11 +32,9 @@ from nvcore.version import __version__
 
 if TYPE_CHECKING:
     from nvcore.dataset import Dataset
-    from nvcore.findings import Finding
 
 # The commands import what they need: `nvcore --help` need not wait for numpy, pandas and numba.
 
-EXIT_FINDINGS = 1
 EXIT_BAD_INPUT = 2
 MAX_CONVERSION = 160
 """Letters of a conversion's text that `compare` shows: some two lines with the path."""
@@ -148,7 +147,7 @@ def compare(out: Path | None, as_json: bool, strict: bool, **options: Any) -> No
     click.echo(text, nl=not as_json)
     if out is not None:
         click.echo(one_line(f"written to {out}"), err=True)
-    _exit(findings, strict)
+    exit_on_findings(findings, strict)
 
 
 def _keep_own_session(session: Session, file: Path | None, out: Path | None) -> None:
@@ -185,7 +184,7 @@ def check(strict: bool, **options: Any) -> None:
     shown = paths_to_show(session.folder, sources)
     click.echo(render_dataset(_for_terminal(dataset, shown)))
     click.echo("\n" + render_findings(findings_at_paths(findings, shown)))
-    _exit(findings, strict)
+    exit_on_findings(findings, strict)
 
 
 main.add_command(convert)
@@ -228,9 +227,3 @@ def _shortened(text: str, longest: int | None) -> str:
         return text
     end = text.rfind("; ", 0, longest)
     return (text[:end] if end > 0 else text[:longest]) + "; ... (all of it: nvcore check)"
-
-
-def _exit(findings: tuple[Finding, ...], strict: bool) -> None:
-    bad = {"error", "warning"} if strict else {"error"}
-    if any(finding.severity.value in bad for finding in findings):
-        raise SystemExit(EXIT_FINDINGS)

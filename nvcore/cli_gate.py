@@ -17,6 +17,7 @@ from nvcore.cli_inputs import (
     session_from,
     sources_of,
 )
+from nvcore.cli_steps import compare_session, protocol_named
 from nvcore.errors import InputError
 
 RULES = "Rules"
@@ -82,28 +83,17 @@ def gate(
     undefined figure breaks its rule. Exit code 0: all rules hold, 1: one does not, 2: bad input or
     no such figure.
     """
-    from nvcore.analysis import analyse
-    from nvcore.audit import audit
     from nvcore.gate import CURVE_NAMES, gate_figures, judge, junit_xml, markdown, parse_rules
-    from nvcore.loading import compared_systems, effective_params, load
-    from nvcore.protocols import PROTOCOLS
 
-    if protocol not in PROTOCOLS:
-        raise click.UsageError(
-            f"there is no protocol {protocol!r}; there are: {', '.join(PROTOCOLS)}"
-        )
+    chosen = protocol_named(protocol)
     wanted = parse_rules([*rules, *_lines(rules_file)])
     if not wanted and not lists:
         raise click.UsageError("give a rule: --rule 'lamr_x <= 0.10', or --rules FILE")
     session = session_from(options, needs_y=True)
     with pasteable_errors(session.folder, sources_of(session)):
-        dataset = load(session)
-        params = effective_params(session, dataset)
-        x, y = compared_systems(session, dataset)
-        findings = audit(dataset, params, x=x, y=y)
-        result = analyse(dataset, params, x=x, y=y)
+        result, findings = compare_session(session)
     names = [f"{name}_x" for name in CURVE_NAMES] if lists else [rule.name for rule in wanted]
-    figures = gate_figures(result, findings, PROTOCOLS[protocol], names)
+    figures = gate_figures(result, findings, chosen, names)
     if lists:
         width = max(map(len, figures))
         for name in sorted(figures):

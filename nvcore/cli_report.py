@@ -19,10 +19,10 @@ from nvcore.cli_inputs import (
     session_from,
     sources_of,
 )
+from nvcore.cli_steps import compare_session, exit_on_findings, protocol_named
 from nvcore.errors import one_line
 
 REPORT = "Report"
-EXIT_FINDINGS = 1
 
 
 @click.command(cls=GroupedCommand, short_help="Write the comparison as one HTML file.")
@@ -61,18 +61,11 @@ def report(protocol: str, stability: bool | None, out: Path, strict: bool, **opt
     hashes of the inputs; it needs neither network nor this program, and browsers print it to PDF.
     Exit code 0: fine, 1: the audit found errors (with --strict: or warnings), 2: bad input.
     """
-    from nvcore.analysis import analyse
-    from nvcore.audit import audit
     from nvcore.html_report import write_html_report
-    from nvcore.loading import compared_systems, effective_params, load
-    from nvcore.protocols import PROTOCOLS
     from nvcore.scorecard import render_findings
     from nvcore.sources import paths_to_show
 
-    if protocol not in PROTOCOLS:
-        raise click.UsageError(
-            f"there is no protocol {protocol!r}; there are: {', '.join(PROTOCOLS)}"
-        )
+    chosen = protocol_named(protocol)
     if out.suffix.lower() not in (".html", ".htm"):  # an input named by mistake stays as it is
         raise click.UsageError(
             f"--out: expected a file that ends in .html, got {one_line(str(out))}"
@@ -80,21 +73,15 @@ def report(protocol: str, stability: bool | None, out: Path, strict: bool, **opt
     session = session_from(options, needs_y=True)
     sources = sources_of(session)
     with pasteable_errors(session.folder, sources):
-        dataset = load(session, progress=_show)
-        params = effective_params(session, dataset)
-        x, y = compared_systems(session, dataset)
-        findings = audit(dataset, params, x=x, y=y)
-        result = analyse(dataset, params, x=x, y=y)
+        result, findings = compare_session(session, progress=_show)
         write_html_report(
-            result, session, findings, out, protocol=PROTOCOLS[protocol], stability=stability,
+            result, session, findings, out, protocol=chosen, stability=stability,
             progress=_goes_on,
         )  # fmt: skip
     shown = paths_to_show(session.folder, sources)
     click.echo(render_findings(findings_at_paths(findings, shown)))
     click.echo(one_line(f"written to {out}"), err=True)
-    bad = {"error", "warning"} if strict else {"error"}
-    if any(finding.severity.value in bad for finding in findings):
-        raise SystemExit(EXIT_FINDINGS)
+    exit_on_findings(findings, strict)
 
 
 def _goes_on(_share: float, what: str) -> bool:

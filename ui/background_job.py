@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import threading
+import weakref
 from collections.abc import Callable
 from enum import Enum, auto
 from typing import Final
 
 from nvcore.errors import NvcoreError
+from ui.workspace import Workspace
 
 MOST_AT_ONCE: Final = 2
 """Jobs that all sessions together run at a time; further ones wait."""
@@ -17,6 +19,20 @@ Progress = Callable[[float], bool]
 """Told the share that is done; says whether to go on."""
 
 _slots = threading.BoundedSemaphore(MOST_AT_ONCE)
+
+
+def while_open(space: Workspace) -> Callable[[], bool]:
+    """Whether the session still has open what it has open now, for `BackgroundJob`.
+
+    It does not hold the workspace: a thread that did would keep the session's files alive.
+    """
+    session, dataset = weakref.ref(space), weakref.ref(space.dataset)
+
+    def is_wanted() -> bool:
+        here = session()
+        return here is not None and here.dataset is not None and here.dataset is dataset()
+
+    return is_wanted
 
 
 class JobState(Enum):

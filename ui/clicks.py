@@ -38,3 +38,13 @@ def clicked_cell(key: str) -> tuple[int, str] | None:
     """Row and column of the cell of a table that was clicked; None: nothing."""
     cells = st.session_state[key]["selection"]["cells"]
     return (int(cells[0][0]), str(cells[0][1])) if cells else None
+
+
+def is_new_click(key: str, points: Any) -> bool:
+    """Whether a chart's selection was made since it was last asked about: it outlives reruns."""
+    seen = st.session_state.setdefault("seen_clicks", {})
+    at = repr(points)
+    if seen.get(key) == at:
+        return False
+    seen[key] = at
+    return True

@@ -22,6 +22,7 @@ from nvcore.tables import sides
 from nvcore.units import find_units
 from nvcore.windows import WindowGrid, scale_steps, windows_per_image
 from ui import state
+from ui.clicks import is_new_click
 from ui.detection_protocol import filtered
 from ui.overview_scorecard import BETTER
 from ui.text import docs_link, plain
@@ -69,7 +70,7 @@ def draw(result: Result, protocol: Protocol) -> None:
     )  # fmt: skip
     st.caption(f"{EXPLAINED[kind]} Click a curve to count from that score on.")
     points = chosen["selection"]["points"]
-    if points and state.is_new_click("curves", points):
+    if points and is_new_click("curves", points):
         letter, threshold = points[0]["customdata"]
         state.set_threshold(letter, float(threshold))
         st.rerun()

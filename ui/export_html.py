@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import secrets
-import weakref
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
@@ -17,7 +16,7 @@ from nvcore.html_report.evidence_sections import AT_ONCE
 from nvcore.protocols import PROTOCOLS
 from nvcore.session import Session
 from ui import state
-from ui.background_job import JobState, Progress
+from ui.background_job import JobState, Progress, while_open
 from ui.export_session import public_findings
 from ui.export_video import FOLDER, POLL_S
 from ui.public import public
@@ -112,8 +111,6 @@ def start_job(
     path: Path, pictures: RecordingPictures, *, protocol: str, stability: bool | None,
 ) -> HtmlJob:  # fmt: skip
     """Start writing; it ends with the session, and when the session opens something else."""
-    # the thread must not hold the workspace: it would keep the session's files alive
-    owner, dataset = weakref.ref(space), weakref.ref(space.dataset)
 
     def write(progress: Progress) -> bool:
         return write_html_report(
@@ -121,11 +118,7 @@ def start_job(
             stability=stability, progress=lambda share, _what: progress(share),
         )  # fmt: skip
 
-    def is_wanted() -> bool:
-        here = owner()
-        return here is not None and here.dataset is not None and here.dataset is dataset()
-
-    return HtmlJob(key, path, NAME, write, is_wanted)
+    return HtmlJob(key, path, NAME, write, while_open(space))
 
 
 @st.fragment(run_every=POLL_S)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import secrets
-import weakref
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -14,7 +13,7 @@ import streamlit as st
 from nvcore.analysis import Result
 from nvcore.media import FPS_RANGE, write_video
 from ui import state
-from ui.background_job import JobState, Progress
+from ui.background_job import JobState, Progress, while_open
 from ui.export_frame import file_stem, numbers_of
 from ui.text import plain
 from ui.video_job import VideoJob
@@ -176,8 +175,6 @@ def start_job(
     stretch: tuple[float, float], labels: bool,
 ) -> VideoJob:  # fmt: skip
     """Start writing; it ends with the session, and when the session opens something else."""
-    # the thread must not hold the workspace: it would keep the session's files alive
-    session, dataset = weakref.ref(space), weakref.ref(space.dataset)
     pictures, indices = space.pictures, space.picture_rows.get(recording)
     start = int(result.dataset.frame_columns.first[recording])
 
@@ -188,11 +185,7 @@ def start_job(
             hi=stretch[1], labels=labels,
         )  # fmt: skip
 
-    def is_wanted() -> bool:
-        here = session()
-        return here is not None and here.dataset is not None and here.dataset is dataset()
-
-    return VideoJob(path, name, write, is_wanted)
+    return VideoJob(path, name, write, while_open(space))
 
 
 @st.fragment(run_every=POLL_S)

@@ -16,6 +16,7 @@ from nvcore.scorecard_table import ScoreRow, class_rows, score_rows
 from nvcore.tables import recordings_table
 from nvcore.verdict import verdict
 from ui import state
+from ui.clicks import is_new_click
 from ui.data_sampling import sampling_note
 from ui.navigate import open_frame, open_page
 from ui.text import docs_link, plain
@@ -122,5 +123,5 @@ def by_recording(result: Result) -> None:
         theme=None, config=CONFIG, key="by_recording", on_select="rerun", selection_mode="points",
     )  # fmt: skip
     points = chosen["selection"]["points"]
-    if points and state.is_new_click("by_recording", points):
+    if points and is_new_click("by_recording", points):
         open_frame(int(points[0]["customdata"]), 0)

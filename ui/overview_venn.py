@@ -8,6 +8,7 @@ from nvcore.analysis import Result
 from nvcore.figures.style import CONFIG
 from nvcore.figures.venn import venn_figure
 from ui import state
+from ui.clicks import is_new_click
 from ui.navigate import open_page
 
 
@@ -20,7 +21,7 @@ def draw(result: Result) -> None:
         alt=_in_words(result),
     )  # fmt: skip
     points = chosen["selection"]["points"]
-    if points and state.is_new_click("venn", points):
+    if points and is_new_click("venn", points):
         _open(str(points[0]["customdata"]))
     st.caption("Click a region to see its encounters.")
     counts = result.venn.counts()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import weakref
 from concurrent.futures import CancelledError
 from dataclasses import replace
 from typing import Any, Final
@@ -15,7 +14,7 @@ from nvcore.errors import InputError
 from nvcore.figures.style import count_text
 from nvcore.ratings.fit import Fit, fit_saliency
 from ui import live_params, state
-from ui.background_job import BackgroundJob, JobState, Progress
+from ui.background_job import BackgroundJob, JobState, Progress, while_open
 from ui.sidebar import CHOICES, LABELS
 from ui.text import docs_link, plain
 
@@ -112,15 +111,7 @@ def _ask(result: Result, clips: pd.DataFrame, key: Any) -> Fit | None:
 
 def _start(result: Result, clips: pd.DataFrame, key: Any) -> None:
     _cancel()
-    space = state.workspace()
-    # the thread must not hold the workspace: it would keep the session's files alive
-    session, dataset = weakref.ref(space), weakref.ref(result.dataset)
-
-    def is_wanted() -> bool:
-        here = session()
-        return here is not None and here.dataset is not None and here.dataset is dataset()
-
-    st.session_state[JOB] = FitJob(key, result, clips, is_wanted)
+    st.session_state[JOB] = FitJob(key, result, clips, while_open(state.workspace()))
 
 
 def _cancel() -> None:

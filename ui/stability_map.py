@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import weakref
 from concurrent.futures import CancelledError, ThreadPoolExecutor
 from typing import Any, Final
 
@@ -17,7 +16,8 @@ from nvcore.stability_axes import Plane
 from nvcore.stability_scores import Criterion
 from nvcore.stability_words import describe_stability
 from ui import state
-from ui.background_job import BackgroundJob, JobState, Progress
+from ui.background_job import BackgroundJob, JobState, Progress, while_open
+from ui.clicks import is_new_click
 from ui.text import plain
 
 PLANE_WORDS: Final[dict[Plane, str]] = {
@@ -56,17 +56,14 @@ class MapJob(BackgroundJob):
     def _compute(
         self, result: Result, plane: Plane, criterion: Criterion, progress: Progress
     ) -> bool:
-        goes_on = True
-
         def tell(done: int, of: int) -> None:
-            nonlocal goes_on
-            goes_on = progress(done / of)
+            progress(done / of)
 
         try:
             with ThreadPoolExecutor(THREADS) as pool:
                 self.found = map_stability(
                     result, plane, criterion, executor=pool, progress=tell,
-                    is_cancelled=lambda: not goes_on or not progress(self.share),
+                    is_cancelled=lambda: not progress(self.share),
                 )  # fmt: skip
         except CancelledError:
             return False
@@ -121,15 +118,7 @@ def _found(result: Result, plane: Plane, criterion: Criterion, key: Any) -> Stab
 
 def _start(result: Result, plane: Plane, criterion: Criterion, key: Any) -> None:
     _cancel()
-    space = state.workspace()
-    # the thread must not hold the workspace: it would keep the session's files alive
-    session, dataset = weakref.ref(space), weakref.ref(space.dataset)
-
-    def is_wanted() -> bool:
-        here = session()
-        return here is not None and here.dataset is not None and here.dataset is dataset()
-
-    st.session_state[JOB] = MapJob(key, result, plane, criterion, is_wanted)
+    st.session_state[JOB] = MapJob(key, result, plane, criterion, while_open(state.workspace()))
 
 
 def _cancel() -> None:
@@ -169,7 +158,7 @@ def _draw_map(found: StabilityMap) -> None:
     )  # fmt: skip
     st.caption("Click a place to take its settings into the sidebar.")
     points = chosen["selection"]["points"]
-    if points and state.is_new_click("stability", points):
+    if points and is_new_click("stability", points):
         cell = points[0]["customdata"]
         settings = found.settings(int(cell[0] if isinstance(cell, list) else cell))
         state.set_params(**settings)

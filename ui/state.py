@@ -14,7 +14,7 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.analysis import Result, analyse
-from nvcore.audit import audit_inputs, audit_pair, audit_system
+from nvcore.audit import audit_inputs, audit_pair, audit_system, role_of
 from nvcore.dataset import Dataset
 from nvcore.findings import Finding, worst_first
 from nvcore.loading import compared_systems, effective_params, load
@@ -210,11 +210,10 @@ def _audit(space: Workspace, settings: Params, x: str, y: str | None) -> tuple[F
     """In the parts of `nvcore.audit.audit`: a threshold does not change what the files are."""
     dataset = space.dataset
     assert dataset is not None
-    roles = {y: (settings.threshold_y, "y"), x: (settings.threshold_x, "x")}
     with st.spinner("Auditing the inputs"):
         found = [*space.keep("audit_inputs", (), lambda: audit_inputs(dataset))]
         for name in dataset.systems:
-            threshold, letter = roles.get(name, (None, ""))
+            threshold, letter = role_of(name, (x, y), settings)
             found += space.keep(
                 "audit_system", (name, threshold, letter),
                 partial(audit_system, dataset, name, threshold, letter=letter),
@@ -365,16 +364,6 @@ def _forget_widgets() -> None:
         for spec in fields(Params):
             st.session_state.pop(spec.name, None)
     st.session_state["has_opened"] = True  # the first time the address may set parameters
-
-
-def is_new_click(key: str, points: Any) -> bool:
-    """Whether a chart's selection was made since it was last asked about: it outlives reruns."""
-    seen = st.session_state.setdefault("seen_clicks", {})
-    at = repr(points)
-    if seen.get(key) == at:
-        return False
-    seen[key] = at
-    return True
 
 
 def choose_category(category: str) -> None:

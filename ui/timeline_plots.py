@@ -11,6 +11,7 @@ from nvcore.figures.lanes import lanes_figure
 from nvcore.figures.style import CONFIG
 from nvcore.figures.time_plot import similarity_plot
 from ui import state, timeline_viewer
+from ui.clicks import is_new_click
 from ui.text import docs_link
 
 LANES_PX: Final = 640
@@ -65,7 +66,7 @@ def _clickable(figure: Any, key: str) -> None:
         selection_mode="points",
     )  # fmt: skip
     points = chosen["selection"]["points"]
-    if points and state.is_new_click(key, points):
+    if points and is_new_click(key, points):
         row = int(points[0]["customdata"])
         state.go_to(*state.place_of(row))
         st.rerun(scope="fragment")

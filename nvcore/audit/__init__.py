@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from nvcore.audit.agreement import find_disagreement, match_pair
@@ -66,7 +68,7 @@ def audit(
     names = _compared(dataset, x, y)
     findings = [*audit_inputs(dataset)]
     for system in dataset.systems:
-        threshold, letter = _role(system, names, params)
+        threshold, letter = role_of(system, names, params)
         findings += audit_system(dataset, system, threshold, letter=letter)
     findings += audit_pair(dataset, params, x=x, y=y)
     return worst_first(findings)
@@ -133,7 +135,7 @@ def _audit_boxes(audited: Audited) -> list[Finding]:
     return [*audit_geometry(audited), *audit_doubles(audited)]
 
 
-def _role(system: str, names: list[str], params: Params) -> tuple[float | None, str]:
+def role_of(system: str, names: Sequence[str | None], params: Params) -> tuple[float | None, str]:
     """Threshold and letter of a system; that of X where one system is compared with itself."""
     for name, threshold, letter in zip(
         names, (params.threshold_x, params.threshold_y), "xy", strict=False
