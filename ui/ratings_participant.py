@@ -14,6 +14,7 @@ from ui import ratings_links, state
 from ui.navigate import open_page
 from ui.ratings_links import PARTICIPANT, STUDY
 from ui.text import plain
+from ui.viewed import viewed
 from ui.viewer import viewer
 
 ENDS: Final = ("not annoying at all", "very annoying")
@@ -169,23 +170,11 @@ def _scale(study: Study, clip: int) -> int | None:
 
 def _played(result: Result, recording: int, letter: Letter, clip: int, name: str) -> bool:
     """Show the clip; whether it was seen to its end."""
-    space = state.workspace()
-    frames = result.dataset.frame_columns
-    first, last = int(frames.first[recording]), int(frames.first[recording + 1])
-    rows = space.picture_rows.get(recording)
+    first, last = result.dataset.frame_columns.first[recording : recording + 2].tolist()
     lo, hi = state.STRETCH
     nothing = np.full(last - first, np.nan)
     row = viewer(
-        token=space.token,
-        recording=recording,
-        n_rows=last - first,
-        width=float(frames.width[recording]),
-        height=float(frames.height[recording]),
-        fps=float(frames.fps[recording]),
-        frames=frames.frame[first:last],
-        times_s=result.dataset.frames["time_s"].to_numpy()[first:last],
-        has_picture=np.zeros(last - first, dtype=bool) if rows is None else rows >= 0,
-        version=space.version,
+        **viewed(result, recording),
         traces={"x": nothing, "y": nothing},
         low=0.0,
         intervals=((), ()),
@@ -194,10 +183,8 @@ def _played(result: Result, recording: int, letter: Letter, clip: int, name: str
         seek=(0, 0),
         lo=lo,
         hi=hi,
-        theme=state.theme(),
         height_px=HEIGHT_PX,
         key=f"clip_{clip}_of_{name}",
-        picture_version=space.pictures_version,
         only=letter,
     )
     return row is None or row == last - first - 1

@@ -12,6 +12,7 @@ from nvcore.moments import next_misses
 from nvcore.tables import sides
 from ui import state
 from ui.text import number, plain
+from ui.viewed import viewed
 from ui.viewer import settled_in, viewer
 
 HEIGHT_PX = 700
@@ -47,22 +48,11 @@ def settled(result: Result) -> int:
 
 def draw(result: Result) -> None:
     """The viewer."""
-    space, recording = state.workspace(), state.recording()
-    frames = result.dataset.frame_columns
-    first, last = int(frames.first[recording]), int(frames.first[recording + 1])
-    rows = space.picture_rows.get(recording)
+    recording = state.recording()
+    first, last = result.dataset.frame_columns.first[recording : recording + 2].tolist()
     lo, hi = state.stretch()
     viewer(
-        token=space.token,
-        recording=recording,
-        n_rows=last - first,
-        width=float(frames.width[recording]),
-        height=float(frames.height[recording]),
-        fps=float(frames.fps[recording]),
-        frames=frames.frame[first:last],
-        times_s=result.dataset.frames["time_s"].to_numpy()[first:last],
-        has_picture=np.zeros(last - first, dtype=bool) if rows is None else rows >= 0,
-        version=space.version,
+        **viewed(result, recording),
         traces={letter: system.similarity[first:last] for letter, system in sides(result)},
         low=result.params.low,
         intervals=[_spans(system.intervals, recording, first) for _, system in sides(result)],
@@ -71,10 +61,8 @@ def draw(result: Result) -> None:
         seek=(state.row(), state.seek()),
         lo=lo,
         hi=hi,
-        theme=state.theme(),
         height_px=HEIGHT_PX,
         key=KEY,
-        picture_version=space.pictures_version,
     )
 
 
