@@ -20,13 +20,15 @@ from nvcore.cli_inputs import (
     input_options,
     parameter_options,
     pasteable_errors,
+    protocol_option,
     session_from,
     sources_of,
 )
 from nvcore.cli_report import report
-from nvcore.cli_steps import exit_on_findings
+from nvcore.cli_steps import exit_on_findings, files_read, refuse_to_replace
 from nvcore.errors import InputError, NvcoreError, one_line
 from nvcore.params import MATCHING
+from nvcore.report_columns import REPORT_COLUMNS
 from nvcore.session import Session
 from nvcore.version import __version__
 
@@ -109,6 +111,7 @@ def main() -> None:
 @grouped_option(
     OUTPUT, "--strict", is_flag=True, help="Warnings of the audit give exit code 1, too."
 )
+@protocol_option
 @parameter_options
 def compare(out: Path | None, as_json: bool, strict: bool, **options: Any) -> None:
     """Compare systems X and Y against the ground truth.
@@ -125,7 +128,7 @@ def compare(out: Path | None, as_json: bool, strict: bool, **options: Any) -> No
     from nvcore.sources import paths_to_show
 
     session = session_from(options, needs_y=True)
-    _keep_own_session(session, options["session_file"], out)
+    _keep_inputs(session, options["session_file"], out)
     sources = sources_of(session)
     n_steps = 6 + len(session.systems) + (10 if out is not None else 0)
     with pasteable_errors(session.folder, sources), _Steps(n_steps) as steps:
@@ -137,7 +140,11 @@ def compare(out: Path | None, as_json: bool, strict: bool, **options: Any) -> No
         steps("analysing")
         result = analyse(dataset, params, x=x, y=y)
         steps("what fusion would do")
-        text = summary_json(result) if as_json else render_scorecard(result, findings)
+        text = (
+            summary_json(result)
+            if as_json
+            else render_scorecard(result, findings, session.protocol)
+        )
         if out is not None:
             write_report(result, session, out, findings, progress=steps)
     shown = paths_to_show(session.folder, sources)
@@ -150,12 +157,20 @@ def compare(out: Path | None, as_json: bool, strict: bool, **options: Any) -> No
     exit_on_findings(findings, strict)
 
 
-def _keep_own_session(session: Session, file: Path | None, out: Path | None) -> None:
-    """Refuse to put the report's session.toml over one that was not written by the program."""
-    if file is None or out is None or session.hashes:
+def _keep_inputs(session: Session, file: Path | None, out: Path | None) -> None:
+    """Refuse to write the report over its inputs; a session.toml it wrote itself may be."""
+    if out is None:
         return
-    if (out / "session.toml").resolve() == file.resolve():
+    is_written_by_hand = not session.hashes
+    if (
+        file is not None
+        and is_written_by_hand
+        and file.resolve() == (out / "session.toml").resolve()
+    ):
         raise click.UsageError("the report would replace the session file; give another --out")
+    refuse_to_replace(
+        (out / name for name in (*REPORT_COLUMNS, "summary.json")), files_read(session)
+    )
 
 
 @main.command(cls=GroupedCommand)

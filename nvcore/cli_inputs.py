@@ -12,6 +12,7 @@ import click
 
 from nvcore.errors import InputError
 from nvcore.params import Params, params_from
+from nvcore.protocols import PROTOCOLS
 from nvcore.session import (
     RecordingFacts,
     Session,
@@ -114,6 +115,15 @@ def parameter_options(command: Callable[..., Any]) -> Callable[..., Any]:
         command = option(command)
     return command
 
+
+protocol_option = grouped_option(
+    "Detection figures",
+    "--protocol",
+    type=click.Choice(list(PROTOCOLS)),
+    help="Which pedestrians count in the detection figures, such as the log-average miss rate "
+    "(docs/detection.md). Default: the session file's, or all.",
+)
+"""The flag for the protocol of the detection figures."""
 
 format_option = grouped_option(
     READING,
@@ -246,6 +256,7 @@ def session_from(options: dict[str, Any], *, needs_y: bool) -> Session:
         fps=options["fps"],
         frames=None if options["frames"] is None else _frames(options["frames"]),
         params=params_from(given),
+        protocol=PROTOCOLS[options.get("protocol") or "all"],
     )
 
 
@@ -274,6 +285,8 @@ def _from_file(options: dict[str, Any], given: dict[str, Any]) -> Session:
     if options["frames"] is not None:
         changes["frames"] = _frames(options["frames"])
         dropped["frames"] = None
+    if options.get("protocol") is not None:
+        changes["protocol"] = PROTOCOLS[options["protocol"]]
     recordings: tuple[RecordingFacts, ...] = tuple(
         replace(one, **dropped)  # type: ignore[arg-type]
         for one in session.recordings

@@ -16,10 +16,16 @@ from nvcore.cli_inputs import (
     input_options,
     parameter_options,
     pasteable_errors,
+    protocol_option,
     session_from,
     sources_of,
 )
-from nvcore.cli_steps import compare_session, exit_on_findings, protocol_named
+from nvcore.cli_steps import (
+    compare_session,
+    exit_on_findings,
+    files_read,
+    refuse_to_replace,
+)
 from nvcore.errors import one_line
 
 REPORT = "Report"
@@ -27,14 +33,7 @@ REPORT = "Report"
 
 @click.command(cls=GroupedCommand, short_help="Write the comparison as one HTML file.")
 @input_options
-@grouped_option(
-    REPORT,
-    "--protocol",
-    metavar="NAME",
-    default="all",
-    show_default=True,
-    help="Which pedestrians count in the detection figures (docs/detection.md).",
-)
+@protocol_option
 @grouped_option(
     REPORT,
     "--stability/--no-stability",
@@ -54,7 +53,7 @@ REPORT = "Report"
     OUTPUT, "--strict", is_flag=True, help="Warnings of the audit give exit code 1, too."
 )
 @parameter_options
-def report(protocol: str, stability: bool | None, out: Path, strict: bool, **options: Any) -> None:
+def report(stability: bool | None, out: Path, strict: bool, **options: Any) -> None:
     """Write the comparison of X and Y as one HTML file.
 
     Inputs as for compare. The file has verdict, figures, evidence frames, tables, parameters and
@@ -65,18 +64,17 @@ def report(protocol: str, stability: bool | None, out: Path, strict: bool, **opt
     from nvcore.scorecard import render_findings
     from nvcore.sources import paths_to_show
 
-    chosen = protocol_named(protocol)
     if out.suffix.lower() not in (".html", ".htm"):  # an input named by mistake stays as it is
         raise click.UsageError(
             f"--out: expected a file that ends in .html, got {one_line(str(out))}"
         )
     session = session_from(options, needs_y=True)
+    refuse_to_replace([out], files_read(session))
     sources = sources_of(session)
     with pasteable_errors(session.folder, sources):
         result, findings = compare_session(session, progress=_show)
         write_html_report(
-            result, session, findings, out, protocol=chosen, stability=stability,
-            progress=_goes_on,
+            result, session, findings, out, stability=stability, progress=_goes_on
         )  # fmt: skip
     shown = paths_to_show(session.folder, sources)
     click.echo(render_findings(findings_at_paths(findings, shown)))

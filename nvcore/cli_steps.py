@@ -1,31 +1,78 @@
-"""Steps that several commands take: the protocol, the comparison, the exit code."""
+"""Steps that several commands take: keeping the inputs, the comparison, the exit code."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from nvcore.session import Session
+from nvcore.cli_inputs import sources_of
+from nvcore.errors import InputError, one_line
+from nvcore.session import Session, is_frame_range
 
 if TYPE_CHECKING:
     from nvcore.analysis import Result
     from nvcore.findings import Finding
-    from nvcore.protocols import Protocol
 
 # Nothing here imports numpy, pandas or numba before it is called.
 
 EXIT_FINDINGS = 1
 
 
-def protocol_named(name: str) -> Protocol:
-    """The evaluation protocol of that name; else a usage error that names all."""
-    from nvcore.protocols import PROTOCOLS
+def refuse_to_replace(outputs: Iterable[Path], inputs: Iterable[Path]) -> None:
+    """A usage error if one of the files to write is also one to read, by whatever name or link.
 
-    if name not in PROTOCOLS:
-        raise click.UsageError(f"there is no protocol {name!r}; there are: {', '.join(PROTOCOLS)}")
-    return PROTOCOLS[name]
+    Parameters
+    ----------
+    inputs
+        Files; of a folder the pictures in it are meant.
+    """
+    by_path = {file.resolve(): file for file in outputs}
+    if not by_path:  # then the inputs need not be looked for
+        return
+    by_identity = {_identity(path): file for path, file in by_path.items()}
+    by_identity.pop(None, None)  # of those that do not exist
+    for one in inputs:
+        clash = by_path.get(one.resolve()) or by_identity.get(_identity(one))
+        if clash is None and one.is_dir():
+            clash = next((file for path, file in by_path.items() if _shows(path, one)), None)
+        if clash is not None:
+            raise click.UsageError(
+                one_line(f"{clash} is an input, and would be replaced; give another file to write")
+            )
+
+
+def files_read(session: Session) -> Iterator[Path]:
+    """The files that a session makes the program read; folders of pictures as such."""
+    from nvcore.sources import find_files
+
+    for source, role in sources_of(session):
+        with suppress(InputError):  # told when the files are read
+            yield from (file.path for file in find_files(source, session.folder, role)[0])
+    for frames in (session.frames, *(one.frames for one in session.recordings)):
+        if frames is not None and not is_frame_range(frames):
+            yield session.folder / frames
+    for one in session.recordings:
+        if one.pictures is not None:
+            yield session.folder / one.pictures
+
+
+def _identity(path: Path) -> tuple[int, int] | None:
+    try:
+        status = path.stat()
+    except OSError:
+        return None
+    return status.st_dev, status.st_ino
+
+
+def _shows(path: Path, folder: Path) -> bool:
+    """Whether the path is a picture in the folder."""
+    from nvcore.media import IMAGE_SUFFIXES
+
+    return path.suffix.lower() in IMAGE_SUFFIXES and path.is_relative_to(folder.resolve())
 
 
 def compare_session(

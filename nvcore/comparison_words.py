@@ -12,22 +12,21 @@ import numpy as np
 import pandas as pd
 
 from nvcore.analysis import Result, SystemResult
+from nvcore.encounters import mostly_one_frame
+from nvcore.schema import Category
 from nvcore.tables import sides
 from nvcore.verdict import SIGNIFICANT
 
 FEW_MISSES: Final = 5
-"""Misses of a system below which phi is not put into words."""
-INDEPENDENT: Final = 0.1
-CLEAR: Final = 0.3
-"""Sizes of phi up to which misses are called unrelated, and from which clearly related."""
+"""Misses of a system below which phi is not explained."""
 
 
 def describe_misses(result: Result) -> tuple[str, ...]:
     """Whether X and Y miss the same pedestrians, in sentences.
 
-    Who misses how many, how much the two sets of misses share (Jaccard index), whether a miss of
-    one makes one of the other likelier (phi), and whether the split between them may be chance
-    (exact McNemar test).
+    Who misses how many, how much the two sets of misses share (Jaccard index), how they are
+    correlated (phi), and whether the split between them may be chance (exact McNemar test; not
+    where most encounters are one frame long).
     """
     venn, e = result.venn, result.exclusivity
     if not venn.n_near:
@@ -43,7 +42,10 @@ def describe_misses(result: Result) -> tuple[str, ...]:
     related = _relation(e.phi, min(e.missed_by_x, e.missed_by_y))
     if related:
         sentences.append(related)
-    sentences.append(_split(venn.x_only, venn.y_only, e.mcnemar_p))
+    is_short = mostly_one_frame(
+        result.encounters.n_frames[result.category != Category.DISTANT.value]
+    )
+    sentences.append(_split(venn.x_only, venn.y_only, e.mcnemar_p, is_short=is_short))
     return tuple(sentences)
 
 
@@ -61,20 +63,14 @@ def _relation(phi: float, fewest: int) -> str:
         return ""
     if fewest < FEW_MISSES:
         return f"Too few misses to say whether those of X and Y go together (phi {phi:+.2f})."
-    if abs(phi) < INDEPENDENT:
-        return (
-            "Whether one system misses a pedestrian says next to nothing about the other "
-            f"(phi {phi:+.2f})."
-        )
-    much = "clearly " if abs(phi) >= CLEAR else "somewhat "
-    which = "likelier" if phi > 0 else "less likely"
     return (
-        f"A pedestrian that one system misses is {much}{which} to be missed by the other, too "
-        f"(phi {phi:+.2f})."
+        f"The correlation of their misses is phi {phi:+.2f} (0: a miss of one says nothing about "
+        "the other; 1: both miss the same pedestrians; below 0: one rather detects those that the "
+        "other misses)."
     )
 
 
-def _split(x_only: int, y_only: int, p: float) -> str:
+def _split(x_only: int, y_only: int, p: float, *, is_short: bool) -> str:
     n = x_only + y_only
     if not n:
         return "No encounter is detected by one system alone: none tells the two apart."
@@ -83,6 +79,13 @@ def _split(x_only: int, y_only: int, p: float) -> str:
         if n > 1
         else f"Only one encounter is detected by a single system, by {'X' if x_only else 'Y'}"
     )
+    if x_only == y_only:
+        return f"{what}: in this they do not differ."
+    if is_short:
+        return (
+            f"{what}. Most encounters are one frame long and not independent, so no test of "
+            "single encounters is given."
+        )
     if p <= SIGNIFICANT:
         return (
             f"{what}: a split so uneven is unlikely if both are equally good (exact McNemar test, "
@@ -92,6 +95,28 @@ def _split(x_only: int, y_only: int, p: float) -> str:
         f"{what}: two equally good systems could well differ so much by chance (exact McNemar "
         f"test, p = {p:.2g})."
     )
+
+
+def describe_lead(result: Result) -> str:
+    """Who matches a pedestrian first, by mean and median of the lead time (positive: X first)."""
+    lead_s = result.lead_time_s
+    lead_s = lead_s[np.isfinite(lead_s)]
+    if not len(lead_s):
+        return "No encounter is matched by both systems, so there is no lead time."
+    first_x, first_y = int(np.count_nonzero(lead_s > 0)), int(np.count_nonzero(lead_s < 0))
+    mean, median = round(float(lead_s.mean()), 2), round(float(np.median(lead_s)), 2)
+    said = (
+        f"Of {_count(len(lead_s), 'encounter')} that both match, X matches {first_x} first, Y "
+        f"{first_y}, and {len(lead_s) - first_x - first_y} at once. X's lead is {mean:+z.2f} s on "
+        f"average, median {median:+z.2f} s"
+    )
+    if not mean and not median:
+        return f"{said}: neither leads."
+    if not median:
+        return f"{said}: in the middle neither leads; the mean comes from those that differ."
+    if mean * median < 0:
+        return f"{said}: the two point in different directions, so neither leads clearly."
+    return f"{said}."
 
 
 def describe_fusion(fusion: pd.DataFrame) -> tuple[str, ...]:

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
 from nvcore.analysis import Result
 from nvcore.curves import Outcomes, detection_outcomes
-from nvcore.miss_rate import FPPI_REFERENCES
+from nvcore.errors import InputError
+from nvcore.miss_rate import FPPI_REFERENCES, explain_few, explain_zero
 from nvcore.protocols import PROTOCOLS, Protocol
-from nvcore.significance import LOWER, UnitFigure
+from nvcore.significance import D_Z, LOWER, Evidence, UnitFigure, judge_figure
 from nvcore.tables import sides
 from nvcore.units import Units
 
+FIGURE: Final = "log_average_miss_rate"
 N_POINTS: Final = 200
 """Operating points besides the references: a resample finds its own among them."""
 POINT_RANGE: Final = (0.002, 4.0)
@@ -23,7 +27,7 @@ POINT_RANGE: Final = (0.002, 4.0)
 def log_average_miss_rate_figure(
     result: Result, units: Units, protocol: Protocol = PROTOCOLS["all"]
 ) -> UnitFigure | None:
-    """The log-average miss rate for `nvcore.significance.significance_table`.
+    """The log-average miss rate for `nvcore.significance.judge_figure`.
 
     Each system is counted at the same 200 levels of false positives per image, the nine
     references among them; a resample or exchange looks up the references among these levels. Over
@@ -43,11 +47,47 @@ def log_average_miss_rate_figure(
         if np.isnan(outcomes.score).any() or not outcomes.truth.n_truth:
             return None
         made.append(_sums(outcomes, units))
-    name = "" if protocol.name == "all" else f", {protocol.name}"
-    return UnitFigure(
-        "log_average_miss_rate", f"log-average miss rate{name}", LOWER, made[0], made[1],
-        statistic=_log_average,
+    return UnitFigure(FIGURE, _label(protocol), LOWER, made[0], made[1], statistic=_log_average)
+
+
+def judge_miss_rate(
+    result: Result, units: Units, protocol: Protocol = PROTOCOLS["all"]
+) -> Evidence:
+    """Difference of the log-average miss rate; `note` says why it is undefined or 0."""
+    try:
+        figure = log_average_miss_rate_figure(result, units, protocol)
+    except InputError as error:  # no recording has the protocol's tags
+        return _undefined(protocol, units, error.message)
+    if figure is None:
+        return _undefined(
+            protocol, units,
+            "the log-average miss rate needs pedestrians that count, and detections with scores",
+        )  # fmt: skip
+    found = judge_figure(figure, units)
+    sums = (figure.x.sum(axis=0), figure.y.sum(axis=0))
+    notes = [found.note]
+    n_with = np.count_nonzero(figure.x[:, 1])
+    if np.isnan(found.low) and n_with < len(units):
+        notes.append(f"only {n_with} of {len(units)} {units.kind} have pedestrians that count")
+    notes.append(explain_few(int(sums[0][1])))
+    for letter, one in zip("XY", sums, strict=True):
+        why_zero = explain_zero(_rates(one))
+        notes.append(f"log-average miss rate of {letter}: {why_zero}" if why_zero else "")
+    return replace(found, note="; ".join(filter(None, notes)))
+
+
+def _undefined(protocol: Protocol, units: Units, why: str) -> Evidence:
+    nan = math.nan
+    return Evidence(
+        figure=FIGURE, label=_label(protocol), better=LOWER, x=nan, y=nan, difference=nan, low=nan,
+        high=nan, p=nan, effect=nan, effect_name=D_Z, n=len(units), unit=units.kind, method="",
+        note=why,
     )  # fmt: skip
+
+
+def _label(protocol: Protocol) -> str:
+    is_plain = protocol == PROTOCOLS["all"]
+    return "log-average miss rate" + ("" if is_plain else f", {protocol.title}")
 
 
 def _levels() -> np.ndarray:
@@ -86,15 +126,32 @@ def _sums(outcomes: Outcomes, units: Units) -> np.ndarray:
 
 def _log_average(sums: np.ndarray) -> np.ndarray:
     """LAMR from such sums, shape (..., columns) to (...); NaN without pedestrians."""
-    n_levels = (sums.shape[-1] - 2) // 2
     with np.errstate(invalid="ignore", divide="ignore"):
-        fppi = sums[..., 2 : 2 + n_levels] / sums[..., :1]
-        miss_rate = 1 - sums[..., 2 + n_levels :] / sums[..., 1:2]
-    # both are monotone along the levels: the last point below a reference has the least miss rate
-    rates = np.stack(
-        [np.min(np.where(fppi <= one * (1 + 1e-12), miss_rate, 1.0), axis=-1)
-         for one in FPPI_REFERENCES], axis=-1,
-    )  # fmt: skip
-    with np.errstate(divide="ignore"):
-        lamr: np.ndarray = np.exp(np.log(np.maximum(rates, 0)).mean(axis=-1))
-    return np.where(np.isnan(miss_rate).any(axis=-1), np.nan, lamr)
+        lamr: np.ndarray = np.exp(np.log(_rates(sums)).mean(axis=-1))
+    return np.where(sums[..., 1] > 0, lamr, np.nan)
+
+
+def _rates(sums: np.ndarray) -> np.ndarray:
+    """Miss rates at the references from such sums, shape (..., columns) to (..., 9)."""
+    n_levels = (sums.shape[-1] - 2) // 2
+    fp, tp = sums[..., 2 : 2 + n_levels], sums[..., 2 + n_levels :]
+    most = sums[..., :1] * (FPPI_REFERENCES * (1 + 1e-12))
+    n_within = _count_up_to(fp, most)
+    found = np.take_along_axis(tp, np.maximum(n_within - 1, 0), axis=-1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        rates: np.ndarray = np.maximum(1 - np.where(n_within > 0, found, 0) / sums[..., 1:2], 0)
+    return rates
+
+
+def _count_up_to(values: np.ndarray, limits: np.ndarray) -> np.ndarray:
+    """How many of the values, increasing along the last axis, are at most each limit.
+
+    Shapes (..., n) and (..., m) to (..., m); `np.searchsorted` for many rows at once.
+    """
+    n = values.shape[-1]
+    count = np.zeros(limits.shape, dtype=np.int64)
+    for bit in reversed(range(n.bit_length())):
+        more = count + (1 << bit)
+        at = np.take_along_axis(values, np.minimum(more, n) - 1, axis=-1)
+        count = np.where((more <= n) & (at <= limits), more, count)
+    return count

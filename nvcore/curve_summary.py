@@ -9,7 +9,13 @@ import numpy as np
 
 from nvcore.average_precision import average_precision, average_precision_coco, pr_auc
 from nvcore.curves import DetectionCurve
-from nvcore.miss_rate import log_average_miss_rate
+from nvcore.miss_rate import (
+    FPPI_REFERENCES,
+    explain_range,
+    explain_zero,
+    log_average_miss_rate,
+    miss_rate_at,
+)
 
 
 @dataclass(frozen=True)
@@ -26,6 +32,15 @@ class CurveSummary:
         Largest F1 and the score at which it stands.
     recall, precision, f1, fppi
         At the threshold in use.
+    n_absorbed
+        Detections at the threshold in use that are neither right nor wrong: an ignored box
+        absorbs them.
+    n_zero_references
+        At how many of the nine references of the log-average miss rate nobody is missed: one is
+        enough to make it 0.
+    notes
+        What the log-average miss rate does not tell by itself: why it is 0, and what stands for
+        the miss rate where the curve does not reach the references.
     why_undefined
         Why areas and averages are undefined (NaN); None where they are defined.
     """
@@ -40,6 +55,9 @@ class CurveSummary:
     precision: float
     f1: float
     fppi: float
+    n_absorbed: int
+    n_zero_references: int
+    notes: tuple[str, ...]
     why_undefined: str | None
 
 
@@ -53,8 +71,9 @@ SUMMARY_ROWS: Final = (
     ("precision", "precision at the threshold", "higher", ".4f"),
     ("f1", "F1 at the threshold", "higher", ".4f"),
     ("fppi", "false positives per image at the threshold", "lower", ".4f"),
+    ("n_absorbed", "detections absorbed by ignored boxes at the threshold", "", "d"),
 )
-"""Attribute, what it is called, which way is better, and its format."""
+"""Attribute, what it is called, which way is better ("": neither), and its format."""
 
 
 def summarise_curve(curve: DetectionCurve, threshold: float | None) -> CurveSummary:
@@ -66,6 +85,7 @@ def summarise_curve(curve: DetectionCurve, threshold: float | None) -> CurveSumm
         In use; None: every detection counts.
     """
     point = curve.at(threshold)
+    rates = miss_rate_at(curve, FPPI_REFERENCES)
     f1 = curve.f1
     best = int(np.nanargmax(f1)) if np.isfinite(f1).any() else None
     return CurveSummary(
@@ -79,5 +99,8 @@ def summarise_curve(curve: DetectionCurve, threshold: float | None) -> CurveSumm
         precision=point.precision,
         f1=point.f1,
         fppi=point.fppi,
+        n_absorbed=curve.n_absorbed(threshold),
+        n_zero_references=int(np.count_nonzero(rates == 0)),
+        notes=tuple(filter(None, (explain_zero(rates), *explain_range(curve, rates)))),
         why_undefined=curve.why_undefined,
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
@@ -10,10 +10,11 @@ import pandas as pd
 
 from nvcore.dataset import BoxColumns, Dataset, offsets_of
 from nvcore.errors import ParameterError
-from nvcore.kernels import FALSE_ALARM, MATCHED
+from nvcore.filtered_truth import FilteredTruth, filter_detections, filter_truth
+from nvcore.kernels import ABSORBED, FALSE_ALARM, MATCHED
 from nvcore.matching import Matches, match_boxes
 from nvcore.params import Params
-from nvcore.protocols import PROTOCOLS, FilteredTruth, Protocol, filter_detections, filter_truth
+from nvcore.protocols import PROTOCOLS, Protocol
 
 MIXED_POINTS: Final = 25
 """Points of a curve if some detections have no score: each then takes a matching of its own."""
@@ -74,6 +75,9 @@ class DetectionCurve:
     is_ranked
         Every detection has a score. If not, there are points (a single one where no detection
         has a score) but no areas under them.
+    absorbed_score
+        Scores of the detections that ignored boxes absorb, NaN without one; float64,
+        (n_absorbed,). They are neither right nor wrong.
 
     Notes
     -----
@@ -88,6 +92,7 @@ class DetectionCurve:
     n_truth: int
     n_images: int
     is_ranked: bool = True
+    absorbed_score: np.ndarray = field(default_factory=lambda: np.empty(0))
 
     def __len__(self) -> int:
         return len(self.threshold)
@@ -155,6 +160,12 @@ class DetectionCurve:
             float(self.f1[i]), float(self.fppi[i]),
         )  # fmt: skip
 
+    def n_absorbed(self, threshold: float | None) -> int:
+        """Detections that ignored boxes absorb at a threshold; None: all that they absorb."""
+        if threshold is None:
+            return len(self.absorbed_score)
+        return int(np.count_nonzero(~(self.absorbed_score < threshold)))
+
     @property
     def why_undefined(self) -> str | None:
         """Why areas and averages of the curve are undefined; None where they are defined."""
@@ -183,6 +194,9 @@ class Outcomes:
         Pedestrian boxes and frames that count; int64, (n_recordings,).
     truth
         The ground truth under the protocol.
+    absorbed_score
+        Of the detections that are left out because ignored boxes absorb them; float64, in the
+        order of the frames.
     """
 
     score: np.ndarray
@@ -192,6 +206,7 @@ class Outcomes:
     n_truth: np.ndarray
     n_images: np.ndarray
     truth: FilteredTruth
+    absorbed_score: np.ndarray
 
 
 def detection_curve(
@@ -241,12 +256,16 @@ def detection_curve(
             chosen = np.linspace(0, len(threshold) - 1, MIXED_POINTS - 1).round().astype(np.int64)
             threshold = threshold[chosen]
         threshold = np.concatenate([[np.inf], threshold])
-        points = [_outcomes(dataset, truth, detections, params, at=t).is_match for t in threshold]
+        points = []
+        for t in threshold:
+            outcomes = _outcomes(dataset, truth, detections, params, at=t)
+            points.append(outcomes.is_match)
         tp = np.array([np.count_nonzero(is_match) for is_match in points])
         fp = np.array([len(is_match) for is_match in points]) - tp
     return DetectionCurve(
         system, protocol, threshold, tp.astype(np.int64), fp.astype(np.int64), truth.n_truth,
         truth.n_images, is_ranked=bool(is_scored.all()),
+        absorbed_score=outcomes.absorbed_score,
     )  # fmt: skip
 
 
@@ -293,9 +312,8 @@ def _outcomes(
         truth.truth, detections, frames, threshold=at, match=params.match, iou=params.iou,
         lateral_tolerance=params.lateral_tolerance,
     )  # fmt: skip
-    rows = np.flatnonzero(
-        truth.is_counted[detections.frame_index] & np.isin(matches.state, (MATCHED, FALSE_ALARM))
-    )
+    is_here = truth.is_counted[detections.frame_index]
+    rows = np.flatnonzero(is_here & np.isin(matches.state, (MATCHED, FALSE_ALARM)))
     rows = rows[np.argsort(-detections.score[rows], kind="stable")]
     n_recordings = len(dataset.recordings)
     truth_in = frames.recording[truth.truth.frame_index[truth.counts]]
@@ -307,6 +325,7 @@ def _outcomes(
         n_truth=np.bincount(truth_in, minlength=n_recordings),
         n_images=np.bincount(frames.recording[truth.is_counted], minlength=n_recordings),
         truth=truth,
+        absorbed_score=detections.score[is_here & (matches.state == ABSORBED)],
     )
 
 

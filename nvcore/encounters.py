@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 import pandas as pd
@@ -11,6 +12,20 @@ from nvcore.dataset import BoxColumns, FrameColumns
 from nvcore.kernels import encounter_frames, group_rows, over_ranges
 from nvcore.params import Params
 from nvcore.schema import UNKNOWN_OCCLUSION, MissClass
+
+SHORT_SHARE: Final = 0.5
+"""Share of one-frame encounters above which they are frames rather than persons."""
+
+
+def mostly_one_frame(n_frames: np.ndarray) -> bool:
+    """Whether most of these encounters are a single frame long.
+
+    Parameters
+    ----------
+    n_frames
+        Annotated frames of each; shape (n,).
+    """
+    return bool(np.count_nonzero(n_frames == 1) > SHORT_SHARE * len(n_frames))
 
 
 @dataclass(frozen=True)

@@ -16,12 +16,12 @@ import pandas as pd
 from nvcore.analysis import Result
 from nvcore.csvtext import to_csv_bytes
 from nvcore.errors import InputError
+from nvcore.evidence import evidence_table
 from nvcore.findings import Finding
 from nvcore.loading import source_hashes
 from nvcore.session import Session
 from nvcore.session_file import write_session
-from nvcore.significance import significance_table
-from nvcore.subgroups import subgroup_table
+from nvcore.subgroup_figures import subgroup_table
 from nvcore.tables import (
     encounters_table,
     events_table,
@@ -52,8 +52,8 @@ def export_files(
         "events.csv": lambda: to_csv_bytes(events_table(result)),
         "intervals.csv": lambda: to_csv_bytes(intervals_table(result)),
         "recordings.csv": lambda: to_csv_bytes(recordings_table(result)),
-        "significance.csv": lambda: _finite_csv(significance_table(result)),
-        "subgroups.csv": lambda: _finite_csv(subgroup_table(result)),
+        "significance.csv": lambda: _finite_csv(evidence_table(result, session.protocol)),
+        "subgroups.csv": lambda: _finite_csv(subgroup_table(result, protocol=session.protocol)),
         "findings.csv": lambda: to_csv_bytes(findings_table(findings)),
         "summary.json": lambda: summary_json(result).encode(),
         "session.toml": lambda: write_session(

@@ -18,7 +18,7 @@ MOMENT_COLUMNS: Final = (
 )  # fmt: skip
 
 KINDS: Final = ("x", "y", "x_better", "y_better")
-"""Kinds of moments: low similarity of X, of Y; X far better than Y, and the other way."""
+"""Kinds of moments: low similarity of X, of Y; X better than Y, and the other way."""
 
 LEAST_DIFFERENCE: Final = 0.01
 """Difference of the similarities that belongs to an interval; less is noise of where boxes lie."""
@@ -185,12 +185,22 @@ def _miss_reason(
     found_by_rival = np.setdiff1d(missed, missed_by_rival)
     if not len(found_by_rival):
         does = "misses it, too"
+        if span.kind.endswith("better"):
+            does += _nearer(system.nearest.truth[rows].max(), rival.nearest.truth[rows].max())
     elif len(found_by_rival) == len(missed):
         does = "finds it"
     else:
         does = f"finds it for {_seconds(_time_s(result, found_by_rival))} of that time"
     lasts = _share(_time_s(result, missed), _span_s(result, span))
     return track, f"{letter} misses {who} for {lasts}; {other} {does}."
+
+
+def _nearer(apart_px: float, rival_px: float) -> str:
+    """How a system that misses somebody, too, is nearer to them."""
+    if not rival_px < apart_px:
+        return ""
+    own = f"{apart_px:.0f} px" if np.isfinite(apart_px) else "no detection at all"
+    return f", but its nearest detection is closer (up to {rival_px:.0f} px away; the other: {own})"
 
 
 def _alarm_reason(result: Result, span: _Span, letter: str, system: SystemResult) -> str:

@@ -1,27 +1,23 @@
-"""Evaluation protocols: which pedestrians count, said once for both systems."""
+"""Evaluation protocols: which pedestrians count in the detection figures."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from types import MappingProxyType
-from typing import Final
+from typing import Any, Final
 
-import numpy as np
-
-from nvcore.dataset import BoxColumns, Dataset
-from nvcore.errors import InputError, ParameterError
-from nvcore.schema import UNKNOWN_OCCLUSION
-
-FLAGGED: Final = "flagged in the ground truth"
-HEIGHT: Final = "height"
-OCCLUSION: Final = "occlusion"
-BORDER: Final = "border"
-ASPECT: Final = "aspect ratio"
+from nvcore.errors import ParameterError
 
 OCCLUSION_WORDS: Final = ("none", "partial", "heavy")
 """Levels of occlusion in words."""
+
+OWN: Final = "own filters"
+"""Name of a protocol that is none of the named ones."""
+
+MOST_NAMED: Final = 12
+"""Recordings that the filters name one by one."""
 
 Range = tuple[float, float]
 
@@ -50,6 +46,8 @@ class Protocol:
         Lowest and highest ratio of height to width, both included.
     tags
         Tags that a recording must all have; (): every recording counts.
+    recordings
+        Names of the recordings that count, of those with the tags; (): every one.
     expand
         Detections that are lower than the lowest height divided by this, or higher than the
         highest times this, are left out before matching (expanded filtering, Dollár et al. 2012,
@@ -73,12 +71,13 @@ class Protocol:
     border_px: tuple[float, float, float, float] | None = None
     aspect: Range = (0.0, math.inf)
     tags: tuple[str, ...] = ()
+    recordings: tuple[str, ...] = ()
     expand: float | None = None
 
     def __post_init__(self) -> None:
         for name in ("height_px", "aspect"):
             low, high = getattr(self, name)
-            if not 0 <= low <= high:
+            if not 0 <= low <= high or low == math.inf:
                 raise ParameterError(
                     f"{name}: expected 0 <= lowest <= highest, got {low:g} and {high:g}"
                 )
@@ -90,6 +89,13 @@ class Protocol:
             raise ParameterError(f"border_px: expected four margins, got {self.border_px!r}")
         if self.expand is not None and not 1 <= self.expand < math.inf:
             raise ParameterError(f"expand: expected 1 or more, got {self.expand:g}")
+
+    @property
+    def title(self) -> str:
+        """Its name and what it asks of recordings, such as ``reasonable, night``."""
+        n = len(self.recordings)
+        chosen = self.recordings if n < 2 else (f"{n} recordings",)
+        return ", ".join((self.name, *self.tags, *chosen))
 
     @property
     def filters(self) -> tuple[str, ...]:
@@ -111,10 +117,113 @@ class Protocol:
             parts.append(f"height / width {_range(self.aspect)}")
         if self.tags:
             parts.append("recordings tagged " + " and ".join(self.tags))
+        if self.recordings:
+            parts.append(_chosen(self.recordings))
         if self.expand is not None and self.height_px != (0, math.inf):
             low, high = self.height_px
             parts.append(f"detections {_range((low / self.expand, high * self.expand))} px high")
         return tuple(parts)
+
+    def given(self) -> dict[str, object]:
+        """What a session file says of it: a name and which recordings, or all its filters."""
+        start = PROTOCOLS.get(self.name, PROTOCOLS["all"])
+        if _of_recordings(start, self) == self:
+            name: dict[str, object] = {} if self.name == "all" else {"name": self.name}
+            return name | {
+                key: list(value) for key in OF_RECORDINGS if (value := getattr(self, key))
+            }
+        return {
+            key: list(value) if isinstance(value, tuple) else value
+            for key in FILTERS
+            if (value := getattr(self, key)) != getattr(PROTOCOLS["all"], key)
+        }
+
+
+FILTERS: Final = tuple(spec.name for spec in fields(Protocol) if spec.name not in ("name", "text"))
+"""The filters, by their names in a session file."""
+
+OF_RECORDINGS: Final = ("tags", "recordings")
+"""Those that choose recordings: with them a named protocol keeps its name."""
+
+
+def protocol_from(values: Mapping[str, object]) -> Protocol:
+    """A protocol from a mapping, such as a session file's ``[protocol]``.
+
+    Parameters
+    ----------
+    values
+        ``name``, one of `PROTOCOLS`, and filters by their names, which replace those of that one;
+        without a name they are added to ``all``. With filters other than `OF_RECORDINGS` it is
+        called `OWN`.
+
+    Raises
+    ------
+    ParameterError
+        If a name is unknown or a value is none that the filter can have.
+    """
+    for key in values:
+        if key != "name" and key not in FILTERS:
+            raise ParameterError(
+                f"there is no filter {key!r}; the keys are {', '.join(('name', *FILTERS))}"
+            )
+    start = protocol_named(values.get("name", "all"))
+    given: dict[str, Any] = {
+        key: _value(key, value) for key, value in values.items() if key != "name"
+    }
+    found = replace(start, **given)
+    if found == _of_recordings(start, found):
+        return found
+    return replace(found, name=OWN, text="")
+
+
+def _of_recordings(protocol: Protocol, other: Protocol) -> Protocol:
+    """A protocol for the recordings of another one."""
+    return replace(protocol, tags=other.tags, recordings=other.recordings)
+
+
+def protocol_named(name: object) -> Protocol:
+    """The protocol of that name.
+
+    Raises
+    ------
+    ParameterError
+        If there is none.
+    """
+    if not isinstance(name, str) or name not in PROTOCOLS:
+        raise ParameterError(f"there is no protocol {name!r}; there are: {', '.join(PROTOCOLS)}")
+    return PROTOCOLS[name]
+
+
+def _value(key: str, value: object) -> object:
+    """The value of a filter as `Protocol` has it."""
+    kind, wanted, lengths = {
+        "height_px": (float, "two numbers, such as [50, inf]", (2,)),
+        "aspect": (float, "two numbers, such as [1, inf]", (2,)),
+        "border_px": (float, "four numbers: left, top, right, bottom", (4,)),
+        "occlusion": (int, "levels, such as [0, 1]", (1, 2, 3)),
+        "tags": (str, "a list of words", range(1, 1000)),
+        "recordings": (str, "a list of names", range(1, 100_000)),
+        "expand": (float, "a number", ()),
+    }[key]
+    many = value if isinstance(value, list) else [value]
+    of_kind = (int, float) if kind is float else (kind,)
+    is_list = isinstance(value, list)
+    if (
+        is_list != bool(lengths)
+        or (is_list and len(many) not in lengths)
+        or not all(isinstance(one, of_kind) and not isinstance(one, bool) for one in many)
+    ):
+        raise ParameterError(f"{key}: expected {wanted}, got {value!r}")
+    made = tuple(kind(one) for one in many)
+    return made if is_list else made[0]
+
+
+def _chosen(recordings: tuple[str, ...]) -> str:
+    if len(recordings) == 1:
+        return f"only recording {recordings[0]}"
+    if len(recordings) <= MOST_NAMED:
+        return "only recordings " + ", ".join(recordings)
+    return f"only {len(recordings)} recordings, from {recordings[0]} to {recordings[-1]}"
 
 
 def _range(limits: Range) -> str:
@@ -151,141 +260,3 @@ PROTOCOLS: Final[Mapping[str, Protocol]] = MappingProxyType({one.name: one for o
 
 The border rule of both is x 5..635 in pictures 640 px wide, y 5..475 and 5..507.
 """
-
-
-@dataclass(frozen=True, eq=False)
-class FilteredTruth:
-    """The ground truth under a protocol: the same set for every system.
-
-    Attributes
-    ----------
-    protocol
-        What was asked for.
-    truth
-        The same boxes in the same rows, with those that the protocol leaves out ignored.
-    is_counted
-        Frames of the recordings that count; bool, (n_frames,).
-    n_left_out
-        Boxes that the ground truth flags, and the others that each filter leaves out, by filter;
-        a box that several leave out counts for each.
-    n_unknown_occlusion
-        Boxes not flagged whose occlusion is unknown.
-    """
-
-    protocol: Protocol
-    truth: BoxColumns
-    is_counted: np.ndarray
-    n_left_out: Mapping[str, int]
-    n_unknown_occlusion: int
-
-    @property
-    def counts(self) -> np.ndarray:
-        """Truth boxes that count: not ignored, in a counted frame; bool, (n_truth,)."""
-        counts: np.ndarray = ~self.truth.ignore & self.is_counted[self.truth.frame_index]
-        return counts
-
-    @property
-    def n_truth(self) -> int:
-        """Pedestrian boxes that count."""
-        return int(np.count_nonzero(self.counts))
-
-    @property
-    def n_images(self) -> int:
-        """Frames that count, with and without boxes."""
-        return int(np.count_nonzero(self.is_counted))
-
-
-def filter_truth(
-    dataset: Dataset, protocol: Protocol, *, recordings: np.ndarray | None = None
-) -> FilteredTruth:
-    """The ground truth under a protocol; nothing is deleted, left-out boxes become ignored.
-
-    Parameters
-    ----------
-    recordings
-        Recordings that may count, beside the protocol's tags; bool, (n_recordings,); None: all.
-
-    Raises
-    ------
-    InputError
-        If no recording is left.
-    """
-    truth, frames = dataset.truth, dataset.frame_columns
-    chosen = has_tags(dataset, protocol.tags)
-    if recordings is not None:
-        chosen = chosen & recordings
-    is_counted: np.ndarray = chosen[frames.recording]
-    if not is_counted.any():
-        raise InputError(_no_recording(dataset, protocol))
-    occlusion = dataset.boxes["occlusion"].to_numpy()[: len(truth)]
-    recording = frames.recording[truth.frame_index]
-    is_out = {
-        HEIGHT: ~_between(truth.h, protocol.height_px),
-        OCCLUSION: ~np.isin(np.where(occlusion == UNKNOWN_OCCLUSION, 0, occlusion),
-                            protocol.occlusion),
-        BORDER: _at_border(truth, frames.width[recording], frames.height[recording],
-                           protocol.border_px),
-        ASPECT: ~_between(truth.h / truth.w, protocol.aspect),
-    }  # fmt: skip
-    here = is_counted[truth.frame_index]
-    unflagged = here & ~truth.ignore
-    n_left_out = {FLAGGED: int(np.count_nonzero(here & truth.ignore))} | {
-        name: int(np.count_nonzero(unflagged & out)) for name, out in is_out.items()
-    }
-    ignore = np.logical_or.reduce([truth.ignore, *is_out.values()])
-    unknown = unflagged & (occlusion == UNKNOWN_OCCLUSION)
-    return FilteredTruth(
-        protocol, replace(truth, ignore=ignore), is_counted, MappingProxyType(n_left_out),
-        int(np.count_nonzero(unknown)),
-    )  # fmt: skip
-
-
-def filter_detections(detections: BoxColumns, protocol: Protocol) -> np.ndarray:
-    """Detections that the protocol lets take part; bool, (n_det,)."""
-    if protocol.expand is None:
-        return np.ones(len(detections), dtype=bool)
-    low, high = protocol.height_px
-    return _between(detections.h, (low / protocol.expand, high * protocol.expand))
-
-
-def has_tags(dataset: Dataset, tags: tuple[str, ...]) -> np.ndarray:
-    """Recordings that have all of the tags; bool, (n_recordings,)."""
-    wanted = set(tags)
-    found = [wanted <= set(own) for own in dataset.recordings["tags"]]  # hundreds at the most
-    return np.array(found, dtype=bool)
-
-
-def known_tags(dataset: Dataset) -> tuple[str, ...]:
-    """All tags of the recordings, sorted."""
-    return tuple(sorted({tag for own in dataset.recordings["tags"] for tag in own}))
-
-
-def _no_recording(dataset: Dataset, protocol: Protocol) -> str:
-    known = ", ".join(known_tags(dataset)) or "none: give tags in the session file"
-    wanted = " and ".join(protocol.tags)
-    what = f"has the tags {wanted}" if protocol.tags else "is chosen"
-    return f"protocol {protocol.name!r}: no recording with frames {what}; there are tags {known}"
-
-
-def _between(values: np.ndarray, limits: Range) -> np.ndarray:
-    inside: np.ndarray = (values >= limits[0]) & (values <= limits[1])
-    return inside
-
-
-def _at_border(
-    boxes: BoxColumns,
-    width: np.ndarray,
-    height: np.ndarray,
-    margins: tuple[float, float, float, float] | None,
-) -> np.ndarray:
-    """Boxes that reach into the margins of their picture; bool, (n,)."""
-    if margins is None:
-        return np.zeros(len(boxes), dtype=bool)
-    left, top, right, bottom = margins
-    reaches: np.ndarray = (
-        (boxes.x < left)
-        | (boxes.y < top)
-        | (boxes.x + boxes.w > width - right)
-        | (boxes.y + boxes.h > height - bottom)
-    )
-    return reaches

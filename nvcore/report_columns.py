@@ -300,7 +300,7 @@ _SIGNIFICANCE = (
     Column("p_holm", _NUMBER, "0..1", "The same, corrected for all rows.", empty=_TOO_FEW),
     Column(
         "effect", _NUMBER, "", "Size of the difference.",
-        empty="undefined, or an odds ratio that is infinite",
+        empty="neither interval nor p, or an odds ratio that is infinite",
     ),
     Column("effect_name", _TEXT, "", "`Cohen's d_z` over the units, or `odds ratio`."),
     Column("n", _INTEGER, "units", "How many were compared."),
@@ -310,32 +310,44 @@ _SIGNIFICANCE = (
            empty="nothing to say"),
 )  # fmt: skip
 
+_NO_GROUP = "undefined for this group (`note`)"
+
 _SUBGROUPS = (
     Column(
         "factor", _TEXT, "",
         "What encounters are divided by: `all`, `distance`, `place`, `occlusion`, `pose`, `tag`.",
     ),
     Column("group", _TEXT, "", "The part."),
-    Column("n", _INTEGER, "encounters", "Encounters in it, distant ones left out."),
-    Column("both", _INTEGER, "encounters", "Detected by both systems.", "high"),
+    Column("figure", _TEXT, "", "Key of the figure, as in `significance.csv`."),
+    Column("label", _TEXT, "", "What it is, with its unit."),
+    Column("better", _TEXT, "", "`higher` or `lower`."),
+    Column("n", _INTEGER, "units", "How many were compared; 0: undefined for this group."),
+    Column("unit", _TEXT, "", "`encounters`, `recordings` or `blocks` of time."),
+    Column("both", _INTEGER, "encounters", "Of the group, detected by both systems.", "high"),
     Column("x_only", _INTEGER, "encounters", "Detected by X only."),
     Column("y_only", _INTEGER, "encounters", "Detected by Y only."),
     Column("neither", _INTEGER, "encounters", "Detected by neither.", "low"),
-    Column("x", _NUMBER, "0..1", "Share that X detects.", "high", "no encounter"),
-    Column("y", _NUMBER, "0..1", "Share that Y detects.", "high", "no encounter"),
-    Column("difference", _NUMBER, "-1..1", "X less Y.", empty="no encounter"),
-    Column("low", _NUMBER, "-1..1", "Lower end of its 95 % interval.", empty=_TOO_FEW),
-    Column("high", _NUMBER, "-1..1", "Upper end.", empty=_TOO_FEW),
+    Column("x", _NUMBER, "figure's", "Of X.", empty=_NO_GROUP),
+    Column("y", _NUMBER, "figure's", "Of Y.", empty=_NO_GROUP),
+    Column("difference", _NUMBER, "figure's", "X less Y.", empty=_NO_GROUP),
+    Column("low", _NUMBER, "figure's", "Lower end of its 95 % interval.", empty=_TOO_FEW),
+    Column("high", _NUMBER, "figure's", "Upper end.", empty=_TOO_FEW),
+    Column("p", _NUMBER, "0..1", "How often chance alone makes a difference as large.",
+           empty=_TOO_FEW),
+    Column("p_holm", _NUMBER, "0..1", "The same, corrected for all groups of the figure.",
+           empty=f"{_TOO_FEW}, or `all`"),
     Column(
-        "odds_ratio", _NUMBER, "", "`x_only` over `y_only`.",
-        empty="no encounter tells the two apart, or it is infinite",
+        "effect", _NUMBER, "", "Size of the difference.",
+        empty="neither interval nor p, or an odds ratio that is infinite",
     ),
-    Column("odds_low", _NUMBER, "", "Lower end of its 95 % interval.", empty=_TOO_FEW),
-    Column("odds_high", _NUMBER, "", "Upper end.", empty=f"{_TOO_FEW}, or it is infinite"),
-    Column("p", _NUMBER, "0..1", "Exact McNemar test.", empty=_TOO_FEW),
-    Column("p_holm", _NUMBER, "0..1", "The same, corrected for all parts.",
-           empty=f"{_TOO_FEW}, or all encounters"),
-    Column("note", _TEXT, "", "Why something is missing.", empty="nothing is"),
+    Column("effect_name", _TEXT, "", "`Cohen's d_z` over the units, or `odds ratio`."),
+    Column("odds_low", _NUMBER, "", "Lower end of the odds ratio's 95 % interval.",
+           empty=f"{_TOO_FEW}, or another effect"),
+    Column("odds_high", _NUMBER, "", "Upper end.",
+           empty=f"{_TOO_FEW}, another effect, or it is infinite"),
+    Column("method", _TEXT, "", "How interval and p were made.", empty="neither could be"),
+    Column("note", _TEXT, "", "Why something is missing, and what it does not say.",
+           empty="nothing to say"),
 )  # fmt: skip
 
 REPORT_COLUMNS: Final[dict[str, tuple[Column, ...]]] = {

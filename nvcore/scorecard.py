@@ -9,11 +9,12 @@ import numpy as np
 from nvcore.analysis import Result, SystemResult
 from nvcore.dataset import Dataset
 from nvcore.errors import one_line
+from nvcore.evidence import evidence_table
 from nvcore.findings import Finding, Severity
 from nvcore.input_tables import inputs_table
+from nvcore.protocols import PROTOCOLS, Protocol
 from nvcore.schema import Category
 from nvcore.scorecard_table import ScoreRow, class_rows, score_rows
-from nvcore.significance import significance_table
 from nvcore.tables import sides, worst_intervals
 from nvcore.venn import Exclusivity
 from nvcore.verdict import verdict
@@ -23,21 +24,26 @@ NAME_WIDTH = 16
 """Longest name of a system in the head of a column; it stands in full above the table."""
 
 
-def render_scorecard(result: Result, findings: Sequence[Finding] = ()) -> str:
+def render_scorecard(
+    result: Result, findings: Sequence[Finding] = (), protocol: Protocol = PROTOCOLS["all"]
+) -> str:
     """Scorecard of both systems, Venn counts, fusion, worst moments, and the verdict.
 
     Parameters
     ----------
     findings
         Of the audit: the verdict says which of them it depends on.
+    protocol
+        Which pedestrians count in the detection figures.
     """
+    evidence = evidence_table(result, protocol)
     parts = [
         _heading(result),
         _table(result),
         _venn(result),
         _fusion(result),
         *(_worst(result, letter, system) for letter, system in sides(result)),
-        "In short: " + " ".join(verdict(result, findings, evidence=significance_table(result))),
+        "In short: " + " ".join(verdict(result, findings, evidence=evidence)),
     ]
     return "\n\n".join(parts)
 

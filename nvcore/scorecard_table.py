@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from typing import Any, Final, NamedTuple
 
+import numpy as np
+
 from nvcore.analysis import Result
 from nvcore.schema import MissClass
-from nvcore.tables import sides, system_summary
+from nvcore.tables import saliency_of_recordings, sides, system_summary
 
 HIGHER: Final = "higher"
 LOWER: Final = "lower"
@@ -58,10 +60,19 @@ def score_rows(result: Result) -> list[ScoreRow]:
         ("per hour", "false_alert_episodes_per_hour", ".1f", LOWER, 1),
         ("longest (s)", "longest_episode_s", ".2f", LOWER, 1),
     )  # fmt: skip
-    return [
+    rows = [
         ScoreRow(label, x[key], y[key], form, better, level)
         for label, key, form, better, level in figures
     ]
+    n_of = np.diff(result.dataset.frame_columns.first)
+    if np.count_nonzero(n_of) > 1:
+        at = 1 + [row.label for row in rows].index(f"saliency, {largest} (s)")
+        mean_x, mean_y = (
+            float(saliency_of_recordings(result, system)[n_of > 0].mean())
+            for _, system in sides(result)
+        )
+        rows.insert(at, ScoreRow("mean over recordings (s)", mean_x, mean_y, ".3f", LOWER, 1))
+    return rows
 
 
 def class_rows(result: Result) -> list[ScoreRow]:

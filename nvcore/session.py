@@ -11,6 +11,7 @@ from typing import Final
 
 from nvcore.errors import SessionError
 from nvcore.params import Params
+from nvcore.protocols import PROTOCOLS, Protocol
 
 MAX_OFFSET_FRAMES: Final = 1_000_000
 """Largest correction of frame numbers."""
@@ -142,6 +143,8 @@ class Session:
         Names of the two systems to compare; None: the first and the second.
     params
         Settings of the analysis. Thresholds given here go before those of the systems.
+    protocol
+        Which pedestrians count in the detection figures.
     hashes
         sha256 of each source when the session was written, by ``truth`` or the system's name;
         checked when it is loaded.
@@ -157,6 +160,7 @@ class Session:
     x: str | None = None
     y: str | None = None
     params: Params = field(default_factory=Params)
+    protocol: Protocol = PROTOCOLS["all"]
     hashes: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:

@@ -35,6 +35,16 @@
 
     [parameters]             any of nvcore.params.Params
 
+    [protocol]               which pedestrians count in the detection figures: a named protocol,
+    name = "reasonable"      filters of its own (see nvcore.protocols.Protocol), or both
+    height_px = [50, inf]
+    occlusion = [0, 1]
+    border_px = [5, 5, 5, 5]
+    aspect = [1.0, inf]
+    tags = ["night"]
+    recordings = ["drive_1"]
+    expand = 1.25
+
 Paths are relative to the session file. A session written by the program also holds the version
 and the sha256 of every input.
 """
@@ -53,6 +63,7 @@ import tomli_w
 
 from nvcore.errors import ParameterError, SessionError
 from nvcore.params import params_from
+from nvcore.protocols import protocol_from
 from nvcore.session import (
     RecordingFacts,
     Session,
@@ -92,8 +103,8 @@ class _Parser:
         return SessionError(message, file=self.path)
 
     def session(self, content: dict[str, Any]) -> Session:
-        known = {"recording", "defaults", "truth", "system", "compare", "parameters", "written"}
-        self.known_keys(content, known, "the session")
+        known = {"recording", "defaults", "truth", "system", "compare", "parameters", "protocol"}
+        self.known_keys(content, known | {"written"}, "the session")
         systems = self.tables(content, "system")
         if "truth" not in content or not systems:
             raise self.fail("expected a [truth] table and at least one [[system]]")
@@ -106,6 +117,10 @@ class _Parser:
             params = params_from(self.table(content, "parameters"))
         except ParameterError as error:
             raise self.fail(f"[parameters]: {error}") from error
+        try:
+            protocol = protocol_from(self.table(content, "protocol"))
+        except ParameterError as error:
+            raise self.fail(f"[protocol]: {error}") from error
         size = self.value(defaults, "size", str, "[defaults]")
         try:
             parsed_size = None if size is None else parse_size(size)
@@ -129,6 +144,7 @@ class _Parser:
             x=self.value(compare, "x", str, "[compare]"),
             y=self.value(compare, "y", str, "[compare]"),
             params=params,
+            protocol=protocol,
             hashes=hashes,
         )
 
@@ -266,6 +282,7 @@ def write_session(session: Session, *, version: str, fingerprint: str) -> str:
         },
         "compare": _given({"x": session.x, "y": session.y}),
         "parameters": session.params.given(),
+        "protocol": session.protocol.given(),
         "defaults": _given(defaults),
         "truth": _source_table(session.truth, folder),
     }

@@ -17,13 +17,12 @@ from nvcore.bootstrap import (
     bootstrap_difference,
     ratio,
 )
+from nvcore.encounters import mostly_one_frame
 from nvcore.paired_tests import McNemar, SwapTest, holm, mcnemar, swap_test
 from nvcore.schema import Category
-from nvcore.tables import sides
-from nvcore.units import RECORDINGS, Units, find_units, saliency_of_recordings, sum_units
+from nvcore.tables import saliency_of_recordings, sides
+from nvcore.units import RECORDINGS, Units, find_units, sum_units
 
-SHORT_SHARE: Final = 0.5
-"""Share of one-frame encounters above which they are frames rather than persons."""
 HIGHER: Final = "higher"
 LOWER: Final = "lower"
 D_Z: Final = "Cohen's d_z"
@@ -69,9 +68,9 @@ class Evidence:
     p
         Two-sided p-value; NaN where none can be given.
     effect, effect_name
-        Size of the difference: Cohen's d_z (mean over standard deviation of the units' own
-        differences; positive where X is higher), or the odds ratio of discordant encounters
-        (above 1 where X detects more).
+        Size of the difference: Cohen's d_z (the difference over the standard deviation of the
+        units' parts in it; positive where X is higher), or the odds ratio of discordant encounters
+        (above 1 where X detects more). NaN for d_z where there is neither interval nor p-value.
     n, unit
         How many of what were compared: encounters, recordings, blocks.
     method
@@ -107,9 +106,11 @@ COLUMNS: Final = (
 
 
 def significance_table(
-    result: Result, extra: Sequence[UnitFigure] = (), *, units: Units | None = None
+    result: Result, extra: Sequence[Evidence] = (), *, units: Units | None = None
 ) -> pd.DataFrame:
-    """All figures of a comparison with interval, p-value and effect size.
+    """The scorecard's figures with interval, p-value and effect size.
+
+    `nvcore.evidence.evidence_table` has the log-average miss rate as well.
 
     Encounters detected come twice: every encounter for itself (McNemar), and by units, which
     allows for encounters of one recording being alike. Then mean similarity, share of low frames,
@@ -119,7 +120,7 @@ def significance_table(
     Parameters
     ----------
     extra
-        Further figures from sums over the same units (`find_units`), such as miss rates.
+        Further figures, which Holm's correction then allows for.
     units
         ``find_units(result)``, if known already.
 
@@ -133,11 +134,11 @@ def significance_table(
     >>> significance_table(result)[["figure", "difference", "low", "high"]]  # doctest: +SKIP
     """
     units = find_units(result) if units is None else units
-    figures = (*unit_figures(result, units), *extra)
-    rows = [judge_encounters_detected(result), *(judge_figure(one, units) for one in figures)]
-    rows = [
-        _without_blocks(result, units, row) if row.figure == "saliency" else row for row in rows
+    judged = [judge_figure(one, units) for one in unit_figures(result, units)]
+    judged = [
+        _without_blocks(result, units, row) if row.figure == "saliency" else row for row in judged
     ]
+    rows = [judge_encounters_detected(result), *judged, *extra]
     table = pd.DataFrame([vars(row) for row in rows])
     table["p_holm"] = holm(table["p"].to_numpy())
     return table[list(COLUMNS)]
@@ -149,8 +150,8 @@ def judge_encounters_detected(result: Result) -> Evidence:
     notes = [found.reason]
     if is_short(result):
         notes.append(
-            "most encounters are one frame long: these are frames rather than persons, and not "
-            "independent; go by the figure by recordings or blocks"
+            "most encounters are one frame long, so they are frames rather than persons, and not "
+            "independent: go by the figure by recordings or blocks"
         )
     return Evidence(
         figure="encounters_detected", label="share of encounters detected", better=HIGHER,
@@ -171,8 +172,7 @@ def _mcnemar_method(found: McNemar) -> str:
 
 def is_short(result: Result) -> bool:
     """Whether most encounters that count are a single frame long."""
-    near = result.encounters.n_frames[result.category != Category.DISTANT.value]
-    return bool(len(near)) and float((near == 1).mean()) > SHORT_SHARE
+    return mostly_one_frame(result.encounters.n_frames[result.category != Category.DISTANT.value])
 
 
 def unit_figures(result: Result, units: Units) -> tuple[UnitFigure, ...]:
@@ -205,11 +205,12 @@ def judge_figure(figure: UnitFigure, units: Units) -> Evidence:
     interval = bootstrap_difference(figure.x, figure.y, figure.statistic)
     test = swap_test(figure.x, figure.y, figure.statistic)
     notes = [*dict.fromkeys((interval.reason, test.reason)), units.note]
+    is_judged = np.isfinite(interval.low) or np.isfinite(test.p)
     return Evidence(
         figure=figure.figure, label=figure.label, better=figure.better, x=interval.x, y=interval.y,
         difference=interval.difference, low=interval.low, high=interval.high, p=test.p,
-        effect=_standardised(figure), effect_name=D_Z, n=len(units), unit=units.kind,
-        method=_unit_method(interval, test, units), note=_joined(notes),
+        effect=_standardised(figure) if is_judged else np.nan, effect_name=D_Z, n=len(units),
+        unit=units.kind, method=_unit_method(interval, test, units), note=_joined(notes),
     )  # fmt: skip
 
 
@@ -226,14 +227,21 @@ def _without_blocks(result: Result, units: Units, row: Evidence) -> Evidence:
 
 
 def _standardised(figure: UnitFigure) -> float:
-    """Cohen's d_z over the units in which the figure is defined."""
-    differences = figure.statistic(figure.x) - figure.statistic(figure.y)
-    differences = differences[np.isfinite(differences)]
-    spread = float(differences.std(ddof=1)) if len(differences) > 1 else 0.0
-    # equal differences have a spread of a rounding error, not always 0
-    if not spread > 1e-9 * np.abs(differences).max(initial=0):
+    """Cohen's d_z from jackknife pseudo-values.
+
+    For a mean over units of equal weight that is the mean of their differences over the standard
+    deviation; for other figures each unit counts by what leaving it out changes.
+    """
+    x, y, n = figure.x, figure.y, len(figure.x)
+    if n < 2:
         return float("nan")
-    return float(differences.mean()) / spread
+    difference = float(figure.statistic(x.sum(axis=0)) - figure.statistic(y.sum(axis=0)))
+    without = figure.statistic(x.sum(axis=0) - x) - figure.statistic(y.sum(axis=0) - y)
+    spread = (n - 1) * float(without.std(ddof=1))
+    # equal differences have a spread of a rounding error, not always 0
+    if not spread > 1e-9 * abs(difference):
+        return float("nan")
+    return difference / spread
 
 
 def _unit_method(interval: BootstrapDifference, test: SwapTest, units: Units) -> str:
@@ -246,7 +254,8 @@ def _unit_method(interval: BootstrapDifference, test: SwapTest, units: Units) ->
         ways = (
             f"all {test.n_permutations:,}" if test.is_exact else f"{test.n_permutations:,} random"
         )
-        parts.append(f"X and Y exchanged in {ways} ways")
+        where = f"the {test.n_swapped:,} {units.kind} that differ"
+        parts.append(f"X and Y exchanged within {where}, in {ways} ways")
     return "; ".join(parts)
 
 

@@ -11,12 +11,18 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import CancelledError, Executor
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import Final, Literal, get_args
+from typing import Final, get_args
 
 import numpy as np
 
 from nvcore.analysis import Result
 from nvcore.errors import ParameterError
+from nvcore.stability_alarms import (
+    EqualAlarms,
+    alarms_per_frame,
+    equal_alarm_thresholds,
+    keys_along,
+)
 from nvcore.stability_axes import Axis, Plane, axes_of
 from nvcore.stability_scores import (
     LETTERS,
@@ -30,70 +36,22 @@ from nvcore.stability_scores import (
     score_setting,
 )
 from nvcore.stability_steps import Progress, run_steps
-
-Winner = Literal["x", "y", "even", "undefined"]
+from nvcore.stability_turns import (
+    Field,
+    Stretch,
+    Turn,
+    Winner,
+    find_plausible_turn,
+    find_stretch,
+    find_turns,
+    outer,
+    winners,
+)
 
 N_POINTS: Final = 41
 """Points of an axis, and one more where the analysed setting lies between them."""
-ROUNDING: Final = 1e-9
-"""Differences up to this are none: two ways to add up the same frames differ by as much."""
 CONTINUOUS: Final = ("alpha", "edge_weight", "midpoint", "midpoint_m")
 """Settings in which mean similarity makes no steps; in thresholds and IoU it does."""
-
-
-@dataclass(frozen=True)
-class Turn:
-    """A setting at which the present verdict does not hold.
-
-    Attributes
-    ----------
-    cell
-        Flat index into the map.
-    settings
-        Parameters by name, for ``dataclasses.replace(params, **settings)``.
-    difference
-        There; positive: X is better.
-    winner
-        There.
-    distance
-        From the analysed setting, Euclidean, in plausible ranges of the axes.
-    is_plausible
-        Whether it lies in the plausible range of every axis.
-    """
-
-    cell: int
-    settings: Mapping[str, float | str]
-    difference: float
-    winner: Winner
-    distance: float
-    is_plausible: bool
-
-
-@dataclass(frozen=True)
-class Stretch:
-    """How far one setting can be moved alone, all else as analysed, before the verdict ends.
-
-    Attributes
-    ----------
-    axis
-        Position in ``StabilityMap.axes``.
-    low, high
-        First and last value on the axis, around the analysed one, with the present verdict.
-    turns_below, turns_above
-        Where it ends: for mean similarity over a setting in which it is continuous, between two
-        points by linear interpolation (for alpha that is exact); else the first point beyond.
-        NaN: not on this axis.
-    below, above
-        Who is better there; "undefined": not on this axis, or undefined there.
-    """
-
-    axis: int
-    low: float
-    high: float
-    turns_below: float
-    turns_above: float
-    below: Winner
-    above: Winner
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,6 +74,8 @@ class StabilityMap:
         At the analysed setting.
     is_moved_by
         Of each axis: whether the criterion depends on it at all.
+    equal_alarms
+        Over both thresholds: where X and Y have equally many false alarms; else None.
     """
 
     plane: Plane
@@ -125,6 +85,7 @@ class StabilityMap:
     winner: np.ndarray
     present_difference: float
     is_moved_by: tuple[bool, ...]
+    equal_alarms: EqualAlarms | None = None
 
     @property
     def verdict(self) -> Winner:
@@ -164,40 +125,54 @@ class StabilityMap:
     @cached_property
     def _weights(self) -> np.ndarray:
         """Share of the plausible range that each cell stands for."""
-        return _outer([axis.weights for axis in self.axes], np.multiply)
+        return outer([axis.weights for axis in self.axes], np.multiply)
 
     @cached_property
     def end(self) -> Turn | None:
         """The nearest setting on the map at which the verdict does not hold: a tie is enough."""
-        return self._nearest((self.winner != self.verdict) & (self.winner != "undefined"))
+        is_other = (self.winner != self.verdict) & (self.winner != "undefined")
+        found = (
+            () if self.verdict == "undefined" else find_turns(self.field, self.verdict, is_other)
+        )
+        return found[0] if found else None
 
     @cached_property
-    def overturn(self) -> Turn | None:
-        """The nearest setting on the map at which the other system is better; None: nowhere.
+    def overturns(self) -> tuple[Turn, ...]:
+        """The nearest setting in each separate part of the map in which the other system is better.
 
-        With a tie at present: at which one of them is better.
+        The nearest part first. With a tie at present: in which one of them is better.
         """
-        if self.verdict == "even":
-            return self.end
-        return self._nearest(self.winner == ("y" if self.verdict == "x" else "x"))
+        if self.verdict == "undefined":
+            return ()
+        return find_turns(self.field, self.verdict, self._is_overturned)
 
-    def _nearest(self, is_candidate: np.ndarray) -> Turn | None:
-        """The nearest candidate; of several equally near, the clearest."""
-        if self.verdict == "undefined" or not is_candidate.any():
+    @property
+    def overturn(self) -> Turn | None:
+        """The nearest setting on the map that overturns the verdict; None: nowhere."""
+        return self.overturns[0] if self.overturns else None
+
+    @cached_property
+    def plausible_overturn(self) -> Turn | None:
+        """The nearest setting that overturns the verdict and is plausible; None: nowhere."""
+        if self.verdict == "undefined":
             return None
-        squared = _outer([axis.distances**2 for axis in self.axes], np.add)
-        cells = np.flatnonzero(is_candidate)
-        distance = np.sqrt(squared.ravel()[cells])
-        clarity = np.abs(self.difference.ravel()[cells])
-        best = int(np.lexsort((-clarity, distance.round(9)))[0])
-        cell = int(cells[best])
-        winner: Winner = self.winner.ravel()[cell]
-        at = np.unravel_index(cell, self.difference.shape)
-        plausible = [axis.is_plausible(int(i)) for axis, i in zip(self.axes, at, strict=True)]
-        return Turn(
-            cell, self.settings(cell), float(self.difference.ravel()[cell]), winner,
-            float(distance[best]), all(plausible),
-        )  # fmt: skip
+        return find_plausible_turn(self.field, self.verdict, self._is_overturned)
+
+    @property
+    def _is_overturned(self) -> np.ndarray:
+        if self.verdict == "even":
+            is_better: np.ndarray = (self.winner == "x") | (self.winner == "y")
+        else:
+            is_better = self.winner == ("y" if self.verdict == "x" else "x")
+        return is_better
+
+    @cached_property
+    def field(self) -> Field:
+        """The cells, for the search of turns."""
+        is_continuous = tuple(
+            self.criterion == "similarity" and axis.name in CONTINUOUS for axis in self.axes
+        )
+        return Field(self.axes, self.difference, self.winner, is_continuous)
 
     @cached_property
     def stretches(self) -> tuple[Stretch, ...]:
@@ -206,54 +181,14 @@ class StabilityMap:
         Empty where the verdict is undefined or the analysed setting is no one point of the map.
         """
         at = [axis.present_index for axis in self.axes]
-        if self.verdict == "undefined" or self.present_cell is None:
+        known = [i for i in at if i is not None]
+        if self.verdict == "undefined" or len(known) < len(at):
             return ()
-        found = []
-        for i, axis in enumerate(self.axes):
-            if axis.labels or not self.is_moved_by[i]:
-                continue
-            line = tuple(slice(None) if j == i else at[j] for j in range(len(at)))
-            place = axis.present_index
-            assert place is not None
-            found.append(self._stretch(i, self.difference[line], place))
-        return tuple(found)
-
-    def _stretch(self, i: int, line: np.ndarray, place: int) -> Stretch:
-        values = self.axes[i].values
-        along = winners(line)
-        others = np.flatnonzero(along != self.verdict)
-        before, after = others[others < place], others[others > place]
-        first = int(before[-1]) + 1 if len(before) else 0
-        last = int(after[0]) - 1 if len(after) else len(values) - 1
-        return Stretch(
-            axis=i,
-            low=float(values[first]),
-            high=float(values[last]),
-            turns_below=self._turn(i, line, first, first - 1) if len(before) else np.nan,
-            turns_above=self._turn(i, line, last, last + 1) if len(after) else np.nan,
-            below=along[first - 1] if len(before) else "undefined",
-            above=along[last + 1] if len(after) else "undefined",
+        return tuple(
+            find_stretch(self.field, self.verdict, i, known)
+            for i, axis in enumerate(self.axes)
+            if not axis.labels and self.is_moved_by[i]
         )
-
-    def _turn(self, i: int, line: np.ndarray, inside: int, outside: int) -> float:
-        """Where the difference is 0 between two points, if it moves continuously; else outside."""
-        values = self.axes[i].values
-        here, there = float(line[inside]), float(line[outside])
-        is_continuous = self.criterion == "similarity" and self.axes[i].name in CONTINUOUS
-        if not is_continuous or not here * there < 0:
-            return float(values[outside])
-        share = here / (here - there)
-        return float(values[inside] + share * (values[outside] - values[inside]))
-
-
-def winners(difference: np.ndarray) -> np.ndarray:
-    """`Winner` of every difference; object, the same shape."""
-    code = np.select(
-        [difference > ROUNDING, difference < -ROUNDING, np.abs(difference) <= ROUNDING],
-        range(3), default=3,
-    )  # fmt: skip
-    names: np.ndarray = np.array(get_args(Winner), dtype=object)[code]
-    return names
 
 
 def map_stability(
@@ -314,6 +249,13 @@ def map_stability(
     for letter in LETTERS:
         for key in dict.fromkeys(keys[letter].ravel()):
             wanted.setdefault(key, []).append(letter)
+    is_by_alarms = plane == "thresholds" and len(axes) == len(LETTERS)
+    pairs = equal_alarm_thresholds(result) if is_by_alarms else None
+    along = {} if pairs is None else keys_along(pairs)
+    for letter, keys_there in along.items():
+        for key in keys_there:
+            if letter not in wanted.setdefault(key, []):
+                wanted[key].append(letter)
     full = match_fully(result, [axis.name for axis in axes])
     jobs = [
         partial(score_setting, result, criterion, key, letters, full)
@@ -322,9 +264,18 @@ def map_stability(
     found = dict(zip(wanted, run_steps(jobs, executor, progress, is_cancelled), strict=True))
     alpha = result.params.alpha
     scores = {letter: _score_grid(keys[letter], found, letter, axes, alpha) for letter in LETTERS}
-    difference = scores["x"] - scores["y"]
-    if criterion == "saliency":
-        difference = 0.0 - difference  # less is better; no negative zeros
+    difference = _difference(scores, criterion)
+    equal_alarms = None
+    if pairs is not None:
+        there = {letter: _score_grid(of, found, letter, (), alpha) for letter, of in along.items()}
+        equal_alarms = EqualAlarms(
+            alarms_per_frame=pairs["alarms_per_frame"].to_numpy(),
+            threshold_x=pairs["threshold_x"].to_numpy(),
+            threshold_y=pairs["threshold_y"].to_numpy(),
+            difference=_difference(there, criterion),
+            present_x=alarms_per_frame(result, result.x),
+            present_y=alarms_per_frame(result, result.y),
+        )
     shape = tuple(len(axis) for axis in axes)
     difference = np.broadcast_to(difference, shape).copy()
     winner = winners(difference)
@@ -333,8 +284,9 @@ def map_stability(
         any(enters(axis.name, criterion, letter, result) for letter in LETTERS) for axis in axes
     )
     return StabilityMap(
-        plane, criterion, axes, difference, winner, present_difference(result, criterion), moved
-    )
+        plane, criterion, axes, difference, winner, present_difference(result, criterion), moved,
+        equal_alarms,
+    )  # fmt: skip
 
 
 def present_difference(result: Result, criterion: Criterion) -> float:
@@ -346,6 +298,12 @@ def present_difference(result: Result, criterion: Criterion) -> float:
     if criterion == "saliency":
         return result.y.saliency_s - result.x.saliency_s
     return float(result.venn.x_only - result.venn.y_only) if result.venn.n_near else np.nan
+
+
+def _difference(scores: Mapping[Letter, np.ndarray], criterion: Criterion) -> np.ndarray:
+    """Positive: X is better."""
+    difference: np.ndarray = scores["x"] - scores["y"]
+    return 0.0 - difference if criterion == "saliency" else difference  # no negative zeros
 
 
 def _score_grid(
@@ -365,11 +323,3 @@ def _score_grid(
             alpha = axis.values.reshape([-1 if i == place else 1 for i in range(len(axes))])
     grid: np.ndarray = at_0 + alpha * (at_1 - at_0)
     return grid
-
-
-def _outer(parts: Sequence[np.ndarray], combine: np.ufunc) -> np.ndarray:
-    """One number per cell from one number per point of each axis."""
-    whole = parts[0]
-    for part in parts[1:]:
-        whole = combine.outer(whole, part)
-    return whole

@@ -19,7 +19,8 @@ ALPHA_PLAUSIBLE: Final = (0.5, 1.0)
 """A warning system exists for the pedestrian who is missed: a miss counts at least as much as a
 false alarm."""
 MIDPOINT_PLAUSIBLE: Final = (0.06, 0.15)
-"""Shares of the tallest picture's height: from the preset for rural roads to that for towns."""
+"""Shares of a picture's height: from the preset for rural roads to that for towns, with the default
+between them. Of the lowest picture and of the tallest one, so that every recording's own is in."""
 MIDPOINT_M_PLAUSIBLE: Final = (22.0, 56.0)
 """Metres: where a person of 1.75 m has these shares of the height, by a camera as that of the
 default (focal length 720 px, picture 375 px high)."""
@@ -32,14 +33,17 @@ ALARMS_PLAUSIBLE: Final = (0.01, 1.0)
 """False alarms per frame at thresholds that are used: the range over which pedestrian benchmarks
 average the miss rate (Dollár et al. 2012)."""
 
+MATCH_WORDS: Final[dict[Match, str]] = {
+    "iou": "overlap of the boxes",
+    "lateral": "sideways position",
+}
+
 ALPHA_DRAWN: Final = (0.0, 1.0)
 MIDPOINT_DRAWN: Final = (0.02, 0.25)
 MIDPOINT_M_DRAWN: Final = (10.0, 90.0)
 IOU_DRAWN: Final = (0.1, 0.9)
 """Drawn beyond what is plausible, so that a turn just outside is seen."""
 
-SIZE_PERCENTILES: Final = (1, 99)
-"""A midpoint outside of these pedestrians' sizes weighs nearly all of them alike."""
 MIN_POINTS: Final = 3
 DIGITS: Final = 10
 """Digits of a value below the first of the axis' length."""
@@ -56,7 +60,9 @@ class Axis:
     name
         Field of `Params`.
     title, unit
-        In words; the unit is empty for shares and scores.
+        In words, within a sentence; the unit is empty for shares and scores.
+    label
+        The setting's name where it is set, with the parameter's in brackets if it is another.
     values
         Increasing, float64, shape (n,), read-only; positions 0, 1, ... of `labels` if there are.
     plausible
@@ -65,8 +71,8 @@ class Axis:
         Why this range, in words.
     present
         Ends of where the analysed setting lies: equal, unless the recordings' own values differ.
-    labels
-        Of a choice: the values of the parameter.
+    labels, words
+        Of a choice: the values of the parameter, and what they are called.
     """
 
     name: str
@@ -76,7 +82,9 @@ class Axis:
     plausible: tuple[float, float]
     reason: str
     present: tuple[float, float]
+    label: str
     labels: tuple[str, ...] = ()
+    words: tuple[str, ...] = ()
 
     def __len__(self) -> int:
         return len(self.values)
@@ -85,9 +93,20 @@ class Axis:
         """Value of the parameter at point i."""
         return self.labels[i] if self.labels else float(self.values[i])
 
-    def is_plausible(self, i: int) -> bool:
-        """Whether point i lies in the plausible range."""
-        return self.plausible[0] <= float(self.values[i]) <= self.plausible[1]
+    def setting_at(self, value: float) -> float | str:
+        """Value of the parameter at a place on the axis."""
+        return self.labels[round(value)] if self.labels else float(value)
+
+    def is_plausible(self, values: np.ndarray | float) -> np.ndarray:
+        """Whether places on the axis lie in the plausible range; bool, the same shape."""
+        low, high = self.plausible
+        room = ON_GRID * (high - low)  # 22.2 px is not below 0.06 * 370
+        return (np.asarray(values) >= low - room) & (np.asarray(values) <= high + room)
+
+    @property
+    def is_present_plausible(self) -> bool:
+        """Whether the analysed setting, or each recording's own, lies in the plausible range."""
+        return bool(self.is_plausible(np.array(self.present)).all())
 
     @property
     def present_index(self) -> int | None:
@@ -109,26 +128,28 @@ class Axis:
         share: np.ndarray = width / width.sum()
         return share
 
-    @cached_property
-    def distances(self) -> np.ndarray:
-        """How far each point is from the analysed setting, in plausible ranges; float64, (n,).
+    def distance(self, values: np.ndarray) -> np.ndarray:
+        """How far places are from the analysed setting, in plausible ranges; float64, (n,).
 
         Another choice is a whole range away.
         """
         low, high = self.present
         if self.labels:
-            return np.where(self.values == low, 0.0, 1.0)
-        apart = np.maximum(np.maximum(low - self.values, self.values - high), 0)
+            return np.where(values == low, 0.0, 1.0)
+        apart = np.maximum(np.maximum(low - values, values - high), 0)
         share: np.ndarray = apart / (self.plausible[1] - self.plausible[0])
         return share
 
-    def text(self, i: int) -> str:
-        """Point i in words, such as "alpha 0.3" or "midpoint 48 px"."""
-        return f"{self.title} {self.value_text(i)}"
+    def range_text(self, low: float, high: float) -> str:
+        """A range on this axis: "28.8 to 72 px", or all choices."""
+        if self.labels:
+            return " or ".join(self.words)
+        return self.number_text(high) if low == high else f"{low:.4g} to {self.number_text(high)}"
 
-    def value_text(self, i: int) -> str:
-        """Value of point i with its unit."""
-        return self.labels[i] if self.labels else self.number_text(float(self.values[i]))
+    def text(self, value: float) -> str:
+        """A place in words, such as "alpha 0.3" or "counts half at 48 px"."""
+        said = self.words[round(value)] if self.labels else self.number_text(value)
+        return f"{self.title} {said}"
 
     def number_text(self, value: float) -> str:
         """A value on this axis with its unit."""
@@ -175,14 +196,15 @@ def axes_of(result: Result, plane: Plane, *, n_points: int) -> tuple[Axis, ...]:
 def _alpha(result: Result, n_points: int) -> Axis:
     return _numeric(
         "alpha", "alpha", "", result.params.alpha, n_points, ALPHA_PLAUSIBLE, ALPHA_DRAWN,
-        "a miss counts at least as much as a false alarm",
+        "a miss counts at least as much as a false alarm", "Misses against false alarms (alpha)",
     )  # fmt: skip
 
 
 def _edge_weight(result: Result, n_points: int) -> Axis:
     return _numeric(
-        "edge_weight", "edge weight", "", result.params.edge_weight, n_points,
+        "edge_weight", "traffic context", "", result.params.edge_weight, n_points,
         EDGE_WEIGHT_PLAUSIBLE, EDGE_WEIGHT_PLAUSIBLE, "from towns to rural roads",
+        "Traffic context (edge weight)",
     )  # fmt: skip
 
 
@@ -190,6 +212,7 @@ def _iou(result: Result, n_points: int) -> Axis:
     return _numeric(
         "iou", "IoU", "", result.params.iou, n_points, IOU_PLAUSIBLE, IOU_DRAWN,
         "below, a match may be someone else; above, annotators' own boxes disagree",
+        "Smallest overlap (IoU)",
     )  # fmt: skip
 
 
@@ -199,8 +222,9 @@ def _match_mode(result: Result) -> Axis:
     values = np.arange(len(labels), dtype=float)
     values.flags.writeable = False
     return Axis(
-        "match", "match by", "", values, (0.0, len(labels) - 1.0), "both are in use",
-        (place, place), labels,
+        "match", "matching by", "", values, (0.0, len(labels) - 1.0), "both are in use",
+        (place, place), "A detection matches by", labels,
+        tuple(MATCH_WORDS[one] for one in labels),
     )  # fmt: skip
 
 
@@ -209,53 +233,26 @@ def _midpoint(result: Result, n_points: int) -> Axis | None:
     params, height = result.params, result.dataset.frame_columns.height
     if params.proximity == "none" or not len(height):
         return None
-    reason = "from the preset for rural roads to that for towns"
-    sizes = _sizes(result)
+    presets = "from the preset for rural roads to that for towns"
     if params.proximity == "distance":
         return _numeric(
-            "midpoint_m", "midpoint", "m", params.midpoint_m, n_points,
-            *_held(MIDPOINT_M_PLAUSIBLE, MIDPOINT_M_DRAWN, sizes), reason,
+            "midpoint_m", "counts half at", "m", params.midpoint_m, n_points,
+            MIDPOINT_M_PLAUSIBLE, MIDPOINT_M_DRAWN, presets, "Counts half at (midpoint)",
         )  # fmt: skip
-    default = MIDPOINT_SHARE * height
-    present = (float(default.min()), float(default.max()))
+    least, most = float(height.min()), float(height.max())
+    present = (MIDPOINT_SHARE * least, MIDPOINT_SHARE * most)
     plausible, drawn = (
-        (low * height.max(), high * height.max()) for low, high in
-        (MIDPOINT_PLAUSIBLE, MIDPOINT_DRAWN)
-    )  # fmt: skip
+        (low * least, high * most) for low, high in (MIDPOINT_PLAUSIBLE, MIDPOINT_DRAWN)
+    )
+    low, high = (f"{100 * share:g}" for share in MIDPOINT_PLAUSIBLE)
+    share = f"{low} to {high} % of the picture's height"
+    if least < most:
+        share = f"{low} % of the lowest picture's height to {high} % of the tallest's"
     return _numeric(
-        "midpoint", "midpoint", "px", present if params.midpoint is None else params.midpoint,
-        n_points, *_held(plausible, drawn, sizes), reason,
+        "midpoint", "counts half at", "px",
+        present if params.midpoint is None else params.midpoint, n_points, plausible, drawn,
+        f"{share}, {presets}", "Counts half at (midpoint)",
     )  # fmt: skip
-
-
-def _sizes(result: Result) -> np.ndarray:
-    """What the proximity sigmoid is over, of the pedestrians: px, or metres where known."""
-    truth, frames, params = result.dataset.truth, result.dataset.frame_columns, result.params
-    if params.proximity == "distance":
-        size = truth.distance_m
-    elif params.proximity == "horizon":
-        horizon = (
-            frames.horizon[frames.recording[truth.frame_index]]
-            if params.horizon is None
-            else params.horizon
-        )
-        size = truth.y + truth.h - horizon
-    else:
-        size = truth.h
-    known: np.ndarray = size[~truth.ignore & np.isfinite(size)]
-    return known
-
-
-def _held(
-    plausible: tuple[float, float], drawn: tuple[float, float], sizes: np.ndarray
-) -> tuple[tuple[float, float], tuple[float, float]]:
-    """The plausible range within the pedestrians' sizes, if that leaves any, and what is drawn."""
-    if len(sizes):
-        low, high = np.percentile(sizes, SIZE_PERCENTILES)
-        within = (max(plausible[0], float(low)), min(plausible[1], float(high)))
-        if within[0] < within[1]:
-            plausible = within
-    return plausible, drawn
 
 
 def _threshold(result: Result, letter: Literal["x", "y"], n_points: int) -> Axis | None:
@@ -283,8 +280,9 @@ def _threshold(result: Result, letter: Literal["x", "y"], n_points: int) -> Axis
         reason = f"all scores: no range of them gives {least:g} to {most:g} false alarms per frame"
     title = f"threshold of {letter.upper()}"
     return _numeric(
-        f"threshold_{letter}", title, "", present, n_points, plausible, plausible, reason
-    )
+        f"threshold_{letter}", title, "", present, n_points, plausible, plausible, reason,
+        f"Score {title}",
+    )  # fmt: skip
 
 
 def _numeric(
@@ -296,22 +294,32 @@ def _numeric(
     plausible: tuple[float, float],
     drawn: tuple[float, float],
     reason: str,
+    label: str,
 ) -> Axis:
-    """Evenly spaced values over what is drawn, plausible and present, the present one among them.
+    """Values over what is drawn, plausible and present, evenly spaced but for two things.
 
-    So that the map shows the analysed setting itself, there is one point more where it lies
-    between two of the even ones.
+    The ends of the plausible range are points, in the place of the nearest even ones: what is told
+    to lie inside of it does, and no point stands for settings on both sides. The present setting is
+    one point more where it lies between two, so that the map shows it.
     """
     place = present if isinstance(present, tuple) else (float(present), float(present))
     low, high = min(drawn[0], plausible[0], place[0]), max(drawn[1], plausible[1], place[1])
     values = np.linspace(low, high, n_points)
     # 0.6, not 0.6000000000000001, which a score of 0.6 would not pass
     values[1:-1] = values[1:-1].round(DIGITS - int(np.floor(np.log10(high - low))))
+    near = ON_GRID * (high - low) / (n_points - 1)
+    for end in plausible:
+        nearest = int(np.argmin(np.abs(values - end)))
+        is_free = 0 < nearest < len(values) - 1 and values[nearest] != plausible[0]
+        if is_free or abs(values[nearest] - end) <= near:
+            values[nearest] = end
+        else:
+            values = np.sort(np.append(values, end))
     if place[0] == place[1]:
         nearest = int(np.argmin(np.abs(values - place[0])))
-        if abs(values[nearest] - place[0]) <= ON_GRID * (high - low) / (n_points - 1):
+        if abs(values[nearest] - place[0]) <= near:
             values[nearest] = place[0]
         else:
             values = np.sort(np.append(values, place[0]))
     values.flags.writeable = False
-    return Axis(name, title, unit, values, plausible, reason, place)
+    return Axis(name, title, unit, values, plausible, reason, place, label)

@@ -5,14 +5,30 @@ The systems are called X and Y; no name from a file stands in these sentences.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
+import pandas as pd
 
-from nvcore.stability import StabilityMap, Stretch, Turn, Winner, winners
-from nvcore.stability_axes import Axis
+from nvcore.stability import StabilityMap
+from nvcore.stability_axes import Plane
 from nvcore.stability_scores import Criterion
+from nvcore.stability_turns import Stretch, Turn, Winner, winners
+from nvcore.verdict import SIGNIFICANT
 
+PLANES: Final[dict[Plane, str]] = {
+    "alpha-midpoint": "Alpha and what counts as near",
+    "thresholds": "Both thresholds",
+    "matching": "Matching rule",
+    "edge-weight": "Traffic context",
+    "edge-weight-alpha": "Traffic context and alpha",
+}
+CRITERIA: Final[dict[Criterion, str]] = {
+    "similarity": "mean similarity",
+    "encounters": "encounters detected",
+    "saliency": "saliency",
+}
 BETTER: Final[dict[Criterion, str]] = {
     "similarity": "has the higher mean similarity",
     "encounters": "detects more encounters",
@@ -24,9 +40,9 @@ SAME: Final[dict[Criterion, str]] = {
     "saliency": "have the same saliency",
 }
 QUANTITY: Final[dict[Criterion, str]] = {
-    "similarity": "mean similarity, X less Y",
-    "encounters": "encounters, X alone less Y alone",
-    "saliency": "saliency, Y less X (s)",
+    "similarity": "mean similarity: X better by (below 0: Y)",
+    "encounters": "encounters detected: X better by (below 0: Y)",
+    "saliency": "saliency (s): X better by (below 0: Y)",
 }
 UNDEFINED: Final[dict[Criterion, str]] = {
     "similarity": "there are no frames",
@@ -39,15 +55,26 @@ BECOMES: Final[dict[Winner, str]] = {
     "even": "becomes a tie",
     "undefined": "becomes undefined",
 }
+TESTED: Final[dict[Criterion, tuple[str, ...]]] = {
+    "similarity": ("mean_similarity",),
+    "encounters": ("encounters_detected", "encounters_detected_by_unit"),
+    "saliency": ("saliency",),
+}
+"""Rows of the table of evidence that are about a criterion."""
+ALL: Final = 1e-9
+"""A share this near to all or none is that: shares are sums of rounded parts."""
 
 
 def difference_text(criterion: Criterion, difference: float) -> str:
-    """The size of a difference with its unit: "0.0123", "3 encounters", "0.50 s"."""
+    """The size of a difference, digits as in the tables: "0.0123", "3 encounters", "0.50 s"."""
     size = abs(difference)
     if criterion == "encounters":
         return f"{size:.0f} encounter{'' if size == 1 else 's'}"
-    figure = np.format_float_positional(size, precision=2, fractional=False, trim="-")
-    return f"{figure} s" if criterion == "saliency" else figure
+    digits, unit = (2, " s") if criterion == "saliency" else (4, "")
+    least = 10**-digits
+    if 0 < size < least / 2:
+        return f"less than {least:.{digits}f}{unit}"
+    return f"{size:.{digits}f}{unit}"
 
 
 def winner_text(criterion: Criterion, winner: Winner, difference: float) -> str:
@@ -60,18 +87,29 @@ def winner_text(criterion: Criterion, winner: Winner, difference: float) -> str:
     return f"{winner.upper()} {BETTER[criterion]}, by {size}"
 
 
-def describe_stability(found: StabilityMap) -> tuple[str, ...]:
+def describe_stability(
+    found: StabilityMap, evidence: pd.DataFrame | None = None
+) -> tuple[str, ...]:
     """Whether the verdict depends on the settings of the map, in sentences.
 
-    What holds as analysed; in which share of the plausible range; how far each setting can be
-    moved alone; and the nearest setting that overturns it. All of this is about these settings
-    and these data: whether a difference is more than chance is another question.
+    What holds as analysed; in which share of the plausible range, what makes that plausible, and
+    whether the settings in use lie in it; how far each setting can be moved alone; and the nearest
+    setting that overturns it, in every separate part of the map. All of this is about these
+    settings and these data: whether a difference is more than chance is another question, which
+    the second sentence answers if there is evidence.
+
+    Parameters
+    ----------
+    evidence
+        `nvcore.evidence.evidence_table` of the same result.
     """
     verdict, present = found.verdict, found.present_difference
     said = winner_text(found.criterion, verdict, present)
     if verdict == "undefined":
         return (f"As analysed the verdict is {said}.",)
     sentences = [f"As analysed, {said}."]
+    if evidence is not None:
+        sentences += filter(None, [describe_chance(found, evidence)])
     still = [
         axis.title for axis, moves in zip(found.axes, found.is_moved_by, strict=True) if not moves
     ]
@@ -81,44 +119,122 @@ def describe_stability(found: StabilityMap) -> tuple[str, ...]:
     if not any(found.is_moved_by):
         return tuple(sentences)
     sentences.append(_share(found))
-    sentences += [
-        f"The {axis.title} is each recording's own, {_range(axis, *axis.present)}: no one point of "
-        "this map."
-        for axis in found.axes
-        if axis.present_index is None
-    ]
+    sentences += filter(None, [describe_equal_alarms(found)])
+    sentences += _present(found)
     sentences += [_stretch(found, one) for one in found.stretches]
     sentences += _choices(found)
-    sentences.append(_nearest(found))
+    sentences += _nearest(found)
     return tuple(sentences)
 
 
 def _and(words: list[str]) -> str:
-    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}"
+    return "".join(words) if len(words) < 2 else f"{', '.join(words[:-1])} and {words[-1]}"
 
 
 def _share(found: StabilityMap) -> str:
-    ranges = _and([
-        f"{axis.title} {_range(axis, *axis.plausible)}"
-        for axis, moves in zip(found.axes, found.is_moved_by, strict=True) if moves
-    ])  # fmt: skip
-    share = found.share_held
-    if np.isnan(share):
-        return f"In the plausible range ({ranges}) it is undefined."
-    how_much = "all" if share > 1 - 1e-9 else "none" if not share else _percent(share)
-    partly = "" if found.share_defined > 1 - 1e-9 else ", where that is defined"
-    return f"This holds in {how_much} of the plausible range ({ranges}){partly}."
+    moved = [axis for axis, moves in zip(found.axes, found.is_moved_by, strict=True) if moves]
+    said = [f"{_lower(axis.label)} {axis.range_text(*axis.plausible)}" for axis in moved]
+    reasons = [f" ({axis.reason})" for axis in moved]
+    if len(set(reasons)) == 1:
+        reasons[:-1] = [""] * (len(reasons) - 1)
+    ranges = _and([range_ + reason for range_, reason in zip(said, reasons, strict=True)])
+    if np.isnan(found.share_held):
+        return f"In the plausible range it is undefined: {ranges}."
+    partly = "" if found.share_defined > 1 - ALL else ", where that is defined"
+    pairs = (
+        ", all pairs of a strict threshold with a lax one among them"
+        if found.equal_alarms is not None else ""
+    )  # fmt: skip
+    return (
+        f"The verdict holds in {share_text(found.share_held)} of the plausible range{partly}: "
+        f"{ranges}{pairs}."
+    )
 
 
-def _percent(share: float) -> str:
-    """In whole per cent; neither 0 nor 100 where there is something on either side."""
-    return f"{min(max(round(100 * share), 1), 99)} %"
+def _lower(label: str) -> str:
+    """A label within a sentence; abbreviations keep their capitals."""
+    return label[0].lower() + label[1:]
 
 
-def _range(axis: Axis, low: float, high: float) -> str:
-    if axis.labels:
-        return " or ".join(axis.labels)
-    return f"{low:.4g} to {axis.number_text(high)}"
+def describe_equal_alarms(found: StabilityMap) -> str:
+    """Who is better where both raise equally many false alarms; empty but over both thresholds."""
+    criterion, line = found.criterion, found.equal_alarms
+    if line is None:
+        return ""
+    present = (
+        f"as analysed, X has {line.present_x:.2g} and Y {line.present_y:.2g} false alarms per frame"
+    )
+    if not len(line.difference):
+        return f"No thresholds give X and Y equally many false alarms; {present}."
+    least, most = line.alarms_per_frame[[0, -1]]
+    who: dict[Winner, str] = {
+        "x": f"X {BETTER[criterion]}", "y": f"Y {BETTER[criterion]}",
+        "even": f"X and Y {SAME[criterion]}", "undefined": "it is undefined",
+    }  # fmt: skip
+    held = [f"{said} in {share_text(line.share(one))}" for one, said in who.items()
+            if line.share(one)]  # fmt: skip
+    return (
+        f"With equally many false alarms, {least:.2g} to {most:.2g} per frame, {_and(held)} of "
+        f"these pairs of thresholds; {present}."
+    )
+
+
+def describe_chance(found: StabilityMap, evidence: pd.DataFrame) -> str:
+    """Whether the difference as analysed is more than chance; empty where there is none.
+
+    Parameters
+    ----------
+    evidence
+        `nvcore.evidence.evidence_table` of the same result. Of several tests of the criterion the
+        one with the largest p-value counts.
+    """
+    rows = evidence[evidence["figure"].isin(TESTED[found.criterion])]
+    if found.verdict in ("even", "undefined") or rows.empty:
+        return ""
+    what = "this difference"
+    if found.criterion == "saliency":
+        what = "the difference in the mean saliency of the recordings"
+        if rows["difference"].iloc[0] * found.present_difference > 0:  # less is better
+            what += f", which speaks for {'Y' if found.verdict == 'x' else 'X'},"
+    tested = rows[np.isfinite(rows["p_holm"])]
+    no_evidence = "a verdict that holds at other settings is no evidence against chance"
+    if tested.empty:
+        why = rows["note"].iloc[-1].split("; ")[0]
+        because = f" ({why})" if why else ""
+        return f"Whether {what} is more than chance cannot be tested here{because}: {no_evidence}."
+    worst = tested.loc[tested["p_holm"].idxmax()]
+    by = f"by {int(worst['n']):,} {worst['unit']}"
+    if worst["unit"] == "blocks":
+        by += " of time, which say nothing of other recordings"
+    p = f"p = {worst['p_holm']:.2g}, corrected for all figures tested; {by}"
+    if worst["p_holm"] <= SIGNIFICANT:
+        return f"{what[0].upper()}{what[1:]} is more than chance ({p})."
+    return f"{what[0].upper()}{what[1:]} is not shown to be more than chance ({p}): {no_evidence}."
+
+
+def share_text(share: float) -> str:
+    """A share as "all", "none" or in whole per cent, neither 0 nor 100 of them."""
+    if share > 1 - ALL:
+        return "all"
+    return "none" if share < ALL else f"{min(max(round(100 * share), 1), 99)} %"
+
+
+def _present(found: StabilityMap) -> list[str]:
+    """What the reader must know of the settings in use to read the rest."""
+    moved = [axis for axis, moves in zip(found.axes, found.is_moved_by, strict=True) if moves]
+    sentences = [
+        f"\"{axis.label}\" is each recording's own here, {axis.range_text(*axis.present)}: the "
+        "settings in use are no single point of this map."
+        for axis in moved if axis.present_index is None
+    ]  # fmt: skip
+    outside = [
+        f"{axis.title} {axis.range_text(*axis.present)}"
+        for axis in moved if not axis.is_present_plausible
+    ]  # fmt: skip
+    if outside:
+        said = "The settings in use lie outside the plausible range themselves"
+        sentences.append(f"{said}: {_and(outside)}.")
+    return sentences
 
 
 def _stretch(found: StabilityMap, stretch: Stretch) -> str:
@@ -132,10 +248,11 @@ def _stretch(found: StabilityMap, stretch: Stretch) -> str:
         )
         if not np.isnan(turn)
     ]
-    where = f"every {axis.title} from {_range(axis, stretch.low, stretch.high)}"
+    where = f"every value tried from {axis.range_text(stretch.low, stretch.high)}"
     if stretch.low == stretch.high:
-        where = f"{axis.title} {axis.number_text(stretch.low)} only"
-    said = f"All else as it is, it holds for {where}"
+        where = f"{axis.number_text(stretch.low)} only"
+    title = axis.title[0].upper() + axis.title[1:]
+    said = f"{title}: all else as it is, it holds for {where}"
     return f"{said}; {_and(turns)}." if turns else f"{said}, the whole map."
 
 
@@ -155,38 +272,59 @@ def _choices(found: StabilityMap) -> list[str]:
             difference = float(found.difference[cell])
             winner = winners(np.array([difference]))[0]
             said = winner_text(found.criterion, winner, difference)
-            sentences.append(f"With {axis.text(label)}, all else as it is, {said}.")
+            sentences.append(f"With {axis.text(float(label))}, all else as it is, {said}.")
     return sentences
 
 
-def settings_text(found: StabilityMap, cell: int) -> str:
-    """A cell's settings in words, those that matter: "alpha 0.3 and midpoint 48 px"."""
-    at = np.unravel_index(cell, found.difference.shape)
+def settings_text(found: StabilityMap, at: Sequence[float]) -> str:
+    """A place on the map in words, of the settings that matter: "alpha 0.3 and midpoint 48 px"."""
     return _and([
-        axis.text(int(i))
-        for axis, i, moves in zip(found.axes, at, found.is_moved_by, strict=True) if moves
+        axis.text(value)
+        for axis, value, moves in zip(found.axes, at, found.is_moved_by, strict=True) if moves
     ])  # fmt: skip
 
 
-def _nearest(found: StabilityMap) -> str:
-    overturn, end = found.overturn, found.end
-    if overturn is not None:
-        what = "overturns this" if found.verdict != "even" else "ends the tie"
-        return f"The nearest setting on this map that {what} is {_turn(found, overturn)}."
-    other = "Y" if found.verdict == "x" else "X"
-    if end is not None:
-        return f"Nowhere on this map is {other} better; the nearest tie is {_turn(found, end)}."
-    if found.verdict == "even":
-        return "It is a tie all over this map."
-    return f"Nowhere on this map does {other} come level."
+def nearest_text(found: StabilityMap) -> str:
+    """The nearest setting that overturns the verdict, or that none does, in a few words."""
+    if found.verdict == "undefined":
+        return "-"
+    return _turn(found, found.overturn) if found.overturn is not None else "nowhere on the map"
+
+
+def _nearest(found: StabilityMap) -> list[str]:
+    """The nearest setting that overturns the verdict, overall and in each part of the map."""
+    end, other = found.end, "Y" if found.verdict == "x" else "X"
+    if not found.overturns:
+        if end is not None:
+            return [f"Nowhere on this map is {other} better; the nearest tie: {_turn(found, end)}."]
+        if found.verdict == "even":
+            return ["It is a tie all over this map."]
+        return [f"Nowhere on this map does {other} come level."]
+    first, *more = found.overturns
+    what = "overturns this" if found.verdict != "even" else "ends the tie"
+    sentences = [f"The nearest setting on this map that {what}: {_turn(found, first)}."]
+    inside = found.plausible_overturn
+    if inside is not None and inside != first:
+        sentences.append(f"The nearest within the plausible range: {_turn(found, inside)}.")
+    if more:
+        who = other if found.verdict != "even" else "X or Y"
+        where = "another part" if len(more) == 1 else f"{len(more)} other parts"
+        sentences.append(
+            f"{who} is also better in {where} of this map, nearest: {_turn(found, more[0])}."
+        )
+    return sentences
 
 
 def _turn(found: StabilityMap, turn: Turn) -> str:
-    settings = settings_text(found, turn.cell)
-    away = f"{turn.distance:.2g} of a plausible range away"
-    if not turn.is_plausible:
-        away += ", outside the plausible range"
-    if turn.winner == "even":
-        return f"at {settings}, {away}"
-    ahead = difference_text(found.criterion, turn.difference)
-    return f"{settings} ({turn.winner.upper()} ahead by {ahead}), {away}"
+    """Where a turn is, what it turns to, and how far away."""
+    said = settings_text(found, turn.at)
+    if turn.winner != "even":
+        ahead = (
+            f"{turn.winner.upper()} ahead by {difference_text(found.criterion, turn.difference)}"
+        )
+        said += f" ({ahead})" if turn.difference else f", where it turns to {turn.winner.upper()}"
+    side = "inside" if turn.is_plausible else "outside"
+    away = f"{turn.distance:.2g} times its width away"
+    if not turn.distance:
+        away = "among the recordings' own values"
+    return f"{said}, {side} the plausible range and {away}"

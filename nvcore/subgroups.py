@@ -1,18 +1,16 @@
-"""Who detects more, for near and far, centre and edge, occluded, odd poses, tags of recordings."""
+"""Parts of the encounters: near and far, centre and edge, occluded, odd poses, recordings' tags."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
-import pandas as pd
 
 from nvcore.analysis import Result
-from nvcore.paired_tests import holm, mcnemar
+from nvcore.filtered_truth import has_tags, known_tags
 from nvcore.params import MIDPOINT_SHARE
 from nvcore.schema import Category
-from nvcore.venn import count_categories
 
 NEAR_MIDPOINTS: Final = 2.0
 """Near: the largest box is this many times as high as one that counts half. Height goes with one
@@ -25,10 +23,7 @@ ODD_POSE_Z: Final = 1.0
 """Odd pose: the aspect ratio is this many standard deviations or more from the mean."""
 
 ALL: Final = "all"
-COLUMNS: Final = (
-    "factor", "group", "n", "both", "x_only", "y_only", "neither", "x", "y", "difference", "low",
-    "high", "odds_ratio", "odds_low", "odds_high", "p", "p_holm", "note",
-)  # fmt: skip
+TAG: Final = "tag"
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,19 +36,33 @@ class Subgroup:
         What encounters are divided by (``distance``, ``place``, ``occlusion``, ``pose``, ``tag``),
         and the name of the part.
     is_member
-        bool, shape (n_encounters,).
+        Encounters in it, distant ones left out; bool, shape (n_encounters,).
+    recordings
+        Recordings with the tag, or with a member; bool, shape (n_recordings,).
     """
 
     factor: str
     group: str
     is_member: np.ndarray
+    recordings: np.ndarray
+
+    @property
+    def has_frames(self) -> bool:
+        """Whether it is made of whole recordings, so that frames and false alerts belong to it."""
+        return self.factor in (ALL, TAG)
+
+
+def everyone(result: Result) -> Subgroup:
+    """All encounters that count, and all recordings."""
+    is_near = result.category != Category.DISTANT.value
+    return Subgroup(ALL, ALL, is_near, np.ones(len(result.dataset.recordings), dtype=bool))
 
 
 def find_subgroups(result: Result) -> tuple[Subgroup, ...]:
     """The parts of the encounters that count; by the ground truth alone, the same for X and Y.
 
     A factor is left out where the data do not know it (occlusion, tags) or do not divide by it
-    (a part would be empty). A recording may have several tags.
+    (a part would be empty), and a tag without frames. A recording may have several tags.
     """
     encounters, dataset = result.encounters, result.dataset
     is_near = result.category != Category.DISTANT.value
@@ -83,62 +92,25 @@ def find_subgroups(result: Result) -> tuple[Subgroup, ...]:
     )  # fmt: skip
     found = []
     for factor, groups in factors:
-        parts = [Subgroup(factor, name, is_it & is_near) for name, is_it in groups.items()]
+        parts = [_part(result, factor, name, is_it & is_near) for name, is_it in groups.items()]
         parts = [part for part in parts if part.is_member.any()]
         if len(parts) > 1:
             found += parts
     return (*found, *_tagged(result, is_near))
 
 
+def _part(result: Result, factor: str, group: str, is_member: np.ndarray) -> Subgroup:
+    n_recordings = len(result.dataset.recordings)
+    members = np.bincount(result.encounters.recording[is_member], minlength=n_recordings)
+    return Subgroup(factor, group, is_member, members > 0)
+
+
 def _tagged(result: Result, is_near: np.ndarray) -> list[Subgroup]:
-    tags = result.dataset.recordings["tags"].tolist()
-    names = sorted({tag for of_one in tags for tag in of_one})
+    has_frames = np.diff(result.dataset.frame_columns.first) > 0
     parts = []
-    for name in names:
-        has_tag = np.array([name in of_one for of_one in tags], dtype=bool)
-        parts.append(Subgroup("tag", name, has_tag[result.encounters.recording] & is_near))
-    return [part for part in parts if part.is_member.any()]
-
-
-def subgroup_table(result: Result) -> pd.DataFrame:
-    """Difference in the share of encounters detected, for all of them and by subgroup.
-
-    Ready for a forest plot: one row per part, the first one for all encounters.
-
-    Returns
-    -------
-    Columns `COLUMNS`: factor, group; n (encounters) and how many are detected by both, only X,
-    only Y, neither; x, y (shares detected, 1 is best), difference (X - Y) with its 95 % interval
-    (low, high); odds_ratio with interval; exact McNemar p, and p_holm, corrected for all subgroups
-    (the row of all encounters is not one); note: what is not given, and why. The parts of several
-    factors overlap, and a tag's with another's.
-    """
-    everyone = Subgroup(ALL, ALL, result.category != Category.DISTANT.value)
-    rows = [_row(result, one) for one in (everyone, *find_subgroups(result))]
-    table = pd.DataFrame(rows)
-    p_holm = np.full(len(table), np.nan)
-    p_holm[1:] = holm(table["p"].to_numpy()[1:])
-    table["p_holm"] = p_holm
-    return table[list(COLUMNS)]
-
-
-def _row(result: Result, part: Subgroup) -> dict[str, Any]:
-    venn = count_categories(result.category[part.is_member])
-    found = mcnemar(venn)
-    counts = venn.counts()
-    return {
-        "factor": part.factor,
-        "group": part.group,
-        "n": venn.n_near,
-        **{name: counts[name] for name in ("both", "x_only", "y_only", "neither")},
-        "x": found.share_x,
-        "y": found.share_y,
-        "difference": found.difference,
-        "low": found.low,
-        "high": found.high,
-        "odds_ratio": found.odds_ratio,
-        "odds_low": found.odds_low,
-        "odds_high": found.odds_high,
-        "p": found.p,
-        "note": found.reason,
-    }
+    for tag in known_tags(result.dataset):
+        has_tag = has_tags(result.dataset, (tag,))
+        if (has_tag & has_frames).any():
+            is_member = has_tag[result.encounters.recording] & is_near
+            parts.append(Subgroup(TAG, tag, is_member, has_tag))
+    return parts

@@ -324,3 +324,16 @@ def _without_nan(value: Any) -> Any:
     if isinstance(value, float) and not np.isfinite(value):
         return None
     return value
+
+
+def saliency_of_recordings(result: Result, system: SystemResult) -> np.ndarray:
+    """Saliency of every recording by itself, s, 0 is best; float64, shape (n_recordings,)."""
+    saliency = np.zeros(len(result.dataset.recordings))
+    add = np.maximum if result.params.saliency_aggregate == "max" else np.add
+    events = system.events
+    add.at(
+        saliency,
+        events["recording"].to_numpy(dtype=np.int64),
+        events["saliency_s"].to_numpy(dtype=float),
+    )
+    return saliency

@@ -8,11 +8,11 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
-from nvcore.analysis import Result, SystemResult
+from nvcore.analysis import Result
 from nvcore.block_length import block_length
 from nvcore.bootstrap import MIN_UNITS
 from nvcore.schema import Category
-from nvcore.tables import sides
+from nvcore.tables import saliency_of_recordings, sides
 
 RECORDINGS: Final = "recordings"
 BLOCKS: Final = "blocks"
@@ -163,16 +163,3 @@ def sum_units(result: Result, units: Units) -> pd.DataFrame:
             f"saliency_{letter}": saliency,
         }
     return pd.DataFrame(columns)
-
-
-def saliency_of_recordings(result: Result, system: SystemResult) -> np.ndarray:
-    """Saliency of every recording by itself, s, 0 is best; float64, shape (n_recordings,)."""
-    saliency = np.zeros(len(result.dataset.recordings))
-    add = np.maximum if result.params.saliency_aggregate == "max" else np.add
-    events = system.events
-    add.at(
-        saliency,
-        events["recording"].to_numpy(dtype=np.int64),
-        events["saliency_s"].to_numpy(dtype=float),
-    )
-    return saliency

@@ -10,6 +10,7 @@ import pandas as pd
 
 from nvcore.analysis import Result, SystemResult
 from nvcore.findings import Finding, Severity
+from nvcore.paired_tests import MIN_DISCORDANT
 from nvcore.tables import sides
 
 SIGNIFICANT: Final = 0.05
@@ -21,6 +22,12 @@ TESTED: Final = {
     "false_alert_episodes_per_hour": "false-alert episodes",
 }
 """The figures that stand side by side, by their key in the table of evidence."""
+
+OF_TIME: Final = ("saliency", "false_alert_episodes_per_hour")
+"""Those that mean little where encounters are single frames."""
+
+PER: Final = {"saliency": " s", "false_alert_episodes_per_hour": " per hour"}
+"""Units of measure of their intervals."""
 
 UNITS: Final = {
     "recordings": "recordings",
@@ -78,9 +85,9 @@ def verdict(
     """
     codes = {one.code for one in findings}
     sentences = [_encounters(result, codes) + _by_units(result, codes, evidence)]
-    figures = _figures(result)
+    figures = _figures(result, evidence)
     if figures:
-        sentences.append(f"{figures}; {_chance(evidence)}.")
+        sentences.append(f"{figures}; {_chance(evidence, codes)}.")
     unlimited = _without_threshold(result)
     if unlimited:
         sentences.append(unlimited)
@@ -119,8 +126,9 @@ def _encounters(result: Result, codes: Set[str]) -> str:
     if "same-boxes" in codes:
         return "Two of the inputs have the same boxes: this is no comparison of two systems."
     is_testable = "short-encounters" not in codes
-    chance = f" (p = {p:.2g})" if is_testable else ""
     n_split = venn.x_only + venn.y_only
+    tested = f"p = {p:.2g}" if n_split >= MIN_DISCORDANT else "too few to test"
+    chance = f" ({tested})" if is_testable else ""
     if not venn.n_near:
         return (
             "There is no encounter near enough to count: these data do not show which system "
@@ -140,7 +148,7 @@ def _encounters(result: Result, codes: Set[str]) -> str:
         )
         if p <= SIGNIFICANT or not is_testable:
             return f"{claim}{chance}."
-        return f"{claim}; so small a difference may well be chance{chance}."
+        return f"{claim}; so few do not show a difference beyond chance."
     split = (
         f"of the {n_split} encounters that only one system detects, X detects {venn.x_only} and Y "
         f"{venn.y_only}{chance}"
@@ -153,26 +161,35 @@ def _encounters(result: Result, codes: Set[str]) -> str:
 
 
 def _by_units(result: Result, codes: Set[str], evidence: pd.DataFrame | None) -> str:
-    """That encounters of one recording are alike, where that takes the evidence away."""
-    is_claimed = result.exclusivity.mcnemar_p <= SIGNIFICANT and not (
-        {"same-boxes", "short-encounters"} & codes
-    )
-    if evidence is None or not is_claimed:
+    """What encounters of one recording being alike leaves of the evidence, where it matters.
+
+    That is where single encounters would make a claim, or are frames rather than persons.
+    """
+    venn, is_short = result.venn, "short-encounters" in codes
+    is_claimed = is_short or result.exclusivity.mcnemar_p <= SIGNIFICANT
+    if evidence is None or "same-boxes" in codes or not is_claimed or venn.x_only == venn.y_only:
         return ""
     row = evidence[evidence["figure"] == "encounters_detected_by_unit"]
-    if row.empty or float(row["p_holm"].iloc[0]) <= SIGNIFICANT:
+    p = np.nan if row.empty else float(row["p_holm"].iloc[0])
+    is_shown = p <= SIGNIFICANT
+    if row.empty or (is_shown and not is_short):
         return ""
     unit = f"{int(row['n'].iloc[0]):,} {row['unit'].iloc[0]}"
-    return (
-        f" Judged by {unit} instead of single encounters, that is not shown to be more than chance."
-    )
+    if np.isnan(p):
+        outcome = "cannot be tested: too few of them tell X and Y apart"
+    elif is_shown:
+        outcome = f"is more than chance (p = {p:.2g})"
+    else:
+        outcome = "is not shown to be more than chance"
+    return f" Judged by {unit} instead of single encounters, that {outcome}."
 
 
-def _figures(result: Result) -> str:
+def _figures(result: Result, evidence: pd.DataFrame | None) -> str:
     x, y = result.x, result.y
     parts = [
         _better("the higher mean similarity", _mean(x), _mean(y), ".3f", is_high_better=True),
-        _better("the lower saliency", x.saliency_s, y.saliency_s, ".2f", unit=" s"),
+        _better("the lower saliency", x.saliency_s, y.saliency_s, ".2f", unit=" s")
+        + _mean_saliency(result, evidence),
         _better(
             "fewer false-alert episodes",
             x.false_alarm_summary.episodes if result.duration_s else np.nan,
@@ -188,20 +205,45 @@ def _figures(result: Result) -> str:
     return f"{text[0].upper()}{text[1:]}"
 
 
-def _chance(evidence: pd.DataFrame | None) -> str:
+def _mean_saliency(result: Result, evidence: pd.DataFrame | None) -> str:
+    """That the mean over recordings, which is tested, speaks for the other system."""
+    rows = None if evidence is None else evidence[evidence["figure"] == "saliency"]
+    if rows is None or rows.empty:
+        return ""
+    tested = float(rows["difference"].iloc[0])
+    if not tested * (result.x.saliency_s - result.y.saliency_s) < 0:
+        return ""
+    means = sorted((float(rows["x"].iloc[0]), float(rows["y"].iloc[0])))
+    winner = "X" if tested < 0 else "Y"
+    return f", but {winner} in the mean over recordings ({means[0]:.2f} to {means[1]:.2f} s)"
+
+
+def _chance(evidence: pd.DataFrame | None, codes: Set[str]) -> str:
     """Which of the differences side by side are more than chance, by their corrected p-values."""
     if evidence is None:
         return "whether these differences are more than chance is not tested"
-    shown = evidence[evidence["figure"].isin(TESTED)]
+    is_short = "short-encounters" in codes
+    judged = [name for name in TESTED if not (is_short and name in OF_TIME)]
+    told = _beyond_chance(evidence[evidence["figure"].isin(judged)])
+    return (
+        f"{told}; saliency and episodes mean little here and are not judged" if is_short else told
+    )
+
+
+def _beyond_chance(shown: pd.DataFrame) -> str:
     tested = shown[np.isfinite(shown["p_holm"])]
     if tested.empty:
         return "there are too few data to test these differences for chance"
     beyond = tested[tested["p_holm"] <= SIGNIFICANT]
     by = f"by these {int(tested['n'].iloc[0]):,} {UNITS[tested['unit'].iloc[0]]}"
+    if beyond.empty and len(shown) == 1:
+        name = TESTED[shown["figure"].iloc[0]]
+        return f"{by}, the difference in {name} is not shown to be more than chance"
     if beyond.empty:
         return f"{by}, none of these differences is shown to be more than chance"
     told = [
-        f"{TESTED[figure]} (for {_favoured(difference, better)}, {_interval(low, high)}p = {p:.2g})"
+        f"{TESTED[figure]} (for {_favoured(difference, better)}, "
+        f"{_interval(figure, low, high)}p = {p:.2g})"
         for figure, difference, better, low, high, p in zip(
             *(beyond[name] for name in ("figure", "difference", "better", "low", "high", "p_holm")),
             strict=True,
@@ -219,8 +261,16 @@ def _favoured(difference: float, better: str) -> str:
     return "X" if (difference > 0) == (better == "higher") else "Y"
 
 
-def _interval(low: float, high: float) -> str:
-    return f"X - Y 95 % interval {low:.2g} to {high:.2g}, " if np.isfinite(low) else ""
+def _interval(figure: str, low: float, high: float) -> str:
+    if not np.isfinite(low):
+        return ""
+    ends = f"{_signed(low)} to {_signed(high)}"
+    return f"X - Y 95 % interval {ends}{PER.get(figure, '')}, "
+
+
+def _signed(value: float) -> str:
+    """Three digits at the least, without an exponent."""
+    return f"{value:+,.0f}" if abs(value) >= 100 else f"{value:+.3g}"
 
 
 def _duration(seconds: float) -> str:

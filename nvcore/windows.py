@@ -84,8 +84,8 @@ def scale_steps(first: float, last: float, step: float) -> tuple[float, ...]:
     """
     if not (0 < first <= last < math.inf and 0 < step < math.inf):
         raise ParameterError(
-            f"scales: expected 0 < first <= last and a positive step, got {first:g}, {last:g}, "
-            f"{step:g}"
+            "the first scale must be above 0, the last at least as large, and the step above 0; "
+            f"got first {first:g}, last {last:g}, step {step:g}"
         )
     n = math.floor((last - first) / step + _TINY) + 1
     return tuple(round(first + i * step, 12) for i in range(n))
@@ -97,7 +97,7 @@ def windows_per_image(dataset: Dataset, is_counted: np.ndarray, grid: WindowGrid
     Parameters
     ----------
     is_counted
-        Frames that count (`nvcore.protocols.FilteredTruth`); bool, (n_frames,).
+        Frames that count (`nvcore.filtered_truth.FilteredTruth`); bool, (n_frames,).
     """
     frames = dataset.frame_columns
     n_images = np.bincount(frames.recording[is_counted], minlength=len(dataset.recordings))

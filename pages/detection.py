@@ -2,7 +2,7 @@
 
 import streamlit as st
 
-from ui import detection_curves, detection_protocol, state
+from ui import caution, detection_curves, detection_protocol, state
 from ui.empty import one_system_only
 from ui.text import docs_link
 
@@ -16,5 +16,6 @@ else:
         "boxes, not encounters, and every counted box weighs the same "
         f"({docs_link('Detection curves', 'detection-curves', doc='detection')})."
     )
+    caution.draw(result, is_of_encounters=False)
     protocol = detection_protocol.choose(result.dataset)
     detection_curves.draw(result, protocol)

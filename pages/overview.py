@@ -4,6 +4,7 @@ import streamlit as st
 
 from ui import overview_evidence, overview_moments, overview_scorecard, overview_venn, state
 from ui.empty import one_system_only
+from ui.evidence import evidence
 
 st.title("Overview")
 result = state.result()
@@ -18,7 +19,7 @@ else:
         overview_venn.draw(result)
     overview_moments.draw(result)
     overview_scorecard.by_recording(result)
-    evidence = state.evidence()
-    overview_evidence.draw(result, evidence)
+    found = evidence()
+    overview_evidence.draw(result, found)
     with verdict:
-        overview_scorecard.verdict_box(result, state.findings(), evidence)
+        overview_scorecard.verdict_box(result, state.findings(), found)

@@ -2,7 +2,7 @@
 
 import streamlit as st
 
-from ui import stability_map, state
+from ui import caution, stability_map, stability_survey, state
 from ui.empty import one_system_only
 from ui.text import docs_link
 
@@ -17,4 +17,8 @@ else:
         "plausible range does not depend on them "
         f"({docs_link('Stability', 'stability', doc='significance')})."
     )
+    caution.draw(result)
+    survey = st.container()  # filled last: the map is there sooner
     stability_map.draw(result)
+    with survey:
+        stability_survey.draw(result)

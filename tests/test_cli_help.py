@@ -30,7 +30,8 @@ def headings(command: str) -> dict[str, list[str]]:
 def test_the_headings_of_compare_go_from_inputs_to_settings():
     assert list(headings("compare")) == [
         "Inputs", "How files are read", "What the files do not say", "Corrections", "Output",
-        "Similarity", "Proximity", "Thresholds and matching", "Encounters", "Saliency", "Other",
+        "Detection figures", "Similarity", "Proximity", "Thresholds and matching", "Encounters",
+        "Saliency", "Other",
     ]  # fmt: skip
 
 

@@ -9,7 +9,12 @@ import pytest
 from builders import at, compare, make_dataset
 
 from nvcore.analysis import Result
-from nvcore.comparison_words import describe_fusion, describe_misses, describe_saliency
+from nvcore.comparison_words import (
+    describe_fusion,
+    describe_lead,
+    describe_misses,
+    describe_saliency,
+)
 from nvcore.encounter_counts import fusion_table
 from nvcore.venn import Venn, measure_exclusivity
 
@@ -30,7 +35,7 @@ def test_the_paper_s_first_figure_in_words():
     assert "Of 10 encounters that count, X does not detect 3 and Y does not detect 3" in text
     assert "1 of the 5 that at least one misses are missed by both (Jaccard index 0.20)" in text
     assert "Too few misses to say whether those of X and Y go together (phi +0.05)" in text
-    assert "X detects 2 and Y 2: two equally good systems could well differ so much" in text
+    assert "only one system detects, X detects 2 and Y 2: in this they do not differ." in text
 
 
 def test_an_uneven_split_is_called_unlikely():
@@ -52,16 +57,59 @@ def test_a_single_difference_is_told_as_one():
 
 
 @pytest.mark.parametrize(
-    ("counts", "words"),
+    ("counts", "phi"),
+    [((50, 3, 3, 20), "+0.81"), ((4, 20, 20, 2), "-0.74"), ((40, 20, 20, 10), "+0.00")],
+)
+def test_phi_is_told_with_its_meaning(counts: tuple[int, int, int, int], phi: str):
+    assert f"is phi {phi} (0: a miss of one says nothing about the other; 1: both" in said(
+        counted(*counts)
+    )
+
+
+def test_an_uneven_split_may_be_chance():
+    assert "X detects 4 and Y 2: two equally good systems could well differ so much" in said(
+        counted(20, 4, 2, 5)
+    )
+
+
+def test_encounters_of_one_frame_are_not_tested_one_by_one():
+    truth = [at(f, 50, track=f) for f in range(12)]
+    text = said(compare(make_dataset(truth, truth, truth[:2], n_frames=12)))
+    assert "X detects 10 and Y 0. Most encounters are one frame long" in text
+    assert "p =" not in text
+
+
+def led(*lead_s: float) -> str:
+    """The sentence where X matches a pedestrian so much earlier than Y, each of 2 s at 10 fps."""
+    truth = [at(f, 10 + 8 * i, track=i) for i in range(len(lead_s)) for f in range(20)]
+    x, y = (
+        [box for box in truth if box.frame >= 10 * max(0, sign * lead_s[box.track])]
+        for sign in (-1, 1)
+    )
+    return describe_lead(compare(make_dataset(truth, x, y), proximity="none"))
+
+
+def test_lead_time_is_told_by_mean_and_median():
+    assert led(0.5, 0.3, 0.4) == (
+        "Of 3 encounters that both match, X matches 3 first, Y 0, and 0 at once. X's lead is "
+        "+0.40 s on average, median +0.40 s."
+    )
+
+
+@pytest.mark.parametrize(
+    ("lead_s", "end"),
     [
-        ((50, 3, 3, 20), "is clearly likelier to be missed by the other, too"),
-        ((40, 10, 10, 6), "is somewhat likelier"),
-        ((4, 20, 20, 2), "is clearly less likely"),
-        ((40, 20, 20, 10), "says next to nothing about the other"),
+        ((0.0, 0.0), "median +0.00 s: neither leads."),
+        ((0.9, 0.0, 0.0), "the mean comes from those that differ."),
+        ((1.8, -0.1, -0.1), "point in different directions, so neither leads clearly."),
     ],
 )
-def test_phi_is_put_into_words(counts: tuple[int, int, int, int], words: str):
-    assert words in said(counted(*counts))
+def test_a_mean_of_few_is_no_lead(lead_s: tuple[float, ...], end: str):
+    assert led(*lead_s).endswith(end)
+
+
+def test_without_an_encounter_that_both_match_there_is_no_lead():
+    assert "no lead time" in describe_lead(compare(make_dataset(n_frames=2)))
 
 
 def test_without_a_miss_or_an_encounter_little_is_said():

@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from builders import compare, make_dataset
+from builders import Box, Place, compare, make_dataset
 from curve_scenes import random_boxes
 
 from nvcore.analysis import analyse
 from nvcore.bootstrap import count_units
-from nvcore.curve_evidence import _log_average, log_average_miss_rate_figure
+from nvcore.curve_evidence import _count_up_to, _log_average, log_average_miss_rate_figure
 from nvcore.curves import detection_curve, detection_outcomes
+from nvcore.evidence import evidence_table
 from nvcore.loading import effective_params, load
 from nvcore.miss_rate import log_average_miss_rate
+from nvcore.paired_tests import holm
 from nvcore.protocols import PROTOCOLS
 from nvcore.session_file import read_session
-from nvcore.significance import significance_table
 from nvcore.units import find_units
 
 SAMPLE = Path(__file__).resolve().parents[1] / "sample_data" / "session.toml"
@@ -68,27 +70,86 @@ def plain_lamr(result, units, times):
     return float(np.exp(np.mean(np.log(rates))))
 
 
+@pytest.mark.parametrize("n", [1, 2, 7, 8, 209])
+def test_levels_up_to_a_limit_are_counted_as_by_search(n: int):
+    rng = np.random.default_rng(n)
+    values = np.cumsum(rng.integers(0, 3, (20, n)), axis=1).astype(float)
+    limits = rng.integers(-1, n + 2, (20, 9)).astype(float)
+    found = _count_up_to(values, limits)
+    plain = [
+        np.searchsorted(row, limit, side="right") for row, limit in zip(values, limits, strict=True)
+    ]
+    assert np.array_equal(found, plain)
+
+
 def test_it_stands_in_the_table_with_interval_and_p():
     session = read_session(SAMPLE)
     dataset = load(session)
     result = analyse(dataset, effective_params(session, dataset))
-    units = find_units(result)
-    table = significance_table(result, [log_average_miss_rate_figure(result, units)], units=units)
-    row = table.set_index("figure").loc["log_average_miss_rate"]
+    row = evidence_table(result).set_index("figure").loc["log_average_miss_rate"]
     assert row["difference"] == pytest.approx(-0.0533, abs=1e-4)
     assert row["low"] < row["difference"] < row["high"]
     assert 0 < row["p"] <= 1
     assert row["better"] == "lower"
 
 
-def test_without_scores_there_is_no_figure():
+def test_without_scores_there_is_no_figure_and_the_reason_stands_in_its_place():
     truth, x, places = random_boxes(3)
     unscored = [box._replace(score=float("nan")) for box in x]
     result = compare(make_dataset(truth, unscored, x, places=places))
     assert log_average_miss_rate_figure(result, find_units(result)) is None
+    row = evidence_table(result).set_index("figure").loc["log_average_miss_rate"]
+    assert np.isnan([row["x"], row["y"], row["difference"], row["p"], row["p_holm"]]).all()
+    assert row["note"].endswith("needs pedestrians that count, and detections with scores")
 
 
 def test_without_pedestrians_there_is_no_figure():
     _, x, places = random_boxes(4)
     result = compare(make_dataset([], x, x[::2], places=places))
     assert log_average_miss_rate_figure(result, find_units(result)) is None
+
+
+def test_a_protocol_without_recordings_is_told_in_the_row():
+    truth, x, places = random_boxes(5)
+    result = compare(make_dataset(truth, x, x[::2], places=places))
+    at_night = replace(PROTOCOLS["reasonable"], tags=("night",))
+    row = evidence_table(result, at_night).set_index("figure").loc["log_average_miss_rate"]
+    assert row["label"] == "log-average miss rate, reasonable, night"
+    assert np.isnan(row["difference"])
+    assert "no recording with frames has the tags night" in row["note"]
+
+
+def test_holm_corrects_for_it_with_all_other_figures():
+    session = read_session(SAMPLE)
+    dataset = load(session)
+    result = analyse(dataset, effective_params(session, dataset))
+    table = evidence_table(result)
+    assert table["figure"].tolist()[-1] == "log_average_miss_rate"
+    assert table["p_holm"].to_numpy() == pytest.approx(holm(table["p"].to_numpy()), nan_ok=True)
+
+
+def test_a_log_average_of_0_and_few_pedestrians_are_told():
+    truth = [Box(frame, 10, 10, 20, 50) for frame in range(20)]
+    x = [box._replace(score=0.9) for box in truth]
+    # Y finds all, but not before a false positive in one of twenty images
+    y = [box._replace(score=0.8 if box.frame else 0.1) for box in truth]
+    y.append(Box(3, 70, 10, 20, 50, score=0.5))
+    row = judge_row(compare(make_dataset(truth, x, y)))
+    assert (row["x"], row["y"]) == (0, 0)
+    assert "few pedestrians: 20, a single miss changes" in row["note"]
+    assert "log-average miss rate of X: nobody is missed at any of the 9 references" in row["note"]
+    # references up to 0.0316 are below 1 / 20
+    assert "log-average miss rate of Y: 0 at 6 of 9 references" in row["note"]
+
+
+def test_without_interval_it_is_told_how_many_recordings_have_pedestrians():
+    places = [Place(range(3)) for _ in range(10)]
+    truth = [Box(0, 10, 10, 20, 50, recording=0)]
+    result = compare(make_dataset(truth, [truth[0]._replace(score=0.9)], [], places=places))
+    row = judge_row(result)
+    assert np.isnan(row["low"])
+    assert "only 1 of 10 recordings have pedestrians that count" in row["note"]
+
+
+def judge_row(result):
+    return evidence_table(result).set_index("figure").loc["log_average_miss_rate"]

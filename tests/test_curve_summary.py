@@ -1,12 +1,14 @@
 """Figures of a curve in one place."""
 
-from dataclasses import fields
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
-from curve_scenes import curve_of
+from curve_scenes import curve_of, random_dataset
 
 from nvcore.curve_summary import SUMMARY_ROWS, CurveSummary, summarise_curve
+from nvcore.curves import detection_curve
+from nvcore.params import Params
 
 
 def test_figures_by_hand():
@@ -40,7 +42,32 @@ def test_undefined_figures_are_nan_with_the_reason(curve, words):
     assert words in found.why_undefined
 
 
+def test_a_log_average_of_0_says_at_how_many_references_nobody_is_missed():
+    found = summarise_curve(curve_of([1, 2], [0, 2], n_truth=2, n_images=100), None)
+    assert found.n_zero_references == 7  # from 10^-1.5 = 0.032 on; FPPI 0.02 is below that
+    assert found.notes[0].startswith("0 at 7 of 9 references")
+    assert found.notes[1].startswith("the curve ends at 0.02 false positives per image")
+    whole = summarise_curve(curve_of([1], [100], n_truth=2, n_images=100), None)
+    assert whole.n_zero_references == 0
+
+
+@pytest.mark.parametrize(("threshold", "n"), [(None, 4), (0.5, 3), (0.51, 2), (0.9, 1)])
+def test_absorbed_detections_are_counted_at_the_threshold(threshold, n):
+    curve = replace(curve_of([1], [3], n_truth=2), absorbed_score=np.array([0.8, 0.5, np.nan, 0.1]))
+    assert summarise_curve(curve, threshold).n_absorbed == n
+
+
 def test_without_detections_nothing_is_found():
     found = summarise_curve(curve_of([], [], n_truth=3), None)
     assert (found.recall, found.fppi) == (0, 0)
     assert np.isnan(found.best_f1)
+
+
+@pytest.mark.parametrize("share_scored", [1.0, 0.6, 0.0])
+def test_every_detection_is_right_wrong_or_absorbed(share_scored):
+    dataset = random_dataset(2, share_scored=share_scored)
+    curve = detection_curve(dataset, "x", Params())
+    found = summarise_curve(curve, None)
+    assert found.n_absorbed > 0
+    n = int(curve.tp[-1] + curve.fp[-1]) + found.n_absorbed
+    assert n == len(dataset.system("x"))

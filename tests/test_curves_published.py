@@ -10,10 +10,11 @@ import pytest
 
 from nvcore.curves import DetectionCurve, detection_curve
 from nvcore.dataset import Dataset
+from nvcore.filtered_truth import filter_truth
 from nvcore.loading import load
 from nvcore.miss_rate import ROUNDED_REFERENCES, log_average_miss_rate
 from nvcore.params import Params
-from nvcore.protocols import PROTOCOLS, filter_truth
+from nvcore.protocols import PROTOCOLS
 from nvcore.session import RecordingFacts, Session, Source, SystemSource
 
 pytestmark = pytest.mark.realdata

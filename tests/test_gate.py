@@ -1,18 +1,44 @@
-"""Rules for nightly runs: what they say, how they are judged, what CI is given."""
+"""Rules for nightly runs: what they say, how they are judged, what people and CI are given."""
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from inputs import DATA, nvcore
+from builders import Place, at, compare, make_dataset
 
 from nvcore.errors import ParameterError
-from nvcore.gate import Outcome, Rule, judge, junit_xml, markdown, parse_rule, parse_rules
+from nvcore.findings import Finding, Severity
+from nvcore.gate import (
+    SUMMARY_NAMES,
+    Outcome,
+    Rule,
+    audit_rules,
+    encounters_of,
+    explain,
+    figure_names,
+    gate_figures,
+    judge,
+    parse_rule,
+    read_rules,
+)
+from nvcore.gate_results import (
+    is_gate_result,
+    junit_error,
+    junit_xml,
+    markdown,
+    markdown_error,
+    terminal_lines,
+)
+from nvcore.protocols import PROTOCOLS
+from nvcore.schema import Category
 
-SAMPLE = DATA.parents[1] / "sample_data" / "session.toml"
+HOSTILE = "</failure>|<b>`x`\n# [a](http://b)\x1b[31m"
+WARNING = Finding(Severity.WARNING, "a-code", "NIR", 3, "Three are odd.", "Look at them.")
+ERROR = Finding(Severity.ERROR, "a-code", HOSTILE, 1, "One is wrong.", "Mend it.")
 
 
 @pytest.mark.parametrize(
@@ -28,17 +54,59 @@ SAMPLE = DATA.parents[1] / "sample_data" / "session.toml"
 def test_a_rule_is_a_figure_a_comparison_and_a_number(text, name, comparison, limit):
     rule = parse_rule(text)
     assert (rule.name, rule.comparison, rule.limit) == (name, comparison, pytest.approx(limit))
+    assert not rule.allows_undefined
 
 
-@pytest.mark.parametrize("text", ["", "lamr_x", "lamr_x = 1", "1 < lamr_x", "x < y", "x < 1.2.3"])
+@pytest.mark.parametrize("text", ["a <= 1 or undefined", "a<=100%or  undefined"])
+def test_a_rule_may_allow_an_undefined_figure(text):
+    rule = parse_rule(text)
+    assert (rule.name, rule.limit, rule.allows_undefined) == ("a", 1, True)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "lamr_x", "1 < lamr_x", "x < y", "x < 1.2.3", "x < 1 or", "x < 1or undefined", "x < 1 2"],
+)
 def test_other_texts_are_refused(text):
     with pytest.raises(ParameterError, match="expected a figure"):
         parse_rule(text)
 
 
+@pytest.mark.parametrize(
+    ("wrong", "meant"), [("=", "=="), ("=<", "<="), ("=>", ">="), ("<>", "!="), ("≤", "<=")]
+)
+def test_a_wrong_comparison_is_refused_with_the_one_that_is_meant(wrong, meant):
+    with pytest.raises(ParameterError, match=f"did you mean 'a {meant} 1'"):
+        parse_rule(f"a {wrong} 1")
+
+
+def test_a_comparison_that_means_nothing_is_refused_with_all_that_there_are():
+    with pytest.raises(ParameterError, match="'!<'; there are <= >= == != < >"):
+        parse_rule("a !< 1")
+
+
 def test_rules_from_lines_may_have_comments():
-    rules = parse_rules(["# nightly", "", "new_misses == 0  # none", "lamr_x <= 0.1"])
-    assert [rule.text for rule in rules] == ["new_misses == 0", "lamr_x <= 0.1"]
+    lines = [("1", "# nightly"), ("2", ""), ("3", "a == 0  # none"), ("4", "b <= 0.1")]
+    rules, problems = read_rules(lines, ["a", "b"])
+    assert [rule.text for rule in rules] == ["a == 0", "b <= 0.1"]
+    assert problems == []
+
+
+def test_all_that_is_wrong_with_the_rules_is_told_with_its_place():
+    lines = [("r, line 1", "lamr_y = 1"), ("r, line 2", "lamr_y < 1"), ("r, line 3", "lmr_y < 1")]
+    rules, problems = read_rules(lines, ["lamr_y"])
+    assert [rule.text for rule in rules] == ["lamr_y < 1"]
+    assert [one.split(": ")[0] for one in problems] == ["r, line 1", "r, line 3"]
+    assert "did you mean 'lamr_y == 1'?" in problems[0]
+    assert "there is no figure 'lmr_y'; did you mean lamr_y?" in problems[1]
+
+
+def test_the_rules_to_copy_from_the_page_can_be_judged():
+    page = (Path(__file__).parents[1] / "docs" / "cli.md").read_text(encoding="utf-8")
+    (example,) = re.findall(r"^```ini\n(.*?)^```$", page, re.DOTALL | re.MULTILINE)
+    rules, problems = read_rules((("", line) for line in example.splitlines()), figure_names())
+    assert problems == []
+    assert len(rules) == 5
 
 
 @pytest.mark.parametrize(
@@ -53,7 +121,14 @@ def test_comparisons(comparison, passes):
 def test_an_undefined_figure_breaks_every_rule():
     found = judge([parse_rule("a != 0"), parse_rule("a < 1")], {"a": np.nan})
     assert [one.is_passed for one in found] == [False, False]
-    assert found[0].message == "a is undefined"
+    assert found[0].message == "a is undefined; add 'or undefined' to the rule if that is fine"
+
+
+def test_an_undefined_figure_passes_a_rule_that_allows_it():
+    rule = parse_rule("a <= 1 or undefined")
+    outcomes = [judge([rule], {"a": value})[0] for value in (np.nan, 1, 2)]
+    assert [one.is_passed for one in outcomes] == [True, True, False]
+    assert outcomes[0].message == "a is undefined, which the rule allows"
 
 
 def test_an_unknown_figure_is_refused_with_what_is_close():
@@ -61,85 +136,141 @@ def test_an_unknown_figure_is_refused_with_what_is_close():
         judge([parse_rule("lmr_x < 1")], {"lamr_x": 0.0})
 
 
+def test_the_audit_is_judged_by_rules_that_a_rule_can_replace():
+    given = [parse_rule("audit_errors <= 2")]
+    assert [one.text for one in audit_rules([], strict=False)] == ["audit_errors == 0"]
+    assert [one.text for one in audit_rules(given, strict=False)] == []
+    assert [one.text for one in audit_rules(given, strict=True)] == ["audit_warnings == 0"]
+
+
+def scene(n_recordings: int = 1):
+    """In each recording X detects track 7, Y track 8, both track 9; the frames are 3 to 5."""
+    truth, x, y = [], [], []
+    for recording in range(n_recordings):
+        for frame in (3, 4, 5):
+            for track, centre, systems in ((7, 10, [x]), (8, 50, [y]), (9, 90, [x, y])):
+                truth.append(at(frame, centre, track=track, recording=recording))
+                for system in systems:
+                    system.append(at(frame, centre, recording=recording))
+    places = [Place(range(3, 6))] * n_recordings
+    return compare(make_dataset(truth, x, y, places=places))
+
+
+def test_encounters_are_told_by_recording_track_and_frames():
+    assert encounters_of(scene(), Category.X_ONLY) == ["r0, track 7, frames 3 to 5"]
+    assert encounters_of(scene(), Category.NEITHER) == []
+
+
+def test_an_encounter_of_one_frame_is_told_with_one():
+    result = compare(make_dataset([at(4, 10, track=1)], [at(4, 10)], frames=range(6)))
+    assert encounters_of(result, Category.X_ONLY) == ["r0, track 1, frame 4"]
+
+
+def test_of_many_encounters_the_first_ten_are_told_and_how_many_more():
+    told = encounters_of(scene(12), Category.X_ONLY)
+    assert len(told) == 11
+    assert told[9:] == ["r9, track 7, frames 3 to 5", "and 2 more"]
+
+
+def test_a_failed_rule_has_what_it_counts_and_a_passed_one_has_nothing():
+    rules = [parse_rule(text) for text in ("new_misses == 0", "mended_misses == 1",
+             "audit_warnings == 0", "audit_errors == 0", "venn.neither == 1")]  # fmt: skip
+    result = scene()
+    wanted = [rule.name for rule in rules]
+    figures = gate_figures(result, [WARNING], PROTOCOLS["all"], wanted)
+    outcomes = explain(judge(rules, figures), result, [WARNING])
+    assert [one.is_passed for one in outcomes] == [False, True, False, True, False]
+    assert outcomes[0].details == ("r0, track 7, frames 3 to 5",)
+    assert outcomes[2].details == ("NIR: Three are odd.",)
+    assert [len(one.details) for one in outcomes] == [1, 0, 1, 0, 0]
+
+
+def test_every_figure_that_can_be_named_is_there_and_no_other():
+    figures = gate_figures(scene(), [], PROTOCOLS["all"], figure_names())
+    assert sorted(figures) == sorted(figure_names())
+    chosen = ("venn.both", "frames", "fusion.x_or_y.encounters_detected")
+    assert [figures[name] for name in chosen] == [1, 3, 3]
+
+
+def test_figures_that_take_time_are_left_out_where_no_rule_names_them():
+    figures = gate_figures(scene(), [], PROTOCOLS["all"], ["new_misses"])
+    assert figures["new_misses"] == 1
+    assert not {*SUMMARY_NAMES, "lamr_x"} & {*figures}
+
+
 def outcomes() -> list[Outcome]:
     passed = Outcome(Rule("a", "<", 1, "a < 1"), 0.5, True)
-    return [passed, Outcome(Rule("b", "<", 1, "b < 1"), 2.0, False)]
+    return [passed, Outcome(Rule("b", "<", 1, "b < 1"), 2.0, False, ("one", HOSTILE))]
 
 
-def test_junit_has_a_case_for_each_rule():
-    root = ElementTree.fromstring(junit_xml(outcomes(), "X <& Y"))
+def test_the_terminal_shows_what_failed_rules_count_one_line_each():
+    lines = terminal_lines(outcomes())
+    assert lines[:3] == ["passed  a < 1  (a is 0.5)", "FAILED  b < 1  (b is 2)", "        one"]
+    assert len(lines) == 4
+    assert lines[3].isprintable()
+
+
+def test_junit_has_a_case_for_each_rule_and_the_audit_beside():
+    root = ElementTree.fromstring(junit_xml(outcomes(), "X <& Y", [WARNING, ERROR]))
     suite = root.find("testsuite")
     assert suite.attrib == {"name": "X <& Y", "tests": "2", "failures": "1", "errors": "0"}
-    assert [case.attrib["name"] for case in suite] == ["a < 1", "b < 1"]
-    assert suite[0].find("failure") is None
-    assert suite[1].find("failure").attrib["message"] == "b is 2; wanted b < 1"
+    passed, failed = suite.findall("testcase")
+    assert [passed.attrib["name"], failed.attrib["name"]] == ["a < 1", "b < 1"]
+    assert passed.find("failure") is None
+    assert failed.find("failure").attrib["message"] == "b is 2; wanted b < 1"
+    lines = failed.find("failure").text.splitlines()
+    assert lines[:2] == ["b is 2; wanted b < 1", "one"]
+    assert lines[2].startswith("</failure>|<b>`x`\\n# ")
+    assert suite.find("system-out").text.startswith("Audit: 1 error, 1 warning.\n")
+    assert "NIR: Three are odd." in suite.find("system-out").text
 
 
-def test_markdown_names_the_failing_rules_first():
+def test_markdown_names_the_failing_rules_first_and_what_they_count():
     lines = markdown(outcomes(), "X|Y").splitlines()
-    assert lines[0] == r"## X\|Y: 1 of 2 rules failed"
-    assert lines[4] == "| `b < 1` | 2 | **failed** |"
-    assert lines[5] == "| `a < 1` | 0.5 | passed |"
+    assert lines[0] == "## Gate: 1 of 2 rules failed"
+    assert lines[2] == r"X\|Y"
+    assert lines[6:8] == ["| `b < 1` | 2 | **failed** |", "| `a < 1` | 0.5 | passed |"]
+    assert lines[9:12] == ["`b < 1` failed:", "", "- one"]
+    assert lines[-1] == "### Audit: nothing found"
 
 
-def test_the_command_fails_with_the_rules_that_do_not_hold(tmp_path: Path):
-    rules = tmp_path / "rules.txt"
-    rules.write_text("new_misses == 8  # X alone detects 8\nlamr_x <= 0.10\n")
-    written = ["--junit", tmp_path / "ci" / "gate.xml", "--markdown", tmp_path / "gate.md"]
-    ran = nvcore("gate", SAMPLE, "--rules", rules, "--rule", "lamr_difference < 0", *written)
-    assert ran.exit_code == 1, ran.output
-    assert [line.split()[0] for line in ran.stdout.splitlines()] == ["passed", "passed", "FAILED"]
-    assert "FAILED  lamr_x <= 0.10  (lamr_x is 0.627" in ran.stdout
-    suite = ElementTree.parse(tmp_path / "ci" / "gate.xml").getroot()
-    assert suite.attrib["failures"] == "1"
-    assert "1 of 3 rules failed" in (tmp_path / "gate.md").read_text()
+def test_markdown_has_the_audit_once():
+    rule = parse_rule("audit_warnings == 0")
+    failed = Outcome(rule, 1, False, ("NIR: Three are odd.",))
+    text = markdown([failed], "X", [WARNING])
+    assert "### Audit: 1 warning\n\n- warning, NIR: Three are odd\\." in text
+    assert text.count("Three are odd") == 1
 
 
-def test_the_command_passes_where_all_rules_hold():
-    ran = nvcore("gate", SAMPLE, "--rule", "encounters == 38", "--rule", "mcnemar_p > 0.5")
-    assert ran.exit_code == 0, ran.output
+def test_names_from_files_stay_text_in_markdown():
+    text = markdown(outcomes(), HOSTILE, [ERROR])
+    assert text.count(r"\<b\>\`x\`\\n\# \[a\]\(http\:\/\/b\)".replace(r"\/", "/")) == 3
+    assert "<b>" not in text
+    assert "\x1b" not in text
 
 
-def test_nothing_to_miss_passes_no_rule(tmp_path: Path):
-    for name in ("truth", "one", "two"):
-        (tmp_path / f"{name}.csv").write_text("frame,x,y,w,h,score\n1,5,5,10,20,0.5\n")
-    (tmp_path / "truth.csv").write_text("frame,x,y,w,h,ignore\n1,5,5,10,20,1\n")
-    flags = [part for letter, name in (("truth", "truth"), ("x", "one"), ("y", "two"))
-             for part in (f"--{letter}", tmp_path / f"{name}.csv")]  # fmt: skip
-    ran = nvcore("gate", *flags, "--size", "640x480", "--fps", 10, "--rule", "new_misses == 0")
-    assert ran.exit_code == 1, ran.output
-    assert "new_misses is undefined" in ran.stdout
+def test_an_undefined_figure_is_told_so_in_markdown():
+    undefined = Outcome(Rule("a", "<", 1, "a < 1"), np.nan, False)
+    assert "| `a < 1` | undefined | **failed** |" in markdown([undefined], "X")
 
 
-def test_the_protocol_changes_the_figures_of_the_curve():
-    every = nvcore("gate", SAMPLE, "--list").stdout
-    near = nvcore("gate", SAMPLE, "--list", "--protocol", "near").stdout
-    differing = {
-        one.split()[0] for one, other in zip(every.splitlines(), near.splitlines(), strict=True)
-        if one != other
-    }  # fmt: skip
-    assert "lamr_x" in differing
-    assert "mean_similarity_x" not in differing
+def test_a_gate_that_cannot_be_run_is_an_error_for_ci():
+    root = ElementTree.fromstring(junit_error(f"first\nsecond {HOSTILE}"))
+    suite = root.find("testsuite")
+    counts = {"tests": "1", "failures": "0", "errors": "1"}
+    assert suite.attrib == {"name": "nvcore gate", **counts}
+    assert root.attrib == {"name": "nvcore gate", **counts}
+    assert suite.find("testcase/error").text.startswith("first\nsecond </failure>|<b>")
 
 
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        ([], "give a rule"),
-        (["--rule", "lamr_x"], "expected a figure"),
-        (["--rule", "nothing_x < 1"], "there is no figure 'nothing_x'"),
-        (["--rule", "lamr_x < 1", "--protocol", "best"], "there is no protocol 'best'"),
-        (["--rules", "absent.txt"], "cannot be read"),
-    ],
-)
-def test_what_cannot_be_judged_is_bad_input(arguments, words):
-    ran = nvcore("gate", SAMPLE, *arguments)
-    assert ran.exit_code == 2
-    assert words in ran.output
+def test_a_gate_that_cannot_be_run_is_told_so_in_markdown():
+    text = markdown_error("<b>first\nsecond")
+    assert text == "## Gate: could not be run\n\n\\<b\\>first\n\nsecond\n"
 
 
-def test_outcomes_that_cannot_be_written_are_told(tmp_path: Path):
-    (tmp_path / "file").write_text("")
-    ran = nvcore("gate", SAMPLE, "--rule", "encounters > 0", "--junit", tmp_path / "file" / "x.xml")
-    assert ran.exit_code == 2
-    assert "cannot be written" in ran.output
+def test_the_results_of_a_gate_are_told_from_other_files():
+    own = [junit_xml(outcomes(), "X"), markdown([], "X").encode(), junit_error("a"),
+           markdown_error("a").encode()]  # fmt: skip
+    assert all(is_gate_result(one) for one in own)
+    others = [b"", b"recording,frame\n", b"## Gate rules\n", b"<?xml version='1.0'?><annotation/>"]
+    assert not any(is_gate_result(one) for one in others)

@@ -8,12 +8,11 @@ from pathlib import Path
 import pytest
 
 from nvcore.analysis import analyse
-from nvcore.curve_evidence import log_average_miss_rate_figure
+from nvcore.curve_evidence import judge_miss_rate
 from nvcore.loading import load
 from nvcore.params import Params
 from nvcore.protocols import PROTOCOLS
 from nvcore.session import RecordingFacts, Session, Source, SystemSource
-from nvcore.significance import judge_figure
 from nvcore.units import find_units
 
 SETS = {"set06": 5, "set07": 3, "set08": 3, "set09": 1, "set10": 2, "set11": 2}
@@ -34,10 +33,7 @@ def test_the_table_of_pairs_is_what_the_program_gives(realdata: Path, pair: tupl
         fps=20.0,
     )
     result = analyse(load(session), Params())
-    units = find_units(result)
-    found = judge_figure(
-        log_average_miss_rate_figure(result, units, PROTOCOLS["kaist-reasonable"]), units
-    )
+    found = judge_miss_rate(result, find_units(result), PROTOCOLS["kaist-reasonable"])
     rows = {(row[1], row[2]): row for row in map(ROW.match, PAGE.read_text().splitlines()) if row}
     shown = rows[pair]
     assert [float(shown[i]) for i in (3, 4, 5)] == pytest.approx(

@@ -13,6 +13,9 @@ from nvcore.errors import ParameterError
 from nvcore.miss_rate import (
     FPPI_REFERENCES,
     ROUNDED_REFERENCES,
+    explain_few,
+    explain_range,
+    explain_zero,
     log_average_miss_rate,
     miss_rate_at,
 )
@@ -92,3 +95,45 @@ def test_the_rounded_references_can_lie_on_the_other_side_of_a_false_positive():
     exact, rounded = (miss_rate_at(curve, refs[2]).item()
                       for refs in (FPPI_REFERENCES, ROUNDED_REFERENCES))  # fmt: skip
     assert (exact, rounded) == pytest.approx((0.1, 0.9))
+
+
+def test_a_zero_is_explained_with_how_many_references_make_it():
+    # nobody is missed from 0.5 false positives per image on: at 10^-0.25 and at 1
+    rates = miss_rate_at(curve_of([1, 3], [0, 50], n_truth=3), FPPI_REFERENCES)
+    assert explain_zero(rates) == (
+        "0 at 2 of 9 references: the geometric mean is 0 though at the others up to 66.7% are "
+        "missed"
+    )
+    assert explain_zero(np.zeros(9)) == "nobody is missed at any of the 9 references"
+    assert explain_zero(np.full(9, 0.1)) == ""
+    assert explain_zero(np.full(9, np.nan)) == ""
+
+
+def explained(curve):
+    return explain_range(curve, miss_rate_at(curve, FPPI_REFERENCES))
+
+
+def test_it_is_said_what_counts_where_a_curve_does_not_reach_the_references():
+    assert explained(curve_of([1, 2], [5, 47], n_truth=4)) == (
+        "the curve begins at 0.05 false positives per image: at fewer its miss rate counts as 100%",
+        "the curve ends at 0.47 false positives per image: from there to 1 its last miss rate "
+        "counts, 50.0%",
+    )
+    assert explained(curve_of([1, 2], [1, 100], n_truth=4)) == ()
+    assert explained(curve_of([3], [0], n_truth=4)) == (
+        "there is no false positive: at every reference the last miss rate counts, 25.0%",
+    )
+
+
+def test_nothing_is_said_of_the_ends_of_a_curve_that_is_0_or_none():
+    assert explained(curve_of([4], [0], n_truth=4)) == ()
+    assert explained(curve_of([], [], n_truth=4)) == ()
+    assert explained(curve_of([1], [1], n_truth=4, is_ranked=False)) == ()
+
+
+@pytest.mark.parametrize(("n_truth", "is_few"), [(0, False), (23, True), (99, True), (100, False)])
+def test_few_pedestrians_are_told_with_the_weight_of_each(n_truth, is_few):
+    assert bool(explain_few(n_truth)) is is_few
+    assert explain_few(23) == (
+        "few pedestrians: 23, a single miss changes the miss rate by 4.3 percentage points"
+    )

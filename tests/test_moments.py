@@ -62,6 +62,18 @@ def test_the_reason_says_when_both_miss_the_pedestrian():
     ]
 
 
+def test_of_two_that_miss_somebody_the_better_one_is_nearer_to_them():
+    truth = middle(range(10), track=3)
+    x, y = ([at(f, c) for f in range(10)] for c in (60, 95))  # 10 px and 45 px off
+    (better,) = of_kind(compare(make_dataset(truth, x, y)), "x_better").to_dict("records")
+    assert better["reason"].endswith(
+        "X misses it, too, but its nearest detection is closer "
+        "(up to 10 px away; the other: 45 px)."
+    )
+    (low, *_) = of_kind(compare(make_dataset(truth, x, y)), "y").to_dict("records")
+    assert low["reason"].endswith("X misses it, too.")
+
+
 def test_a_miss_of_a_part_of_the_interval_is_told_with_the_whole():
     truth = [*middle(range(3), track=1), *[at(f, 20, track=2) for f in range(3, 6)]]
     result = compare(make_dataset(truth))

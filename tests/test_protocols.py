@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -13,19 +14,18 @@ from builders import Box, Place, make_dataset
 from nvcore.curves import detection_curve
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError, ParameterError
-from nvcore.params import Params
-from nvcore.protocols import (
+from nvcore.filtered_truth import (
     ASPECT,
     BORDER,
     FLAGGED,
     HEIGHT,
     OCCLUSION,
-    PROTOCOLS,
-    Protocol,
     filter_truth,
     has_tags,
     known_tags,
 )
+from nvcore.params import Params
+from nvcore.protocols import OWN, PROTOCOLS, Protocol, protocol_from
 
 SIZE = {"width": 640.0, "height": 512.0}
 
@@ -150,6 +150,42 @@ def test_recordings_can_be_chosen_by_a_mask_as_well():
     assert (found.n_truth, found.n_images) == (1, 3)
 
 
+def test_recordings_are_chosen_by_name_beside_their_tags():
+    dataset = drives()
+    names = tuple(dataset.recordings["name"])
+    last = filter_truth(dataset, Protocol("p", recordings=names[1:]))
+    assert (last.n_truth, last.n_images) == (1, 3 + 2)
+    both = filter_truth(dataset, Protocol("p", tags=("night",), recordings=names[1:]))
+    assert both.n_images == 2
+
+
+def test_a_chosen_recording_that_there_is_not_is_an_error():
+    with pytest.raises(InputError, match="there is no recording 'drive_9'; there are 3"):
+        filter_truth(drives(), Protocol("p", recordings=("drive_9",)))
+
+
+def test_a_title_names_one_recording_and_counts_more():
+    assert replace(PROTOCOLS["near"], recordings=("a",)).title == "near, a"
+    assert replace(PROTOCOLS["near"], recordings=("a", "b")).title == "near, 2 recordings"
+    assert "only recording a" in replace(PROTOCOLS["near"], recordings=("a",)).filters
+    assert "only recordings a, b" in replace(PROTOCOLS["near"], recordings=("a", "b")).filters
+    many = tuple(f"drive_{i}" for i in range(20))
+    told = replace(PROTOCOLS["all"], recordings=many).filters
+    assert told == ("only 20 recordings, from drive_0 to drive_19",)
+
+
+def test_what_is_left_out_is_told_with_how_many_boxes_that_are():
+    boxes = [person(ignore=True), person(30), person(30, occlusion=2), person(100)]
+    found = filter_truth(make_dataset(boxes, **SIZE), PROTOCOLS["kaist-reasonable"])
+    assert found.left_out == (
+        "3 ignored: flagged in the ground truth 1, height 2, occlusion 1 (a box that several of "
+        "these leave out is counted for each)"
+    )
+    whole = filter_truth(make_dataset(boxes, **SIZE), PROTOCOLS["all"])
+    assert whole.left_out == "1 ignored: flagged in the ground truth 1"
+    assert filter_truth(make_dataset([person()], **SIZE), PROTOCOLS["all"]).left_out == ""
+
+
 def test_tags_that_no_recording_has_are_an_error_that_lists_the_tags():
     with pytest.raises(InputError, match=r"no recording .* has the tags fog; .* day, night, rain"):
         filter_truth(drives(), Protocol("p", tags=("fog",)))
@@ -200,3 +236,49 @@ def test_every_named_protocol_says_what_it_is_in_one_sentence():
     for name, protocol in PROTOCOLS.items():
         assert protocol.name == name
         assert protocol.text.endswith(".")
+
+
+@pytest.mark.parametrize(
+    "protocol",
+    [
+        *PROTOCOLS.values(),
+        replace(PROTOCOLS["near"], tags=("night", "wet road")),
+        replace(PROTOCOLS["far"], tags=("night",), recordings=("drive\n1", "2")),
+        Protocol(OWN, height_px=(10, 20), recordings=("2",)),
+        Protocol(OWN, height_px=(10, math.inf), tags=("night",)),
+        Protocol(OWN, occlusion=(2,), border_px=(1, 2, 3, 4), aspect=(0, 3), expand=2),
+    ],
+    ids=lambda one: one.title,
+)
+def test_what_a_session_file_says_of_a_protocol_makes_it_again(protocol):
+    assert protocol_from(protocol.given()) == protocol
+
+
+def test_a_filter_beside_a_name_replaces_that_of_the_named_protocol():
+    found = protocol_from({"name": "reasonable", "height_px": [40, 90]})
+    assert found == replace(PROTOCOLS["reasonable"], name=OWN, text="", height_px=(40, 90))
+
+
+def test_own_filters_that_leave_nothing_out_are_the_protocol_all():
+    assert protocol_from(Protocol(OWN).given()) == PROTOCOLS["all"]
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({"name": 3}, "there is no protocol 3"),
+        ({"text": "mine"}, "there is no filter 'text'"),
+        ({"height_px": [50]}, "height_px: expected two numbers"),
+        ({"height_px": [math.nan, 60]}, "height_px: expected 0 <= lowest <= highest"),
+        ({"height_px": [math.inf, math.inf]}, "height_px: expected 0 <= lowest <= highest"),
+        ({"aspect": [True, 2]}, "aspect: expected two numbers"),
+        ({"border_px": [1, 2, 3]}, "border_px: expected four numbers"),
+        ({"occlusion": [0.5]}, "occlusion: expected levels"),
+        ({"tags": "night"}, "tags: expected a list of words"),
+        ({"recordings": [1]}, "recordings: expected a list of names"),
+        ({"expand": [1]}, "expand: expected a number"),
+    ],
+)
+def test_values_that_a_filter_cannot_have_are_refused(values, words):
+    with pytest.raises(ParameterError, match=re.escape(words)):
+        protocol_from(values)

@@ -17,7 +17,7 @@ from nvcore.pairwise import pairwise_table
 from nvcore.params import Params
 from nvcore.session import Session, Source, SystemSource
 from nvcore.significance import significance_table
-from nvcore.subgroups import subgroup_table
+from nvcore.subgroup_figures import DETECTED, subgroup_table
 
 pytestmark = pytest.mark.realdata
 
@@ -84,7 +84,7 @@ def test_kaist_s_sign_flip_test_is_that_of_all_65536_signs(kaist: Dataset, pairs
 
 def test_kaist_s_occluded_pedestrians_are_where_gaff_is_ahead_of_mlpd(kaist: Dataset):
     result = analyse(kaist, Params(), x="GAFF", y="MLPD")
-    table = subgroup_table(result).set_index(["factor", "group"])
+    table = subgroup_table(result, [DETECTED]).set_index(["factor", "group"])
     visible, occluded = (table.loc[("occlusion", group)] for group in ("visible", "occluded"))
     assert visible["n"] + occluded["n"] == table.loc[("all", "all"), "n"] == result.venn.n_near
     assert occluded["difference"] > visible["difference"] > 0

@@ -10,6 +10,7 @@ from builders import NAN, Place, at, compare, make_dataset
 
 from nvcore.analysis import Result
 from nvcore.errors import one_line
+from nvcore.evidence import evidence_table
 from nvcore.findings import Finding, Severity
 from nvcore.scorecard import (
     describe_exclusivity,
@@ -19,7 +20,6 @@ from nvcore.scorecard import (
     render_inputs,
     render_scorecard,
 )
-from nvcore.significance import significance_table
 from nvcore.verdict import verdict
 
 
@@ -106,6 +106,15 @@ def test_a_long_name_is_shortened_in_the_head_only(result: Result):
     assert "X: thermal-camera-…" in text
 
 
+def test_saliency_stands_as_the_mean_over_recordings_as_well():
+    truth = [at(f, 50, track=1, recording=r) for r in range(2) for f in range(20)]
+    seen_by_y = [at(f, 50, recording=0) for f in range(20)]
+    places = [Place(range(20)), Place(range(20))]
+    result = compare(make_dataset(truth, truth, seen_by_y, places=places))
+    row = next(one for one in lines_of(result) if one.startswith("  mean over recordings (s)"))
+    assert row.split()[4:6] == ["0.000", f"{result.y.saliency_s / 2:.3f}"]
+
+
 @pytest.mark.parametrize(
     ("aggregate", "words"), [("max", "saliency, largest event"), ("sum", "saliency, sum of events")]
 )
@@ -158,7 +167,7 @@ def test_two_systems_that_miss_the_same_are_not_told_apart():
 
 
 def test_the_scorecard_ends_in_the_verdict(result: Result):
-    evidence = significance_table(result)
+    evidence = evidence_table(result)
     assert lines_of(result)[-1] == "In short: " + " ".join(verdict(result, evidence=evidence))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import tomllib
 from dataclasses import replace
@@ -14,6 +15,7 @@ from inputs import write
 
 from nvcore.errors import SessionError
 from nvcore.params import Params
+from nvcore.protocols import OWN, PROTOCOLS, Protocol
 from nvcore.session import RecordingFacts, Session, Source, SystemSource
 from nvcore.session_file import read_session, write_session
 
@@ -40,6 +42,10 @@ FULL = Session(
     x="NIR",
     y="FIR",
     params=Params(alpha=0.7, midpoint=30.0, proximity="horizon", threshold_y=-0.5),
+    protocol=Protocol(
+        OWN, height_px=(40.0, math.inf), occlusion=(0, 1), border_px=(1.0, 2.0, 3.0, 4.5),
+        aspect=(0.5, 4.0), tags=("night",), expand=1.5,
+    ),
     hashes={"truth": "ab", "FIR": "cd", "odd \"name\"\n": "ef"},
 )  # fmt: skip
 
@@ -71,10 +77,12 @@ def test_every_key_is_read(tmp_path: Path):
         '[[system]]\npath = "nir.csv"\nscale = [2, 0.5]',
         '[compare]\nx = "FIR"\ny = "NIR"',
         '[parameters]\nalpha = 0.5\nmatch = "lateral"',
+        '[protocol]\nname = "near"\ntags = ["night"]',
         '[written]\nversion = "0"\nsha256 = {truth = "ab"}',
     )
     first, second = session.systems
     assert (session.size, session.fps, session.frames) == ((640, 480), 20.0, "0:9")
+    assert session.protocol == replace(PROTOCOLS["near"], tags=("night",))
     assert session.recordings == (
         RecordingFacts("urban", 320.0, 240.0, 12.5, "0:4", 120.0, "urban.mp4", 2330, ("night",)),
     )
@@ -162,6 +170,11 @@ RECORDING = '[[recording]]\nname = "a"\n'
         ("[compare]\nx = 1", "[compare]: expected x to be a text, found 1"),
         ("[parameters]\nalfa = 1", "[parameters]: there is no parameter 'alfa'"),
         ("[parameters]\nalpha = 2", "[parameters]: alpha: expected 0 to 1, got 2"),
+        ("[protocol]\nname = 'best'", "[protocol]: there is no protocol 'best'; there are: all"),
+        ("[protocol]\nheight = 50", "[protocol]: there is no filter 'height'; the keys are name"),
+        ("[protocol]\nheight_px = 50", "[protocol]: height_px: expected two numbers, such as"),
+        ("[protocol]\nexpand = 0.5", "[protocol]: expand: expected 1 or more, got 0.5"),
+        ("protocol = 1  # [protocol]", "expected [protocol] to be a table"),
         ("[written]\nsha256 = 1", "[written]: expected sha256 to be a table of texts"),
         ("[written]\nsha256 = {a = 1}", "[written]: expected sha256 to be a table of texts"),
         ("[[recording]]\nwidth = 1", "[[recording]]: expected a name"),

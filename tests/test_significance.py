@@ -15,7 +15,7 @@ from nvcore.bootstrap import bootstrap_difference, ratio
 from nvcore.dataset import Dataset, dataset_from_tables
 from nvcore.paired_tests import sign_flip_test, swap_test
 from nvcore.params import Params
-from nvcore.significance import COLUMNS, UnitFigure, significance_table
+from nvcore.significance import COLUMNS, UnitFigure, judge_figure, significance_table
 from nvcore.units import STRETCH, find_units
 
 NUMBERS = ["x", "y", "difference", "low", "high", "p", "p_holm", "effect"]
@@ -101,6 +101,23 @@ def test_p_of_similarity_is_the_sign_flip_test_of_the_recordings_traces() -> Non
     assert row["effect_name"] == "Cohen's d_z"
 
 
+def test_the_effect_of_units_of_different_length_has_the_sign_of_the_difference() -> None:
+    x = np.array([[90, 100], [1, 10], [2, 10], [1, 10], [3, 10], [2, 10]], dtype=float)
+    y = np.array([[50, 100], [2, 10], [4, 10], [3, 10], [5, 10], [4, 10]], dtype=float)
+    units = find_units(compare(drives(6)))
+    row = judge_figure(UnitFigure("share", "share", "higher", x, y), units)
+    rows = np.arange(6)
+    parts = []  # pseudo-values, the plain way
+    whole = x[:, 0].sum() / x[:, 1].sum() - y[:, 0].sum() / y[:, 1].sum()
+    for i in rows:
+        a, b = x[rows != i], y[rows != i]
+        without = a[:, 0].sum() / a[:, 1].sum() - b[:, 0].sum() / b[:, 1].sum()
+        parts.append(6 * whole - 5 * without)
+    assert (x[:, 0] / x[:, 1] - y[:, 0] / y[:, 1]).mean() < 0 < row.difference
+    assert row.effect == pytest.approx(whole / np.std(parts, ddof=1))
+    assert row.effect > 0
+
+
 def test_swapping_x_and_y_turns_the_signs_and_nothing_else() -> None:
     dataset = drives(12)
     there = by_figure(analyse(dataset, Params(), x="x", y="y"))
@@ -152,6 +169,7 @@ def test_a_short_recording_has_words_instead_of_figures() -> None:
     truth = [at(frame, 50, track=1) for frame in range(6)]
     table = by_figure(compare(make_dataset(truth, truth[:2], truth[:4], n_frames=6)))
     assert table[["low", "high", "p", "p_holm"]].isna().all().all()
+    assert table["effect"].iloc[1:].isna().all()  # of a few blocks it says nothing
     assert table["note"].str.contains("too few").sum() >= 4
     assert (table["method"] == "").all()
     assert table["difference"].notna().all()
@@ -194,7 +212,7 @@ def test_another_figure_from_sums_over_the_same_units_can_be_added() -> None:
         for system in (result.x, result.y)
     ]
     extra = UnitFigure("miss_rate", "miss rate", "lower", *missed)
-    table = significance_table(result, [extra], units=units)
+    table = significance_table(result, [judge_figure(extra, units)], units=units)
     row = table.iloc[-1]
     assert row["figure"] == "miss_rate"
     assert row["x"] == pytest.approx(1 - result.x.matched.sum() / result.n_truth.sum())

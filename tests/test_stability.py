@@ -148,10 +148,9 @@ def test_the_verdict_turns_where_the_means_cross() -> None:
 def test_the_nearest_overturning_setting_is_named_with_its_distance() -> None:
     overturn = map_stability(turning(), "alpha-midpoint", "similarity").overturn
     assert overturn is not None
-    assert overturn.settings == {"alpha": pytest.approx(0.325)}
-    assert overturn.winner == "x"
-    assert overturn.difference == pytest.approx(0.5 - 1.5 * 0.325)
-    assert overturn.distance == pytest.approx((0.9 - 0.325) / 0.5)  # plausible: 0.5 to 1
+    assert overturn.settings == {"alpha": pytest.approx(1 / 3)}
+    assert (overturn.winner, overturn.difference) == ("x", 0)
+    assert overturn.distance == pytest.approx((0.9 - 1 / 3) / 0.5)  # plausible: 0.5 to 1
     assert not overturn.is_plausible
 
 
@@ -163,7 +162,9 @@ def test_an_analysed_setting_between_the_points_has_a_point_of_its_own() -> None
     assert found.verdict == "x"
     assert found.share_held == 0
     assert found.overturn is not None
-    assert found.overturn.settings == {"alpha": pytest.approx(0.35)}
+    assert found.overturn.settings == {"alpha": pytest.approx(1 / 3)}
+    assert found.plausible_overturn is not None
+    assert found.plausible_overturn.settings == {"alpha": 0.5}
 
 
 def tied() -> Result:
@@ -263,8 +264,9 @@ def test_recordings_of_different_height_have_no_single_midpoint() -> None:
     assert found.axes[1].present == (10, 30)
     assert found.present_cell is None
     assert found.stretches == ()
-    inside = (found.axes[1].values >= 10) & (found.axes[1].values <= 30)
-    assert found.axes[1].distances[inside].tolist() == [0] * int(inside.sum())
+    assert found.axes[1].distance(np.array([9.0, 10, 20, 30, 40])) == pytest.approx(
+        [1 / 39, 0, 0, 0, 10 / 39]  # plausible: 6 to 45 px
+    )
     assert found.verdict == "x"  # from the comparison itself
 
 

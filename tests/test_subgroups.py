@@ -3,13 +3,15 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 from builders import Place, at, compare, make_dataset
 
 from nvcore.analysis import Result, analyse
 from nvcore.dataset import Dataset
 from nvcore.params import Params
-from nvcore.subgroups import COLUMNS, find_subgroups, subgroup_table
+from nvcore.subgroup_figures import DETECTED, subgroup_table
+from nvcore.subgroups import find_subgroups
 
 
 def people(**params: object) -> Result:
@@ -41,6 +43,10 @@ def tagged(dataset: Dataset, tags: list[tuple[str, ...]]) -> Dataset:
     return replace(dataset, recordings=recordings)
 
 
+def detected(result: Result) -> pd.DataFrame:
+    return subgroup_table(result, [DETECTED])
+
+
 def parts(result: Result) -> dict[tuple[str, str], int]:
     return {(one.factor, one.group): int(one.is_member.sum()) for one in find_subgroups(result)}
 
@@ -54,9 +60,7 @@ def test_encounters_are_divided_by_the_ground_truth() -> None:
 
 
 def test_the_first_row_is_all_encounters_and_parts_add_up_to_it() -> None:
-    result = people()
-    table = subgroup_table(result)
-    assert tuple(table.columns) == COLUMNS
+    table = detected(people())
     assert table.iloc[0][["factor", "group", "n"]].tolist() == ["all", "all", 24]
     counts = ["n", "both", "x_only", "y_only", "neither"]
     for factor in ("distance", "place", "occlusion", "pose"):
@@ -65,20 +69,20 @@ def test_the_first_row_is_all_encounters_and_parts_add_up_to_it() -> None:
 
 
 def test_figures_of_a_subgroup_by_hand() -> None:
-    table = subgroup_table(people()).set_index(["factor", "group"])
+    table = detected(people()).set_index(["factor", "group"])
     far, near = table.loc[("distance", "far")], table.loc[("distance", "near")]
     assert far[["both", "x_only", "y_only", "neither"]].tolist() == [3, 9, 0, 0]
     assert (far["x"], far["y"], far["difference"]) == (1, 0.25, 0.75)
     assert 0 < far["low"] < 0.75 < far["high"] < 1
     assert far["p"] == 2 / 2**9
-    assert far["odds_ratio"] == np.inf
+    assert (far["effect"], far["effect_name"]) == (np.inf, "odds ratio")
     assert near["difference"] == 0
     assert np.isnan(near["p"])
     assert "too few encounters tell the two apart for a test: 0" in near["note"]
 
 
 def test_holm_corrects_over_the_subgroups_that_have_a_p_value() -> None:
-    table = subgroup_table(people())
+    table = detected(people())
     assert np.isnan(table["p_holm"].iloc[0])
     known = table["p"].iloc[1:].dropna()
     least = known.idxmin()
@@ -88,8 +92,8 @@ def test_holm_corrects_over_the_subgroups_that_have_a_p_value() -> None:
 
 def test_swapping_x_and_y_turns_the_signs() -> None:
     dataset, params = crowd(), Params()
-    there = subgroup_table(analyse(dataset, params, x="x", y="y"))
-    back = subgroup_table(analyse(dataset, params, x="y", y="x"))
+    there = detected(analyse(dataset, params, x="x", y="y"))
+    back = detected(analyse(dataset, params, x="y", y="x"))
     assert back["difference"].tolist() == (-there["difference"]).tolist()
     assert back["p"].equals(there["p"])
     assert back["x_only"].equals(there["y_only"])
@@ -106,7 +110,7 @@ def test_distant_encounters_are_in_no_subgroup() -> None:
     result = people(midpoint=30, spread=1)
     assert result.venn.distant == 12
     assert all(one.is_member.sum() <= 12 for one in find_subgroups(result))
-    assert subgroup_table(result)["n"].iloc[0] == 12
+    assert detected(result)["n"].iloc[0] == 12
 
 
 def test_unknown_occlusion_is_no_factor() -> None:
@@ -123,7 +127,7 @@ def test_tags_of_recordings_are_subgroups_and_may_overlap() -> None:
 
 
 def test_without_encounters_there_is_one_row_without_figures() -> None:
-    table = subgroup_table(compare(make_dataset(n_frames=3)))
+    table = detected(compare(make_dataset(n_frames=3)))
     assert table[["factor", "n"]].to_numpy().tolist() == [["all", 0]]
     assert table[["x", "y", "difference", "low", "high", "p", "p_holm"]].isna().all().all()
     assert table["note"].iloc[0] != ""

@@ -8,7 +8,8 @@ from scenes import draw_scene
 
 from nvcore.analysis import Result
 from nvcore.dataset import dataset_from_tables
-from nvcore.units import BLOCKS, RECORDINGS, find_units, saliency_of_recordings, sum_units
+from nvcore.tables import saliency_of_recordings
+from nvcore.units import BLOCKS, RECORDINGS, find_units, sum_units
 
 
 def drive(n_recordings: int, n_frames: int = 6, **params: object) -> Result:

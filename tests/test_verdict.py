@@ -42,8 +42,8 @@ def test_dominance_beyond_chance_is_told_with_its_p():
 
 def test_dominance_by_a_few_is_told_to_be_possible_by_chance():
     assert encounters(detecting(9, range(7), range(9))) == (
-        "Y detects every encounter that X detects, and 2 more of 9; so small a difference "
-        "may well be chance (p = 0.5)."
+        "Y detects every encounter that X detects, and 2 more of 9; so few do not show a "
+        "difference beyond chance."
     )
 
 
@@ -54,10 +54,14 @@ def test_an_uneven_split_beyond_chance_names_the_better_without_dominance():
     )
 
 
-def test_an_even_split_shows_no_difference():
+def test_an_even_split_of_enough_encounters_has_its_p():
+    assert encounters(detecting(9, range(6), range(3, 9))).endswith("X detects 3 and Y 3 (p = 1).")
+
+
+def test_an_even_split_of_few_shows_no_difference_and_has_no_p():
     assert encounters(detecting(6, range(4), range(2, 6))) == (
         "These data do not show which system detects more encounters: of the 4 encounters that "
-        "only one system detects, X detects 2 and Y 2 (p = 1)."
+        "only one system detects, X detects 2 and Y 2 (too few to test)."
     )
 
 
@@ -84,7 +88,9 @@ def test_the_figures_stand_side_by_side_and_are_not_called_significant():
 def evidence_of(*rows: tuple[str, float, float, float], unit: str = "recordings") -> pd.DataFrame:
     """Rows of figure, low, high, p_holm."""
     table = pd.DataFrame(rows, columns=["figure", "low", "high", "p_holm"])
-    return table.assign(n=12, unit=unit, difference=table["low"].fillna(1.0), better="higher")
+    return table.assign(
+        n=12, unit=unit, difference=table["low"].fillna(1.0), better="higher", x=1.0, y=2.0
+    )
 
 
 def chance(*rows: tuple[str, float, float, float], **more: str) -> str:
@@ -96,7 +102,7 @@ def test_what_is_beyond_chance_is_told_with_its_interval_and_what_is_not():
     rows = [("mean_similarity", 0.012, 0.043, 0.012), ("saliency", -1.0, 0.5, 0.6)]
     assert chance(*rows) == (
         "by these 12 recordings, the difference in mean similarity (for X, X - Y 95 % interval "
-        "0.012 to 0.043, p = 0.012) is more than chance; the others are not shown to be."
+        "+0.012 to +0.043, p = 0.012) is more than chance; the others are not shown to be."
     )
 
 
@@ -104,7 +110,7 @@ def test_several_differences_beyond_chance_are_listed():
     rows = [("mean_similarity", 0.1, 0.2, 0.01), ("saliency", NAN, NAN, 0.02)]
     assert chance(*rows) == (
         "by these 12 recordings, the differences in mean similarity (for X, X - Y 95 % interval "
-        "0.1 to 0.2, p = 0.01) and saliency per recording (for X, p = 0.02) are more than chance."
+        "+0.1 to +0.2, p = 0.01) and saliency per recording (for X, p = 0.02) are more than chance."
     )
 
 
@@ -113,6 +119,38 @@ def test_a_difference_is_told_for_whom_it_speaks():
     assert (
         "saliency per recording (for X, "
         in verdict(detecting(6, range(6), range(2)), evidence=rows)[1]
+    )
+
+
+def test_intervals_have_their_unit_and_no_exponent():
+    rows = [("false_alert_episodes_per_hour", -358.2, -1.2e4, 0.01), ("saliency", 0.5, 2.0, 0.01)]
+    told = chance(*rows)
+    assert "X - Y 95 % interval -358 to -12,000 per hour, p = 0.01" in told
+    assert "X - Y 95 % interval +0.5 to +2 s, p = 0.01" in told
+
+
+SHORT = Finding(Severity.WARNING, "short-encounters", "truth", 9, "short", "look")
+
+
+@pytest.mark.parametrize(
+    ("p", "words"),
+    [
+        (0.01, "mean similarity (for X, X - Y 95 % interval +0.1 to +0.2, p = 0.01) is more than "),
+        (0.4, "the difference in mean similarity is not shown to be more than "),
+    ],
+)
+def test_figures_of_time_are_not_judged_where_encounters_are_single_frames(p: float, words: str):
+    rows = evidence_of(("mean_similarity", 0.1, 0.2, p), ("saliency", 1.0, 2.0, 0.001))
+    told = verdict(detecting(12, range(10), range(2)), [SHORT], evidence=rows)[1]
+    assert f"{words}chance; saliency and episodes mean little here and are not judged." in told
+    assert "p = 0.001" not in told
+
+
+def test_encounters_that_cannot_be_tested_by_units_are_said_to_be_so():
+    rows = evidence_of(("encounters_detected_by_unit", 0.05, 0.5, NAN), unit="blocks")
+    assert verdict(detecting(12, range(10), range(2)), evidence=rows)[0].endswith(
+        "Judged by 12 blocks instead of single encounters, that cannot be tested: too few of them "
+        "tell X and Y apart."
     )
 
 
@@ -126,8 +164,22 @@ def test_encounters_of_few_recordings_are_doubted(p: float, is_doubted: bool):
     assert ("Judged by 12 recordings instead" in first) == is_doubted
 
 
+@pytest.mark.parametrize(
+    ("p", "words"),
+    [(0.01, "is more than chance (p = 0.01)"), (0.3, "is not shown to be more than chance")],
+)
+def test_encounters_of_one_frame_are_judged_by_recordings_alone(p: float, words: str):
+    rows = evidence_of(("encounters_detected_by_unit", -0.1, 0.5, p))
+    first = verdict(detecting(12, range(10), range(10, 12)), [SHORT], evidence=rows)[0]
+    assert first == (
+        "Of the 12 encounters that only one system detects, X detects 10 and Y 2. Judged by 12 "
+        f"recordings instead of single encounters, that {words}."
+    )
+
+
 def test_blocks_of_time_say_nothing_of_other_recordings():
-    assert chance(("mean_similarity", -1.0, 1.0, 0.5), unit="blocks") == (
+    rows = [("mean_similarity", -1.0, 1.0, 0.5), ("saliency", -1.0, 1.0, 0.5)]
+    assert chance(*rows, unit="blocks") == (
         "by these 12 blocks of time, which say nothing of other recordings, none of these "
         "differences is shown to be more than chance."
     )
@@ -203,3 +255,13 @@ def test_a_threshold_ends_that_remark():
     result = detecting(4, range(4), range(4))
     both = compare(result.dataset, threshold_x=0.5, threshold_y=0.5)
     assert not [one for one in verdict(both) if one.startswith("Every detection")]
+
+
+def test_saliency_that_speaks_both_ways_is_told_with_both_figures():
+    result = detecting(6, range(6), range(2))
+    assert result.x.saliency_s < result.y.saliency_s
+    other = evidence_of(("saliency", 0.1, 0.5, 0.3)).assign(x=1.75, y=1.374, difference=0.376)
+    figures = verdict(result, evidence=other)[1]
+    assert " s), but Y in the mean over recordings (1.37 to 1.75 s)" in figures
+    same = other.assign(difference=-0.376)
+    assert "mean over recordings" not in verdict(result, evidence=same)[1]

@@ -65,7 +65,7 @@ def test_scale_steps_include_both_ends():
     assert scale_steps(1.0, 2.4, 0.2) == (1.0, 1.2, 1.4, 1.6, 1.8, 2.0, 2.2, 2.4)
     assert scale_steps(1, 1, 0.5) == (1.0,)
     for wrong in ((0, 1, 0.1), (2, 1, 0.1), (1, 2, 0), (1, math.nan, 1)):
-        with pytest.raises(ParameterError, match="scales: expected"):
+        with pytest.raises(ParameterError, match="the first scale must be above 0, the last"):
             scale_steps(*wrong)
 
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 import threading
 import weakref
 from collections.abc import Callable
+from concurrent.futures import CancelledError
 from enum import Enum, auto
-from typing import Final
+from typing import Any, Final, Generic, TypeVar
 
 from nvcore.errors import NvcoreError
 from ui.workspace import Workspace
@@ -15,6 +16,7 @@ MOST_AT_ONCE: Final = 2
 """Jobs that all sessions together run at a time; further ones wait."""
 WAIT_S: Final = 0.2
 
+Found = TypeVar("Found")
 Progress = Callable[[float], bool]
 """Told the share that is done; says whether to go on."""
 
@@ -44,12 +46,19 @@ class JobState(Enum):
     CANCELLED = auto()
     FAILED = auto()
 
+    @property
+    def is_busy(self) -> bool:
+        """Whether it has not ended yet."""
+        return self in (JobState.WAITING, JobState.RUNNING)
+
 
 class BackgroundJob:
     """One piece of work; starts at once, or when another has ended.
 
     Attributes
     ----------
+    key
+        What it is made from, for a page to compare with what it shows; None: it does not matter.
     share
         What is done, 0..1.
     error
@@ -58,21 +67,28 @@ class BackgroundJob:
         Whether the session still shows what the work is for.
     """
 
-    def __init__(self, work: Callable[[Progress], bool], is_wanted: Callable[[], bool]):
+    def __init__(
+        self,
+        work: Callable[[Progress], bool],
+        is_wanted: Callable[[], bool],
+        *,
+        key: Any = None,
+    ):
         """Start.
 
         Parameters
         ----------
         work
-            Says whether it was finished. It must not hold the session's workspace, which would
-            then never end.
+            Says whether it was finished; `CancelledError` says that it was not. It must not hold
+            the session's workspace, which would then never end.
         is_wanted
             False once the session has ended or shows something else: the job then ends, too.
         """
+        self.key = key
         self.share, self.error = 0.0, ""
         self.state = JobState.WAITING
         self.is_wanted = is_wanted
-        self._stop = threading.Event()
+        self._stop, self._ending = threading.Event(), threading.Lock()
         self._thread = threading.Thread(
             target=self._run, args=(work,), name=type(self).__name__, daemon=True
         )
@@ -81,11 +97,23 @@ class BackgroundJob:
     @property
     def is_busy(self) -> bool:
         """Whether it has not ended yet."""
-        return self.state in (JobState.WAITING, JobState.RUNNING)
+        return self.state.is_busy
+
+    @property
+    def is_stopping(self) -> bool:
+        """Whether it was cancelled and has not come to its next step yet."""
+        return self.is_busy and self._stop.is_set()
 
     def cancel(self) -> None:
-        """Stop at the next step; nothing is left of the work."""
+        """Stop at the next step; nothing is left of the work. What is done already stays."""
         self._stop.set()
+
+    def discard(self) -> None:
+        """Stop at the next step; nothing is left, also if it is done already."""
+        self.cancel()
+        with self._ending:
+            if not self.is_busy:
+                self._remove()
 
     def join(self) -> None:
         """Wait until nothing more will happen."""
@@ -98,6 +126,9 @@ class BackgroundJob:
         self.share = share
         return self._goes_on()
 
+    def _remove(self) -> None:
+        """Remove what the work left; to be overridden by jobs that leave something."""
+
     def _run(self, work: Callable[[Progress], bool]) -> None:
         while not _slots.acquire(timeout=WAIT_S):
             if not self._goes_on():
@@ -108,8 +139,54 @@ class BackgroundJob:
             self.state = JobState.RUNNING
             is_done = self._goes_on() and work(self._progress)
             state = JobState.DONE if is_done else JobState.CANCELLED
+        except CancelledError:
+            state = JobState.CANCELLED
         except NvcoreError as error:
             self.error = str(error)
         finally:
-            self.state = state
+            with self._ending:
+                is_late = state is JobState.DONE and self._stop.is_set()
+                self.state = JobState.CANCELLED if is_late else state
+                if self.state is not JobState.DONE:
+                    self._remove()
             _slots.release()
+
+
+class Computation(BackgroundJob, Generic[Found]):
+    """Something that is computed in the background."""
+
+    def __init__(
+        self,
+        compute: Callable[[Computation[Found]], Found],
+        is_wanted: Callable[[], bool],
+        *,
+        key: Any = None,
+    ):
+        """Start; `compute` calls `tell` after its steps. See `BackgroundJob`."""
+        self._found: Found | None = None
+
+        def work(_: Progress) -> bool:
+            self._found = compute(self)
+            return True
+
+        super().__init__(work, is_wanted, key=key)
+
+    @property
+    def found(self) -> Found | None:
+        """What was computed; None before that is done."""
+        return self._found if self.state is JobState.DONE else None
+
+    def tell(self, done: int, of: int) -> None:
+        """Say how many of the steps are done.
+
+        Raises
+        ------
+        concurrent.futures.CancelledError
+            If there should be no further one.
+        """
+        if not self._progress(done / of):
+            raise CancelledError
+
+    def has_to_stop(self) -> bool:
+        """Whether there should be no further step."""
+        return not self._goes_on()

@@ -9,21 +9,20 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.analysis import Result
-from nvcore.curve_evidence import log_average_miss_rate_figure
 from nvcore.curve_summary import SUMMARY_ROWS, CurveSummary, summarise_curve
 from nvcore.curves import DetectionCurve, detection_curve
-from nvcore.figures.detection import CurveKind, curve_plot
-from nvcore.figures.style import CONFIG
-from nvcore.params import Params
+from nvcore.errors import ParameterError
+from nvcore.figures.detection import CurveKind, curve_plot, legend_figure
+from nvcore.figures.style import CONFIG, count_text
+from nvcore.miss_rate import explain_few
 from nvcore.protocols import Protocol
 from nvcore.scorecard import difference, number
-from nvcore.significance import Evidence, judge_figure
 from nvcore.tables import sides
-from nvcore.units import find_units
 from nvcore.windows import WindowGrid, scale_steps, windows_per_image
 from ui import state
 from ui.clicks import is_new_click
 from ui.detection_protocol import filtered
+from ui.evidence import matching_rule, miss_rate_evidence
 from ui.overview_scorecard import BETTER
 from ui.text import docs_link, plain
 
@@ -35,8 +34,8 @@ KIND_WORDS: Final[dict[CurveKind, str]] = {
     "f1": "F1",
 }
 EXPLAINED: Final[dict[CurveKind, str]] = {
-    "miss_rate": "Lower is better. The log-average miss rate is the mean height of the curve "
-    "between 0.01 and 1 false positives per image.",
+    "miss_rate": "Lower is better. The log-average miss rate (LAMR) is the geometric mean of the "
+    "miss rates at nine references from 0.01 to 1 false positives per image.",
     "precision_recall": "Higher is better. Recall: share of the pedestrians detected. Precision: "
     "share of the detections that are right.",
     "roc": "Higher is better: the share of pedestrians detected against false positives per image.",
@@ -62,72 +61,64 @@ def draw(result: Result, protocol: Protocol) -> None:
     windows = _windows(result, protocol) if kind == "roc_windows" else None
     figure = curve_plot(
         curves, thresholds, kind, theme=state.theme(), windows_per_image=windows,
-        summaries=[_short(one, kind) for one in summaries],
+        summaries=[legend_figure(one, kind) for one in summaries],
     )  # fmt: skip
     chosen = st.plotly_chart(
         figure, theme=None, config=CONFIG, key=f"curves_{kind}", on_select="rerun",
         selection_mode="points",
     )  # fmt: skip
     st.caption(f"{EXPLAINED[kind]} Click a curve to count from that score on.")
+    if kind == "miss_rate":
+        _draw_notes(summaries)
     points = chosen["selection"]["points"]
     if points and is_new_click("curves", points):
         letter, threshold = points[0]["customdata"]
-        state.set_threshold(letter, float(threshold))
-        st.rerun()
+        if threshold is not None:  # a point without scores
+            state.set_threshold(letter, float(threshold))
+            st.rerun()
     _draw_table(summaries)
-    _draw_evidence(result, protocol)
+    if kind != "miss_rate":
+        _draw_notes(summaries)
+    told = [explain_few(curves[0].n_truth), *(note for one in summaries for note in one.notes)]
+    _draw_evidence(result, [one for one in told if one])
 
 
-def _draw_evidence(result: Result, protocol: Protocol) -> None:
+def _draw_notes(summaries: list[CurveSummary]) -> None:
+    """What the log-average miss rates do not tell by themselves."""
+    for letter, one in zip("XY", summaries, strict=True):
+        if one.notes:
+            said = "; ".join(one.notes)
+            st.caption(plain(f"Log-average miss rate of {letter}: {said}."))
+
+
+def _draw_evidence(result: Result, told: list[str]) -> None:
     """Whether the difference in the log-average miss rate is more than chance."""
-    found = state.workspace().keep(
-        "miss_rate_evidence", (result.x.name, result.y.name, result.params, protocol),
-        lambda: _judge_miss_rate(result, protocol), most=4,
-    )  # fmt: skip
-    if found is None:
+    found = miss_rate_evidence(result)
+    if np.isnan(found.difference):  # the table above says why
         return
     words = "Difference of the log-average miss rates, X less Y:"
     parts = [f"{words} {100 * found.difference:+.2f} pp"]
     if np.isfinite(found.low):
         parts.append(f"95 % interval {100 * found.low:+.2f} to {100 * found.high:+.2f} pp")
+    elif np.isfinite(found.p):
+        parts.append("no interval (see below)")
     if np.isfinite(found.p):
-        parts.append(f"p = {found.p:.2g}")
-    said = f"{', '.join(parts)} ({found.n} {found.unit})."
+        parts.append(f"p = {found.p:.2g}, not corrected for other figures")
+    said = f"{', '.join(parts)} ({count_text(found.n, found.unit.removesuffix('s'))})."
     st.markdown(plain(said))
-    if found.note:
-        st.caption(plain(f"{found.note[0].upper()}{found.note[1:]}."))
-    st.caption(
-        f"{plain(found.method)} ({docs_link('Significance', 'significance', doc='significance')})."
-    )
-
-
-def _judge_miss_rate(result: Result, protocol: Protocol) -> Evidence | None:
-    units = find_units(result)
-    figure = log_average_miss_rate_figure(result, units, protocol)
-    return None if figure is None else judge_figure(figure, units)
-
-
-def _rule(result: Result) -> Params:
-    """What matching depends on; nothing else matters for curves."""
-    params = result.params
-    return Params(match=params.match, iou=params.iou, lateral_tolerance=params.lateral_tolerance)
+    notes = [note for note in found.note.split("; ") if note and not note.endswith(tuple(told))]
+    for note in notes:
+        st.caption(plain(f"{note[0].upper()}{note[1:]}."))
+    link = docs_link("Significance", "significance", doc="significance")
+    st.caption(f"{plain(found.method)} ({link})." if found.method else f"See {link}.")
 
 
 def _curve(result: Result, system: str, protocol: Protocol) -> DetectionCurve:
-    rule = _rule(result)
+    rule = matching_rule(result)
     return state.workspace().keep(
         "curves", (system, protocol, rule),
         lambda: detection_curve(result.dataset, system, rule, protocol), most=8,
     )  # fmt: skip
-
-
-def _short(summary: CurveSummary, kind: CurveKind) -> str:
-    """What the legend says: the figure that belongs to the curve."""
-    if kind == "precision_recall":
-        return f"AP {number(summary.average_precision_coco, '.3f')}"
-    if kind == "f1":
-        return f"best {number(summary.best_f1, '.3f')}"
-    return f"LAMR {number(summary.log_average_miss_rate, '.1%')}" if kind == "miss_rate" else ""
 
 
 def _windows(result: Result, protocol: Protocol) -> float | None:
@@ -155,16 +146,27 @@ def _windows(result: Result, protocol: Protocol) -> float | None:
         return float(number_given)
     try:
         first, last, step = (float(part) for part in steps.split(","))
-        if step <= 0 or (last - first) / step > MOST_SCALES:
-            raise ValueError
+        if step > 0 and (last - first) / step > MOST_SCALES:
+            st.warning(f"These are more than {MOST_SCALES} scales: choose a larger step.")
+            return None
         grid = WindowGrid(*size[:2], stride=size[2], scales=scale_steps(first, last, step),
                           count=count)  # fmt: skip
     except ValueError:
         st.warning("Scales are three numbers, such as 1, 2, 0.1: first, last and step.")
         return None
+    except ParameterError as error:
+        st.warning(plain(f"Scales: {error}."))
+        return None
     found = windows_per_image(result.dataset, filtered(result.dataset, protocol).is_counted, grid)
-    st.caption(f"{found:,.0f} windows per image.")
-    return found if found > 0 else None
+    if found > 0:
+        st.caption(f"{found:,.0f} windows per image.")
+        return found
+    pictures = result.dataset.recordings[["width", "height"]].max()
+    st.warning(
+        f"No window of {grid.width:g} x {grid.height:g} px has a place to slide in: the largest "
+        f"picture is {pictures['width']:g} x {pictures['height']:g} px."
+    )
+    return None
 
 
 def _draw_table(summaries: list[CurveSummary]) -> None:
@@ -186,7 +188,11 @@ def _draw_table(summaries: list[CurveSummary]) -> None:
     )  # fmt: skip
     for letter, one in zip("XY", summaries, strict=True):
         if one.why_undefined is not None:
-            st.caption(f"{letter}: averages and areas are undefined: {plain(one.why_undefined)}.")
+            why = plain(one.why_undefined)
+            st.caption(f"{letter} has no averages and no areas ({why}).")
+    st.caption(
+        "Absorbed: neither right nor wrong, as they lie on pedestrians or regions that are ignored."
+    )
     st.caption(
         "↑ higher is better, ↓ lower is better "
         f"({docs_link('how each is computed', 'areas', doc='detection')})."

@@ -10,45 +10,72 @@ import streamlit as st
 
 from nvcore.dataset import Dataset
 from nvcore.figures.style import count_text
-from nvcore.protocols import (
-    OCCLUSION_WORDS,
-    PROTOCOLS,
-    FilteredTruth,
-    Protocol,
-    filter_truth,
-    known_tags,
-)
+from nvcore.filtered_truth import FilteredTruth, filter_truth, known_tags
+from nvcore.miss_rate import explain_few
+from nvcore.protocols import OCCLUSION_WORDS, OWN, PROTOCOLS, Protocol, protocol_from
 from ui import state
 from ui.text import plain
 
-OWN: Final = "own filters"
+OF_SESSION: Final = "filters of the session"
 FURTHEST_PX: Final = 10_000.0
 WIDEST: Final = 20.0
 
 
 def choose(dataset: Dataset) -> Protocol:
     """The chosen protocol, with what its filters leave out told below."""
-    left, right = st.columns([1, 1], vertical_alignment="top")
+    start = _start()
+    left, middle, right = st.columns([1, 1, 1], vertical_alignment="top")
     name = left.selectbox(
-        "Protocol", [*PROTOCOLS, OWN], key="protocol", persist_state="session",
+        "Protocol", [*([OF_SESSION] if start.name == OWN else []), *PROTOCOLS, OWN],
+        key="protocol", persist_state="session",
         help="Which pedestrians count. The others are ignored: no miss, and no false positive for "
-        "who detects them. One set of pedestrians serves both systems.",
+        "who detects them. One set of pedestrians serves both systems. The Overview and the "
+        "reports use the same. Own filters start as those of the protocol chosen before.",
     )  # fmt: skip
-    tags = known_tags(dataset)
-    chosen: list[str] = []
+    tags = sorted({*known_tags(dataset), *start.tags})
+    tagged: list[str] = []
     if tags:
-        chosen = right.multiselect(
+        tagged = middle.multiselect(
             "Recordings tagged", tags, key="protocol_tags", placeholder="all recordings",
             persist_state="session", help="Recordings that have all of these tags count.",
         )  # fmt: skip
-    protocol = _own_filters(dataset) if name == OWN else PROTOCOLS[name]
-    protocol = replace(protocol, tags=tuple(chosen))
+    names = list(dict.fromkeys([*state.recording_names(), *start.recordings]))
+    chosen: list[str] = []
+    if len(names) > 1:
+        chosen = (right if tags else middle).multiselect(
+            "Recordings", names, key="protocol_recordings", placeholder="all recordings",
+            persist_state="session", help="Only these count, such as those at night.",
+        )  # fmt: skip
+    if name == OWN and st.session_state.get("protocol_shown") != OWN:
+        _start_own(state.protocol())
+    st.session_state["protocol_shown"] = name
+    if name == OF_SESSION:
+        filters = start
+    else:
+        filters = _own_filters(dataset) if name == OWN else PROTOCOLS[name]
+    filters = replace(filters, tags=tuple(tagged), recordings=tuple(chosen))
+    protocol = protocol_from(filters.given())
+    state.set_protocol(protocol)
     said = "; ".join(protocol.filters)
     st.caption(
         plain(f"{protocol.text} {'Filters: ' + said + '.' if said else 'No filter.'}".strip())
     )
     _draw_left_out(filtered(dataset, protocol))
     return protocol
+
+
+def _start() -> Protocol:
+    """The protocol that the open session began with; the fields then show it."""
+    opening = state.workspace().n_opened
+    known: tuple[int, Protocol] | None = st.session_state.get("protocol_start")
+    if known is not None and known[0] == opening:
+        return known[1]
+    start = state.protocol()
+    st.session_state["protocol_start"] = opening, start
+    st.session_state["protocol"] = OF_SESSION if start.name == OWN else start.name
+    st.session_state["protocol_tags"] = list(start.tags)
+    st.session_state["protocol_recordings"] = list(start.recordings)
+    return start
 
 
 def filtered(dataset: Dataset, protocol: Protocol) -> FilteredTruth:
@@ -58,58 +85,77 @@ def filtered(dataset: Dataset, protocol: Protocol) -> FilteredTruth:
     )
 
 
+def _start_own(before: Protocol) -> None:
+    """Let the fields of the own filters begin with those of another protocol."""
+    margins = before.border_px or (0.0,)
+    st.session_state.update(
+        own_low=before.height_px[0] or None, own_high=_limit(before.height_px[1]),
+        own_occlusion=list(before.occlusion), own_border=max(margins) or None,
+        own_slim=before.aspect[0] or None, own_tall=_limit(before.aspect[1]),
+        own_expand=before.expand,
+    )  # fmt: skip
+
+
+def _limit(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
 def _own_filters(dataset: Dataset) -> Protocol:
-    """The filters one by one, starting with none."""
+    """The filters one by one; those in use where two of them contradict each other."""
     height = float(dataset.recordings["height"].max())
     first, second, third, fourth = st.columns(4)
-    low = _number(first, "Lowest height (px)", "own_low", 0.0, FURTHEST_PX, 0.0, step=5.0)
+    low = _number(first, "Lowest height (px)", "own_low", 0.0, FURTHEST_PX, step=5.0)
     high = _number(
-        first, "Highest height (px)", "own_high", 0.0, FURTHEST_PX, None, step=5.0,
+        first, "Highest height (px)", "own_high", 0.0, FURTHEST_PX, step=5.0,
         placeholder=f"any ({height:g} is the picture)",
     )  # fmt: skip
     levels = second.pills(
-        "Occlusion", range(3), selection_mode="multi", default=[0, 1, 2], key="own_occlusion",
+        "Occlusion", range(3), selection_mode="multi", key="own_occlusion",
         format_func=OCCLUSION_WORDS.__getitem__, persist_state="session",
-        help="Pedestrians whose occlusion is unknown count as not occluded.",
+        help="Pedestrians whose occlusion is unknown count as not occluded. None chosen: all "
+        "levels count.",
     )  # fmt: skip
     border = _number(
-        third, "Margin at the border (px)", "own_border", 0.0, height / 2, 0.0, step=1.0,
-        help="The whole box must lie so far inside the picture.",
+        third, "Margin at the border (px)", "own_border", 0.0, FURTHEST_PX, step=1.0,
+        placeholder="none", help="The whole box must lie so far inside the picture.",
     )  # fmt: skip
-    slim = _number(fourth, "Lowest height / width", "own_slim", 0.0, WIDEST, 0.0, step=0.1)
-    tall = _number(
-        fourth, "Highest height / width", "own_tall", 0.0, WIDEST, None, step=0.1,
-        placeholder="any",
+    expand = _number(
+        third, "Detections beyond the heights", "own_expand", 1.0, WIDEST, step=0.05,
+        placeholder="all",
+        help="With 1.25, detections lower than the lowest height / 1.25 or higher than the "
+        "highest x 1.25 are left out before matching: no false positives. Empty: all take part.",
     )  # fmt: skip
+    slim = _number(fourth, "Lowest height / width", "own_slim", 0.0, WIDEST, step=0.1)
+    tall = _number(fourth, "Highest height / width", "own_tall", 0.0, WIDEST, step=0.1)
+    heights, aspect = (low or 0.0, _or_any(high)), (slim or 0.0, _or_any(tall))
+    wrong = [place for place, (least, most) in ((first, heights), (fourth, aspect)) if least > most]
+    for place in wrong:
+        place.error("The lowest is above the highest: the filters stay as they were.")
+    if wrong:
+        return state.protocol()
     return Protocol(
-        name=OWN,
-        height_px=_span(low, high),
-        occlusion=tuple(sorted(levels)) or (0, 1, 2),
-        border_px=None if not border else (border,) * 4,
-        aspect=_span(slim, tall),
-    )
+        name=OWN, height_px=heights, occlusion=tuple(sorted(levels)) or (0, 1, 2),
+        border_px=None if not border else (border,) * 4, aspect=aspect, expand=expand,
+    )  # fmt: skip
 
 
-def _number(place: Any, label: str, key: str, low: float, high: float, value: float | None,
-            **more: Any) -> float | None:  # fmt: skip
+def _or_any(high: float | None) -> float:
+    return math.inf if high is None else high
+
+
+def _number(place: Any, label: str, key: str, low: float, high: float,
+            placeholder: str = "any", **more: Any) -> float | None:  # fmt: skip
     number: float | None = place.number_input(
-        label, low, high, value, key=key, persist_state="session", **more
+        label, low, high, None, key=key, placeholder=placeholder, persist_state="session", **more
     )
     return number
 
 
-def _span(low: float | None, high: float | None) -> tuple[float, float]:
-    """Both ends; the lower one gives way where they cross."""
-    top = math.inf if high is None else high
-    return min(low or 0.0, top), top
-
-
 def _draw_left_out(truth: FilteredTruth) -> None:
-    out = [f"{name} {n:,}" for name, n in truth.n_left_out.items() if n]
     words = (
-        f"{count_text(truth.n_truth, 'pedestrian')} in {count_text(truth.n_images, 'image')} count"
+        f"{count_text(truth.n_truth, 'pedestrian')} in {count_text(truth.n_images, 'image')} "
+        f"count; {truth.left_out or 'none is ignored'}"
     )
-    words += f"; ignored: {', '.join(out)}" if out else "; none is ignored"
     asks_occlusion = set(truth.protocol.occlusion) != {0, 1, 2}
     if asks_occlusion and truth.n_unknown_occlusion:
         words += (
@@ -117,3 +163,6 @@ def _draw_left_out(truth: FilteredTruth) -> None:
             "occluded"
         )
     st.caption(f"{words}.")
+    few = explain_few(truth.n_truth)
+    if few:
+        st.warning(f"{few[0].upper()}{few[1:]}.", icon=":material/warning:")

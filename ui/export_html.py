@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import secrets
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import streamlit as st
 
@@ -13,28 +12,39 @@ from nvcore.analysis import Result
 from nvcore.findings import Finding
 from nvcore.html_report import RecordingPictures, write_html_report
 from nvcore.html_report.evidence_sections import AT_ONCE
-from nvcore.protocols import PROTOCOLS
+from nvcore.params import Params
+from nvcore.protocols import Protocol
 from nvcore.session import Session
 from ui import state
 from ui.background_job import JobState, Progress, while_open
 from ui.export_session import public_findings
-from ui.export_video import FOLDER, POLL_S
+from ui.file_job import FileJob, new_path
+from ui.job_progress import draw_file, draw_job, start_as_made
 from ui.public import public
 from ui.text import plain
-from ui.video_job import VideoJob
 from ui.workspace import Workspace
 
 NAME: Final = "nvcore-report.html"
-JOB: Final = "html_job"
+JOB: Final = "html"
 
 
-class HtmlJob(VideoJob):
-    """One report; `key` says of what."""
+@dataclass(frozen=True)
+class ReportKey:
+    """What a report is made from.
 
-    def __init__(self, key: Any, *arguments: Any):
-        """Start to write; see `VideoJob`."""
-        self.key = key
-        super().__init__(*arguments)
+    Attributes
+    ----------
+    protocol
+        Of the detection figures.
+    with_map
+        Whether the stability map is computed; None: as for few frames.
+    """
+
+    version: str
+    params: Params
+    systems: tuple[str, str | None]
+    protocol: Protocol
+    with_map: bool | None
 
 
 def draw(result: Result) -> None:
@@ -44,58 +54,51 @@ def draw(result: Result) -> None:
         "One HTML file with verdict, figures, evidence frames, tables, all parameters and hashes "
         "of the inputs. It opens in any browser without network, and prints to PDF."
     )
-    protocol, with_map = _draw_form(result)
-    job: HtmlJob | None = st.session_state.get(JOB)
-    if job is not None and not job.is_wanted():  # something else was opened meanwhile
-        _discard()
-        job = None
-    key = (state.workspace().version, result.params, state.systems(), protocol, with_map)
-    is_busy = job is not None and job.is_busy
+    job: FileJob | None = state.workspace().job(JOB)
+    protocol = state.protocol()
+    st.caption(
+        f"Protocol of the detection figures: {plain(protocol.title)}, as on the Detection page."
+    )
+    key = ReportKey(
+        state.workspace().version, result.params, state.systems(), protocol,
+        _ask_for_map(result, job),
+    )  # fmt: skip
     if st.button("Make the report", icon=":material/description:", key="make_html",
-                 disabled=is_busy):  # fmt: skip
-        _start(result, key, protocol, with_map)
+                 disabled=job is not None and job.is_busy):  # fmt: skip
+        _start(result, key)
         st.rerun()
     if job is None:
         return
-    if is_busy:
-        _draw_progress(job)
+    if draw_job(job, JOB, thing="report", doing="Making the report") is not JobState.DONE:
+        return
+    size = draw_file(job, JOB)
+    if job.key == key:
+        st.caption(f"{size} It stays here until the next one.")
     else:
-        _draw_outcome(job, is_current=job.key == key)
+        st.warning(f"{size} It was made with other settings: make it again for those of now.")
 
 
-def _draw_form(result: Result) -> tuple[str, bool | None]:
-    left, right = st.columns([1, 2], vertical_alignment="bottom")
-    protocol = left.selectbox(
-        "Protocol of the detection figures", list(PROTOCOLS), key="html_protocol",
-        help="As on the Detection page.",
-    )  # fmt: skip
+def _ask_for_map(result: Result, job: FileJob | None) -> bool | None:
+    """Whether with the stability map; None where there are so few frames that it always is."""
     if len(result.dataset.frames) <= AT_ONCE:
-        return protocol, None
-    return protocol, right.toggle(
-        "With the stability map", key="html_stability",
-        help="With so many frames it takes some seconds to a minute.",
+        return None
+    if job is not None:
+        start_as_made(job, JOB, html_stability=bool(job.key.with_map))
+    return st.toggle(
+        "With the stability map", key="html_stability", persist_state="session",
+        help="With so many frames it takes some seconds to some minutes.",
     )  # fmt: skip
 
 
-def _discard() -> None:
-    job: HtmlJob | None = st.session_state.pop(JOB, None)
-    if job is not None:
-        job.discard()
-
-
-def _start(result: Result, key: Any, protocol: str, with_map: bool | None) -> None:
+def _start(result: Result, key: ReportKey) -> None:
     space = state.workspace()
     assert space.session is not None
-    _discard()
-    folder = space.folder / FOLDER
-    folder.mkdir(mode=0o700, exist_ok=True)
-    path = folder / f"{secrets.token_hex(8)}.html"
+    space.drop_job(JOB)
     pictures = RecordingPictures(dict(space.pictures), dict(space.picture_rows), state.stretch())
-    st.session_state[JOB] = start_job(
-        space, key, shown_result(result), space.session,
-        public_findings(state.findings(), public), path, pictures, protocol=protocol,
-        stability=with_map,
-    )  # fmt: skip
+    findings = public_findings(state.findings(), public)
+    path = new_path(space, ".html")
+    job = start_job(space, key, shown_result(result), space.session, findings, path, pictures)
+    space.put_job(JOB, job)
 
 
 def shown_result(result: Result) -> Result:
@@ -107,45 +110,15 @@ def shown_result(result: Result) -> Result:
 
 
 def start_job(
-    space: Workspace, key: Any, result: Result, session: Session, findings: tuple[Finding, ...],
-    path: Path, pictures: RecordingPictures, *, protocol: str, stability: bool | None,
-) -> HtmlJob:  # fmt: skip
+    space: Workspace, key: ReportKey, result: Result, session: Session,
+    findings: tuple[Finding, ...], path: Path, pictures: RecordingPictures,
+) -> FileJob:  # fmt: skip
     """Start writing; it ends with the session, and when the session opens something else."""
 
     def write(progress: Progress) -> bool:
         return write_html_report(
-            result, session, findings, path, pictures=pictures, protocol=PROTOCOLS[protocol],
-            stability=stability, progress=lambda share, _what: progress(share),
+            result, session, findings, path, pictures=pictures,
+            stability=key.with_map, progress=lambda share, _what: progress(share),
         )  # fmt: skip
 
-    return HtmlJob(key, path, NAME, write, while_open(space))
-
-
-@st.fragment(run_every=POLL_S)
-def _draw_progress(job: HtmlJob) -> None:
-    if not job.is_busy:
-        st.rerun()
-    if job.state is JobState.WAITING:
-        st.progress(0.0, "Waiting for other work on this server.")
-    else:
-        st.progress(job.share, f"Making the report: {job.share:.0%}")
-    if st.button("Cancel", icon=":material/close:", key="cancel_html"):
-        job.cancel()
-
-
-def _draw_outcome(job: HtmlJob, *, is_current: bool) -> None:
-    if job.state is JobState.CANCELLED:
-        st.info("The report was cancelled; nothing is left of it.")
-    elif job.state is JobState.FAILED:
-        st.error(plain(job.error) or "The report could not be made.", icon=":material/error:")
-    else:
-        path = job.path  # the callable must not hold the job, which holds the pictures
-        st.download_button(
-            NAME, lambda: path.open("rb"), NAME, "text/html", on_click="ignore",
-            icon=":material/download:", type="primary", key="download_html",
-        )  # fmt: skip
-        size = f"{path.stat().st_size / 1e6:.1f} MB."
-        if is_current:
-            st.caption(f"{size} It stays here until the next one.")
-        else:
-            st.warning(f"{size} It was made with other settings: make it again for those of now.")
+    return FileJob(path, NAME, write, while_open(space), key=key)

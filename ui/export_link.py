@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Final
 from urllib.parse import urlencode
 
@@ -61,4 +62,6 @@ def link(here: str, page: str, params: dict[str, str]) -> str:
 
 def _is_sample() -> bool:
     """Whether the sample is open as it comes: systems and corrections are in no address."""
-    return state.workspace().session == read_session(state.SAMPLE)
+    return state.workspace().session == replace(
+        read_session(state.SAMPLE), protocol=state.protocol()
+    )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import secrets
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -15,8 +14,9 @@ from nvcore.media import FPS_RANGE, write_video
 from ui import state
 from ui.background_job import JobState, Progress, while_open
 from ui.export_frame import file_stem, numbers_of
+from ui.file_job import FileJob, new_path
+from ui.job_progress import draw_file, draw_job
 from ui.text import plain
-from ui.video_job import VideoJob
 from ui.workspace import Workspace
 
 LONGEST_S: Final = 120.0
@@ -24,9 +24,7 @@ LONGEST_S: Final = 120.0
 USUAL_S: Final = 10.0
 """Length that is proposed."""
 SPEEDS: Final = {1.0: "real time", 0.5: "half", 0.25: "quarter", 2.0: "double"}
-FOLDER: Final = "exports"
-POLL_S: Final = 0.5
-JOB: Final = "video_job"
+JOB: Final = "video"
 
 
 @dataclass(frozen=True)
@@ -59,24 +57,12 @@ class Interval:
 def draw(result: Result) -> None:
     """The form, or how far the video is."""
     st.header("Interval as video")
-    job: VideoJob | None = st.session_state.get(JOB)
-    if job is not None and not job.is_wanted():  # something else was opened meanwhile
-        _discard()
-        job = None
-    is_busy = job is not None and job.is_busy
-    _draw_form(result, is_busy=is_busy)
+    job: FileJob | None = state.workspace().job(JOB)
+    _draw_form(result, is_busy=job is not None and job.is_busy)
     if job is None:
         return
-    if is_busy:
-        _draw_progress(job)
-    else:
-        _draw_outcome(job)
-
-
-def _discard() -> None:
-    job: VideoJob | None = st.session_state.pop(JOB, None)
-    if job is not None:
-        job.discard()
+    if draw_job(job, JOB, thing="video", doing=f"Making {job.name}") is JobState.DONE:
+        st.caption(f"{draw_file(job, JOB)} It stays here until the next one.")
 
 
 @st.fragment
@@ -159,21 +145,20 @@ def why_not(interval: Interval) -> str:
 
 def _start(result: Result, recording: int, interval: Interval, *, labels: bool) -> None:
     space = state.workspace()
-    _discard()
-    folder = space.folder / FOLDER
-    folder.mkdir(mode=0o700, exist_ok=True)
-    path = folder / f"{secrets.token_hex(8)}.mp4"
+    space.drop_job(JOB)
     numbers = numbers_of(result, recording)[interval.row_start : interval.row_stop]
     name = f"{file_stem(state.recording_names()[recording])}-{numbers[0]}-{numbers[-1]}.mp4"
-    st.session_state[JOB] = start_job(
-        space, result, recording, interval, path, name, stretch=state.stretch(), labels=labels
-    )
+    job = start_job(
+        space, result, recording, interval, new_path(space, ".mp4"), name,
+        stretch=state.stretch(), labels=labels,
+    )  # fmt: skip
+    space.put_job(JOB, job)
 
 
 def start_job(
     space: Workspace, result: Result, recording: int, interval: Interval, path: Path, name: str, *,
     stretch: tuple[float, float], labels: bool,
-) -> VideoJob:  # fmt: skip
+) -> FileJob:  # fmt: skip
     """Start writing; it ends with the session, and when the session opens something else."""
     pictures, indices = space.pictures, space.picture_rows.get(recording)
     start = int(result.dataset.frame_columns.first[recording])
@@ -185,30 +170,4 @@ def start_job(
             hi=stretch[1], labels=labels,
         )  # fmt: skip
 
-    return VideoJob(path, name, write, while_open(space))
-
-
-@st.fragment(run_every=POLL_S)
-def _draw_progress(job: VideoJob) -> None:
-    if not job.is_busy:
-        st.rerun()
-    if job.state is JobState.WAITING:
-        st.progress(0.0, "Waiting: other videos are being made on this server.")
-    else:
-        st.progress(job.share, f"Making {job.name}: {job.share:.0%}")
-    if st.button("Cancel", icon=":material/close:", key="cancel_video"):
-        job.cancel()
-
-
-def _draw_outcome(job: VideoJob) -> None:
-    if job.state is JobState.CANCELLED:
-        st.info("The video was cancelled; nothing is left of it.")
-    elif job.state is JobState.FAILED:
-        st.error(plain(job.error) or "The video could not be made.", icon=":material/error:")
-    else:
-        path = job.path  # the callable must not hold the job, which holds the pictures
-        st.download_button(
-            job.name, lambda: path.open("rb"), job.name, "video/mp4", on_click="ignore",
-            icon=":material/download:", type="primary", key="download_video",
-        )  # fmt: skip
-        st.caption(f"{path.stat().st_size / 1e6:.1f} MB. It stays here until the next one.")
+    return FileJob(path, name, write, while_open(space))

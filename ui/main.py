@@ -8,6 +8,7 @@ from nvcore.errors import NvcoreError
 from ui import live_params, ratings_links, reload, sidebar, state
 from ui.navigate import PAGES, follow_wish
 from ui.public import shown_error
+from ui.trouble import show_trouble
 
 st.set_page_config(
     page_title="nvcore", page_icon=str(state.ROOT / "ui" / "assets" / "icon.svg"), layout="wide",
@@ -46,6 +47,8 @@ try:
     page.run()
 except NvcoreError as error:
     st.error(shown_error(error), icon=":material/error:")
+except Exception as error:  # noqa: BLE001  # the sidebar is drawn, or its widgets lose their values
+    show_trouble(error)
 if wrong_params is not None and not ratings_links.is_participant():  # something is open
     sidebar.draw(wrong_params)
     with st.sidebar:

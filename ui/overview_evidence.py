@@ -7,16 +7,15 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.analysis import Result
+from nvcore.evidence import FORMS
 from nvcore.figures.forest import subgroup_forest
 from nvcore.figures.style import CONFIG
-from nvcore.scorecard import number
-from nvcore.subgroups import subgroup_table
+from nvcore.scorecard import difference, number
+from nvcore.subgroup_figures import FIGURES, NOT_OF_PEDESTRIANS, subgroup_table
 from nvcore.verdict import SIGNIFICANT
 from ui import state
 from ui.overview_scorecard import BETTER
 from ui.text import UNDEFINED, docs_link, plain
-
-FIGURE_FORM = ".4f"
 
 
 def draw(result: Result, evidence: pd.DataFrame) -> None:
@@ -29,7 +28,7 @@ def draw(result: Result, evidence: pd.DataFrame) -> None:
             **{
                 name: st.column_config.TextColumn(width=width, alignment="right")
                 for name, width in (
-                    ("X", 70), ("Y", 70), ("X - Y", 80), ("95 % interval", 150), ("p", 70),
+                    ("X", 70), ("Y", 70), ("X - Y", 85), ("95 % interval", 160), ("p", 70),
                     ("p (Holm)", 75), ("effect", 95),
                 )
             },
@@ -52,14 +51,40 @@ def draw(result: Result, evidence: pd.DataFrame) -> None:
         for label, method in zip(evidence["label"], evidence["method"], strict=True):
             if method:
                 st.markdown(f"- {plain(label)}: {plain(method)}")
-    theme = state.theme()
-    table = state.workspace().keep(
-        "subgroups", (result.params, result.x.name, result.y.name), lambda: subgroup_table(result)
+    _draw_subgroups(result, evidence)
+
+
+@st.fragment
+def _draw_subgroups(result: Result, evidence: pd.DataFrame) -> None:
+    """One figure for groups of encounters; which one is chosen here."""
+    labels = dict(zip(evidence["figure"], evidence["label"], strict=True))
+    figure = st.selectbox(
+        "Figure by group", [one for one in FIGURES if one in labels],
+        format_func=labels.__getitem__, key="subgroup_figure", width=420, persist_state="session",
+    )  # fmt: skip
+    protocol = state.protocol()
+
+    def make() -> pd.DataFrame:
+        with st.spinner("Comparing the groups"):
+            return subgroup_table(result, [figure], protocol=protocol)
+
+    key = (result.params, result.x.name, result.y.name, protocol, figure)
+    table = state.workspace().keep("subgroups", key, make, most=len(FIGURES))
+    st.plotly_chart(
+        subgroup_forest(table, theme=state.theme()), theme=None, config=CONFIG, key="subgroups"
     )
-    st.plotly_chart(subgroup_forest(table, theme=theme), theme=None, config=CONFIG, key="subgroups")
+    if figure in NOT_OF_PEDESTRIANS:
+        st.caption(
+            f"{UNDEFINED} Near, far, centre, edge, occlusion, pose: {NOT_OF_PEDESTRIANS[figure]}. "
+            "Only groups of recordings have this figure, by the tags that a session file gives."
+        )
     st.caption(
-        "Groups are made by the ground truth alone. Many groups give some large differences by "
-        "chance: point at one for its p, corrected for all of them."
+        "Groups are made by the ground truth alone. Near: the largest box is at least twice as "
+        "high as one that counts half. Centre: the middle half of the picture. Occluded: in half "
+        "of the frames or more. Wide, narrow: height by width is a standard deviation or more "
+        "from the mean. Distant encounters, which do not count, are in none. Many groups give "
+        "some large differences by chance: p is corrected for all groups of this figure "
+        f"({docs_link('Groups', 'groups', doc='significance')})."
     )
 
 
@@ -67,14 +92,15 @@ def shown_evidence(evidence: pd.DataFrame) -> pd.DataFrame:
     """The table of evidence as text; a dash where nothing can be given."""
     rows = []
     for row in evidence.to_dict("records"):
-        interval = f"{row['low']:+.4f} to {row['high']:+.4f}"
+        form = FORMS[row["figure"]]
+        low, high = (difference(row[end], 0, form) for end in ("low", "high"))
         rows.append(
             (
                 row["label"] + BETTER[row["better"]],
-                number(row["x"], FIGURE_FORM),
-                number(row["y"], FIGURE_FORM),
-                number(row["difference"], "+.4f"),
-                interval if np.isfinite(row["low"]) else UNDEFINED,
+                number(row["x"], form),
+                number(row["y"], form),
+                difference(row["x"], row["y"], form),
+                f"{low} to {high}" if np.isfinite(row["low"]) else UNDEFINED,
                 number(row["p"], ".2g"),
                 number(row["p_holm"], ".2g"),
                 number(row["effect"], ".2f") + (" ×" if row["effect_name"] == "odds ratio" else ""),

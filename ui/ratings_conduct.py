@@ -84,6 +84,13 @@ def _conduct(study: Study) -> None:
     for_participants, for_conductor = ratings_links.links(study)
     st.markdown("Participants open this address on their screen:")
     st.code(for_participants, language=None, wrap_lines=True)
+    if ratings_links.is_local(for_participants):
+        st.warning(
+            "This address works **on this computer only**. For other screens start the app with "
+            "`--server.address 0.0.0.0`, open it by this computer's name or IP address instead of "
+            "localhost, and come back with the second address below: both then begin with that "
+            "name.", icon=":material/wifi_off:",
+        )  # fmt: skip
     st.markdown("With this one **you** come back to progress and results. Keep it to yourself:")
     st.code(for_conductor, language=None, wrap_lines=True)
     if state.workspace().label != state.SAMPLE_LABEL:

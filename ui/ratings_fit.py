@@ -2,105 +2,98 @@
 
 from __future__ import annotations
 
-from concurrent.futures import CancelledError
-from dataclasses import replace
 from typing import Any, Final
 
+import numpy as np
 import pandas as pd
 import streamlit as st
 
-from nvcore.analysis import Result
+from nvcore.analysis import Result, analyse
 from nvcore.errors import InputError
 from nvcore.figures.style import count_text
+from nvcore.params import Params
 from nvcore.ratings.fit import Fit, fit_saliency
-from ui import live_params, state
-from ui.background_job import BackgroundJob, JobState, Progress, while_open
+from ui import live_params, ratings_taken, state
+from ui.background_job import Computation, JobState, while_open
+from ui.job_progress import draw_job
+from ui.ratings_source import Given
+from ui.ratings_taken import Taken
 from ui.sidebar import CHOICES, LABELS
 from ui.text import docs_link, plain
 
 AT_ONCE: Final = 20_000
 """Frames up to which a fit takes seconds: it is made while the page waits."""
-JOB: Final = "rating_fit_job"
-TAKEN: Final = "rating_fit_taken"
-POLL_S: Final = 0.3
+JOB: Final = "rating_fit"
 MOST_FITS: Final = 4
+SIMULATED: Final = "Fitted to **simulated ratings**: nobody was asked."
 
 
-class FitJob(BackgroundJob):
-    """One fit, computed in the background; `found` once it is done."""
+def draw(
+    result: Result, clips: pd.DataFrame, ratings_key: object, given: Given, taken: Taken | None
+) -> None:
+    """The button that fits, and what the fit found.
 
-    def __init__(self, key: Any, result: Result, clips: pd.DataFrame, is_wanted: Any):
-        """Start to compute."""
-        self.key = key
-        self.found: Fit | None = None
-
-        def work(progress: Progress) -> bool:
-            def tell(done: int, of: int) -> None:
-                if not progress(done / of):
-                    raise CancelledError
-
-            try:
-                self.found = fit_saliency(result, clips, progress=tell)
-            except CancelledError:
-                return False
-            return True
-
-        super().__init__(work, is_wanted)
-
-
-def draw(result: Result, clips: pd.DataFrame, ratings_key: object) -> None:
-    """The button that fits, and what the fit found."""
+    Parameters
+    ----------
+    ratings_key
+        Differs where the ratings do.
+    taken
+        The fit to these ratings that is in use: then all is told against the settings before it.
+    """
     st.header("Fit saliency to these ratings")
     st.caption(
         "Tries tolerance, recency, height sigmoid and aggregate in many combinations, and takes "
         "those settings that put most pairs of clips in the order in which people put them "
         f"({docs_link('how it is judged', 'the-fit', doc='ratings')})."
     )
-    key = (ratings_key, state.workspace().version, result.params)
-    if st.session_state.get(TAKEN) == result.params:
-        st.warning(
-            "The fitted settings are in use. They were chosen by ratings: if by these, the plot, "
-            "the correlations and another fit on this page are too good, and no evidence. Reset in "
-            "the sidebar takes them back.",
-            icon=":material/warning:",
-        )
-    found: Any = state.workspace().known("rating_fit", key) or _from_job(key)
+    start = result.params if taken is None else taken.settings_before(result.params)
+    found: Any = state.workspace().known("rating_fit", key := _key(result, start, ratings_key))
     if found is None:
-        found = _ask(result, clips, key)
+        found = _ask(result, start, clips, key)
     if found is not None:
-        _draw_fit(result, found)
+        with st.container(border=True, key="rating_fit_found"):
+            _draw_worth(found, "settings in use" if taken is None else "settings before")
+            _draw_settings(result, found, start, given, taken)
+    elif taken is not None:
+        _draw_in_use(taken)
 
 
-def _from_job(key: Any) -> Fit | None:
-    job: FitJob | None = st.session_state.get(JOB)
-    if job is None or job.key != key or job.found is None:
-        return None
-    return _keep(key, job.found)
+def _key(result: Result, start: Params, ratings_key: object) -> Any:
+    return ratings_key, result.x.name, result.y.name, start
+
+
+def _with(result: Result, settings: Params) -> Result:
+    """The comparison with these settings."""
+    if settings == result.params:
+        return result
+    x, y = result.x.name, result.y.name
+    return analyse(result.dataset, settings, x=x, y=y, previous=result)
 
 
 def _keep(key: Any, found: Fit) -> Fit:
     return state.workspace().keep("rating_fit", key, lambda: found, most=MOST_FITS)
 
 
-def _ask(result: Result, clips: pd.DataFrame, key: Any) -> Fit | None:
+def _ask(result: Result, start: Params, clips: pd.DataFrame, key: Any) -> Fit | None:
     """The button, or the progress of the fit; the fit where it was made at once."""
-    job: FitJob | None = st.session_state.get(JOB)
+    job: Computation[Fit] | None = state.workspace().job(JOB)
     if job is not None and job.key == key:
-        if job.is_busy:
-            _draw_progress(job)
+        at = draw_job(job, JOB, thing="fit", doing="Fitting")
+        if at.is_busy:
             return None
-        if job.state is JobState.FAILED:
-            st.error(plain(job.error) or "The fit could not be made.", icon=":material/error:")
+        if at is JobState.DONE and job.found is not None:
+            return _keep(key, job.found)
     if not st.button("Fit saliency to these ratings", key="rating_fit", icon=":material/tune:"):
         return None
     if len(result.dataset.frames) > AT_ONCE:
-        _start(result, clips, key)
+        _begin(result, start, clips, key)
         st.rerun()
     bar = st.progress(0.0, "Fitting")
     try:
         found = fit_saliency(
-            result, clips, progress=lambda done, of: bar.progress(done / of, "Fitting")
-        )
+            _with(result, start), clips,
+            progress=lambda done, of: bar.progress(done / of, "Fitting"),
+        )  # fmt: skip
     except InputError as error:
         st.info(plain(str(error)))
         return None
@@ -109,70 +102,102 @@ def _ask(result: Result, clips: pd.DataFrame, key: Any) -> Fit | None:
     return _keep(key, found)
 
 
-def _start(result: Result, clips: pd.DataFrame, key: Any) -> None:
-    _cancel()
-    st.session_state[JOB] = FitJob(key, result, clips, while_open(state.workspace()))
+def _begin(result: Result, start: Params, clips: pd.DataFrame, key: Any) -> None:
+    def compute(job: Computation[Fit]) -> Fit:
+        return fit_saliency(_with(result, start), clips, progress=job.tell)
+
+    space = state.workspace()
+    space.put_job(JOB, Computation(compute, while_open(space), key=key))
 
 
-def _cancel() -> None:
-    job: FitJob | None = st.session_state.get(JOB)
-    if job is not None:
-        job.cancel()
+def _draw_worth(found: Fit, start: str) -> None:
+    """The shares of pairs, by settings that are called `start` and by the fit."""
+    st.markdown("**Share of the pairs of clips in the order in which people put them**")
+    columns = st.columns(3)
+    columns[0].metric(start, f"{found.share_default:.0%}")
+    columns[1].metric("fit, on recordings left out", f"{found.share_fitted:.0%}")
+    columns[2].metric("fit, on what it has seen", f"{found.share_training:.0%}")
+    if found.reason:
+        columns[1].caption(f"No interval: {plain(found.reason)}.")
+    else:
+        columns[1].caption(f"95 %: {found.low:.0%} to {found.high:.0%}")
+    st.caption(
+        f"{count_text(found.n_pairs, 'pair')} of {count_text(found.n_clips, 'clip')}, "
+        f"{found.n_settings:,} combinations tried; 50% is chance. **The second figure is the "
+        "result**: each pair is judged by a fit that has seen neither of its recordings. The "
+        "third is too good by construction."
+    )
+    if found.changed:
+        st.markdown(_gain(found, start))
 
 
-@st.fragment(run_every=POLL_S)
-def _draw_progress(job: FitJob) -> None:
-    if not job.is_busy:
-        st.rerun()
-    st.progress(job.share, f"Fitting: {job.share:.0%}")
-    st.button("Cancel", icon=":material/close:", key="rating_fit_cancel", on_click=_cancel)
-
-
-def _draw_fit(result: Result, found: Fit) -> None:
-    with st.container(border=True, key="rating_fit_found"):
-        st.markdown("**Share of the pairs of clips in the order in which people put them**")
-        columns = st.columns(3)
-        columns[0].metric("settings in use", f"{found.share_default:.0%}")
-        columns[1].metric("fit, on recordings left out", f"{found.share_fitted:.0%}")
-        columns[2].metric("fit, on what it has seen", f"{found.share_training:.0%}")
-        st.caption(
-            f"{count_text(found.n_pairs, 'pair')} of {count_text(found.n_clips, 'clip')}, "
-            f"{found.n_settings:,} combinations tried; 50% is chance. **The second figure is the "
-            "result**: each pair is judged by a fit that has seen neither of its recordings. The "
-            "third is too good by construction."
+def _gain(found: Fit, start: str) -> str:
+    """What the fit gains on recordings it has not seen, and whether that may be chance."""
+    gain = found.share_fitted - found.share_default
+    if gain <= 0:
+        return (
+            f"On recordings that it has not seen, the fit is **no better than the {start}**: these "
+            "ratings give no reason to change them."
         )
-        if not found.changed:
-            st.markdown("The settings in use are the best of those tried.")
-            return
-        if found.share_fitted <= found.share_default:
-            st.markdown(
-                "On recordings that it has not seen, the fit is **no better than the settings in "
-                "use**: these ratings give no reason to change them."
-            )
-        st.markdown("\n".join(f"- {line}" for line in _changes(result, found)))
+    told = f"Against the {start}, the fit gains {100 * gain:.0f} points"
+    if not np.isfinite(found.gain_low):
+        return f"{told}. Whether that is more than chance cannot be told."
+    interval = (
+        f"{told} (95 %: {_points(found.gain_low)} to {_points(found.gain_high)}, from resampling "
+        f"the {found.n_recordings} recordings)"
+    )
+    if found.gain_low > 0:
+        return f"{interval}."
+    return f"{interval}: **that may be chance**."
+
+
+def _points(share: float) -> str:
+    return f"{100 * share:+.0f}".replace("-", "\u2212").replace("+0", "0")
+
+
+def _draw_settings(
+    result: Result, found: Fit, start: Params, given: Given, taken: Taken | None
+) -> None:
+    """What the fit changes, and the button that takes it or gives it back."""
+    if found.changed:
+        st.markdown("\n".join(f"- {line}" for line in _changes(found, start)))
+    else:
+        st.markdown("The settings in use are the best of those tried.")
+    if taken is not None:
+        _draw_in_use(taken)
+    if not found.changed or (taken is not None and taken.is_of(found)):
+        return
+    st.button(
+        "Take these settings", key="rating_fit_take", type="primary", on_click=ratings_taken.take,
+        args=(found, start, given, result.dataset.fingerprint, taken),
+    )  # fmt: skip
+    if given.is_simulated:
+        st.caption(SIMULATED)
+
+
+def _draw_in_use(taken: Taken) -> None:
+    """That fitted settings are in use, with the way back."""
+    with st.container(horizontal=True, vertical_alignment="center"):
+        of_whom = f" {SIMULATED}" if taken.is_simulated else ""
+        st.markdown(f":material/check: **In use**.{of_whom}")
         st.button(
-            "Take these settings", key="rating_fit_take", type="primary", on_click=_take,
-            args=(result, found),
+            "Go back to the settings before", key="rating_fit_back", icon=":material/undo:",
+            on_click=ratings_taken.give_back, args=(taken,),
         )  # fmt: skip
 
 
-def _changes(result: Result, found: Fit) -> list[str]:
+def _changes(found: Fit, start: Params) -> list[str]:
     """The parameters that the fit changes, as the sidebar calls them."""
     return [
-        f"{plain(LABELS[name])}: {_shown(_in_use(result, name))} → **{_shown(value)}**"
+        f"{plain(LABELS[name])}: {_shown(_value(start, name))} → **{_shown(value)}**"
         for name, value in found.changed.items()
     ]
 
 
-def _in_use(result: Result, name: str) -> Any:
-    value = getattr(result.params, name)
+def _value(settings: Params, name: str) -> Any:
+    value = getattr(settings, name)
     return live_params.default_of_height(name) if value is None else value
 
 
 def _shown(value: Any) -> str:
     return plain(CHOICES.get(value, value) if isinstance(value, str) else f"{value:g}")
-
-
-def _take(result: Result, found: Fit) -> None:
-    state.set_params(**found.changed)
-    st.session_state[TAKEN] = replace(result.params, **found.changed)

@@ -7,9 +7,10 @@ A participant's address is ``ratings?study=TOKEN&participant=NAME``, the conduct
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Final
-from urllib.parse import quote
+from urllib.parse import quote, urlsplit
 
 import click
 import streamlit as st
@@ -24,6 +25,7 @@ PARTICIPANT: Final = "participant"
 CONDUCT: Final = "conduct"
 OWN: Final = "rating_studies"
 OPEN: Final = "rating_open"
+LOCAL: Final = ("localhost", "127.0.0.1", "::1")
 
 
 def store() -> RatingStore:
@@ -93,6 +95,17 @@ def links(study: Study) -> tuple[str, str]:
     return f"{page}?{STUDY}={quote(study.token)}", f"{page}?{CONDUCT}={quote(study.conductor)}"
 
 
+def is_local(address: str) -> bool:
+    """Whether the address leads to the machine that it is opened on, whichever that is.
+
+    Examples
+    --------
+    >>> is_local("http://localhost:8501/ratings?study=a"), is_local("http://lab-3:8501/ratings")
+    (True, False)
+    """
+    return urlsplit(address).hostname in LOCAL
+
+
 def shown_thresholds() -> dict[str, float | None]:
     """Score threshold of each compared system, by name."""
     settings = state.params()
@@ -100,3 +113,25 @@ def shown_thresholds() -> dict[str, float | None]:
     return {
         name: value for name, value in zip(state.systems(), values, strict=True) if name is not None
     }
+
+
+def thresholds_apart(study: Study) -> dict[str, tuple[float | None, float | None]]:
+    """Compared systems whose threshold is not that of the clips, by name: of the clips, and now."""
+    live, apart = shown_thresholds(), {}
+    for name, value in live.items():
+        span = state.score_span(name)
+        if span is None or name not in study.thresholds:
+            continue
+        wanted = study.thresholds[name]
+        if wanted is not None:
+            wanted = None if wanted <= span[0] else min(wanted, span[1])
+        if value != wanted:
+            apart[name] = wanted, value
+    return apart
+
+
+def set_thresholds(of: Mapping[str, float | None]) -> None:
+    """Give the compared systems of these names these thresholds in the next run."""
+    for letter, name in zip("xy", state.systems(), strict=True):
+        if name in of:
+            state.set_threshold(letter, of[name])

@@ -15,12 +15,16 @@ from ui.navigate import open_page
 from ui.ratings_links import PARTICIPANT, STUDY
 from ui.text import plain
 from ui.viewed import viewed
-from ui.viewer import viewer
+from ui.viewer import n_plays_in, viewer
 
 ENDS: Final = ("not annoying at all", "very annoying")
 """Of the scale (paper, figure 9)."""
 HEIGHT_PX: Final = 640
 WAITING: Final = "rating_waiting"
+KNOWN: Final = "rating_known_name"
+CHANGING: Final = "rating_changing"
+BEFORE: Final = "rating_thresholds_before"
+"""Thresholds of who conducts, while somebody rates on that screen."""
 Letter = Literal["x", "y"]
 
 
@@ -47,7 +51,10 @@ def draw() -> None:
     order = store.order(study, name)
     rated = store.rated(study, name)
     left = [clip for clip in order if clip not in rated]
-    if left:
+    done = [clip for clip in order if clip in rated]
+    if done and st.session_state.get(CHANGING, False):
+        _change(result, study, store, name, done[-1])
+    elif left:
         _clip(result, study, store, name, left)
     else:
         _thanks(study)
@@ -96,17 +103,15 @@ def _is_open(study: Study) -> bool:
 
 def _show_its_boxes(study: Study) -> None:
     """Take the study's thresholds: everybody sees the same boxes."""
-    live = ratings_links.shown_thresholds()
-    for letter, system in zip("xy", state.systems(), strict=True):
-        span = None if system is None else state.score_span(system)
-        if span is None or system not in study.thresholds:
-            continue
-        wanted = study.thresholds[system]
-        if wanted is not None:
-            wanted = None if wanted <= span[0] else min(wanted, span[1])
-        if live[system] != wanted:
-            state.set_threshold(letter, wanted)
-            st.rerun()
+    apart = ratings_links.thresholds_apart(study)
+    if not apart:
+        return
+    if ratings_links.is_own(study):
+        mine = st.session_state.setdefault(BEFORE, {})
+        for name, (_, live) in apart.items():
+            mine.setdefault(name, live)
+    ratings_links.set_thresholds({name: shown for name, (shown, _) in apart.items()})
+    st.rerun()
 
 
 def _welcome(study: Study, store: RatingStore) -> None:
@@ -127,14 +132,31 @@ def _welcome(study: Study, store: RatingStore) -> None:
         )  # fmt: skip
         is_sent = st.form_submit_button("Begin", type="primary")
     if is_sent:
-        try:
-            store.order(study, name or "")
-        except InputError as error:
-            st.error(plain(str(error)))
+        st.session_state[KNOWN] = ""
+        given = (name or "").strip()
+        if store.rated(study, given):
+            st.session_state[KNOWN] = given
         else:
-            st.query_params[PARTICIPANT] = (name or "").strip()
-            st.rerun()
+            _join(study, store, given)
+    if known := st.session_state.get(KNOWN, ""):
+        st.info(
+            f"{plain(known)} has rated {len(store.rated(study, known))} of {n} clips already. If "
+            "that was somebody else, choose another name."
+        )
+        if st.button(f"I am {plain(known)}: go on", key="rating_known"):
+            st.session_state[KNOWN] = ""
+            _join(study, store, known)
     _back(study)
+
+
+def _join(study: Study, store: RatingStore, name: str) -> None:
+    try:
+        store.order(study, name)
+    except InputError as error:
+        st.error(plain(str(error)))
+    else:
+        st.query_params[PARTICIPANT] = name
+        st.rerun()
 
 
 def _clip(result: Result, study: Study, store: RatingStore, name: str, left: list[int]) -> None:
@@ -142,16 +164,41 @@ def _clip(result: Result, study: Study, store: RatingStore, name: str, left: lis
     number = n - len(left) + 1
     st.markdown(f"# Clip {number} of {n}")
     st.progress((number - 1) / n)
-    recording, system = study.clips[clip]
-    letter: Letter = "x" if system == result.x.name else "y"
-    if not _played(result, state.recording_names().index(recording), letter, clip, name):
+    if not _played(result, study, clip, f"clip_{clip}_of_{name}"):
         st.caption("Watch the clip to its end; then say how annoying it was.")
-        return
+    else:
+        _ask(study, store, name, clip, f"clip_{clip}_of_{name}")
+    if number > 1:
+        _offer_change()
+
+
+def _offer_change() -> None:
+    if st.button(
+        "Change my last rating", key="rating_change", type="tertiary", icon=":material/undo:"
+    ):
+        st.session_state[CHANGING] = True
+        st.rerun()
+
+
+def _change(result: Result, study: Study, store: RatingStore, name: str, clip: int) -> None:
+    """The clip that was rated last, once more; it may be rated without being watched again."""
+    rating, key = store.rated(study, name)[clip], f"again_{clip}_of_{name}"
+    st.markdown("# Your last clip")
+    st.markdown(f"You gave it **{rating}**. You may watch it again, and give another rating.")
+    _played(result, study, clip, key)
+    _ask(study, store, name, clip, key)
+    if st.button(f"Keep {rating}", key="rating_keep", icon=":material/arrow_forward:"):
+        st.session_state[CHANGING] = False
+        st.rerun()
+
+
+def _ask(study: Study, store: RatingStore, name: str, clip: int, key: str) -> None:
     with st.container(key="rating_scale"):
         st.markdown("**How annoying would it be to drive with this system?**")
         chosen = _scale(study, clip)
     if chosen is not None:
-        store.rate(study, name, clip, chosen)
+        store.rate(study, name, clip, chosen, n_plays=n_plays_in(key))
+        st.session_state[CHANGING] = False
         st.rerun()
 
 
@@ -168,8 +215,11 @@ def _scale(study: Study, clip: int) -> int | None:
     return chosen
 
 
-def _played(result: Result, recording: int, letter: Letter, clip: int, name: str) -> bool:
+def _played(result: Result, study: Study, clip: int, key: str) -> bool:
     """Show the clip; whether it was seen to its end."""
+    name, system = study.clips[clip]
+    recording = state.recording_names().index(name)
+    letter: Letter = "x" if system == result.x.name else "y"
     first, last = result.dataset.frame_columns.first[recording : recording + 2].tolist()
     lo, hi = state.STRETCH
     nothing = np.full(last - first, np.nan)
@@ -184,7 +234,7 @@ def _played(result: Result, recording: int, letter: Letter, clip: int, name: str
         lo=lo,
         hi=hi,
         height_px=HEIGHT_PX,
-        key=f"clip_{clip}_of_{name}",
+        key=key,
         only=letter,
     )
     return row is None or row == last - first - 1
@@ -193,6 +243,7 @@ def _played(result: Result, recording: int, letter: Letter, clip: int, name: str
 def _thanks(study: Study) -> None:
     st.title("Thank you")
     st.success(f"All {len(study.clips)} clips are rated, and your ratings are kept.")
+    _offer_change()
     if st.button("Next participant", key="rating_next"):
         del st.query_params[PARTICIPANT]
         st.rerun()
@@ -206,4 +257,5 @@ def _back(study: Study) -> None:
     ):
         st.query_params.clear()
         ratings_links.conduct(study)
+        ratings_links.set_thresholds(st.session_state.pop(BEFORE, {}))
         st.rerun()

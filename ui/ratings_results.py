@@ -14,16 +14,23 @@ from nvcore.errors import InputError
 from nvcore.figures.ratings import participants_plot, rating_plot
 from nvcore.figures.style import CONFIG, count_text
 from nvcore.ratings.agreement import Agreement, measure_agreement, rank_ratings
-from nvcore.ratings.validation import Correlation, clip_saliency, correlate, join_clips
-from ui import ratings_fit, ratings_source, state
+from nvcore.ratings.validation import (
+    Correlation,
+    clip_saliency,
+    correlate,
+    join_clips,
+    split_known,
+)
+from ui import ratings_fit, ratings_source, ratings_taken, state
 from ui.ratings_source import Given
+from ui.ratings_taken import Taken
 from ui.table_columns import table_height
 from ui.text import UNDEFINED, docs_link, number, plain
 
 STRONG: Final = 0.7
 MODERATE: Final = 0.4
-CHANCE: Final = 0.05
 MOST_KEPT: Final = 8
+MOST_NAMED: Final = 8
 HOW: Final = docs_link("how", "saliency-against-mean-rank", doc="ratings")
 
 
@@ -32,22 +39,43 @@ def draw(result: Result) -> None:
     given = ratings_source.choose(result)
     if given is None:
         return
-    digest = ratings_source.digest(given)
-    left_out = _people(given, digest)
-    kept = given.ratings[~given.ratings["participant"].isin(left_out)]
-    ranks = rank_ratings(kept)
-    if ranks.empty:
-        st.info("Nobody is left.")
-        return
-    key = (digest, tuple(left_out))
+    saliency = clip_saliency(result)
     try:
-        clips = join_clips(ranks, clip_saliency(result), system=given.system)
+        ratings, unknown = split_known(given.ratings, saliency, system=given.system)
     except InputError as error:
         st.error(plain(str(error)))
-    else:
-        _against_saliency(result, clips, ranks.shape[1])
-        ratings_fit.draw(result, clips, key)
+        return
+    _draw_unknown(ratings, unknown)
+    digest = given.digest()
+    left_out = _people(ratings, digest)
+    kept = ratings[~ratings["participant"].isin(left_out)]
+    ranks = rank_ratings(kept)
+    if ranks.empty:
+        st.info("Nobody is left." if left_out else "No clip of this comparison is rated.")
+        return
+    clips = join_clips(ranks, saliency)
+    taken = ratings_taken.in_use(result, given)
+    st.header("Does saliency say what people say?")
+    _cautions(result, given, len(ranks), taken)
+    _against_saliency(result, clips)
+    ratings_fit.draw(result, clips, (digest, tuple(left_out)), given, taken)
     _downloads(kept, ranks)
+
+
+def _draw_unknown(ratings: pd.DataFrame, unknown: pd.DataFrame) -> None:
+    """Which rated clips, and whose ratings, are of no clip in this comparison."""
+    if unknown.empty:
+        return
+    clips = unknown[["clip", "system"]].drop_duplicates()
+    told = [f"{clip} ({system})" for clip, system in clips.head(MOST_NAMED).to_numpy()]
+    more = ", ..." if len(clips) > MOST_NAMED else ""
+    gone = sorted(set(unknown["participant"]) - set(ratings["participant"]))
+    who = f" Nothing is left of {plain(', '.join(gone[:MOST_NAMED]))}." if gone else ""
+    st.warning(
+        f"{count_text(len(clips), 'rated clip')} not in this comparison, left out of all figures "
+        f"with {count_text(len(unknown), 'rating')}: {plain(', '.join(told))}{more}.{who}",
+        icon=":material/link_off:",
+    )
 
 
 def _agreement(ratings: pd.DataFrame, key: object) -> Agreement:
@@ -56,10 +84,10 @@ def _agreement(ratings: pd.DataFrame, key: object) -> Agreement:
     )
 
 
-def _people(given: Given, digest: int) -> list[str]:
+def _people(ratings: pd.DataFrame, digest: int) -> list[str]:
     """How far people agree; the participants who are left out."""
     st.header("Do people agree?")
-    everybody = _agreement(given.ratings, (digest, ()))
+    everybody = _agreement(ratings, (digest, ()))
     people = everybody.participants
     left_out = st.multiselect(
         "Leave out participants", people["participant"].tolist(), key="ratings_left_out",
@@ -69,8 +97,8 @@ def _people(given: Given, digest: int) -> list[str]:
     )  # fmt: skip
     kept = everybody
     if left_out:
-        ratings = given.ratings[~given.ratings["participant"].isin(left_out)]
-        kept = _agreement(ratings, (digest, tuple(left_out)))
+        others = ratings[~ratings["participant"].isin(left_out)]
+        kept = _agreement(others, (digest, tuple(left_out)))
         st.warning(
             f"{count_text(len(left_out), 'participant')} left out by hand: "
             f"{plain(', '.join(left_out))}. All figures are without them.",
@@ -81,12 +109,16 @@ def _people(given: Given, digest: int) -> list[str]:
     columns[1].metric("participants", f"{kept.n_participants:,}")
     columns[2].metric("clips", f"{kept.n_clips:,}")
     columns[3].metric("ratings missing", f"{kept.n_missing:,}")
-    st.markdown(plain(_concordance(kept)))
+    if np.isfinite(kept.w) and not kept.is_more_than_chance:
+        st.warning(plain(_concordance(kept)), icon=":material/warning:")
+    else:
+        st.markdown(plain(_concordance(kept)))
     odd = people.loc[people["is_outlier"] & ~people["participant"].isin(left_out), "participant"]
     if len(odd):
+        names = plain(", ".join(odd.head(MOST_NAMED)))
         st.caption(
-            f"{plain(', '.join(odd.head(8)))}: ranks the clips another way than the others do. "
-            "Look why before you leave anybody out."
+            f"{names}: ranks the clips another way than the others do. Look why before you leave "
+            "anybody out."
         )
     st.plotly_chart(
         participants_plot(everybody, theme=state.theme()), theme=None, config=CONFIG,
@@ -99,21 +131,43 @@ def _concordance(found: Agreement) -> str:
     """Kendall's W in plain words."""
     if not np.isfinite(found.w):
         return f"{UNDEFINED}: {found.method}."
-    degree = "strongly" if found.w >= STRONG else "moderately" if found.w >= MODERATE else "little"
     p = "p < 0.001" if found.p < 0.001 else f"p = {found.p:.3f}"
-    told = (
-        f"Ranks by chance would hardly agree as much ({p})."
-        if found.p < CHANCE
-        else f"Ranks by chance may well agree as much ({p}): the mean ranks mean little."
-    )
+    if not found.is_more_than_chance:
+        return (
+            f"The participants do not agree more than by chance ({p}): their mean ranks mean "
+            f"little. Ranks by chance have a W of {1 / found.n_participants:.2f} on average with "
+            f"{found.n_participants} participants."
+        )
+    degree = (
+        "strongly and" if found.w >= STRONG else
+        "moderately and" if found.w >= MODERATE else "little, but"
+    )  # fmt: skip
     return (
-        f"The participants agree {degree} on which clips are more annoying: W is 0 for no "
-        f"agreement and 1 for the same ranks. {told}"
+        f"The participants agree {degree} more than by chance ({p}): W is 0 for no agreement on "
+        "which clips are more annoying, and 1 for the same ranks."
     )
 
 
-def _against_saliency(result: Result, clips: pd.DataFrame, n_rated: int) -> None:
-    st.header("Does saliency say what people say?")
+def _cautions(result: Result, given: Given, n_people: int, taken: Taken | None) -> None:
+    """What keeps plot and correlations from being evidence."""
+    if taken is not None:
+        st.warning(
+            "These settings were **fitted to these ratings**: plot and correlations are training "
+            "figures, no evidence.", icon=":material/warning:",
+        )  # fmt: skip
+    if ratings_taken.of_simulated(result, given):
+        st.warning(
+            "The settings in use were fitted to **simulated ratings**.",
+            icon=":material/science:",
+        )
+    if n_people == 1:
+        st.warning(
+            "These are the ratings of **one participant**. The figures say how saliency follows "
+            "that person; intervals and p say nothing about people.", icon=":material/person:",
+        )  # fmt: skip
+
+
+def _against_saliency(result: Result, clips: pd.DataFrame) -> None:
     names = (result.x.name, result.y.name)
     with st.spinner("Correlating"):
         found = state.workspace().keep(
@@ -126,15 +180,12 @@ def _against_saliency(result: Result, clips: pd.DataFrame, n_rated: int) -> None
         rating_plot(clips, found, names, theme=state.theme()), theme=None, config=CONFIG,
         key="rating_plot",
     )  # fmt: skip
-    if n_rated > len(clips):
-        st.caption(
-            f"{count_text(n_rated - len(clips), 'rated clip')} not in this comparison and left out."
-        )
     st.dataframe(_correlations(found), hide_index=True, key="rating_correlations", row_height=32)
     st.caption(
         "1: the more annoying people find a clip, the higher its saliency; 0: no connection. "
-        "Intervals are from resampling the clips. Two clips of one recording are taken as "
-        f"independent, so they are somewhat too narrow ({HOW})."
+        "Intervals are from resampling the clips. Intervals and p take the clips as independent; "
+        "two clips of one recording are not, so the intervals are somewhat too narrow and p "
+        f"somewhat too small ({HOW})."
     )
     with st.expander("Mean rank of each clip", key="rating_clips_open"):
         st.dataframe(

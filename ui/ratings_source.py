@@ -12,9 +12,9 @@ import streamlit as st
 
 from nvcore.analysis import Result
 from nvcore.errors import InputError
-from nvcore.ratings.reading import check_ratings, parse_ratings, read_ratings
+from nvcore.ratings.reading import parse_ratings, read_ratings
 from nvcore.sample.ratings import RATINGS_FILE
-from ui import ratings_links, state
+from ui import ratings_links, ratings_typed, state
 from ui.text import plain
 
 SIMULATED: Final = "Simulated"
@@ -22,7 +22,6 @@ FILE: Final = "CSV file"
 TYPED: Final = "Typed in"
 SESSION: Final = "Rating session"
 MOST_MB: Final = 5
-COLUMNS: Final = ["participant", "clip", "system", "rating"]
 
 
 @dataclass(frozen=True)
@@ -35,10 +34,24 @@ class Given:
         Of `nvcore.ratings.reading`.
     system
         Whose boxes were shown where the ratings do not say; empty: they say it.
+    is_simulated
+        Whether nobody was asked.
     """
 
     ratings: pd.DataFrame
     system: str
+    is_simulated: bool
+
+    def rows(self) -> np.ndarray:
+        """A number for each rating, which is the same for the same rating; uint64."""
+        said = self.ratings["system"].where(self.ratings["system"] != "", self.system)
+        of: list[str] = ["participant", "clip", "system", "rating"]
+        table = self.ratings.assign(system=said)[of].dropna(subset="rating")
+        return pd.util.hash_pandas_object(table.astype(str), index=False).to_numpy()
+
+    def digest(self) -> int:
+        """A number that differs where the ratings do."""
+        return hash(self.rows().tobytes())
 
 
 def choose(result: Result) -> Given | None:
@@ -51,9 +64,7 @@ def choose(result: Result) -> Given | None:
         key=f"ratings_source_{len(sources)}", persist_state="session",
     )  # fmt: skip
     try:
-        ratings = {SIMULATED: _simulated, FILE: _file, TYPED: _typed, SESSION: _session}[source](
-            result
-        )
+        ratings = READERS[source](result)
     except InputError as error:
         st.error(plain(str(error)))
         return None
@@ -62,13 +73,13 @@ def choose(result: Result) -> Given | None:
             st.info("There is no rating yet.")
         return None
     if (ratings["system"] != "").all():
-        return Given(ratings, "")
+        return Given(ratings, "", source == SIMULATED)
     names = (result.x.name, result.y.name)
     system = st.radio(
         "The ratings do not say whose boxes were shown. It was", names, key="ratings_system",
         format_func=lambda one: f"{'X' if one == names[0] else 'Y'} {one}", horizontal=True,
     )  # fmt: skip
-    return Given(ratings, system)
+    return Given(ratings, system, source == SIMULATED)
 
 
 def _simulated(_: Result) -> pd.DataFrame:
@@ -93,34 +104,6 @@ def _file(_: Result) -> pd.DataFrame | None:
     return None if sent is None else parse_ratings(sent.getvalue(), name=sent.name)
 
 
-def _typed(result: Result) -> pd.DataFrame | None:
-    if "ratings_typed" not in st.session_state:  # drawn anew: with what was typed before
-        empty = pd.DataFrame({name: pd.Series(dtype=object) for name in COLUMNS})
-        before = st.session_state.get("ratings_typed_last", empty.astype({"rating": float}))
-        st.session_state["ratings_typed_start"] = before
-    systems = [result.x.name, result.y.name]
-    typed = st.data_editor(
-        st.session_state["ratings_typed_start"], num_rows="dynamic", hide_index=True,
-         key="ratings_typed", height=280,
-        column_config={
-            "participant": st.column_config.TextColumn("Participant", max_chars=64, required=True),
-            "clip": st.column_config.SelectboxColumn(
-                "Clip", options=state.recording_names(), required=True
-            ),
-            "system": st.column_config.SelectboxColumn("Boxes of", options=systems),
-            "rating": st.column_config.NumberColumn("Rating (higher = more annoying)"),
-        },
-    )  # fmt: skip
-    st.session_state["ratings_typed_last"] = typed.reset_index(drop=True)
-    st.caption("It lasts as long as this browser tab: download it below before you close that.")
-    filled = typed.dropna(how="all")
-    if filled.empty:
-        return None
-    rating = filled["rating"].map(lambda one: "" if pd.isna(one) else f"{one:.15g}")
-    text = filled.astype(object).where(filled.notna(), "").astype(str).assign(rating=rating)
-    return check_ratings(text.reset_index(drop=True), name="the table above")
-
-
 def _session(result: Result) -> pd.DataFrame | None:
     study = ratings_links.conducted()
     if study is None:
@@ -128,10 +111,36 @@ def _session(result: Result) -> pd.DataFrame | None:
         return None
     if study.fingerprint != result.dataset.fingerprint:
         st.warning("These ratings are of another comparison than the one that is open.")
+    elif apart := ratings_links.thresholds_apart(study):
+        _draw_apart(result, apart)
     return ratings_links.store().ratings(study)
 
 
-def digest(given: Given) -> int:
-    """A number that differs where the ratings do."""
-    rows = pd.util.hash_pandas_object(given.ratings, index=False).to_numpy()
-    return hash((given.system, rows.tobytes(), np.shape(rows)))
+def _draw_apart(result: Result, apart: dict[str, tuple[float | None, float | None]]) -> None:
+    """A warning that the clips showed other boxes than saliency is computed from."""
+    told = [
+        f"{'X' if name == result.x.name else 'Y'} {plain(name)}: clips at "
+        f"{_threshold(shown)}, now {_threshold(live)}"
+        for name, (shown, live) in apart.items()
+    ]
+    st.warning(
+        "The clips showed **other boxes than those compared below**: the score thresholds have "
+        f"moved since. {'; '.join(told)}.", icon=":material/warning:",
+    )  # fmt: skip
+    st.button(
+        "Set the thresholds of the clips", key="ratings_thresholds", icon=":material/undo:",
+        on_click=ratings_links.set_thresholds,
+        args=({name: shown for name, (shown, _) in apart.items()},),
+    )  # fmt: skip
+
+
+def _threshold(value: float | None) -> str:
+    return "every detection" if value is None else plain(f"{value:.4g}")
+
+
+READERS: Final = {
+    SIMULATED: _simulated,
+    FILE: _file,
+    TYPED: ratings_typed.typed,
+    SESSION: _session,
+}

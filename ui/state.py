@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any, Final, Literal
 
 import numpy as np
-import pandas as pd
 import streamlit as st
 
 from nvcore.analysis import Result, analyse
@@ -19,9 +18,9 @@ from nvcore.dataset import Dataset
 from nvcore.findings import Finding, worst_first
 from nvcore.loading import compared_systems, effective_params, load
 from nvcore.params import Params
+from nvcore.protocols import Protocol
 from nvcore.session import Session
 from nvcore.session_file import read_session
-from nvcore.significance import significance_table
 from ui.links import changed_parameters, read_parameters, read_place
 from ui.pictures import Picturing, find_pictures
 from ui.session_end import end_with_session, is_in_use
@@ -222,15 +221,19 @@ def _audit(space: Workspace, settings: Params, x: str, y: str | None) -> tuple[F
         return worst_first([*found, *audit_pair(dataset, settings, x=x, y=y)])
 
 
-def evidence() -> pd.DataFrame | None:
-    """Whether the differences are more than chance; None where there is only one system."""
-    found = result()
-    if found is None:
-        return None
+def protocol() -> Protocol:
+    """Which pedestrians count in the detection figures."""
     space = workspace()
-    return space.keep(
-        "evidence", (found.params, found.x.name, found.y.name), lambda: significance_table(found)
-    )
+    assert space.session is not None
+    return space.session.protocol
+
+
+def set_protocol(chosen: Protocol) -> None:
+    """Evaluate detections by this protocol from now on."""
+    space = workspace()
+    assert space.session is not None
+    if space.session.protocol != chosen:
+        space.session = replace(space.session, protocol=chosen)
 
 
 def theme() -> Theme:

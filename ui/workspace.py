@@ -9,7 +9,7 @@ import weakref
 from collections import OrderedDict
 from collections.abc import Callable, Hashable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
@@ -31,6 +31,13 @@ class Compared(NamedTuple):
 
     result: Result
     version: str
+
+
+class Job(Protocol):
+    """Work in the background, of `ui.background_job`."""
+
+    def discard(self) -> None:
+        """Stop, and let nothing be left of it."""
 
 
 _workspaces: weakref.WeakValueDictionary[str, Workspace] = weakref.WeakValueDictionary()
@@ -87,6 +94,7 @@ class Workspace:
         self.upload_bytes: dict[Path, int] = {}
         self.n_received = 0
         self._kept: dict[str, OrderedDict[Hashable, object]] = {}
+        self._jobs: dict[str, Job] = {}
         self._n_changes = 0
         self._remove = weakref.finalize(self, shutil.rmtree, self.folder, ignore_errors=True)
         _workspaces[self.token] = self
@@ -130,8 +138,25 @@ class Workspace:
         """What `keep` holds for this key; None: nothing."""
         return self._kept.get(kind, {}).get(key)
 
+    def job(self, kind: str) -> Any:
+        """The newest job of this kind, also one that has ended; None: there was none."""
+        return self._jobs.get(kind)
+
+    def drop_job(self, kind: str) -> None:
+        """Stop the job of this kind, and let go of it and of what it made."""
+        job = self._jobs.pop(kind, None)
+        if job is not None:
+            job.discard()
+
+    def put_job(self, kind: str, job: Job) -> None:
+        """Hold the job until there is a newer one of its kind, or the workspace forgets."""
+        self.drop_job(kind)
+        self._jobs[kind] = job
+
     def forget(self) -> None:
-        """Let go of what was computed."""
+        """Let go of what was computed, and stop what is being computed."""
+        for kind in list(self._jobs):
+            self.drop_job(kind)
         self.compared = None
         self._kept.clear()
 
@@ -146,9 +171,9 @@ class Workspace:
     def close(self) -> None:
         """Forget everything and remove the folder; the token is unknown from now on."""
         _workspaces.pop(self.token, None)
-        self.close_pictures()
         self.session = self.dataset = None
-        self.forget()
+        self.forget()  # first: nothing should go on to read the pictures
+        self.close_pictures()
         self._remove()
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from nvcore.audit.cases import TRUTH_NAME
 from nvcore.dataset import Dataset
-from nvcore.encounters import find_encounters
+from nvcore.encounters import find_encounters, mostly_one_frame
 from nvcore.findings import Finding, Severity
 from nvcore.frame_lists import nth
 from nvcore.linking import track_truth
@@ -17,8 +17,6 @@ from nvcore.proximity import weigh_proximity
 
 MIN_ENCOUNTERS: Final = 10
 """Fewer near encounters than this say little."""
-SHORT_SHARE: Final = 0.5
-"""Share of the near encounters above which short ones are worth telling."""
 RELEVANT: Final = 0.5
 """Proximity weight from which on a pedestrian is near."""
 
@@ -38,9 +36,10 @@ def audit_encounter_lengths(dataset: Dataset, params: Params) -> list[Finding]:
     encounters = find_encounters(truth, tracks.track, occlusion, frames)
     k = weigh_proximity(truth, ~truth.ignore, frames, params).k
     near = np.unique(encounters.encounter_of[~truth.ignore & (k >= RELEVANT)])
-    n_short = int(np.count_nonzero(encounters.n_frames[near] == 1))
-    if len(near) < MIN_ENCOUNTERS or n_short <= SHORT_SHARE * len(near):
+    n_frames = encounters.n_frames[near]
+    if len(near) < MIN_ENCOUNTERS or not mostly_one_frame(n_frames):
         return []
+    n_short = int(np.count_nonzero(n_frames == 1))
     reasons = []
     step = int(np.median(frames.gap))
     if step > 1:

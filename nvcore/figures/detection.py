@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import chain
 from typing import Any, Final, Literal
 
 import numpy as np
 import plotly.graph_objects as go
 
+from nvcore.curve_summary import CurveSummary
 from nvcore.curves import DetectionCurve
+from nvcore.figures.rate_axis import LogScale, decades, log_scale
 from nvcore.figures.style import (
     DASH,
     LOOK,
@@ -23,17 +25,23 @@ from nvcore.figures.style import (
     steady_marker,
     system_label,
 )
+from nvcore.miss_rate import FPPI_REFERENCES
 from nvcore.palette import Theme
 
 CurveKind = Literal["miss_rate", "precision_recall", "roc", "roc_windows", "f1"]
 
 MAX_POINTS: Final = 600
 """Points of a curve that are drawn and can be clicked, evenly over the axis."""
-FPPI_TICKS: Final = (0.001, 0.01, 0.1, 1.0, 10.0)
+FPPI_RANGE: Final = (0.001, 10.0)
+"""The axis of false positives per image reaches so far at least."""
 RATE_TICKS: Final = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
 MOST_LOW_RATE: Final = 0.1
 """The axis of miss rates reaches down to this at least, so that a flat curve looks flat."""
+UNIT_RANGE: Final = (-0.02, 1.02)
+"""Of axes from 0 to 1: marks at the ends are whole, and labels do not touch."""
+TO_CLICK: Final = "click a curve to set its threshold"
 MARKER_PX: Final = 13
+ZERO_PX: Final = 11
 
 
 @dataclass(frozen=True)
@@ -43,6 +51,7 @@ class _Kind:
     y: str
     x_title: str
     y_title: str
+    hover: str
     x_log: bool = False
     y_log: bool = False
 
@@ -50,22 +59,50 @@ class _Kind:
 KINDS: Final[dict[CurveKind, _Kind]] = {
     "miss_rate": _Kind(
         "Miss rate against false positives", "fppi", "miss_rate", "false positives per image",
-        "miss rate (0 is best)", x_log=True, y_log=True,
+        "miss rate (0 is best)",
+        "miss rate {miss_rate:.3f}, {fppi:.3g} false positives per image<br>"
+        "precision {precision:.3f}", x_log=True, y_log=True,
     ),
     "precision_recall": _Kind(
         "Precision against recall", "recall", "precision", "recall (1 is best)",
         "precision (1 is best)",
+        "recall {recall:.3f}, precision {precision:.3f}<br>{fppi:.3g} false positives per image",
     ),
     "roc": _Kind(
         "Detection rate against false positives", "fppi", "recall", "false positives per image",
-        "detection rate (1 is best)", x_log=True,
+        "detection rate (1 is best)",
+        "detection rate {recall:.3f}, {fppi:.3g} false positives per image<br>"
+        "precision {precision:.3f}", x_log=True,
     ),
     "roc_windows": _Kind(
         "Detection rate against false positives per window", "fppw", "recall",
-        "false positives per window", "detection rate (1 is best)", x_log=True,
+        "false positives per window", "detection rate (1 is best)",
+        "detection rate {recall:.3f}, {fppw:.3g} false positives per window<br>"
+        "{fppi:.3g} false positives per image, precision {precision:.3f}", x_log=True,
     ),
-    "f1": _Kind("F1 against the threshold", "threshold", "f1", "score threshold", "F1 (1 is best)"),
+    "f1": _Kind(
+        "F1 against the threshold", "threshold", "f1", "score threshold", "F1 (1 is best)",
+        "F1 {f1:.3f}<br>recall {recall:.3f}, precision {precision:.3f}<br>"
+        "{fppi:.3g} false positives per image",
+    ),
 }  # fmt: skip
+
+
+def legend_figure(summary: CurveSummary, kind: CurveKind) -> str:
+    """The figure that belongs to a kind of curve, for its legend, with why it is 0."""
+    if summary.why_undefined is not None:
+        return ""
+    if kind == "precision_recall":
+        return f"AP {summary.average_precision_coco:.3f}"
+    if kind == "f1":
+        return "" if np.isnan(summary.best_f1) else f"best {summary.best_f1:.3f}"
+    if kind != "miss_rate":
+        return ""
+    n_zero, n = summary.n_zero_references, len(FPPI_REFERENCES)
+    if not n_zero:
+        return f"LAMR {summary.log_average_miss_rate:.1%}"
+    why = "nobody missed" if n_zero == n else f"0 at {n_zero} of {n} references"
+    return f"LAMR 0% ({why})"
 
 
 def curve_plot(
@@ -76,10 +113,13 @@ def curve_plot(
     theme: Theme,
     summaries: Sequence[str] = ("", ""),
     windows_per_image: float | None = None,
+    hint: str = TO_CLICK,
 ) -> go.Figure:
     """Curves of X and Y; a large mark at the threshold in use.
 
-    A click gives the threshold: `customdata` is the pair of the system's letter and the score.
+    What a logarithmic axis cannot show, such as 0, stands at its edge, where the tick says so; a
+    hollow mark stands where a miss rate gets there. A click gives the threshold: `customdata` is
+    the pair of the system's letter and the score.
 
     Parameters
     ----------
@@ -88,88 +128,144 @@ def curve_plot(
     thresholds
         Thresholds in use of X and Y; None: every detection counts.
     summaries
-        What the legend says behind the names, such as the log-average miss rates.
+        What the legend says behind the names (`legend_figure`).
     windows_per_image
         For false positives per window (`nvcore.windows`).
+    hint
+        Last part of the subtitle.
     """
-    of, look = KINDS[kind], LOOK[theme]
-    lines, marks, clicks = [], [], []
-    for letter, curve, threshold, summary in zip("xy", curves, thresholds, summaries, strict=False):
-        x, y, at = _drawn(curve, of, windows_per_image)
-        name = system_label(letter, curve.system) + (f", {summary}" if summary else "")
-        text = [_text(curve, letter, i) for i in at]
-        lines.append(
-            go.Scatter(
-                x=x, y=y, mode="lines" if curve.is_ranked else "markers", hoverinfo="skip",
-                line={"color": look.of(letter), "width": 2.4, "dash": DASH[letter]},
-                marker={"color": look.of(letter), "symbol": SYMBOL[letter], "size": 9}, name=name,
-            )
-        )  # fmt: skip
-        data = [[letter, float(curve.threshold[i])] for i in at]
-        clicks.append(
+    of = KINDS[kind]
+    why_empty = _why_empty(curves, kind, windows_per_image)
+    if why_empty:
+        return empty_figure(why_empty, theme=theme, height=300)
+    points = [_Points.along(curve, of, windows_per_image) for curve in curves]
+    used = [
+        _Points.at(curve, threshold, of, windows_per_image)
+        for curve, threshold in zip(curves, thresholds, strict=False)
+    ]
+    x_scale, y_scale = _scales(of, [*points, *used])
+    traces: list[list[go.Scatter]] = [[], [], [], []]
+    for i, letter in enumerate("xy"[: len(curves)]):
+        line = points[i].placed(x_scale, y_scale).thinned(is_log=of.x_log)
+        name = ", ".join(filter(None, (
+            system_label(letter, curves[i].system), _why_no_line(curves[i], kind), summaries[i]
+        )))  # fmt: skip
+        traces[0].append(_line(line, letter, name, theme, is_line=curves[i].is_ranked))
+        if y_scale is not None:
+            traces[1] += _first_zero(line, letter, y_scale, theme)
+        traces[2] += _in_use(used[i].placed(x_scale, y_scale), letter, theme, of)
+        traces[3].append(
             click_markers(
-                x=x, y=y, customdata=data, text=text, hovertemplate="%{text}<extra></extra>",
-                name=f"{letter.upper()}, points",
+                x=line.x, y=line.y, customdata=line.clicked(letter), text=line.texts(letter, of),
+                hovertemplate="%{text}<extra></extra>", name=f"{letter.upper()}, points",
             )
         )  # fmt: skip
-        marks += _operating_point(curve, of, threshold, letter, windows_per_image, theme)
-    if not any(len(line.x) for line in lines):
-        return empty_figure(_why_empty(curves, kind), theme=theme, height=300)
     return go.Figure(
-        [*lines, *marks, *clicks],
+        list(chain.from_iterable(traces)),
         layout(
-            theme,
-            title=of.title,
-            subtitle=_extent(curves[0]),
-            height=420,
-            **_axes(of, lines, theme),
+            theme, title=of.title, subtitle=_extent(curves, used, hint), height=420,
+            **_axes(of, x_scale, y_scale, theme),
         ),
-    )
+    )  # fmt: skip
 
 
-def _values(curve: DetectionCurve, name: str, windows: float | None) -> np.ndarray:
-    if name == "fppw":
-        return np.full(len(curve), np.nan) if windows is None else curve.fppw(windows)
-    values: np.ndarray = getattr(curve, name)
-    return values
+@dataclass(frozen=True, eq=False)
+class _Points:
+    """Points of one system that can be drawn: where, and what stands there."""
 
+    x: np.ndarray
+    y: np.ndarray
+    values: Mapping[str, np.ndarray]
 
-def _drawn(
-    curve: DetectionCurve, of: _Kind, windows: float | None
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Both coordinates of the points drawn, and their rows in the curve."""
-    x, y = _values(curve, of.x, windows), _values(curve, of.y, windows)
-    is_drawn = np.isfinite(x) & np.isfinite(y)
-    for values, is_log in ((x, of.x_log), (y, of.y_log)):
-        if is_log:
-            is_drawn &= values > 0
-    rows = np.flatnonzero(is_drawn)
-    if len(rows) > MAX_POINTS:
-        along = np.log(x[rows]) if of.x_log else x[rows]
+    @classmethod
+    def along(cls, curve: DetectionCurve, of: _Kind, windows: float | None) -> _Points:
+        names = ("threshold", "recall", "miss_rate", "precision", "f1", "fppi")
+        values = {name: getattr(curve, name) for name in names}
+        return cls._drawable(values, of, windows)
+
+    @classmethod
+    def at(
+        cls, curve: DetectionCurve, threshold: float | None, of: _Kind, windows: float | None
+    ) -> _Points:
+        point = curve.at(threshold)
+        names = ("threshold", "recall", "miss_rate", "precision", "f1", "fppi")
+        values = {name: np.array([getattr(point, name)]) for name in names}
+        return cls._drawable(values, of, windows)
+
+    @classmethod
+    def _drawable(
+        cls, values: dict[str, np.ndarray], of: _Kind, windows: float | None
+    ) -> _Points:  # fmt: skip
+        values["fppw"] = values["fppi"] / (np.nan if windows is None else windows)
+        points = cls(values[of.x], values[of.y], values)
+        return points.rows(np.flatnonzero(np.isfinite(points.x) & np.isfinite(points.y)))
+
+    def rows(self, rows: np.ndarray) -> _Points:
+        values = {name: column[rows] for name, column in self.values.items()}
+        return _Points(self.x[rows], self.y[rows], values)
+
+    def placed(self, x_scale: LogScale | None, y_scale: LogScale | None) -> _Points:
+        return replace(
+            self,
+            x=self.x if x_scale is None else x_scale.place(self.x),
+            y=self.y if y_scale is None else y_scale.place(self.y),
+        )
+
+    def thinned(self, *, is_log: bool) -> _Points:
+        """At most `MAX_POINTS` and the first."""
+        if len(self.x) <= MAX_POINTS:
+            return self
+        along = np.log(self.x) if is_log else self.x
         span = np.ptp(along) or 1.0
         column = np.floor((along - along.min()) / span * (MAX_POINTS - 2)).astype(np.int64)
         is_last = np.concatenate([column[1:] != column[:-1], [True]])
         is_last[0] = True
-        rows = rows[is_last]
-    return x[rows], y[rows], rows
+        return self.rows(np.flatnonzero(is_last))
+
+    def texts(self, letter: str, of: _Kind) -> list[str]:
+        texts = []
+        for i, threshold in enumerate(self.values["threshold"]):
+            score = f"score ≥ {threshold:.4g}" if np.isfinite(threshold) else "without scores"
+            here = {name: float(column[i]) for name, column in self.values.items()}
+            texts.append(f"{letter.upper()}, {score}<br>{of.hover.format(**here)}")
+        return texts
+
+    def clicked(self, letter: str) -> list[list[str | float | None]]:
+        """The system and its score, None where there is none to set."""
+        scores = self.values["threshold"]
+        return [[letter, float(one) if np.isfinite(one) else None] for one in scores]
 
 
-def _operating_point(
-    curve: DetectionCurve,
-    of: _Kind,
-    threshold: float | None,
-    letter: str,
-    windows: float | None,
-    theme: Theme,
-) -> list[go.Scatter]:
-    """A large mark at the threshold in use; none where the axes cannot show it."""
-    limit = -np.inf if threshold is None else threshold
-    row = int(np.searchsorted(-curve.threshold, -limit, side="right")) - 1
-    if row < 0:
-        return []
-    x, y = _values(curve, of.x, windows)[row], _values(curve, of.y, windows)[row]
-    if not (np.isfinite(x) and np.isfinite(y)) or (of.x_log and x <= 0) or (of.y_log and y <= 0):
-        return []
+def _line(points: _Points, letter: str, name: str, theme: Theme, *, is_line: bool) -> go.Scatter:
+    color = LOOK[theme].of(letter)
+    # a line of a single point cannot be seen, and nothing at all would not be in the legend
+    is_line = is_line and len(points.x) > 1
+    return go.Scatter(
+        x=points.x if len(points.x) else [None], y=points.y if len(points.x) else [None],
+        mode="lines" if is_line else "markers", hoverinfo="skip", name=name, showlegend=True,
+        line={"color": color, "width": 2.4, "dash": DASH[letter]},
+        marker={"color": color, "symbol": SYMBOL[letter], "size": 9}, cliponaxis=False,
+    )  # fmt: skip
+
+
+def _first_zero(points: _Points, letter: str, scale: LogScale, theme: Theme) -> list[go.Scatter]:
+    """A hollow mark where a curve gets to the lower edge."""
+    there = np.flatnonzero(points.y == scale.edge)[:1]
+    marker = steady_marker(
+        color=LOOK[theme].of(letter), size=ZERO_PX, symbol=f"{SYMBOL[letter]}-open",
+        line={"width": 2},
+    )  # fmt: skip
+    return [
+        go.Scatter(
+            x=points.x[there], y=points.y[there], mode="markers", showlegend=False,
+            hoverinfo="skip", cliponaxis=False, name=f"{letter.upper()} at the edge", **marker,
+        )
+        for _ in there
+    ]  # fmt: skip
+
+
+def _in_use(points: _Points, letter: str, theme: Theme, of: _Kind) -> list[go.Scatter]:
+    """A large mark at the threshold in use; none where a figure is undefined."""
     look = LOOK[theme]
     marker = steady_marker(
         color=look.of(letter), size=MARKER_PX, symbol=SYMBOL[letter],
@@ -177,57 +273,84 @@ def _operating_point(
     )  # fmt: skip
     return [
         go.Scatter(
-            x=[x], y=[y], mode="markers", name=f"{letter.upper()} as set", showlegend=False,
-            text=[_text(curve, letter, row)], hovertemplate="in use: %{text}<extra></extra>",
-            customdata=[[letter, float(curve.threshold[row])]], **marker,
+            x=points.x, y=points.y, mode="markers", name=f"{letter.upper()} as set",
+            showlegend=False, text=points.texts(letter, of), cliponaxis=False,
+            hovertemplate="in use: %{text}<extra></extra>", customdata=points.clicked(letter),
+            **marker,
         )
+        for _ in points.x
     ]  # fmt: skip
 
 
-def _text(curve: DetectionCurve, letter: str, row: int) -> str:
-    # of this point only: the curve's own properties are arrays of all its points
-    tp, fp = int(curve.tp[row]), int(curve.fp[row])
-    precision = tp / (tp + fp) if tp + fp else float("nan")
-    recall, fppi = tp / max(curve.n_truth, 1), fp / max(curve.n_images, 1)
-    return (
-        f"{letter.upper()}, score ≥ {curve.threshold[row]:.4g}<br>recall {recall:.3f}, precision "
-        f"{precision:.3f}<br>{fppi:.3g} false positives per image"
+def _extent(curves: Sequence[DetectionCurve], used: Sequence[_Points], hint: str) -> str:
+    counted = (
+        f"{count_text(curves[0].n_truth, 'pedestrian')} in "
+        f"{count_text(curves[0].n_images, 'image')}"
     )
+    letters = [letter for letter, one in zip("XY", used, strict=False) if len(one.x)]
+    parts = [counted]
+    if letters:
+        which = "thresholds" if len(letters) > 1 else f"threshold of {letters[0]}"
+        parts.append(f"large mark{'s' * (len(letters) > 1)}: {which} in use")
+    if hint != TO_CLICK or any(np.isfinite(curve.threshold).any() for curve in curves):
+        parts.append(hint)
+    return "; ".join(parts)
 
 
-def _extent(curve: DetectionCurve) -> str:
-    return (
-        f"{count_text(curve.n_truth, 'pedestrian')} in {count_text(curve.n_images, 'image')}; "
-        "large marks: thresholds in use; click a curve to set its threshold"
-    )
+def _why_no_line(curve: DetectionCurve, kind: CurveKind) -> str:
+    """For the legend, where a system has no curve."""
+    if not len(curve):
+        return "no detections"
+    if curve.is_ranked:
+        return ""
+    if len(curve) > 1:
+        return "points: some scores are missing"
+    return f"no scores: F1 {curve.f1[0]:.3f}" if kind == "f1" else "no scores: a point"
 
 
-def _why_empty(curves: Sequence[DetectionCurve], kind: CurveKind) -> str:
-    if kind == "roc_windows":
-        return "Give the number of windows per image to see false positives per window."
+def _why_empty(
+    curves: Sequence[DetectionCurve], kind: CurveKind, windows: float | None
+) -> str:  # fmt: skip
     if not curves or not curves[0].n_truth:
         return "No pedestrian counts under this protocol."
-    return "There are no detections to draw, or none of them is a false positive."
+    if kind == "roc_windows" and windows is None:
+        return "Without a number of windows per image there are no false positives per window."
+    if not any(len(curve) for curve in curves):
+        return "There are no detections to draw."
+    if kind == "f1" and not any(np.isfinite(curve.threshold).any() for curve in curves):
+        return "There are no scores, so there is no threshold to change F1."
+    return ""
 
 
-def _axes(of: _Kind, lines: Sequence[go.Scatter], theme: Theme) -> dict[str, Any]:
-    x: dict[str, Any] = axis(theme, of.x_title)
-    y: dict[str, Any] = axis(theme, of.y_title) | {"range": [0, 1.02]}
-    if of.x == "recall":
-        x |= {"range": [0, 1.02]}
-    elif of.x == "fppi":
-        x |= _log_axis(FPPI_TICKS, FPPI_TICKS[0], FPPI_TICKS[-1])
-    elif of.x_log:
-        x |= {"type": "log", "exponentformat": "e", "dtick": 1}
+def _scales(of: _Kind, points: Sequence[_Points]) -> tuple[LogScale | None, LogScale | None]:
+    """Of both axes; None: linear."""
+    x, y = (np.concatenate([getattr(one, name) for one in points]) for name in "xy")
+    x_scale = y_scale = None
+    if of.x_log:
+        least, most = FPPI_RANGE
+        if of.x == "fppi":
+            most = max(most, x.max(initial=most))
+        else:
+            least = x.min(initial=np.inf, where=x > 0)
+            most = x.max(initial=0.0)
+            least, most = (least, most) if most > 0 else (1e-6, 1e-3)
+        ticks = decades(least, most)
+        x_scale = log_scale(x, ticks, ticks[-1])
     if of.y_log:
-        least = min((line.y.min() for line in lines if len(line.y)), default=RATE_TICKS[0])
-        below = [tick for tick in RATE_TICKS if tick <= least] or [RATE_TICKS[0]]
-        y |= _log_axis(RATE_TICKS, min(below[-1], MOST_LOW_RATE), 1.05)
+        least = min(y.min(initial=1.0, where=y > 0), MOST_LOW_RATE)
+        lowest = max((tick for tick in RATE_TICKS if tick <= least), default=RATE_TICKS[0])
+        y_scale = log_scale(y, [tick for tick in RATE_TICKS if tick >= lowest], 1.05)
+    return x_scale, y_scale
+
+
+def _axes(
+    of: _Kind, x_scale: LogScale | None, y_scale: LogScale | None, theme: Theme
+) -> dict[str, Any]:
+    x: dict[str, Any] = axis(theme, of.x_title)
+    y: dict[str, Any] = axis(theme, of.y_title)
+    if x_scale is not None:
+        x |= x_scale.axis()
+    elif of.x == "recall":
+        x |= {"range": UNIT_RANGE}
+    y |= {"range": UNIT_RANGE} if y_scale is None else y_scale.axis()
     return {"xaxis": x, "yaxis": y}
-
-
-def _log_axis(ticks: Sequence[float], low: float, high: float) -> dict[str, Any]:
-    return {
-        "type": "log", "range": [math.log10(low), math.log10(high)], "tickvals": list(ticks),
-        "ticktext": [f"{tick:g}" for tick in ticks],
-    }  # fmt: skip

@@ -29,7 +29,7 @@ CLASS_WORDS: Final = {
     MissClass.LATE: "late",
     MissClass.DROPOUT: "dropout",
     MissClass.LOST_EARLY: "lost early",
-    MissClass.BRIEF: "too brief",
+    MissClass.BRIEF: "brief",
     MissClass.NONE: "no failure",
 }
 NONE_LEFT: Final = "No encounter is left: widen the filters."

@@ -1,8 +1,9 @@
-"""Who detects more in each part of the encounters: differences with their intervals."""
+"""A figure for each part of the encounters: differences with their intervals."""
 
 from __future__ import annotations
 
 from collections.abc import Hashable
+from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
@@ -21,21 +22,46 @@ FACTOR_WORDS: Final = {
 }  # fmt: skip
 
 
+@dataclass(frozen=True)
+class _Scale:
+    """How a figure is written: times `factor`, in `unit`; an axis is at least `least` wide."""
+
+    factor: float
+    unit: str
+    form: str
+    least: float
+
+
+_SHARE: Final = _Scale(100.0, " in percentage points", ".0%", 1.0)
+SCALES: Final = {
+    "encounters_detected": _SHARE,
+    "encounters_detected_by_unit": _SHARE,
+    "mean_similarity": _Scale(1.0, "", ".3f", 0.01),
+    "share_low": _Scale(100.0, " in percentage points", ".1%", 1.0),
+    "saliency": _Scale(1.0, " in seconds", ".2f", 0.1),
+    "false_alert_episodes_per_hour": _Scale(1.0, " in episodes per hour", ",.0f", 1.0),
+    "log_average_miss_rate": _Scale(100.0, " in percentage points", ".1%", 1.0),
+}
+
+
 def subgroup_forest(subgroups: pd.DataFrame, *, theme: Theme) -> go.Figure:
-    """Difference in the share of encounters detected, X - Y, with its 95 % interval, by group.
+    """Difference X - Y of one figure with its 95 % interval, by group; undefined ones left out.
 
     Parameters
     ----------
     subgroups
-        `nvcore.subgroups.subgroup_table`.
+        `nvcore.subgroup_figures.subgroup_table` of one figure.
     """
-    table = subgroups.head(MOST_GROUPS)
-    if table.empty or not np.isfinite(table["difference"]).any():
-        return empty_figure("There is no encounter near enough to count.", theme=theme)
+    is_defined = np.isfinite(subgroups["difference"].to_numpy(dtype=float))
+    table = subgroups[is_defined].head(MOST_GROUPS)
+    if table.empty:
+        return empty_figure("There is no group in which this figure is defined.", theme=theme)
+    figure_key, label, better, unit = table[["figure", "label", "better", "unit"]].iloc[0]
+    scale = SCALES[figure_key]
     look = LOOK[theme]
     place = np.arange(len(table), dtype=float)
     difference, low, high = (
-        100 * table[name].to_numpy(dtype=float) for name in ("difference", "low", "high")
+        scale.factor * table[name].to_numpy(dtype=float) for name in ("difference", "low", "high")
     )
     has_interval = np.isfinite(low) & np.isfinite(high)
     text = [_text(row) for row in table.to_dict("records")]
@@ -45,7 +71,8 @@ def subgroup_forest(subgroups: pd.DataFrame, *, theme: Theme) -> go.Figure:
         mode="lines", line={"color": look.muted, "width": 2}, hoverinfo="skip", showlegend=False,
         name="95 % interval",
     )  # fmt: skip
-    leaning = np.where(difference > 0, look.x, np.where(difference < 0, look.y, look.muted))
+    gain = difference if better == "higher" else -difference
+    leaning = np.where(gain > 0, look.x, np.where(gain < 0, look.y, look.muted))
     points = go.Scatter(
         x=difference, y=place, mode="markers", text=text, hovertemplate="%{text}<extra></extra>",
         showlegend=False, name="difference",
@@ -58,19 +85,24 @@ def subgroup_forest(subgroups: pd.DataFrame, *, theme: Theme) -> go.Figure:
         for row in table.to_dict("records")
     ]  # fmt: skip
     counts = [
-        f"{row['n']:,}: X {row['x']:.0%}, Y {row['y']:.0%}" for row in table.to_dict("records")
+        f"{row['n']:,}: X {row['x']:{scale.form}}, Y {row['y']:{scale.form}}{_corrected(row)}"
+        for row in table.to_dict("records")
     ]
+    n_most = count_text(int(table["n"].max()), unit.removesuffix("s"))
+    title = plain(label[0].upper() + label[1:], max_length=80)
+    near = " near enough to count" if unit == "encounters" else ""
+    side = "right" if better == "higher" else "left"
     figure = go.Figure(
         [intervals, points],
         layout(
-            theme, title="Encounters detected, X less Y, by group",
-            subtitle=f"{count_text(int(table['n'].iloc[0]), 'encounter')} near enough to count; "
-            "larger squares: more encounters; open: too few for an interval",
+            theme, title=f"{title}: X less Y, by group",
+            subtitle=f"{n_most}{near}; larger squares: more {unit}; open: too few for an "
+            "interval; p: for all groups together",
             height=130 + ROW_PX * len(table), showlegend=False,
-            margin={"l": 190, "r": 150, "t": 64, "b": 48},
+            margin={"l": 190, "r": 230, "t": 64, "b": 48},
             xaxis=axis(
-                theme, "difference in percentage points (right: X detects more)",
-                range=_range(difference, low, high),
+                theme, f"difference{scale.unit} ({side}: X is better)",
+                range=_range(difference, low, high, least=scale.least),
             ),
             yaxis=axis(theme)
             | {"tickvals": place.tolist(), "ticktext": labels, "showgrid": False,
@@ -86,24 +118,34 @@ def subgroup_forest(subgroups: pd.DataFrame, *, theme: Theme) -> go.Figure:
     return figure
 
 
-def _range(difference: np.ndarray, low: np.ndarray, high: np.ndarray) -> list[float]:
+def _range(
+    difference: np.ndarray, low: np.ndarray, high: np.ndarray, *, least: float
+) -> list[float]:
     """Ends of the axis, with room beside every interval."""
     values = np.concatenate([difference, low, high, [0.0]])
-    least, most = float(np.nanmin(values)), float(np.nanmax(values))
-    room = 0.05 * max(most - least, 1.0)
-    return [least - room, most + room]
+    start, end = float(np.nanmin(values)), float(np.nanmax(values))
+    room = 0.05 * max(end - start, least)
+    return [start - room, end + room]
+
+
+def _corrected(row: dict[Hashable, Any]) -> str:
+    """The p-value that allows for all groups; of all encounters the only one."""
+    p = float(row["p"] if row["factor"] == ALL else row["p_holm"])
+    return f"; p {p:.2g}" if np.isfinite(p) else ""
 
 
 def _text(row: dict[Hashable, Any]) -> str:
     """What pointing at a group says."""
     parts = [
-        f"{row['n']:,} encounters: both {row['both']}, only X {row['x_only']}, only Y "
-        f"{row['y_only']}, neither {row['neither']}"
+        f"encounters detected by both {row['both']:,}, only X {row['x_only']:,}, only Y "
+        f"{row['y_only']:,}, neither {row['neither']:,}"
     ]
+    if row["unit"] != "encounters":
+        parts.insert(0, f"{row['n']:,} {row['unit']}")
     p = float(row["p"])
     if np.isfinite(p):
         holm = float(row["p_holm"])
         parts.append(f"p = {p:.2g}" + (f", {holm:.2g} for all groups" if np.isfinite(holm) else ""))
     if row["note"]:
-        parts.append(str(row["note"]).replace("; ", "<br>"))
+        parts += [plain(note, max_length=200) for note in row["note"].split("; ")]
     return "<br>".join(parts)

@@ -42,7 +42,7 @@ def paired_points(
 ) -> go.Figure:
     """X and Y joined by a line for each recording; `customdata` is the recording's row.
 
-    Sorted by X less Y, so that those on top are the ones where X is better.
+    The more X is better, the higher a recording stands; the subtitle says in how many it is.
 
     Parameters
     ----------
@@ -101,8 +101,9 @@ def paired_points(
     said = count_text(len(known), "recording")
     if len(known) > len(chosen):
         said += f", the {len(chosen)} with the largest differences drawn"
-    if len(chosen) > 1:
-        said += "; on top those where X is better"
+    if len(known) > 1:
+        n_x, n_y = int((gain[known] > 0).sum()), int((gain[known] < 0).sum())
+        said += f"; X is better in {n_x:,}, Y in {n_y:,}; the better X, the higher up"
     return go.Figure(
         traces,
         layout(

@@ -108,6 +108,7 @@ def participants_plot(agreement: Agreement, *, theme: Theme) -> go.Figure:
     symbol = np.where(shown["is_outlier"], "x", "circle")
     labels = [plain(name, max_length=24) for name in shown["participant"]]
     n_odd = int(known["is_outlier"].sum())
+    odd = f"; {n_odd or 'none'} going another way (marked x)" if agreement.knows_outliers else ""
     trace = go.Scatter(
         x=shown["agreement"], y=np.arange(len(shown)), mode="markers", hoverinfo="skip",
         showlegend=False, marker={"color": colour, "symbol": symbol, "size": 10},
@@ -118,8 +119,7 @@ def participants_plot(agreement: Agreement, *, theme: Theme) -> go.Figure:
         layout(
             theme,
             title="Agreement of each participant with the others",
-            subtitle=f"{count_text(len(known), 'participant')}; "
-            f"{n_odd or 'none'} going another way (marked x)",
+            subtitle=f"{count_text(len(known), 'participant')}{odd}",
             height=130 + ROW_PX * max(len(shown), 4), showlegend=False,
             xaxis=axis(theme, "correlation with the mean rank of the others")
             | {"range": [min(-0.1, float(shown["agreement"].min()) - 0.05), 1.03]},

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import chain, product
 from typing import Any, Final
 
 import numpy as np
 import plotly.graph_objects as go
-from scipy.ndimage import distance_transform_edt
+from scipy.ndimage import binary_dilation, binary_erosion, distance_transform_edt
 
 from nvcore.figures.style import (
     LOOK,
@@ -20,7 +22,15 @@ from nvcore.figures.style import (
 from nvcore.palette import Theme
 from nvcore.stability import StabilityMap
 from nvcore.stability_axes import Axis
-from nvcore.stability_words import QUANTITY, UNDEFINED, settings_text, winner_text
+from nvcore.stability_turns import outer
+from nvcore.stability_words import (
+    CRITERIA,
+    QUANTITY,
+    UNDEFINED,
+    settings_text,
+    share_text,
+    winner_text,
+)
 
 MAP_PX: Final = 460
 LINE_PX: Final = 320
@@ -28,8 +38,11 @@ LEAST_SHARE: Final = 0.02
 """Share of the cells that a region must have to be named in the map."""
 DEEP: Final = 0.7
 """Share of a region's greatest depth from which its name may stand there."""
-MARKER_ROOM: Final = 0.2
-"""Names keep this far from markers, in half widths of the map."""
+INSIDE_PX: Final = (620, 300)
+"""About the width and height of the map itself."""
+NAME_PX: Final = (74, 26)
+"""About the width and height of a region's name."""
+EQUAL_ALARMS: Final = "equal false alarms per frame"
 SYMBOLS: Final = {"as analysed": "circle", "nearest that overturns it": "x"}
 ROOM: Final = 0.08
 """Room above and below a line, as a share of its largest difference."""
@@ -54,24 +67,27 @@ def stability_map(stability: StabilityMap, *, theme: Theme) -> go.Figure:
 def _title(stability: StabilityMap) -> dict[str, Any]:
     subtitle = count_text(stability.difference.size, "setting")
     if np.isfinite(stability.share_held):
-        share = stability.share_held
-        percent = f"{100 * share:.0f}" if share in (0, 1) else f"{min(max(100 * share, 1), 99):.0f}"
-        subtitle += f"; the present verdict holds in {percent} % of the plausible range (dotted)"
-    names = " and ".join(one.title for one in stability.axes)
-    return {"title": f"Verdict by {names}", "subtitle": subtitle}
+        share = share_text(stability.share_held)
+        subtitle += f"; the present verdict holds in {share} of the plausible range (dotted)"
+    return {
+        "title": f"Who is better by {CRITERIA[stability.criterion]}", "subtitle": subtitle,
+    }  # fmt: skip
 
 
 def _axis_title(one: Axis) -> str:
-    return f"{one.title} ({one.unit})" if one.unit else one.title
+    if not one.unit:
+        return one.label
+    return f"{one.label.removesuffix(')')}, {one.unit})"
 
 
 def _texts(stability: StabilityMap) -> list[str]:
     """What stands at each cell, in flat order."""
-    parts = zip(stability.winner.ravel(), stability.difference.ravel(), strict=True)
+    places = product(*(one.values.tolist() for one in stability.axes))
+    parts = zip(places, stability.winner.ravel(), stability.difference.ravel(), strict=True)
     return [
-        f"{settings_text(stability, cell) or 'any setting'}<br>"
+        f"{settings_text(stability, at) or 'any setting'}<br>"
         + winner_text(stability.criterion, winner, difference)
-        for cell, (winner, difference) in enumerate(parts)
+        for at, winner, difference in parts
     ]
 
 
@@ -95,6 +111,14 @@ def _heat(stability: StabilityMap, theme: Theme) -> go.Figure:
     ]  # fmt: skip
     if not (across.labels or up.labels):
         traces.append(_turning_line(stability, look.ink))
+    if len(_equal_alarms(stability)):
+        x, y = _equal_alarms(stability).T
+        traces.append(
+            go.Scatter(
+                x=x, y=y, mode="lines", name=EQUAL_ALARMS, hoverinfo="skip",
+                line={"width": 2.2, "color": look.ink, "dash": "dash"},
+            )
+        )  # fmt: skip
     cell_x, cell_y = np.meshgrid(across.values, up.values, indexing="ij")
     traces.append(
         click_markers(
@@ -103,7 +127,7 @@ def _heat(stability: StabilityMap, theme: Theme) -> go.Figure:
             hovertemplate="%{text}<extra></extra>",
         )
     )  # fmt: skip
-    traces += _places(stability, cell_x.ravel(), cell_y.ravel(), theme)
+    traces += _places(stability, theme)
     figure = go.Figure(
         traces,
         layout(
@@ -116,10 +140,30 @@ def _heat(stability: StabilityMap, theme: Theme) -> go.Figure:
     return figure
 
 
+def _equal_alarms(stability: StabilityMap) -> np.ndarray:
+    """Pairs of thresholds within the map; float64, shape (n, 2), n 0 if there are none."""
+    line = stability.equal_alarms
+    if line is None:
+        return np.empty((0, 2))
+    pairs = np.column_stack([line.threshold_x, line.threshold_y])
+    ends = np.array([[one.values[0], one.values[-1]] for one in stability.axes])
+    within: np.ndarray = pairs[((pairs >= ends[:, 0]) & (pairs <= ends[:, 1])).all(axis=1)]
+    return within
+
+
 def _map_axis(one: Axis, theme: Theme) -> dict[str, Any]:
-    more: dict[str, Any] = {"showgrid": False, "fixedrange": True}
+    # ticks that cannot be seen keep the numbers of the two axes apart in the corner
+    more: dict[str, Any] = {
+        "showgrid": False, "fixedrange": True, "automargin": True,
+        "ticks": "outside", "ticklen": 8, "tickcolor": "rgba(0,0,0,0)",
+    }  # fmt: skip
+    before, after = ((one.values[i + 1] - one.values[i]) / 2 for i in (0, -2))
+    more["range"] = [one.values[0] - before, one.values[-1] + after]  # the outermost cells
     if one.labels:
-        more |= {"tickvals": one.values, "ticktext": list(one.labels)}
+        more |= {
+            "tickvals": one.values,
+            "ticktext": [word.replace(" ", "<br>", 1) for word in one.words],
+        }
     return axis(theme, _axis_title(one), **more)
 
 
@@ -137,26 +181,43 @@ def _turning_line(stability: StabilityMap, colour: str) -> go.Contour:
     )  # fmt: skip
 
 
-def _places(
-    stability: StabilityMap, cell_x: np.ndarray, cell_y: np.ndarray, theme: Theme
-) -> list[go.Scatter]:
-    """The analysed setting, and the nearest one that overturns the verdict."""
+def _places(stability: StabilityMap, theme: Theme) -> list[go.Scatter]:
+    """The analysed setting, and the nearest one that overturns the verdict.
+
+    Where each recording has its own, the analysed ones are a line from the least to the greatest.
+    """
     look = LOOK[theme]
-    return [
-        go.Scatter(
-            x=[cell_x[cell]], y=[cell_y[cell]], mode="markers", name=name, hoverinfo="skip",
-            marker={"symbol": SYMBOLS[name], "size": 12, "color": look.ink,
-                    "line": {"width": 2, "color": look.surface}}, cliponaxis=False,
-        )
-        for name, cell in _marked(stability).items()
-    ]  # fmt: skip
+    traces = []
+    for name, points in _marked(stability).items():
+        x, y = (list(one) for one in zip(*points, strict=True))
+        traces.append(
+            go.Scatter(
+                x=x, y=y, mode="markers+lines" if len(x) > 1 else "markers", name=name,
+                hoverinfo="skip", line={"width": 3, "color": look.ink},
+                marker={"symbol": SYMBOLS[name], "size": 12, "color": look.ink,
+                        "line": {"width": 2, "color": look.surface}}, cliponaxis=False,
+            )
+        )  # fmt: skip
+    return traces
 
 
-def _marked(stability: StabilityMap) -> dict[str, int]:
-    """Cells that are marked, by what they are called."""
-    overturn = stability.overturn
-    cells = (stability.present_cell, None if overturn is None else overturn.cell)
-    return {name: cell for name, cell in zip(SYMBOLS, cells, strict=True) if cell is not None}
+def _marked(stability: StabilityMap) -> dict[str, list[tuple[float, float]]]:
+    """Points in the figure that are marked, by what they are called."""
+    marked = {}
+    ends = list(dict.fromkeys(zip(*(one.present for one in stability.axes), strict=True)))
+    places: list[tuple[tuple[float, ...], float]] = [
+        (at, stability.present_difference) for at in ends
+    ]
+    if np.isfinite(stability.present_difference):
+        marked["as analysed"] = [_point(at, height) for at, height in places]
+    if (overturn := stability.overturn) is not None:
+        marked["nearest that overturns it"] = [_point(overturn.at, overturn.difference)]
+    return marked
+
+
+def _point(at: tuple[float, ...], difference: float) -> tuple[float, float]:
+    """On a map both settings; on a curve the setting and its difference."""
+    return (at[0], at[1] if len(at) > 1 else difference)
 
 
 def _plausible_frame(figure: go.Figure, stability: StabilityMap, theme: Theme) -> None:
@@ -168,7 +229,7 @@ def _plausible_frame(figure: go.Figure, stability: StabilityMap, theme: Theme) -
         sides |= {"yref": "paper", "y0": 0, "y1": 1}
     figure.add_shape(
         type="rect", name="plausible range", layer="above",
-        line={"color": LOOK[theme].muted, "width": 1.4, "dash": "dot"}, **sides,
+        line={"color": LOOK[theme].ink, "width": 1.4, "dash": "dot"}, **sides,
     )  # fmt: skip
 
 
@@ -179,20 +240,48 @@ def _name_regions(figure: go.Figure, stability: StabilityMap, theme: Theme) -> N
     shape = stability.winner.shape
     place = np.stack(np.meshgrid(*(np.linspace(-1, 1, n) for n in shape), indexing="ij"), axis=-1)
     awkward = np.hypot(place[..., 0], place[..., 1])
-    for cell in _marked(stability).values():  # a marker stays visible
-        apart = np.abs(place - place.reshape(-1, 2)[cell]).max(axis=-1)
-        awkward = awkward + 10 * (apart < MARKER_ROOM)
+    # odd: a name stands around the middle of a cell
+    size = [
+        2 * round(name * n / inside / 2) + 1
+        for name, inside, n in zip(NAME_PX, INSIDE_PX, shape, strict=True)
+    ]
+    for obstacle, weight in _obstacles(stability):
+        awkward = awkward + weight * binary_dilation(obstacle, np.ones(size))
     for winner, said in (("x", "X better"), ("y", "Y better"), ("even", "even")):
         is_inside = stability.winner == winner
         if is_inside.mean() < LEAST_SHARE:
             continue
+        has_room = binary_erosion(is_inside, np.ones(size))
+        if winner == "even" and not has_room.any():
+            continue  # a narrow stripe between lines
         depth = distance_transform_edt(np.pad(is_inside, 1))[1:-1, 1:-1]
-        widest = np.where(depth >= DEEP * depth.max(), awkward, np.inf)
+        is_deep = has_room if has_room.any() else depth >= DEEP * depth.max()
+        widest = np.where(is_deep, awkward - depth / max(shape), np.inf)
         i, j = np.unravel_index(int(np.argmin(widest)), depth.shape)
         figure.add_annotation(
             x=float(across.values[i]), y=float(up.values[j]), text=said, showarrow=False,
             font={"size": 13, "color": look.ink}, bgcolor=faded(look.surface, 0.75),
         )  # fmt: skip
+
+
+def _obstacles(stability: StabilityMap) -> list[tuple[np.ndarray, float]]:
+    """Cells that a name should not hide, bool of the map's shape, with how much it should not.
+
+    Markers and the line of equal false alarms; the frame of the plausible range.
+    """
+    drawn = np.zeros(stability.winner.shape, dtype=bool)
+    for point in chain(*_marked(stability).values(), _equal_alarms(stability).tolist()):
+        drawn[_cell_at(stability, point)] = True
+    framed = outer([one.is_plausible(one.values) for one in stability.axes], np.logical_and)
+    return [(drawn, 10.0), (framed & ~binary_erosion(framed), 5.0)]
+
+
+def _cell_at(stability: StabilityMap, point: Sequence[float]) -> tuple[int, ...]:
+    """The cell nearest to a place in the figure."""
+    return tuple(
+        int(np.argmin(np.abs(one.values - value)))
+        for one, value in zip(stability.axes, point, strict=True)
+    )
 
 
 def _line(stability: StabilityMap, theme: Theme) -> go.Figure:
@@ -230,7 +319,7 @@ def _line(stability: StabilityMap, theme: Theme) -> go.Figure:
             hovertemplate="%{text}<extra></extra>",
         )
     )
-    traces += _places(stability, one.values, values, theme)
+    traces += _places(stability, theme)
     edge = (1 + ROOM) * most
     figure = go.Figure(
         traces,

@@ -26,11 +26,10 @@ from nvcore.findings import Finding
 from nvcore.html_report.blocks import Chart
 from nvcore.html_report.charts import figure_json, packed_plotly
 from nvcore.html_report.content import Content, Progress, report_content
-from nvcore.html_report.frames import RecordingPictures, session_pictures
-from nvcore.protocols import PROTOCOLS, Protocol
+from nvcore.html_report.frames import RecordingPictures, decisive_moments, session_pictures
 from nvcore.session import Session
 
-__all__ = ["RecordingPictures", "render", "session_pictures", "write_html_report"]
+__all__ = ["RecordingPictures", "css_text", "render", "session_pictures", "write_html_report"]
 
 FOLDER: Final = Path(__file__).parent
 LONG_WORD: Final = 24
@@ -44,7 +43,6 @@ def write_html_report(
     path: Path,
     *,
     pictures: RecordingPictures | None = None,
-    protocol: Protocol = PROTOCOLS["all"],
     stability: bool | None = None,
     progress: Progress | None = None,
 ) -> bool:
@@ -53,13 +51,12 @@ def write_html_report(
     Parameters
     ----------
     session
-        Names the recordings' pictures.
+        Names the recordings' pictures, and the protocol of the detection figures.
     findings
         Of the audit of the same inputs.
     pictures
-        Open already; None: those that the session names are opened, and closed again.
-    protocol
-        Which pedestrians count in the detection figures.
+        Open already; None: those that the session names and that are shown are opened, and closed
+        again.
     stability
         Whether to compute the stability map; None: for up to 20,000 frames.
     progress
@@ -74,11 +71,12 @@ def write_html_report(
     InputError
         If the file cannot be written.
     """
-    own = session_pictures(session, result.dataset) if pictures is None else None
+    own = _needed_pictures(result, session) if pictures is None else None
     try:
         content = report_content(
-            result, findings, pictures=own or pictures or RecordingPictures(), protocol=protocol,
-            stability=stability, progress=progress or (lambda _share, _what: True),
+            result, findings, pictures=own or pictures or RecordingPictures(),
+            protocol=session.protocol, stability=stability,
+            progress=progress or (lambda _share, _what: True),
         )  # fmt: skip
     except CancelledError:
         return False
@@ -94,6 +92,13 @@ def write_html_report(
     if progress is not None:
         progress(1.0, "done")
     return True
+
+
+def _needed_pictures(result: Result, session: Session) -> RecordingPictures:
+    """Those of the recordings that are shown: opening a video takes time."""
+    recording = result.dataset.frame_columns.recording
+    shown = {int(recording[one.row]) for one in decisive_moments(result)}
+    return session_pictures(session, result.dataset, shown)
 
 
 def render(content: Content) -> str:
@@ -112,7 +117,18 @@ def render(content: Content) -> str:
     return environment.get_template("page.html").render(
         content=content, charts=charts, plotly=packed_plotly(), nonce=nonce, config=CHART_CONFIG,
         base64=lambda picture: base64.b64encode(picture).decode(), is_long=_is_long,
+        css_text=css_text,
     )  # fmt: skip
+
+
+def css_text(text: str, most: int) -> Markup:
+    """A text as a string of CSS that can end neither it nor the style, cut to `most` signs."""
+    shown = text if len(text) <= most else f"{text[: most - 1]}…"
+    signs = (
+        sign if sign == " " or (sign.isascii() and sign.isalnum()) else f"\\{ord(sign):x} "
+        for sign in shown
+    )
+    return Markup(f'"{"".join(signs)}"')  # noqa: S704  # nothing but letters, digits, escapes
 
 
 def _is_long(cell: str) -> bool:

@@ -12,6 +12,9 @@ from nvcore.errors import one_line
 
 MAX_ROWS = 200
 """Rows of a table that are shown."""
+MAX_CELL = 400
+MAX_NOTE = 3000
+"""Signs of a cell, and of what stands below a table; the rest is cut off with an ellipsis."""
 
 
 @dataclass(frozen=True)
@@ -111,6 +114,10 @@ class Photo:
         Similarity of both systems.
     jpeg
         The picture.
+    is_wide
+        Whether it takes a row of its own.
+    why_blank
+        Why the boxes are on an empty ground; empty: they are on the picture.
     """
 
     title: str
@@ -118,6 +125,8 @@ class Photo:
     text: str
     figures: str
     jpeg: bytes
+    is_wide: bool = False
+    why_blank: str = ""
 
 
 @dataclass(frozen=True)
@@ -155,9 +164,13 @@ def table(
     if len(rows) > most:
         told.append(f"The first {most:,} of {len(rows):,} rows are shown.")
     shown = tuple(tuple(_cell(cell) for cell in row) for row in rows[:most])
-    return Table(title, tuple(head), shown, frozenset(right), " ".join(told))
+    return Table(title, tuple(head), shown, frozenset(right), _cut(" ".join(told), MAX_NOTE))
 
 
 def _cell(cell: object) -> str:
     # a number and its unit stay on one line
-    return one_line(str(cell)).replace(" pp", "\N{NO-BREAK SPACE}pp")
+    return _cut(one_line(str(cell)), MAX_CELL).replace(" pp", "\N{NO-BREAK SPACE}pp")
+
+
+def _cut(text: str, most: int) -> str:
+    return text if len(text) <= most else f"{text[: most - 1]}…"

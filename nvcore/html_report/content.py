@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import CancelledError
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pandas as pd
 
 from nvcore.analysis import Result
-from nvcore.curve_evidence import log_average_miss_rate_figure
-from nvcore.errors import InputError, one_line
+from nvcore.errors import one_line
+from nvcore.evidence import evidence_table
 from nvcore.findings import Finding
 from nvcore.html_report import words
 from nvcore.html_report.blocks import Section, Sentences
@@ -32,11 +35,18 @@ from nvcore.html_report.result_sections import (
 )
 from nvcore.protocols import Protocol
 from nvcore.scorecard import UNDEFINED
-from nvcore.significance import significance_table
-from nvcore.subgroups import subgroup_table
+from nvcore.significance import is_short
+from nvcore.subgroup_figures import DETECTED, subgroup_table
 from nvcore.tables import sides
-from nvcore.units import find_units
 from nvcore.version import __version__
+
+CAUTION = {
+    "encounters": words.SHORT_ENCOUNTERS,
+    "saliency": words.SHORT_ENCOUNTERS,
+    "significance": words.SHORT_TESTS,
+    "subgroups": words.SHORT_TESTS,
+}
+"""What stands first in these sections, by their anchors."""
 
 Progress = Callable[[float, str], bool]
 """Told the share that is done and what comes next; says whether to go on."""
@@ -50,6 +60,8 @@ class Content:
     ----------
     title
         Which systems are compared.
+    names
+        Of X and Y.
     facts
         Label and text of what was compared.
     sections
@@ -59,6 +71,7 @@ class Content:
     """
 
     title: str
+    names: tuple[str, str]
     facts: tuple[tuple[str, str], ...]
     sections: tuple[Section, ...]
     version: str
@@ -87,13 +100,13 @@ def report_content(
             raise CancelledError
 
     tell(0.0, "testing the differences")
-    units = find_units(result)
-    try:
-        lamr = log_average_miss_rate_figure(result, units, protocol)
-    except InputError:  # the section of the curves says why
-        lamr = None
-    evidence = significance_table(result, [] if lamr is None else [lamr], units=units)
-    subgroups = subgroup_table(result)
+    evidence = evidence_table(result, protocol)
+    subgroups = subgroup_table(result, protocol=protocol)
+    shown = evidence
+    if is_short(result):
+        shown = _withheld(evidence, ("low", "high", "p", "p_holm", "effect"))
+        shown.loc[shown["figure"] == DETECTED, "method"] = ""
+        subgroups = _withheld(subgroups, ("p", "p_holm"))
     tell(0.15, "detection curves")
     detection = detection_section(result, protocol)
     tell(0.3, "tables")
@@ -107,12 +120,16 @@ def report_content(
         similarity_section(result),
         saliency_section(result),
         false_alerts_section(result),
-        significance_section(evidence),
+        significance_section(shown),
         subgroups_section(subgroups),
         detection,
     ]
-    tell(0.4, "the stability map")
-    sections.append(stability_section(result, wanted=stability))
+
+    def tell_maps(done: int, total: int) -> None:
+        tell(0.4 + 0.2 * done / total, "stability maps")
+
+    tell_maps(0, 1)
+    sections.append(stability_section(result, shown, wanted=stability, progress=tell_maps))
     moments = decisive_moments(result)
     photos = []
     for number, moment in enumerate(moments):
@@ -128,11 +145,28 @@ def report_content(
     tell(0.9, "the page")
     return Content(
         title=f"{one_line(result.x.name)} (X) and {one_line(result.y.name)} (Y) compared",
+        names=(one_line(result.x.name), one_line(result.y.name)),
         facts=_facts(result, protocol),
-        sections=tuple(sections),
+        sections=tuple(_cautioned(sections) if is_short(result) else sections),
         version=__version__,
         fingerprint=result.dataset.fingerprint,
     )
+
+
+def _withheld(figures: pd.DataFrame, columns: Sequence[str]) -> pd.DataFrame:
+    """Without what takes single encounters as independent."""
+    figures = figures.copy()
+    figures.loc[figures["figure"] == DETECTED, list(columns)] = np.nan
+    return figures
+
+
+def _cautioned(sections: Sequence[Section]) -> list[Section]:
+    """With a word where figures of encounters mean little, as most are one frame long."""
+    return [
+        replace(one, blocks=(Sentences((CAUTION[one.anchor],)), *one.blocks))
+        if one.anchor in CAUTION else one
+        for one in sections
+    ]  # fmt: skip
 
 
 def _facts(result: Result, protocol: Protocol) -> tuple[tuple[str, str], ...]:
@@ -162,7 +196,7 @@ def _facts(result: Result, protocol: Protocol) -> tuple[tuple[str, str], ...]:
             f"{result.venn.n_near:,} that count, and {result.venn.distant:,} distant ones that do "
             "not",
         ),
-        ("Protocol of the detection figures", protocol.name),
+        ("Protocol of the detection figures", protocol.title),
         ("Program", f"nvcore {__version__}"),
         ("Fingerprint of the inputs", result.dataset.fingerprint or UNDEFINED),
     )

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
@@ -12,37 +14,40 @@ from nvcore.analysis import Result
 from nvcore.curve_summary import SUMMARY_ROWS, summarise_curve
 from nvcore.curves import DetectionCurve, detection_curve
 from nvcore.errors import InputError, one_line
-from nvcore.figures.detection import CurveKind, curve_plot
+from nvcore.evidence import FORMS
+from nvcore.figures.detection import CurveKind, curve_plot, legend_figure
 from nvcore.figures.forest import subgroup_forest
 from nvcore.figures.stability import stability_map
-from nvcore.figures.style import count_text, heading
+from nvcore.figures.style import count_text
+from nvcore.filtered_truth import filter_truth
 from nvcore.html_report import words
-from nvcore.html_report.blocks import Block, Chart, Photo, Photos, Section, Sentences, table
+from nvcore.html_report.blocks import Block, Chart, Photo, Photos, Section, Sentences, Table, table
 from nvcore.html_report.charts import THEME, interval_plot
 from nvcore.html_report.result_sections import FIGURES_HEAD
-from nvcore.protocols import Protocol, filter_truth
+from nvcore.miss_rate import explain_few
+from nvcore.protocols import Protocol
 from nvcore.scorecard import UNDEFINED, difference, number
-from nvcore.stability import map_stability
-from nvcore.stability_words import describe_stability
+from nvcore.stability_steps import Progress
+from nvcore.stability_survey import Surveyed, survey_stability, survey_table
+from nvcore.stability_words import (
+    CRITERIA,
+    PLANES,
+    describe_chance,
+    describe_equal_alarms,
+    describe_stability,
+)
+from nvcore.subgroup_figures import DETECTED
+from nvcore.subgroups import ALL
 from nvcore.tables import sides
 from nvcore.verdict import verdict
 
-FORMS: Final = {
-    "encounters_detected": ".1%",
-    "encounters_detected_by_unit": ".1%",
-    "mean_similarity": ".4f",
-    "share_low": ".1%",
-    "saliency": ".2f",
-    "false_alert_episodes_per_hour": ".1f",
-    "log_average_miss_rate": ".1%",
-}
-SHARES: Final = frozenset(name for name, form in FORMS.items() if form.endswith("%"))
 CURVES: Final[dict[CurveKind, tuple[str, str]]] = {
     "miss_rate": ("Miss rate against false positives per image", "lower is better"),
     "precision_recall": ("Precision against recall", "higher is better"),
 }
+STABILITY_TITLE: Final = "Does the verdict depend on the settings"
 AT_ONCE: Final = 20_000
-"""Frames up to which the stability map is made without being asked for."""
+"""Frames up to which the stability maps are made without being asked for."""
 
 
 def verdict_section(result: Result, findings: Sequence[Any], evidence: pd.DataFrame) -> Section:
@@ -72,43 +77,78 @@ def significance_section(evidence: pd.DataFrame) -> Section:
     return Section(
         "significance", "Is the difference real", words.SIGNIFICANCE,
         (
-            Chart("intervals", interval_plot(evidence, SHARES),
-                  "Differences with their 95 % intervals"),
             table("Differences and tests", head, rows, right=range(1, 7)),
+            Chart("intervals", interval_plot(evidence, FORMS),
+                  "Differences with their 95 % intervals"),
             table("How they were made", ("Figure", "From", "Method", "Note"), ways),
         ),
     )  # fmt: skip
 
 
 def subgroups_section(subgroups: pd.DataFrame) -> Section:
-    """Who detects more in which part of the encounters."""
-    rows = []
-    for one in subgroups.to_dict("records"):
-        span = UNDEFINED
-        if np.isfinite(one["low"]):
-            span = f"{difference(one['low'], 0, '.1%')} to {difference(one['high'], 0, '.1%')}"
-        rows.append((
-            one["factor"], one["group"] if one["factor"] != "all" else "", one["n"], one["both"],
-            one["x_only"], one["y_only"], one["neither"],
-            difference(one["x"], one["y"], ".1%"), span, number(one["p"], ".2g"),
-            number(one["p_holm"], ".2g"),
-        ))  # fmt: skip
+    """Every figure for parts of the encounters, and who detects more of which."""
+    is_detected = subgroups["figure"] == DETECTED
+    detected = subgroups[is_detected]
     head = ("Factor", "Group", "Encounters", "Both", "Only X", "Only Y", "Neither", "X - Y",
             "95 % interval", "p", "p (Holm)")  # fmt: skip
-    notes = [
-        f"{one['factor']} {one['group']}: {one['note']}."
-        for one in subgroups.to_dict("records")
-        if one["note"]
-    ]
+    rows = [
+        (*_group_of(one), one["n"], one["both"], one["x_only"], one["y_only"], one["neither"],
+         *_evidence_of(one))
+        for one in detected.to_dict("records")
+    ]  # fmt: skip
+    others = [rows for _, rows in subgroups[~is_detected].groupby("figure", sort=False)]
     return Section(
         "subgroups", "Subgroups", words.SUBGROUPS,
         (
-            Chart("forest", subgroup_forest(subgroups, theme=THEME),
+            Chart("forest", subgroup_forest(detected, theme=THEME),
                   "Difference in the share detected by group"),
             table("Encounters detected by subgroup", head, rows, right=range(2, 11),
-                  note=one_line(" ".join(notes))),
+                  note=_notes_of(detected)),
+            *(_table_by_subgroup(of_figure) for of_figure in others
+              if np.isfinite(of_figure["x"].iloc[1:]).any()),
         ),
     )  # fmt: skip
+
+
+def _table_by_subgroup(subgroups: pd.DataFrame) -> Table:
+    """One figure, for the groups that have it."""
+    defined = subgroups[np.isfinite(subgroups["x"])]
+    head = ("Factor", "Group", "From", "X", "Y", "X - Y", "95 % interval", "p", "p (Holm)")
+    rows = [
+        (*_group_of(one), f"{one['n']:,} {one['unit']}",
+         *(number(one[letter], FORMS[one["figure"]]) for letter in "xy"), *_evidence_of(one))
+        for one in defined.to_dict("records")
+    ]  # fmt: skip
+    label = subgroups["label"].iloc[0]
+    title = f"{label[0].upper()}{label[1:]}, by subgroup"
+    return table(title, head, rows, right=range(3, 9), note=_notes_of(defined))
+
+
+def _group_of(one: Mapping[Hashable, Any]) -> tuple[str, str]:
+    return one["factor"], one["group"] if one["factor"] != ALL else ""
+
+
+def _evidence_of(one: Mapping[Hashable, Any]) -> tuple[str, str, str, str]:
+    """Difference, interval, p and corrected p of a row."""
+    form = FORMS[one["figure"]]
+    span = UNDEFINED
+    if np.isfinite(one["low"]):
+        span = f"{difference(one['low'], 0, form)} to {difference(one['high'], 0, form)}"
+    p, p_holm = number(one["p"], ".2g"), number(one["p_holm"], ".2g")
+    return difference(one["x"], one["y"], form), span, p, p_holm
+
+
+def _notes_of(rows: pd.DataFrame) -> str:
+    """Each note once, with the groups that it is about."""
+    groups: dict[str, list[str]] = {}
+    for one in rows.to_dict("records"):
+        for note in filter(None, one["note"].split("; ")):
+            groups.setdefault(note, []).append(" ".join(_group_of(one)).strip())
+    told = [
+        f"{'All' if len(of) == len(rows) else ', '.join(of)}: {note}."
+        for note, of in groups.items()
+    ]
+    return one_line(" ".join(told))
 
 
 def detection_section(result: Result, protocol: Protocol) -> Section:
@@ -132,32 +172,33 @@ def detection_section(result: Result, protocol: Protocol) -> Section:
         for x, y in [[getattr(one, name) for one in summaries]]
     ]
     why = [
-        f"{letter}: averages and areas are undefined: {one.why_undefined}."
+        f"{letter} has no averages and no areas ({one.why_undefined})."
         for letter, one in zip("XY", summaries, strict=True)
         if one.why_undefined is not None
     ]
+    why += [
+        f"Log-average miss rate of {letter}: {'; '.join(one.notes)}."
+        for letter, one in zip("XY", summaries, strict=True)
+        if one.notes
+    ]
+    few = explain_few(curves[0].n_truth)
+    why += [f"{few[0].upper()}{few[1:]}."] if few else []
     filters = "; ".join(protocol.filters)
-    told = f"Protocol {protocol.name}: {protocol.text} {f'Filters: {filters}.' if filters else ''}"
+    told = f"Protocol {protocol.title}: {protocol.text} {f'Filters: {filters}.' if filters else ''}"
     blocks: list[Block] = [Sentences((told.strip(), _left_out(result, protocol), *why))]
-    legends = {
-        "miss_rate": [
-            f"LAMR {number(one.log_average_miss_rate, '.1%')}" for one in summaries
-        ],
-        "precision_recall": [
-            f"AP {number(one.average_precision_coco, '.3f')}" for one in summaries
-        ],
-    }  # fmt: skip
-    blocks += [_curve(curves, thresholds, kind, legends[kind]) for kind in CURVES]
     blocks.append(table("Detection figures", FIGURES_HEAD, rows, right=(1, 2, 3)))
+    blocks += [
+        _curve(curves, thresholds, kind, [legend_figure(one, kind) for one in summaries])
+        for kind in CURVES
+    ]
     return Section("detection", "Detection curves", words.DETECTION, tuple(blocks))
 
 
 def _left_out(result: Result, protocol: Protocol) -> str:
     """How many pedestrians count, and why the others do not."""
     truth = filter_truth(result.dataset, protocol)
-    out = [f"{name} {n:,}" for name, n in truth.n_left_out.items() if n]
     counted = f"{count_text(truth.n_truth, 'pedestrian')} in {count_text(truth.n_images, 'image')}"
-    return f"Counted: {counted}; ignored: {', '.join(out) or 'none'}."
+    return f"{counted} count; {truth.left_out or 'none is ignored'}."
 
 
 def _curve(
@@ -165,46 +206,75 @@ def _curve(
     legend: Sequence[str],
 ) -> Chart:  # fmt: skip
     title, best = CURVES[kind]
-    figure = curve_plot(curves, thresholds, kind, theme=THEME, summaries=legend)
-    if figure.layout.title.text:
-        # the page's own subtitle invites to click
-        extent = (
-            f"{count_text(curves[0].n_truth, 'pedestrian')} in "
-            f"{count_text(curves[0].n_images, 'image')}; {best}; large marks: thresholds in use"
-        )
-        figure.update_layout(title_text=heading(title, extent, theme=THEME))
+    figure = curve_plot(curves, thresholds, kind, theme=THEME, summaries=legend, hint=best)
     return Chart(f"curve-{kind.replace('_', '-')}", figure, f"{title} of X and Y; {best}")
 
 
-def stability_section(result: Result, *, wanted: bool | None) -> Section:
-    """The map of the verdict over alpha and midpoint, or why there is none.
+def stability_section(
+    result: Result,
+    evidence: pd.DataFrame,
+    *,
+    wanted: bool | None,
+    progress: Progress | None = None,
+) -> Section:
+    """All maps of the verdict in a table, and one of them drawn; or why there is none.
 
     Parameters
     ----------
+    evidence
+        `nvcore.evidence.evidence_table` of the result.
     wanted
         None: if there are at most `AT_ONCE` frames.
+    progress
+        Called after each step of the maps.
     """
     n_frames = len(result.dataset.frames)
-    blocks: tuple[Block, ...]
     if wanted is False or (wanted is None and n_frames > AT_ONCE):
-        blocks = (Sentences((f"Not computed for these {n_frames:,} frames: not asked for.",)),)
-    else:
-        try:
-            found = map_stability(result, "alpha-midpoint", "similarity")
-        except InputError as error:
-            blocks = (Sentences((f"There is no such map: {error}",)),)
-        else:
-            told = describe_stability(found)
-            figure = stability_map(found, theme=THEME)
-            blocks = (Sentences(told), Chart("stability", figure, told[0]))
-    return Section("stability", "Does the verdict depend on the settings", words.STABILITY, blocks)
+        why_not = Sentences((f"Not computed for these {n_frames:,} frames: not asked for.",))
+        return Section("stability", STABILITY_TITLE, words.STABILITY, (why_not,))
+    with ThreadPoolExecutor() as pool:
+        surveyed = survey_stability(result, executor=pool, progress=progress)
+    shown = survey_table(surveyed)[["settings", "by", "verdict", "share", "nearest"]]
+    head = ("Settings", "Better by", "As analysed", "Holds in (of the plausible range)",
+            "Nearest setting that overturns it")  # fmt: skip
+    blocks: list[Block] = [
+        table("Verdict and settings", head, shown.to_numpy().tolist()),
+        Sentences((*_chance_of_each(surveyed, evidence), *_at_equal_alarms(surveyed))),
+    ]
+    first = surveyed[0]  # alpha and midpoint, by mean similarity
+    assert first.found is not None
+    told = describe_stability(first.found)
+    title = f"{PLANES[first.plane]}, by {CRITERIA[first.criterion]}: {told[0]}"
+    blocks += [
+        Sentences((title, *told[1:])),
+        Chart("stability", stability_map(first.found, theme=THEME), told[0]),
+    ]
+    return Section("stability", STABILITY_TITLE, words.STABILITY, tuple(blocks))
+
+
+def _at_equal_alarms(surveyed: Sequence[Surveyed]) -> tuple[str, ...]:
+    """Who is better at thresholds that are fair to both."""
+    maps = [one.found for one in surveyed if one.found is not None]
+    return tuple(filter(None, (describe_equal_alarms(one) for one in maps)))
+
+
+def _chance_of_each(surveyed: Sequence[Surveyed], evidence: pd.DataFrame) -> tuple[str, ...]:
+    """For each criterion, whether its difference as analysed is more than chance."""
+    found = {one.criterion: one.found for one in surveyed if one.found is not None}
+    told = {one: describe_chance(a_map, evidence) for one, a_map in found.items()}
+    return tuple(
+        f"By {CRITERIA[one]}: {said[0].lower()}{said[1:]}" for one, said in told.items() if said
+    )
 
 
 def frames_section(photos: Sequence[Photo], troubles: Sequence[str]) -> Section:
-    """The evidence frames."""
+    """The evidence frames; what holds for all of them is said once."""
     blocks: list[Block] = []
     if troubles:
         blocks.append(Sentences(("Some pictures cannot be shown.", *troubles)))
+    if photos and all(one.why_blank for one in photos):
+        blocks.append(Sentences((words.NO_PICTURES,)))
+        photos = [replace(one, why_blank="") for one in photos]
     blocks.append(
         Photos(tuple(photos)) if photos
         else Sentences(("Neither system misses a pedestrian or is low anywhere: nothing to show.",))

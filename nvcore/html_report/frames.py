@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final, NamedTuple
 
@@ -16,9 +16,10 @@ from nvcore.dataset import Dataset
 from nvcore.encounter_moments import encounter_box
 from nvcore.errors import MediaError, one_line
 from nvcore.html_report.blocks import Photo
-from nvcore.media.annotate import LAYERS, annotate
+from nvcore.kernels import FALSE_ALARM
+from nvcore.media.annotate import frame_boxes, frame_picture
 from nvcore.media.base import Pictures
-from nvcore.media.draw import Canvas
+from nvcore.media.draw import ON_DARK, ON_LIGHT, Canvas, Inks, canvas_size, draw_boxes
 from nvcore.media.index import picture_index
 from nvcore.media.sources import open_pictures
 from nvcore.media.stretch import jpeg
@@ -30,17 +31,31 @@ MOST: Final = 12
 """Frames of a report."""
 EXCLUSIVE: Final = 4
 """Encounters that only X detects, and as many that only Y detects."""
+APART_S: Final = 2.0
+"""Frames of one recording in which the same system does badly are one scene if they are closer."""
+LEAST_LEAD: Final = 0.05
+"""Difference in similarity from which one system is shown to be better."""
 WIDTH_PX: Final = 880
-"""Of a picture."""
-QUALITY: Final = 72
+SHOWN_PX: Final = 530
+"""Of a picture, in the file and on the page."""
+WIDE: Final = 1.9
+"""Width to height from which a picture takes a row of its own."""
+MOST_HEIGHT_PX: Final = 800
+QUALITIES: Final = (72, 60, 45, 30)
+MOST_BYTES: Final = 100_000
+"""Of a picture; the first quality that is below it is taken, so that the report stays small."""
 STRETCH: Final = (0.5, 99.8)
 """Percentiles of the grey levels that are spread: pictures at night are dim."""
 KINDS: Final = {
     "x": "A worst moment of X",
     "y": "A worst moment of Y",
-    "x_better": "X far better than Y",
-    "y_better": "Y far better than X",
+    "x_better": "X better than Y",
+    "y_better": "Y better than X",
 }
+MOST_OF: Final = dict.fromkeys(KINDS.values(), 2)
+"""Moments of each of these kinds."""
+LOSER: Final = {"x": "x", "y": "y", "x_better": "y", "y_better": "x"}
+"""The system that a kind of moment speaks against."""
 
 
 @dataclass(frozen=True)
@@ -70,8 +85,16 @@ class RecordingPictures:
             one.close()
 
 
-def session_pictures(session: Session, dataset: Dataset) -> RecordingPictures:
-    """Open the pictures that a session names; what cannot be opened is told in `troubles`."""
+def session_pictures(
+    session: Session, dataset: Dataset, recordings: Collection[int] | None = None
+) -> RecordingPictures:
+    """Open the pictures that a session names; what cannot be opened is told in `troubles`.
+
+    Parameters
+    ----------
+    recordings
+        Rows of the recordings table whose pictures are wanted; None: of all.
+    """
     facts = {one.name: one for one in session.recordings}
     frames = dataset.frame_columns
     sources: dict[int, Pictures] = {}
@@ -79,7 +102,8 @@ def session_pictures(session: Session, dataset: Dataset) -> RecordingPictures:
     troubles = []
     for number, name in enumerate(dataset.recordings["name"].astype(str)):
         fact = facts.get(name)
-        if fact is None or fact.pictures is None:
+        is_wanted = recordings is None or number in recordings
+        if fact is None or fact.pictures is None or not is_wanted:
             continue
         try:
             sources[number] = open_pictures(session.folder / fact.pictures)
@@ -101,36 +125,96 @@ class Moment(NamedTuple):
     title, text
         Why it is shown, and what happens there.
     encounter
-        The encounter that it is about, -1 none.
+        The encounter that it is about, -1 none: the detections of `loser`.
+    loser
+        The system that it speaks against, "x" or "y".
     """
 
     row: int
     title: str
     text: str
     encounter: int
+    loser: str
 
 
 def decisive_moments(result: Result) -> list[Moment]:
-    """The frames of the report, `MOST` at most, each once.
+    """The frames of the report, `MOST` at most, each scene once.
 
     Encounters that only one system detects, those in which similarity differs most; then the worst
-    moments of each system and those in which they differ most.
+    moments of each system and those in which they differ most. Of frames of one recording that
+    speak against the same system within `APART_S`, the first of these is taken.
     """
     # the worst of each kind before the second worst of any
-    ranked = worst_moments(result, n=2)
+    ranked = worst_moments(result, n=MOST)
     ranked = ranked.assign(rank=ranked.groupby("kind").cumcount())
     worst = [
-        Moment(int(one["row"]), KINDS[one["kind"]], str(one["reason"]), _about(result, one))
+        moment
         for one in ranked.sort_values("rank", kind="stable").to_dict("records")
+        if (moment := _worst(result, one)) is not None
     ]
-    found: dict[int, Moment] = {}
+    found: list[Moment] = []
+    shown: dict[str, int] = {}
     for one in (
         *_exclusive(result, Category.X_ONLY, "X", result.x, "Y", result.y),
         *_exclusive(result, Category.Y_ONLY, "Y", result.y, "X", result.x),
         *worst,
     ):
-        found.setdefault(one.row, one)
-    return list(found.values())[:MOST]
+        kind = one.title.partition(" (")[0]
+        if shown.get(kind, 0) < MOST_OF.get(kind, MOST) and not _is_shown(result, one, found):
+            found.append(one)
+            shown[kind] = shown.get(kind, 0) + 1
+    return found[:MOST]
+
+
+def _worst(result: Result, moment: Mapping[Any, Any]) -> Moment | None:
+    """A worst moment, in a frame that shows what it is about; None: too small a difference."""
+    kind, encounter = moment["kind"], _about(result, moment)
+    loser = LOSER[kind]
+    row = _telling_row(result, moment, encounter, loser)
+    losing, other = (result.x, result.y) if loser == "x" else (result.y, result.x)
+    lower, higher = float(losing.similarity[row]), float(other.similarity[row])
+    title = KINDS[kind]
+    if kind.endswith("better"):
+        if higher - lower < LEAST_LEAD:
+            return None
+        title = f"{title} ({higher:.2f} to {lower:.2f})"
+    return Moment(row, title, str(moment["reason"]), encounter, loser)
+
+
+def _telling_row(result: Result, moment: Mapping[Any, Any], encounter: int, loser: str) -> int:
+    """The frame of a moment in which its pedestrian is missed and similarity is worst."""
+    if encounter < 0:
+        return int(moment["row"])
+    encounters, frames = result.encounters, result.dataset.frame_columns
+    recording = int(moment["recording_index"])
+    begin, end = frames.first[recording : recording + 2]
+    ends = [moment["first_frame"], moment["last_frame"]]
+    first, last = begin + np.searchsorted(frames.frame[begin:end], ends)
+    start, stop = encounters.offsets[encounter : encounter + 2]
+    at, boxes = encounters.frame_index[start:stop], encounters.order[start:stop]
+    losing, other = (result.x, result.y) if loser == "x" else (result.y, result.x)
+    is_missed = ~losing.matches.is_matched[boxes] & (at >= first) & (at <= last)
+    if not is_missed.any():
+        return int(moment["row"])
+    cost = losing.similarity[at]
+    if moment["kind"].endswith("better"):
+        cost = cost - other.similarity[at]
+    return int(at[np.argmin(np.where(is_missed, cost, np.inf))])
+
+
+def _is_shown(result: Result, moment: Moment, found: Sequence[Moment]) -> bool:
+    """Whether the frame, or its scene, is there already."""
+    recording = result.dataset.frame_columns.recording
+    time_s = result.dataset.frames["time_s"].to_numpy()
+    return any(
+        one.row == moment.row
+        or (
+            one.loser == moment.loser
+            and recording[one.row] == recording[moment.row]
+            and abs(time_s[one.row] - time_s[moment.row]) < APART_S
+        )
+        for one in found
+    )
 
 
 def _about(result: Result, moment: Mapping[Any, Any]) -> int:
@@ -156,15 +240,25 @@ def _exclusive(
     of, at = of[tells], at[tells]
     lead = found_by.similarity[at] - missed_by.similarity[at]
     order = np.argsort(-lead, kind="stable")
-    for same in (of, at):  # the clearest frame of each encounter, and no frame twice
-        _, first = np.unique(same[order], return_index=True)
-        order = order[np.sort(first)]
+    _, first = np.unique(of[order], return_index=True)
+    order = order[np.sort(first)]  # the clearest frame of each encounter
+    recording = result.dataset.frame_columns.recording[at]
+    time_s = result.dataset.frames["time_s"].to_numpy()[at]
+    chosen: list[int] = []
+    while len(order) and len(chosen) < EXCLUSIVE:
+        place = int(order[0])
+        chosen.append(place)
+        is_same_scene = (recording[order] == recording[place]) & (
+            np.abs(time_s[order] - time_s[place]) < APART_S
+        )
+        order = order[~is_same_scene]
     return [
         Moment(
             int(at[place]), f"Only {winner} detects",
             _told(result, int(of[place]), winner, found_by, loser, missed_by), int(of[place]),
+            loser.lower(),
         )
-        for place in order[:EXCLUSIVE]
+        for place in chosen
     ]  # fmt: skip
 
 
@@ -182,19 +276,27 @@ def _told(
 
 
 def photo(result: Result, moment: Moment, pictures: RecordingPictures) -> Photo:
-    """The frame of a moment with all boxes; on a blank where there is no picture."""
+    """The frame of a moment with all boxes; on a light blank where there is no picture."""
     frames, row = result.dataset.frame_columns, moment.row
     recording = int(frames.recording[row])
     source, index = pictures.sources.get(recording), -1
     if source is not None:
         index = int(pictures.indices[recording][row - frames.first[recording]])
-    lo, hi = pictures.stretch
-    drawn = annotate(
-        result, source, index, row, lo=lo, hi=hi, layers=LAYERS, labels=True, caption=False
-    )
-    _encircle(drawn, result, moment, float(frames.width[recording]))
-    scale = WIDTH_PX / drawn.shape[1]
-    small = cv2.resize(drawn, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
+    picture, why_none = frame_picture(source, index, *pictures.stretch)
+    width, height = float(frames.width[recording]), float(frames.height[recording])
+    is_wide = width > WIDE * height
+    inks = ON_LIGHT if picture is None else ON_DARK
+    n_columns = 2 if is_wide else 1
+    unit = max(1, round(canvas_size(width, height)[0] / (n_columns * SHOWN_PX)))
+    boxes = frame_boxes(result, row, labels=True)
+    ground = draw_boxes(picture, width, height, inks=inks)
+    about = _box_about(result, moment)
+    if about is not None:  # below the boxes and their labels
+        _encircle(ground, about, width, inks, unit)
+    drawn = draw_boxes(
+        ground, width, height, truth=boxes["truth"], x=boxes["x"], y=boxes["y"], inks=inks,
+        unit=unit,
+    )  # fmt: skip
     name = one_line(str(result.dataset.recordings["name"].iloc[recording]))
     time_s = float(result.dataset.frames["time_s"].iloc[row])
     return Photo(
@@ -203,19 +305,48 @@ def photo(result: Result, moment: Moment, pictures: RecordingPictures) -> Photo:
         text=moment.text,
         figures=f"similarity of this frame: X {result.x.similarity[row]:.2f}, "
         f"Y {result.y.similarity[row]:.2f}",
-        jpeg=jpeg(small, quality=QUALITY),
+        jpeg=_small_jpeg(drawn, n_columns * WIDTH_PX),
+        is_wide=is_wide,
+        why_blank=why_none,
     )
 
 
-def _encircle(canvas: Canvas, result: Result, moment: Moment, width: float) -> None:
-    """An ellipse around the pedestrian whom the moment is about."""
-    if moment.encounter < 0:
-        return
-    try:
-        x, y, w, h = encounter_box(result, moment.encounter, moment.row)
-    except ValueError:  # not annotated in just this frame
-        return
-    scale = canvas.shape[1] / width
-    middle = (round((x + w / 2) * scale), round((y + h / 2) * scale))
-    axes = (round(w * scale * 0.75 + 24), round(h * scale * 0.75 + 24))
-    cv2.ellipse(canvas, middle, axes, 0, 0, 360, (255, 255, 255), 3, cv2.LINE_AA)
+def _small_jpeg(drawn: Canvas, width: int) -> bytes:
+    """At most so wide, `MOST_HEIGHT_PX` high, and of `MOST_BYTES`, by less quality if need be."""
+    scale = min(1.0, width / drawn.shape[1], MOST_HEIGHT_PX / drawn.shape[0])
+    shrunk = cv2.resize(drawn, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
+    made = b""
+    for quality in QUALITIES:
+        made = jpeg(np.asarray(shrunk, dtype=np.uint8), quality=quality)
+        if len(made) <= MOST_BYTES:
+            break
+    return made
+
+
+def _box_about(result: Result, moment: Moment) -> np.ndarray | None:
+    """x, y, w, h of what the moment is about: a pedestrian, or the false alarm that counts most."""
+    if moment.encounter >= 0:
+        try:
+            return encounter_box(result, moment.encounter, moment.row)
+        except ValueError:  # not annotated in just this frame
+            return None
+    system = result.x if moment.loser == "x" else result.y
+    boxes = result.dataset.system(system.name)
+    rows = np.arange(boxes.offsets[moment.row], boxes.offsets[moment.row + 1])
+    rows = rows[system.matches.state[rows] == FALSE_ALARM]
+    if not len(rows):
+        return None
+    width = result.dataset.frame_columns.width[result.dataset.frame_columns.recording[moment.row]]
+    centre, edge = boxes.x[rows] + boxes.w[rows] / 2, result.params.edge_weight
+    border = edge * width / 2 + (1 - edge) * np.minimum(centre, width - centre)
+    effect = system.weights.k[rows] * np.minimum(border, system.nearest.detections[rows])
+    worst = rows[np.argmax(effect)]
+    return np.array([boxes.x[worst], boxes.y[worst], boxes.w[worst], boxes.h[worst]])
+
+
+def _encircle(canvas: Canvas, box: np.ndarray, width: float, inks: Inks, unit: int) -> None:
+    """An ellipse around a box."""
+    x, y, w, h = box * (canvas.shape[1] / width)
+    middle = (round(x + w / 2), round(y + h / 2))
+    axes = (round(w * 0.7 + 20 * unit), round(h * 0.7 + 24 * unit))
+    cv2.ellipse(canvas, middle, axes, 0, 0, 360, inks.truth, 2 * unit, cv2.LINE_AA)

@@ -28,6 +28,7 @@ from nvcore.version import __version__
 MOST_FILES: Final = 60
 """Input files that are listed one by one; there is a hash of all in any case."""
 FROM_HEIGHT: Final = {"midpoint": MIDPOINT_SHARE, "spread": SPREAD_SHARE}
+"""Settings that are a share of the picture's height if not set."""
 
 
 def audit_section(findings: Sequence[Finding]) -> Section:
@@ -101,19 +102,37 @@ def _files(result: Result) -> list[Block]:
     ]
 
 
+def in_use(result: Result, name: str) -> np.ndarray:
+    """The midpoint or the spread of every recording, px; shape (n_recordings,)."""
+    heights = result.dataset.recordings["height"].to_numpy(dtype=float)
+    value = getattr(result.params, name)
+    return FROM_HEIGHT[name] * heights if value is None else np.full(len(heights), float(value))
+
+
+def span_in_use(result: Result, name: str) -> str:
+    """`in_use` in words: "48", or "48 to 57.6" where recordings differ."""
+    values = in_use(result, name)
+    if not len(values):
+        return "not set"
+    low, high = float(values.min()), float(values.max())
+    return f"{low:.4g}" if low == high else f"{low:.4g} to {high:.4g}"
+
+
 def _recordings(result: Result) -> Table:
     dataset = result.dataset
     n_frames = np.diff(dataset.frame_columns.first)
+    midpoint, spread = (in_use(result, name).tolist() for name in FROM_HEIGHT)
     rows = [
         (
-            one["name"], f"{one['width']:g} x {one['height']:g}", f"{one['fps']:g}", f"{n:,}",
+            one["name"], f"{one['width']:g} x {one['height']:g}", f"{one['fps']:g}",
+            f"{n_frames[i]:,}", f"{midpoint[i]:.4g}", f"{spread[i]:.4g}",
             number(one["horizon"], "g"), ", ".join(one["tags"]) or UNDEFINED,
         )
-        for one, n in zip(dataset.recordings.to_dict("records"), n_frames.tolist(), strict=True)
+        for i, one in enumerate(dataset.recordings.to_dict("records"))
     ]  # fmt: skip
-    head = ("Recording", "Size (px)", "Frames per second", "Evaluated frames", "Horizon (px)",
-            "Tags")  # fmt: skip
-    return table("Recordings", head, rows, right=(2, 3, 4))
+    head = ("Recording", "Size (px)", "Frames per second", "Evaluated frames", "Midpoint (px)",
+            "Spread (px)", "Horizon (px)", "Tags")  # fmt: skip
+    return table("Recordings", head, rows, right=range(1, 7))
 
 
 def parameters_section(result: Result) -> Section:
@@ -151,10 +170,7 @@ def parameters_section(result: Result) -> Section:
 
 def _taken(result: Result, name: str) -> str:
     """What stands in for a setting without a value."""
-    heights = np.unique(result.dataset.recordings["height"].to_numpy(dtype=float))
-    if name in FROM_HEIGHT and len(heights) == 1:
-        return f"{FROM_HEIGHT[name] * heights[0]:g}"
-    return "not set"
+    return span_in_use(result, name) if name in FROM_HEIGHT else "not set"
 
 
 def _value(value: Any) -> str:

@@ -7,16 +7,24 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from nvcore.analysis import Result
-from nvcore.comparison_words import describe_misses, describe_saliency
+from nvcore.analysis import Result, SystemResult
+from nvcore.box_states import RELEVANT_K
+from nvcore.comparison_words import (
+    describe_fusion,
+    describe_lead,
+    describe_misses,
+    describe_saliency,
+)
+from nvcore.encounter_counts import fusion_table
 from nvcore.encounter_moments import encounter_moments
 from nvcore.figures.encounters import miss_classes_plot
 from nvcore.figures.recordings import recordings_plot
 from nvcore.figures.style import count_text
 from nvcore.figures.venn import WORDS, venn_figure
 from nvcore.html_report import words
-from nvcore.html_report.blocks import Chart, Section, Sentences, Table, table
+from nvcore.html_report.blocks import MAX_ROWS, Chart, Section, Sentences, Table, table
 from nvcore.html_report.charts import THEME
+from nvcore.html_report.input_sections import span_in_use
 from nvcore.schema import CATEGORY_TEXT, MISS_CLASS_TEXT, Category
 from nvcore.scorecard import UNDEFINED, difference, number
 from nvcore.scorecard_table import ScoreRow, class_rows, score_rows
@@ -64,33 +72,68 @@ def encounters_section(result: Result) -> Section:
         (one.label, number(one.x, "d"), number(one.y, "d"), MISS_CLASS_TEXT[kind])
         for one, kind in zip(class_rows(result), MISS_CLASS_TEXT, strict=True)
     ]
-    lead = result.lead_time_s
-    lead = lead[np.isfinite(lead)]
-    said = [*describe_misses(result)]
-    if len(lead):
-        said.append(
-            f"In the {len(lead)} encounters that both match, X leads by {lead.mean():+.2f} s on "
-            f"average (median {np.median(lead):+.2f} s)."
-        )
+    said = (*describe_misses(result), describe_lead(result))
+    fusion = fusion_table(result)
     names = names_of(result)
     return Section(
         "encounters", "Who detects whom", words.who(result.params),
         (
-            Chart("venn", venn_figure(result.venn, names, theme=THEME), f"Encounters: {in_words}"),
             table("Encounters by who detects them", ("Category", "Encounters", "Meaning"),
                   [(WORDS[kind], counts[kind], CATEGORY_TEXT[kind]) for kind in Category],
                   right=(1,)),
-            Sentences(tuple(said)),
+            Chart("venn", venn_figure(result.venn, names, theme=THEME), f"Encounters: {in_words}"),
+            Sentences(said),
             Chart("classes", miss_classes_plot(encounters_table(result), names, theme=THEME),
                   "How many encounters each system fails in which way"),
             table("How they were missed", ("Class", "X", "Y", "Meaning"), classes, right=(1, 2)),
+            _boxes(result),
+            Sentences(describe_fusion(fusion)),
+            _fusion(fusion),
         ),
     )  # fmt: skip
+
+
+def _boxes(result: Result) -> Table:
+    """Which system matches how many boxes of the truth."""
+    boxes = result.boxes
+    counts = (boxes.both, boxes.x_only, boxes.y_only, boxes.neither)
+    head = ("Matched by both", "Only by X", "Only by Y", "By neither")
+    ignored = " and ".join(
+        f"{system.matches.n_absorbed:,} detections of {letter.upper()}"
+        for letter, system in sides(result)
+    )
+    note = (
+        f"Near and distant pedestrians, frame by frame. {ignored} lie on people or regions that "
+        "the ground truth ignores and do not count."
+    )
+    rows = [[f"{n:,}" for n in counts]]
+    return table("Boxes of pedestrians by who matches them", head, rows, right=range(4), note=note)
+
+
+def _fusion(fusion: pd.DataFrame) -> Table:
+    """Both systems as one, beside each of them."""
+    names = {"x": "X alone", "y": "Y alone", "x_or_y": "X or Y", "x_and_y": "X and Y"}
+    rows = [
+        (
+            names[one["system"]], f"{one['encounters_detected']:,}",
+            f"{one['false_alert_episodes']:,}", number(one["episodes_per_hour"], ".1f"),
+            number(one["mean_similarity"], ".4f"),
+        )
+        for one in fusion.to_dict("records")
+    ]  # fmt: skip
+    head = ("System", "Encounters detected", "False-alert episodes", "Per hour",
+            "Mean similarity")  # fmt: skip
+    note = (
+        "What if both were one system: \u201cX or Y\u201d shows what either shows (a pair of boxes "
+        "that overlap once), \u201cX and Y\u201d only what both show."
+    )
+    return table("X and Y as one system", head, rows, right=range(1, 5), note=note)
 
 
 def similarity_section(result: Result) -> Section:
     """Mean similarity by recording, and the worst intervals."""
     recordings = recordings_table(result)
+    listed, note = _most_different(recordings)
     rows = [
         (
             one["recording"], f"{one['n_frames']:,}",
@@ -98,19 +141,34 @@ def similarity_section(result: Result) -> Section:
             difference(one["mean_similarity_x"], one["mean_similarity_y"], ".4f"),
             *(number(one[f"share_low_{letter}"], ".1%") for letter in "xy"),
         )
-        for one in recordings.to_dict("records")
+        for one in listed.to_dict("records")
     ]  # fmt: skip
     low = f"below {result.params.low:g}"
     head = ("Recording", "Frames", "Mean X", "Mean Y", "X - Y", f"{low}, X", f"{low}, Y")
     return Section(
-        "similarity", "Similarity", words.similarity(result.params),
+        "similarity", "Similarity", words.similarity(
+            result.params, span_in_use(result, "midpoint"), span_in_use(result, "spread")
+        ),
         (
             Chart("recordings", recordings_plot(recordings, names_of(result), theme=THEME),
                   "Mean similarity of X and Y in every recording"),
-            table("Similarity by recording", head, rows, right=range(1, 7)),
+            table("Similarity by recording", head, rows, right=range(1, 7), note=note),
             _intervals(result),
         ),
     )  # fmt: skip
+
+
+def _most_different(recordings: pd.DataFrame) -> tuple[pd.DataFrame, str]:
+    """The recordings that are listed, in their order, and what is left out."""
+    if len(recordings) <= MAX_ROWS:
+        return recordings, ""
+    apart = (recordings["mean_similarity_x"] - recordings["mean_similarity_y"]).abs()
+    chosen = apart.sort_values(ascending=False, kind="stable").index[:MAX_ROWS].sort_values()
+    note = (
+        f"The {MAX_ROWS} recordings in which the systems differ most are shown, "
+        f"{len(recordings) - MAX_ROWS:,} are left out."
+    )
+    return recordings.loc[chosen], note
 
 
 def _intervals(result: Result) -> Table:
@@ -190,24 +248,44 @@ def _episodes(result: Result) -> list[tuple[Any, ...]]:
 
 
 def only_one_section(result: Result) -> Section:
-    """Encounters that only one system detects, row by row."""
+    """Encounters that only one system detects, row by row, the gravest first."""
     encounters = encounters_table(result)
     moments = encounter_moments(result)
-    frames = result.dataset.frames
+    weights = {letter: _missed_weighted_s(result, system) for letter, system in sides(result)}
+    time_s = result.dataset.frames["time_s"].to_numpy()
+    category = encounters["category"].to_numpy()
+    chosen = np.flatnonzero(np.isin(category, [Category.X_ONLY.value, Category.Y_ONLY.value]))
+    is_x_only = category[chosen] == Category.X_ONLY.value
+    missed_s = np.where(is_x_only, weights["y"][chosen], weights["x"][chosen])
+    order = np.argsort(-missed_s, kind="stable")
     rows: list[tuple[Any, ...]] = []
-    for category, letter, other in ((Category.X_ONLY, "x", "y"), (Category.Y_ONLY, "y", "x")):
-        chosen = encounters[encounters["category"] == category.value]
-        missed = moments.loc[chosen.index, f"missed_row_{other}"].to_numpy()
-        for one, row in zip(chosen.to_dict("records"), missed.tolist(), strict=True):
-            time = f"{frames['time_s'].iloc[row]:.2f}" if row >= 0 else UNDEFINED
-            rows.append((
-                f"only {letter.upper()}", one["recording"], one["track"], time,
-                one["n_relevant"], f"{one['peak_height']:.0f}",
-                number(one["coverage_x"], ".0%"), number(one["coverage_y"], ".0%"),
-                str(one[f"miss_class_{other}"]).replace("_", " "),
-            ))  # fmt: skip
-    head = ("Detected by", "Recording", "Pedestrian", "Missed from (s)", "Relevant frames",
-            "Height (px)", "Coverage X", "Coverage Y", "The other's failure")  # fmt: skip
-    title = f"{count_text(len(rows), 'encounter')} that only one system detects"
-    shown = table(title, head, rows, right=range(3, 8))
+    for place in order[:MAX_ROWS].tolist():
+        one = encounters.iloc[chosen[place]]
+        letter, other = ("x", "y") if is_x_only[place] else ("y", "x")
+        row = int(moments[f"missed_row_{other}"].iloc[chosen[place]])
+        rows.append((
+            f"only {letter.upper()}", one["recording"], one["track"],
+            f"{time_s[row]:.2f}" if row >= 0 else UNDEFINED, f"{missed_s[place]:.2f}",
+            one["n_relevant"], f"{one['peak_height']:.0f}",
+            number(one["coverage_x"], ".0%"), number(one["coverage_y"], ".0%"),
+            str(one[f"miss_class_{other}"]).replace("_", " "),
+        ))  # fmt: skip
+    head = ("Detected by", "Recording", "Pedestrian", "Missed from (s)", "Weighted missed time (s)",
+            "Relevant frames", "Height (px)", "Coverage X", "Coverage Y",
+            "The other's failure")  # fmt: skip
+    title = f"{count_text(len(chosen), 'encounter')} that only one system detects"
+    left_out = len(chosen) - len(rows)
+    note = f"The gravest {len(rows):,} are shown, {left_out:,} are left out." if left_out else ""
+    shown = table(title, head, rows, right=range(3, 9), note=note)
     return Section("only-one", "Encounters that only one detects", words.ONLY_ONE, (shown,))
+
+
+def _missed_weighted_s(result: Result, system: SystemResult) -> np.ndarray:
+    """Time in which a system misses each encounter, times weight of nearness, s; shape (n,)."""
+    encounters, frames = result.encounters, result.dataset.frame_columns
+    rows, at = encounters.order, encounters.frame_index
+    of = np.repeat(np.arange(len(encounters)), np.diff(encounters.offsets))
+    step_s = frames.gap[at] / frames.fps[frames.recording[at]]
+    is_missed = ~system.matches.is_matched[rows] & (result.k_truth.k[rows] >= RELEVANT_K)
+    weights = np.where(is_missed, result.k_truth.k[rows] * step_s, 0.0)
+    return np.bincount(of, weights=weights, minlength=len(encounters))

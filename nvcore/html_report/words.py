@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from nvcore.box_states import RELEVANT_K
 from nvcore.html_report.blocks import Intro
+from nvcore.html_report.frames import APART_S, MOST
 from nvcore.kernels import ABSORB_SHARE
 from nvcore.linking import LINK_GAP, LINK_IOU
-from nvcore.params import Params
+from nvcore.params import MIDPOINT_SHARE, SPREAD_SHARE, Params
 
 
 def reading(params: Params) -> tuple[str, ...]:
@@ -44,6 +45,23 @@ VERDICT = Intro(
 )
 
 
+SHORT_ENCOUNTERS = (
+    "Caution: most encounters here are one frame long, as sampled or unlinked annotation makes "
+    "them. They are frames rather than persons: shares of encounters are shares of frames, and "
+    "late, dropout, lead time and saliency mean little."
+)
+SHORT_TESTS = (
+    "Caution: most encounters here are one frame long, so one person may stand in many of them. "
+    "Tests of single encounters would take them as independent and be far too sure, so they are "
+    "not given, and intervals of shares of encounters are too narrow. Go by the figures by "
+    "recordings or blocks of time."
+)
+NO_PICTURES = (
+    "There are no pictures of these frames: the boxes are drawn on an empty ground of the "
+    "picture's size."
+)
+
+
 def _percent(share: float) -> str:
     return f"{100 * share:.4g} %"
 
@@ -78,8 +96,14 @@ def who(params: Params) -> Intro:
     )
 
 
-def similarity(params: Params) -> Intro:
-    """Introduction of similarity."""
+def similarity(params: Params, midpoint: str, spread: str) -> Intro:
+    """Introduction of similarity.
+
+    Parameters
+    ----------
+    midpoint, spread
+        The values in use, px.
+    """
     a = params.alpha
     weights = {
         "height": "1 / (1 + exp(-(height of the box - midpoint) / spread))",
@@ -88,6 +112,17 @@ def similarity(params: Params) -> Intro:
         "where the distance is unknown",
         "none": "1 for everybody",
     }
+    own = [
+        f"{name} {value} px"
+        + ("" if given is not None else f" ({share} of the height of each recording's picture)")
+        for name, value, given, share in (
+            ("midpoint", midpoint, params.midpoint, _percent(MIDPOINT_SHARE)),
+            ("spread", spread, params.spread, _percent(SPREAD_SHARE)),
+        )
+    ]
+    if params.proximity == "distance":
+        own.insert(0, f"midpoint_m {params.midpoint_m:g} m, spread_m {params.spread_m:g} m")
+    here = "" if params.proximity == "none" else f", here with {' and '.join(own)}"
     return Intro(
         what="How near what a system shows is to what is there, for each frame: 1 means that the "
         "detections fit the pedestrians.",
@@ -97,10 +132,11 @@ def similarity(params: Params) -> Intro:
         "detection that is farthest from any pedestrian. Similarity is 1 - "
         f"({a:g} × D(truth, system) + {1 - a:.4g} × D(system, truth)) / (half the picture's "
         "width). "
-        f"The weight of nearness is {weights[params.proximity]}. The border is the nearer edge of "
-        "the picture (edge_weight 0, urban), half the picture's width away (1, rural), or between; "
-        f"here {params.edge_weight:g}. A low interval is a run of frames with a similarity below "
-        f"{params.low:g}; its severity is the sum of how far below, times the time step.",
+        f"The weight of nearness is {weights[params.proximity]}{here}. The border is the nearer "
+        "edge of the picture (edge_weight 0, urban), half the picture's width away (1, rural), or "
+        f"between; here {params.edge_weight:g}. A low interval is a run of frames with a "
+        f"similarity below {params.low:g}; its severity is the sum of how far below, times the "
+        "time step.",
         best="1; the mean over all frames of all recordings is compared.",
         limits="Only the worst pedestrian and the worst false alarm of a frame count, not how "
         "many there are.",
@@ -146,15 +182,22 @@ SIGNIFICANCE = Intro(
 )
 
 SUBGROUPS = Intro(
-    what="Who detects more encounters, for some of them: near or far, in the middle or at the "
+    what="The same figures for some of the encounters: near or far, in the centre or at the "
     "edge of the picture, occluded, in an unusual pose, by tags of the recordings.",
-    how="The share of encounters that X detects less the share that Y detects, with Newcombe's "
-    "95 % interval for paired shares, and the exact McNemar test, corrected by Holm for all "
-    "groups. Near means twice as high in the picture as a pedestrian who counts half; middle "
-    "means the middle half of the picture's width; an unusual pose is one standard deviation or "
-    "more from the mean ratio of height to width.",
-    best="Right of 0 X detects more, left of it Y.",
-    limits="Groups overlap, and small groups show little: look at the counts.",
+    how="The plot has the share of encounters that X detects less the share that Y detects, with "
+    "Newcombe's 95 % interval for paired shares and the exact McNemar test. The other figures are "
+    "judged as in the section before: for a tag from the recordings that have it; for a group of "
+    "pedestrians saliency from the events of these pedestrians, as the mean over the recordings "
+    "that have any, and the log-average miss rate with all other pedestrians ignored. p (Holm) is "
+    "corrected for all groups of one figure. Only encounters that count are in a group; among them "
+    "near means at least twice as high in the picture as a pedestrian who counts half, far lower "
+    "than that (distant encounters, which do not count, are not meant). Centre means the middle "
+    "half of the picture's width; an unusual pose is one standard deviation or more from the mean "
+    "ratio of height to width.",
+    best="In the plot: right of 0 X detects more, left of it Y.",
+    limits="A frame's similarity and a false alert belong to no single pedestrian: these figures "
+    "are there for all and by tags only. Groups overlap, and small groups show little: look at "
+    "the counts.",
 )
 
 DETECTION = Intro(
@@ -173,15 +216,15 @@ DETECTION = Intro(
 )
 
 STABILITY = Intro(
-    what="Whether the verdict by mean similarity depends on two settings that the analyst "
-    "chooses: alpha, which weighs misses against false alarms, and the midpoint, the height (or "
-    "distance) at which a pedestrian counts half.",
-    how="The comparison is made at every setting of the map. Blue: X has the higher mean "
-    "similarity there, orange: Y; the line is where it turns, the dotted frame the range that is "
-    "plausible.",
-    best="A verdict that holds in the whole frame.",
-    limits="Other settings stay as they are, and it is about these data: whether a difference is "
-    "more than chance is another question.",
+    what="Whether the verdict depends on settings that the analyst chooses: alpha, which weighs "
+    "misses against false alarms; the midpoint, the height (or distance) at which a pedestrian "
+    "counts half; the score thresholds; the matching rule; the traffic context (edge weight).",
+    how="The comparison is made at every pair of settings of a map, all else as analysed. The "
+    "table says in which share of the plausible range the verdict holds. One map is drawn: blue "
+    "where X is better, orange where Y is; the line is where it turns, the dotted frame the range "
+    "that is plausible.",
+    best="A verdict that holds in all of the plausible range of every setting.",
+    limits="It is about these data: a verdict that holds at all settings may still be chance.",
 )
 
 FALSE_ALERTS = Intro(
@@ -200,18 +243,25 @@ EVIDENCE = Intro(
     "moments of each system.",
     how="Of such an encounter the frame is shown in which the similarities of the two systems "
     "differ most while one matches the pedestrian and the other does not, and those encounters in "
-    "which they differ most; of a low interval the frame with the lowest similarity. Truth: thin "
-    "white; X: solid blue; Y: dashed orange. A missed pedestrian has corners and a letter in the "
-    "colour of the system that misses them; a false alarm is crossed out. The white ellipse is "
-    "around the pedestrian whom the text is about. Numbers are track ids and scores.",
-    limits="A dozen frames at most, chosen by rule: they show what happens, not how often.",
+    "which they differ most; of a low interval the frame with the lowest similarity; of a time in "
+    "which one system is clearly better the frame with the largest difference. Frames of one "
+    f"recording within {APART_S:g} s are one scene and shown once for each system. Truth: thin "
+    "white (dark where there is no picture); X: solid blue; Y: dashed orange. A missed pedestrian "
+    "has corners and a letter in the colour of the system that misses them; a triangle "
+    "\N{BLACK DOWN-POINTING TRIANGLE} beside the letter marks the miss that stands out most in "
+    "this frame. A false alarm is crossed out. The ellipse is around the pedestrian or the false "
+    "alarm that the text is about. Numbers are track ids (like the truth) and scores (like their "
+    "system), as far as there is room. Dotted boxes are ignored.",
+    limits=f"{MOST} frames at most, chosen by rule: they show what happens, not how often.",
 )
 
 ONLY_ONE = Intro(
     what="Every encounter that one system detects and the other does not: what tells the two "
-    "apart.",
-    how="Coverage is the share of relevant frames in which the pedestrian is matched. The time is "
-    "that of the first relevant frame in which the system that does not detect them misses them.",
+    "apart. The gravest come first.",
+    how="Sorted by weighted missed time: the time in which the other system misses the pedestrian, "
+    "each frame multiplied by its weight of nearness. Coverage is the share of relevant frames in "
+    "which the pedestrian is matched. Missed from is the time of the first relevant frame in "
+    "which the other system misses them.",
 )
 
 AUDIT = Intro(

@@ -106,29 +106,38 @@ def annotate(
     """`annotated_frame` where the index of the picture is known, -1 none."""
     frames = result.dataset.frame_columns
     recording = frames.recording[row]
-    picture, trouble = _picture(pictures, index, lo, hi)
-    boxes = unpack_boxes(pack_boxes(result, row, row + 1))
-    drawn = {
-        name: _boxes_of(boxes, source, labels=labels) if name in layers else None
-        for name, source in zip(LAYERS, (SOURCE_TRUTH, SOURCE_X, SOURCE_Y), strict=True)
-    }
+    picture, trouble = frame_picture(pictures, index, lo, hi)
+    drawn = frame_boxes(result, row, layers=layers, labels=labels)
     canvas = draw_boxes(
-        picture, float(frames.width[recording]), float(frames.height[recording]), **drawn
-    )
+        picture, float(frames.width[recording]), float(frames.height[recording]),
+        truth=drawn["truth"], x=drawn["x"], y=drawn["y"],
+    )  # fmt: skip
     if picture is None:
         put_text(canvas, trouble, (12, 24), 0.45, _DIM_RGB)
     return np.concatenate([canvas, _caption(result, row, canvas.shape[1])]) if caption else canvas
 
 
-def _picture(
+def frame_picture(
     pictures: Pictures | None, index: int, lo: float, hi: float
 ) -> tuple[Picture | None, str]:
+    """The picture of an index in 8 bit, or None and why there is none."""
     if pictures is None or index < 0:
         return None, "no picture for this frame"
     try:
         return stretch(pictures.read(index), lo, hi), ""
     except MediaError:
         return None, "the picture of this frame cannot be decoded"
+
+
+def frame_boxes(
+    result: Result, row: int, *, layers: Sequence[str] = LAYERS, labels: bool = False
+) -> dict[str, DrawnBoxes | None]:
+    """What to draw of truth, X and Y in a frame by name of layer; None: not asked for."""
+    boxes = unpack_boxes(pack_boxes(result, row, row + 1))
+    return {
+        name: _boxes_of(boxes, source, labels=labels) if name in layers else None
+        for name, source in zip(LAYERS, (SOURCE_TRUTH, SOURCE_X, SOURCE_Y), strict=True)
+    }
 
 
 def _boxes_of(boxes: PackedBoxes, source: int, *, labels: bool) -> DrawnBoxes:

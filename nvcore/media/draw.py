@@ -38,9 +38,36 @@ Y_RGB: Final = rgb(Y_COLOUR["dark"])
 TRUTH_RGB: Final = rgb(TRUTH_COLOUR["dark"])
 BLANK_RGB: Final[Colour] = (16, 19, 24)
 
+
+@dataclass(frozen=True)
+class Inks:
+    """Colours of X, Y and the truth, and of the ground of labels and of frames without picture."""
+
+    x: Colour
+    y: Colour
+    truth: Colour
+    ground: Colour
+
+    @property
+    def contrast(self) -> Colour:
+        """White on a dark ground, black on a light one."""
+        return (255, 255, 255) if sum(self.ground) < 3 * 128 else (0, 0, 0)
+
+
+ON_DARK: Final = Inks(X_RGB, Y_RGB, TRUTH_RGB, BLANK_RGB)
+"""For pictures."""
+ON_LIGHT: Final = Inks(
+    rgb(X_COLOUR["light"]), rgb(Y_COLOUR["light"]), rgb(TRUTH_COLOUR["light"]), (244, 246, 248)
+)
+"""For paper: frames without picture."""
+
 _MIN_WIDTH: Final = 960
 _MAX_WIDTH: Final = 1920
 _SHIFT: Final = 4  # cv2 takes coordinates in 1/16 px
+_PLATE: Final = 0.8
+"""Opacity of the ground of a label."""
+_TINT: Final = 0.6
+"""Share of its system's colour in the text of a label; the rest is contrast to the ground."""
 _FONT: Final = cv2.FONT_HERSHEY_SIMPLEX
 
 
@@ -78,8 +105,10 @@ def draw_boxes(
     truth: DrawnBoxes | None = None,
     x: DrawnBoxes | None = None,
     y: DrawnBoxes | None = None,
+    inks: Inks = ON_DARK,
+    unit: int | None = None,
 ) -> Canvas:
-    """The picture with boxes; None: the boxes on a dark blank.
+    """The picture with boxes; None: the boxes on a blank.
 
     Parameters
     ----------
@@ -89,6 +118,11 @@ def draw_boxes(
         The recording's size, px.
     truth, x, y
         What to draw; None: not this source.
+    inks
+        The colours.
+    unit
+        Thickness of thin lines, px of the canvas; labels are ten times as high. None: for a
+        canvas that is shown as wide as it is.
 
     Returns
     -------
@@ -96,21 +130,21 @@ def draw_boxes(
         RGB, uint8, of `canvas_size`.
     """
     size = canvas_size(width, height)
-    canvas = _background(picture, size)
+    canvas = _background(picture, size, inks)
     scale = np.array([size[0] / width, size[1] / height] * 2)
-    unit = max(1, round(size[0] / 960))
-    for boxes, colour, is_dashed in ((x, X_RGB, False), (y, Y_RGB, True)):
+    unit = max(1, round(size[0] / 960)) if unit is None else unit
+    for boxes, colour, is_dashed in ((x, inks.x, False), (y, inks.y, True)):
         if boxes is not None:
             _draw_detections(canvas, boxes, scale, colour, is_dashed=is_dashed, unit=unit)
     if truth is not None:
-        _draw_truth(canvas, truth, scale, unit)
-    _draw_labels(canvas, truth or DrawnBoxes(), x, y, scale, unit)
+        _draw_truth(canvas, truth, scale, unit, inks)
+    _draw_labels(canvas, truth or DrawnBoxes(), x, y, scale, unit, inks)
     return canvas
 
 
-def _background(picture: Picture | None, size: tuple[int, int]) -> Canvas:
+def _background(picture: Picture | None, size: tuple[int, int], inks: Inks) -> Canvas:
     if picture is None:
-        return np.full((size[1], size[0], 3), BLANK_RGB, np.uint8)
+        return np.full((size[1], size[0], 3), inks.ground, np.uint8)
     if picture.ndim == 2:
         picture = cv2.cvtColor(picture, cv2.COLOR_GRAY2RGB)
     if picture.shape[1::-1] == size:
@@ -147,22 +181,24 @@ def _draw_detections(
                       colour, unit)  # fmt: skip
 
 
-def _draw_truth(canvas: Canvas, boxes: DrawnBoxes, scale: NDArray[np.float64], unit: int) -> None:
+def _draw_truth(
+    canvas: Canvas, boxes: DrawnBoxes, scale: NDArray[np.float64], unit: int, inks: Inks
+) -> None:
     # a loop over the boxes of one frame
     for number, box in enumerate(_corners(canvas, boxes.xywh, scale)):
         state = int(boxes.state[number])
         dash = 2.0 * unit if state & BIT_IGNORE else None
-        _draw_rectangle(canvas, box, TRUTH_RGB, unit, dash)
+        _draw_rectangle(canvas, box, inks.truth, unit, dash)
         if not state & BIT_IGNORE:
-            _mark_miss(canvas, box, state, unit)
+            _mark_miss(canvas, box, state, unit, inks)
 
 
-def _mark_miss(canvas: Canvas, box: Box, state: int, unit: int) -> None:
+def _mark_miss(canvas: Canvas, box: Box, state: int, unit: int, inks: Inks) -> None:
     is_missed = (not state & BIT_MATCHED_X, not state & BIT_MATCHED_Y)
     if not any(is_missed):
         return
-    left_colour = X_RGB if is_missed[0] else Y_RGB
-    right_colour = Y_RGB if is_missed[1] else X_RGB
+    left_colour = inks.x if is_missed[0] else inks.y
+    right_colour = inks.y if is_missed[1] else inks.x
     gap = 4.0 * unit
     left, top, right, bottom = box[0] - gap, box[1] - gap, box[2] + gap, box[3] + gap
     arm_x, arm_y = max(4.0 * unit, (right - left) / 3), max(4.0 * unit, (bottom - top) / 5)
@@ -176,7 +212,7 @@ def _mark_miss(canvas: Canvas, box: Box, state: int, unit: int) -> None:
 
 def _draw_labels(
     canvas: Canvas, truth: DrawnBoxes, x: DrawnBoxes | None, y: DrawnBoxes | None,
-    scale: NDArray[np.float64], unit: int,
+    scale: NDArray[np.float64], unit: int, inks: Inks,
 ) -> None:  # fmt: skip
     """Tags of the missed pedestrians, the tallest first; then what else finds room."""
     boxes = _corners(canvas, truth.xywh, scale)
@@ -190,14 +226,16 @@ def _draw_labels(
     }  # fmt: skip
     room = LabelRoom(width, height, list(missed.values()))
     for i in sorted(missed, key=lambda i: missed[i][1] - missed[i][3]):
-        _draw_tag(canvas, room, missed[i], int(truth.state[i]), texts[i], unit)
-    for found, colour, is_upper in ((x, X_RGB, True), (y, Y_RGB, False)):
+        _draw_tag(canvas, room, missed[i], int(truth.state[i]), texts[i], unit, inks)
+    for found, colour, is_upper in ((x, inks.x, True), (y, inks.y, False)):
         if found is not None and found.labels:
             for text, box in zip(found.labels, _corners(canvas, found.xywh, scale), strict=True):
-                _draw_label(canvas, room, text, box, colour, unit, is_left=True, is_upper=is_upper)
+                _draw_label(canvas, room, text, box, colour, unit, inks, is_left=True,
+                            is_upper=is_upper)  # fmt: skip
     for i, (text, box) in enumerate(zip(texts, boxes, strict=True)):
         if i not in missed:
-            _draw_label(canvas, room, text, box, TRUTH_RGB, unit, is_left=False, is_upper=False)
+            _draw_label(canvas, room, text, box, inks.truth, unit, inks, is_left=False,
+                        is_upper=False)  # fmt: skip
 
 
 def _is_tagged(state: int) -> bool:
@@ -206,12 +244,15 @@ def _is_tagged(state: int) -> bool:
     return bool(state & BIT_RELEVANT) and not state & BIT_IGNORE and state & both != both
 
 
-def _draw_tag(canvas: Canvas, room: LabelRoom, box: Box, state: int, text: str, unit: int) -> None:
+def _draw_tag(
+    canvas: Canvas, room: LabelRoom, box: Box, state: int, text: str, unit: int, inks: Inks
+) -> None:
     """A filled field for each system that misses, and the label."""
     marks = [
         (letter, colour, bool(state & salient))
         for letter, colour, matched, salient in (
-            ("X", X_RGB, BIT_MATCHED_X, BIT_SALIENT_X), ("Y", Y_RGB, BIT_MATCHED_Y, BIT_SALIENT_Y),
+            ("X", inks.x, BIT_MATCHED_X, BIT_SALIENT_X),
+            ("Y", inks.y, BIT_MATCHED_Y, BIT_SALIENT_Y),
         ) if not state & matched
     ]  # fmt: skip
     size = 0.4 * unit
@@ -222,14 +263,16 @@ def _draw_tag(canvas: Canvas, room: LabelRoom, box: Box, state: int, text: str, 
     at, top, _, _ = room.must_take(extent, tag_places(box, extent))
     base = top + 12 * unit
     for letter, colour, is_salient in marks:
-        _draw_chip(canvas, at, base, letter, colour, is_salient, unit)
+        _draw_chip(canvas, at, base, letter, colour, is_salient, unit, inks)
         at += _chip_width(is_salient, unit) + 2 * unit
     if text:
-        put_text(canvas, text, (at, base), size, TRUTH_RGB, outline=True)
+        end = at + text_width(text, size) + unit
+        _draw_plate(canvas, (at - unit, top, end, top + extent[1]), inks)
+        put_text(canvas, text, (at, base), size, inks.truth)
 
 
 def _draw_label(
-    canvas: Canvas, room: LabelRoom, text: str, box: Box, colour: Colour, unit: int,
+    canvas: Canvas, room: LabelRoom, text: str, box: Box, colour: Colour, unit: int, inks: Inks,
     *, is_left: bool, is_upper: bool,
 ) -> None:  # fmt: skip
     """A text beside its box, else above or below it, else not at all."""
@@ -247,7 +290,21 @@ def _draw_label(
     ]  # fmt: skip
     taken = room.take((width, height), places)
     if taken is not None:
-        put_text(canvas, text, (taken[0], taken[1] + 10 * unit), size, colour, outline=True)
+        _draw_plate(canvas, taken, inks)
+        stronger = np.round(_TINT * np.array(colour) + (1 - _TINT) * np.array(inks.contrast))
+        put_text(canvas, text, (taken[0], taken[1] + 10 * unit), size, _colour(stronger))
+
+
+def _colour(rgb_values: NDArray[np.float64]) -> Colour:
+    red, green, blue = (int(value) for value in rgb_values)
+    return red, green, blue
+
+
+def _draw_plate(canvas: Canvas, box: Box, inks: Inks) -> None:
+    """The ground of a label, so that it can be read on any picture."""
+    left, top, right, bottom = (max(0, round(edge)) for edge in box)
+    behind = canvas[top:bottom, left:right]
+    behind[:] = np.round((1 - _PLATE) * behind + _PLATE * np.array(inks.ground))
 
 
 def _chip_width(is_salient: bool, unit: int) -> int:
@@ -256,17 +313,17 @@ def _chip_width(is_salient: bool, unit: int) -> int:
 
 def _draw_chip(
     canvas: Canvas, left: float, base: float, letter: str, colour: Colour, is_salient: bool,
-    unit: int,
+    unit: int, inks: Inks,
 ) -> None:  # fmt: skip
     """A filled field with the letter (and a triangle, if most salient)."""
     left_px, base_px = round(left), round(base)
     right_px = left_px + _chip_width(is_salient, unit)
     cv2.rectangle(canvas, (left_px, base_px - 12 * unit), (right_px, base_px + 3 * unit),
                   colour, -1)  # fmt: skip
-    put_text(canvas, letter, (left_px + 3 * unit, base_px), 0.42 * unit, BLANK_RGB)
+    put_text(canvas, letter, (left_px + 3 * unit, base_px), 0.42 * unit, inks.ground)
     if is_salient:
         tip = np.array([[15, -8], [23, -8], [19, -1]]) * unit + [left_px, base_px]
-        cv2.fillPoly(canvas, [tip.astype(np.int32)], BLANK_RGB, cv2.LINE_AA)
+        cv2.fillPoly(canvas, [tip.astype(np.int32)], inks.ground, cv2.LINE_AA)
 
 
 def _draw_rectangle(
@@ -301,14 +358,11 @@ def _line(
 
 
 def put_text(
-    canvas: Canvas, text: str, at: tuple[float, float], size: float, colour: Colour,
-    *, outline: bool = False,
-) -> None:  # fmt: skip
+    canvas: Canvas, text: str, at: tuple[float, float], size: float, colour: Colour
+) -> None:
     """One line of text, its base line starting at `at`; signs that the font lacks as `?`."""
     shown, place = drawable(text), (round(at[0]), round(at[1]))
     thickness = 2 if size > 0.75 else 1
-    if outline:
-        cv2.putText(canvas, shown, place, _FONT, size, BLANK_RGB, thickness + 2, cv2.LINE_AA)
     cv2.putText(canvas, shown, place, _FONT, size, colour, thickness, cv2.LINE_AA)
 
 

@@ -13,6 +13,10 @@ from scipy import stats
 CLIP: Final = ["clip", "system"]
 LEAST_CLIPS: Final = 3
 """Two participants, or a participant and the others, are compared over at least so many clips."""
+LEAST_FOR_OUTLIERS: Final = 4
+"""With fewer participants nobody can say who of them goes another way."""
+CHANCE: Final = 0.05
+"""Agreement with a p-value below it is more than chance."""
 N_PERMUTATIONS: Final = 2_000
 SEED: Final = 20_110_360
 BATCH_CELLS: Final = 2_000_000
@@ -38,7 +42,8 @@ class Agreement:
         Where `w` and `p` are from, or why there are none, in words.
     participants
         Per participant: ``participant``, ``n_rated``, ``agreement`` (Spearman's correlation with
-        the mean rank that the others give; NaN: too few clips) and ``is_outlier``.
+        the mean rank that the others give; NaN: too few clips) and ``is_outlier``, which nobody
+        is where `knows_outliers` is false.
     """
 
     n_participants: int
@@ -48,6 +53,16 @@ class Agreement:
     p: float
     method: str
     participants: pd.DataFrame
+
+    @property
+    def is_more_than_chance(self) -> bool:
+        """Whether the participants agree more than ranks by chance would."""
+        return bool(self.p < CHANCE)
+
+    @property
+    def knows_outliers(self) -> bool:
+        """Whether there are enough participants, and an agreement that somebody may leave."""
+        return self.n_participants >= LEAST_FOR_OUTLIERS and self.is_more_than_chance
 
 
 def rank_ratings(ratings: pd.DataFrame) -> pd.DataFrame:
@@ -86,7 +101,10 @@ def measure_agreement(ranks: pd.DataFrame) -> Agreement:
     m, n = values.shape
     missing = int(np.isnan(values).sum())
     w, p, method = _concordance(values)
-    return Agreement(m, n, missing, w, p, method, _participants(ranks))
+    found = Agreement(m, n, missing, w, p, method, _participants(ranks))
+    if not found.knows_outliers:
+        found.participants["is_outlier"] = False
+    return found
 
 
 def _concordance(values: np.ndarray) -> tuple[float, float, str]:

@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 
 from nvcore.analysis import Result, analyse
+from nvcore.bootstrap import CONFIDENCE, MIN_UNITS, N_RESAMPLES, SEED, count_units
 from nvcore.errors import InputError
 from nvcore.params import MIDPOINT_SHARE, SPREAD_SHARE, Aggregate, Params
 from nvcore.saliency import recency_weight
@@ -46,6 +47,14 @@ class Fit:
         The same of the pairs that it was fitted to. Too good by construction: no result.
     n_pairs, n_clips, n_settings
         Pairs of clips with different mean ranks, clips, combinations of parameters tried.
+    low, high
+        95 % interval of `share_fitted`, from resampling the recordings; NaN: `reason` says why.
+    gain_low, gain_high
+        The same of ``share_fitted - share_default``, what the fit gains.
+    n_recordings
+        Recordings that were resampled.
+    reason
+        Why there is no interval; else empty.
     """
 
     params: Params
@@ -56,6 +65,12 @@ class Fit:
     n_pairs: int
     n_clips: int
     n_settings: int
+    low: float
+    high: float
+    gain_low: float
+    gain_high: float
+    n_recordings: int
+    reason: str
 
 
 def fit_saliency(
@@ -78,6 +93,13 @@ def fit_saliency(
         Of `nvcore.ratings.validation.join_clips`.
     progress
         Called with sigmoids and tolerances done, and their number.
+
+    Notes
+    -----
+    The intervals are percentiles of 10,000 resamples of the recordings, with their clips. Each
+    pair keeps the setting that judged it: they say how much the share depends on the recordings
+    rated, not how a fit to others would have come out. A clip and its copy in a resample are no
+    pair.
 
     Raises
     ------
@@ -109,6 +131,9 @@ def fit_saliency(
     total = agreement.sum(axis=(1, 2))
     best = int(total.argmax())
     n_pairs = int(np.count_nonzero(wanted))
+    judged = _left_out(agreement, recording)
+    start, counted = (_by_recording(one, recording) for one in (agreement[0], np.abs(wanted)))
+    (low, high), (gain_low, gain_high), reason = _intervals(judged, start, counted)
     changed = {
         name: getattr(tried[best], name)
         for name in ("tolerance", "recency_midpoint", "recency_spread", "saliency_aggregate",
@@ -119,11 +144,17 @@ def fit_saliency(
         params=tried[best],
         changed=changed,
         share_default=_share(total[0], n_pairs),
-        share_fitted=_share(_left_out(agreement, recording), n_pairs),
+        share_fitted=_share(judged.sum(), n_pairs),
         share_training=_share(total[best], n_pairs),
         n_pairs=n_pairs // 2,
         n_clips=len(clips),
         n_settings=len(tried),
+        low=low,
+        high=high,
+        gain_low=gain_low,
+        gain_high=gain_high,
+        n_recordings=len(judged),
+        reason=reason,
     )
 
 
@@ -190,11 +221,17 @@ def _agreement(saliency: np.ndarray, wanted: np.ndarray) -> np.ndarray:
     return ordered
 
 
-def _left_out(agreement: np.ndarray, recording: np.ndarray) -> float:
-    """Sum of agreement, each pair by the setting that is best without its two recordings."""
+def _by_recording(pairs: np.ndarray, recording: np.ndarray) -> np.ndarray:
+    """Sums over the pairs of clips of each two recordings; float64, (recordings, recordings)."""
+    member = (recording[:, None] == np.arange(recording.max() + 1)).astype(np.float64)
+    sums: np.ndarray = member.T @ pairs @ member
+    return sums
+
+
+def _left_out(agreement: np.ndarray, recording: np.ndarray) -> np.ndarray:
+    """Agreement of each two recordings, by the setting that is best without the two."""
     n = int(recording.max()) + 1
-    member = (recording[:, None] == np.arange(n)).astype(np.float64)
-    blocks = np.array([member.T @ one @ member for one in agreement])
+    blocks = np.array([_by_recording(one, recording) for one in agreement])
     total, row = blocks.sum(axis=(1, 2)), blocks.sum(axis=2)
     own = np.einsum("saa->sa", blocks)
     outside = 2 * row - own  # what leaves with a recording: its row, its column, once itself
@@ -203,10 +240,40 @@ def _left_out(agreement: np.ndarray, recording: np.ndarray) -> float:
         left = total[:, None] - outside[:, [one]] - outside + 2 * blocks[:, one, :]
         left[:, one] = total - outside[:, one]
         best[one] = left.argmax(axis=0)
-    chosen = np.take_along_axis(blocks, best[None], axis=0)[0]
-    return float(chosen.sum())
+    chosen: np.ndarray = np.take_along_axis(blocks, best[None], axis=0)[0]
+    return chosen
 
 
-def _share(agreement: float, n_pairs: int) -> float:
+def _intervals(
+    fitted: np.ndarray, start: np.ndarray, counted: np.ndarray
+) -> tuple[tuple[float, float], tuple[float, float], str]:
+    """Intervals of the fit's share and of its gain, and why there are none.
+
+    Parameters
+    ----------
+    fitted, start, counted
+        Agreement by the fits and by the settings in use, and number, of the pairs of clips of each
+        two recordings; float64, (n, n).
+    """
+    n, none = len(counted), (np.nan, np.nan)
+    if n < MIN_UNITS:
+        return none, none, f"an interval needs {MIN_UNITS} recordings; there are {n}"
+    rng = np.random.default_rng(SEED)
+    weight = count_units(rng.integers(0, n, (N_RESAMPLES, n)), n)
+
+    def resampled(sums: np.ndarray) -> np.ndarray:
+        own = np.diag(sums)
+        across = ((weight @ (sums - np.diag(own))) * weight).sum(axis=1)
+        total: np.ndarray = across + weight @ own
+        return total
+
+    with np.errstate(invalid="ignore", divide="ignore"):
+        share, before = (0.5 + 0.5 * resampled(one) / resampled(counted) for one in (fitted, start))
+    ends = [50 * (1 - CONFIDENCE), 50 * (1 + CONFIDENCE)]
+    found, gain = (tuple(np.nanpercentile(one, ends).tolist()) for one in (share, share - before))
+    return found, gain, ""
+
+
+def _share(agreement: float | np.floating, n_pairs: int) -> float:
     """Share of pairs in the wanted order, from agreement of -1..1 in sum."""
     return 0.5 + 0.5 * float(agreement) / n_pairs

@@ -15,6 +15,7 @@ import pandas as pd
 
 from nvcore.errors import InputError
 from nvcore.ratings.order import counterbalanced
+from nvcore.ratings.reading import folded
 
 MOST_NAME: Final = 64
 MOST_CLIPS: Final = 500
@@ -30,9 +31,21 @@ CREATE TABLE IF NOT EXISTS participant (
     PRIMARY KEY (study, name), UNIQUE (study, number));
 CREATE TABLE IF NOT EXISTS rating (
     study TEXT NOT NULL, participant TEXT NOT NULL, clip INTEGER NOT NULL, rating INTEGER NOT NULL,
-    rated_at TEXT NOT NULL DEFAULT CURRENT_TIMESTAMP,
+    rated_at TEXT NOT NULL DEFAULT CURRENT_TIMESTAMP, n_plays INTEGER, first_rating INTEGER,
     PRIMARY KEY (study, participant, clip),
     FOREIGN KEY (study, participant) REFERENCES participant (study, name));
+"""
+
+ADDED: Final = ("n_plays", "first_rating")
+"""Columns of ratings that files of earlier versions have not."""
+RATE: Final = """
+INSERT INTO rating (study, participant, clip, rating, n_plays) VALUES (?, ?, ?, ?, ?)
+ON CONFLICT (study, participant, clip) DO UPDATE SET
+    first_rating = CASE WHEN rating.rating = excluded.rating THEN rating.first_rating
+        ELSE COALESCE(rating.first_rating, rating.rating) END,
+    n_plays = CASE WHEN excluded.n_plays IS NULL THEN rating.n_plays
+        ELSE COALESCE(rating.n_plays, 0) + excluded.n_plays END,
+    rating = excluded.rating, rated_at = CURRENT_TIMESTAMP
 """
 
 
@@ -95,6 +108,7 @@ class RatingStore:
             ) from error
         with self._connect() as base:
             base.executescript(TABLES)
+            _add_columns(base)
 
     @contextmanager
     def _connect(self) -> Iterator[sqlite3.Connection]:
@@ -167,6 +181,8 @@ class RatingStore:
     def order(self, study: Study, participant: str) -> list[int]:
         """Clips in this participant's own order; a new participant gets the next free one.
 
+        Names that differ in capitals or spaces only are one participant, here and in every call.
+
         Raises
         ------
         InputError
@@ -176,13 +192,17 @@ class RatingStore:
         if not 0 < len(name) <= MOST_NAME:
             raise InputError(f"a participant's name or code has 1 to {MOST_NAME} characters")
         with self._connect() as base:
-            base.execute(
-                "INSERT OR IGNORE INTO participant SELECT ?, ?, COUNT(*) FROM participant "
-                "WHERE study = ?",
-                (study.token, name, study.token),
-            )
+            base.execute("BEGIN IMMEDIATE")  # nobody else joins between the two
+            known = _spelling(base, study, name)
+            if known is None:
+                base.execute(
+                    "INSERT INTO participant SELECT ?, ?, COUNT(*) FROM participant "
+                    "WHERE study = ?",
+                    (study.token, name, study.token),
+                )
             (number,) = base.execute(
-                "SELECT number FROM participant WHERE study = ? AND name = ?", (study.token, name)
+                "SELECT number FROM participant WHERE study = ? AND name = ?",
+                (study.token, known or name),
             ).fetchone()
         return [int(clip) for clip in counterbalanced(len(study.clips), number)]
 
@@ -192,12 +212,20 @@ class RatingStore:
             return dict(
                 base.execute(
                     "SELECT clip, rating FROM rating WHERE study = ? AND participant = ?",
-                    (study.token, participant.strip()),
+                    (study.token, _spelling(base, study, participant)),
                 ).fetchall()
             )
 
-    def rate(self, study: Study, participant: str, clip: int, rating: int) -> None:
-        """Keep a rating; a second one of the same clip takes the place of the first.
+    def rate(
+        self, study: Study, participant: str, clip: int, rating: int, *, n_plays: int | None = None
+    ) -> None:
+        """Keep a rating; another one of the same clip takes its place, and the first is told.
+
+        Parameters
+        ----------
+        n_plays
+            How often the clip was played to its end before this rating (again, for another one of
+            the same clip); None: not known.
 
         Raises
         ------
@@ -208,15 +236,11 @@ class RatingStore:
             raise InputError(f"there is no clip {clip + 1}")
         if not study.low <= rating <= study.high:
             raise InputError(f"a rating is {study.low} to {study.high}; given {rating}")
-        try:
-            with self._connect() as base:
-                base.execute(
-                    "INSERT OR REPLACE INTO rating (study, participant, clip, rating) "
-                    "VALUES (?, ?, ?, ?)",
-                    (study.token, participant.strip(), clip, rating),
-                )
-        except sqlite3.IntegrityError as error:
-            raise InputError(f"{participant} has not joined this rating session") from error
+        with self._connect() as base:
+            name = _spelling(base, study, participant)
+            if name is None:
+                raise InputError(f"{participant} has not joined this rating session")
+            base.execute(RATE, (study.token, name, clip, rating, n_plays))
 
     def participants(self, study: Study) -> pd.DataFrame:
         """How far everybody has come: ``participant`` and ``n_rated``, in the order of joining."""
@@ -230,20 +254,56 @@ class RatingStore:
         return pd.DataFrame(rows, columns=["participant", "n_rated"])
 
     def ratings(self, study: Study) -> pd.DataFrame:
-        """All ratings of a study, as `nvcore.ratings.reading.read_ratings` gives them."""
+        """All ratings of a study, as `nvcore.ratings.reading.read_ratings` gives them, and more.
+
+        Returns
+        -------
+        Also ``n_plays``, how often the clip was played to its end (missing: not recorded), and
+        ``first_rating``, what `rating` was before it was changed (missing: it never was); both
+        Int64.
+        """
         with self._connect() as base:
             rows = base.execute(
-                "SELECT participant, clip, rating FROM rating JOIN participant ON "
+                "SELECT participant, clip, rating, n_plays, first_rating FROM rating "
+                "JOIN participant ON "
                 "participant.study = rating.study AND participant.name = rating.participant "
                 "WHERE rating.study = ? ORDER BY number, clip",
                 (study.token,),
             ).fetchall()
-        clips = [study.clips[clip] for _, clip, _ in rows]
+        clips = [study.clips[row[1]] for row in rows]
         return pd.DataFrame(
             {
-                "participant": [name for name, _, _ in rows],
-                "clip": [recording for recording, _ in clips],
-                "system": [system for _, system in clips],
-                "rating": [float(rating) for _, _, rating in rows],
+                "participant": pd.Series([row[0] for row in rows], dtype=str),
+                "clip": pd.Series([recording for recording, _ in clips], dtype=str),
+                "system": pd.Series([system for _, system in clips], dtype=str),
+                "rating": pd.Series([row[2] for row in rows], dtype=float),
+                "n_plays": pd.Series([row[3] for row in rows], dtype="Int64"),
+                "first_rating": pd.Series([row[4] for row in rows], dtype="Int64"),
             }
         )
+
+
+def _add_columns(base: sqlite3.Connection) -> None:
+    """Give the file of an earlier version the columns that it has not."""
+    known = {row[1] for row in base.execute("PRAGMA table_info(rating)")}
+    for column in ADDED:
+        if column not in known:
+            try:
+                base.execute(f"ALTER TABLE rating ADD COLUMN {column} INTEGER")
+            except sqlite3.OperationalError as error:
+                if "duplicate column" not in str(error):  # somebody else has just done it
+                    raise
+
+
+def _spelling(base: sqlite3.Connection, study: Study, participant: str) -> str | None:
+    """A participant's name as it was given first; None: nobody of that name has joined."""
+    names = [
+        name
+        for (name,) in base.execute(
+            "SELECT name FROM participant WHERE study = ? ORDER BY number", (study.token,)
+        )
+    ]
+    if participant.strip() in names:  # files of earlier versions may have two spellings
+        return participant.strip()
+    wanted = folded(participant)
+    return next((name for name in names if folded(name) == wanted), None)

@@ -74,6 +74,41 @@ def clip_saliency(result: Result) -> pd.DataFrame:
     return pd.concat(parts, ignore_index=True)
 
 
+def split_known(
+    ratings: pd.DataFrame, saliency: pd.DataFrame, *, system: str = ""
+) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """The ratings of clips of this comparison, and those of others, which belong in no figure.
+
+    Parameters
+    ----------
+    ratings
+        Of `nvcore.ratings.reading.read_ratings`.
+    saliency
+        Of `clip_saliency`.
+    system
+        Whose boxes the clips showed, where the ratings do not say; it is filled in.
+
+    Raises
+    ------
+    InputError
+        If no rated clip is a recording of this comparison.
+    """
+    said = ratings.assign(system=ratings["system"].where(ratings["system"] != "", system))
+    clips = pd.MultiIndex.from_frame(saliency[["clip", "system"]])
+    is_known = pd.MultiIndex.from_frame(said[["clip", "system"]]).isin(clips)
+    if not is_known.any():
+        raise _none_known(said["clip"])
+    return said[is_known].reset_index(drop=True), said[~is_known].reset_index(drop=True)
+
+
+def _none_known(clips: pd.Series) -> InputError:
+    shown = ", ".join(clips.drop_duplicates().head(3))
+    return InputError(
+        f"none of the rated clips ({shown}, ...) is a recording of this comparison with the "
+        "boxes of X or Y: the clip's name must be the recording's, the system's that of X or Y"
+    )
+
+
 def join_clips(ranks: pd.DataFrame, saliency: pd.DataFrame, *, system: str = "") -> pd.DataFrame:
     """Mean rank and saliency of the clips that have both.
 
@@ -101,11 +136,7 @@ def join_clips(ranks: pd.DataFrame, saliency: pd.DataFrame, *, system: str = "")
     rated["system"] = rated["system"].where(rated["system"] != "", system)
     joined: pd.DataFrame = rated.merge(saliency, on=["clip", "system"], how="inner")
     if joined.empty:
-        shown = ", ".join(rated["clip"].head(3))
-        raise InputError(
-            f"none of the rated clips ({shown}, ...) is a recording of this comparison with the "
-            "boxes of X or Y: the clip's name must be the recording's, the system's that of X or Y"
-        )
+        raise _none_known(rated["clip"])
     return joined[["clip", "system", "mean_rank", "n_ratings", "saliency_s"]]
 
 

@@ -22,11 +22,26 @@ class Sent(NamedTuple):
     video: Path
 
 
-def write_files(folder: Path) -> Sent:
+def write_session(folder: Path, n_frames: int) -> Path:
+    """A session file of such files with so many frames; where it is."""
+    sent = write_files(folder, n_frames)
+    path = folder / "session.toml"
+    path.write_text(
+        f'[defaults]\nsize = "{scene.WIDTH}x{scene.HEIGHT}"\nfps = {scene.FPS}\n'
+        f'[truth]\npath = "{sent.truth.name}"\n'
+        f'[[recording]]\nname = "{RECORDING}"\npictures = "{sent.video.name}"\n'
+        f'[[system]]\nname = "camera_a"\npath = "{sent.x.name}"\n'
+        f'[[system]]\nname = "camera_b"\npath = "{sent.y.name}"\n',
+        encoding="utf-8",
+    )
+    return path
+
+
+def write_files(folder: Path, n_frames: int = N_FRAMES) -> Sent:
     """Frame f of the recording is row f of the scene, whose picture has its number in it."""
     columns = ("recording,frame,x,y,w,h,track", *["recording,frame,x,y,w,h,score"] * 2)
     tables = [[header] for header in columns]
-    for frame in range(N_FRAMES):
+    for frame in range(n_frames):
         for box in scene.boxes_of(frame):
             if box.source == 0 and box.state & 1:  # an ignore region
                 continue
@@ -36,17 +51,17 @@ def write_files(folder: Path) -> Sent:
     for path, lines in zip(paths, tables, strict=True):
         path.write_text("\n".join(lines) + "\n", encoding="utf-8")
     video = folder / f"{RECORDING}.mp4"
-    _write_video(video)
+    _write_video(video, n_frames)
     return Sent(*paths, video)
 
 
-def _write_video(path: Path) -> None:
+def _write_video(path: Path, n_frames: int) -> None:
     with av.open(str(path), "w") as container:
         stream = container.add_stream("libx264", rate=int(scene.FPS))
         stream.width, stream.height, stream.pix_fmt = scene.WIDTH, scene.HEIGHT, "yuv420p"
         stream.codec_context.gop_size = 50
         stream.options = {"crf": "23", "preset": "ultrafast"}
-        for row in range(N_FRAMES):
+        for row in range(n_frames):
             jpeg = np.frombuffer(scene.jpeg_of(row), dtype=np.uint8)
             picture = cv2.imdecode(jpeg, cv2.IMREAD_COLOR_RGB)
             container.mux(stream.encode(av.VideoFrame.from_ndarray(picture, format="rgb24")))

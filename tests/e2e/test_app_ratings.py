@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import csv
-import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 import viewer_scene as scene
-from app_files import write_files
-from app_server import ROOT, serve
+from app_files import RECORDING, write_files, write_session
+from app_server import serve
 from app_visit import Visit
 from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import expect
@@ -19,7 +18,7 @@ from viewer_reading import READER
 
 from nvcore.palette import X_COLOUR, Y_COLOUR
 
-RECORDING = "odd_pose"
+CLIP_FRAMES = 40  # two seconds: clips are watched to their end
 MOST_READINGS = 2_000
 # how many pixels of the canvas have each of these colours
 COUNT_COLOURS = """(canvas, colours) => {
@@ -41,17 +40,13 @@ COLOURS = [
 
 @pytest.fixture(scope="module")
 def app(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """A server that keeps its ratings in a folder of the test."""
-    before = os.environ.get("NVCORE_RATINGS")
-    os.environ["NVCORE_RATINGS"] = str(tmp_path_factory.mktemp("kept") / "ratings.sqlite")
-    try:
-        with serve(ROOT / "app.py") as address:
+    """A server with a short sample, which keeps its ratings in a folder of the test."""
+    folder = tmp_path_factory.mktemp("clips")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("NVCORE_RATINGS", str(folder / "ratings.sqlite"))
+        patch.setenv("NVCORE_TEST_SESSION", str(write_session(folder, CLIP_FRAMES)))
+        with serve(Path(__file__).with_name("short_app.py")) as address:
             yield address
-    finally:
-        if before is None:
-            del os.environ["NVCORE_RATINGS"]
-        else:
-            os.environ["NVCORE_RATINGS"] = before
 
 
 @pytest.fixture
@@ -60,12 +55,7 @@ def links(visit: Callable[..., Visit]) -> tuple[str, str]:
     one = visit("ratings")
     one.page.get_by_role("radio", name="Rating session").first.click()
     expect(one.heading("Start a rating session")).to_be_visible()
-    box = one.page.get_by_role("combobox", name="Recordings")
-    one.keyed("rating_recordings").get_by_role("button", name="Clear all").click()
-    box.fill(RECORDING)
-    one.page.get_by_role("option", name=RECORDING).click()
     expect(one.page.get_by_text("2 clips.")).to_be_visible()
-    one.page.keyboard.press("Escape")
     one.keyed("rating_start").get_by_role("button").click()
     expect(one.heading("The rating session")).to_be_visible()
     codes = one.page.get_by_test_id("stCode").locator("code")
@@ -111,8 +101,9 @@ def test_a_reload_between_two_clips_loses_no_rating(visit, links, tmp_path: Path
     with (tmp_path / "ratings.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert [(row["participant"], row["clip"]) for row in rows] == [("Ann", RECORDING)] * 2
-    assert sorted(row["system"] for row in rows) == ["FIR", "NIR"]
+    assert sorted(row["system"] for row in rows) == ["camera_a", "camera_b"]
     assert sorted(row["rating"] for row in rows) == ["2", "6"]
+    assert [row["n_plays"] for row in rows] == ["1", "1"]
 
 
 def test_a_clip_shows_one_systems_boxes_tells_nothing_and_cannot_be_steered(visit, links):
@@ -132,7 +123,7 @@ def test_a_clip_shows_one_systems_boxes_tells_nothing_and_cannot_be_steered(visi
     assert max(max(x, y) for _, x, y in readings) < 10
     expect(again).to_be_visible(timeout=40_000)
     told = one.viewer.evaluate("viewer => viewer.outerHTML")
-    assert [name for name in ("FIR", "NIR", "miss", "Ground truth") if name in told] == []
+    assert [name for name in ("camera_a", "camera_b", "miss", "Ground truth") if name in told] == []
     again.click()
     expect(one.viewer).to_have_attribute("data-playing", "true")
     expect(one.keyed("rating_scale")).to_be_visible()  # it was seen once
@@ -140,7 +131,7 @@ def test_a_clip_shows_one_systems_boxes_tells_nothing_and_cannot_be_steered(visi
 
 def test_own_files_are_rated_on_the_conductors_screen_also_after_a_reload(visit, tmp_path: Path):
     one = visit("data")
-    send(one, write_files(tmp_path))
+    send(one, write_files(tmp_path, CLIP_FRAMES))
     one.switch_to("Ratings")
     one.page.get_by_role("radio", name="Rating session").first.click()
     one.keyed("rating_start").get_by_role("button").click()
@@ -158,7 +149,7 @@ def test_own_files_are_rated_on_the_conductors_screen_also_after_a_reload(visit,
 
 @pytest.mark.parametrize("theme", ["light", "dark"])
 def test_the_pages_have_no_accessibility_fault(visit, links, theme):
-    for address in ("ratings", links[0], f"{links[0]}&participant=Dan", links[1]):
+    for address in (links[0], f"{links[0]}&participant=Dan", links[1]):
         one = visit(address, theme=theme)
         found = Axe().run(one.page).response
         faults = [

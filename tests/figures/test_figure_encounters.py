@@ -175,8 +175,8 @@ def test_a_small_difference_looks_small() -> None:
 def test_one_recording_alone_is_on_top_of_nothing() -> None:
     one = recordings_plot(recordings((0.8, 0.9)), NAMES, theme="light")
     two = recordings_plot(recordings((0.8, 0.9), (0.7, 0.9)), NAMES, theme="light")
-    assert "on top" not in words(one)
-    assert "2 recordings; on top those where X is better" in words(two)
+    assert "1 recording<" in words(one)
+    assert "2 recordings; X is better in 0, Y in 2; the better X, the higher up" in words(two)
 
 
 def test_no_recording_lies_outside_the_axis() -> None:

@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 from builders import Place, at, compare, make_dataset
 from figure_parts import trace, words
 
 from nvcore.figures.forest import subgroup_forest
-from nvcore.subgroups import subgroup_table
+from nvcore.figures.style import LOOK
+from nvcore.subgroup_figures import FIGURES, subgroup_table
 
 
-def table():
+def table(figure: str = "encounters_detected"):
     """24 pedestrians, one frame each: X finds the 12 in the middle, Y those and 4 at the edge."""
     places = [Place(range(24))]
     truth = [at(i, 50 if i < 12 else 4, track=i) for i in range(24)]
-    result = compare(make_dataset(truth, truth[:12], truth[:16], places=places))
-    return subgroup_table(result)
+    dataset = make_dataset(truth, truth[:12], truth[:16], places=places)
+    result = compare(dataset, saliency_aggregate="sum")
+    return subgroup_table(result, [figure])
 
 
 def test_each_group_stands_with_difference_interval_and_counts() -> None:
@@ -44,7 +47,43 @@ def test_a_group_without_interval_is_open() -> None:
     assert symbols[1] == "square-open"
 
 
+def test_a_lower_figure_has_the_colour_of_who_is_better_and_says_which_side():
+    rows = table("saliency")
+    figure = subgroup_forest(rows, theme="light")
+    points = trace(figure, "difference")
+    edge = list(figure.layout.yaxis.ticktext).index("place: edge")
+    assert points.x[edge] > 0  # X misses more
+    colour = points.marker.color[edge]
+    detected = subgroup_forest(table(), theme="light")
+    at = list(detected.layout.yaxis.ticktext).index("place: edge")
+    assert colour == trace(detected, "difference").marker.color[at] == LOOK["light"].y
+    assert figure.layout.xaxis.title.text == "difference in seconds (left: X is better)"
+    assert f"X {rows['x'].iloc[edge]:.2f}, Y {rows['y'].iloc[edge]:.2f}" in words(figure)
+
+
+def test_groups_in_which_a_figure_is_undefined_are_left_out():
+    rows = table("mean_similarity")
+    figure = subgroup_forest(rows, theme="light")
+    assert set(rows["factor"]) >= {"all", "place"}
+    assert list(figure.layout.yaxis.ticktext) == ["<b>all</b>"]
+
+
+@pytest.mark.parametrize("figure", FIGURES)
+def test_every_figure_can_be_drawn(figure: str):
+    rows = table(figure)
+    drawn = subgroup_forest(rows, theme="dark")
+    title = rows["label"].iloc[0]
+    assert (title[1:] in words(drawn)) == np.isfinite(rows["x"]).any()
+
+
+def test_a_protocol_s_name_in_the_label_is_text():
+    rows = table("log_average_miss_rate")
+    rows["label"] = "log-average miss rate, <b>mine</b>"
+    rows[["x", "y", "difference"]] = 0.5
+    assert "miss rate, &lt;b&gt;mine" in words(subgroup_forest(rows, theme="light"))
+
+
 def test_without_encounters_it_says_so() -> None:
     result = compare(make_dataset(n_frames=3))
-    figure = subgroup_forest(subgroup_table(result), theme="light")
-    assert "no encounter near enough" in words(figure).lower()
+    figure = subgroup_forest(subgroup_table(result, ["encounters_detected"]), theme="light")
+    assert "no group in which this figure is defined" in words(figure)

@@ -49,7 +49,7 @@ def test_participants_who_go_another_way_are_marked() -> None:
             "is_outlier": [False, True, False],
         }
     )
-    agreement = Agreement(3, 5, 0, 0.4, 0.2, "", people)
+    agreement = Agreement(4, 5, 0, 0.4, 0.02, "", people)
     figure = participants_plot(agreement, theme="light")
     assert list(figure.data[0].x) == [-0.4, 0.9]
     assert list(figure.data[0].marker.symbol) == ["x", "circle"]

@@ -91,10 +91,67 @@ def test_where_there_are_ties_the_line_goes_around_them(found: StabilityMap) -> 
     assert set(np.unique(line.z)) == {-1, 0, 1}
 
 
+def test_equal_false_alarms_are_a_dashed_line_over_both_thresholds() -> None:
+    # the same boxes with other scores: equal false alarms are equal shares of each system's scores
+    boxes = [at(f, c) for f in range(40) for c in (50, 10)]
+    x, y = (
+        [box._replace(score=(i + 1) / (scale * len(boxes))) for i, box in enumerate(boxes)]
+        for scale in (1, 2)
+    )
+    result = compare(make_dataset([at(f, 50) for f in range(40)], x, y))
+    found = map_stability(result, "thresholds", "similarity")
+    line = trace(stability_map(found, theme="light"), "equal false alarms per frame")
+    assert line.line.dash == "dash"
+    assert line.y == pytest.approx(line.x / 2)
+    for axis, along in zip(found.axes, (line.x, line.y), strict=True):
+        assert axis.values[0] <= along.min() <= along.max() <= axis.values[-1]
+    other = stability_map(map_stability(result, "edge-weight", "similarity"), theme="light")
+    assert "equal false alarms per frame" not in [one.name for one in other.data]
+
+
+def test_axes_end_with_their_cells_and_have_the_settings_names(found: StabilityMap) -> None:
+    figure = stability_map(found, theme="light")
+    assert figure.layout.xaxis.title.text == "Misses against false alarms (alpha)"
+    assert figure.layout.yaxis.title.text == "Counts half at (midpoint, px)"
+    alpha = found.axes[0].values
+    assert figure.layout.xaxis.range == pytest.approx(
+        (1.5 * alpha[0] - alpha[1] / 2, 1.5 * alpha[-1] - alpha[-2] / 2)
+    )
+
+
+def test_the_colours_say_for_whom_more_is_better() -> None:
+    result = analyse(draw_scene(44).dataset(), Params())
+    for criterion in ("similarity", "encounters", "saliency"):
+        found = map_stability(result, "alpha-midpoint", criterion, n_points=5)
+        heat = trace(stability_map(found, theme="light"), "difference")
+        assert heat.colorbar.title.text.endswith(": X better by (below 0: Y)")
+        assert heat.colorscale[-1][1] == X_COLOUR["light"]
+
+
+def test_a_name_stands_on_no_line_where_there_is_room(found: StabilityMap) -> None:
+    winner = np.full((42, 41), "x", dtype=object)
+    winner[:, 10:12] = "even"  # a stripe too narrow for its name
+    winner[:, 12:20] = "y"
+    axes = tuple(
+        replace(one, values=np.linspace(one.values[0], one.values[-1], n))
+        for one, n in zip(found.axes, winner.shape, strict=True)
+    )
+    difference = np.select([winner == "x", winner == "y"], [1.0, -1.0])
+    striped = replace(found, axes=axes, winner=winner, difference=difference)
+    figure = stability_map(striped, theme="light")
+    rows = {
+        one.text: int(np.argmin(np.abs(axes[1].values - one.y)))
+        for one in figure.layout.annotations
+    }
+    assert set(rows) == {"X better", "Y better"}
+    assert 13 <= rows["Y better"] <= 18
+    assert rows["X better"] <= 8 or rows["X better"] >= 21
+
+
 def test_choices_are_named_on_their_axis() -> None:
     data = make_dataset([at(0, 50, w=20.0, track=1)], [at(0, 50, w=4.0)], [])
     figure = stability_map(map_stability(compare(data), "matching", "encounters"), theme="light")
-    assert figure.layout.yaxis.ticktext == ("iou", "lateral")
+    assert figure.layout.yaxis.ticktext == ("overlap<br>of the boxes", "sideways<br>position")
     assert "verdict turns" not in [one.name for one in figure.data]
     frame = shape(figure, "plausible range")
     assert (frame.y0, frame.y1) == (-0.5, 1.5)
@@ -111,17 +168,23 @@ def test_one_setting_is_a_curve_filled_on_the_winners_side() -> None:
     assert clicks.customdata.tolist() == list(range(6))  # 0.9 has a point of its own
     assert trace(figure, "as analysed").x == (0.9,)
     assert (shape(figure, "plausible range").x0, shape(figure, "plausible range").x1) == (0.5, 1)
-    assert "mean similarity, X less Y" in figure.layout.yaxis.title.text
+    assert "mean similarity: X better by" in figure.layout.yaxis.title.text
 
 
-def test_a_setting_that_is_no_one_point_has_no_marker() -> None:
+def test_settings_of_each_recordings_own_are_a_line_between_the_ends() -> None:
     places = [Place([0], height=100), Place([0], height=300)]
     truth = [at(0, 50, recording=0), at(0, 50, recording=1)]
     result = analyse(make_dataset(truth, truth, [], places=places), Params())
     found = map_stability(result, "alpha-midpoint", "similarity", n_points=5)
-    names = [one.name for one in stability_map(found, theme="light").data]
-    assert "as analysed" not in names
-    assert "difference" in names
+    marker = trace(stability_map(found, theme="light"), "as analysed")
+    assert (marker.x, marker.y, marker.mode) == ((0.9, 0.9), (10, 30), "markers+lines")
+
+
+def test_the_nearest_turn_is_marked_on_the_line_between_two_points() -> None:
+    data = make_dataset([at(0, 50)], [], [at(0, 50, score=0.9), at(0, 25, score=0.4)])
+    found = map_stability(compare(data), "alpha-midpoint", "similarity", n_points=5)
+    marker = trace(stability_map(found, theme="light"), "nearest that overturns it")
+    assert (marker.x[0], marker.y) == (pytest.approx(1 / 3), (0,))
 
 
 def test_an_undefined_map_says_why() -> None:
@@ -134,4 +197,4 @@ def test_a_map_without_any_difference_is_drawn() -> None:
     for plane in ("edge-weight", "edge-weight-alpha"):
         figure = stability_map(map_stability(result, plane, "similarity"), theme="light")
         assert trace(figure, "as analysed").x == (0,)
-        assert "holds in 100 % of the plausible range" in words(figure)
+        assert "holds in all of the plausible range" in words(figure)

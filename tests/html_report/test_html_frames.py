@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -12,9 +13,11 @@ from builders import Box, Place, at, compare, make_dataset
 from inputs import drive, facts_of, session_of
 
 from nvcore.analysis import Result, analyse
+from nvcore.html_report.evidence_sections import frames_section
 from nvcore.html_report.frames import (
     EXCLUSIVE,
     MOST,
+    MOST_BYTES,
     RecordingPictures,
     decisive_moments,
     photo,
@@ -109,13 +112,99 @@ def test_the_picture_is_that_of_the_frame(pictures):
     assert drawn.figures == "similarity of this frame: X 0.28, Y 1.00"
 
 
-def test_without_pictures_boxes_stand_on_a_blank():
+def test_without_pictures_boxes_stand_on_a_light_ground():
     result = missed_by_one("x", [50, 50, 50])
-    moment = decisive_moments(result)[0]
-    shown = decoded(photo(result, moment, RecordingPictures()).jpeg)
-    assert shown.shape[1] == 880
-    assert shown[-20, 20].max() < 50
-    assert shown.max() > 200  # boxes and the ellipse
+    drawn = photo(result, decisive_moments(result)[0], RecordingPictures())
+    shown = decoded(drawn.jpeg)
+    assert drawn.why_blank == "no picture for this frame"
+    assert shown[-20, 20].min() > 230
+    assert shown.min() < 90  # boxes and the ellipse
+
+
+def test_that_there_are_no_pictures_is_said_once():
+    result = missed_by_one("x", [50, 50, 50])
+    one = photo(result, decisive_moments(result)[0], RecordingPictures())
+    text, shown = frames_section([one, one], ()).blocks
+    assert text.texts[0].startswith("There are no pictures of these frames")
+    assert [photo.why_blank for photo in shown.photos] == ["", ""]
+    (mixed,) = frames_section([one, replace(one, why_blank="")], ()).blocks
+    assert [photo.why_blank for photo in mixed.photos] == [one.why_blank, ""]
+
+
+def test_a_wide_picture_has_a_row_of_its_own():
+    truth = [Box(0, 200, 40, 20, 50, 1)]
+    for height, is_wide in ((120.0, True), (300.0, False)):
+        dataset = make_dataset(truth, truth, [], places=[Place([0], width=400.0, height=height)])
+        result = compare(dataset, midpoint=10.0, spread=2.0)
+        drawn = photo(result, decisive_moments(result)[0], RecordingPictures())
+        assert drawn.is_wide is is_wide
+        assert decoded(drawn.jpeg).shape[1] == pytest.approx(1200 if is_wide else 880, abs=1)
+
+
+def test_frames_of_one_scene_are_shown_once():
+    # at 10 fps, frames 0 and 15 are 1.5 s apart, 0 and 40 are 4 s apart
+    truth = [at(t, 50, track=t) for t in (0, 15, 40)]
+    moments = decisive_moments(compare(make_dataset(truth, truth, [], n_frames=60)))
+    assert [one.row for one in moments] == [0, 40]
+
+
+def test_a_scene_may_speak_against_both_systems():
+    truth = [at(0, 30, track=1), at(5, 60, track=2)]
+    result = compare(make_dataset(truth, truth[:1], truth[1:], n_frames=6))
+    assert {(one.row, one.loser) for one in decisive_moments(result)[:2]} == {(0, "y"), (5, "x")}
+
+
+def test_a_small_difference_is_not_shown_as_one():
+    shown = {}
+    for shift in (2, 4):  # px, of 50 to the border: similarity is lower by 0.04 and by 0.08
+        truth = [Box(t, 40, 40, 20, 50, 1) for t in range(3)]
+        near = [Box(t, 40 + shift, 40, 20, 50) for t in range(3)]
+        moments = decisive_moments(compare(make_dataset(truth, truth, near)))
+        shown[shift] = [one.title for one in moments]
+    assert shown == {2: [], 4: ["X better than Y (1.00 to 0.92)"]}
+
+
+def test_a_worst_moment_is_shown_in_a_frame_with_its_pedestrian():
+    # X misses track 1 in frames 0..9; the false alarm makes frame 5, without it, the lowest
+    truth = [at(t, 40, track=1) for t in range(10) if t != 5]
+    x = [at(5, 50)]
+    result = compare(make_dataset(truth, x, truth, n_frames=10), alpha=0.5)
+    about = [one for one in decisive_moments(result) if one.encounter == 0]
+    assert about
+    assert all(one.row != 5 for one in about)
+
+
+def test_the_false_alarm_meant_is_encircled():
+    alarms = [at(0, 10), at(0, 50)]  # the one in the middle counts more
+    result = compare(make_dataset([], alarms, [], n_frames=1), alpha=0)
+    (moment, *_) = decisive_moments(result)
+    assert (moment.encounter, moment.loser) == (-1, "x")
+    with_ellipse = decoded(photo(result, moment, RecordingPictures()).jpeg).astype(int)
+    other = decoded(photo(result, moment._replace(loser="y"), RecordingPictures()).jpeg)
+    columns = np.nonzero(np.abs(with_ellipse - other).max(axis=-1) > 80)[1]
+    assert columns.mean() == pytest.approx(with_ellipse.shape[1] / 2, rel=0.05)
+
+
+def test_a_noisy_picture_takes_no_more_room_than_it_may(tmp_path: Path):
+    noise = np.random.default_rng(1).integers(0, 255, (1080, 1920, 3), dtype=np.uint8)
+    cv2.imwrite(str(tmp_path / "0.png"), noise)
+    source = files_as_pictures([tmp_path / "0.png"], "noise")
+    result = missed_by_one("x", [50])
+    many = RecordingPictures({0: source}, {0: np.zeros(1, int)}, (0.0, 100.0))
+    drawn = photo(result, decisive_moments(result)[0], many)
+    assert len(drawn.jpeg) <= 1.5 * MOST_BYTES
+    assert decoded(drawn.jpeg).shape[0] <= 800
+
+
+def test_only_pictures_that_are_wanted_are_opened(tmp_path: Path):
+    drive(tmp_path)
+    facts = (facts_of("urban", pictures="absent.mp4"), facts_of("rural", pictures="absent.mp4"))
+    session = session_of(tmp_path, recordings=facts)
+    dataset = load(session)
+    number = dataset.recordings["name"].tolist().index("rural")
+    assert len(session_pictures(session, dataset).troubles) == 2
+    (told,) = session_pictures(session, dataset, {number}).troubles
+    assert told.startswith("rural: ")
 
 
 def test_the_pedestrian_meant_is_encircled():

@@ -9,14 +9,15 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
-from builders import Place, compare, make_dataset
+from builders import Place, at, compare, make_dataset
 from inputs import DATA, drive, session_of
 
 from nvcore.analysis import Result, analyse
 from nvcore.audit import audit
 from nvcore.errors import InputError
 from nvcore.findings import Finding, Severity
-from nvcore.html_report import write_html_report
+from nvcore.html_report import css_text, write_html_report
+from nvcore.html_report.blocks import MAX_CELL, MAX_NOTE, MAX_ROWS, table
 from nvcore.loading import effective_params, load
 from nvcore.params import Params
 from nvcore.protocols import PROTOCOLS
@@ -142,6 +143,20 @@ def test_every_section_says_what_it_is_about(page, content):
     assert introduced == [one for one in anchors if one != "reading"]
 
 
+def test_subgroups_have_who_detects_more_and_the_other_figures(page):
+    caption = "Encounters detected by subgroup"
+    assert page.row(caption, "all")[1:6] == ["2", "1", "1", "0", "0"]
+    by_group = {name for name in page.tables if name.endswith(", by subgroup")}
+    (saliency,) = [name for name in by_group if name.startswith("Saliency of a recording")]
+    head, everybody, *groups = page.tables[saliency]
+    assert head[:6] == ["Factor", "Group", "From", "X", "Y", "X - Y"]
+    assert everybody[0] == "all"
+    assert {row[0] for row in groups} >= {"place"}
+    assert all(row[3] != "–" for row in groups)
+    # a frame belongs to no group of pedestrians, and there are no tags
+    assert not [name for name in by_group if name.startswith("Mean similarity")]
+
+
 def test_every_parameter_stands_with_its_value_and_meaning(page, result):
     rows = {row[0]: row for row in page.tables["Parameters"][1:]}
     assert list(rows) == list(vars(Params()))
@@ -167,6 +182,92 @@ def test_inputs_have_the_hashes_of_their_files(page, result):
     ]  # fmt: skip
     assert result.dataset.fingerprint in page.text
     assert f"nvcore {__version__}" in page.text
+
+
+def test_both_systems_are_named_all_the_way(content):
+    head, _, body = content.partition("<main>")
+    running = head.partition('<div class="running"')[2]
+    assert "<strong>X</strong>fir" in running
+    assert "<strong>Y</strong>nir" in running
+    assert "position: sticky" in head
+    assert "h2" in body
+
+
+def test_paper_has_title_page_number_and_fingerprint_on_every_page(content, result):
+    page = content.partition("@page {")[2].partition("@media print")[0]
+    assert r'content: "fir \28 X\29  and nir \28 Y\29  compared"' in page
+    assert "counter(page)" in page
+    assert result.dataset.fingerprint in page
+
+
+def test_a_text_in_css_can_end_neither_it_nor_the_style():
+    assert css_text('"; } </style>', 80) == r'"\22 \3b  \7d  \3c \2f style\3e "'
+    assert css_text("a" * 90, 5) == r'"aaaa\2026 "'
+
+
+def test_who_matches_boxes_and_what_a_fusion_gives_is_told(page):
+    assert page.tables["Boxes of pedestrians by who matches them"][1] == ["10", "30", "0", "0"]
+    fused = page.tables["X and Y as one system"]
+    assert [row[:3] for row in fused[1:]] == [
+        ["X alone", "2", "0"], ["Y alone", "1", "1"], ["X or Y", "2", "1"], ["X and Y", "1", "0"],
+    ]  # fmt: skip
+    assert "“X or Y” detects 2 of 2 encounters, as many as X alone" in page.text
+
+
+def test_midpoint_and_spread_in_use_are_told(page, tmp_path):
+    assert "here with midpoint 48 px (10 % of the height of each recording's picture) and" in (
+        page.text
+    )
+    assert page.row("Recordings", "rural")[3:5] == ["48", "9.6"]
+    mixed = make_dataset(places=[Place([0, 1], height=100.0), Place([0, 1], height=120.0)])
+    other = Page(written(tmp_path / "r.html", analyse(mixed), session_of(tmp_path)))
+    assert "midpoint 10 to 12 px (10 %" in other.text
+    assert other.row("Parameters", "midpoint")[0] == "10 to 12"
+
+
+def test_frames_rather_than_persons_are_no_evidence_of_their_own(tmp_path, page):
+    truth = [at(f, 50, track=f) for f in range(12)]
+    result = compare(make_dataset(truth, truth, truth[:2], n_frames=12))
+    content = written(tmp_path / "r.html", result, session_of(tmp_path))
+    for anchor, told in (
+        ("encounters", "shares of encounters are shares of frames"),
+        ("significance", "one person may stand in many of them"),
+        ("subgroups", "one person may stand in many of them"),
+    ):
+        section = content.partition(f'<section id="{anchor}">')[2].partition("</section>")[0]
+        assert told in section
+    assert "a split so uneven" not in content
+    short = Page(content)
+    assert short.row("Differences and tests", "share of encounters detected")[3:7] == ["–"] * 4
+    assert short.row("How they were made", "share of encounters detected")[1] == "–"
+    assert {row[-2] for row in short.tables["Encounters detected by subgroup"][1:]} == {"–"}
+    assert "one person may stand" not in page.text
+
+
+def test_the_gravest_of_many_encounters_that_only_one_detects_are_listed(tmp_path):
+    # track t is missed by Y for t + 1 frames at 10 fps, all of full weight
+    n = MAX_ROWS + 5
+    truth = [at(f, 50, track=t, recording=t) for t in range(n) for f in range(1 + t % 50)]
+    result = compare(
+        make_dataset(truth, truth, [], places=[Place(range(50))] * n), proximity="none"
+    )
+    page = Page(written(tmp_path / "r.html", result, session_of(tmp_path), stability=False))
+    (title,) = [one for one in page.tables if "only one system detects" in one]
+    missed_s = [float(row[4]) for row in page.tables[title][1:]]
+    assert (title.split()[0], len(missed_s)) == (str(n), MAX_ROWS)
+    assert missed_s == sorted(missed_s, reverse=True)
+    assert missed_s[0] == 5.0
+    assert "The gravest 200 are shown, 5 are left out." in page.text
+    assert "The 200 recordings in which the systems differ most are shown, 5 are left out." in (
+        page.text
+    )
+
+
+def test_long_texts_and_tables_are_cut():
+    long = table("t", ["a"], [["x" * 5000]] * (MAX_ROWS + 1), note="y" * 9000)
+    assert len(long.rows) == MAX_ROWS
+    assert max(len(cell) for row in long.rows for cell in row) == MAX_CELL
+    assert len(long.note) == MAX_NOTE
 
 
 def test_findings_are_told(page):
@@ -217,9 +318,24 @@ def test_names_from_files_are_text(tmp_path):
 
 
 def test_a_protocol_is_named_with_its_filters(result, session, tmp_path):
-    page = Page(written(tmp_path / "r.html", result, session, protocol=PROTOCOLS["reasonable"]))
+    page = Page(
+        written(tmp_path / "r.html", result, replace(session, protocol=PROTOCOLS["reasonable"]))
+    )
     assert "Protocol reasonable:" in page.text
     assert "height 50 or more px" in page.text
+
+
+def test_every_choice_of_settings_has_its_row(page):
+    rows = {(row[0], row[1]): row[2:] for row in page.tables["Verdict and settings"][1:]}
+    assert len(rows) == 4 * 3
+    said, share, _ = rows["Both thresholds", "mean similarity"]
+    assert said.startswith(("X has", "Y has"))
+    assert share.endswith("%") or share in ("all", "none")
+    assert rows["Traffic context and alpha", "encounters detected"][1:] == [
+        "does not depend on them", "-",
+    ]  # fmt: skip
+    assert "By mean similarity: " in page.text
+    assert page.text.count("false alarms per frame.") == 3  # one for each criterion
 
 
 def test_the_stability_map_can_be_left_out(result, session, tmp_path):

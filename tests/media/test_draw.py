@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -16,6 +18,7 @@ from nvcore.kernels import FALSE_ALARM, MATCHED
 from nvcore.media import DrawnBoxes, draw_boxes
 from nvcore.media.draw import (
     BLANK_RGB,
+    ON_LIGHT,
     TRUTH_RGB,
     X_RGB,
     Y_RGB,
@@ -36,8 +39,8 @@ def count(canvas: np.ndarray, colour: tuple[int, int, int]) -> int:
     return int(np.all(np.abs(canvas.astype(int) - colour) < 12, axis=2).sum())
 
 
-def drawn(**boxes: DrawnBoxes) -> np.ndarray:
-    return draw_boxes(None, 960, 720, **boxes)
+def drawn(**given: Any) -> np.ndarray:
+    return draw_boxes(None, 960, 720, **given)
 
 
 def test_without_a_picture_the_boxes_are_on_a_dark_blank():
@@ -154,3 +157,31 @@ def test_boxes_far_outside_or_without_area_do_no_harm(box: tuple[float, ...]):
 )
 def test_names_are_drawn_in_the_signs_that_the_font_has(text: str, expected: str):
     assert drawable(text) == expected
+
+
+def test_on_a_light_ground_everything_has_its_darker_colour():
+    canvas = drawn(truth=one(BIT_RELEVANT), x=one(FALSE_ALARM), inks=ON_LIGHT)
+    assert tuple(canvas[5, 5]) == ON_LIGHT.ground
+    assert min(count(canvas, colour) for colour in (ON_LIGHT.x, ON_LIGHT.y, ON_LIGHT.truth)) > 50
+    assert count(canvas, X_RGB) == count(canvas, Y_RGB) == 0
+
+
+def test_lines_and_labels_grow_with_the_unit():
+    thin, thick = (count(drawn(truth=one(FOUND), unit=unit), TRUTH_RGB) for unit in (1, 3))
+    assert thick > 2.5 * thin
+    small, large = (
+        np.any(drawn(x=one(MATCHED, label="0.50"), unit=unit) != drawn(x=one(MATCHED), unit=unit),
+               axis=2).sum() for unit in (1, 3)
+    )  # fmt: skip
+    assert large > 4 * small > 0  # an area
+
+
+@pytest.mark.parametrize("grey", [0, 110, 255])
+def test_a_label_is_legible_on_any_picture(grey: int):
+    picture = np.full((720, 960), grey, np.uint8)
+    named, plain = (
+        draw_boxes(picture, 960, 720, x=one(MATCHED, label=label), unit=2) for label in ("0.50", "")
+    )
+    label = named[np.any(named != plain, axis=2)].astype(float).mean(axis=1)
+    assert np.percentile(label, 20) < 70  # its own ground
+    assert label.max() - np.percentile(label, 20) > 100

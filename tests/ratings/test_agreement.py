@@ -81,6 +81,31 @@ def test_who_goes_the_other_way_is_an_outlier():
     assert people["n_rated"].tolist() == [10] * 8
 
 
+@pytest.mark.parametrize("n", [2, 3])
+def test_nobody_is_an_outlier_among_few(n):
+    clips = np.arange(12.0)
+    ratings = [*(clips for _ in range(n - 1)), -clips]
+    found = measure_agreement(rank_ratings(table(ratings)))
+    assert found.participants["agreement"].min() < 0
+    assert not found.knows_outliers
+    assert not found.participants["is_outlier"].any()
+
+
+def test_nobody_is_an_outlier_where_people_agree_by_chance_only():
+    ratings = np.random.default_rng(11).random((6, 8))
+    found = measure_agreement(rank_ratings(table(ratings)))
+    assert found.p > 0.05
+    assert (found.participants["agreement"] <= 0).any()
+    assert not found.is_more_than_chance
+    assert not found.participants["is_outlier"].any()
+
+
+def test_ranks_by_chance_have_a_w_of_one_over_the_participants_on_average():
+    rng = np.random.default_rng(12)
+    found = [measure_agreement(rank_ratings(table(rng.random((2, 9))))).w for _ in range(150)]
+    assert np.mean(found) == pytest.approx(1 / 2, abs=0.05)
+
+
 @pytest.mark.parametrize(
     ("ratings", "words"),
     [

@@ -1,10 +1,12 @@
 """Rating sessions: orders that are balanced, ratings that outlive everything."""
 
 import signal
+import sqlite3
 import subprocess
 import sys
 from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
 from itertools import pairwise
 
 import pytest
@@ -75,13 +77,14 @@ def test_the_table_is_what_a_file_of_it_gives(store, tmp_path):
             store.rate(study, name, clip, 1 + clip)
     store.rate(study, "P1", 0, 7)  # thought again
     table = store.ratings(study)
-    assert table.to_numpy().tolist() == [
+    shown = table[["participant", "clip", "system", "rating"]]
+    assert shown.to_numpy().tolist() == [
         ["P2", "A", "FIR", 1.0], ["P2", "A", "NIR", 3.0],
         ["P1", "A", "FIR", 7.0], ["P1", "A", "NIR", 3.0],
     ]  # fmt: skip
     path = tmp_path / "ratings.csv"
     path.write_bytes(to_csv_bytes(table))
-    assert read_ratings(path).equals(table[["participant", "clip", "system", "rating"]])
+    assert read_ratings(path).equals(shown)
 
 
 def test_studies_do_not_see_each_other(store):
@@ -156,3 +159,64 @@ def test_a_file_that_is_no_database_is_told(tmp_path):
     assert path.read_bytes().startswith(b"something else")
     with pytest.raises(InputError, match="folder of the ratings cannot be made"):
         RatingStore(path / "below" / "ratings.sqlite")
+
+
+def test_an_empty_table_has_the_columns_and_kinds_of_a_full_one(store):
+    empty = store.ratings(study := store.begin("print", CLIPS))
+    store.order(study, "P1")
+    store.rate(study, "P1", 0, 3)
+    assert len(empty) == 0
+    assert empty.dtypes.to_dict() == store.ratings(study).dtypes.to_dict()
+
+
+def test_a_changed_rating_tells_the_first_one_and_plays_add_up(store):
+    study = store.begin("print", CLIPS)
+    store.order(study, "P1")
+    for rating, n_plays in ((5, 2), (5, None), (3, 1), (4, 0)):
+        store.rate(study, "P1", 0, rating, n_plays=n_plays)
+    store.rate(study, "P1", 1, 6)
+    kept = store.ratings(study)
+    assert kept["rating"].tolist() == [4, 6]
+    assert kept["first_rating"].to_list()[0] == 5
+    assert kept["n_plays"].to_list()[0] == 3
+    assert kept[["n_plays", "first_rating"]].isna().to_numpy()[1].all()
+
+
+def test_names_in_other_capitals_are_one_participant(store):
+    study = store.begin("print", CLIPS)
+    order = store.order(study, "Anna")
+    assert store.order(study, "Bob") != order
+    assert store.order(study, " ANNA ") == order
+    store.rate(study, "anna", 2, 4)
+    assert store.rated(study, "aNNa") == {2: 4}
+    assert store.participants(study).to_numpy().tolist() == [["Anna", 1], ["Bob", 0]]
+
+
+def test_the_same_name_joining_at_once_is_one_participant(store):
+    study = store.begin("print", CLIPS)
+    with ThreadPoolExecutor(8) as pool:
+        names = ["Anna", "anna", "ANNA", "aNna"]
+        orders = list(pool.map(lambda name: store.order(study, name), names))
+    assert orders == [orders[0]] * 4
+    assert len(store.participants(study)) == 1
+
+
+def test_a_file_of_an_earlier_version_is_gone_on_with(store, tmp_path):
+    study = store.begin("print", CLIPS)
+    for name in ("Anna", "Bob"):
+        store.order(study, name)
+        store.rate(study, name, 0, 3)
+    path = tmp_path / "new" / "ratings.sqlite"
+    with closing(sqlite3.connect(path)) as base, base:
+        for column in ("n_plays", "first_rating"):
+            base.execute(f"ALTER TABLE rating DROP COLUMN {column}")
+        for table in ("participant", "rating"):  # two spellings, which were two people then
+            column = "name" if table == "participant" else "participant"
+            base.execute(f"UPDATE {table} SET {column} = 'anna' WHERE {column} = 'Bob'")
+    again = RatingStore(path)
+    again.rate(study, "anna", 0, 5, n_plays=1)
+    kept = again.ratings(study)
+    assert kept["participant"].tolist() == ["Anna", "anna"]
+    assert kept["rating"].tolist() == [3, 5]
+    assert kept["n_plays"].isna().tolist() == [True, False]
+    assert RatingStore(path).ratings(study).equals(kept)

@@ -15,11 +15,6 @@ from ui import state
 ROOT = Path(__file__).resolve().parents[2]
 
 
-@pytest.fixture(autouse=True)
-def surroundings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("NVCORE_UPLOAD_DIR", str(tmp_path / "uploads"))
-
-
 def app(**query: str) -> AppTest:
     page = AppTest.from_file(str(ROOT / "ui" / "main.py"), default_timeout=60)
     for name, value in query.items():
@@ -138,3 +133,22 @@ def test_without_a_horizon_the_last_settings_stay_and_the_sidebar_asks_for_it(
     checked(page.number_input(key="horizon").set_value(150.0).run())
     assert not page.error
     assert (live(page).proximity, live(page).horizon) == ("horizon", 150)
+
+
+def test_a_page_that_fails_leaves_the_parameters_as_they_were(monkeypatch: pytest.MonkeyPatch):
+    page = app()
+    checked(page.slider(key="alpha").set_value(0.5).run())
+    checked(page.slider(key="threshold_x").set_value(0.6).run())
+    before = live(page)
+
+    def fail(*_arguments: object) -> None:
+        raise IndexError("no such row")
+
+    with monkeypatch.context() as patch:
+        patch.setattr("ui.overview_scorecard.scorecard", fail)
+        page.run()
+        assert "a fault of the program" in page.error[0].value
+        assert page.slider(key="alpha").value == 0.5
+    checked(page.run())
+    assert live(page) == before
+    assert page.slider(key="threshold_x").value == 0.6

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import pytest
 from data_page import (
     answer,
     checked,
@@ -17,12 +16,6 @@ from data_page import (
     space_of,
     texts,
 )
-
-
-@pytest.fixture(autouse=True)
-def surroundings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("NVCORE_UPLOAD_DIR", str(tmp_path / "uploads"))
-    monkeypatch.delenv("NVCORE_LOCAL_ROOT", raising=False)
 
 
 def test_the_page_opens_on_the_sample():

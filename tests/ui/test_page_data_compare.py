@@ -23,12 +23,6 @@ from nvcore.dataset import dataset_from_tables
 from ui.data_sampling import sampling_note
 
 
-@pytest.fixture(autouse=True)
-def surroundings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("NVCORE_UPLOAD_DIR", str(tmp_path / "uploads"))
-    monkeypatch.delenv("NVCORE_LOCAL_ROOT", raising=False)
-
-
 def test_choosing_x_as_y_swaps_them():
     page = opened()
     checked(page.selectbox(key="choice_y").set_value("FIR").run())

@@ -21,12 +21,6 @@ from inputs import drive, mot_layout, write
 from streamlit.testing.v1 import AppTest
 
 
-@pytest.fixture(autouse=True)
-def surroundings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("NVCORE_UPLOAD_DIR", str(tmp_path / "uploads"))
-    monkeypatch.delenv("NVCORE_LOCAL_ROOT", raising=False)
-
-
 def test_a_session_file_opens_with_the_files_it_names(tmp_path: Path):
     page = opened()
     drive(tmp_path)

@@ -28,12 +28,6 @@ from streamlit.testing.v1 import AppTest
 from ui import data_upload, uploads
 
 
-@pytest.fixture(autouse=True)
-def surroundings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("NVCORE_UPLOAD_DIR", str(tmp_path / "uploads"))
-    monkeypatch.delenv("NVCORE_LOCAL_ROOT", raising=False)
-
-
 def test_an_upload_asks_for_what_the_files_do_not_say_and_opens_with_it(tmp_path: Path):
     page = opened()
     send_drive(page, tmp_path, "fir.csv", "nir.csv")

@@ -24,11 +24,6 @@ runpy.run_path({str(ROOT / "pages" / "encounters.py")!r})
 """
 
 
-@pytest.fixture(autouse=True)
-def surroundings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("NVCORE_UPLOAD_DIR", str(tmp_path / "uploads"))
-
-
 def opened(*, handed: str | None = None, **link: str) -> AppTest:
     page = AppTest.from_string(PAGE, default_timeout=60)
     for name, value in link.items():

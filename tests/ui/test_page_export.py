@@ -2,69 +2,28 @@
 
 from __future__ import annotations
 
+import threading
+from collections.abc import Callable
 from pathlib import Path
-from types import SimpleNamespace
 
 import av
 import numpy as np
 import pytest
-from inputs import DATA, drive
+from export_page import ROOT, checked, downloads, job_of, opened, opened_drive, opened_folder
+from inputs import drive
 from streamlit.testing.v1 import AppTest
 
 from nvcore.analysis import Result
+from nvcore.errors import MediaError
 from nvcore.media.annotate import annotate
 from nvcore.media.draw import Canvas
-from ui.background_job import JobState
+from ui.background_job import JobState, Progress, while_open
 from ui.export_frame import file_stem, nearest_row
 from ui.export_link import link
-from ui.export_video import LONGEST_S, Interval, chosen_interval, start_job, why_not
+from ui.export_video import JOB, LONGEST_S, Interval, chosen_interval, start_job, why_not
+from ui.file_job import FileJob, new_path
 
-ROOT = DATA.parents[1]
-PAGE = f"""
-import runpy
-from ui import state
-state.begin_run()
-runpy.run_path({str(ROOT / "pages" / "export.py")!r})
-"""
-OPENING = """
-import streamlit as st
-from pathlib import Path
-from nvcore.session import Session, Source, SystemSource
-from ui import state
-if "is_open" not in st.session_state:
-    st.session_state["is_open"] = True
-    folder = Path({folder!r})
-    systems = tuple(SystemSource((path,), name=name) for name, path in {systems!r})
-    state.open_session(Session(folder, Source(("truth.csv",)), systems, size=(640, 480), fps=20),
-                       label="Uploaded files")
-"""
-
-
-@pytest.fixture(autouse=True)
-def surroundings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("NVCORE_UPLOAD_DIR", str(tmp_path / "uploads"))
-    monkeypatch.delenv("NVCORE_LOCAL_ROOT", raising=False)
-
-
-def checked(page: AppTest) -> AppTest:
-    assert [error.message for error in page.exception] == []
-    return page
-
-
-def opened(script: str = PAGE, **address: str) -> AppTest:
-    page = AppTest.from_string(script, default_timeout=60)
-    for name, value in address.items():
-        page.query_params[name] = value
-    return checked(page.run())
-
-
-def opened_drive(folder: Path, *systems: tuple[str, str]) -> AppTest:
-    drive(folder)
-    return opened(OPENING.format(folder=str(folder), systems=systems) + PAGE)
-
-
-def downloads(page: AppTest) -> list[str]:
-    return [one.proto.label for one in page.get("download_button")]
+PATIENCE_S = 20.0
 
 
 def texts(page: AppTest) -> str:
@@ -109,15 +68,14 @@ def test_errors_of_the_audit_are_in_the_findings(tmp_path: Path):
     drive(tmp_path)
     with (tmp_path / "truth.csv").open("a") as stream:
         stream.write("urban,3,300,200,40,100,1\n")
-    systems = (("fir", "fir.csv"), ("nir", "nir.csv"))
-    page = opened(OPENING.format(folder=str(tmp_path), systems=systems) + PAGE)
+    page = opened_folder(tmp_path)
     (line,) = [one.value for one in page.markdown if "findings of the audit" in one.value]
     assert int(line.split()[0]) >= 1
     assert str(tmp_path) not in texts(page)
 
 
 def test_without_pictures_boxes_are_drawn_on_a_blank(tmp_path: Path):
-    page = opened_drive(tmp_path, ("fir", "fir.csv"), ("nir", "nir.csv"))
+    page = opened_drive(tmp_path)
     assert "no pictures" in texts(page)
     assert "Picture (PNG)" in downloads(page)
 
@@ -127,8 +85,7 @@ def test_hostile_names_are_shown_as_text(tmp_path: Path):
     for name in ("truth", "fir", "nir"):
         path = tmp_path / f"{name}.csv"
         path.write_text(path.read_text().replace("urban", "<b>[x](http://y)"))
-    systems = (("f", "fir.csv"), ("n", "nir.csv"))
-    page = opened(OPENING.format(folder=str(tmp_path), systems=systems) + PAGE)
+    page = opened_folder(tmp_path, ("f", "fir.csv"), ("n", "nir.csv"))
     shown = "\n".join(one.value for one in (*page.caption, *page.markdown))
     assert "<b>" not in shown.replace("\\<b\\>", "")
 
@@ -175,7 +132,7 @@ def test_the_link_keeps_recording_and_frame():
 
 
 def test_a_link_to_uploads_says_what_it_cannot_do(tmp_path: Path):
-    page = opened_drive(tmp_path, ("fir", "fir.csv"), ("nir", "nir.csv"))
+    page = opened_drive(tmp_path)
     assert "belong to this browser tab alone" in texts(page)
     assert str(tmp_path) not in the_link(page)
 
@@ -251,7 +208,7 @@ def test_a_video_is_made_in_the_background_and_offered():
             field.set_value(0.45)
     checked(page.run())
     checked(page.button(key="make_video").click().run())
-    job = page.session_state["video_job"]
+    job = job_of(page, JOB)
     job.join()
     checked(page.run())
     assert job.state is JobState.DONE
@@ -262,33 +219,76 @@ def test_a_video_is_made_in_the_background_and_offered():
         assert str(ROOT) not in str(video.metadata)
 
 
+def put_video(page: AppTest, write: Callable[[Progress], bool]) -> FileJob:
+    """A video in the page's workspace that `write` writes."""
+    space = page.session_state["workspace"]
+    job = FileJob(new_path(space, ".mp4"), "night.mp4", write, while_open(space))
+    space.put_job(JOB, job)
+    return job
+
+
+def buttons(page: AppTest) -> list[str]:
+    return [button.label for button in page.button]
+
+
 def test_opening_something_else_takes_the_video_away(tmp_path: Path):
-    page = opened()
-    removed = []
-    page.session_state["video_job"] = SimpleNamespace(
-        discard=lambda: removed.append(True), state=JobState.RUNNING, is_wanted=lambda: False
-    )
+    may_go_on = threading.Event()
+
+    def write(progress: Progress) -> bool:
+        assert may_go_on.wait(PATIENCE_S)
+        return progress(1.0)
+
+    page = opened_drive(tmp_path)
+    job = put_video(page, write)
+    assert "Cancel" in buttons(checked(page.run()))
+    del page.session_state["is_open"]
     checked(page.run())
-    assert removed
-    assert "video_job" not in page.session_state
-    assert "Cancel" not in [button.label for button in page.button]
+    assert job_of(page, JOB) is None
+    assert "Cancel" not in buttons(page)
+    may_go_on.set()
+    job.join()
+    assert job.state is JobState.CANCELLED
 
 
 def test_a_cancelled_video_is_told_of():
     page = opened()
-    page.session_state["video_job"] = SimpleNamespace(
-        state=JobState.CANCELLED, error="", is_wanted=lambda: True, is_busy=False
-    )
-    assert "was cancelled" in texts(checked(page.run()))
+    put_video(page, lambda _: False).join()
+    assert [one.value for one in checked(page.run()).info] == ["Cancelled. No video was made."]
 
 
 def test_a_video_that_fails_says_why_without_markup():
+    def fail(_: Progress) -> bool:
+        raise MediaError("no *room*")
+
     page = opened()
-    page.session_state["video_job"] = SimpleNamespace(
-        state=JobState.FAILED, error="no *room*", is_wanted=lambda: True, is_busy=False
-    )
+    put_video(page, fail).join()
     checked(page.run())
     assert [one.value for one in page.error] == [r"no \*room\*"]
+
+
+def test_while_it_is_cancelled_the_video_says_so():
+    is_halfway, may_go_on = threading.Event(), threading.Event()
+
+    def write(progress: Progress) -> bool:
+        progress(0.5)
+        is_halfway.set()
+        assert may_go_on.wait(PATIENCE_S)
+        return progress(1.0)
+
+    page = opened()
+    job = put_video(page, write)
+    assert is_halfway.wait(PATIENCE_S)
+    assert progress_of(checked(page.run())) == [r"Making night\.mp4: 50%"]
+    checked(page.button(key="video_cancel").click().run())
+    assert progress_of(page) == ["Cancelling"]
+    assert page.button(key="video_cancel").disabled
+    may_go_on.set()
+    job.join()
+    assert job.state is JobState.CANCELLED
+
+
+def progress_of(page: AppTest) -> list[str]:
+    return [one.proto.text for one in page.get("progress")]
 
 
 def test_a_video_ends_with_its_session(tmp_path: Path):

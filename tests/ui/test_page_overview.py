@@ -117,3 +117,37 @@ def test_a_page_that_was_asked_for_is_opened(app: AppTest):
     app.run()
     assert not app.exception
     assert app.title[0].value == "Timeline"
+
+
+def forest(app: AppTest) -> str:
+    """The forest plot of subgroups, as sent to the browser."""
+    plots = [one.proto.spec for one in app.get("plotly_chart")]
+    (found,) = [spec for spec in plots if "X less Y, by group" in spec]
+    return found
+
+
+def test_the_figure_that_groups_are_compared_in_can_be_chosen(app: AppTest):
+    box = app.selectbox(key="subgroup_figure")
+    assert box.value == "encounters_detected"
+    assert "Share of encounters detected: X less Y, by group" in forest(app)
+    box.set_value("saliency").run()
+    assert not app.exception
+    assert "Saliency of a recording" in forest(app)
+    assert "place: edge" in forest(app)
+    assert "a false alert belongs to no pedestrian" not in texts(app)
+
+
+def test_a_figure_that_groups_of_pedestrians_lack_says_why(app: AppTest):
+    app.selectbox(key="subgroup_figure").set_value("false_alert_episodes_per_hour").run()
+    assert not app.exception
+    assert "a false alert belongs to no pedestrian" in texts(app)
+    assert "place: edge" not in forest(app)
+
+
+def test_groups_have_the_miss_rate_of_the_table_of_evidence(app: AppTest):
+    labels = app.selectbox(key="subgroup_figure").options
+    assert "log-average miss rate" in labels
+    app.selectbox(key="subgroup_figure").set_value("log_average_miss_rate").run()
+    assert not app.exception
+    assert "Log-average miss rate: X less Y, by group" in forest(app)
+    assert "distance: near" in forest(app)

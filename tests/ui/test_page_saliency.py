@@ -20,11 +20,6 @@ runpy.run_path({str(ROOT / "pages" / "saliency.py")!r})
 """
 
 
-@pytest.fixture(autouse=True)
-def surroundings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("NVCORE_UPLOAD_DIR", str(tmp_path / "uploads"))
-
-
 def opened() -> AppTest:
     return checked(AppTest.from_string(PAGE, default_timeout=60).run())
 

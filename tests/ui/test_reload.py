@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import threading
+from collections.abc import Callable
 from pathlib import Path
+from types import ModuleType
+from typing import Any
 
 import pytest
 from streamlit.testing.v1 import AppTest
 
-from ui import state
+from ui import export_html, ratings_fit, stability_map, state
+from ui.background_job import JobState
 from ui.workspace import Workspace
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -19,19 +24,25 @@ if token := st.session_state.pop("claims", None):
 state.begin_run()
 live_params.read()
 """
+PAGE = """
+import runpy
+runpy.run_path({path!r})
+"""
+PATIENCE_S = 20.0
 
 
 @pytest.fixture(autouse=True)
-def surroundings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("NVCORE_UPLOAD_DIR", str(tmp_path / "uploads"))
+def no_browser(monkeypatch: pytest.MonkeyPatch) -> None:
     # without a browser every session passes for one whose page is there
     monkeypatch.setattr(state, "is_in_use", lambda _: False)
 
 
-def page(**query: str) -> AppTest:
-    app = AppTest.from_string(SCRIPT, default_timeout=60)
-    for name, value in query.items():
-        app.query_params[name] = value
+def page(name: str = "", **query: str) -> AppTest:
+    """The script of every page, and the page of that name."""
+    drawn = PAGE.format(path=str(ROOT / "pages" / f"{name}.py")) if name else ""
+    app = AppTest.from_string(SCRIPT + drawn, default_timeout=60)
+    for key, value in query.items():
+        app.query_params[key] = value
     app.run()
     assert not app.exception
     return app
@@ -66,3 +77,118 @@ def test_a_workspace_that_another_page_uses_is_not_shared(monkeypatch: pytest.Mo
     app = page()
     own = app.session_state["workspace"]
     assert claiming(app, before.token) is own
+
+
+class Gate:
+    """Lets a function wait, in the background, until the test says that it may go on."""
+
+    def __init__(self, real: Callable[..., Any]) -> None:
+        self.real = real
+        self.is_reached, self.is_open = threading.Event(), threading.Event()
+
+    def __call__(self, *given: Any, **more: Any) -> Any:
+        self.is_reached.set()
+        assert self.is_open.wait(PATIENCE_S)
+        return self.real(*given, **more)
+
+
+@pytest.fixture
+def gated(monkeypatch: pytest.MonkeyPatch) -> Callable[[ModuleType, str], Gate]:
+    """Makes a module do its work in the background, where this function of it waits."""
+
+    def gate(module: ModuleType, function: str) -> Gate:
+        monkeypatch.setattr(module, "AT_ONCE", 0)
+        found = Gate(getattr(module, function))
+        monkeypatch.setattr(module, function, found)
+        return found
+
+    return gate
+
+
+def press(app: AppTest, key: str) -> AppTest:
+    app.button(key=key).click().run()
+    assert not app.exception
+    return app
+
+
+def reloaded(before: AppTest, name: str) -> AppTest:
+    """The page in a new session, which has claimed what was open."""
+    after = page(name)
+    claiming(after, before.session_state["workspace"].token)
+    return after
+
+
+def keys(app: AppTest) -> list[str | None]:
+    return [button.key for button in app.button]
+
+
+def ended(app: AppTest, kind: str) -> AppTest:
+    """The page once its job has ended."""
+    app.session_state["workspace"].job(kind).join()
+    app.run()
+    assert not app.exception
+    return app
+
+
+def test_a_map_goes_on_after_a_reload_of_its_page(gated):
+    gate = gated(stability_map, "map_stability")
+    before = page("stability")
+    before.button_group(key="stability_criterion").set_value("encounters").run()
+    press(before, "stability_start")
+    assert gate.is_reached.wait(PATIENCE_S)
+    job = before.session_state["workspace"].job(stability_map.JOB)
+    after = reloaded(before, "stability")
+    assert after.session_state["workspace"].job(stability_map.JOB) is job
+    assert after.button_group(key="stability_criterion").value == "encounters"
+    assert "stability_cancel" in keys(after)
+    gate.is_open.set()
+    told = [one.value for one in ended(after, stability_map.JOB).markdown]
+    assert any("As analysed, X detects more encounters" in one for one in told)
+
+
+def test_after_a_reload_a_map_can_be_cancelled(gated):
+    gate = gated(stability_map, "map_stability")
+    before = press(page("stability"), "stability_start")
+    assert gate.is_reached.wait(PATIENCE_S)
+    after = press(reloaded(before, "stability"), "stability_cancel")
+    gate.is_open.set()
+    ended(after, stability_map.JOB)
+    assert [one.value for one in after.info] == ["Cancelled. No map was made."]
+    assert "stability_start" in keys(after)
+
+
+def test_a_fit_goes_on_after_a_reload_of_its_page(gated):
+    gate = gated(ratings_fit, "fit_saliency")
+    before = press(page("ratings"), "rating_fit")
+    assert gate.is_reached.wait(PATIENCE_S)
+    after = reloaded(before, "ratings")
+    assert "rating_fit_cancel" in keys(after)
+    gate.is_open.set()
+    assert "rating_fit_take" in keys(ended(after, ratings_fit.JOB))
+
+
+def test_a_report_goes_on_after_a_reload_of_its_page(gated):
+    gate = gated(export_html, "write_html_report")
+    before = page("export")
+    before.toggle(key="html_stability").set_value(True).run()
+    press(before, "make_html")
+    assert gate.is_reached.wait(PATIENCE_S)
+    after = reloaded(before, "export")
+    assert after.toggle(key="html_stability").value is True
+    assert after.button(key="make_html").disabled
+    assert "html_cancel" in keys(after)
+    gate.is_open.set()
+    ended(after, export_html.JOB)
+    assert export_html.NAME in [one.proto.label for one in after.get("download_button")]
+    assert not any("other settings" in one.value for one in after.warning)
+
+
+def test_a_workspace_that_nobody_comes_back_to_ends_its_jobs(gated):
+    gate = gated(stability_map, "map_stability")
+    space = press(page("stability"), "stability_start").session_state["workspace"]
+    assert gate.is_reached.wait(PATIENCE_S)
+    job = space.job(stability_map.JOB)
+    space.close()  # as `ui.session_end` does it
+    gate.is_open.set()
+    job.join()
+    assert job.state is JobState.CANCELLED

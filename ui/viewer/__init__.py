@@ -160,6 +160,14 @@ def settled_in(key: str, *, recording: int, n_rows: int, seek: tuple[int, int]) 
     return settled_row(known.get("settled"), recording=recording, n_rows=n_rows, seek=seek)
 
 
+def n_plays_in(key: str) -> int | None:
+    """How often the clip in the `viewer` of this key was played to its end; None: not known."""
+    known = st.session_state.get(key)
+    settled = known.get("settled") if isinstance(known, Mapping) else None
+    n_plays = settled.get("n_plays") if isinstance(settled, Mapping) else None
+    return n_plays if isinstance(n_plays, int) and n_plays >= 0 else None
+
+
 def settled_row(settled: Any, *, recording: int, n_rows: int, seek: tuple[int, int]) -> int:
     """The row that the browser reports, if it belongs to this recording and this `seek`.
 

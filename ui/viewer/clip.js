@@ -17,6 +17,7 @@ class ClipViewer extends Viewer {
     this.starter.addEventListener("click", () => this.playPause());
     parts.stage.append(this.starter);
     root.dataset.ended = "false";
+    this.nPlays = 0;
     this.showPlaying();
   }
 
@@ -30,7 +31,13 @@ class ClipViewer extends Viewer {
 
   stopAt(row) {
     this.root.dataset.ended = "true";
+    this.nPlays += 1;
+    this.settled = null; // every end is told
     super.stopAt(row);
+  }
+
+  update(sent, report) {
+    super.update(sent, (now) => report({ ...now, n_plays: this.nPlays }));
   }
 
   showPlaying() {

@@ -1,0 +1,191 @@
+"""The ground truth under a protocol: one set of pedestrians for both systems."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+from typing import Final
+
+import numpy as np
+
+from nvcore.dataset import BoxColumns, Dataset
+from nvcore.errors import InputError
+from nvcore.protocols import Protocol, Range
+from nvcore.schema import UNKNOWN_OCCLUSION
+
+FLAGGED: Final = "flagged in the ground truth"
+HEIGHT: Final = "height"
+OCCLUSION: Final = "occlusion"
+BORDER: Final = "border"
+ASPECT: Final = "aspect ratio"
+
+
+@dataclass(frozen=True, eq=False)
+class FilteredTruth:
+    """The ground truth under a protocol: the same set for every system.
+
+    Attributes
+    ----------
+    protocol
+        What was asked for.
+    truth
+        The same boxes in the same rows, with those that the protocol leaves out ignored.
+    is_counted
+        Frames of the recordings that count; bool, (n_frames,).
+    n_left_out
+        Boxes that the ground truth flags, and the others that each filter leaves out, by filter;
+        a box that several leave out counts for each.
+    n_unknown_occlusion
+        Boxes not flagged whose occlusion is unknown.
+    """
+
+    protocol: Protocol
+    truth: BoxColumns
+    is_counted: np.ndarray
+    n_left_out: Mapping[str, int]
+    n_unknown_occlusion: int
+
+    @property
+    def counts(self) -> np.ndarray:
+        """Truth boxes that count: not ignored, in a counted frame; bool, (n_truth,)."""
+        counts: np.ndarray = ~self.truth.ignore & self.is_counted[self.truth.frame_index]
+        return counts
+
+    @property
+    def n_truth(self) -> int:
+        """Pedestrian boxes that count."""
+        return int(np.count_nonzero(self.counts))
+
+    @property
+    def n_ignored(self) -> int:
+        """Truth boxes in the counted frames that do not count."""
+        return int(np.count_nonzero(self.truth.ignore & self.is_counted[self.truth.frame_index]))
+
+    @property
+    def left_out(self) -> str:
+        """How many boxes are ignored and why, in words; "" where none is."""
+        if not self.n_ignored:
+            return ""
+        parts = [f"{name} {n:,}" for name, n in self.n_left_out.items() if n]
+        has_several = sum(self.n_left_out.values()) > self.n_ignored
+        several = " (a box that several of these leave out is counted for each)"
+        return f"{self.n_ignored:,} ignored: {', '.join(parts)}{several if has_several else ''}"
+
+    @property
+    def n_images(self) -> int:
+        """Frames that count, with and without boxes."""
+        return int(np.count_nonzero(self.is_counted))
+
+
+def filter_truth(
+    dataset: Dataset, protocol: Protocol, *, recordings: np.ndarray | None = None
+) -> FilteredTruth:
+    """The ground truth under a protocol; nothing is deleted, left-out boxes become ignored.
+
+    Parameters
+    ----------
+    recordings
+        Recordings that may count, beside the protocol's own; bool, (n_recordings,); None: all.
+
+    Raises
+    ------
+    InputError
+        If no recording is left, or there is none of a name that the protocol chooses.
+    """
+    truth, frames = dataset.truth, dataset.frame_columns
+    chosen = has_tags(dataset, protocol.tags) & _is_named(dataset, protocol)
+    if recordings is not None:
+        chosen = chosen & recordings
+    is_counted: np.ndarray = chosen[frames.recording]
+    if not is_counted.any():
+        raise InputError(_no_recording(dataset, protocol))
+    occlusion = dataset.boxes["occlusion"].to_numpy()[: len(truth)]
+    recording = frames.recording[truth.frame_index]
+    is_out = {
+        HEIGHT: ~_between(truth.h, protocol.height_px),
+        OCCLUSION: ~np.isin(np.where(occlusion == UNKNOWN_OCCLUSION, 0, occlusion),
+                            protocol.occlusion),
+        BORDER: _at_border(truth, frames.width[recording], frames.height[recording],
+                           protocol.border_px),
+        ASPECT: ~_between(truth.h / truth.w, protocol.aspect),
+    }  # fmt: skip
+    here = is_counted[truth.frame_index]
+    unflagged = here & ~truth.ignore
+    n_left_out = {FLAGGED: int(np.count_nonzero(here & truth.ignore))} | {
+        name: int(np.count_nonzero(unflagged & out)) for name, out in is_out.items()
+    }
+    ignore = np.logical_or.reduce([truth.ignore, *is_out.values()])
+    unknown = unflagged & (occlusion == UNKNOWN_OCCLUSION)
+    return FilteredTruth(
+        protocol, replace(truth, ignore=ignore), is_counted, MappingProxyType(n_left_out),
+        int(np.count_nonzero(unknown)),
+    )  # fmt: skip
+
+
+def filter_detections(detections: BoxColumns, protocol: Protocol) -> np.ndarray:
+    """Detections that the protocol lets take part; bool, (n_det,)."""
+    if protocol.expand is None:
+        return np.ones(len(detections), dtype=bool)
+    low, high = protocol.height_px
+    return _between(detections.h, (low / protocol.expand, high * protocol.expand))
+
+
+def has_tags(dataset: Dataset, tags: tuple[str, ...]) -> np.ndarray:
+    """Recordings that have all of the tags; bool, (n_recordings,)."""
+    wanted = set(tags)
+    found = [wanted <= set(own) for own in dataset.recordings["tags"]]  # hundreds at the most
+    return np.array(found, dtype=bool)
+
+
+def _is_named(dataset: Dataset, protocol: Protocol) -> np.ndarray:
+    """Recordings that the protocol chooses by name; bool, (n_recordings,)."""
+    names = dataset.recordings["name"]
+    if not protocol.recordings:
+        return np.ones(len(names), dtype=bool)
+    unknown = sorted(set(protocol.recordings) - set(names))
+    if unknown:
+        raise InputError(
+            f"protocol {protocol.name!r}: there is no recording {unknown[0]!r}; there are "
+            f"{len(names)}, the first is {names.iloc[0]!r}"
+        )
+    found: np.ndarray = names.isin(protocol.recordings).to_numpy()
+    return found
+
+
+def known_tags(dataset: Dataset) -> tuple[str, ...]:
+    """All tags of the recordings, sorted."""
+    return tuple(sorted({tag for own in dataset.recordings["tags"] for tag in own}))
+
+
+def _no_recording(dataset: Dataset, protocol: Protocol) -> str:
+    known = ", ".join(known_tags(dataset)) or "none: give tags in the session file"
+    wanted = " and ".join(protocol.tags)
+    what = f"has the tags {wanted}" if protocol.tags else "is chosen"
+    if protocol.tags and protocol.recordings:
+        what += " and is one of those chosen by name"
+    return f"protocol {protocol.name!r}: no recording with frames {what}; there are tags {known}"
+
+
+def _between(values: np.ndarray, limits: Range) -> np.ndarray:
+    inside: np.ndarray = (values >= limits[0]) & (values <= limits[1])
+    return inside
+
+
+def _at_border(
+    boxes: BoxColumns,
+    width: np.ndarray,
+    height: np.ndarray,
+    margins: tuple[float, float, float, float] | None,
+) -> np.ndarray:
+    """Boxes that reach into the margins of their picture; bool, (n,)."""
+    if margins is None:
+        return np.zeros(len(boxes), dtype=bool)
+    left, top, right, bottom = margins
+    reaches: np.ndarray = (
+        (boxes.x < left)
+        | (boxes.y < top)
+        | (boxes.x + boxes.w > width - right)
+        | (boxes.y + boxes.h > height - bottom)
+    )
+    return reaches
