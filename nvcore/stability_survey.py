@@ -22,7 +22,7 @@ SURVEYED: Final[tuple[Plane, ...]] = (
     "alpha-midpoint", "thresholds", "matching", "edge-weight-alpha",
 )  # fmt: skip
 """Every setting that a map moves is in one of them."""
-NOTHING: Final = "-"
+NOTHING: Final = "–"
 STEPS: Final = 1000
 """Steps of progress of one map."""
 SURVEY_COLUMNS: Final = ("plane", "criterion", "settings", "by", "verdict", "share", "nearest")

@@ -20,6 +20,32 @@ _HEADING: Final = re.compile(r"(#{1,6}) +(.*)")
 _LINK: Final = re.compile(r"\[((?:[^\]\[]|\[[^\]]*\])*)\]\(([^)\s]+)\)")
 _CODE: Final = re.compile(r"(`+)(?:.*?[^`])?\1(?!`)", re.DOTALL)
 _FENCE: Final = "```"
+# A browser goes to the section of the address once, when its heading comes; on a slow machine more
+# comes above it later. Until the reader does something the heading is kept in sight.
+_KEEP_IN_SIGHT: Final = """
+const PATIENCE_MS = 10000;
+let done = null;
+export default function () {
+  const name = decodeURIComponent(location.hash.slice(1));
+  if (!name || done === location.href) return;
+  done = location.href;
+  const until = Date.now() + PATIENCE_MS;
+  const timer = setInterval(look, 100);
+  const acts = ["wheel", "keydown", "pointerdown", "touchstart"];
+  const stop = () => {
+    clearInterval(timer);
+    acts.forEach((act) => removeEventListener(act, stop, true));
+  };
+  acts.forEach((act) => addEventListener(act, stop, true));
+  function look() {
+    const heading = document.getElementById(name);
+    const top = heading?.getBoundingClientRect().top;
+    if (heading && (top < 0 || top > innerHeight / 2)) heading.scrollIntoView();
+    if (Date.now() > until || location.href !== done) stop();
+  }
+}
+"""
+_SIGHT: Final = st.components.v2.component("nvcore_section", js=_KEEP_IN_SIGHT)
 
 
 @dataclass(frozen=True)
@@ -60,6 +86,7 @@ def draw() -> None:
         elif section.level > 2:
             st.subheader(section.title, anchor=section.anchor)
         st.markdown(section.body)
+    _SIGHT(key="section", height=1)
 
 
 @st.cache_data(show_spinner=False)

@@ -19,8 +19,8 @@ from ui.text import plain
 KINDS: Final = {
     "x": "Worst of X",
     "y": "Worst of Y",
-    "x_better": "X far better",
-    "y_better": "Y far better",
+    "x_better": "X better",
+    "y_better": "Y better",
 }
 THUMBNAIL_PX: Final = 640
 N_MOMENTS: Final = 4

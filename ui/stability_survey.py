@@ -27,7 +27,7 @@ SurveyKey = tuple[str, Params]
 
 def draw(result: Result) -> None:
     """The table, the button that computes it, or how far that is."""
-    st.subheader("Where does the verdict depend on settings?")
+    st.header("Where does the verdict depend on settings?")
     surveyed = _found(result)
     if surveyed is None:
         return

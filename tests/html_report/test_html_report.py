@@ -332,7 +332,7 @@ def test_every_choice_of_settings_has_its_row(page):
     assert said.startswith(("X has", "Y has"))
     assert share.endswith("%") or share in ("all", "none")
     assert rows["Traffic context and alpha", "encounters detected"][1:] == [
-        "does not depend on them", "-",
+        "does not depend on them", "–",
     ]  # fmt: skip
     assert "By mean similarity: " in page.text
     assert page.text.count("false alarms per frame.") == 3  # one for each criterion
