@@ -38,7 +38,8 @@ REPORT = "Report"
     REPORT,
     "--stability/--no-stability",
     default=None,
-    help="Whether to map the verdict over alpha and midpoint. Default: for up to 20,000 frames.",
+    help="Whether to map the verdict over the settings: alpha and midpoint, thresholds, matching, "
+    "traffic context. Default: for up to 20,000 frames.",
 )
 @grouped_option(
     OUTPUT,

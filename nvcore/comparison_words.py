@@ -12,9 +12,7 @@ import numpy as np
 import pandas as pd
 
 from nvcore.analysis import Result, SystemResult
-from nvcore.encounters import mostly_one_frame
-from nvcore.schema import Category
-from nvcore.tables import sides
+from nvcore.tables import is_short, sides
 from nvcore.verdict import SIGNIFICANT
 
 FEW_MISSES: Final = 5
@@ -42,10 +40,8 @@ def describe_misses(result: Result) -> tuple[str, ...]:
     related = _relation(e.phi, min(e.missed_by_x, e.missed_by_y))
     if related:
         sentences.append(related)
-    is_short = mostly_one_frame(
-        result.encounters.n_frames[result.category != Category.DISTANT.value]
-    )
-    sentences.append(_split(venn.x_only, venn.y_only, e.mcnemar_p, is_short=is_short))
+    short = is_short(result)
+    sentences.append(_split(venn.x_only, venn.y_only, e.mcnemar_p, short=short))
     return tuple(sentences)
 
 
@@ -70,7 +66,7 @@ def _relation(phi: float, fewest: int) -> str:
     )
 
 
-def _split(x_only: int, y_only: int, p: float, *, is_short: bool) -> str:
+def _split(x_only: int, y_only: int, p: float, *, short: bool) -> str:
     n = x_only + y_only
     if not n:
         return "No encounter is detected by one system alone: none tells the two apart."
@@ -81,7 +77,7 @@ def _split(x_only: int, y_only: int, p: float, *, is_short: bool) -> str:
     )
     if x_only == y_only:
         return f"{what}: in this they do not differ."
-    if is_short:
+    if short:
         return (
             f"{what}. Most encounters are one frame long and not independent, so no test of "
             "single encounters is given."

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from typing import Final
 
@@ -11,11 +10,12 @@ import numpy as np
 from nvcore.analysis import Result
 from nvcore.curves import Outcomes, detection_outcomes
 from nvcore.errors import InputError
+from nvcore.filtered_truth import filter_truth
 from nvcore.miss_rate import FPPI_REFERENCES, explain_few, explain_zero
 from nvcore.protocols import PROTOCOLS, Protocol
-from nvcore.significance import D_Z, LOWER, Evidence, UnitFigure, judge_figure
+from nvcore.significance import LOWER, Evidence, UnitFigure, judge_figure
 from nvcore.tables import sides
-from nvcore.units import Units
+from nvcore.units import Units, units_within
 
 FIGURE: Final = "log_average_miss_rate"
 N_POINTS: Final = 200
@@ -53,16 +53,28 @@ def log_average_miss_rate_figure(
 def judge_miss_rate(
     result: Result, units: Units, protocol: Protocol = PROTOCOLS["all"]
 ) -> Evidence:
-    """Difference of the log-average miss rate; `note` says why it is undefined or 0."""
+    """Difference of the log-average miss rate; `note` says why it is undefined or 0.
+
+    Units are those within the recordings that the protocol counts.
+    """
+
+    def undefined(why: str) -> Evidence:
+        return Evidence.undefined(
+            FIGURE, _label(protocol), LOWER, unit=units.kind, n=len(units), note=why
+        )
+
     try:
-        figure = log_average_miss_rate_figure(result, units, protocol)
+        truth = filter_truth(result.dataset, protocol)
     except InputError as error:  # no recording has the protocol's tags
-        return _undefined(protocol, units, error.message)
+        return undefined(error.message)
+    recordings = np.zeros(len(result.dataset.recordings), dtype=bool)
+    recordings[result.dataset.frame_columns.recording[truth.is_counted]] = True
+    units = units_within(result, units, recordings)
+    figure = log_average_miss_rate_figure(result, units, protocol)
     if figure is None:
-        return _undefined(
-            protocol, units,
-            "the log-average miss rate needs pedestrians that count, and detections with scores",
-        )  # fmt: skip
+        return undefined(
+            "the log-average miss rate needs pedestrians that count, and detections with scores"
+        )
     found = judge_figure(figure, units)
     sums = (figure.x.sum(axis=0), figure.y.sum(axis=0))
     notes = [found.note]
@@ -74,15 +86,6 @@ def judge_miss_rate(
         why_zero = explain_zero(_rates(one))
         notes.append(f"log-average miss rate of {letter}: {why_zero}" if why_zero else "")
     return replace(found, note="; ".join(filter(None, notes)))
-
-
-def _undefined(protocol: Protocol, units: Units, why: str) -> Evidence:
-    nan = math.nan
-    return Evidence(
-        figure=FIGURE, label=_label(protocol), better=LOWER, x=nan, y=nan, difference=nan, low=nan,
-        high=nan, p=nan, effect=nan, effect_name=D_Z, n=len(units), unit=units.kind, method="",
-        note=why,
-    )  # fmt: skip
 
 
 def _label(protocol: Protocol) -> str:

@@ -159,12 +159,17 @@ def known_tags(dataset: Dataset) -> tuple[str, ...]:
 
 
 def _no_recording(dataset: Dataset, protocol: Protocol) -> str:
-    known = ", ".join(known_tags(dataset)) or "none: give tags in the session file"
+    if not len(dataset.frames):
+        return "there are no frames"
+    tags = known_tags(dataset)
+    known = (
+        f"there are tags {', '.join(tags)}" if tags else "none has tags, which a session file gives"
+    )
     wanted = " and ".join(protocol.tags)
     what = f"has the tags {wanted}" if protocol.tags else "is chosen"
     if protocol.tags and protocol.recordings:
         what += " and is one of those chosen by name"
-    return f"protocol {protocol.name!r}: no recording with frames {what}; there are tags {known}"
+    return f"protocol {protocol.name!r}: no recording with frames {what} ({known})"
 
 
 def _between(values: np.ndarray, limits: Range) -> np.ndarray:

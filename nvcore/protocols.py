@@ -214,7 +214,10 @@ def _value(key: str, value: object) -> object:
         or not all(isinstance(one, of_kind) and not isinstance(one, bool) for one in many)
     ):
         raise ParameterError(f"{key}: expected {wanted}, got {value!r}")
-    made = tuple(kind(one) for one in many)
+    try:
+        made = tuple(kind(one) for one in many)
+    except OverflowError as error:  # a whole number of hundreds of digits
+        raise ParameterError(f"{key}: expected {wanted}, got too large a number") from error
     return made if is_list else made[0]
 
 

@@ -17,10 +17,8 @@ from nvcore.bootstrap import (
     bootstrap_difference,
     ratio,
 )
-from nvcore.encounters import mostly_one_frame
 from nvcore.paired_tests import McNemar, SwapTest, holm, mcnemar, swap_test
-from nvcore.schema import Category
-from nvcore.tables import saliency_of_recordings, sides
+from nvcore.tables import is_short, saliency_of_recordings, sides
 from nvcore.units import RECORDINGS, Units, find_units, sum_units
 
 HIGHER: Final = "higher"
@@ -98,6 +96,22 @@ class Evidence:
     note: str
     p_holm: float = float("nan")
 
+    @classmethod
+    def undefined(
+        cls, figure: str, label: str, better: str, *, unit: str, note: str, n: int = 0
+    ) -> Evidence:
+        """Evidence of a figure that these data do not have; `note` says why."""
+        nan = float("nan")
+        return cls(
+            figure=figure, label=label, better=better, x=nan, y=nan, difference=nan, low=nan,
+            high=nan, p=nan, effect=nan, effect_name=D_Z, n=n, unit=unit, method="", note=note,
+        )  # fmt: skip
+
+    def withheld(self) -> Evidence:
+        """The figure alone: without interval, test and effect size."""
+        nan = float("nan")
+        return replace(self, low=nan, high=nan, p=nan, effect=nan, method="")
+
 
 COLUMNS: Final = (
     "figure", "label", "better", "x", "y", "difference", "low", "high", "p", "p_holm", "effect",
@@ -115,7 +129,7 @@ def significance_table(
     Encounters detected come twice: every encounter for itself (McNemar), and by units, which
     allows for encounters of one recording being alike. Then mean similarity, share of low frames,
     saliency, false-alert episodes per hour, and `extra`. Where too little is known for a figure,
-    it is NaN and `note` says so in words.
+    or most encounters are single frames, it is NaN and `note` says so in words.
 
     Parameters
     ----------
@@ -138,7 +152,8 @@ def significance_table(
     judged = [
         _without_blocks(result, units, row) if row.figure == "saliency" else row for row in judged
     ]
-    rows = [judge_encounters_detected(result), *judged, *extra]
+    encounters = judge_encounters_detected(result)
+    rows = [encounters.withheld() if is_short(result) else encounters, *judged, *extra]
     table = pd.DataFrame([vars(row) for row in rows])
     table["p_holm"] = holm(table["p"].to_numpy())
     return table[list(COLUMNS)]
@@ -168,11 +183,6 @@ def _mcnemar_method(found: McNemar) -> str:
     if not np.isnan(found.p):
         parts.append(f"exact McNemar test of {found.x_only} to {found.y_only}")
     return "; ".join(parts)
-
-
-def is_short(result: Result) -> bool:
-    """Whether most encounters that count are a single frame long."""
-    return mostly_one_frame(result.encounters.n_frames[result.category != Category.DISTANT.value])
 
 
 def unit_figures(result: Result, units: Units) -> tuple[UnitFigure, ...]:

@@ -121,6 +121,37 @@ def measure_sets(
     return SetDistances(d_miss, d_false, salient_row)
 
 
+def salient_detection(
+    detections: BoxColumns,
+    k_detections: np.ndarray,
+    is_member: np.ndarray,
+    nearest: Nearest,
+    frames: FrameColumns,
+    row: int,
+    *,
+    edge_weight: float = 0.0,
+) -> int:
+    """Detection row at which D(S, G) of one frame stands; -1 if the frame has no member.
+
+    As `SetDistances.salient_row` for the pedestrians; computed when asked for, as the maximum
+    alone is faster.
+
+    Parameters
+    ----------
+    is_member
+        The detections that are S; bool, shape (n_det,).
+    row
+        Of the frames table.
+    """
+    d, at = np.empty(1), np.empty(1, np.int64)
+    maximin_frames(
+        0, 1, detections.offsets[row : row + 2], detections.x, detections.w, k_detections,
+        nearest.detections, is_member, detections.track, float(edge_weight),
+        frames.recording[row : row + 1], frames.width, d, at,
+    )  # fmt: skip
+    return int(at[0])
+
+
 def trace_similarity(
     distances: SetDistances, frames: FrameColumns, *, alpha: float = 0.9
 ) -> np.ndarray:

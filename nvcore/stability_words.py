@@ -87,29 +87,20 @@ def winner_text(criterion: Criterion, winner: Winner, difference: float) -> str:
     return f"{winner.upper()} {BETTER[criterion]}, by {size}"
 
 
-def describe_stability(
-    found: StabilityMap, evidence: pd.DataFrame | None = None
-) -> tuple[str, ...]:
+def describe_stability(found: StabilityMap) -> tuple[str, ...]:
     """Whether the verdict depends on the settings of the map, in sentences.
 
     What holds as analysed; in which share of the plausible range, what makes that plausible, and
     whether the settings in use lie in it; how far each setting can be moved alone; and the nearest
     setting that overturns it, in every separate part of the map. All of this is about these
     settings and these data: whether a difference is more than chance is another question, which
-    the second sentence answers if there is evidence.
-
-    Parameters
-    ----------
-    evidence
-        `nvcore.evidence.evidence_table` of the same result.
+    `describe_chance` answers.
     """
     verdict, present = found.verdict, found.present_difference
     said = winner_text(found.criterion, verdict, present)
     if verdict == "undefined":
         return (f"As analysed the verdict is {said}.",)
     sentences = [f"As analysed, {said}."]
-    if evidence is not None:
-        sentences += filter(None, [describe_chance(found, evidence)])
     still = [
         axis.title for axis, moves in zip(found.axes, found.is_moved_by, strict=True) if not moves
     ]

@@ -16,7 +16,6 @@ from nvcore.paired_tests import holm, mcnemar
 from nvcore.protocols import PROTOCOLS, Protocol
 from nvcore.schema import Category
 from nvcore.significance import (
-    D_Z,
     Evidence,
     UnitFigure,
     judge_encounters_detected,
@@ -24,14 +23,15 @@ from nvcore.significance import (
     unit_figures,
 )
 from nvcore.subgroups import ALL, Subgroup, everyone, find_subgroups
-from nvcore.tables import saliency_of_recordings, sides
-from nvcore.units import BLOCKS, Units, find_units
+from nvcore.tables import is_short, saliency_of_recordings, sides
+from nvcore.units import Units, find_units, units_within
 from nvcore.venn import count_categories
 
 DETECTED: Final = "encounters_detected"
+BY_UNIT: Final = "encounters_detected_by_unit"
 MISS_RATE: Final = "log_average_miss_rate"
 FIGURES: Final = (
-    DETECTED, "encounters_detected_by_unit", "mean_similarity", "share_low", "saliency",
+    DETECTED, BY_UNIT, "mean_similarity", "share_low", "saliency",
     "false_alert_episodes_per_hour", MISS_RATE,
 )  # fmt: skip
 """Figures that `subgroup_table` knows, by their keys in `nvcore.evidence.evidence_table`."""
@@ -125,18 +125,21 @@ def _judge_part(
 ) -> list[Evidence]:
     """The figures of a group, in their order."""
     narrowed = _narrowed(result, part)
-    within = _units_within(result, units, part.recordings)
+    within = units_within(result, units, part.recordings)
     of_units = {one.figure: one for one in unit_figures(narrowed, units)}
     is_within = part.recordings[units.recording]
 
     def judge(figure: str) -> Evidence:
         if figure == DETECTED:
-            return judge_encounters_detected(narrowed)
+            split = judge_encounters_detected(narrowed)
+            return split.withheld() if is_short(result) else split
         if figure == MISS_RATE:
-            return _miss_rate(result, part, units=units, within=within, protocol=protocol)
+            return _miss_rate(result, part, units, protocol)
         own = of_units[figure]
         if figure in NOT_OF_PEDESTRIANS and not part.has_frames:
-            return _undefined(own, units, NOT_OF_PEDESTRIANS[figure])
+            return Evidence.undefined(
+                own.figure, own.label, own.better, unit=units.kind, note=NOT_OF_PEDESTRIANS[figure]
+            )
         own = replace(own, x=own.x[is_within], y=own.y[is_within])
         if figure == "saliency" and np.isnan(own.x[:, 0]).any():
             return _largest_events(narrowed, own, within)
@@ -161,22 +164,6 @@ def _with_events_of(part: Subgroup, system: SystemResult) -> SystemResult:
     return replace(system, events=system.events[part.is_member[encounter]])
 
 
-def _units_within(result: Result, units: Units, recordings: np.ndarray) -> Units:
-    """The units of some recordings; frames of the others are in unit -1."""
-    frames = result.dataset.frame_columns
-    is_within = recordings[units.recording]
-    number = np.where(is_within, np.cumsum(is_within) - 1, -1)
-    recording = units.recording[is_within]
-    block_s = np.nan
-    if units.kind == BLOCKS and len(recording):
-        is_here = recordings[frames.recording]
-        seconds = frames.gap[is_here] / frames.fps[frames.recording[is_here]]
-        block_s = float(seconds.sum()) / len(recording)
-    return Units(
-        units.kind, number[units.unit_of_frame], recording, len(np.unique(recording)), block_s
-    )
-
-
 def _largest_events(narrowed: Result, figure: UnitFigure, within: Units) -> Evidence:
     """Saliency of the largest events, which blocks of time do not have: without interval."""
     used = np.unique(within.recording)
@@ -185,19 +172,20 @@ def _largest_events(narrowed: Result, figure: UnitFigure, within: Units) -> Evid
         float(saliency_of_recordings(narrowed, system)[used].mean())
         for _, system in sides(narrowed)
     )
-    undefined = _undefined(figure, within, "; ".join([note, within.note]))
-    return replace(undefined, x=x, y=y, difference=x - y, n=len(within))
+    undefined = Evidence.undefined(
+        figure.figure, figure.label, figure.better, unit=within.kind, n=len(within),
+        note="; ".join([note, within.note]),
+    )  # fmt: skip
+    return replace(undefined, x=x, y=y, difference=x - y)
 
 
-def _miss_rate(
-    result: Result, part: Subgroup, *, units: Units, within: Units, protocol: Protocol
-) -> Evidence:
+def _miss_rate(result: Result, part: Subgroup, units: Units, protocol: Protocol) -> Evidence:
     """Log-average miss rate of a group: other pedestrians are ignored."""
     if part.factor == ALL:
         return judge_miss_rate(result, units, protocol)
     if part.has_frames:
         tagged = replace(protocol, tags=(*protocol.tags, part.group))
-        return judge_miss_rate(result, within, tagged)
+        return judge_miss_rate(result, units, tagged)
     return judge_miss_rate(replace(result, dataset=_only(result, part)), units, protocol)
 
 
@@ -208,12 +196,3 @@ def _only(result: Result, part: Subgroup) -> Dataset:
     is_of_part = np.append(part.is_member, False)[encounter_of]  # -1: in none
     ignore[: len(encounter_of)] |= ~is_of_part
     return replace(dataset, boxes=dataset.boxes.assign(ignore=ignore))
-
-
-def _undefined(figure: UnitFigure, units: Units, why: str) -> Evidence:
-    nan = float("nan")
-    return Evidence(
-        figure=figure.figure, label=figure.label, better=figure.better, x=nan, y=nan,
-        difference=nan, low=nan, high=nan, p=nan, effect=nan, effect_name=D_Z, n=0,
-        unit=units.kind, method="", note=why,
-    )  # fmt: skip

@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 
 from nvcore.analysis import Result, SystemResult
+from nvcore.encounters import mostly_one_frame
 from nvcore.findings import Finding
 from nvcore.report_columns import column_names
 from nvcore.saliency import aggregate_saliency
@@ -337,3 +338,8 @@ def saliency_of_recordings(result: Result, system: SystemResult) -> np.ndarray:
         events["saliency_s"].to_numpy(dtype=float),
     )
     return saliency
+
+
+def is_short(result: Result) -> bool:
+    """Whether most encounters that count are a single frame long."""
+    return mostly_one_frame(result.encounters.n_frames[result.category != Category.DISTANT.value])

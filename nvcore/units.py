@@ -163,3 +163,19 @@ def sum_units(result: Result, units: Units) -> pd.DataFrame:
             f"saliency_{letter}": saliency,
         }
     return pd.DataFrame(columns)
+
+
+def units_within(result: Result, units: Units, recordings: np.ndarray) -> Units:
+    """The units of some recordings; frames of the others are in unit -1."""
+    frames = result.dataset.frame_columns
+    is_within = recordings[units.recording]
+    number = np.where(is_within, np.cumsum(is_within) - 1, -1)
+    recording = units.recording[is_within]
+    block_s = np.nan
+    if units.kind == BLOCKS and len(recording):
+        is_here = recordings[frames.recording]
+        seconds = frames.gap[is_here] / frames.fps[frames.recording[is_here]]
+        block_s = float(seconds.sum()) / len(recording)
+    return Units(
+        units.kind, number[units.unit_of_frame], recording, len(np.unique(recording)), block_s
+    )

@@ -10,8 +10,8 @@ import pandas as pd
 
 from nvcore.analysis import Result, SystemResult
 from nvcore.findings import Finding, Severity
-from nvcore.paired_tests import MIN_DISCORDANT
-from nvcore.tables import sides
+from nvcore.paired_tests import MIN_DISCORDANT, MIN_SWAPPED
+from nvcore.tables import is_short, sides
 
 SIGNIFICANT: Final = 0.05
 """Largest p-value at which a difference in detected encounters is called one."""
@@ -29,9 +29,10 @@ OF_TIME: Final = ("saliency", "false_alert_episodes_per_hour")
 PER: Final = {"saliency": " s", "false_alert_episodes_per_hour": " per hour"}
 """Units of measure of their intervals."""
 
+BLOCKS: Final = "blocks"
 UNITS: Final = {
     "recordings": "recordings",
-    "blocks": "blocks of time, which say nothing of other recordings",
+    BLOCKS: "blocks of time, which say nothing of other recordings",
 }
 
 CAVEATS: Final = {
@@ -84,10 +85,10 @@ def verdict(
     X detects every encounter that Y detects, and 9 more of 40 (p = 0.0039).
     """
     codes = {one.code for one in findings}
-    sentences = [_encounters(result, codes) + _by_units(result, codes, evidence)]
+    sentences = [_encounters(result, codes, evidence) + _by_units(result, codes, evidence)]
     figures = _figures(result, evidence)
     if figures:
-        sentences.append(f"{figures}; {_chance(evidence, codes)}.")
+        sentences.append(f"{figures}; {_chance(evidence, is_short(result))}.")
     unlimited = _without_threshold(result)
     if unlimited:
         sentences.append(unlimited)
@@ -101,10 +102,9 @@ def _caveat(grave: Sequence[Finding]) -> str:
     known = list(dict.fromkeys(CAVEATS[one.code] for one in grave if one.code in CAVEATS))
     others = [one.code for one in grave if one.code not in CAVEATS]
     if others:
-        codes = ", ".join(dict.fromkeys(others))
         known.append(
-            f"{len(others)} {'other ' if known else ''}finding{'s' if len(others) > 1 else ''} of "
-            f"the audit ({codes})"
+            f"{len(others)} {'other ' if known else ''}finding{'s' if len(others) > 1 else ''} "
+            "that it lists"
         )
     return f"This depends on what the audit found: {'; '.join(known)}."
 
@@ -121,13 +121,17 @@ def _without_threshold(result: Result) -> str:
     return f"Every detection of {' and '.join(letters)} counts, however low its score."
 
 
-def _encounters(result: Result, codes: Set[str]) -> str:
-    venn, p = result.venn, result.exclusivity.mcnemar_p
+def _encounters(result: Result, codes: Set[str], evidence: pd.DataFrame | None) -> str:
+    venn, p = result.venn, _p_of_encounters(result, evidence)
     if "same-boxes" in codes:
         return "Two of the inputs have the same boxes: this is no comparison of two systems."
-    is_testable = "short-encounters" not in codes
+    is_testable = not is_short(result)
     n_split = venn.x_only + venn.y_only
-    tested = f"p = {p:.2g}" if n_split >= MIN_DISCORDANT else "too few to test"
+    tested = f"p = {result.exclusivity.mcnemar_p:.2g}"
+    if p != result.exclusivity.mcnemar_p:
+        tested += f", corrected for all figures {p:.2g}"
+    if n_split < MIN_DISCORDANT:
+        tested = "too few to test"
     chance = f" ({tested})" if is_testable else ""
     if not venn.n_near:
         return (
@@ -148,7 +152,9 @@ def _encounters(result: Result, codes: Set[str]) -> str:
         )
         if p <= SIGNIFICANT or not is_testable:
             return f"{claim}{chance}."
-        return f"{claim}; so few do not show a difference beyond chance."
+        if n_split < MIN_DISCORDANT:
+            return f"{claim}; so few do not show a difference beyond chance."
+        return f"{claim}; that is not shown to be more than chance{chance}."
     split = (
         f"of the {n_split} encounters that only one system detects, X detects {venn.x_only} and Y "
         f"{venn.y_only}{chance}"
@@ -160,22 +166,35 @@ def _encounters(result: Result, codes: Set[str]) -> str:
     return f"These data do not show which system detects more encounters: {split}."
 
 
+def _p_of_encounters(result: Result, evidence: pd.DataFrame | None) -> float:
+    """McNemar's p, corrected for the other figures where there are any."""
+    if evidence is not None:
+        row = evidence[evidence["figure"] == "encounters_detected"]
+        if len(row) and np.isfinite(row["p_holm"].iloc[0]):
+            return float(row["p_holm"].iloc[0])
+    return result.exclusivity.mcnemar_p
+
+
 def _by_units(result: Result, codes: Set[str], evidence: pd.DataFrame | None) -> str:
     """What encounters of one recording being alike leaves of the evidence, where it matters.
 
     That is where single encounters would make a claim, or are frames rather than persons.
     """
-    venn, is_short = result.venn, "short-encounters" in codes
-    is_claimed = is_short or result.exclusivity.mcnemar_p <= SIGNIFICANT
+    venn, short = result.venn, is_short(result)
+    is_claimed = short or _p_of_encounters(result, evidence) <= SIGNIFICANT
     if evidence is None or "same-boxes" in codes or not is_claimed or venn.x_only == venn.y_only:
         return ""
     row = evidence[evidence["figure"] == "encounters_detected_by_unit"]
     p = np.nan if row.empty else float(row["p_holm"].iloc[0])
     is_shown = p <= SIGNIFICANT
-    if row.empty or (is_shown and not is_short):
+    if row.empty or (is_shown and not short):
         return ""
-    unit = f"{int(row['n'].iloc[0]):,} {row['unit'].iloc[0]}"
-    if np.isnan(p):
+    n, kind = int(row["n"].iloc[0]), str(row["unit"].iloc[0])
+    unit = f"{n:,} {kind.removesuffix('s') if n == 1 else kind}"
+    unit += " of time" if kind == BLOCKS else ""
+    if np.isnan(p) and n < MIN_SWAPPED:
+        outcome = "cannot be tested: there are too few of them"
+    elif np.isnan(p):
         outcome = "cannot be tested: too few of them tell X and Y apart"
     elif is_shown:
         outcome = f"is more than chance (p = {p:.2g})"
@@ -218,16 +237,13 @@ def _mean_saliency(result: Result, evidence: pd.DataFrame | None) -> str:
     return f", but {winner} in the mean over recordings ({means[0]:.2f} to {means[1]:.2f} s)"
 
 
-def _chance(evidence: pd.DataFrame | None, codes: Set[str]) -> str:
+def _chance(evidence: pd.DataFrame | None, short: bool) -> str:
     """Which of the differences side by side are more than chance, by their corrected p-values."""
     if evidence is None:
         return "whether these differences are more than chance is not tested"
-    is_short = "short-encounters" in codes
-    judged = [name for name in TESTED if not (is_short and name in OF_TIME)]
+    judged = [name for name in TESTED if not (short and name in OF_TIME)]
     told = _beyond_chance(evidence[evidence["figure"].isin(judged)])
-    return (
-        f"{told}; saliency and episodes mean little here and are not judged" if is_short else told
-    )
+    return f"{told}; saliency and episodes mean little here and are not judged" if short else told
 
 
 def _beyond_chance(shown: pd.DataFrame) -> str:

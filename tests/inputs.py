@@ -7,10 +7,13 @@ from pathlib import Path
 from click.testing import CliRunner, Result
 
 from nvcore.cli import main
+from nvcore.dataset import Dataset
 from nvcore.session import RecordingFacts, Session, Source, SystemSource
 
 DATA = Path(__file__).parent / "data"
 FACTS = ("--size", "640x480", "--fps", "20")
+TRUTH = "frame,x,y,w,h,track"
+DETECTIONS = "frame,x,y,w,h,score"
 
 
 def nvcore(*arguments: object) -> Result:
@@ -67,6 +70,13 @@ def mot_layout(folder: Path, names: tuple[str, ...] = ("A", "B")) -> Path:
     return folder
 
 
+def one_box(folder: Path, *rows: str, name: str = "fir.csv") -> Path:
+    """A truth of one pedestrian in frames 0 to 9, and these detections."""
+    write(folder / "truth.csv", TRUTH, *(f"{frame},100,200,40,100,1" for frame in range(10)))
+    write(folder / name, DETECTIONS, *rows)
+    return folder
+
+
 def session_of(
     folder: Path, truth: str = "truth.csv", *systems: str | SystemSource, **facts: object
 ) -> Session:
@@ -80,3 +90,9 @@ def session_of(
 def facts_of(name: str, **facts: object) -> RecordingFacts:
     """What a session says of one recording."""
     return RecordingFacts(name, **facts)
+
+
+def boxes_of(dataset: Dataset, number: int) -> list[list[float]]:
+    """x, y, w, h of the boxes of the truth (0) or of a system (1, 2, ...)."""
+    boxes = dataset.boxes[dataset.boxes["source"] == number]
+    return boxes[["x", "y", "w", "h"]].to_numpy().tolist()

@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import json
-import runpy
-import subprocess
-import sys
 import tomllib
 from dataclasses import fields
 from pathlib import Path
@@ -15,9 +12,6 @@ from inputs import FACTS, drive, flags, mot_layout, nvcore, write
 
 from nvcore.cli_inputs import flag_of
 from nvcore.params import Params
-from nvcore.version import __version__
-
-ROOT = Path(__file__).resolve().parent.parent
 
 
 @pytest.fixture
@@ -45,16 +39,6 @@ def contents(folder: Path) -> dict[str, bytes]:
 
 def written(folder: Path) -> dict:
     return tomllib.loads((folder / "session.toml").read_text(encoding="utf-8"))
-
-
-def test_python_m_nvcore_is_the_command_line(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-):
-    monkeypatch.setattr(sys, "argv", ["nvcore", "--version"])
-    with pytest.raises(SystemExit) as ended:
-        runpy.run_module("nvcore", run_name="__main__")
-    assert ended.value.code == 0
-    assert __version__ in capsys.readouterr().out
 
 
 # compare
@@ -360,49 +344,3 @@ def test_check_with_strict_gives_exit_code_1_on_warnings(folder: Path):
     file = session(folder, '[written.sha256]\ntruth = "0"')
     assert nvcore("check", file).exit_code == 0
     assert nvcore("check", file, "--strict").exit_code == 1
-
-
-# the program as a whole
-
-
-def test_version_is_that_of_the_package():
-    assert nvcore("--version").stdout == f"nvcore, version {__version__}\n"
-
-
-def test_help_starts_without_numpy():
-    code = "import nvcore.cli, sys; print('numpy' in sys.modules, 'pandas' in sys.modules)"
-    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT)
-    assert run.stdout == "False False\n", run.stderr
-
-
-def test_python_dash_m_nvcore_is_the_command_line():
-    run = subprocess.run([sys.executable, "-m", "nvcore", "--version"], capture_output=True,
-                         text=True, cwd=ROOT)  # fmt: skip
-    assert (run.returncode, run.stdout) == (0, f"nvcore, version {__version__}\n")
-
-
-def test_bad_input_to_the_process_gives_no_traceback(tmp_path: Path):
-    run = subprocess.run([sys.executable, "-m", "nvcore", "compare", tmp_path / "no.toml"],
-                         capture_output=True, text=True, cwd=ROOT)  # fmt: skip
-    assert run.returncode == 2
-    assert run.stderr.startswith("Error: ")
-    assert run.stderr.count("\n") == 1
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="no such file names there")
-def test_a_path_with_control_characters_is_printed_harmlessly(folder: Path):
-    evil = folder / "a\x1bc\nX = forged<b>.csv"
-    (folder / "fir.csv").rename(evil)
-    result = nvcore("compare", "--truth", folder / "truth.csv", "--x", evil,
-                    "--y", folder / "nir.csv", *FACTS)  # fmt: skip
-    assert result.exit_code == 0
-    assert "X = a\\x1bc\\nX = forged<b>, all scores" in result.stdout
-    assert "\x1b" not in result.output
-    assert not any(line.startswith("X = forged") for line in result.output.splitlines())
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="no such file names there")
-def test_an_error_about_such_a_path_is_one_harmless_line(tmp_path: Path):
-    result = nvcore("compare", tmp_path / "no\x1b[31m\nError: forged.toml")
-    assert "no\\x1b[31m\\nError: forged.toml: cannot be opened" in result.stderr
-    assert result.stderr.count("\n") == 1

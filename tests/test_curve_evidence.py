@@ -20,6 +20,7 @@ from nvcore.miss_rate import log_average_miss_rate
 from nvcore.paired_tests import holm
 from nvcore.protocols import PROTOCOLS
 from nvcore.session_file import read_session
+from nvcore.subgroup_figures import subgroup_table
 from nvcore.units import find_units
 
 SAMPLE = Path(__file__).resolve().parents[1] / "sample_data" / "session.toml"
@@ -153,3 +154,18 @@ def test_without_interval_it_is_told_how_many_recordings_have_pedestrians():
 
 def judge_row(result):
     return evidence_table(result).set_index("figure").loc["log_average_miss_rate"]
+
+
+def test_recordings_that_the_protocol_does_not_count_are_no_units():
+    truth, x, places = random_boxes(6, n_frames=120)
+    n = len(places)
+    dataset = make_dataset(truth, x[::2], x, places=places)
+    tags = [("night",) if i % 4 else () for i in range(n)]
+    dataset = replace(dataset, recordings=dataset.recordings.assign(tags=tags))
+    result = compare(dataset)
+    at_night = replace(PROTOCOLS["all"], tags=("night",))
+    row = evidence_table(result, at_night).set_index("figure").loc["log_average_miss_rate"]
+    groups = subgroup_table(result, ["log_average_miss_rate"]).set_index("group")
+    for name in ("x", "y", "n", "low", "high", "p", "effect"):
+        assert row[name] == pytest.approx(groups.loc["night", name], nan_ok=True), name
+    assert row["n"] < len(find_units(result))

@@ -17,7 +17,7 @@ from nvcore.pairwise import pairwise_table
 from nvcore.params import Params
 from nvcore.session import Session, Source, SystemSource
 from nvcore.significance import significance_table
-from nvcore.subgroup_figures import DETECTED, subgroup_table
+from nvcore.subgroup_figures import subgroup_table
 
 pytestmark = pytest.mark.realdata
 
@@ -84,12 +84,13 @@ def test_kaist_s_sign_flip_test_is_that_of_all_65536_signs(kaist: Dataset, pairs
 
 def test_kaist_s_occluded_pedestrians_are_where_gaff_is_ahead_of_mlpd(kaist: Dataset):
     result = analyse(kaist, Params(), x="GAFF", y="MLPD")
-    table = subgroup_table(result, [DETECTED]).set_index(["factor", "group"])
+    # encounters of KAIST are mostly single frames: judged by recordings
+    table = subgroup_table(result, ["encounters_detected_by_unit"])
+    table = table.set_index(["factor", "group"])
     visible, occluded = (table.loc[("occlusion", group)] for group in ("visible", "occluded"))
-    assert visible["n"] + occluded["n"] == table.loc[("all", "all"), "n"] == result.venn.n_near
     assert occluded["difference"] > visible["difference"] > 0
     assert occluded["low"] > visible["difference"]
-    assert occluded["p_holm"] < 0.001
+    assert occluded["p_holm"] < 0.05
 
 
 def test_mot15_has_too_few_recordings_and_is_judged_by_blocks(mot15: Result):

@@ -193,9 +193,14 @@ def test_equal_systems_are_said_to_be_the_same() -> None:
 def test_encounters_of_one_frame_are_called_frames() -> None:
     truth = [at(f, 50, track=f, recording=r) for r in range(10) for f in range(4)]
     dataset = make_dataset(truth, truth, truth[::2], places=[Place(range(4))] * 10)
-    row = by_figure(compare(dataset)).loc["encounters_detected"]
+    result = compare(dataset)
+    table = by_figure(result)
+    row = table.loc["encounters_detected"]
     assert "most encounters are one frame long" in row["note"]
-    assert row["p"] == pytest.approx(2 / 2**20)
+    assert result.exclusivity.mcnemar_p == pytest.approx(2 / 2**20)
+    assert row[["low", "high", "p", "p_holm", "effect"]].isna().all()
+    assert row["difference"] == 0.5
+    assert table.loc["encounters_detected_by_unit", "difference"] == 0.5
 
 
 def test_another_figure_from_sums_over_the_same_units_can_be_added() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from concurrent.futures import CancelledError
 from typing import get_args
 
+import numpy as np
 import pandas as pd
 import pytest
 from builders import Place, at, compare, make_dataset
@@ -18,7 +19,7 @@ from nvcore.stability import map_stability
 from nvcore.stability_axes import Plane
 from nvcore.stability_scores import Criterion
 from nvcore.stability_survey import SURVEYED, Surveyed, held_text, survey_stability, survey_table
-from nvcore.stability_words import describe_chance, describe_stability
+from nvcore.stability_words import CRITERIA, describe_chance, describe_stability, share_text
 
 ONE = [at(0, 50, score=0.5), at(0, 20, score=0.2)]
 CASES: dict[str, Result] = {
@@ -39,6 +40,8 @@ CASES: dict[str, Result] = {
     "scene": analyse(draw_scene(44).dataset(), Params()),
 }  # fmt: skip
 WITHOUT_THRESHOLDS = {"no frames", "no boxes", "no scores"}
+AS_ANALYSED = "as analysed"
+OVERTURNING = "nearest that overturns it"
 
 
 @pytest.mark.parametrize("case", CASES)
@@ -50,10 +53,22 @@ def test_every_map_is_told_and_drawn(case: str) -> None:
             continue
         for criterion in get_args(Criterion):
             found = map_stability(result, plane, criterion, n_points=5)
-            sentences = describe_stability(found, evidence)
+            chance = describe_chance(found, evidence)
+            sentences = (*describe_stability(found), *filter(None, [chance]))
             assert sentences[0].startswith("As analysed")
             assert all(one.endswith(".") and "  " not in one for one in sentences)
-            assert stability_map(found, theme="dark").to_plotly_json()
+            drawn = stability_map(found, theme="dark").to_plotly_json()
+            text = str(drawn["layout"])
+            if not np.isfinite(found.difference).any():
+                assert "The comparison is undefined here" in text
+                continue
+            assert f"Who is better by {CRITERIA[criterion]}" in text
+            held = f"holds in {share_text(found.share_held)} of the plausible range"
+            assert (held in text) == np.isfinite(found.share_held)
+            marked = {one["name"] for one in drawn["data"]} & {AS_ANALYSED, OVERTURNING}
+            expected = {AS_ANALYSED: np.isfinite(found.present_difference),
+                        OVERTURNING: found.overturn is not None}  # fmt: skip
+            assert marked == {name for name, is_there in expected.items() if is_there}
 
 
 @pytest.mark.parametrize("case", CASES)

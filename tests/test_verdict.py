@@ -15,18 +15,20 @@ from nvcore.verdict import CAVEATS, verdict
 N_FRAMES = 3
 
 
-def detecting(n: int, by_x: range, by_y: range, alarms_y: int = 0) -> Result:
-    """`n` pedestrians, each alone in `N_FRAMES` frames; each system sees some of them."""
+def detecting(
+    n: int, by_x: range, by_y: range, alarms_y: int = 0, n_frames: int = N_FRAMES
+) -> Result:
+    """`n` pedestrians, each alone in `n_frames` frames; each system sees some of them."""
 
     def boxes(whom: range, **columns: float) -> list[Box]:
         return [
-            at(N_FRAMES * i + f, 50, **(columns or {"track": i}))
+            at(n_frames * i + f, 50, **(columns or {"track": i}))
             for i in whom
-            for f in range(N_FRAMES)
+            for f in range(n_frames)
         ]
 
     y = boxes(by_y, score=1.0) + [at(f, 5, score=1.0) for f in range(alarms_y)]
-    dataset = make_dataset(boxes(range(n)), boxes(by_x, score=1.0), y, n_frames=N_FRAMES * n)
+    dataset = make_dataset(boxes(range(n)), boxes(by_x, score=1.0), y, n_frames=n_frames * n)
     return compare(dataset)
 
 
@@ -129,9 +131,6 @@ def test_intervals_have_their_unit_and_no_exponent():
     assert "X - Y 95 % interval +0.5 to +2 s, p = 0.01" in told
 
 
-SHORT = Finding(Severity.WARNING, "short-encounters", "truth", 9, "short", "look")
-
-
 @pytest.mark.parametrize(
     ("p", "words"),
     [
@@ -141,7 +140,7 @@ SHORT = Finding(Severity.WARNING, "short-encounters", "truth", 9, "short", "look
 )
 def test_figures_of_time_are_not_judged_where_encounters_are_single_frames(p: float, words: str):
     rows = evidence_of(("mean_similarity", 0.1, 0.2, p), ("saliency", 1.0, 2.0, 0.001))
-    told = verdict(detecting(12, range(10), range(2)), [SHORT], evidence=rows)[1]
+    told = verdict(detecting(12, range(10), range(2), n_frames=1), evidence=rows)[1]
     assert f"{words}chance; saliency and episodes mean little here and are not judged." in told
     assert "p = 0.001" not in told
 
@@ -149,8 +148,29 @@ def test_figures_of_time_are_not_judged_where_encounters_are_single_frames(p: fl
 def test_encounters_that_cannot_be_tested_by_units_are_said_to_be_so():
     rows = evidence_of(("encounters_detected_by_unit", 0.05, 0.5, NAN), unit="blocks")
     assert verdict(detecting(12, range(10), range(2)), evidence=rows)[0].endswith(
-        "Judged by 12 blocks instead of single encounters, that cannot be tested: too few of them "
-        "tell X and Y apart."
+        "Judged by 12 blocks of time instead of single encounters, that cannot be tested: too few "
+        "of them tell X and Y apart."
+    )
+    assert verdict(detecting(12, range(10), range(2)), evidence=rows.assign(n=1))[0].endswith(
+        "Judged by 1 block of time instead of single encounters, that cannot be tested: there are "
+        "too few of them."
+    )
+
+
+def with_corrected(p_holm: float, result: Result) -> str:
+    return verdict(result, evidence=evidence_of(("encounters_detected", -0.1, 0.5, p_holm)))[0]
+
+
+def test_the_claim_goes_by_the_p_that_is_corrected_for_all_figures():
+    split = detecting(12, range(11), range(10, 12))
+    assert with_corrected(0.04, split).startswith("X detects more encounters")
+    assert with_corrected(0.08, split) == (
+        "These data do not show which system detects more encounters: of the 11 encounters that "
+        "only one system detects, X detects 10 and Y 1 (p = 0.012, corrected for all figures 0.08)."
+    )
+    assert with_corrected(0.2, detecting(9, range(9), range(3))) == (
+        "X detects every encounter that Y detects, and 6 more of 9; that is not shown to be more "
+        "than chance (p = 0.031, corrected for all figures 0.2)."
     )
 
 
@@ -170,7 +190,7 @@ def test_encounters_of_few_recordings_are_doubted(p: float, is_doubted: bool):
 )
 def test_encounters_of_one_frame_are_judged_by_recordings_alone(p: float, words: str):
     rows = evidence_of(("encounters_detected_by_unit", -0.1, 0.5, p))
-    first = verdict(detecting(12, range(10), range(10, 12)), [SHORT], evidence=rows)[0]
+    first = verdict(detecting(12, range(10), range(10, 12), n_frames=1), evidence=rows)[0]
     assert first == (
         "Of the 12 encounters that only one system detects, X detects 10 and Y 2. Judged by 12 "
         f"recordings instead of single encounters, that {words}."
@@ -213,7 +233,7 @@ def test_the_verdict_says_which_findings_it_depends_on():
     grave = [finding("mixed-weighting"), finding("mixed-weighting"), finding("ids-odd")]
     assert verdict(result, grave)[-1] == (
         "This depends on what the audit found: X and Y are weighted by different rules; 1 other "
-        "finding of the audit (ids-odd)."
+        "finding that it lists."
     )
 
 
@@ -236,11 +256,10 @@ def test_equal_boxes_are_no_comparison():
 
 
 def test_no_p_is_given_where_encounters_are_single_frames():
-    short = [finding("short-encounters")]
-    assert verdict(detecting(9, range(9), range(3)), short)[0] == (
+    assert encounters(detecting(9, range(9), range(3), n_frames=1)) == (
         "X detects every encounter that Y detects, and 6 more of 9."
     )
-    assert verdict(detecting(12, range(11), range(10, 12)), short)[0] == (
+    assert encounters(detecting(12, range(11), range(10, 12), n_frames=1)) == (
         "Of the 11 encounters that only one system detects, X detects 10 and Y 1."
     )
 

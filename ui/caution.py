@@ -6,7 +6,7 @@ import streamlit as st
 
 from nvcore.analysis import Result
 from nvcore.findings import Severity
-from nvcore.significance import is_short
+from nvcore.tables import is_short
 from nvcore.verdict import CAVEATS
 from ui import state
 from ui.text import plain

@@ -17,8 +17,7 @@ from ui import state
 from ui.text import plain
 
 OF_SESSION: Final = "filters of the session"
-FURTHEST_PX: Final = 10_000.0
-WIDEST: Final = 20.0
+SIDES: Final = ("left", "top", "right", "bottom")
 
 
 def choose(dataset: Dataset) -> Protocol:
@@ -65,16 +64,26 @@ def choose(dataset: Dataset) -> Protocol:
 
 
 def _start() -> Protocol:
-    """The protocol that the open session began with; the fields then show it."""
-    opening = state.workspace().n_opened
-    known: tuple[int, Protocol] | None = st.session_state.get("protocol_start")
-    if known is not None and known[0] == opening:
-        return known[1]
-    start = state.protocol()
-    st.session_state["protocol_start"] = opening, start
-    st.session_state["protocol"] = OF_SESSION if start.name == OWN else start.name
-    st.session_state["protocol_tags"] = list(start.tags)
-    st.session_state["protocol_recordings"] = list(start.recordings)
+    """The protocol that the open session began with.
+
+    The fields show the one in use where they do not know it yet: after opening, and after a
+    reload, when a new browser session takes back a workspace with a choice made before.
+    """
+    space = state.workspace()
+    known: tuple[int, Protocol] | None = space.noted.get("protocol_start")
+    if known is None or known[0] != space.n_opened:
+        known = space.noted["protocol_start"] = space.n_opened, state.protocol()
+    start = known[1]
+    shown_of = space.token, space.n_opened
+    if st.session_state.get("protocol_shown_of") == shown_of:
+        return start
+    live = state.protocol()
+    is_start = replace(live, tags=start.tags, recordings=start.recordings) == start
+    st.session_state.update(
+        protocol_shown_of=shown_of, protocol_shown=None,
+        protocol=OF_SESSION if live.name == OWN and is_start else live.name,
+        protocol_tags=list(live.tags), protocol_recordings=list(live.recordings),
+    )  # fmt: skip
     return start
 
 
@@ -87,12 +96,13 @@ def filtered(dataset: Dataset, protocol: Protocol) -> FilteredTruth:
 
 def _start_own(before: Protocol) -> None:
     """Let the fields of the own filters begin with those of another protocol."""
-    margins = before.border_px or (0.0,)
+    margins = before.border_px or (None,) * 4
     st.session_state.update(
         own_low=before.height_px[0] or None, own_high=_limit(before.height_px[1]),
-        own_occlusion=list(before.occlusion), own_border=max(margins) or None,
+        own_occlusion=list(before.occlusion), own_border=margins[0],
         own_slim=before.aspect[0] or None, own_tall=_limit(before.aspect[1]),
-        own_expand=before.expand,
+        own_expand=before.expand, own_has_sides=len(set(margins)) > 1,
+        **{f"own_border_{side}": margin for side, margin in zip(SIDES, margins, strict=True)},
     )  # fmt: skip
 
 
@@ -104,9 +114,9 @@ def _own_filters(dataset: Dataset) -> Protocol:
     """The filters one by one; those in use where two of them contradict each other."""
     height = float(dataset.recordings["height"].max())
     first, second, third, fourth = st.columns(4)
-    low = _number(first, "Lowest height (px)", "own_low", 0.0, FURTHEST_PX, step=5.0)
+    low = _number(first, "Lowest height (px)", "own_low", 0.0, step=5.0)
     high = _number(
-        first, "Highest height (px)", "own_high", 0.0, FURTHEST_PX, step=5.0,
+        first, "Highest height (px)", "own_high", 0.0, step=5.0,
         placeholder=f"any ({height:g} is the picture)",
     )  # fmt: skip
     levels = second.pills(
@@ -115,18 +125,15 @@ def _own_filters(dataset: Dataset) -> Protocol:
         help="Pedestrians whose occlusion is unknown count as not occluded. None chosen: all "
         "levels count.",
     )  # fmt: skip
-    border = _number(
-        third, "Margin at the border (px)", "own_border", 0.0, FURTHEST_PX, step=1.0,
-        placeholder="none", help="The whole box must lie so far inside the picture.",
-    )  # fmt: skip
+    border = _margins(third)
     expand = _number(
-        third, "Detections beyond the heights", "own_expand", 1.0, WIDEST, step=0.05,
+        third, "Detections beyond the heights", "own_expand", 1.0, step=0.05,
         placeholder="all",
         help="With 1.25, detections lower than the lowest height / 1.25 or higher than the "
         "highest x 1.25 are left out before matching: no false positives. Empty: all take part.",
     )  # fmt: skip
-    slim = _number(fourth, "Lowest height / width", "own_slim", 0.0, WIDEST, step=0.1)
-    tall = _number(fourth, "Highest height / width", "own_tall", 0.0, WIDEST, step=0.1)
+    slim = _number(fourth, "Lowest height / width", "own_slim", 0.0, step=0.1)
+    tall = _number(fourth, "Highest height / width", "own_tall", 0.0, step=0.1)
     heights, aspect = (low or 0.0, _or_any(high)), (slim or 0.0, _or_any(tall))
     wrong = [place for place, (least, most) in ((first, heights), (fourth, aspect)) if least > most]
     for place in wrong:
@@ -135,18 +142,40 @@ def _own_filters(dataset: Dataset) -> Protocol:
         return state.protocol()
     return Protocol(
         name=OWN, height_px=heights, occlusion=tuple(sorted(levels)) or (0, 1, 2),
-        border_px=None if not border else (border,) * 4, aspect=aspect, expand=expand,
+        border_px=border, aspect=aspect, expand=expand,
     )  # fmt: skip
+
+
+def _margins(place: Any) -> tuple[float, float, float, float] | None:
+    """One margin for all sides, or four where the protocol before has different ones."""
+    told = "The whole box must lie so far inside the picture; with 0, up to its edge. Empty: "
+    if not st.session_state.get("own_has_sides", False):
+        one = _number(
+            place, "Margin at the border (px)", "own_border", 0.0, step=1.0,
+            placeholder="none", help=f"{told}anywhere.",
+        )  # fmt: skip
+        return None if one is None else (one, one, one, one)
+    margins = [
+        _number(
+            column, f"Margin {side} (px)", f"own_border_{side}", 0.0, step=1.0,
+            placeholder="0", help=f"{told}0; all four empty: anywhere.",
+        )
+        for column, side in zip(st.columns(4), SIDES, strict=True)
+    ]  # fmt: skip
+    if all(margin is None for margin in margins):
+        return None
+    left, top, right, bottom = (margin or 0.0 for margin in margins)
+    return left, top, right, bottom
 
 
 def _or_any(high: float | None) -> float:
     return math.inf if high is None else high
 
 
-def _number(place: Any, label: str, key: str, low: float, high: float,
+def _number(place: Any, label: str, key: str, low: float,
             placeholder: str = "any", **more: Any) -> float | None:  # fmt: skip
     number: float | None = place.number_input(
-        label, low, high, None, key=key, placeholder=placeholder, persist_state="session", **more
+        label, low, None, None, key=key, placeholder=placeholder, persist_state="session", **more
     )
     return number
 

@@ -37,7 +37,7 @@ class ReportKey:
     protocol
         Of the detection figures.
     with_map
-        Whether the stability map is computed; None: as for few frames.
+        Whether the stability maps are computed; None: as for few frames.
     """
 
     version: str
@@ -79,14 +79,14 @@ def draw(result: Result) -> None:
 
 
 def _ask_for_map(result: Result, job: FileJob | None) -> bool | None:
-    """Whether with the stability map; None where there are so few frames that it always is."""
+    """Whether with the stability maps; None where so few frames are there that they always are."""
     if len(result.dataset.frames) <= AT_ONCE:
         return None
     if job is not None:
         start_as_made(job, JOB, html_stability=bool(job.key.with_map))
     return st.toggle(
-        "With the stability map", key="html_stability", persist_state="session",
-        help="With so many frames it takes some seconds to some minutes.",
+        "With the stability maps", key="html_stability", persist_state="session",
+        help="With so many frames they take some seconds to some minutes.",
     )  # fmt: skip
 
 

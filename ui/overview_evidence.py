@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable, Mapping
+from typing import Any, Final
+
 import numpy as np
 import pandas as pd
 import streamlit as st
@@ -11,11 +14,15 @@ from nvcore.evidence import FORMS
 from nvcore.figures.forest import subgroup_forest
 from nvcore.figures.style import CONFIG
 from nvcore.scorecard import difference, number
-from nvcore.subgroup_figures import FIGURES, NOT_OF_PEDESTRIANS, subgroup_table
+from nvcore.significance import ODDS_RATIO
+from nvcore.subgroup_figures import BY_UNIT, FIGURES, NOT_OF_PEDESTRIANS, subgroup_table
+from nvcore.tables import is_short
 from nvcore.verdict import SIGNIFICANT
 from ui import state
 from ui.overview_scorecard import BETTER
 from ui.text import UNDEFINED, docs_link, plain
+
+TIMES: Final = " ×"
 
 
 def draw(result: Result, evidence: pd.DataFrame) -> None:
@@ -44,7 +51,7 @@ def draw(result: Result, evidence: pd.DataFrame) -> None:
         f"would vary with other {units} (interval), and how often chance alone would "
         f"make them as large (p; at most {SIGNIFICANT} is called more than chance). p (Holm) "
         "allows for all the rows being looked at together. effect: size of the difference, "
-        "Cohen's d or, with ×, the odds ratio "
+        "Cohen's d_z or, with ×, the odds ratio "
         f"({docs_link('Significance', 'significance', doc='significance')})."
     )
     with st.expander("How it was computed"):
@@ -58,8 +65,9 @@ def draw(result: Result, evidence: pd.DataFrame) -> None:
 def _draw_subgroups(result: Result, evidence: pd.DataFrame) -> None:
     """One figure for groups of encounters; which one is chosen here."""
     labels = dict(zip(evidence["figure"], evidence["label"], strict=True))
+    names = [one for one in FIGURES if one in labels]
     figure = st.selectbox(
-        "Figure by group", [one for one in FIGURES if one in labels],
+        "Figure by group", names, index=names.index(BY_UNIT) if is_short(result) else 0,
         format_func=labels.__getitem__, key="subgroup_figure", width=420, persist_state="session",
     )  # fmt: skip
     protocol = state.protocol()
@@ -88,6 +96,10 @@ def _draw_subgroups(result: Result, evidence: pd.DataFrame) -> None:
     )
 
 
+def _has_odds_ratio(row: Mapping[Hashable, Any]) -> bool:
+    return row["effect_name"] == ODDS_RATIO and bool(np.isfinite(row["effect"]))
+
+
 def shown_evidence(evidence: pd.DataFrame) -> pd.DataFrame:
     """The table of evidence as text; a dash where nothing can be given."""
     rows = []
@@ -103,7 +115,7 @@ def shown_evidence(evidence: pd.DataFrame) -> pd.DataFrame:
                 f"{low} to {high}" if np.isfinite(row["low"]) else UNDEFINED,
                 number(row["p"], ".2g"),
                 number(row["p_holm"], ".2g"),
-                number(row["effect"], ".2f") + (" ×" if row["effect_name"] == "odds ratio" else ""),
+                number(row["effect"], ".2f") + (TIMES if _has_odds_ratio(row) else ""),
             )
         )
     return pd.DataFrame(

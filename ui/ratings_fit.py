@@ -38,7 +38,8 @@ def draw(
     ratings_key
         Differs where the ratings do.
     taken
-        The fit to these ratings that is in use: then all is told against the settings before it.
+        The fit in use that has seen some of these ratings: then all is told against the settings
+        before it.
     """
     st.header("Fit saliency to these ratings")
     st.caption(

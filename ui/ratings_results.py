@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -54,6 +55,7 @@ def draw(result: Result) -> None:
         st.info("Nobody is left." if left_out else "No clip of this comparison is rated.")
         return
     clips = join_clips(ranks, saliency)
+    given = replace(given, ratings=kept)
     taken = ratings_taken.in_use(result, given)
     st.header("Does saliency say what people say?")
     _cautions(result, given, len(ranks), taken)
@@ -151,10 +153,7 @@ def _concordance(found: Agreement) -> str:
 def _cautions(result: Result, given: Given, n_people: int, taken: Taken | None) -> None:
     """What keeps plot and correlations from being evidence."""
     if taken is not None:
-        st.warning(
-            "These settings were **fitted to these ratings**: plot and correlations are training "
-            "figures, no evidence.", icon=":material/warning:",
-        )  # fmt: skip
+        st.warning(_training(taken.share_seen(given)), icon=":material/warning:")
     if ratings_taken.of_simulated(result, given):
         st.warning(
             "The settings in use were fitted to **simulated ratings**.",
@@ -165,6 +164,21 @@ def _cautions(result: Result, given: Given, n_people: int, taken: Taken | None) 
             "These are the ratings of **one participant**. The figures say how saliency follows "
             "that person; intervals and p say nothing about people.", icon=":material/person:",
         )  # fmt: skip
+
+
+def _training(share: float) -> str:
+    """That the fit has seen so large a share of the ratings, 0 to 1."""
+    if share == 1:
+        return (
+            "These settings were **fitted to these ratings**: plot and correlations are training "
+            "figures, no evidence."
+        )
+    percent = min(max(round(100 * share), 1), 99)
+    return (
+        f"The fit behind these settings has **seen {percent} % of these ratings** (same "
+        "participant, clip and system): plot and correlations are partly training figures, no "
+        "evidence."
+    )
 
 
 def _against_saliency(result: Result, clips: pd.DataFrame) -> None:

@@ -7,19 +7,17 @@ from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
-import streamlit as st
+import pandas as pd
 
 from nvcore.analysis import Result
 from nvcore.params import Params
 from nvcore.ratings.fit import Fit
+from nvcore.ratings.reading import folded
 from ui import live_params, state
 from ui.ratings_source import Given
 
 KEPT: Final = "rating_fits_taken"
 MOST: Final = 8
-LEAST_SEEN: Final = 0.5
-"""Ratings are those that a fit has seen if it has seen so large a share of them: one more
-participant, or one left out, makes no new evidence."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +31,7 @@ class Taken:
     fingerprint
         Of the dataset.
     seen
-        `Given.rows` that it was fitted to.
+        The ratings that it was fitted to, of `_who_rates_what`.
     is_simulated
         Whether nobody was asked for those.
     """
@@ -48,9 +46,9 @@ class Taken:
         """Whether all that was fitted has the fitted values, whatever else has moved."""
         return all(_is_same(getattr(params, name), one) for name, one in self.fitted.items())
 
-    def has_seen(self, given: Given) -> bool:
-        """Whether it was fitted to these ratings, or to most of them."""
-        return bool(np.mean(np.isin(given.rows(), self.seen)) >= LEAST_SEEN)
+    def share_seen(self, given: Given) -> float:
+        """The share of these ratings that it was fitted to, 0 to 1; whatever their values."""
+        return float(np.mean(np.isin(_who_rates_what(given), self.seen)))
 
     def is_of(self, fit: Fit) -> bool:
         """Whether these are the settings of that fit."""
@@ -59,6 +57,22 @@ class Taken:
     def settings_before(self, params: Params) -> Params:
         """The live parameters with the values before the fit."""
         return replace(params, **self.before)
+
+
+def _who_rates_what(given: Given) -> np.ndarray:
+    """A number for each rating, the same for the same participant, clip and system; uint64.
+
+    Not of the rating itself: who rates a clip otherwise the second time is no new evidence.
+    """
+    rated = given.ratings.dropna(subset="rating")
+    of = pd.DataFrame(
+        {
+            "participant": rated["participant"].map(folded),
+            "clip": rated["clip"],
+            "system": rated["system"].where(rated["system"] != "", given.system),
+        }
+    )
+    return pd.util.hash_pandas_object(of.astype(str), index=False).to_numpy()
 
 
 def _is_same(live: Any, fitted: Any) -> bool:
@@ -71,19 +85,20 @@ def _kept(result: Result) -> list[Taken]:
     """What was taken and is in use now, the newest first."""
     return [
         one
-        for one in st.session_state.get(KEPT, ())
+        for one in _all()
         if one.fingerprint == result.dataset.fingerprint and one.is_in_use(result.params)
     ]
 
 
 def in_use(result: Result, given: Given) -> Taken | None:
-    """The fit to these ratings that is in use; None where the settings are not from them."""
-    return next((one for one in _kept(result) if one.has_seen(given)), None)
+    """The fit in use that has seen most of these ratings; None if none has seen any of them."""
+    most = max(_kept(result), key=lambda one: one.share_seen(given), default=None)
+    return most if most is not None and most.share_seen(given) > 0 else None
 
 
 def of_simulated(result: Result, given: Given) -> bool:
-    """Whether the settings in use were fitted to other ratings, which were simulated."""
-    return any(one.is_simulated and not one.has_seen(given) for one in _kept(result))
+    """Whether the settings in use were fitted to simulated ratings, and these are not."""
+    return not given.is_simulated and any(one.is_simulated for one in _kept(result))
 
 
 def take(fit: Fit, start: Params, given: Given, fingerprint: str, taken: Taken | None) -> None:
@@ -97,19 +112,24 @@ def take(fit: Fit, start: Params, given: Given, fingerprint: str, taken: Taken |
         The fit that is in use now, whose values go where `fit` has none.
     """
     before = {name: getattr(start, name) for name in fit.changed}
-    one = Taken(fit.changed, before, fingerprint, given.rows(), given.is_simulated)
-    st.session_state[KEPT] = [one, *_others(taken)][:MOST]
+    one = Taken(fit.changed, before, fingerprint, _who_rates_what(given), given.is_simulated)
+    state.workspace().noted[KEPT] = [one, *_others(taken)][:MOST]
     _set({**(taken.before if taken else {}), **fit.changed})
 
 
 def give_back(taken: Taken) -> None:
     """Move the sidebar to the settings before the fit."""
-    st.session_state[KEPT] = _others(taken)
+    state.workspace().noted[KEPT] = _others(taken)
     _set(taken.before)
 
 
+def _all() -> list[Taken]:
+    found: list[Taken] = state.workspace().noted.get(KEPT, [])
+    return found
+
+
 def _others(taken: Taken | None) -> list[Taken]:
-    return [one for one in st.session_state.get(KEPT, ()) if one is not taken]
+    return [one for one in _all() if one is not taken]
 
 
 def _set(values: dict[str, Any]) -> None:

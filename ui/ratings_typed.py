@@ -19,6 +19,7 @@ EDITOR: Final = "ratings_typed"
 START: Final = "ratings_typed_start"
 LAST: Final = "ratings_typed_last"
 DRAWN: Final = "ratings_typed_drawn"
+DRAWN_OF: Final = "ratings_typed_drawn_of"
 MOST_TOLD: Final = 5
 
 
@@ -31,6 +32,10 @@ def typed(result: Result) -> pd.DataFrame | None:
         If a participant rates a clip twice.
     """
     _ask_for_rows(result)
+    token = state.workspace().token
+    if st.session_state.setdefault(DRAWN_OF, token) != token:  # taken back after a reload
+        st.session_state[DRAWN_OF] = token
+        _draw_anew()
     key = f"{EDITOR}_{st.session_state.setdefault(DRAWN, 0)}"
     if key not in st.session_state:  # drawn anew: with what was typed before
         st.session_state[START] = _before()
@@ -45,7 +50,7 @@ def typed(result: Result) -> pd.DataFrame | None:
             "rating": st.column_config.NumberColumn("Rating (higher = more annoying)"),
         },
     )  # fmt: skip
-    st.session_state[LAST] = table.reset_index(drop=True)
+    state.workspace().noted[LAST] = table.reset_index(drop=True)
     if table.dropna(how="all").empty:
         return None
     return _complete(table)
@@ -53,8 +58,13 @@ def typed(result: Result) -> pd.DataFrame | None:
 
 def _before() -> pd.DataFrame:
     empty = pd.DataFrame({name: pd.Series(dtype=object) for name in COLUMNS})
-    before: pd.DataFrame = st.session_state.get(LAST, empty.astype({"rating": float}))
+    before: pd.DataFrame = state.workspace().noted.get(LAST, empty.astype({"rating": float}))
     return before
+
+
+def _draw_anew() -> None:
+    """Let there be a table of its own, in which nothing is typed yet."""
+    st.session_state[DRAWN] = st.session_state.get(DRAWN, 0) + 1
 
 
 def _ask_for_rows(result: Result) -> None:
@@ -62,7 +72,7 @@ def _ask_for_rows(result: Result) -> None:
     with st.form("ratings_add", border=False):
         name_at, button_at = st.columns([2, 3], vertical_alignment="bottom")
         name = name_at.text_input(
-            "Participant", value="P01", max_chars=MOST_NAME, key="ratings_typed_name",
+            "Participant", value="A01", max_chars=MOST_NAME, key="ratings_typed_name",
             autocomplete="off",
         )  # fmt: skip
         n = 2 * len(state.recording_names())
@@ -83,8 +93,9 @@ def _ask_for_rows(result: Result) -> None:
     if rows.empty:
         st.info(f"{plain(person)} has a row for each clip already.")
         return
-    st.session_state[LAST] = pd.concat([before, rows], ignore_index=True) if len(before) else rows
-    st.session_state[DRAWN] = st.session_state.get(DRAWN, 0) + 1  # a table of its own
+    both = pd.concat([before, rows], ignore_index=True) if len(before) else rows
+    state.workspace().noted[LAST] = both
+    _draw_anew()
 
 
 def _missing_rows(before: pd.DataFrame, person: str, result: Result) -> pd.DataFrame:

@@ -13,7 +13,6 @@ from nvcore.errors import InputError
 from nvcore.figures.stability import stability_map
 from nvcore.figures.style import CONFIG
 from nvcore.params import Params
-from nvcore.significance import is_short
 from nvcore.stability import StabilityMap, map_stability
 from nvcore.stability_axes import Plane
 from nvcore.stability_scores import Criterion
@@ -52,7 +51,7 @@ def draw(result: Result) -> None:
         st.info(plain(str(error)))
         return
     if found is not None:
-        _draw_map(result, found)
+        _draw_map(found)
 
 
 def _choose(result: Result) -> MapKey:
@@ -114,7 +113,7 @@ def _start(result: Result, key: MapKey) -> None:
     space.put_job(JOB, Computation(compute, while_open(space), key=key))
 
 
-def _draw_map(result: Result, found: StabilityMap) -> None:
+def _draw_map(found: StabilityMap) -> None:
     first, *others = describe_stability(found)
     with st.container(border=True):
         st.markdown(f"**{plain(first)}**")
@@ -135,6 +134,4 @@ def _draw_map(result: Result, found: StabilityMap) -> None:
         st.rerun()
     tested = evidence()
     if tested is not None:
-        if is_short(result):  # frames of one person are no independent encounters
-            tested = tested[tested["figure"] != "encounters_detected"]
         chance.markdown(plain(describe_chance(found, tested)))

@@ -352,12 +352,12 @@ def _frame_numbers(recording_index: int) -> np.ndarray:
 def _open(space: Workspace, session: Session, label: str) -> None:
     dataset = load(session)
     pictures: Picturing = find_pictures(session, dataset)
+    space.forget()  # first: nothing should go on to read the pictures
     space.close_pictures()
     space.session, space.dataset, space.label = session, dataset, label
     space.pictures, space.picture_rows = pictures.sources, pictures.indices
     space.picture_notes = pictures.notes
     space.n_opened += 1
-    space.forget()
 
 
 def _forget_widgets() -> None:

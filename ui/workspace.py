@@ -75,6 +75,9 @@ class Workspace:
         What of `used_bytes` belongs to the annotations of a form, by its folder.
     lock
         Held while those are changed.
+    noted
+        What a page notes of its user, by a name of its own: outlasts `forget`, unlike what `keep`
+        holds, and a reload, unlike ``st.session_state``.
     """
 
     def __init__(self) -> None:
@@ -93,6 +96,7 @@ class Workspace:
         self.used_bytes = 0
         self.upload_bytes: dict[Path, int] = {}
         self.n_received = 0
+        self.noted: dict[str, Any] = {}
         self._kept: dict[str, OrderedDict[Hashable, object]] = {}
         self._jobs: dict[str, Job] = {}
         self._n_changes = 0
@@ -172,6 +176,7 @@ class Workspace:
         """Forget everything and remove the folder; the token is unknown from now on."""
         _workspaces.pop(self.token, None)
         self.session = self.dataset = None
+        self.noted.clear()
         self.forget()  # first: nothing should go on to read the pictures
         self.close_pictures()
         self._remove()

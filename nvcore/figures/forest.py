@@ -96,8 +96,8 @@ def subgroup_forest(subgroups: pd.DataFrame, *, theme: Theme) -> go.Figure:
         [intervals, points],
         layout(
             theme, title=f"{title}: X less Y, by group",
-            subtitle=f"{n_most}{near}; larger squares: more {unit}; open: too few for an "
-            "interval; p: for all groups together",
+            subtitle=f"{n_most}{near}; larger squares: more {unit}; open: no interval; "
+            "p: for all groups together",
             height=130 + ROW_PX * len(table), showlegend=False,
             margin={"l": 190, "r": 230, "t": 64, "b": 48},
             xaxis=axis(

@@ -58,7 +58,7 @@ def write_html_report(
         Open already; None: those that the session names and that are shown are opened, and closed
         again.
     stability
-        Whether to compute the stability map; None: for up to 20,000 frames.
+        Whether to compute the stability maps; None: for up to 20,000 frames.
     progress
         Told the share that is done and what comes next; says whether to go on.
 

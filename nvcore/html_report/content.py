@@ -6,9 +6,6 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import CancelledError
 from dataclasses import dataclass, replace
 
-import numpy as np
-import pandas as pd
-
 from nvcore.analysis import Result
 from nvcore.errors import one_line
 from nvcore.evidence import evidence_table
@@ -35,9 +32,8 @@ from nvcore.html_report.result_sections import (
 )
 from nvcore.protocols import Protocol
 from nvcore.scorecard import UNDEFINED
-from nvcore.significance import is_short
-from nvcore.subgroup_figures import DETECTED, subgroup_table
-from nvcore.tables import sides
+from nvcore.subgroup_figures import subgroup_table
+from nvcore.tables import is_short, sides
 from nvcore.version import __version__
 
 CAUTION = {
@@ -102,11 +98,6 @@ def report_content(
     tell(0.0, "testing the differences")
     evidence = evidence_table(result, protocol)
     subgroups = subgroup_table(result, protocol=protocol)
-    shown = evidence
-    if is_short(result):
-        shown = _withheld(evidence, ("low", "high", "p", "p_holm", "effect"))
-        shown.loc[shown["figure"] == DETECTED, "method"] = ""
-        subgroups = _withheld(subgroups, ("p", "p_holm"))
     tell(0.15, "detection curves")
     detection = detection_section(result, protocol)
     tell(0.3, "tables")
@@ -120,7 +111,7 @@ def report_content(
         similarity_section(result),
         saliency_section(result),
         false_alerts_section(result),
-        significance_section(shown),
+        significance_section(evidence),
         subgroups_section(subgroups),
         detection,
     ]
@@ -129,7 +120,7 @@ def report_content(
         tell(0.4 + 0.2 * done / total, "stability maps")
 
     tell_maps(0, 1)
-    sections.append(stability_section(result, shown, wanted=stability, progress=tell_maps))
+    sections.append(stability_section(result, evidence, wanted=stability, progress=tell_maps))
     moments = decisive_moments(result)
     photos = []
     for number, moment in enumerate(moments):
@@ -151,13 +142,6 @@ def report_content(
         version=__version__,
         fingerprint=result.dataset.fingerprint,
     )
-
-
-def _withheld(figures: pd.DataFrame, columns: Sequence[str]) -> pd.DataFrame:
-    """Without what takes single encounters as independent."""
-    figures = figures.copy()
-    figures.loc[figures["figure"] == DETECTED, list(columns)] = np.nan
-    return figures
 
 
 def _cautioned(sections: Sequence[Section]) -> list[Section]:

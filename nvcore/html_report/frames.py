@@ -16,7 +16,6 @@ from nvcore.dataset import Dataset
 from nvcore.encounter_moments import encounter_box
 from nvcore.errors import MediaError, one_line
 from nvcore.html_report.blocks import Photo
-from nvcore.kernels import FALSE_ALARM
 from nvcore.media.annotate import frame_boxes, frame_picture
 from nvcore.media.base import Pictures
 from nvcore.media.draw import ON_DARK, ON_LIGHT, Canvas, Inks, canvas_size, draw_boxes
@@ -26,6 +25,7 @@ from nvcore.media.stretch import jpeg
 from nvcore.moments import worst_moments
 from nvcore.schema import Category, MissClass
 from nvcore.session import Session
+from nvcore.similarity import salient_detection
 
 MOST: Final = 12
 """Frames of a report."""
@@ -332,15 +332,12 @@ def _box_about(result: Result, moment: Moment) -> np.ndarray | None:
             return None
     system = result.x if moment.loser == "x" else result.y
     boxes = result.dataset.system(system.name)
-    rows = np.arange(boxes.offsets[moment.row], boxes.offsets[moment.row + 1])
-    rows = rows[system.matches.state[rows] == FALSE_ALARM]
-    if not len(rows):
+    worst = salient_detection(
+        boxes, system.weights.k, system.matches.is_false_alarm, system.nearest,
+        result.dataset.frame_columns, moment.row, edge_weight=result.params.edge_weight,
+    )  # fmt: skip
+    if worst < 0:
         return None
-    width = result.dataset.frame_columns.width[result.dataset.frame_columns.recording[moment.row]]
-    centre, edge = boxes.x[rows] + boxes.w[rows] / 2, result.params.edge_weight
-    border = edge * width / 2 + (1 - edge) * np.minimum(centre, width - centre)
-    effect = system.weights.k[rows] * np.minimum(border, system.nearest.detections[rows])
-    worst = rows[np.argmax(effect)]
     return np.array([boxes.x[worst], boxes.y[worst], boxes.w[worst], boxes.h[worst]])
 
 

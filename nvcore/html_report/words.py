@@ -52,9 +52,8 @@ SHORT_ENCOUNTERS = (
 )
 SHORT_TESTS = (
     "Caution: most encounters here are one frame long, so one person may stand in many of them. "
-    "Tests of single encounters would take them as independent and be far too sure, so they are "
-    "not given, and intervals of shares of encounters are too narrow. Go by the figures by "
-    "recordings or blocks of time."
+    "Tests and intervals of single encounters would take them as independent and be far too sure, "
+    "so they are not given. Go by the figures by recordings or blocks of time."
 )
 NO_PICTURES = (
     "There are no pictures of these frames: the boxes are drawn on an empty ground of the "
@@ -168,11 +167,12 @@ SIGNIFICANCE = Intro(
     "pedestrians, so all tests are paired.",
     how="Whole recordings (or blocks of time, where there are few recordings) are drawn again and "
     "again with replacement; the middle 95 % of the differences that come about, corrected for "
-    "bias and skew (BCa), are the interval. The p-value is the share of all exchanges of X and Y "
-    "within the recordings that give at least so large a difference; for encounters it is the "
-    "exact McNemar test of those that only one detects. Holm's correction allows for several "
-    "figures being tested at once. Effect size: mean difference over its standard deviation "
-    "(Cohen's d_z), or the odds ratio of the encounters that only one detects.",
+    "bias and skew (BCa), are the interval. For the p-value X and Y are exchanged "
+    "within the recordings or blocks, in all ways where up to 16 of them differ, else in 10,000 "
+    "random ways; it is the share of these that give at least so large a difference. For "
+    "encounters it is the exact McNemar test of those that only one detects. Holm's correction "
+    "allows for several figures being tested at once. Effect size: mean difference over its "
+    "standard deviation (Cohen's d_z), or the odds ratio of the encounters that only one detects.",
     best="An interval that does not touch 0 on the side of the better system; a corrected p of "
     "0.05 or less.",
     limits="A large p does not show that the systems are equal: it may be that there are too few "

@@ -109,17 +109,16 @@ def _none_known(clips: pd.Series) -> InputError:
     )
 
 
-def join_clips(ranks: pd.DataFrame, saliency: pd.DataFrame, *, system: str = "") -> pd.DataFrame:
+def join_clips(ranks: pd.DataFrame, saliency: pd.DataFrame) -> pd.DataFrame:
     """Mean rank and saliency of the clips that have both.
 
     Parameters
     ----------
     ranks
-        Of `nvcore.ratings.agreement.rank_ratings`.
+        Of `nvcore.ratings.agreement.rank_ratings`; ratings that do not say whose boxes a clip
+        showed go through `split_known` first.
     saliency
         Of `clip_saliency`.
-    system
-        Whose boxes the clips showed, where the ratings do not say.
 
     Returns
     -------
@@ -133,7 +132,6 @@ def join_clips(ranks: pd.DataFrame, saliency: pd.DataFrame, *, system: str = "")
     """
     rated = pd.DataFrame({"mean_rank": ranks.mean(), "n_ratings": ranks.notna().sum()})
     rated = rated.reset_index()
-    rated["system"] = rated["system"].where(rated["system"] != "", system)
     joined: pd.DataFrame = rated.merge(saliency, on=["clip", "system"], how="inner")
     if joined.empty:
         raise _none_known(rated["clip"])

@@ -13,10 +13,10 @@ from nvcore.subgroup_figures import FIGURES, subgroup_table
 
 
 def table(figure: str = "encounters_detected"):
-    """24 pedestrians, one frame each: X finds the 12 in the middle, Y those and 4 at the edge."""
-    places = [Place(range(24))]
-    truth = [at(i, 50 if i < 12 else 4, track=i) for i in range(24)]
-    dataset = make_dataset(truth, truth[:12], truth[:16], places=places)
+    """24 pedestrians, two frames each: X finds the 12 in the middle, Y those and 4 at the edge."""
+    places = [Place(range(48))]
+    truth = [at(2 * i + f, 50 if i < 12 else 4, track=i) for i in range(24) for f in range(2)]
+    dataset = make_dataset(truth, truth[:24], truth[:32], places=places)
     result = compare(dataset, saliency_aggregate="sum")
     return subgroup_table(result, [figure])
 

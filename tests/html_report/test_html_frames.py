@@ -18,6 +18,7 @@ from nvcore.html_report.frames import (
     EXCLUSIVE,
     MOST,
     MOST_BYTES,
+    Moment,
     RecordingPictures,
     decisive_moments,
     photo,
@@ -183,6 +184,17 @@ def test_the_false_alarm_meant_is_encircled():
     other = decoded(photo(result, moment._replace(loser="y"), RecordingPictures()).jpeg)
     columns = np.nonzero(np.abs(with_ellipse - other).max(axis=-1) > 80)[1]
     assert columns.mean() == pytest.approx(with_ellipse.shape[1] / 2, rel=0.05)
+
+
+def test_a_false_alarm_that_hangs_out_of_the_picture_can_be_the_one_meant():
+    # half rural: its centre counts as at the edge, 25 px, the other one 20 px from the pedestrian
+    alarms = [at(0, 40), Box(0, 95, 40, 50, 50)]
+    result = compare(make_dataset([at(0, 60, track=1)], alarms, [], n_frames=1), edge_weight=0.5)
+    moment = Moment(0, "A worst moment of X", "", -1, "x")
+    drawn = decoded(photo(result, moment, RecordingPictures()).jpeg).astype(int)
+    other = decoded(photo(result, moment._replace(loser="y"), RecordingPictures()).jpeg)
+    columns = np.nonzero(np.abs(drawn - other).max(axis=-1) > 80)[1]
+    assert columns.min() > 0.5 * drawn.shape[1]
 
 
 def test_a_noisy_picture_takes_no_more_room_than_it_may(tmp_path: Path):

@@ -95,6 +95,45 @@ def test_own_filters_start_as_the_protocol_chosen_before():
     assert "detections" not in told(page).partition("Filters: ")[2].partition(".")[0]
 
 
+@pytest.mark.parametrize(
+    "filters",
+    [
+        "border_px = [5, 10, 15, 40]",
+        "border_px = [0, 0, 0, 0]",
+        "height_px = [50, 20000]\nexpand = 25",
+        "aspect = [0.5, 30]",
+    ],
+)
+def test_own_filters_start_as_those_of_the_session(filters, sample_with):
+    page = checked(sample_with(f"[protocol]\n{filters}\n"))
+    space = page.session_state["workspace"]
+    before = space.session.protocol.filters
+    assert before
+    checked(page.selectbox(key="protocol").set_value("own filters").run())
+    assert page.selectbox(key="protocol").value == "own filters"
+    assert space.session.protocol.filters == before
+
+
+def test_the_sessions_filters_can_be_taken_again_after_other_systems_are_compared(sample_with):
+    page = checked(sample_with("[protocol]\nheight_px = [77, 200]\n"))
+    checked(page.selectbox(key="protocol").set_value("all").run())
+    page.session_state["workspace"].forget()
+    checked(page.run())
+    checked(page.selectbox(key="protocol").set_value("filters of the session").run())
+    assert "height 77 to 200 px" in told(page)
+
+
+def test_each_of_four_margins_can_be_changed(sample_with):
+    page = checked(sample_with("[protocol]\nborder_px = [5, 10, 15, 40]\n"))
+    checked(page.selectbox(key="protocol").set_value("own filters").run())
+    checked(page.number_input(key="own_border_top").set_value(None).run())
+    checked(page.number_input(key="own_border_right").set_value(20.0).run())
+    assert "whole box at least 5, 0, 20, 40 px (left, top, right, bottom)" in told(page)
+    for side in ("left", "right", "bottom"):
+        checked(page.number_input(key=f"own_border_{side}").set_value(None).run())
+    assert "whole box" not in told(page)
+
+
 def test_own_filters_stay_when_one_comes_back():
     page = opened()
     checked(page.selectbox(key="protocol").set_value("own filters").run())

@@ -81,14 +81,43 @@ def test_other_ratings_are_evidence_for_fitted_settings(ratings: pd.DataFrame):
     assert "rating_fit_back" not in keys(page)
 
 
-def test_ratings_that_the_fit_has_mostly_seen_are_no_evidence(ratings: pd.DataFrame):
+def test_ratings_that_the_fit_has_partly_seen_are_no_evidence(ratings: pd.DataFrame):
     page = taken()
     more = ratings[ratings["participant"] == "P01"].assign(participant="P99")
     from_file(csv(pd.concat([ratings, more])), page=page)
     assert metrics(page)["participants"] == "17"
-    assert TRAINING in warnings(page)
+    assert "has seen 94 % of these ratings" in warnings(page)
+    assert TRAINING not in warnings(page)
     checked(page.multiselect(key="ratings_left_out").set_value(["P99", "P01"]).run())
     assert TRAINING in warnings(page)
+
+
+def test_a_small_overlap_with_what_the_fit_has_seen_is_told(ratings: pd.DataFrame):
+    page = taken()
+    others = ratings.assign(participant="Q" + ratings["participant"])
+    from_file(csv(pd.concat([others, ratings.head(1)])), page=page)
+    assert "has seen 1 % of these ratings" in warnings(page)
+    assert OF_SIMULATED in warnings(page)
+    assert "rating_fit_back" in keys(page)
+
+
+def test_a_rating_counts_as_seen_whatever_its_value(ratings: pd.DataFrame):
+    page = taken()
+    again = ratings.assign(
+        participant=ratings["participant"].str.lower(), rating=8 - ratings["rating"]
+    )
+    from_file(csv(again), page=page)
+    assert TRAINING in warnings(page)
+
+
+def test_the_fit_has_not_seen_who_was_left_out():
+    page = opened()
+    checked(page.multiselect(key="ratings_left_out").set_value(["P01"]).run())
+    checked(page.button(key="rating_fit").click().run())
+    checked(page.button(key="rating_fit_take").click().run())
+    assert TRAINING in warnings(page)
+    checked(page.multiselect(key="ratings_left_out").set_value([]).run())
+    assert "has seen 94 % of these ratings" in warnings(page)
 
 
 def test_a_fit_to_simulated_ratings_is_marked_at_its_button(ratings: pd.DataFrame):

@@ -8,11 +8,16 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+import pandas as pd
 import pytest
 from streamlit.testing.v1 import AppTest
 
+from nvcore.dataset import Dataset
+from nvcore.loading import effective_params
+from nvcore.session import Session
 from ui import export_html, ratings_fit, stability_map, state
 from ui.background_job import JobState
+from ui.links import changed_parameters
 from ui.workspace import Workspace
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -181,6 +186,90 @@ def test_a_report_goes_on_after_a_reload_of_its_page(gated):
     ended(after, export_html.JOB)
     assert export_html.NAME in [one.proto.label for one in after.get("download_button")]
     assert not any("other settings" in one.value for one in after.warning)
+
+
+def test_opening_ends_the_jobs_before_it_closes_their_pictures():
+    order: list[str] = []
+
+    class Noted:
+        def discard(self) -> None:
+            order.append("job")
+
+        def close(self) -> None:
+            order.append("pictures")
+
+    app = page()
+    space = app.session_state["workspace"]
+    space.put_job("noted", Noted())
+    space.pictures = {0: Noted()}
+    space.dataset = None  # the next run opens the sample again
+    assert not app.run().exception
+    assert order == ["job", "pictures"]
+
+
+def test_the_protocol_is_still_chosen_after_a_reload():
+    before = page("detection")
+    before.selectbox(key="protocol").set_value("reasonable").run()
+    names = before.multiselect(key="protocol_recordings").options[:2]
+    before.multiselect(key="protocol_recordings").set_value(names).run()
+    after = reloaded(before, "detection")
+    assert after.selectbox(key="protocol").value == "reasonable"
+    assert after.multiselect(key="protocol_recordings").value == names
+    live = after.session_state["workspace"].session.protocol
+    assert (live.name, live.recordings) == ("reasonable", tuple(names))
+
+
+def test_own_filters_are_still_there_after_a_reload():
+    before = page("detection")
+    before.selectbox(key="protocol").set_value("own filters").run()
+    before.number_input(key="own_low").set_value(100.0).run()
+    after = reloaded(before, "detection")
+    assert after.selectbox(key="protocol").value == "own filters"
+    assert after.number_input(key="own_low").value == 100.0
+    assert after.session_state["workspace"].session.protocol.height_px[0] == 100.0
+
+
+def test_fitted_settings_are_still_marked_after_a_reload():
+    before = page("ratings")
+    before.button(key="rating_fit").click().run()
+    before.button(key="rating_fit_take").click().run()
+    start = effective_params(*opened(before))
+    query = changed_parameters(before.session_state["params"], start)
+    after = page("ratings", **query)
+    assert not fitted(after)  # a fresh tab by the same address has no fit
+    claiming(after, before.session_state["workspace"].token)
+    assert fitted(after)
+    after.button(key="rating_fit_back").click().run()
+    assert not fitted(after.run())
+    assert after.session_state["params"] == start
+
+
+def opened(app: AppTest) -> tuple[Session, Dataset]:
+    space = app.session_state["workspace"]
+    return space.session, space.dataset
+
+
+def fitted(app: AppTest) -> bool:
+    return any("**fitted to these ratings**" in one.value for one in app.warning)
+
+
+def test_typed_ratings_are_still_there_after_a_reload():
+    before = typing(page("ratings"))
+    before.text_input(key="ratings_typed_name").set_value("Anna")
+    next(one for one in before.button if "Add a row" in one.label).click().run()
+    after = typing(page("ratings"))
+    assert shown(after).empty
+    claiming(after, before.session_state["workspace"].token)
+    assert shown(after)["participant"].unique().tolist() == ["Anna"]
+    assert len(shown(after)) == 20
+
+
+def typing(app: AppTest) -> AppTest:
+    return app.button_group(key="ratings_source_4").set_value("Typed in").run()
+
+
+def shown(app: AppTest) -> pd.DataFrame:
+    return next(one.value for one in app.dataframe if "participant" in one.value)
 
 
 def test_a_workspace_that_nobody_comes_back_to_ends_its_jobs(gated):
