@@ -32,9 +32,9 @@ def said(figure: go.Figure) -> list[str]:
 
 
 def one_each():
-    """12 pedestrians of one frame each; X finds 9 of them, Y 3 others."""
-    truth = [at(t, 50, track=t) for t in range(12)]
-    return compare(make_dataset(truth, truth[:9], truth[9:], n_frames=12))
+    """12 pedestrians of two frames each; X finds 9 of them, Y 3 others."""
+    truth = [at(2 * t + f, 50, track=t) for t in range(12) for f in range(2)]
+    return compare(make_dataset(truth, truth[:18], truth[18:], n_frames=24))
 
 
 def test_plotly_is_packed_whole_and_the_same_each_time():
