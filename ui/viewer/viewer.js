@@ -224,7 +224,8 @@ class Viewer {
   tick(now) {
     this.request = 0;
     if (!this.root.isConnected || !this.recording) {
-      this.playing = null;
+      // while it is moved about in the page it waits; what wakes it next plays on from here
+      if (this.playing) this.playing.at = null;
       return;
     }
     this.resize();
