@@ -131,7 +131,9 @@ def test_a_jump_during_playback_goes_on_from_there(page):
 
 def test_playback_stops_at_the_last_frame(page):
     press(page, "End", "ArrowLeft", "ArrowLeft", "ArrowLeft", " ")
-    assert painted(page, scene.N_ROWS - 1) == scene.N_ROWS - 1
+    shown = painted(page, scene.N_ROWS - 1)
+    state = viewer_of(page).evaluate("viewer => ({ ...viewer.dataset })")
+    assert shown == scene.N_ROWS - 1, state
     sync_api.expect(viewer_of(page)).to_have_attribute("data-playing", "false")
     assert settled(page, scene.N_ROWS - 1) == str(scene.N_ROWS - 1)
 
