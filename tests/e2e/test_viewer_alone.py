@@ -129,10 +129,18 @@ def test_a_jump_during_playback_goes_on_from_there(page):
     sync_api.expect(viewer_of(page)).to_have_attribute("data-shown-row", re.compile("^[1-9]$"))
 
 
+# what it says of itself, and whether the browser still paints
+STATE = """viewer => new Promise((tell) => {
+  const said = (isPainting) => tell({ ...viewer.dataset, isPainting });
+  requestAnimationFrame(() => said(true));
+  setTimeout(() => said(false), 1000);
+})"""
+
+
 def test_playback_stops_at_the_last_frame(page):
     press(page, "End", "ArrowLeft", "ArrowLeft", "ArrowLeft", " ")
     shown = painted(page, scene.N_ROWS - 1)
-    state = viewer_of(page).evaluate("viewer => ({ ...viewer.dataset })")
+    state = viewer_of(page).evaluate(STATE)
     assert shown == scene.N_ROWS - 1, state
     sync_api.expect(viewer_of(page)).to_have_attribute("data-playing", "false")
     assert settled(page, scene.N_ROWS - 1) == str(scene.N_ROWS - 1)
