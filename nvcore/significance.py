@@ -150,7 +150,8 @@ def significance_table(
     units = find_units(result) if units is None else units
     judged = [judge_figure(one, units) for one in unit_figures(result, units)]
     judged = [
-        _without_blocks(result, units, row) if row.figure == "saliency" else row for row in judged
+        with_largest_events(result, units, row) if row.figure == "saliency" else row
+        for row in judged
     ]
     encounters = judge_encounters_detected(result)
     rows = [encounters.withheld() if is_short(result) else encounters, *judged, *extra]
@@ -224,7 +225,7 @@ def judge_figure(figure: UnitFigure, units: Units) -> Evidence:
     )  # fmt: skip
 
 
-def _without_blocks(result: Result, units: Units, row: Evidence) -> Evidence:
+def with_largest_events(result: Result, units: Units, row: Evidence) -> Evidence:
     """The row of saliency, which blocks of time do not have if it is the largest event."""
     if units.kind == RECORDINGS or result.params.saliency_aggregate == "sum":
         return row

@@ -17,13 +17,13 @@ from nvcore.protocols import PROTOCOLS, Protocol
 from nvcore.schema import Category
 from nvcore.significance import (
     Evidence,
-    UnitFigure,
     judge_encounters_detected,
     judge_figure,
     unit_figures,
+    with_largest_events,
 )
 from nvcore.subgroups import ALL, Subgroup, everyone, find_subgroups
-from nvcore.tables import is_short, saliency_of_recordings, sides
+from nvcore.tables import is_short
 from nvcore.units import Units, find_units, units_within
 from nvcore.venn import count_categories
 
@@ -141,9 +141,8 @@ def _judge_part(
                 own.figure, own.label, own.better, unit=units.kind, note=NOT_OF_PEDESTRIANS[figure]
             )
         own = replace(own, x=own.x[is_within], y=own.y[is_within])
-        if figure == "saliency" and np.isnan(own.x[:, 0]).any():
-            return _largest_events(narrowed, own, within)
-        return judge_figure(own, within)
+        row = judge_figure(own, within)
+        return with_largest_events(narrowed, within, row) if figure == "saliency" else row
 
     return [judge(figure) for figure in figures]
 
@@ -162,21 +161,6 @@ def _with_events_of(part: Subgroup, system: SystemResult) -> SystemResult:
         return system
     encounter = system.events["encounter"].to_numpy(dtype=np.int64)
     return replace(system, events=system.events[part.is_member[encounter]])
-
-
-def _largest_events(narrowed: Result, figure: UnitFigure, within: Units) -> Evidence:
-    """Saliency of the largest events, which blocks of time do not have: without interval."""
-    used = np.unique(within.recording)
-    note = "the largest event of a recording cannot be shared out to blocks of time"
-    x, y = (
-        float(saliency_of_recordings(narrowed, system)[used].mean())
-        for _, system in sides(narrowed)
-    )
-    undefined = Evidence.undefined(
-        figure.figure, figure.label, figure.better, unit=within.kind, n=len(within),
-        note="; ".join([note, within.note]),
-    )  # fmt: skip
-    return replace(undefined, x=x, y=y, difference=x - y)
 
 
 def _miss_rate(result: Result, part: Subgroup, units: Units, protocol: Protocol) -> Evidence:
