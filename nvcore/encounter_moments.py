@@ -11,7 +11,7 @@ from nvcore.analysis import Result
 from nvcore.box_states import RELEVANT_K
 from nvcore.tables import sides
 
-MOMENT_COLUMNS: Final = ("first_row", "missed_row_x", "missed_row_y", "shown_row")
+ENCOUNTER_MOMENT_COLUMNS: Final = ("first_row", "missed_row_x", "missed_row_y", "shown_row")
 NEVER: Final = -1
 """Frame row of what does not happen."""
 
@@ -21,7 +21,7 @@ def encounter_moments(result: Result) -> pd.DataFrame:
 
     Returns
     -------
-    One row per encounter, columns `MOMENT_COLUMNS`, int64: first_row, the first relevant frame (of
+    One row per encounter, columns `ENCOUNTER_MOMENT_COLUMNS`, int64: first_row, the first relevant frame (of
     a distant encounter the first annotated one); missed_row_x and missed_row_y, the first relevant
     frame in which that system misses the pedestrian, -1 if it never does; shown_row, the earlier
     of these two, else first_row.
@@ -47,7 +47,7 @@ def encounter_moments(result: Result) -> pd.DataFrame:
     earlier = np.where(both == NEVER, len(result.dataset.frames), both).min(axis=0)
     is_missed_at_all = (both != NEVER).any(axis=0)
     moments["shown_row"] = np.where(is_missed_at_all, earlier, first)
-    return pd.DataFrame(moments, columns=list(MOMENT_COLUMNS)).astype("int64")
+    return pd.DataFrame(moments, columns=list(ENCOUNTER_MOMENT_COLUMNS)).astype("int64")
 
 
 def encounter_box(result: Result, encounter: int, row: int) -> np.ndarray:

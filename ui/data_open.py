@@ -6,8 +6,9 @@ import streamlit as st
 
 from nvcore.errors import NvcoreError
 from nvcore.session_file import read_session
-from ui import data_local, data_session, data_upload, state
+from ui import data_local, data_upload, state
 from ui.data_opening import draw_trouble, try_to_open
+from ui.data_session import draw_session_form
 from ui.local_files import LocalRoot, local_root
 from ui.text import plain
 
@@ -31,7 +32,7 @@ def draw() -> None:
     with tabs[1]:
         data_upload.draw()
     with tabs[2]:
-        data_session.draw()
+        draw_session_form()
     if root is not None:
         with tabs[3]:
             data_local.draw(root)

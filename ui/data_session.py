@@ -19,7 +19,7 @@ from ui.uploads import PICTURES, SentFile, new_upload, store_annotations
 PLACE: Final = "session_file"
 
 
-def draw() -> None:
+def draw_session_form() -> None:
     """The form; its button opens the session."""
     st.caption(
         "A session file (TOML) names ground truth, systems, thresholds, corrections and settings. "
