@@ -2,7 +2,8 @@
 
 import streamlit as st
 
-from ui import caution, detection_curves, detection_protocol, state
+from ui import detection_curves, detection_protocol, state
+from ui.caution import draw_caution
 from ui.empty import one_system_only
 from ui.text import docs_link
 
@@ -16,6 +17,6 @@ else:
         "boxes, not encounters, and every counted box weighs the same "
         f"({docs_link('Detection curves', 'detection-curves', doc='detection')})."
     )
-    caution.draw(result, is_of_encounters=False)
-    protocol = detection_protocol.choose(result.dataset)
-    detection_curves.draw(result, protocol)
+    draw_caution(result, is_of_encounters=False)
+    chosen = detection_protocol.choose(result.dataset)
+    detection_curves.draw(result, chosen)

@@ -3,7 +3,8 @@
 import streamlit as st
 
 from nvcore.tables import encounters_table
-from ui import caution, encounters_figures, encounters_filters, encounters_list, state
+from ui import encounters_figures, encounters_filters, encounters_list, state
+from ui.caution import draw_caution
 from ui.empty import one_system_only
 from ui.text import docs_link
 
@@ -30,7 +31,7 @@ else:
         "matter (k ≥ 0.5); without any it is *distant*. A system *detects* it by matching it in "
         f"enough of them; the {docs_link('miss class', 'miss-classes')} says how it failed."
     )
-    caution.draw(result)
+    draw_caution(result)
     draw_filtered()
     encounters_figures.draw_exclusivity(result)
     encounters_figures.draw_fusion(result)

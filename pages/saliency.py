@@ -2,7 +2,8 @@
 
 import streamlit as st
 
-from ui import caution, saliency_events, saliency_figures, state
+from ui import saliency_events, saliency_figures, state
+from ui.caution import draw_caution
 from ui.empty import one_system_only
 from ui.text import docs_link
 
@@ -31,6 +32,6 @@ else:
         "larger for late misses, because the end of a drive is remembered best. Distant "
         "pedestrians can be the most salient, with the little weight they have."
     )
-    caution.draw(result)
+    draw_caution(result)
     saliency_figures.draw_numbers(result)
     draw_events()

@@ -2,7 +2,8 @@
 
 import streamlit as st
 
-from ui import caution, stability_map, stability_survey, state
+from ui import stability_map, stability_survey, state
+from ui.caution import draw_caution
 from ui.empty import one_system_only
 from ui.text import docs_link
 
@@ -17,8 +18,8 @@ else:
         "plausible range does not depend on them "
         f"({docs_link('Stability', 'stability', doc='significance')})."
     )
-    caution.draw(result)
-    survey = st.container()  # filled last: the map is there sooner
+    draw_caution(result)
+    above = st.container()  # filled last: the map is there sooner
     stability_map.draw(result)
-    with survey:
+    with above:
         stability_survey.draw(result)

@@ -95,6 +95,6 @@ def make_dataset(
     return dataset_from_tables(recordings, listed, boxes, ["x", "y"])
 
 
-def compare(dataset: Dataset, **params: Any) -> Result:
+def result_of(dataset: Dataset, **params: Any) -> Result:
     """`analyse` with parameters by name; proximity "none" unless given."""
     return analyse(dataset, Params(**{"proximity": "none", **params}))

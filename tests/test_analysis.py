@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
-from builders import Place, at, compare, make_dataset
+from builders import Place, at, make_dataset, result_of
 from scenes import draw_scene
 
 from nvcore import kernels
@@ -178,14 +178,14 @@ def test_a_system_against_itself_has_no_encounter_alone(busy: Dataset) -> None:
 def test_one_system_against_itself_with_two_thresholds_is_a_comparison() -> None:
     truth = [at(0, 20, track=1), at(0, 70, track=2)]
     dataset = make_dataset(truth, [at(0, 20, score=0.9), at(0, 70, score=0.4)])
-    result = compare(dataset, threshold_x=0.3, threshold_y=0.5)
+    result = result_of(dataset, threshold_x=0.3, threshold_y=0.5)
     assert result.y.n_det.tolist() == [0]
     itself = analyse(dataset, Params(threshold_x=0.3, threshold_y=0.5), x="x", y="x")
     assert (itself.venn.both, itself.venn.x_only) == (1, 1)
 
 
 def test_a_dataset_without_any_detection_misses_all_encounters() -> None:
-    result = compare(make_dataset([at(f, 50, track=1) for f in range(3)]))
+    result = result_of(make_dataset([at(f, 50, track=1) for f in range(3)]))
     assert result.venn.neither == 1
     assert result.x.similarity == pytest.approx([0.1, 0.1, 0.1])
     assert result.x.encounters["miss_class"].tolist() == ["never"]
@@ -193,7 +193,7 @@ def test_a_dataset_without_any_detection_misses_all_encounters() -> None:
 
 
 def test_a_dataset_without_any_truth_has_false_alarms_and_no_encounter() -> None:
-    result = compare(make_dataset(x=[at(0, 50), at(2, 50)]))
+    result = result_of(make_dataset(x=[at(0, 50), at(2, 50)]))
     assert result.n_truth.tolist() == [0, 0, 0]
     assert result.x.similarity == pytest.approx([0.9, 1, 0.9])
     assert result.x.saliency_s == 0
@@ -204,20 +204,20 @@ def test_a_dataset_without_any_truth_has_false_alarms_and_no_encounter() -> None
 def test_a_recording_without_truth_counts_its_frames_and_false_alarms() -> None:
     dataset = make_dataset([at(0, 50, track=1)], [at(0, 50), at(0, 50, recording=1)],
                            places=[Place([0]), Place([0])])  # fmt: skip
-    result = compare(dataset)
+    result = result_of(dataset)
     assert result.x.similarity == pytest.approx([1, 0.9])
     assert result.x.false_alarm_summary.per_frame == 0.5
 
 
 def test_a_dataset_without_boxes_is_perfect_and_empty() -> None:
-    result = compare(make_dataset(n_frames=3))
+    result = result_of(make_dataset(n_frames=3))
     assert result.x.summary.mean == 1
     assert result.x.intervals.empty
     assert result.fusion.x.summary.mean == 1
 
 
 def test_a_dataset_without_frames_is_undefined_not_an_error() -> None:
-    result = compare(make_dataset())
+    result = result_of(make_dataset())
     assert np.isnan(result.x.summary.mean)
     assert result.duration_s == 0
     assert result.x.similarity_window.size == 0
@@ -225,7 +225,7 @@ def test_a_dataset_without_frames_is_undefined_not_an_error() -> None:
 
 def test_the_recording_time_is_the_sum_of_all_time_steps() -> None:
     places = [Place([0, 20, 40], fps=20), Place([0], fps=10)]
-    assert compare(make_dataset(places=places)).duration_s == pytest.approx(3.1)
+    assert result_of(make_dataset(places=places)).duration_s == pytest.approx(3.1)
 
 
 def one_system() -> Dataset:

@@ -6,7 +6,7 @@ import struct
 
 import numpy as np
 import pytest
-from builders import NAN, Place, at, compare, make_dataset
+from builders import NAN, Place, at, make_dataset, result_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scenes import draw_scene
@@ -39,7 +39,7 @@ def result() -> Result:
     truth = [at(0, 30, track=1), at(0, 60, track=2), at(2, 50, w=40, ignore=True)]
     x = [at(0, 30, score=0.9), at(0, 60, score=0.8), at(2, 50, score=0.7), at(2, 90, score=0.6)]
     y = [at(0, 30, score=0.9), at(0, 60, score=0.1)]
-    return compare(make_dataset(truth, x, y), threshold_y=0.5)
+    return result_of(make_dataset(truth, x, y), threshold_y=0.5)
 
 
 def test_a_truth_box_is_found_missed_or_not_judged(result: Result):
@@ -62,7 +62,7 @@ def test_only_the_most_salient_miss_is_marked(result: Result):
 
 def test_relevant_are_near_pedestrians_that_are_judged():
     truth = [at(0, 30, track=1), at(0, 60, track=2, h=5), at(0, 80, ignore=True)]
-    states = box_states(compare(make_dataset(truth), proximity="height"), 0, 1)
+    states = box_states(result_of(make_dataset(truth), proximity="height"), 0, 1)
     assert states.is_relevant.tolist() == [True, False, False]
 
 
@@ -85,7 +85,7 @@ def test_packed_states_are_bits_of_the_truth_and_states_of_detections(result: Re
 
 
 def test_the_most_salient_miss_of_x_has_a_bit_of_its_own():
-    packed = unpack_boxes(pack_boxes(compare(make_dataset([at(0, 50)], y=[at(0, 50)])), 0, 1))
+    packed = unpack_boxes(pack_boxes(result_of(make_dataset([at(0, 50)], y=[at(0, 50)])), 0, 1))
     assert packed.state[0] == BIT_RELEVANT | BIT_MATCHED_Y | BIT_SALIENT_X
 
 
@@ -111,7 +111,7 @@ def test_frames_without_boxes_are_packed_as_none(result: Result, rows: tuple[int
 
 
 def test_the_bytes_are_little_endian_and_padded_to_four():
-    content = pack_boxes(compare(make_dataset([at(0, 50, track=3)])), 0, 1)
+    content = pack_boxes(result_of(make_dataset([at(0, 50, track=3)])), 0, 1)
     assert content == (
         struct.pack("<II", 1, 1)  # frames, boxes
         + struct.pack("<II", 0, 1)  # offsets
@@ -125,7 +125,7 @@ def test_the_bytes_are_little_endian_and_padded_to_four():
 def test_tracks_beyond_int32_are_numbered_over_the_whole_recording():
     large = 1_700_000_000_000
     truth = [at(0, 10, track=large), at(1, 50, track=7), at(1, 80, track=large + 5)]
-    result = compare(make_dataset(truth))
+    result = result_of(make_dataset(truth))
     assert unpack_boxes(pack_boxes(result, 0, 2)).track.tolist() == [1, 0, 2]
     assert unpack_boxes(pack_boxes(result, 1, 2)).track.tolist() == [0, 2]
 
@@ -133,7 +133,7 @@ def test_tracks_beyond_int32_are_numbered_over_the_whole_recording():
 def test_a_large_track_leaves_the_ids_of_other_recordings_and_missing_ones_alone():
     truth = [at(0, 10, track=9), at(0, 10, track=2**40, recording=1)]
     y = [at(0, 10, track=2**40), at(0, 50)]
-    result = compare(make_dataset(truth, y=y, places=[Place([0]), Place([0])]))
+    result = result_of(make_dataset(truth, y=y, places=[Place([0]), Place([0])]))
     assert unpack_boxes(pack_boxes(result, 0, 2)).track.tolist() == [9, 0, -1, 0]
 
 

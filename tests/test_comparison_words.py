@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from builders import at, compare, make_dataset
+from builders import at, make_dataset, result_of
 
 from nvcore.analysis import Result
 from nvcore.comparison_words import (
@@ -22,7 +22,7 @@ from nvcore.venn import Venn, measure_exclusivity
 def counted(both: int, x_only: int, y_only: int, neither: int) -> Result:
     """A result with these counts of encounters; nothing else of it is of interest."""
     venn = Venn(both, x_only, y_only, neither, distant=0)
-    result = compare(make_dataset(n_frames=2))
+    result = result_of(make_dataset(n_frames=2))
     return replace(result, venn=venn, exclusivity=measure_exclusivity(venn))
 
 
@@ -74,7 +74,7 @@ def test_an_uneven_split_may_be_chance():
 
 def test_encounters_of_one_frame_are_not_tested_one_by_one():
     truth = [at(f, 50, track=f) for f in range(12)]
-    text = said(compare(make_dataset(truth, truth, truth[:2], n_frames=12)))
+    text = said(result_of(make_dataset(truth, truth, truth[:2], n_frames=12)))
     assert "X detects 10 and Y 0. Most encounters are one frame long" in text
     assert "p =" not in text
 
@@ -86,7 +86,7 @@ def led(*lead_s: float) -> str:
         [box for box in truth if box.frame >= 10 * max(0, sign * lead_s[box.track])]
         for sign in (-1, 1)
     )
-    return describe_lead(compare(make_dataset(truth, x, y), proximity="none"))
+    return describe_lead(result_of(make_dataset(truth, x, y), proximity="none"))
 
 
 def test_lead_time_is_told_by_mean_and_median():
@@ -109,7 +109,7 @@ def test_a_mean_of_few_is_no_lead(lead_s: tuple[float, ...], end: str):
 
 
 def test_without_an_encounter_that_both_match_there_is_no_lead():
-    assert "no lead time" in describe_lead(compare(make_dataset(n_frames=2)))
+    assert "no lead time" in describe_lead(result_of(make_dataset(n_frames=2)))
 
 
 def test_without_a_miss_or_an_encounter_little_is_said():
@@ -122,7 +122,7 @@ def fused() -> Result:
     truth = [at(f, c, track=t) for f in range(10) for t, c in ((1, 20), (2, 50), (3, 80))]
     x = [at(f, c) for f in range(10) for c in (20, 50)]
     y = [at(f, c) for f in range(10) for c in (50, 80)] + [at(4, 5)]
-    return compare(make_dataset(truth, x, y))
+    return result_of(make_dataset(truth, x, y))
 
 
 def test_gain_and_cost_of_a_fusion_are_told_against_the_better_system():
@@ -152,7 +152,7 @@ def test_an_unknown_rate_is_not_told():
 
 
 def test_a_fusion_of_nothing_gains_nothing():
-    table = fusion_table(compare(make_dataset(n_frames=2)))
+    table = fusion_table(result_of(make_dataset(n_frames=2)))
     assert "can neither gain nor lose" in describe_fusion(table)[0]
 
 
@@ -160,7 +160,7 @@ def missed(**params: object) -> Result:
     """Ten frames at 10 fps; X misses frames 2-3 and 8-9, Y nothing."""
     truth = [at(f, 50, track=3) for f in range(10)]
     x = [box for box in truth if box.frame not in (2, 3, 8, 9)]
-    return compare(make_dataset(truth, x, truth), **params)
+    return result_of(make_dataset(truth, x, truth), **params)
 
 
 def test_the_saliency_of_a_recording_is_taken_apart():

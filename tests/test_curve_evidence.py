@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from builders import Box, Place, compare, make_dataset
+from builders import Box, Place, make_dataset, result_of
 from curve_scenes import random_boxes
 
 from nvcore.analysis import analyse
@@ -29,7 +29,7 @@ SAMPLE = Path(__file__).resolve().parents[1] / "sample_data" / "session.toml"
 def random_result(seed: int):
     truth, x, places = random_boxes(seed, n_frames=120)
     _, y, _ = random_boxes(seed + 100, n_frames=120)
-    return compare(make_dataset(truth, x, [*y, *x[::2]], places=places))
+    return result_of(make_dataset(truth, x, [*y, *x[::2]], places=places))
 
 
 @pytest.mark.parametrize("protocol", ["all", "reasonable"])
@@ -97,7 +97,7 @@ def test_it_stands_in_the_table_with_interval_and_p():
 def test_without_scores_there_is_no_figure_and_the_reason_stands_in_its_place():
     truth, x, places = random_boxes(3)
     unscored = [box._replace(score=float("nan")) for box in x]
-    result = compare(make_dataset(truth, unscored, x, places=places))
+    result = result_of(make_dataset(truth, unscored, x, places=places))
     assert log_average_miss_rate_figure(result, find_units(result)) is None
     row = evidence_table(result).set_index("figure").loc["log_average_miss_rate"]
     assert np.isnan([row["x"], row["y"], row["difference"], row["p"], row["p_holm"]]).all()
@@ -106,13 +106,13 @@ def test_without_scores_there_is_no_figure_and_the_reason_stands_in_its_place():
 
 def test_without_pedestrians_there_is_no_figure():
     _, x, places = random_boxes(4)
-    result = compare(make_dataset([], x, x[::2], places=places))
+    result = result_of(make_dataset([], x, x[::2], places=places))
     assert log_average_miss_rate_figure(result, find_units(result)) is None
 
 
 def test_a_protocol_without_recordings_is_told_in_the_row():
     truth, x, places = random_boxes(5)
-    result = compare(make_dataset(truth, x, x[::2], places=places))
+    result = result_of(make_dataset(truth, x, x[::2], places=places))
     at_night = replace(PROTOCOLS["reasonable"], tags=("night",))
     row = evidence_table(result, at_night).set_index("figure").loc["log_average_miss_rate"]
     assert row["label"] == "log-average miss rate, reasonable, night"
@@ -135,7 +135,7 @@ def test_a_log_average_of_0_and_few_pedestrians_are_told():
     # Y finds all, but not before a false positive in one of twenty images
     y = [box._replace(score=0.8 if box.frame else 0.1) for box in truth]
     y.append(Box(3, 70, 10, 20, 50, score=0.5))
-    row = judge_row(compare(make_dataset(truth, x, y)))
+    row = judge_row(result_of(make_dataset(truth, x, y)))
     assert (row["x"], row["y"]) == (0, 0)
     assert "few pedestrians: 20, a single miss changes" in row["note"]
     assert "log-average miss rate of X: nobody is missed at any of the 9 references" in row["note"]
@@ -146,7 +146,7 @@ def test_a_log_average_of_0_and_few_pedestrians_are_told():
 def test_without_interval_it_is_told_how_many_recordings_have_pedestrians():
     places = [Place(range(3)) for _ in range(10)]
     truth = [Box(0, 10, 10, 20, 50, recording=0)]
-    result = compare(make_dataset(truth, [truth[0]._replace(score=0.9)], [], places=places))
+    result = result_of(make_dataset(truth, [truth[0]._replace(score=0.9)], [], places=places))
     row = judge_row(result)
     assert np.isnan(row["low"])
     assert "only 1 of 10 recordings have pedestrians that count" in row["note"]
@@ -162,7 +162,7 @@ def test_recordings_that_the_protocol_does_not_count_are_no_units():
     dataset = make_dataset(truth, x[::2], x, places=places)
     tags = [("night",) if i % 4 else () for i in range(n)]
     dataset = replace(dataset, recordings=dataset.recordings.assign(tags=tags))
-    result = compare(dataset)
+    result = result_of(dataset)
     at_night = replace(PROTOCOLS["all"], tags=("night",))
     row = evidence_table(result, at_night).set_index("figure").loc["log_average_miss_rate"]
     groups = subgroup_table(result, ["log_average_miss_rate"]).set_index("group")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from builders import at, compare, make_dataset
+from builders import at, make_dataset, result_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scenes import draw_scene
@@ -27,7 +27,7 @@ def result() -> Result:
     truth = [at(f, c, track=t) for f in range(10) for t, c in ((1, 20), (2, 50), (3, 80))]
     x = [at(f, c) for f in range(10) for c in (20, 50)]
     y = [at(f, 50) for f in range(10)] + [at(4, 5)]
-    return compare(make_dataset(truth, x, y))
+    return result_of(make_dataset(truth, x, y))
 
 
 def test_every_class_of_x_stands_against_every_class_of_y(result: Result):
@@ -50,12 +50,12 @@ def test_sums_stand_in_the_last_row_and_column(result: Result):
 
 def test_distant_encounters_have_no_miss_class():
     truth = [at(0, 50, track=1, h=3), at(0, 20, track=2)]
-    table = miss_class_counts(compare(make_dataset(truth), proximity="height"))
+    table = miss_class_counts(result_of(make_dataset(truth), proximity="height"))
     assert table.to_numpy().sum() == 1
 
 
 def test_without_encounters_all_counts_are_zero():
-    table = miss_class_counts(compare(make_dataset(n_frames=2)))
+    table = miss_class_counts(result_of(make_dataset(n_frames=2)))
     assert table.shape == (6, 6)
     assert not table.to_numpy().any()
 
@@ -84,7 +84,7 @@ def test_what_a_fusion_costs_is_in_false_alert_episodes(result: Result):
 
 
 def test_without_frames_the_rates_are_undefined():
-    table = fusion_table(compare(make_dataset(frames=[])))
+    table = fusion_table(result_of(make_dataset(frames=[])))
     assert np.isnan(table["episodes_per_hour"]).all()
     assert table["encounters_detected"].tolist() == [0, 0, 0, 0]
 

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import pytest
-from builders import Place, at, compare, make_dataset
+from builders import Place, at, make_dataset, result_of
 
-from nvcore.encounter_moments import ENCOUNTER_MOMENT_COLUMNS, NEVER, encounter_box, encounter_moments
+from nvcore.encounter_moments import (
+    ENCOUNTER_MOMENT_COLUMNS,
+    NEVER,
+    encounter_box,
+    encounter_moments,
+)
 
 
 def moments(truth, x=(), y=(), **more) -> list[dict[str, int]]:
-    result = compare(make_dataset(truth, x, y, **more), proximity="height")
+    result = result_of(make_dataset(truth, x, y, **more), proximity="height")
     return encounter_moments(result).to_dict("records")
 
 
@@ -53,13 +58,13 @@ def test_a_track_that_stands_twice_in_a_frame_is_found_if_one_of_its_boxes_is():
 
 
 def test_without_encounters_the_columns_are_there():
-    table = encounter_moments(compare(make_dataset(n_frames=2)))
+    table = encounter_moments(result_of(make_dataset(n_frames=2)))
     assert (len(table), tuple(table)) == (0, ENCOUNTER_MOMENT_COLUMNS)
 
 
 def test_the_box_of_an_encounter_is_its_own_in_that_frame():
     truth = [at(f, c + f, track=t) for f in (2, 4) for t, c in ((1, 20), (2, 60))]
-    result = compare(make_dataset(truth, n_frames=6))
+    result = result_of(make_dataset(truth, n_frames=6))
     x, _, w, _ = encounter_box(result, 1, 4)
     assert x + w / 2 == 64
 
@@ -67,6 +72,6 @@ def test_the_box_of_an_encounter_is_its_own_in_that_frame():
 @pytest.mark.parametrize("row", [3, 5])
 def test_a_frame_without_the_pedestrian_has_no_box_of_it(row: int):
     truth = [at(f, 50, track=1) for f in (2, 4)]
-    result = compare(make_dataset([*truth, at(5, 20, track=2)], n_frames=6))
+    result = result_of(make_dataset([*truth, at(5, 20, track=2)], n_frames=6))
     with pytest.raises(ValueError, match=f"no box in row {row}"):
         encounter_box(result, 0, row)

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 
 import numpy as np
 import pytest
-from builders import NAN, Box, Place, at, compare, make_dataset
+from builders import NAN, Box, Place, at, make_dataset, result_of
 
 from nvcore.analysis import Result
 from nvcore.kernels import MATCHED
@@ -23,7 +23,7 @@ def walk(
     frames = [every * i for i in range(len(hits))]
     truth = [at(f, 50, h=height, track=1) for f, height in zip(frames, heights, strict=True)]
     x = [box._replace(track=-1) for box, hit in zip(truth, hits, strict=True) if hit == "+"]
-    result = compare(make_dataset(truth, x, frames=frames, fps=fps), **params)
+    result = result_of(make_dataset(truth, x, frames=frames, fps=fps), **params)
     (row,) = result.x.encounters.to_dict("records")
     return row
 
@@ -150,7 +150,7 @@ def test_the_peak_weight_is_that_of_the_nearest_frame() -> None:
 @pytest.mark.parametrize("heights", [[2], [50], [2, 50], []])
 def test_the_table_has_the_same_dtypes_whatever_the_classes(heights: list[float]) -> None:
     truth = [at(0, 50, h=h, track=i) for i, h in enumerate(heights)]
-    table = compare(make_dataset(truth, n_frames=1), proximity="height").x.encounters
+    table = result_of(make_dataset(truth, n_frames=1), proximity="height").x.encounters
     assert table.dtypes.astype(str).tolist() == [
         "int64", "int64", "float64", "float64", "bool", "float64", "float64", "float64", "object",
     ]  # fmt: skip
@@ -158,14 +158,14 @@ def test_the_table_has_the_same_dtypes_whatever_the_classes(heights: list[float]
 
 def test_an_encounter_is_one_track_of_one_recording() -> None:
     truth = [at(0, 50, track=1, recording=r) for r in (0, 1)] + [at(0, 80, track=2)]
-    result = compare(make_dataset(truth, places=[Place([0]), Place([0])]))
+    result = result_of(make_dataset(truth, places=[Place([0]), Place([0])]))
     assert result.encounters.recording.tolist() == [0, 0, 1]
     assert result.encounters.track.tolist() == [1, 2, 1]
 
 
 def test_ignored_boxes_belong_to_no_encounter() -> None:
     truth = [at(0, 50, track=1), at(1, 50, track=1, ignore=True), at(1, 80, track=2, ignore=True)]
-    encounters = compare(make_dataset(truth)).encounters
+    encounters = result_of(make_dataset(truth)).encounters
     assert encounters.track.tolist() == [1]
     assert encounters.n_frames.tolist() == [1]
     assert encounters.last_row.tolist() == [0]
@@ -174,7 +174,7 @@ def test_ignored_boxes_belong_to_no_encounter() -> None:
 
 def test_an_ignored_frame_is_not_relevant() -> None:
     truth = [at(f, 50, track=1, ignore=f == 1) for f in range(3)]
-    result = compare(make_dataset(truth, [at(0, 50), at(2, 50)]))
+    result = result_of(make_dataset(truth, [at(0, 50), at(2, 50)]))
     assert result.x.encounters["coverage"].tolist() == [1]
 
 
@@ -183,7 +183,7 @@ def test_the_encounters_own_figures_by_hand() -> None:
         Box(0, 20, 0, 10, 20, 1, occlusion=0), Box(2, 70, 0, 10, 30, 1, occlusion=2),
         Box(3, 45, 0, 10, 40, 1), Box(0, 95, 0, 40, 40, 8),
     ]  # fmt: skip
-    encounters = compare(make_dataset(truth)).encounters
+    encounters = result_of(make_dataset(truth)).encounters
     assert encounters.first_row.tolist() == [0, 0]
     assert encounters.last_row.tolist() == [3, 0]
     assert encounters.n_frames.tolist() == [3, 1]
@@ -198,7 +198,7 @@ def test_the_encounters_own_figures_by_hand() -> None:
 def test_the_z_score_is_taken_over_all_encounters_of_the_comparison() -> None:
     truth = [Box(0, 10 * i, 0, 2, 2 * a, i, recording=i % 2) for i, a in enumerate([1, 2, 6])]
     places = [Place([0]), Place([0])]
-    encounters = compare(make_dataset(truth, places=places)).encounters
+    encounters = result_of(make_dataset(truth, places=places)).encounters
     aspect = encounters.aspect_ratio
     assert sorted(aspect) == [1, 2, 6]
     assert encounters.aspect_z == pytest.approx((aspect - 3) / np.std([1, 2, 6]))
@@ -207,29 +207,29 @@ def test_the_z_score_is_taken_over_all_encounters_of_the_comparison() -> None:
 @pytest.mark.parametrize("n", [1, 3])
 def test_without_spread_there_is_no_z_score(n: int) -> None:
     truth = [Box(0, 20 * i, 0, 10, 20, i) for i in range(n)]
-    assert np.isnan(compare(make_dataset(truth)).encounters.aspect_z).all()
+    assert np.isnan(result_of(make_dataset(truth)).encounters.aspect_z).all()
 
 
 def test_equal_aspect_ratios_have_no_z_scores_whatever_their_rounding() -> None:
     truth = [Box(0, 10 * i, 10, 10, 7, track=i) for i in range(7)]
-    assert np.isnan(compare(make_dataset(truth)).encounters.aspect_z).all()
+    assert np.isnan(result_of(make_dataset(truth)).encounters.aspect_z).all()
 
 
 def test_tracks_may_be_huge_numbers_or_negative() -> None:
     ids = [2**62, -5, 2**31 - 1, 3]
-    result = compare(make_dataset([at(0, 20 * i, track=t) for i, t in enumerate(ids)]))
+    result = result_of(make_dataset([at(0, 20 * i, track=t) for i, t in enumerate(ids)]))
     assert result.encounters.track.tolist() == sorted(ids)
 
 
 def test_a_track_given_twice_in_a_frame_is_one_frame_of_the_encounter() -> None:
     truth = [at(0, 50, track=1), at(0, 20, track=1), at(1, 50, track=1)]
-    result = compare(make_dataset(truth, [at(0, 20)]))
+    result = result_of(make_dataset(truth, [at(0, 20)]))
     assert result.encounters.n_frames.tolist() == [2]
     assert result.x.encounters[["n_relevant", "matched"]].to_numpy().tolist() == [[2, 1]]
 
 
 def test_a_dataset_without_truth_has_no_encounters() -> None:
-    result = compare(make_dataset(x=[at(0, 50)]))
+    result = result_of(make_dataset(x=[at(0, 50)]))
     assert len(result.encounters) == len(result.x.encounters) == 0
     assert set(result.venn.counts().values()) == {0}
 
@@ -237,7 +237,7 @@ def test_a_dataset_without_truth_has_no_encounters() -> None:
 def lead(first_x: int | None, first_y: int | None) -> float:
     truth = [at(f, 50, track=1) for f in range(20)]
     x, y = ([at(f, 50) for f in range(20 if n is None else n, 20)] for n in (first_x, first_y))
-    result: Result = compare(make_dataset(truth, x, y, fps=10))
+    result: Result = result_of(make_dataset(truth, x, y, fps=10))
     return float(result.lead_time_s[0])
 
 
@@ -252,6 +252,6 @@ def test_there_is_no_lead_unless_both_match() -> None:
 
 def test_matching_in_a_frame_that_is_not_relevant_does_not_detect() -> None:
     truth = [at(0, 50, h=9, track=1), at(1, 50, h=30, track=1)]
-    result = compare(make_dataset(truth, [at(0, 50, h=9)]), proximity="height")
+    result = result_of(make_dataset(truth, [at(0, 50, h=9)]), proximity="height")
     assert result.x.matches.state.tolist() == [MATCHED]
     assert result.x.encounters["miss_class"].tolist() == ["never"]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from builders import Place, at, compare, make_dataset
+from builders import Place, at, make_dataset, result_of
 
 from nvcore.analysis import Result
 from nvcore.frame_facts import PEDESTRIAN_COLUMNS, frame_facts
@@ -20,7 +20,7 @@ def result() -> Result:
     x = [at(3, 20, h=30, recording=1), at(3, 50, recording=1), at(3, 80, recording=1)]
     y = [at(3, 50, recording=1), at(3, 70, recording=1)]
     places = [Place(range(5)), Place([1, 3, 5], fps=4)]
-    return compare(make_dataset(truth, x, y, places=places))
+    return result_of(make_dataset(truth, x, y, places=places))
 
 
 def test_a_frame_is_named_by_recording_number_and_time(result: Result):
@@ -77,5 +77,5 @@ def test_a_frame_without_boxes_has_an_empty_table_with_all_columns(result: Resul
 
 def test_far_pedestrians_are_listed_as_not_relevant():
     truth = [at(0, 50, track=1, h=3), at(0, 20, track=2)]
-    table = frame_facts(compare(make_dataset(truth), proximity="height"), 0).pedestrians
+    table = frame_facts(result_of(make_dataset(truth), proximity="height"), 0).pedestrians
     assert table["is_relevant"].tolist() == [True, False]

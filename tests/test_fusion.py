@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 import numpy as np
-from builders import Box, Place, at, compare, make_dataset
+from builders import Box, Place, at, make_dataset, result_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scenes import Scene, draw_scene
@@ -59,13 +59,13 @@ def test_recordings_frames_and_truth_stay_as_they_are() -> None:
 
 def test_only_what_passes_its_own_threshold_is_fused() -> None:
     dataset = make_dataset(x=[at(0, 20, score=0.4), at(0, 50, score=0.6)], y=[at(0, 20, score=9)])
-    fusion = compare(dataset, threshold_x=0.5, threshold_y=8).fusion
+    fusion = result_of(dataset, threshold_x=0.5, threshold_y=8).fusion
     assert lefts(fusion.dataset) == ([49, 19], [])
 
 
 def test_fused_systems_are_not_thresholded_again() -> None:
     dataset = make_dataset(x=[at(0, 50, score=0.6)], y=[at(0, 50, score=9)])
-    fusion = compare(dataset, threshold_x=0.5, threshold_y=8).fusion
+    fusion = result_of(dataset, threshold_x=0.5, threshold_y=8).fusion
     assert fusion.x.threshold is None
     assert fusion.params.threshold_y is None
     assert fusion.x.n_det.tolist() == fusion.y.n_det.tolist() == [1]
@@ -73,7 +73,7 @@ def test_fused_systems_are_not_thresholded_again() -> None:
 
 def test_fused_systems_are_analysed_with_the_same_parameters() -> None:
     dataset = make_dataset([at(0, 50, track=1)], [at(0, 60)], [at(0, 50)])
-    fusion = compare(dataset, alpha=0.5, low=0.3).fusion
+    fusion = result_of(dataset, alpha=0.5, low=0.3).fusion
     assert (fusion.params.alpha, fusion.params.low) == (0.5, 0.3)
     assert fusion.params.proximity == "none"
     assert fusion.x.similarity.tolist() == [0.9]  # the false alarm of X
@@ -82,7 +82,7 @@ def test_fused_systems_are_analysed_with_the_same_parameters() -> None:
 
 def test_an_encounter_that_either_detects_is_detected_by_x_or_y() -> None:
     truth = [at(0, 20, track=1), at(0, 50, track=2), at(0, 80, track=3)]
-    fusion = compare(make_dataset(truth, [at(0, 20), at(0, 50)], [at(0, 50)])).fusion
+    fusion = result_of(make_dataset(truth, [at(0, 20), at(0, 50)], [at(0, 50)])).fusion
     assert fusion.x.encounters["is_detected"].tolist() == [True, True, False]
     assert fusion.y.encounters["is_detected"].tolist() == [False, True, False]
 
@@ -141,6 +141,6 @@ def test_x_or_y_and_x_and_y_hold_together_what_x_and_y_hold(
 
 
 def test_empty_systems_fuse_to_empty_ones() -> None:
-    result: Result = compare(make_dataset([at(0, 50, track=1)]))
+    result: Result = result_of(make_dataset([at(0, 50, track=1)]))
     assert lefts(result.fusion.dataset) == ([], [])
     assert result.fusion.venn.neither == 1

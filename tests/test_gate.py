@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from builders import Place, at, compare, make_dataset
+from builders import Place, at, make_dataset, result_of
 
 from nvcore.errors import ParameterError
 from nvcore.findings import Finding, Severity
@@ -153,7 +153,7 @@ def scene(n_recordings: int = 1):
                 for system in systems:
                     system.append(at(frame, centre, recording=recording))
     places = [Place(range(3, 6))] * n_recordings
-    return compare(make_dataset(truth, x, y, places=places))
+    return result_of(make_dataset(truth, x, y, places=places))
 
 
 def test_encounters_are_told_by_recording_track_and_frames():
@@ -162,7 +162,7 @@ def test_encounters_are_told_by_recording_track_and_frames():
 
 
 def test_an_encounter_of_one_frame_is_told_with_one():
-    result = compare(make_dataset([at(4, 10, track=1)], [at(4, 10)], frames=range(6)))
+    result = result_of(make_dataset([at(4, 10, track=1)], [at(4, 10)], frames=range(6)))
     assert encounters_of(result, Category.X_ONLY) == ["r0, track 1, frame 4"]
 
 

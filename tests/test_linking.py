@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 import numpy as np
-from builders import Box, Place, at, compare, make_dataset
+from builders import Box, Place, at, make_dataset, result_of
 
 from nvcore.dataset import Dataset
 from nvcore.linking import TruthTracks, link_boxes, track_truth
@@ -36,13 +36,13 @@ def test_ignored_boxes_are_not_linked() -> None:
 
 
 def test_a_gap_of_two_listed_frames_is_one_encounter_and_of_three_are_two() -> None:
-    assert len(compare(make_dataset([at(0, 50), at(3, 50)])).encounters) == 1
-    assert len(compare(make_dataset([at(0, 50), at(4, 50)])).encounters) == 2
+    assert len(result_of(make_dataset([at(0, 50), at(3, 50)])).encounters) == 1
+    assert len(result_of(make_dataset([at(0, 50), at(4, 50)])).encounters) == 2
 
 
 def test_linking_starts_anew_in_every_recording() -> None:
     truth = [at(0, 50), at(0, 50, recording=1)]
-    result = compare(make_dataset(truth, places=[Place([0]), Place([0])]))
+    result = result_of(make_dataset(truth, places=[Place([0]), Place([0])]))
     assert result.encounters.recording.tolist() == [0, 1]
     assert result.encounters.track.tolist() == [1, 1]
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from builders import Box, at, compare, make_dataset
+from builders import Box, at, make_dataset, result_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scenes import Scene, draw_scene
@@ -28,7 +28,7 @@ def score_sets(sets: Sets, **params: object) -> SystemResult:
     """One frame for every pair of pedestrians G and detections S, 100 px wide, k = 1."""
     truth = [at(f, c, track=i) for f, (G, _) in enumerate(sets) for i, c in enumerate(G)]
     x = [at(f, c) for f, (_, S) in enumerate(sets) for c in S]
-    return compare(make_dataset(truth, x, n_frames=len(sets)), **params).x
+    return result_of(make_dataset(truth, x, n_frames=len(sets)), **params).x
 
 
 @scenically

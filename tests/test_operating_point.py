@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from builders import NAN, Box, at, compare, make_dataset
+from builders import NAN, Box, at, make_dataset, result_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scenes import draw_scene
@@ -201,5 +201,5 @@ def test_every_point_of_a_curve_is_what_an_analysis_at_that_threshold_finds(seed
     dataset = draw_scene(seed).dataset()
     curve = false_alarm_curve(dataset, "x", PARAMS)
     for threshold, n_alarms in curve[["threshold", "n_false_alarms"]].to_numpy():
-        result = compare(dataset, threshold_x=float(threshold))
+        result = result_of(dataset, threshold_x=float(threshold))
         assert result.x.false_alarm_summary.count == n_alarms

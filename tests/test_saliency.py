@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from builders import Box, Place, at, compare, make_dataset
+from builders import Box, Place, at, make_dataset, result_of
 
 from nvcore.analysis import SystemResult
 from nvcore.params import Params
@@ -27,7 +27,7 @@ def score(
     frames: list[int], *, size: dict[str, float] | None = None, **params: object
 ) -> SystemResult:
     truth, x = missed(frames)
-    return compare(make_dataset(truth, x, **(size or {})), **params).x  # type: ignore[arg-type]
+    return result_of(make_dataset(truth, x, **(size or {})), **params).x  # type: ignore[arg-type]
 
 
 def test_an_event_by_hand() -> None:
@@ -54,7 +54,7 @@ def test_the_same_miss_is_more_salient_later() -> None:
 def test_durations_go_by_time_steps_in_sampled_recordings() -> None:
     truth = [at(f, 50, track=1) for f in (0, 1, 5, 6)]
     dataset = make_dataset(truth, [at(0, 50), at(6, 50)], frames=[0, 1, 5, 6])
-    (event,) = compare(dataset).x.events.to_dict("records")
+    (event,) = result_of(dataset).x.events.to_dict("records")
     assert event["duration_s"] == pytest.approx(0.5)  # 0.4 s and 0.1 s
     assert event["tau"] == pytest.approx(6 / 7)
 
@@ -76,8 +76,8 @@ def test_without_a_miss_there_is_no_event_and_no_saliency() -> None:
 def test_within_the_encounter_tau_counts_from_its_first_to_its_last_frame() -> None:
     truth, x = missed([4, 5], seen=range(4, 8))
     dataset = make_dataset(truth, x, n_frames=20)
-    assert compare(dataset).x.events["tau"].tolist() == [0.3]
-    scoped = compare(dataset, saliency_scope="encounter").x.events
+    assert result_of(dataset).x.events["tau"].tolist() == [0.3]
+    scoped = result_of(dataset, saliency_scope="encounter").x.events
     assert scoped["tau"].tolist() == [0.5]
     assert scoped["saliency_s"].tolist() == pytest.approx([0.2 * 0.5])
 
@@ -85,35 +85,35 @@ def test_within_the_encounter_tau_counts_from_its_first_to_its_last_frame() -> N
 @pytest.mark.parametrize(("offset", "n_events"), [(2.5, 0), (2.6, 1)])
 def test_a_distance_of_exactly_the_tolerance_is_no_miss(offset: float, n_events: int) -> None:
     dataset = make_dataset([at(0, 50, track=1)], [at(0, 50 + offset)])
-    x = compare(dataset).x
+    x = result_of(dataset).x
     assert x.distances.d_miss[0] == pytest.approx(offset)
     assert len(x.events) == n_events
 
 
 def test_without_tolerance_any_distance_qualifies_but_none_does_not() -> None:
     noisy = make_dataset([at(0, 50, track=1)], [at(0, 50.25)])
-    assert len(compare(noisy, tolerance=0).x.events) == 1
+    assert len(result_of(noisy, tolerance=0).x.events) == 1
     exact = make_dataset([at(0, 50, track=1)], [at(0, 50)])
-    assert compare(exact, tolerance=0).x.events.empty
+    assert result_of(exact, tolerance=0).x.events.empty
 
 
 def test_a_tie_goes_to_the_nearer_pedestrian() -> None:
     # 20 px x k = 1/2 and 10 px x k = 1
     truth = [at(0, 20, h=50, track=1), at(0, 90, h=1000, foot=1000, track=2)]
-    x = compare(make_dataset(truth), proximity="height", midpoint=50, spread=1e-3).x
+    x = result_of(make_dataset(truth), proximity="height", midpoint=50, spread=1e-3).x
     assert x.distances.d_miss[0] == 10
     assert x.events["track"].tolist() == [2]
 
 
 def test_a_tie_of_equally_near_pedestrians_goes_to_the_smaller_track() -> None:
     truth = [at(0, 70, track=5), at(0, 30, track=3), at(0, 70, track=4)]
-    assert compare(make_dataset(truth)).x.events["track"].tolist() == [3]
+    assert result_of(make_dataset(truth)).x.events["track"].tolist() == [3]
 
 
 def test_another_pedestrian_begins_another_event() -> None:
     truth = [at(f, c, track=t) for f in range(4) for t, c in ((1, 50), (2, 30))]
     x = [at(f, 50) for f in (2, 3)]
-    events = compare(make_dataset(truth, x)).x.events
+    events = result_of(make_dataset(truth, x)).x.events
     assert events["track"].tolist() == [1, 2]
     assert events["last_row"].tolist() == [1, 3]
 
@@ -124,20 +124,20 @@ def test_a_frame_without_a_qualifying_pedestrian_ends_the_event() -> None:
 
 def test_an_event_does_not_go_on_in_the_next_recording() -> None:
     truth = [at(f, 50, track=1, recording=r) for r in (0, 1) for f in range(2)]
-    events = compare(make_dataset(truth, places=[Place([0, 1]), Place([0, 1], fps=5)])).x.events
+    events = result_of(make_dataset(truth, places=[Place([0, 1]), Place([0, 1], fps=5)])).x.events
     assert events["recording"].tolist() == [0, 1]
     assert events["duration_s"].tolist() == pytest.approx([0.2, 0.4])
     assert events["tau"].tolist() == [1, 1]
 
 
 def test_a_recording_of_one_frame_can_hold_an_event() -> None:
-    (event,) = compare(make_dataset([at(0, 50, track=1)], fps=25)).x.events.to_dict("records")
+    (event,) = result_of(make_dataset([at(0, 50, track=1)], fps=25)).x.events.to_dict("records")
     assert event["duration_s"] == 0.04
     assert event["tau"] == 1
 
 
 def test_an_ignored_pedestrian_is_no_miss() -> None:
-    assert compare(make_dataset([at(0, 50, track=1, ignore=True)])).x.events.empty
+    assert result_of(make_dataset([at(0, 50, track=1, ignore=True)])).x.events.empty
 
 
 def test_recency_is_half_at_its_midpoint_and_cannot_overflow() -> None:

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pandas as pd
 import pytest
-from builders import NAN, Place, at, compare, make_dataset
+from builders import NAN, Place, at, make_dataset, result_of
 
 from nvcore.analysis import Result
 from nvcore.errors import one_line
@@ -42,7 +42,7 @@ def result() -> Result:
     x = [at(f, c, score=0.9) for f in range(20) for c in (40, 70)]
     y = [at(f, 40, score=0.9) for f in range(20)]
     y += [at(f, 5, score=0.8) for f in (3, 4)]
-    return compare(make_dataset(truth, x, y), threshold_x=0.5)
+    return result_of(make_dataset(truth, x, y), threshold_x=0.5)
 
 
 def test_the_heading_names_both_systems_and_what_counts(result: Result):
@@ -56,7 +56,7 @@ def test_the_heading_names_both_systems_and_what_counts(result: Result):
 
 def test_several_recordings_are_in_the_plural():
     dataset = make_dataset(places=[Place(range(3)), Place(range(3))])
-    assert lines_of(compare(dataset))[2].startswith("2 recordings, 6 frames, 0.6 s")
+    assert lines_of(result_of(dataset))[2].startswith("2 recordings, 6 frames, 0.6 s")
 
 
 def test_counts_and_shares_stand_side_by_side_with_their_difference(result: Result):
@@ -77,7 +77,7 @@ def test_a_difference_too_small_to_show_has_no_minus_sign():
     truth = [at(f, 50, track=1) for f in range(10)]
     x = [at(f, 50, score=1.0) for f in range(10)]
     y = [at(f, 50 - 1e-5, score=1.0) for f in range(10)]
-    result = compare(make_dataset(truth, y, x))
+    result = result_of(make_dataset(truth, y, x))
     assert result.x.summary.mean < result.y.summary.mean
     assert cells(result, "mean similarity") == ["1.0000", "1.0000", "+0.0000"]
 
@@ -101,7 +101,7 @@ def test_the_columns_are_headed_by_letter_and_name(result: Result):
 
 def test_a_long_name_is_shortened_in_the_head_only(result: Result):
     long = "thermal-camera-generation-2"
-    text = render_scorecard(compare(replace(result.dataset, systems=(long, "y"))))
+    text = render_scorecard(result_of(replace(result.dataset, systems=(long, "y"))))
     assert text.count(f"X = {long}") == 1
     assert "X: thermal-camera-…" in text
 
@@ -110,7 +110,7 @@ def test_saliency_stands_as_the_mean_over_recordings_as_well():
     truth = [at(f, 50, track=1, recording=r) for r in range(2) for f in range(20)]
     seen_by_y = [at(f, 50, recording=0) for f in range(20)]
     places = [Place(range(20)), Place(range(20))]
-    result = compare(make_dataset(truth, truth, seen_by_y, places=places))
+    result = result_of(make_dataset(truth, truth, seen_by_y, places=places))
     row = next(one for one in lines_of(result) if one.startswith("  mean over recordings (s)"))
     assert row.split()[4:6] == ["0.000", f"{result.y.saliency_s / 2:.3f}"]
 
@@ -119,7 +119,7 @@ def test_saliency_stands_as_the_mean_over_recordings_as_well():
     ("aggregate", "words"), [("max", "saliency, largest event"), ("sum", "saliency, sum of events")]
 )
 def test_the_label_of_saliency_says_what_is_added_up(result: Result, aggregate: str, words: str):
-    text = render_scorecard(compare(result.dataset, saliency_aggregate=aggregate))
+    text = render_scorecard(result_of(result.dataset, saliency_aggregate=aggregate))
     assert words in text
 
 
@@ -137,19 +137,19 @@ def test_lead_time_is_told_for_the_encounters_that_both_match():
     assert (
         "lead time, in the 2 encounters that both match: X is first in 1, Y in 0, at once in 1; X "
         "leads by +0.20 s on average, median +0.20 s"
-    ) in lines_of(compare(make_dataset(truth, x, y)))
+    ) in lines_of(result_of(make_dataset(truth, x, y)))
 
 
 def test_lead_time_without_a_common_encounter_is_not_told():
     truth = [at(f, 50, track=1) for f in range(5)]
-    result = compare(make_dataset(truth, truth[:0], truth[:0]))
+    result = result_of(make_dataset(truth, truth[:0], truth[:0]))
     assert "lead time: no encounter is matched by both systems" in lines_of(result)
 
 
 def test_detections_on_ignored_people_are_told_for_both_systems():
     truth = [at(f, 50, ignore=True) for f in range(5)]
     x = [at(f, 50, score=1.0) for f in range(3)]
-    text = render_scorecard(compare(make_dataset(truth, x, x[:1])))
+    text = render_scorecard(result_of(make_dataset(truth, x, x[:1])))
     assert "that the truth ignores, not counted: X 3, Y 1" in text
 
 
@@ -162,7 +162,7 @@ def test_exclusivity_is_told_with_what_is_inside_what(result: Result):
 
 
 def test_two_systems_that_miss_the_same_are_not_told_apart():
-    text = render_scorecard(compare(make_dataset(n_frames=3)))
+    text = render_scorecard(result_of(make_dataset(n_frames=3)))
     assert "none tells the two systems apart" in text
 
 
@@ -187,7 +187,7 @@ def test_the_worst_intervals_come_with_recording_time_and_frames(result: Result)
 def test_at_most_five_intervals_of_a_system_are_shown():
     truth = [at(f, 50, track=1) for f in range(20)]
     x = [at(f, 50, score=1.0) for f in range(0, 20, 2)]
-    result = compare(make_dataset(truth, x, x))
+    result = result_of(make_dataset(truth, x, x))
     assert sum(line.startswith("  r0") for line in lines_of(result)) == 10
     assert len(result.x.intervals) == 10
 
@@ -236,7 +236,7 @@ def test_inputs_are_told_with_format_conversion_and_choice_of_frames():
 
 def test_linked_truth_and_missing_distances_are_told():
     truth = [at(f, 50) for f in range(3)]
-    result = compare(make_dataset(truth, truth[:1], truth[:2]), proximity="distance")
+    result = result_of(make_dataset(truth, truth[:1], truth[:2]), proximity="distance")
     text = render_inputs(result)
     assert "the truth of 1 recording has pedestrians without track ids: they were linked" in text
     assert "3 truth boxes have no distance and are weighted by height" in text
@@ -257,7 +257,7 @@ def test_a_name_cannot_steer_the_terminal_or_forge_a_line(where: str):
         inputs=inputs(EVIL),
     )
     finding = Finding(Severity.NOTE, "odd", EVIL, 1, EVIL, EVIL, EVIL, EVIL)
-    result = replace(compare(make_dataset([at(0, 50, track=1)])), dataset=dataset)
+    result = replace(result_of(make_dataset([at(0, 50, track=1)])), dataset=dataset)
     result = replace(result, x=replace(result.x, name=EVIL))
     text = {
         "recording": lambda: render_scorecard(result),

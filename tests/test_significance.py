@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
-from builders import Place, at, compare, make_dataset
+from builders import Place, at, make_dataset, result_of
 from scipy.signal import lfilter
 
 from nvcore.analysis import Result, analyse
@@ -61,7 +61,7 @@ def by_figure(result: Result) -> pd.DataFrame:
 
 
 def test_the_table_has_every_figure_with_its_evidence() -> None:
-    result = compare(drives(12))
+    result = result_of(drives(12))
     table = significance_table(result)
     assert tuple(table.columns) == COLUMNS
     assert table["figure"].tolist() == [
@@ -78,7 +78,7 @@ def test_the_table_has_every_figure_with_its_evidence() -> None:
 
 
 def test_the_figures_are_those_of_the_scorecard() -> None:
-    result = compare(drives(12))
+    result = result_of(drives(12))
     table = by_figure(result)
     for letter, system in (("x", result.x), ("y", result.y)):
         assert table.loc["mean_similarity", letter] == pytest.approx(system.summary.mean)
@@ -93,7 +93,7 @@ def test_the_figures_are_those_of_the_scorecard() -> None:
 
 
 def test_p_of_similarity_is_the_sign_flip_test_of_the_recordings_traces() -> None:
-    result = compare(drives(12))
+    result = result_of(drives(12))
     difference = (result.x.similarity - result.y.similarity).reshape(12, 20).mean(axis=1)
     row = by_figure(result).loc["mean_similarity"]
     assert row["p"] == sign_flip_test(difference).p
@@ -104,7 +104,7 @@ def test_p_of_similarity_is_the_sign_flip_test_of_the_recordings_traces() -> Non
 def test_the_effect_of_units_of_different_length_has_the_sign_of_the_difference() -> None:
     x = np.array([[90, 100], [1, 10], [2, 10], [1, 10], [3, 10], [2, 10]], dtype=float)
     y = np.array([[50, 100], [2, 10], [4, 10], [3, 10], [5, 10], [4, 10]], dtype=float)
-    units = find_units(compare(drives(6)))
+    units = find_units(result_of(drives(6)))
     row = judge_figure(UnitFigure("share", "share", "higher", x, y), units)
     rows = np.arange(6)
     parts = []  # pseudo-values, the plain way
@@ -133,14 +133,14 @@ def test_swapping_x_and_y_turns_the_signs_and_nothing_else() -> None:
 def test_the_order_of_the_recordings_changes_nothing() -> None:
     dataset = drives(18)  # more than 16: random exchanges as well
     order = np.random.default_rng(1).permutation(18)
-    there, back = (by_figure(compare(one)) for one in (dataset, reordered(dataset, order)))
+    there, back = (by_figure(result_of(one)) for one in (dataset, reordered(dataset, order)))
     assert not np.array_equal(order, np.arange(18))
     for name in NUMBERS:
         assert back[name].tolist() == pytest.approx(there[name].tolist(), rel=1e-9), name
 
 
 def test_the_same_input_gives_the_same_table() -> None:
-    first, again = (significance_table(compare(drives(9))) for _ in range(2))
+    first, again = (significance_table(result_of(drives(9))) for _ in range(2))
     pd.testing.assert_frame_equal(first, again)
 
 
@@ -150,7 +150,7 @@ def test_one_recording_is_judged_by_blocks_and_says_what_that_means() -> None:
     is_lost = np.repeat(rng.random(n // 10) < 0.3, 10)
     truth = [at(frame, 50, track=frame // 10) for frame in range(n)]
     y = [at(frame, 50) for frame in range(n) if not is_lost[frame]]
-    table = by_figure(compare(make_dataset(truth, truth, y, n_frames=n)))
+    table = by_figure(result_of(make_dataset(truth, truth, y, n_frames=n)))
     row = table.loc["mean_similarity"]
     assert row["unit"] == "blocks"
     assert row["low"] > 0
@@ -159,7 +159,7 @@ def test_one_recording_is_judged_by_blocks_and_says_what_that_means() -> None:
     assert saliency[["low", "high", "p"]].isna().all()
     assert saliency["y"] > saliency["x"] == 0
     assert "cannot be shared out to blocks" in saliency["note"]
-    summed = compare(make_dataset(truth, truth, y, n_frames=n), saliency_aggregate="sum")
+    summed = result_of(make_dataset(truth, truth, y, n_frames=n), saliency_aggregate="sum")
     row = by_figure(summed).loc["saliency"]
     assert row["y"] == pytest.approx(summed.y.saliency_s)
     assert row["high"] < 0
@@ -167,7 +167,7 @@ def test_one_recording_is_judged_by_blocks_and_says_what_that_means() -> None:
 
 def test_a_short_recording_has_words_instead_of_figures() -> None:
     truth = [at(frame, 50, track=1) for frame in range(6)]
-    table = by_figure(compare(make_dataset(truth, truth[:2], truth[:4], n_frames=6)))
+    table = by_figure(result_of(make_dataset(truth, truth[:2], truth[:4], n_frames=6)))
     assert table[["low", "high", "p", "p_holm"]].isna().all().all()
     assert table["effect"].iloc[1:].isna().all()  # of a few blocks it says nothing
     assert table["note"].str.contains("too few").sum() >= 4
@@ -176,7 +176,7 @@ def test_a_short_recording_has_words_instead_of_figures() -> None:
 
 
 def test_without_frames_nothing_is_invented() -> None:
-    table = by_figure(compare(make_dataset(n_frames=0)))
+    table = by_figure(result_of(make_dataset(n_frames=0)))
     assert table[["low", "high", "p", "p_holm", "effect"]].isna().all().all()
     assert (table["note"] != "").all()
 
@@ -184,7 +184,7 @@ def test_without_frames_nothing_is_invented() -> None:
 def test_equal_systems_are_said_to_be_the_same() -> None:
     truth = [at(f, 50, track=1, recording=r) for r in range(10) for f in range(5)]
     dataset = make_dataset(truth, truth[::2], truth[::2], places=[Place(range(5))] * 10)
-    table = by_figure(compare(dataset))
+    table = by_figure(result_of(dataset))
     assert (table["difference"] == 0).all()
     assert table.loc["mean_similarity", "note"].startswith("X and Y are the same in every unit")
     assert table[["low", "p", "effect"]].iloc[1:].isna().all().all()
@@ -193,7 +193,7 @@ def test_equal_systems_are_said_to_be_the_same() -> None:
 def test_encounters_of_one_frame_are_called_frames() -> None:
     truth = [at(f, 50, track=f, recording=r) for r in range(10) for f in range(4)]
     dataset = make_dataset(truth, truth, truth[::2], places=[Place(range(4))] * 10)
-    result = compare(dataset)
+    result = result_of(dataset)
     table = by_figure(result)
     row = table.loc["encounters_detected"]
     assert "most encounters are one frame long" in row["note"]
@@ -204,7 +204,7 @@ def test_encounters_of_one_frame_are_called_frames() -> None:
 
 
 def test_another_figure_from_sums_over_the_same_units_can_be_added() -> None:
-    result = compare(drives(12))
+    result = result_of(drives(12))
     units = find_units(result)
     n_pedestrians = np.bincount(units.unit_of_frame, weights=result.n_truth)
     missed = [

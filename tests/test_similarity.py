@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from builders import Box, Place, at, compare, make_dataset
+from builders import Box, Place, at, make_dataset, result_of
 from scenes import draw_scene
 
 from nvcore.analysis import Result, SystemResult, analyse
@@ -25,7 +25,7 @@ def score_sets(
     """One frame with pedestrians at G and detections of X at S, k = 1."""
     truth = [at(0, c, track=i) for i, c in enumerate(G)]
     dataset = make_dataset(truth, [at(0, c) for c in S], n_frames=1, width=width)
-    return compare(dataset, **params).x
+    return result_of(dataset, **params).x
 
 
 def test_figure_7_of_the_paper_gives_7_and_2() -> None:
@@ -64,8 +64,8 @@ def test_a_perfect_system_has_similarity_1() -> None:
 
 def test_vertical_position_does_not_matter_laterally_and_does_on_the_ground() -> None:
     dataset = make_dataset([at(0, 50, foot=90, track=1)], [at(0, 53, foot=94)])
-    assert compare(dataset).x.distances.d_miss[0] == 3
-    assert compare(dataset, distance="ground").x.distances.d_miss[0] == 5
+    assert result_of(dataset).x.distances.d_miss[0] == 3
+    assert result_of(dataset, distance="ground").x.distances.d_miss[0] == 5
 
 
 def test_a_miss_at_the_edge_costs_nothing_in_town_and_all_in_the_country() -> None:
@@ -119,7 +119,7 @@ def test_the_salient_detection_is_the_one_at_which_the_distance_stands(
 def test_a_detection_beyond_the_edge_can_be_the_salient_one() -> None:
     # half rural: 25 px at the edge, against 20 px from the pedestrian
     data = make_dataset([at(0, 60, track=1)], [at(0, 40), at(0, 120)])
-    result = compare(data, edge_weight=0.5)
+    result = result_of(data, edge_weight=0.5)
     assert result.dataset.system("x").x[salient_of_x(result, 0)] == 119
     assert result.x.distances.d_false[0] == 25
 
@@ -127,45 +127,45 @@ def test_a_detection_beyond_the_edge_can_be_the_salient_one() -> None:
 def test_every_recording_is_measured_against_its_own_width() -> None:
     places = [Place([0], width=100), Place([0], width=200)]
     truth = [at(0, 50, track=1), at(0, 50, track=1, recording=1)]
-    result = compare(make_dataset(truth, places=places), alpha=1.0)
+    result = result_of(make_dataset(truth, places=places), alpha=1.0)
     assert result.x.similarity.tolist() == [0, 0.5]
 
 
 def test_the_default_midpoint_is_a_tenth_of_the_height() -> None:
-    result = compare(make_dataset([at(0, 50, h=48, track=1)], height=480), proximity="height")
+    result = result_of(make_dataset([at(0, 50, h=48, track=1)], height=480), proximity="height")
     assert result.k_truth.k.tolist() == [0.5]
-    taller = compare(make_dataset([at(0, 50, h=57.6, track=1)], height=480), proximity="height")
+    taller = result_of(make_dataset([at(0, 50, h=57.6, track=1)], height=480), proximity="height")
     assert taller.k_truth.k[0] == pytest.approx(1 / (1 + math.exp(-1)))
 
 
 def test_each_recording_has_its_own_default_midpoint() -> None:
     places = [Place([0], height=100), Place([0], height=500)]
     truth = [at(0, 50, h=50, track=1, recording=i) for i in (0, 1)]
-    k = compare(make_dataset(truth, places=places), proximity="height").k_truth.k
+    k = result_of(make_dataset(truth, places=places), proximity="height").k_truth.k
     assert k[0] > 0.99
     assert k[1] == 0.5
 
 
 def test_given_midpoint_and_spread_replace_the_defaults() -> None:
     dataset = make_dataset([at(0, 50, h=30, track=1)])
-    result = compare(dataset, proximity="height", midpoint=40, spread=5)
+    result = result_of(dataset, proximity="height", midpoint=40, spread=5)
     assert result.k_truth.k[0] == pytest.approx(1 / (1 + math.exp(2)))
 
 
 def test_proximity_by_horizon_measures_the_depth_of_the_foot_point() -> None:
     dataset = make_dataset([at(0, 50, foot=60, track=1)], horizon=45)
-    assert compare(dataset, proximity="horizon", midpoint=15).k_truth.k.tolist() == [0.5]
-    assert compare(dataset, proximity="horizon", midpoint=15, horizon=40).k_truth.k[0] > 0.5
+    assert result_of(dataset, proximity="horizon", midpoint=15).k_truth.k.tolist() == [0.5]
+    assert result_of(dataset, proximity="horizon", midpoint=15, horizon=40).k_truth.k[0] > 0.5
 
 
 def test_proximity_by_horizon_without_a_horizon_says_what_to_give() -> None:
     with pytest.raises(ParameterError, match="give --horizon, or horizon for every recording"):
-        compare(make_dataset(n_frames=1), proximity="horizon")
+        result_of(make_dataset(n_frames=1), proximity="horizon")
 
 
 def test_proximity_by_distance_is_half_at_its_midpoint_and_falls_with_distance() -> None:
     truth = [at(0, 50, track=1, distance_m=35.0), at(0, 30, track=2, distance_m=42.0)]
-    k = compare(make_dataset(truth), proximity="distance").k_truth.k
+    k = result_of(make_dataset(truth), proximity="distance").k_truth.k
     assert k[0] == 0.5
     assert k[1] == pytest.approx(1 / (1 + math.e))
 
@@ -173,45 +173,45 @@ def test_proximity_by_distance_is_half_at_its_midpoint_and_falls_with_distance()
 def test_boxes_without_a_distance_are_weighed_by_height_and_counted() -> None:
     truth = [at(0, 50, h=10, track=1), at(0, 30, track=2, distance_m=35.0)]
     x = [at(0, 50, h=10), at(0, 60, h=10)]
-    result = compare(make_dataset(truth, x), proximity="distance")
+    result = result_of(make_dataset(truth, x), proximity="distance")
     assert result.k_truth.k.tolist() == [0.5, 0.5]
     assert result.k_truth.n_without_distance == 1
     assert result.x.weights.n_without_distance == 2
-    assert compare(make_dataset(truth), proximity="height").k_truth.n_without_distance == 0
+    assert result_of(make_dataset(truth), proximity="height").k_truth.n_without_distance == 0
 
 
 def test_boxes_that_do_not_count_need_no_distance() -> None:
     truth = [at(0, 50, track=1, distance_m=35.0), at(0, 80, w=30, ignore=True)]
     x = [at(0, 50, score=0.2, distance_m=35.0), at(0, 30, score=0.1), at(0, 80, score=0.9)]
-    result = compare(make_dataset(truth, x), proximity="distance", threshold_x=0.2)
+    result = result_of(make_dataset(truth, x), proximity="distance", threshold_x=0.2)
     assert result.k_truth.n_without_distance == 0
     assert result.x.weights.n_without_distance == 0
 
 
 def test_the_sigmoid_cannot_overflow_however_small_the_spread() -> None:
     truth = [at(0, 50, h=1, track=1), at(0, 30, h=99, track=2)]
-    result = compare(make_dataset(truth), proximity="height", midpoint=50, spread=1e-6)
+    result = result_of(make_dataset(truth), proximity="height", midpoint=50, spread=1e-6)
     assert result.k_truth.k == pytest.approx([0, 1], abs=1e-300)
 
 
 def test_each_box_is_weighed_by_itself_in_whichever_set_it_stands() -> None:
     dataset = make_dataset([at(0, 50, h=30, track=1)], [at(0, 40, h=10)])
-    x = compare(dataset, proximity="height", midpoint=10, spread=5).x
+    x = result_of(dataset, proximity="height", midpoint=10, spread=5).x
     assert x.distances.d_miss[0] == pytest.approx(10 / (1 + math.exp(-4)))
     assert x.distances.d_false[0] == 5
 
 
 def test_an_absorbed_detection_does_not_shorten_a_distance() -> None:
     truth = [at(0, 50, track=1), at(0, 70, w=20, ignore=True)]
-    x = compare(make_dataset(truth, [at(0, 70)])).x
+    x = result_of(make_dataset(truth, [at(0, 70)])).x
     assert x.distances.d_miss.tolist() == [50]
     assert x.distances.d_false.tolist() == [0]
 
 
 def test_a_detection_below_the_threshold_does_not_count() -> None:
     dataset = make_dataset([at(0, 50, track=1)], [at(0, 50, score=0.3)])
-    assert compare(dataset, threshold_x=0.3).x.distances.d_miss.tolist() == [0]
-    assert compare(dataset, threshold_x=0.31).x.distances.d_miss.tolist() == [50]
+    assert result_of(dataset, threshold_x=0.3).x.distances.d_miss.tolist() == [0]
+    assert result_of(dataset, threshold_x=0.31).x.distances.d_miss.tolist() == [50]
 
 
 def test_the_moving_mean_takes_frames_up_to_half_a_window_away() -> None:
@@ -319,6 +319,6 @@ def test_aggregates_of_no_frame_are_undefined() -> None:
 
 
 def test_a_recording_of_one_frame_is_its_own_moving_mean() -> None:
-    x = compare(make_dataset([Box(5, 49, 0, 2, 9, 1)], frames=[5])).x
+    x = result_of(make_dataset([Box(5, 49, 0, 2, 9, 1)], frames=[5])).x
     assert x.similarity_window.tolist() == x.similarity.tolist() == pytest.approx([0.1])
     assert x.intervals["duration_s"].tolist() == [0.1]

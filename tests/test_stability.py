@@ -8,10 +8,10 @@ from typing import Any, get_args
 
 import numpy as np
 import pytest
-from builders import Box, Place, at, compare, make_dataset
+from builders import Box, Place, at, make_dataset, result_of
 from scenes import draw_scene
 
-import nvcore.stability_scores
+from nvcore import stability_scores
 from nvcore.analysis import Result, analyse
 from nvcore.errors import InputError, ParameterError
 from nvcore.params import Params
@@ -28,7 +28,7 @@ def turning() -> Result:
     The pedestrian stands in the middle (50 of 100 px). X sees nobody: M = 1 - alpha. Y sees him
     and somebody at 25 px: M = 1 - (1 - alpha) * 25 / 50.
     """
-    return compare(make_dataset([at(0, 50)], [], [at(0, 50, score=0.9), at(0, 25, score=0.4)]))
+    return result_of(make_dataset([at(0, 50)], [], [at(0, 50, score=0.9), at(0, 25, score=0.4)]))
 
 
 def test_the_verdict_turns_where_the_means_cross() -> None:
@@ -71,7 +71,7 @@ def tied() -> Result:
     is the same, but 30 at most.
     """
     data = make_dataset([at(0, 10)], [], [at(0, 40)])
-    return compare(data, alpha=1.0)
+    return result_of(data, alpha=1.0)
 
 
 def test_a_tie_holds_as_long_as_nobody_is_better() -> None:
@@ -87,7 +87,7 @@ def test_a_tie_holds_as_long_as_nobody_is_better() -> None:
 
 
 def test_a_system_that_is_always_better_is_never_overturned() -> None:
-    result = compare(make_dataset([at(0, 50)], [at(0, 50)], []))
+    result = result_of(make_dataset([at(0, 50)], [at(0, 50)], []))
     found = map_stability(result, "edge-weight", "similarity")
     assert set(found.winner) == {"x"}
     assert (found.share_held, found.overturn, found.end) == (1.0, None, None)
@@ -95,7 +95,7 @@ def test_a_system_that_is_always_better_is_never_overturned() -> None:
 
 def test_a_tie_ends_a_verdict_without_overturning_it() -> None:
     # false alarms only, and Y has none: even at alpha 0
-    result = compare(make_dataset([at(0, 50)], [at(0, 50)], []))
+    result = result_of(make_dataset([at(0, 50)], [at(0, 50)], []))
     found = map_stability(result, "alpha-midpoint", "similarity")
     assert found.winner.tolist() == ["even"] + ["x"] * 40
     assert found.overturn is None
@@ -115,7 +115,7 @@ def test_encounters_by_threshold_are_counted_as_by_hand() -> None:
     data = make_dataset(
         pedestrians(x), [*pedestrians(x), *alarms], [*pedestrians(y), *alarms], n_frames=5
     )
-    found = map_stability(compare(data), "thresholds", "encounters", n_points=4)
+    found = map_stability(result_of(data), "thresholds", "encounters", n_points=4)
     for axis in found.axes:
         assert axis.values.tolist() == [0.2, 0.4, 0.6, 0.8]  # the very scores, not a bit more
     n_x, n_y = np.array([4, 3, 2, 1]), np.array([4, 4, 4, 1])
@@ -127,16 +127,16 @@ def test_a_detection_without_a_score_takes_what_a_threshold_sets_free() -> None:
     # one matching does not serve all thresholds here: at 0.5 the second box of X is a match
     x = [at(0, 50, score=0.3), at(0, 50), at(1, 5, score=0.7)]
     data = make_dataset([at(0, 50, track=1)], x, [], n_frames=2)
-    found = map_stability(compare(data), "thresholds", "encounters", n_points=3)
+    found = map_stability(result_of(data), "thresholds", "encounters", n_points=3)
     assert found.difference.tolist() == [1, 1, 1]
 
 
 def test_a_system_without_scores_has_no_threshold_to_move() -> None:
     data = make_dataset([at(0, 50)], [at(0, 50, score=0.5), at(0, 20, score=0.7)], [at(0, 50)])
-    found = map_stability(compare(data), "thresholds", "similarity", n_points=3)
+    found = map_stability(result_of(data), "thresholds", "similarity", n_points=3)
     assert [axis.name for axis in found.axes] == ["threshold_x"]
     with pytest.raises(InputError, match="neither system has scores that differ"):
-        map_stability(compare(make_dataset([at(0, 50)], [at(0, 50)], [])), "thresholds")
+        map_stability(result_of(make_dataset([at(0, 50)], [at(0, 50)], [])), "thresholds")
 
 
 def test_the_share_is_that_of_random_plausible_settings() -> None:
@@ -169,7 +169,7 @@ def test_recordings_of_different_height_have_no_single_midpoint() -> None:
 
 @pytest.mark.parametrize("criterion", CRITERIA)
 def test_without_frames_nothing_is_defined(criterion: Criterion) -> None:
-    found = map_stability(compare(make_dataset(n_frames=0)), "edge-weight", criterion, n_points=3)
+    found = map_stability(result_of(make_dataset(n_frames=0)), "edge-weight", criterion, n_points=3)
     assert np.isnan(found.difference).all()
     assert set(found.winner) == {"undefined"} == {found.verdict}
     assert np.isnan(found.share_held)
@@ -190,9 +190,9 @@ def test_encounters_are_undefined_where_none_is_near() -> None:
 def test_only_what_a_setting_changes_is_repeated(monkeypatch: pytest.MonkeyPatch) -> None:
     calls: list[str] = []
     for name in ("match_boxes", "find_nearest", "weigh_proximity", "measure_sets"):
-        original = getattr(nvcore.stability_scores, name)
+        original = getattr(stability_scores, name)
         monkeypatch.setattr(
-            nvcore.stability_scores, name,
+            stability_scores, name,
             lambda *a, _f=original, _n=name, **k: calls.append(_n) or _f(*a, **k),
         )  # fmt: skip
     truth = [at(i, 50, h=float(10 + i), track=i) for i in range(4)]

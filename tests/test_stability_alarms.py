@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from builders import at, compare, make_dataset
+from builders import at, make_dataset, result_of
 
 from nvcore.analysis import Result, analyse
 from nvcore.params import Params
@@ -35,7 +35,7 @@ def scored(*, shift: float = 0.0, seed: int = 1, **params: float) -> Result:
             for frame, score in zip(frames, rng.random(len(frames)), strict=True)
         ]
         systems.append([box._replace(score=box.score - less) for box in boxes])
-    return compare(make_dataset(truth, *systems, n_frames=N_FRAMES), **params)
+    return result_of(make_dataset(truth, *systems, n_frames=N_FRAMES), **params)
 
 
 def alarms_at(result: Result, x: float, y: float) -> tuple[int, int]:
@@ -77,7 +77,7 @@ def test_a_system_that_scores_the_same_otherwise_is_even_along_the_line() -> Non
     truth = [at(f, 50) for f in range(N_FRAMES)]
     x = [at(f, c, score=float(s)) for c in (50, 10) for f, s in enumerate(rng.random(N_FRAMES))]
     y = [box._replace(score=box.score - 0.4) for box in x]
-    found = map_stability(compare(make_dataset(truth, x, y)), "thresholds", "similarity")
+    found = map_stability(result_of(make_dataset(truth, x, y)), "thresholds", "similarity")
     assert found.equal_alarms is not None
     assert found.equal_alarms.share("even") == 1
     assert (found.winner != "even").mean() > 0.8
@@ -100,7 +100,7 @@ def test_systems_that_never_have_as_many_false_alarms_have_no_line() -> None:
     x, y = (
         [at(0, 50, score=0.9), *(at(f, 10, score=0.5) for f in range(n))] for n in (2, 5)
     )  # fmt: skip
-    result = compare(make_dataset(truth, x, y, n_frames=N_FRAMES))
+    result = result_of(make_dataset(truth, x, y, n_frames=N_FRAMES))
     assert equal_alarm_thresholds(result).empty
     found = map_stability(result, "thresholds", "similarity", n_points=5)
     assert (

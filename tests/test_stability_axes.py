@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from builders import Place, at, compare, make_dataset
+from builders import Place, at, make_dataset, result_of
 
 from nvcore.analysis import analyse
 from nvcore.params import Params
@@ -85,7 +85,7 @@ def test_thresholds_are_plausible_from_1_to_a_hundredth_false_alarm_per_frame() 
     # 200 frames; 250 false alarms of scores 0.001 ... 0.250: 200 pass 0.051, 2 pass 0.249
     alarms = [at(i % 200, 50, score=(i + 1) / 1000) for i in range(250)]
     data = make_dataset([], alarms, [at(0, 50, score=0.1), at(1, 50, score=0.3)], n_frames=200)
-    axis_x, axis_y = axes_of(compare(data), "thresholds", n_points=11)
+    axis_x, axis_y = axes_of(result_of(data), "thresholds", n_points=11)
     step = 0.25 / 199  # the curve has 200 points
     assert axis_x.plausible == (pytest.approx(0.051, abs=step), pytest.approx(0.249, abs=step))
     assert axis_x.present == (0.001, 0.001)  # without a threshold: the lowest score
@@ -98,7 +98,7 @@ def test_thresholds_are_plausible_from_1_to_a_hundredth_false_alarm_per_frame() 
 def test_an_infinite_threshold_lies_just_above_the_highest_score() -> None:
     data = make_dataset([], [at(0, 50, score=0.1), at(1, 50, score=0.3)], [at(0, 50)])
     above, below = (
-        axes_of(compare(data, threshold_x=limit), "thresholds", n_points=5)[0]
+        axes_of(result_of(data, threshold_x=limit), "thresholds", n_points=5)[0]
         for limit in (np.inf, -np.inf)
     )
     assert above.present[0] == np.nextafter(0.3, 1)
@@ -114,7 +114,7 @@ def test_weights_are_what_lies_nearest_within_the_plausible_range() -> None:
 
 
 def test_another_choice_is_a_whole_range_away() -> None:
-    result = compare(make_dataset([at(0, 50)], [], []), match="lateral")
+    result = result_of(make_dataset([at(0, 50)], [], []), match="lateral")
     axis = axes_of(result, "matching", n_points=5)[1]
     assert [axis.setting(i) for i in range(2)] == ["iou", "lateral"]
     assert axis.distance(axis.values).tolist() == [1, 0]

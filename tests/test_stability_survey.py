@@ -8,7 +8,7 @@ from typing import get_args
 import numpy as np
 import pandas as pd
 import pytest
-from builders import Place, at, compare, make_dataset
+from builders import Place, at, make_dataset, result_of
 from scenes import draw_scene
 
 from nvcore.analysis import Result, analyse
@@ -23,11 +23,11 @@ from nvcore.stability_words import CRITERIA, describe_chance, describe_stability
 
 ONE = [at(0, 50, score=0.5), at(0, 20, score=0.2)]
 CASES: dict[str, Result] = {
-    "no frames": compare(make_dataset(n_frames=0)),
-    "no boxes": compare(make_dataset(n_frames=3)),
-    "one frame": compare(make_dataset([at(0, 50)], ONE, ONE)),
-    "no scores": compare(make_dataset([at(0, 50)], [at(0, 50)], [])),
-    "scores of one only": compare(make_dataset([at(0, 50)], ONE, [at(0, 50)])),
+    "no frames": result_of(make_dataset(n_frames=0)),
+    "no boxes": result_of(make_dataset(n_frames=3)),
+    "one frame": result_of(make_dataset([at(0, 50)], ONE, ONE)),
+    "no scores": result_of(make_dataset([at(0, 50)], [at(0, 50)], [])),
+    "scores of one only": result_of(make_dataset([at(0, 50)], ONE, [at(0, 50)])),
     "all distant": analyse(make_dataset([at(0, 50, h=1.0)], ONE, []), Params()),
     "two heights": analyse(
         make_dataset(
@@ -36,7 +36,7 @@ CASES: dict[str, Result] = {
         ),
         Params(),
     ),
-    "threshold above all": compare(make_dataset([at(0, 50)], ONE, ONE), threshold_x=2.0),
+    "threshold above all": result_of(make_dataset([at(0, 50)], ONE, ONE), threshold_x=2.0),
     "scene": analyse(draw_scene(44).dataset(), Params()),
 }  # fmt: skip
 WITHOUT_THRESHOLDS = {"no frames", "no boxes", "no scores"}
@@ -85,7 +85,7 @@ def test_every_map_has_a_row(case: str) -> None:
 def test_the_row_says_what_the_map_says() -> None:
     # X - Y = 0.5 - 1.5 alpha
     data = make_dataset([at(0, 50)], [], [at(0, 50, score=0.9), at(0, 25, score=0.4)])
-    table = survey_table(survey_stability(compare(data))).set_index(["plane", "criterion"])
+    table = survey_table(survey_stability(result_of(data))).set_index(["plane", "criterion"])
     row = table.loc[("alpha-midpoint", "similarity")]
     assert row["settings"] == "Alpha and what counts as near"
     assert row["by"] == "mean similarity"

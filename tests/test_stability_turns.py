@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from builders import at, compare, make_dataset
+from builders import at, make_dataset, result_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -183,7 +183,7 @@ def test_turns_of_a_comparison_agree_with_the_sentences() -> None:
     # X - Y = 0.5 - 1.5 alpha: exactly 1/3, whatever the number of points
     data = make_dataset([at(0, 50)], [], [at(0, 50, score=0.9), at(0, 25, score=0.4)])
     for n_points in (3, 10, 41):
-        found = map_stability(compare(data), "alpha-midpoint", "similarity", n_points=n_points)
+        found = map_stability(result_of(data), "alpha-midpoint", "similarity", n_points=n_points)
         (stretch,) = found.stretches
         assert found.overturn is not None
         assert found.overturn.at == (pytest.approx(1 / 3),)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from builders import Box, Place, at, compare, make_dataset
+from builders import Box, Place, at, make_dataset, result_of
 
 from nvcore.analysis import Result, analyse
 from nvcore.params import Params
@@ -19,7 +19,7 @@ def words(result: Result, plane: str, criterion: str, **more: int) -> str:
 def turning(**params: float) -> Result:
     """X - Y = 0.5 - 1.5 alpha (see test_stability)."""
     data = make_dataset([at(0, 50)], [], [at(0, 50, score=0.9), at(0, 25, score=0.4)])
-    return compare(data, **params)
+    return result_of(data, **params)
 
 
 def test_a_verdict_that_turns_says_where() -> None:
@@ -43,7 +43,7 @@ def test_a_verdict_outside_the_plausible_range_holds_in_none_of_it() -> None:
 
 
 def test_a_verdict_that_never_turns_says_so() -> None:
-    result = compare(make_dataset([at(0, 50)], [at(0, 50)], []))
+    result = result_of(make_dataset([at(0, 50)], [at(0, 50)], []))
     assert words(result, "edge-weight", "similarity") == (
         "As analysed, X has the higher mean similarity, by 0.9000. The verdict holds in all of the "
         "plausible range: traffic context (edge weight) 0 to 1 (from towns to rural roads). "
@@ -58,7 +58,7 @@ def test_a_verdict_that_never_turns_says_so() -> None:
 
 
 def test_a_setting_that_does_not_enter_is_said_not_to() -> None:
-    result = compare(make_dataset([at(0, 50, track=1)], [at(0, 50)], []))
+    result = result_of(make_dataset([at(0, 50, track=1)], [at(0, 50)], []))
     assert words(result, "edge-weight-alpha", "encounters") == (
         "As analysed, X detects more encounters, by 1 encounter. Traffic context and alpha do not "
         "enter into it."
@@ -73,7 +73,7 @@ def test_a_setting_that_does_not_enter_is_said_not_to() -> None:
 def test_choices_are_told_one_by_one() -> None:
     # X's box is too small for an overlap of a half, and in the right place
     truth = [at(0, 50, w=20.0, track=1)]
-    result = compare(make_dataset(truth, [at(0, 50, w=4.0)], []))
+    result = result_of(make_dataset(truth, [at(0, 50, w=4.0)], []))
     said = words(result, "matching", "encounters")
     assert "As analysed, X and Y detect equally many encounters." in said
     assert (
@@ -95,13 +95,13 @@ def test_choices_are_told_one_by_one() -> None:
 
 
 def test_a_tie_everywhere_is_a_tie() -> None:
-    result = compare(make_dataset([at(0, 50)], [at(0, 50)], [at(0, 50)]))
+    result = result_of(make_dataset([at(0, 50)], [at(0, 50)], [at(0, 50)]))
     said = words(result, "edge-weight", "saliency")
     assert said.endswith("It is a tie all over this map.")
 
 
 def test_what_is_undefined_says_why() -> None:
-    assert words(compare(make_dataset(n_frames=0)), "edge-weight", "similarity") == (
+    assert words(result_of(make_dataset(n_frames=0)), "edge-weight", "similarity") == (
         "As analysed the verdict is undefined: there are no frames."
     )
     far = analyse(make_dataset([at(0, 50, h=1.0)], [], []), Params())
@@ -150,7 +150,7 @@ def test_a_verdict_of_one_point_is_told_as_such() -> None:
     truth = [at(i, 50, track=i) for i in range(2)]
     x = [box._replace(score=0.5) for box in truth] + [at(0, 5, score=0.1), at(0, 5, score=0.9)]
     y = [*(box._replace(score=0.9) for box in truth), at(0, 5, score=0.8)]
-    result = compare(make_dataset(truth, x, y), threshold_x=0.5, threshold_y=0.95)
+    result = result_of(make_dataset(truth, x, y), threshold_x=0.5, threshold_y=0.95)
     said = words(result, "thresholds", "encounters", n_points=3)
     assert (
         "Threshold of Y: all else as it is, it holds for 0.95 only; at 0.9 it becomes a tie."
@@ -160,7 +160,7 @@ def test_a_verdict_of_one_point_is_told_as_such() -> None:
 
 def test_a_plausible_turn_is_not_told_to_be_none() -> None:
     truth = [at(0, 10), at(1, 10)]
-    tie = compare(make_dataset(truth, [], [at(0, 40), at(1, 40)]), alpha=1.0, edge_weight=0.6)
+    tie = result_of(make_dataset(truth, [], [at(0, 40), at(1, 40)]), alpha=1.0, edge_weight=0.6)
     said = words(tie, "edge-weight", "similarity", n_points=11)
     assert said.endswith(
         "the nearest tie: traffic context 0.5, "
@@ -179,7 +179,7 @@ def test_a_turn_before_the_plausible_range_does_not_hide_the_one_within() -> Non
 
 def test_two_settings_with_one_reason_are_given_it_once() -> None:
     boxes = [at(0, 50, score=0.5), at(0, 5, score=0.1), at(0, 5, score=0.9)]
-    said = words(compare(make_dataset([at(0, 50)], boxes, boxes)), "thresholds", "similarity")
+    said = words(result_of(make_dataset([at(0, 50)], boxes, boxes)), "thresholds", "similarity")
     assert said.count("0.01 to 1 false alarms per frame, where the scores give that") == 1
 
 

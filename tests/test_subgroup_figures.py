@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from builders import Box, Place, at, compare, make_dataset
+from builders import Box, Place, at, make_dataset, result_of
 from scenes import draw_scene
 
 from nvcore.analysis import Result, analyse
@@ -56,7 +56,7 @@ def drives(*, n: int = 20, night: int = NIGHT, **params: object) -> Result:
             y.append(Box(0, 70, 30, 5, 50, score=0.5, recording=number))
     dataset = make_dataset(truth, truth, y, places=[Place(range(4))] * n)
     tags = [("all of them", "night" if number >= n - night else "day") for number in range(n)]
-    return compare(tagged(dataset, tags), **params)
+    return result_of(tagged(dataset, tags), **params)
 
 
 @pytest.fixture(scope="module")
@@ -146,7 +146,7 @@ def test_saliency_of_a_group_is_over_the_recordings_that_have_its_pedestrians():
     places = [Place(range(4))] * 10
     edge = [at(f, 8, recording=r, track=2) for r in range(4) for f in range(4)]
     middle = [at(f, 50, recording=r, track=1) for r in range(10) for f in range(4)]
-    result = compare(make_dataset([*middle, *edge], [*middle, *edge], middle, places=places))
+    result = result_of(make_dataset([*middle, *edge], [*middle, *edge], middle, places=places))
     table = of(result, "saliency")
     row = table.loc[("place", "edge")]
     assert row["n"] == 4
@@ -189,7 +189,7 @@ def test_miss_rate_of_a_group_is_that_of_truth_without_the_others(seed: int):
     scene = draw_scene(seed)
     for boxes in (scene.x, scene.y):
         boxes[:] = [box._replace(score=0.3 if np.isnan(box.score) else box.score) for box in boxes]
-    result = compare(scene.dataset())
+    result = result_of(scene.dataset())
     offset = dict(zip(zip(result.encounters.recording, result.encounters.track, strict=True),
                       result.encounters.lateral_offset, strict=True))  # fmt: skip
     table = of(result, MISS_RATE)
@@ -211,7 +211,7 @@ def is_other(offset: dict[tuple[int, int], float], box: Box, group: str) -> bool
 
 def test_without_scores_no_group_has_a_miss_rate_and_all_say_so():
     truth = [at(f, c, recording=r, track=c) for r in range(9) for f in range(2) for c in (8, 50)]
-    result = compare(make_dataset(truth, truth, truth[::2], places=[Place(range(2))] * 9))
+    result = result_of(make_dataset(truth, truth, truth[::2], places=[Place(range(2))] * 9))
     table = of(result, MISS_RATE)
     assert table["x"].isna().all()
     assert table["note"].str.contains("detections with scores").all()
@@ -241,7 +241,7 @@ def test_a_tag_without_a_pedestrian_still_has_similarity_and_false_alerts():
         [at(0, 50, recording=0, track=1)], [], [at(0, 30, recording=1)],
         places=[Place(range(4))] * 2,
     )  # fmt: skip
-    table = subgroup_table(compare(tagged(dataset, [("city",), ("empty",)])))
+    table = subgroup_table(result_of(tagged(dataset, [("city",), ("empty",)])))
     empty = table[table["group"] == "empty"].set_index("figure")
     assert empty.loc["false_alert_episodes_per_hour", "y"] == pytest.approx(1 / 0.4 * 3600)
     assert np.isfinite(empty.loc["mean_similarity", "y"])
@@ -257,7 +257,7 @@ def test_swapping_x_and_y_turns_the_signs_of_every_figure(table: pd.DataFrame):
 
 
 def test_without_frames_nothing_is_defined_and_nothing_fails():
-    table = subgroup_table(compare(make_dataset(n_frames=0)))
+    table = subgroup_table(result_of(make_dataset(n_frames=0)))
     assert len(table) == len(FIGURES)
     assert table[["x", "y", "low", "p"]].isna().all(axis=None)
 

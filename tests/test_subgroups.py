@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
-from builders import Place, at, compare, make_dataset
+from builders import Place, at, make_dataset, result_of
 
 from nvcore.analysis import Result, analyse
 from nvcore.dataset import Dataset
@@ -19,7 +19,7 @@ def people(**params: object) -> Result:
 
     X detects all of them, Y the near ones and every fourth of the far ones.
     """
-    return compare(crowd(), proximity="height", **params)
+    return result_of(crowd(), proximity="height", **params)
 
 
 def crowd() -> Dataset:
@@ -115,19 +115,19 @@ def test_distant_encounters_are_in_no_subgroup() -> None:
 
 def test_unknown_occlusion_is_no_factor() -> None:
     truth = [at(frame, 50, track=1, recording=r) for r in range(12) for frame in range(3)]
-    result = compare(make_dataset(truth, truth, truth, places=[Place(range(3))] * 12))
+    result = result_of(make_dataset(truth, truth, truth, places=[Place(range(3))] * 12))
     assert "occlusion" not in {one.factor for one in find_subgroups(result)}
 
 
 def test_tags_of_recordings_are_subgroups_and_may_overlap() -> None:
     tags = [("night", "rain")] * 6 + [("night",)] * 6 + [("day",)] * 12
-    result = compare(tagged(crowd(), tags), proximity="height")
+    result = result_of(tagged(crowd(), tags), proximity="height")
     found = {group: n for (factor, group), n in parts(result).items() if factor == "tag"}
     assert found == {"day": 12, "night": 12, "rain": 6}
 
 
 def test_without_encounters_there_is_one_row_without_figures() -> None:
-    table = detected(compare(make_dataset(n_frames=3)))
+    table = detected(result_of(make_dataset(n_frames=3)))
     assert table[["factor", "n"]].to_numpy().tolist() == [["all", 0]]
     assert table[["x", "y", "difference", "low", "high", "p", "p_holm"]].isna().all().all()
     assert table["note"].iloc[0] != ""

@@ -7,7 +7,7 @@ import json
 import numpy as np
 import pandas as pd
 import pytest
-from builders import Place, at, compare, make_dataset
+from builders import Place, at, make_dataset, result_of
 
 from nvcore.analysis import Result
 from nvcore.findings import Finding, Severity
@@ -43,7 +43,7 @@ def result() -> Result:
     """Ten frames at 10 fps: track 7 in the middle; X sees it always, Y never and is wrong once."""
     truth = [at(f, 50, track=7) for f in range(10)]
     x = [at(f, 50, score=0.9) for f in range(10)]
-    return compare(make_dataset(truth, x, [at(3, 10, score=0.5)]))
+    return result_of(make_dataset(truth, x, [at(3, 10, score=0.5)]))
 
 
 @pytest.fixture(scope="module")
@@ -53,12 +53,12 @@ def two() -> Result:
     truth += [at(f, 20, track=1, h=2.0, recording=1) for f in range(5)]
     places = [Place(range(10)), Place(range(5))]
     x = [at(f, 50, score=0.9) for f in range(10)]
-    return compare(make_dataset(truth, x, places=places), proximity="height")
+    return result_of(make_dataset(truth, x, places=places), proximity="height")
 
 
 @pytest.fixture(scope="module")
 def nothing() -> Result:
-    return compare(make_dataset(n_frames=3))
+    return result_of(make_dataset(n_frames=3))
 
 
 def test_frames_has_exactly_the_columns_of_the_specification(result: Result):
@@ -120,7 +120,7 @@ def test_a_saliency_event_is_one_row(result: Result):
 def test_an_event_is_found_in_the_frames_and_the_recordings():
     truth = [at(f, 50, track=7, recording=1) for f in range(3, 6)]
     places = [Place(range(10)), Place(range(10))]
-    x, y = located_events(compare(make_dataset(truth, places=places))).to_dict("records")
+    x, y = located_events(result_of(make_dataset(truth, places=places))).to_dict("records")
     for event in (x, y):
         assert (event["recording"], event["recording_row"]) == ("r1", 1)
         assert (event["first_frame"], event["last_frame"]) == (3, 5)
@@ -131,7 +131,7 @@ def test_worst_events_are_the_most_salient_of_one_system():
     truth = [at(f, 50, track=1) for f in range(12)]
     seen = [0, 3, 4, 6, 7, 8, 11]  # missed in frames 1-2, 5, 9-10: late misses weigh more
     dataset = make_dataset(truth, [at(f, 50, score=1.0) for f in seen])
-    worst = worst_events(compare(dataset), "x", n=2)
+    worst = worst_events(result_of(dataset), "x", n=2)
     assert worst["first_frame"].tolist() == [9, 5]
     assert set(worst["system"]) == {"x"}
 
@@ -152,7 +152,7 @@ def test_worst_intervals_are_the_most_severe_of_one_system():
     truth = [at(f, 50, track=1) for f in range(12)]
     seen = [0, 3, 4, 6, 7, 8, 11]  # low in frames 1-2, 5, 9-10
     dataset = make_dataset(truth, [at(f, 50, score=1.0) for f in seen])
-    worst = worst_intervals(compare(dataset), "x", n=2)
+    worst = worst_intervals(result_of(dataset), "x", n=2)
     assert worst["first_frame"].tolist() == [1, 9]
     assert set(worst["system"]) == {"x"}
 
@@ -206,7 +206,7 @@ def test_the_lead_time_counts_encounters_that_both_found():
     truth = [at(f, 50, track=1) for f in range(10)]
     x = [at(f, 50, score=1.0) for f in range(2, 10)]
     y = [at(f, 50, score=1.0) for f in range(5, 10)]
-    lead = summary(compare(make_dataset(truth, x, y)))["lead_time_s"]
+    lead = summary(result_of(make_dataset(truth, x, y)))["lead_time_s"]
     assert lead == {"encounters": 1, "mean": pytest.approx(0.3), "median": pytest.approx(0.3)}
 
 
@@ -219,7 +219,7 @@ def test_what_is_undefined_is_none_in_the_summary(nothing: Result):
 
 
 def test_an_infinite_threshold_is_none_in_the_summary():
-    all_ = summary(compare(make_dataset(n_frames=1), threshold_x=np.inf))
+    all_ = summary(result_of(make_dataset(n_frames=1), threshold_x=np.inf))
     assert all_["x"]["threshold"] is None
 
 
@@ -249,7 +249,7 @@ def test_findings_are_rows_in_the_order_given():
 
 
 def test_distances_of_unknown_boxes_are_counted(result: Result):
-    weighted = compare(result.dataset, proximity="distance")
+    weighted = result_of(result.dataset, proximity="distance")
     all_ = summary(weighted)
     assert all_["truth"]["boxes_without_distance"] == 10
     assert all_["x"]["detections_without_distance"] == 10
@@ -257,19 +257,19 @@ def test_distances_of_unknown_boxes_are_counted(result: Result):
 
 def test_track_ids_beyond_floats_are_kept():
     track = 2**53 + 1
-    table = frames_table(compare(make_dataset([at(0, 50, track=track)], n_frames=2)))
+    table = frames_table(result_of(make_dataset([at(0, 50, track=track)], n_frames=2)))
     assert table["salient_track_x"].tolist() == [track, pd.NA]
 
 
 def test_a_recording_without_frames_has_no_rates():
     dataset = make_dataset([at(0, 50, track=7)], places=[Place(range(2)), Place([])])
-    table = recordings_table(compare(dataset))
+    table = recordings_table(result_of(dataset))
     assert table["n_frames"].tolist() == [2, 0]
     assert np.isnan(table["false_alarms_per_minute_x"].iloc[1])
 
 
 def test_saliency_is_told_for_each_recording():
     truth = [at(f, 50, track=1, recording=1) for f in range(4)]
-    result = compare(make_dataset(truth, places=[Place(range(4)), Place(range(4))]))
+    result = result_of(make_dataset(truth, places=[Place(range(4)), Place(range(4))]))
     table = recordings_table(result)
     assert table["saliency_x"].tolist() == [0, result.x.saliency_s]

@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 import pytest
-from builders import Place, at, compare, make_dataset
+from builders import Place, at, make_dataset, result_of
 from scenes import draw_scene
 
 from nvcore.analysis import Result
@@ -21,7 +21,7 @@ def drive(n_recordings: int, n_frames: int = 6, **params: object) -> Result:
             x.append(at(frame, 50, recording=number))
             y.append(at(frame, 50 if number % 2 else 10, recording=number))
     places = [Place(range(n_frames)) for _ in range(n_recordings)]
-    return compare(make_dataset(truth, x, y, places=places), **params)
+    return result_of(make_dataset(truth, x, y, places=places), **params)
 
 
 def long_drive(n_frames: int = 400, seed: int = 0) -> Result:
@@ -31,7 +31,7 @@ def long_drive(n_frames: int = 400, seed: int = 0) -> Result:
     truth = [at(frame, 50, track=frame // 20) for frame in range(n_frames)]
     x = [at(frame, 50) for frame in range(n_frames)]
     y = [at(frame, 50) for frame in range(n_frames) if not is_lost[frame]]
-    return compare(make_dataset(truth, x, y, n_frames=n_frames))
+    return result_of(make_dataset(truth, x, y, n_frames=n_frames))
 
 
 def test_eight_recordings_are_the_units() -> None:
@@ -70,13 +70,13 @@ def test_a_long_recording_has_at_most_1000_blocks() -> None:
     rng = np.random.default_rng(1)
     truth = [at(frame, 50) for frame in range(3000)]
     y = [box for box in truth if rng.random() < 0.5]
-    units = find_units(compare(make_dataset(truth, truth, y)))
+    units = find_units(result_of(make_dataset(truth, truth, y)))
     assert 500 < len(units) <= 1000
 
 
 def test_recordings_without_frames_are_no_units() -> None:
     places = [Place(range(3) if number != 4 else []) for number in range(9)]
-    units = find_units(compare(make_dataset(places=places)))
+    units = find_units(result_of(make_dataset(places=places)))
     assert (len(units), units.n_recordings) == (8, 8)
     assert 4 not in units.recording
 
@@ -89,13 +89,13 @@ def test_units_are_numbered_by_the_recordings_names() -> None:
         {"frame_index": [0], "source": [0], "x": [1.0], "y": 1.0, "w": 1.0, "h": 50.0}
     )
     dataset = dataset_from_tables(recordings, [np.arange(2)] * 8, boxes, ["x", "y"])
-    units = find_units(compare(dataset))
+    units = find_units(result_of(dataset))
     assert units.unit_of_frame.tolist() == np.repeat(np.arange(8)[::-1], 2).tolist()
     assert units.recording.tolist() == list(range(7, -1, -1))
 
 
 def test_a_dataset_without_frames_has_no_units() -> None:
-    result = compare(make_dataset(n_frames=0))
+    result = result_of(make_dataset(n_frames=0))
     units = find_units(result)
     assert len(units) == 0
     assert len(sum_units(result, units)) == 0
@@ -127,7 +127,7 @@ def test_frames_with_exactly_the_limit_are_not_low() -> None:
 @pytest.mark.parametrize("seed", range(6))
 @pytest.mark.parametrize("aggregate", ["max", "sum"])
 def test_sums_of_all_units_are_the_figures_of_the_result(seed: int, aggregate: str) -> None:
-    result = compare(draw_scene(seed).dataset(), saliency_aggregate=aggregate)
+    result = result_of(draw_scene(seed).dataset(), saliency_aggregate=aggregate)
     units = find_units(result)
     sums = sum_units(result, units)
     total = sums.sum()

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from builders import Place, at, compare, make_dataset
+from builders import Place, at, make_dataset, result_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import binomtest
@@ -29,7 +29,7 @@ def drive(signs: str, *, extra: str = "") -> Result:
                 x.append(at(frame, 50, recording=number))
             if sign in "+y":
                 y.append(at(frame, 50, recording=number))
-    return compare(make_dataset(truth, x, y, places=places), proximity="height")
+    return result_of(make_dataset(truth, x, y, places=places), proximity="height")
 
 
 def test_figure_1_of_the_paper_from_encounters() -> None:
@@ -121,7 +121,7 @@ def test_very_many_encounters_do_not_overflow_phi() -> None:
 
 def test_boxes_are_counted_by_who_matched_them_and_ignored_ones_not() -> None:
     truth = [at(0, c, track=c) for c in (10, 30, 50, 70)] + [at(0, 90, ignore=True)]
-    result = compare(make_dataset(truth, [at(0, 10), at(0, 30), at(0, 90)], [at(0, 10), at(0, 50)]))
+    result = result_of(make_dataset(truth, [at(0, 10), at(0, 30), at(0, 90)], [at(0, 10), at(0, 50)]))
     boxes = result.boxes
     assert (boxes.both, boxes.x_only, boxes.y_only, boxes.neither) == (1, 1, 1, 1)
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
-from builders import NAN, Box, at, compare, make_dataset
+from builders import NAN, Box, at, make_dataset, result_of
 
 from nvcore.analysis import Result
 from nvcore.findings import Finding, Severity
@@ -29,7 +29,7 @@ def detecting(
 
     y = boxes(by_y, score=1.0) + [at(f, 5, score=1.0) for f in range(alarms_y)]
     dataset = make_dataset(boxes(range(n)), boxes(by_x, score=1.0), y, n_frames=n_frames * n)
-    return compare(dataset)
+    return result_of(dataset)
 
 
 def encounters(result: Result) -> str:
@@ -75,7 +75,7 @@ def test_the_same_encounters_are_told_with_their_number():
 
 
 def test_without_an_encounter_nothing_is_claimed():
-    result = compare(make_dataset(n_frames=3))
+    result = result_of(make_dataset(n_frames=3))
     assert encounters(result).startswith("There is no encounter near enough to count")
 
 
@@ -220,7 +220,7 @@ def test_figures_that_look_the_same_are_not_called_better():
 
 
 def test_an_undefined_figure_is_left_out():
-    figures = verdict(compare(make_dataset(n_frames=0)))[1]
+    figures = verdict(result_of(make_dataset(n_frames=0)))[1]
     assert figures.startswith("Both have the same saliency (0.00 s);")
 
 
@@ -272,7 +272,7 @@ def test_systems_whose_every_detection_counts_are_told():
 
 def test_a_threshold_ends_that_remark():
     result = detecting(4, range(4), range(4))
-    both = compare(result.dataset, threshold_x=0.5, threshold_y=0.5)
+    both = result_of(result.dataset, threshold_x=0.5, threshold_y=0.5)
     assert not [one for one in verdict(both) if one.startswith("Every detection")]
 
 

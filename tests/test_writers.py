@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from nvcore.errors import InputError, UnknownFormatError
-from nvcore.readers import coco, coco_results, mot, plain_csv
+from nvcore.readers import mot, plain_csv
 from nvcore.readers.base import (
     Reading,
     ReadOptions,
@@ -17,6 +17,8 @@ from nvcore.readers.base import (
     recording_row,
     recordings_table,
 )
+from nvcore.readers.coco import read as read_coco
+from nvcore.readers.coco_results import read as read_coco_results
 from nvcore.writers import write
 
 PLACE = ["recording", "frame", "x", "y", "w", "h"]
@@ -93,7 +95,7 @@ def test_csv_has_the_documented_columns_and_neutralised_names(tmp_path):
 def test_truth_comes_back_from_coco_exactly(tmp_path):
     path = tmp_path / "truth.json"
     write(truth(), "coco", path, role="truth")
-    back = coco.read([SourceFile(path, "truth.json")], ReadOptions())
+    back = read_coco([SourceFile(path, "truth.json")], ReadOptions())
     pd.testing.assert_frame_equal(
         without_origin(back.boxes), without_origin(truth().boxes), check_exact=True
     )
@@ -108,7 +110,7 @@ def test_frames_without_boxes_come_back_from_coco(tmp_path):
     reading = Reading(reading.boxes, reading.recordings, "", images=images)
     path = tmp_path / "truth.json"
     write(reading, "coco", path, role="truth")
-    back = coco.read([SourceFile(path, "truth.json")], ReadOptions())
+    back = read_coco([SourceFile(path, "truth.json")], ReadOptions())
     pd.testing.assert_frame_equal(
         back.images[["recording", "frame", "image_id"]], images, check_dtype=False
     )
@@ -131,7 +133,7 @@ def test_coco_results_name_the_truths_images(tmp_path):
         "image_id": 12, "category_id": 1, "bbox": [1.25, 3.0, 5.0, 7.0], "score": 0.5,
     }  # fmt: skip
     options = ReadOptions(role="detections", images=images)
-    back = coco_results.read([SourceFile(path, "x.json")], options)
+    back = read_coco_results([SourceFile(path, "x.json")], options)
     pd.testing.assert_frame_equal(
         without_origin(back.boxes), without_origin(detections().boxes), check_exact=True
     )
@@ -140,7 +142,7 @@ def test_coco_results_name_the_truths_images(tmp_path):
 def test_coco_results_without_image_list_name_recording_and_frame(tmp_path):
     path = tmp_path / "x.json"
     write(detections(), "coco", path, role="detections")
-    back = coco_results.read([SourceFile(path, "x.json")], ReadOptions(role="detections"))
+    back = read_coco_results([SourceFile(path, "x.json")], ReadOptions(role="detections"))
     assert back.boxes[PLACE].to_numpy().tolist() == detections().boxes[PLACE].to_numpy().tolist()
 
 
@@ -230,7 +232,7 @@ def test_a_path_that_cannot_be_written_is_an_error(tmp_path):
 @pytest.mark.parametrize("format_name", ["csv", "coco"])
 def test_kaists_truth_comes_back(realdata: Path, tmp_path, format_name):
     name = "kaist/KAIST_annotation.json"
-    reading = coco.read([SourceFile(realdata / name, name)], ReadOptions())
+    reading = read_coco([SourceFile(realdata / name, name)], ReadOptions())
     path = tmp_path / "copy"
     write(reading, format_name, path, role="truth")
     reader = plain_csv if format_name == "csv" else coco

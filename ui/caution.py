@@ -18,7 +18,7 @@ SHORT: str = (
 )
 
 
-def draw(result: Result, *, is_of_encounters: bool = True) -> None:
+def draw_caution(result: Result, *, is_of_encounters: bool = True) -> None:
     """Where encounters are mostly single frames, and what the audit warns of: a box for each.
 
     Parameters

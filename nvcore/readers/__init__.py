@@ -6,21 +6,6 @@ from collections.abc import Sequence
 from typing import Final
 
 from nvcore.errors import InputError, UnknownFormatError
-from nvcore.readers import (
-    bbgt,
-    coco,
-    coco_results,
-    cvat_images,
-    cvat_video,
-    kaist_results,
-    kitti_detections,
-    kitti_object,
-    kitti_tracking,
-    mot,
-    plain_csv,
-    voc,
-    yolo,
-)
 from nvcore.readers.base import (
     Format,
     Reading,
@@ -31,23 +16,36 @@ from nvcore.readers.base import (
     recording_row,
     recordings_table,
 )
+from nvcore.readers.bbgt import FORMAT as BBGT
+from nvcore.readers.coco import FORMAT as COCO
+from nvcore.readers.coco_results import FORMAT as COCO_RESULTS
+from nvcore.readers.cvat_images import FORMAT as CVAT_IMAGES
+from nvcore.readers.cvat_video import FORMAT as CVAT_VIDEO
 from nvcore.readers.foreign import describe_foreign
+from nvcore.readers.kaist_results import FORMAT as KAIST_RESULTS
+from nvcore.readers.kitti_detections import FORMAT as KITTI_DETECTIONS
+from nvcore.readers.kitti_object import FORMAT as KITTI_OBJECT
+from nvcore.readers.kitti_tracking import FORMAT as KITTI_TRACKING
 from nvcore.readers.magic import binary_kind
+from nvcore.readers.mot import FORMAT as MOT
+from nvcore.readers.plain_csv import FORMAT as PLAIN_CSV
+from nvcore.readers.voc import FORMAT as VOC
+from nvcore.readers.yolo import FORMAT as YOLO
 
 FORMATS: Final[tuple[Format, ...]] = (
-    cvat_video.FORMAT,
-    cvat_images.FORMAT,
-    voc.FORMAT,
-    coco.FORMAT,
-    coco_results.FORMAT,
-    plain_csv.FORMAT,
-    bbgt.FORMAT,
-    kitti_tracking.FORMAT,
-    kitti_object.FORMAT,
-    kitti_detections.FORMAT,
-    kaist_results.FORMAT,
-    mot.FORMAT,
-    yolo.FORMAT,
+    CVAT_VIDEO,
+    CVAT_IMAGES,
+    VOC,
+    COCO,
+    COCO_RESULTS,
+    PLAIN_CSV,
+    BBGT,
+    KITTI_TRACKING,
+    KITTI_OBJECT,
+    KITTI_DETECTIONS,
+    KAIST_RESULTS,
+    MOT,
+    YOLO,
 )
 """All formats, in the order in which they are asked whether a content is theirs."""
 

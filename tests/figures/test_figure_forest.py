@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from builders import Place, at, compare, make_dataset
+from builders import Place, at, make_dataset, result_of
 from figure_parts import trace, words
 
 from nvcore.figures.forest import subgroup_forest
@@ -17,7 +17,7 @@ def table(figure: str = "encounters_detected"):
     places = [Place(range(48))]
     truth = [at(2 * i + f, 50 if i < 12 else 4, track=i) for i in range(24) for f in range(2)]
     dataset = make_dataset(truth, truth[:24], truth[:32], places=places)
-    result = compare(dataset, saliency_aggregate="sum")
+    result = result_of(dataset, saliency_aggregate="sum")
     return subgroup_table(result, [figure])
 
 
@@ -84,6 +84,6 @@ def test_a_protocol_s_name_in_the_label_is_text():
 
 
 def test_without_encounters_it_says_so() -> None:
-    result = compare(make_dataset(n_frames=3))
+    result = result_of(make_dataset(n_frames=3))
     figure = subgroup_forest(subgroup_table(result, ["encounters_detected"]), theme="light")
     assert "no group in which this figure is defined" in words(figure)

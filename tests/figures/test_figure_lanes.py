@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from builders import at, compare, make_dataset
+from builders import at, make_dataset, result_of
 from figure_parts import shape, trace, words
 
 from nvcore.figures import lanes
@@ -15,7 +15,7 @@ TRUTH = [at(i, 50, track=3) for i in range(6)]
 
 def test_a_run_is_one_bar_from_its_first_frame_to_the_end_of_its_last() -> None:
     y = [at(i, 50) for i in (0, 1, 4, 5)]
-    figure = lanes_figure(compare(make_dataset(TRUTH, TRUTH, y)), 0, theme="light")
+    figure = lanes_figure(result_of(make_dataset(TRUTH, TRUTH, y)), 0, theme="light")
     corners = trace(figure, "Y missed").x
     assert corners[:5] == pytest.approx([0.2, 0.4, 0.4, 0.2, 0.2])
     assert np.isnan(corners[5])
@@ -25,40 +25,40 @@ def test_a_run_is_one_bar_from_its_first_frame_to_the_end_of_its_last() -> None:
 
 
 def test_a_state_that_never_holds_is_not_in_the_legend() -> None:
-    figure = lanes_figure(compare(make_dataset(TRUTH, TRUTH, TRUTH)), 0, theme="light")
+    figure = lanes_figure(result_of(make_dataset(TRUTH, TRUTH, TRUTH)), 0, theme="light")
     assert [one.name for one in figure.data] == ["X matched", "Y matched", "frames"]
 
 
 def test_x_stands_above_y_in_a_lane() -> None:
-    figure = lanes_figure(compare(make_dataset(TRUTH, TRUTH, TRUTH)), 0, theme="light")
+    figure = lanes_figure(result_of(make_dataset(TRUTH, TRUTH, TRUTH)), 0, theme="light")
     x, y = (np.nanmax(trace(figure, f"{letter} matched").y) for letter in "XY")
     assert x < y  # the axis runs downwards
     assert figure.layout.yaxis.range[0] > figure.layout.yaxis.range[1]
 
 
 def test_missed_is_hollow_and_hatched() -> None:
-    figure = lanes_figure(compare(make_dataset(TRUTH, (), TRUTH)), 0, theme="light")
+    figure = lanes_figure(result_of(make_dataset(TRUTH, (), TRUTH)), 0, theme="light")
     assert trace(figure, "X missed").fillpattern.shape == "/"
     assert trace(figure, "Y matched").fillpattern.shape is None
 
 
 def test_lanes_are_called_by_their_pedestrian() -> None:
     truth = TRUTH + [at(i, 20, track=12) for i in range(3)]
-    figure = lanes_figure(compare(make_dataset(truth)), 0, theme="light")
+    figure = lanes_figure(result_of(make_dataset(truth)), 0, theme="light")
     assert figure.layout.yaxis.ticktext == ("ped 3", "ped 12")
     assert "2 pedestrians" in words(figure)
 
 
 def test_lanes_are_in_the_order_in_which_pedestrians_appear() -> None:
     truth = [at(3, 50, track=1), at(0, 50, track=2), at(3, 20, track=3)]
-    figure = lanes_figure(compare(make_dataset(truth)), 0, theme="light")
+    figure = lanes_figure(result_of(make_dataset(truth)), 0, theme="light")
     assert figure.layout.yaxis.ticktext == ("ped 2", "ped 1", "ped 3")
     assert trace(figure, "X missed").x[[0, 6, 12]].tolist() == pytest.approx([0.3, 0.0, 0.3])
 
 
 def test_a_click_in_a_lane_gives_the_row_of_the_frame() -> None:
     y = [at(i, 50) for i in (0, 1, 4, 5)]
-    figure = lanes_figure(compare(make_dataset(TRUTH, TRUTH, y)), 0, theme="light")
+    figure = lanes_figure(result_of(make_dataset(TRUTH, TRUTH, y)), 0, theme="light")
     frames = trace(figure, "frames")
     assert frames.customdata.tolist() == [0, 1, 2, 3, 4, 5]
     assert frames.y.tolist() == [0] * 6
@@ -66,7 +66,7 @@ def test_a_click_in_a_lane_gives_the_row_of_the_frame() -> None:
 
 
 def test_a_pedestrian_who_is_far_is_pale_for_both_systems() -> None:
-    result = compare(make_dataset(TRUTH), proximity="height", midpoint=80.0, spread=1.0)
+    result = result_of(make_dataset(TRUTH), proximity="height", midpoint=80.0, spread=1.0)
     figure = lanes_figure(result, 0, theme="light")
     assert len(trace(figure, "too far to count").x) == 12
     assert trace(figure, "frames").text[0].endswith("X: too far to count   Y: too far to count")
@@ -74,7 +74,7 @@ def test_a_pedestrian_who_is_far_is_pale_for_both_systems() -> None:
 
 def test_a_gap_in_a_track_is_not_annotated() -> None:
     truth = [box for box in TRUTH if box.frame != 2]
-    figure = lanes_figure(compare(make_dataset(truth, truth, truth)), 0, theme="light")
+    figure = lanes_figure(result_of(make_dataset(truth, truth, truth)), 0, theme="light")
     assert trace(figure, "frames").text[2].endswith("X: not annotated   Y: not annotated")
 
 
@@ -83,18 +83,18 @@ def test_the_lanes_that_are_missed_longest_are_drawn(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(lanes, "LANE_PX", ((1, 20),))
     truth = TRUTH + [at(i, 20, track=12) for i in range(6)]
     found = [at(i, 50) for i in range(6)]
-    figure = lanes_figure(compare(make_dataset(truth, found, found)), 0, theme="light")
+    figure = lanes_figure(result_of(make_dataset(truth, found, found)), 0, theme="light")
     assert figure.layout.yaxis.ticktext == ("ped 12",)
     assert "2 pedestrians, the 1 that are missed longest drawn" in words(figure)
 
 
 def test_the_cursor_crosses_the_lanes_at_its_frame() -> None:
-    figure = lanes_figure(compare(make_dataset(TRUTH)), 0, theme="light", cursor_row=2)
+    figure = lanes_figure(result_of(make_dataset(TRUTH)), 0, theme="light", cursor_row=2)
     assert shape(figure, "cursor").x0 == pytest.approx(0.2)
 
 
 def test_a_recording_without_pedestrians_says_so() -> None:
-    figure = lanes_figure(compare(make_dataset(n_frames=2)), 0, theme="light")
+    figure = lanes_figure(result_of(make_dataset(n_frames=2)), 0, theme="light")
     assert "no annotated pedestrian" in words(figure)
 
 
@@ -102,7 +102,7 @@ def test_of_too_many_bars_those_in_one_column_of_pixels_are_drawn_once(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     y = [at(i, 50) for i in (0, 2, 4)]  # missed in 1, 3, 5: columns of 0.3 s hold 1; 3 and 5
-    result = compare(make_dataset(TRUTH, TRUTH, y))
+    result = result_of(make_dataset(TRUTH, TRUTH, y))
     monkeypatch.setattr(lanes, "MAX_BARS", 2)
     monkeypatch.setattr(lanes, "PIXELS", 2)
     corners = trace(lanes_figure(result, 0, theme="light"), "Y missed").x
@@ -112,5 +112,5 @@ def test_of_too_many_bars_those_in_one_column_of_pixels_are_drawn_once(
 
 def test_places_to_click_stay_few_with_many_lanes() -> None:
     truth = [at(i, 2 + number / 2, track=number) for number in range(190) for i in range(30)]
-    figure = lanes_figure(compare(make_dataset(truth)), 0, theme="light")
+    figure = lanes_figure(result_of(make_dataset(truth)), 0, theme="light")
     assert 190 * 20 <= len(trace(figure, "frames").x) <= 4000

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from builders import Place, at, compare, make_dataset
+from builders import Place, at, make_dataset, result_of
 from figure_parts import trace, words
 
 from nvcore.analysis import Result
@@ -15,7 +15,7 @@ def missed(**params: object) -> Result:
     places = [Place(range(10)), Place(range(10))]
     truth = [at(i, 50, track=3, recording=1) for i in range(10)]
     x = [box for box in truth if box.frame not in (2, 3, 8, 9)]
-    return compare(make_dataset(truth, x, truth, places=places), **params)
+    return result_of(make_dataset(truth, x, truth, places=places), **params)
 
 
 def test_events_stand_at_their_end_near_the_curve() -> None:

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from builders import Place, at, compare, make_dataset
+from builders import Place, at, make_dataset, result_of
 from figure_parts import shape, trace, words
 from scenes import draw_scene
 
@@ -98,7 +98,7 @@ def test_equal_false_alarms_are_a_dashed_line_over_both_thresholds() -> None:
         [box._replace(score=(i + 1) / (scale * len(boxes))) for i, box in enumerate(boxes)]
         for scale in (1, 2)
     )
-    result = compare(make_dataset([at(f, 50) for f in range(40)], x, y))
+    result = result_of(make_dataset([at(f, 50) for f in range(40)], x, y))
     found = map_stability(result, "thresholds", "similarity")
     line = trace(stability_map(found, theme="light"), "equal false alarms per frame")
     assert line.line.dash == "dash"
@@ -150,7 +150,7 @@ def test_a_name_stands_on_no_line_where_there_is_room(found: StabilityMap) -> No
 
 def test_choices_are_named_on_their_axis() -> None:
     data = make_dataset([at(0, 50, w=20.0, track=1)], [at(0, 50, w=4.0)], [])
-    figure = stability_map(map_stability(compare(data), "matching", "encounters"), theme="light")
+    figure = stability_map(map_stability(result_of(data), "matching", "encounters"), theme="light")
     assert figure.layout.yaxis.ticktext == ("overlap<br>of the boxes", "sideways<br>position")
     assert "verdict turns" not in [one.name for one in figure.data]
     frame = shape(figure, "plausible range")
@@ -159,7 +159,7 @@ def test_choices_are_named_on_their_axis() -> None:
 
 def test_one_setting_is_a_curve_filled_on_the_winners_side() -> None:
     data = make_dataset([at(0, 50)], [], [at(0, 50, score=0.9), at(0, 25, score=0.4)])
-    found = map_stability(compare(data), "alpha-midpoint", "similarity", n_points=5)
+    found = map_stability(result_of(data), "alpha-midpoint", "similarity", n_points=5)
     figure = stability_map(found, theme="light")
     assert trace(figure, "difference").y.tolist() == found.difference.tolist()
     assert (trace(figure, "X better").y >= 0).all()
@@ -182,18 +182,18 @@ def test_settings_of_each_recordings_own_are_a_line_between_the_ends() -> None:
 
 def test_the_nearest_turn_is_marked_on_the_line_between_two_points() -> None:
     data = make_dataset([at(0, 50)], [], [at(0, 50, score=0.9), at(0, 25, score=0.4)])
-    found = map_stability(compare(data), "alpha-midpoint", "similarity", n_points=5)
+    found = map_stability(result_of(data), "alpha-midpoint", "similarity", n_points=5)
     marker = trace(stability_map(found, theme="light"), "nearest that overturns it")
     assert (marker.x[0], marker.y) == (pytest.approx(1 / 3), (0,))
 
 
 def test_an_undefined_map_says_why() -> None:
-    found = map_stability(compare(make_dataset(n_frames=0)), "edge-weight", "similarity")
+    found = map_stability(result_of(make_dataset(n_frames=0)), "edge-weight", "similarity")
     assert "there are no frames" in words(stability_map(found, theme="dark"))
 
 
 def test_a_map_without_any_difference_is_drawn() -> None:
-    result = compare(make_dataset([at(0, 50)], [at(0, 50)], [at(0, 50)]))
+    result = result_of(make_dataset([at(0, 50)], [at(0, 50)], [at(0, 50)]))
     for plane in ("edge-weight", "edge-weight-alpha"):
         figure = stability_map(map_stability(result, plane, "similarity"), theme="light")
         assert trace(figure, "as analysed").x == (0,)

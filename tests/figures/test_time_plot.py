@@ -6,7 +6,7 @@ import base64
 
 import numpy as np
 import pytest
-from builders import Place, at, compare, make_dataset
+from builders import Place, at, make_dataset, result_of
 from figure_parts import shape, trace, words
 
 from nvcore.analysis import Result
@@ -19,7 +19,7 @@ def missed_by_y(**more: int) -> Result:
     frames = range(10)
     truth = [at(i, 50, track=3) for i in frames]
     y = [at(i, 50) for i in frames if i not in (3, 4)]
-    return compare(make_dataset(truth, truth, y), window=0.0, **more)
+    return result_of(make_dataset(truth, truth, y), window=0.0, **more)
 
 
 def test_the_traces_hold_the_similarity_of_every_frame() -> None:
@@ -51,7 +51,7 @@ def test_only_the_worst_intervals_are_drawn_and_the_number_of_all_is_said(
 ) -> None:
     truth = [at(i, 50, track=3) for i in range(9)]
     y = [at(i, 50) for i in (0, 2, 5, 8)]  # missed: 1; 3, 4; 6, 7
-    result = compare(make_dataset(truth, truth, y))
+    result = result_of(make_dataset(truth, truth, y))
     monkeypatch.setattr(time_marks, "MAX_INTERVALS", 2)
     figure = similarity_plot(result, 0, theme="light")
     area = trace(figure, "Y, low similarity")
@@ -73,7 +73,7 @@ def test_an_event_is_a_bar_of_its_duration() -> None:
 def test_a_click_gives_the_row_of_the_frame_over_all_recordings() -> None:
     places = [Place(range(3)), Place(range(4))]
     truth = [at(i, 50, track=1, recording=1) for i in range(4)]
-    result = compare(make_dataset(truth, truth, truth, places=places))
+    result = result_of(make_dataset(truth, truth, truth, places=places))
     frames = trace(similarity_plot(result, 1, theme="dark"), "frames")
     assert frames.customdata.tolist() == [3, 4, 5, 6]
     assert frames.marker.opacity == 0
@@ -107,7 +107,7 @@ def test_upright_time_runs_upwards_and_the_middle_is_perfect() -> None:
 def test_a_long_recording_is_drawn_by_at_most_4000_points_a_line() -> None:
     truth = [at(i, 50, track=3) for i in range(9000)]
     y = [at(i, 50) for i in range(9000) if i != 4321]
-    figure = similarity_plot(compare(make_dataset(truth, truth, y)), 0, theme="light")
+    figure = similarity_plot(result_of(make_dataset(truth, truth, y)), 0, theme="light")
     assert max(len(one.x) for one in figure.data) <= 4000
     drawn = trace(figure, "Y, frame by frame")
     assert drawn.y.min() == pytest.approx(0.1)
@@ -130,12 +130,12 @@ def test_numbers_travel_as_bytes_and_not_as_lists() -> None:
 
 
 def test_a_recording_of_one_frame_is_drawn() -> None:
-    result = compare(make_dataset([at(0, 50, track=1)], n_frames=1))
+    result = result_of(make_dataset([at(0, 50, track=1)], n_frames=1))
     figure = similarity_plot(result, 0, theme="light", cursor_row=0)
     assert trace(figure, "X, frame by frame").x.tolist() == [0.0]
     assert figure.layout.xaxis.range[1] > 0
 
 
 def test_a_recording_without_frames_says_so() -> None:
-    result = compare(make_dataset(places=[Place([0]), Place([])]))
+    result = result_of(make_dataset(places=[Place([0]), Place([])]))
     assert "no frames" in words(similarity_plot(result, 1, theme="light"))

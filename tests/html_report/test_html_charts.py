@@ -9,7 +9,7 @@ import json
 import numpy as np
 import plotly.graph_objects as go
 import pytest
-from builders import at, compare, make_dataset
+from builders import at, make_dataset, result_of
 from plotly.offline import get_plotlyjs
 
 from nvcore.figures.style import LOOK
@@ -34,7 +34,7 @@ def said(figure: go.Figure) -> list[str]:
 def one_each():
     """12 pedestrians of two frames each; X finds 9 of them, Y 3 others."""
     truth = [at(2 * t + f, 50, track=t) for t in range(12) for f in range(2)]
-    return compare(make_dataset(truth, truth[:18], truth[18:], n_frames=24))
+    return result_of(make_dataset(truth, truth[:18], truth[18:], n_frames=24))
 
 
 def test_plotly_is_packed_whole_and_the_same_each_time():
@@ -104,6 +104,6 @@ def test_an_axis_of_no_difference_still_has_ticks_that_differ():
 
 
 def test_without_any_figure_it_says_so():
-    result = compare(make_dataset(n_frames=3))
+    result = result_of(make_dataset(n_frames=3))
     empty = significance_table(result).assign(difference=np.nan)
     assert "No figure" in interval_plot(empty, FORMS).layout.annotations[0].text

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from builders import Box, compare, make_dataset
+from builders import Box, make_dataset, result_of
 
 from nvcore.html_report.blocks import Chart, Sentences
 from nvcore.html_report.evidence_sections import detection_section
@@ -14,7 +14,7 @@ def section_of(*, x_score: float = 0.9):
     truth.append(Box(0, 60, 10, 20, 50, ignore=True))
     x = [box._replace(score=x_score) for box in truth]
     y = [box._replace(score=0.8) for box in truth[:5]]
-    return detection_section(compare(make_dataset(truth, x, y)), PROTOCOLS["all"])
+    return detection_section(result_of(make_dataset(truth, x, y)), PROTOCOLS["all"])
 
 
 def told(section) -> str:

@@ -9,7 +9,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from builders import Box, Place, at, compare, make_dataset
+from builders import Box, Place, at, make_dataset, result_of
 from inputs import drive, facts_of, session_of
 
 from nvcore.analysis import Result, analyse
@@ -37,7 +37,7 @@ def missed_by_one(who_misses: str, centres: Sequence[float], *, recording: int =
     truth = [at(t, c, track=7, recording=recording) for t, c in enumerate(centres)]
     found = [at(t, c, recording=recording) for t, c in enumerate(centres)]
     x, y = ([], found) if who_misses == "x" else (found, [])
-    return compare(make_dataset(truth, x, y, n_frames=len(centres)))
+    return result_of(make_dataset(truth, x, y, n_frames=len(centres)))
 
 
 @pytest.mark.parametrize(("loser", "winner"), [("x", "Y"), ("y", "X")])
@@ -53,7 +53,7 @@ def test_of_an_encounter_that_one_detects_the_frame_that_costs_most_is_shown(los
 def test_a_frame_that_both_miss_does_not_tell_the_two_apart():
     truth = [at(t, 30 if t else 50, track=1) for t in range(4)]
     x = [at(t, 30) for t in (1, 2, 3)]  # frame 0, which would cost most, is missed by both
-    first = decisive_moments(compare(make_dataset(truth, x, [], n_frames=4)))[0]
+    first = decisive_moments(result_of(make_dataset(truth, x, [], n_frames=4)))[0]
     assert (first.title, first.row) == ("Only X detects", 1)
 
 
@@ -63,7 +63,7 @@ def test_there_are_a_dozen_at_most_and_no_frame_twice():
     x = [at(0, c, recording=i) for i, c in enumerate(centres) if i % 2]
     y = [at(0, c, recording=i) for i, c in enumerate(centres) if not i % 2]
     places = [Place([0])] * 14
-    moments = decisive_moments(compare(make_dataset(truth, x, y, places=places)))
+    moments = decisive_moments(result_of(make_dataset(truth, x, y, places=places)))
     titles = [one.title for one in moments]
     assert (
         titles[: 2 * EXCLUSIVE] == ["Only X detects"] * EXCLUSIVE + ["Only Y detects"] * EXCLUSIVE
@@ -77,18 +77,18 @@ def test_there_are_a_dozen_at_most_and_no_frame_twice():
 def test_a_frame_with_two_such_pedestrians_is_shown_once():
     truth = [at(t, c, track=c) for t in range(2) for c in (40, 60)]
     x = [at(t, c) for t in range(2) for c in (40, 60)]
-    moments = decisive_moments(compare(make_dataset(truth, x, [], n_frames=2)))
+    moments = decisive_moments(result_of(make_dataset(truth, x, [], n_frames=2)))
     assert sorted(one.row for one in moments) == sorted({one.row for one in moments})
     assert moments[0].title == "Only X detects"
 
 
 def test_without_a_difference_there_is_nothing_to_show():
     truth = [at(t, 50, track=1) for t in range(3)]
-    assert decisive_moments(compare(make_dataset(truth, truth, truth, n_frames=3))) == []
+    assert decisive_moments(result_of(make_dataset(truth, truth, truth, n_frames=3))) == []
 
 
 def test_a_false_alarm_is_a_worst_moment_without_a_pedestrian():
-    result = compare(make_dataset([], [at(1, 50)], [], n_frames=3), alpha=0)
+    result = result_of(make_dataset([], [at(1, 50)], [], n_frames=3), alpha=0)
     (first, *_) = decisive_moments(result)
     assert (first.row, first.encounter) == (1, -1)
     assert "false alarm" in first.text
@@ -136,7 +136,7 @@ def test_a_wide_picture_has_a_row_of_its_own():
     truth = [Box(0, 200, 40, 20, 50, 1)]
     for height, is_wide in ((120.0, True), (300.0, False)):
         dataset = make_dataset(truth, truth, [], places=[Place([0], width=400.0, height=height)])
-        result = compare(dataset, midpoint=10.0, spread=2.0)
+        result = result_of(dataset, midpoint=10.0, spread=2.0)
         drawn = photo(result, decisive_moments(result)[0], RecordingPictures())
         assert drawn.is_wide is is_wide
         assert decoded(drawn.jpeg).shape[1] == pytest.approx(1200 if is_wide else 880, abs=1)
@@ -145,13 +145,13 @@ def test_a_wide_picture_has_a_row_of_its_own():
 def test_frames_of_one_scene_are_shown_once():
     # at 10 fps, frames 0 and 15 are 1.5 s apart, 0 and 40 are 4 s apart
     truth = [at(t, 50, track=t) for t in (0, 15, 40)]
-    moments = decisive_moments(compare(make_dataset(truth, truth, [], n_frames=60)))
+    moments = decisive_moments(result_of(make_dataset(truth, truth, [], n_frames=60)))
     assert [one.row for one in moments] == [0, 40]
 
 
 def test_a_scene_may_speak_against_both_systems():
     truth = [at(0, 30, track=1), at(5, 60, track=2)]
-    result = compare(make_dataset(truth, truth[:1], truth[1:], n_frames=6))
+    result = result_of(make_dataset(truth, truth[:1], truth[1:], n_frames=6))
     assert {(one.row, one.loser) for one in decisive_moments(result)[:2]} == {(0, "y"), (5, "x")}
 
 
@@ -160,7 +160,7 @@ def test_a_small_difference_is_not_shown_as_one():
     for shift in (2, 4):  # px, of 50 to the border: similarity is lower by 0.04 and by 0.08
         truth = [Box(t, 40, 40, 20, 50, 1) for t in range(3)]
         near = [Box(t, 40 + shift, 40, 20, 50) for t in range(3)]
-        moments = decisive_moments(compare(make_dataset(truth, truth, near)))
+        moments = decisive_moments(result_of(make_dataset(truth, truth, near)))
         shown[shift] = [one.title for one in moments]
     assert shown == {2: [], 4: ["X better than Y (1.00 to 0.92)"]}
 
@@ -169,7 +169,7 @@ def test_a_worst_moment_is_shown_in_a_frame_with_its_pedestrian():
     # X misses track 1 in frames 0..9; the false alarm makes frame 5, without it, the lowest
     truth = [at(t, 40, track=1) for t in range(10) if t != 5]
     x = [at(5, 50)]
-    result = compare(make_dataset(truth, x, truth, n_frames=10), alpha=0.5)
+    result = result_of(make_dataset(truth, x, truth, n_frames=10), alpha=0.5)
     about = [one for one in decisive_moments(result) if one.encounter == 0]
     assert about
     assert all(one.row != 5 for one in about)
@@ -177,7 +177,7 @@ def test_a_worst_moment_is_shown_in_a_frame_with_its_pedestrian():
 
 def test_the_false_alarm_meant_is_encircled():
     alarms = [at(0, 10), at(0, 50)]  # the one in the middle counts more
-    result = compare(make_dataset([], alarms, [], n_frames=1), alpha=0)
+    result = result_of(make_dataset([], alarms, [], n_frames=1), alpha=0)
     (moment, *_) = decisive_moments(result)
     assert (moment.encounter, moment.loser) == (-1, "x")
     with_ellipse = decoded(photo(result, moment, RecordingPictures()).jpeg).astype(int)
@@ -189,7 +189,7 @@ def test_the_false_alarm_meant_is_encircled():
 def test_a_false_alarm_that_hangs_out_of_the_picture_can_be_the_one_meant():
     # half rural: its centre counts as at the edge, 25 px, the other one 20 px from the pedestrian
     alarms = [at(0, 40), Box(0, 95, 40, 50, 50)]
-    result = compare(make_dataset([at(0, 60, track=1)], alarms, [], n_frames=1), edge_weight=0.5)
+    result = result_of(make_dataset([at(0, 60, track=1)], alarms, [], n_frames=1), edge_weight=0.5)
     moment = Moment(0, "A worst moment of X", "", -1, "x")
     drawn = decoded(photo(result, moment, RecordingPictures()).jpeg).astype(int)
     other = decoded(photo(result, moment._replace(loser="y"), RecordingPictures()).jpeg)
@@ -221,7 +221,7 @@ def test_only_pictures_that_are_wanted_are_opened(tmp_path: Path):
 
 def test_the_pedestrian_meant_is_encircled():
     wide = [Box(0, 40, 40, 20, 50, 1)]
-    result = compare(make_dataset(wide, wide, [], n_frames=1))
+    result = result_of(make_dataset(wide, wide, [], n_frames=1))
     moment = decisive_moments(result)[0]
     drawn = decoded(photo(result, moment, RecordingPictures()).jpeg).astype(int)
     plain = decoded(photo(result, moment._replace(encounter=-1), RecordingPictures()).jpeg)

@@ -9,7 +9,7 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
-from builders import Place, at, compare, make_dataset
+from builders import Place, at, make_dataset, result_of
 from inputs import DATA, drive, session_of
 
 from nvcore.analysis import Result, analyse
@@ -227,7 +227,7 @@ def test_midpoint_and_spread_in_use_are_told(page, tmp_path):
 
 def test_frames_rather_than_persons_are_no_evidence_of_their_own(tmp_path, page):
     truth = [at(f, 50, track=f) for f in range(12)]
-    result = compare(make_dataset(truth, truth, truth[:2], n_frames=12))
+    result = result_of(make_dataset(truth, truth, truth[:2], n_frames=12))
     content = written(tmp_path / "r.html", result, session_of(tmp_path))
     for anchor, told in (
         ("encounters", "shares of encounters are shares of frames"),
@@ -248,7 +248,7 @@ def test_the_gravest_of_many_encounters_that_only_one_detects_are_listed(tmp_pat
     # track t is missed by Y for t + 1 frames at 10 fps, all of full weight
     n = MAX_ROWS + 5
     truth = [at(f, 50, track=t, recording=t) for t in range(n) for f in range(1 + t % 50)]
-    result = compare(
+    result = result_of(
         make_dataset(truth, truth, [], places=[Place(range(50))] * n), proximity="none"
     )
     page = Page(written(tmp_path / "r.html", result, session_of(tmp_path), stability=False))
@@ -355,7 +355,7 @@ def test_the_stability_map_can_be_left_out(result, session, tmp_path):
     ids=["nobody", "no frame", "one frame", "false alarms only"],
 )
 def test_with_next_to_no_data_it_says_what_is_undefined(dataset, tmp_path):
-    content = written(tmp_path / "r.html", compare(dataset), session_of(tmp_path))
+    content = written(tmp_path / "r.html", result_of(dataset), session_of(tmp_path))
     page = Page(content)
     assert "nan" not in re.sub(r"<script.*?</script>", "", content, flags=re.DOTALL).lower().split()
     assert len(page.tables["Figures of X and Y"]) > 10

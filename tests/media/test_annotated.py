@@ -9,7 +9,7 @@ import av
 import cv2
 import numpy as np
 import pytest
-from builders import Place, compare, make_dataset
+from builders import Place, make_dataset, result_of
 from picture_files import number_in, numbered, write_numbered_video, write_picture
 
 from nvcore.analysis import Result
@@ -22,7 +22,7 @@ from nvcore.version import __version__
 def result(n_frames: int = 10, **params: float) -> Result:
     """A pedestrian at the right whom X finds and Y misses, in frames 0 and 1."""
     person = [(frame, 50.0, 10.0, 8.0, 30.0, 7) for frame in (0, 1)]
-    return compare(
+    return result_of(
         make_dataset(person, [box[:5] for box in person], n_frames=n_frames, width=64, height=48),
         **params,
     )
@@ -187,7 +187,7 @@ def test_an_impossible_frame_rate_is_refused(tmp_path: Path, fps: float):
 @pytest.mark.parametrize(("start", "stop"), [(0, 0), (3, 2), (2, 6), (-1, 2)])
 def test_frames_of_another_recording_are_refused(tmp_path: Path, start: int, stop: int):
     places = [Place(range(5), 64, 48), Place(range(5), 64, 48)]
-    made = compare(make_dataset(places=places))
+    made = result_of(make_dataset(places=places))
     with pytest.raises(ParameterError, match="expected frames of the recording, rows 0 to 5"):
         write_video(made, {}, 0, start, stop, tmp_path / "out.mp4", fps=20)
     assert write_video(made, {}, 1, 5, 7, tmp_path / "out.mp4", fps=20)

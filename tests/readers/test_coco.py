@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from nvcore.errors import FormatError
-from nvcore.readers import coco
+from nvcore.readers import coco as reader
 from nvcore.readers.base import Reading, ReadOptions, SourceFile
 from nvcore.schema import NO_TRACK
 
@@ -14,7 +14,7 @@ DATA = Path(__file__).parent.parent / "data" / "coco"
 
 
 def read_golden(name: str, **options: object) -> Reading:
-    return coco.read([SourceFile(DATA / name, name)], ReadOptions(**options))
+    return reader.read([SourceFile(DATA / name, name)], ReadOptions(**options))
 
 
 @pytest.fixture
@@ -23,7 +23,7 @@ def read_document(tmp_path: Path):
         path = tmp_path / "truth.json"
         text = document if isinstance(document, str) else json.dumps(document)
         path.write_text(text, encoding="utf-8")
-        return coco.read([SourceFile(path, name)], ReadOptions(**options))
+        return reader.read([SourceFile(path, name)], ReadOptions(**options))
 
     return read_one
 
@@ -252,7 +252,7 @@ def test_one_frame_in_two_files_is_an_error(tmp_path):
     with pytest.raises(
         FormatError, match=r"second.json: frame 5 of recording 'a' is in an earlier"
     ):
-        coco.read([SourceFile(path, "first.json"), SourceFile(path, "second.json")], ReadOptions())
+        reader.read([SourceFile(path, "first.json"), SourceFile(path, "second.json")], ReadOptions())
 
 
 def test_equal_ids_in_two_files_are_kept_apart(tmp_path):
@@ -262,7 +262,7 @@ def test_equal_ids_in_two_files_are_kept_apart(tmp_path):
         images = [{"id": 1, "file_name": f"{name}/I5.png"}]
         path.write_text(json.dumps(document(images, [annotation()])), encoding="utf-8")
         sources.append(SourceFile(path, path.name))
-    boxes = coco.read(sources, ReadOptions()).boxes
+    boxes = reader.read(sources, ReadOptions()).boxes
     assert boxes["recording"].tolist() == ["a", "b"]
     assert boxes["file"].tolist() == [0, 1]
 
@@ -355,17 +355,17 @@ def test_no_annotations_give_an_empty_table_and_all_frames(read_document):
 def test_truth_is_recognised_and_results_are_not():
     truth = (DATA / "kaist.json").read_text(encoding="utf-8")
     results = (DATA / "results.json").read_text(encoding="utf-8")
-    assert coco.recognise("a.json", truth, "truth")
-    assert not coco.recognise("a.json", truth, "detections")
-    assert not coco.recognise("a.json", results, "truth")
-    assert not coco.recognise("a.json", '{"openlabel": {}}', "truth")
-    assert not coco.recognise("a.txt", "1,2,3,4,5,6,1", "truth")
+    assert reader.recognise("a.json", truth, "truth")
+    assert not reader.recognise("a.json", truth, "detections")
+    assert not reader.recognise("a.json", results, "truth")
+    assert not reader.recognise("a.json", '{"openlabel": {}}', "truth")
+    assert not reader.recognise("a.txt", "1,2,3,4,5,6,1", "truth")
 
 
 @pytest.mark.realdata
 def test_kaist_test_set_is_read_whole(realdata):
     name = "kaist/KAIST_annotation.json"
-    reading = coco.read([SourceFile(realdata / name, name)], ReadOptions())
+    reading = reader.read([SourceFile(realdata / name, name)], ReadOptions())
     assert len(reading.images) == 2252
     assert len(reading.boxes) == 4254
     assert int(reading.boxes["ignore"].sum()) == 775 + 54 + 35

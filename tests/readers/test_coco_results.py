@@ -8,8 +8,9 @@ import pandas as pd
 import pytest
 
 from nvcore.errors import FormatError, MissingFactError
-from nvcore.readers import coco, coco_result_columns, coco_results
+from nvcore.readers import coco_result_columns, coco_results
 from nvcore.readers.base import Reading, ReadOptions, SourceFile
+from nvcore.readers.coco import read as read_truth
 
 DATA = Path(__file__).parent.parent / "data" / "coco"
 IMAGES = pd.DataFrame({"recording": ["a", "a", "b"], "frame": [5, 25, 5], "image_id": [0, 1, 2]})
@@ -32,7 +33,7 @@ def read_results(tmp_path: Path):
 
 
 def test_results_take_recording_and_frame_from_the_truths_images():
-    truth = coco.read([SourceFile(DATA / "kaist.json", "kaist.json")], ReadOptions())
+    truth = read_truth([SourceFile(DATA / "kaist.json", "kaist.json")], ReadOptions())
     reading = coco_results.read(
         [SourceFile(DATA / "results.json", "results.json")],
         ReadOptions(role="detections", images=truth.images),
@@ -45,7 +46,7 @@ def test_results_take_recording_and_frame_from_the_truths_images():
 
 
 def test_flir_results_take_the_frame_from_the_picture():
-    truth = coco.read([SourceFile(DATA / "flir.json", "flir.json")], ReadOptions())
+    truth = read_truth([SourceFile(DATA / "flir.json", "flir.json")], ReadOptions())
     for images in (truth.images, None):
         reading = coco_results.read(
             [SourceFile(DATA / "flir_results.json", "flir_results.json")],

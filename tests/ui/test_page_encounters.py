@@ -67,8 +67,8 @@ def test_all_encounters_of_the_sample_are_listed():
 
 
 def test_every_figure_of_the_encounters_is_in_the_table():
-    table = listed(opened())
-    assert {"lag_s_y", "gap_s_x", "tail_s_x", "peak_k", "aspect_z", "occluded_share"} <= {*table}
+    rows = listed(opened())
+    assert {"lag_s_y", "gap_s_x", "tail_s_x", "peak_k", "aspect_z", "occluded_share"} <= {*rows}
 
 
 @pytest.mark.parametrize("way", [{"handed": "x_only"}, {"category": "x_only"}])
@@ -96,9 +96,9 @@ def test_encounters_can_be_chosen_by_miss_class_and_recording():
     page = opened()
     widget(page, "multiselect", "Miss class of Y").set_value(["late"])
     widget(page, "multiselect", "Recording").set_value(["urban_crossing"])
-    table = listed(checked(page.run()))
-    assert set(table["miss_class_y"]) == {"late"}
-    assert set(table["recording"]) == {"urban_crossing"}
+    rows = listed(checked(page.run()))
+    assert set(rows["miss_class_y"]) == {"late"}
+    assert set(rows["recording"]) == {"urban_crossing"}
 
 
 def test_filters_are_cleared_at_once():

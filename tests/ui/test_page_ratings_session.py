@@ -36,9 +36,9 @@ def test_a_rating_session_has_an_address_for_each_side(store: RatingStore):
     page = opened()
     checked(page.slider(key="threshold_x").set_value(0.7).run())
     study = begun(page, store, "odd_pose", "rural_child", whose="NIR")
-    links = [one.value for one in page.code]
-    assert links[0].endswith(f"?study={study.token}")
-    assert links[1].endswith(f"?conduct={study.conductor}")
+    addresses = [one.value for one in page.code]
+    assert addresses[0].endswith(f"?study={study.token}")
+    assert addresses[1].endswith(f"?conduct={study.conductor}")
     assert study.clips == (("rural_child", "NIR"), ("odd_pose", "NIR"))
     assert study.thresholds == {"FIR": 0.7, "NIR": 0.5}
     assert metrics(page)["ratings so far"] == "0"

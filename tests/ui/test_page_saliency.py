@@ -60,9 +60,9 @@ def test_a_click_on_a_recording_leaves_its_events_only():
 def test_the_first_row_of_every_listed_event_is_known():
     page = opened()
     result = page.session_state["workspace"].result
-    events, first_row = saliency_events._events(result, 3, "y")
+    shown_events, first_row = saliency_events._events(result, 3, "y")
     frames = result.dataset.frames.iloc[first_row]
-    assert frames["frame"].tolist() == events["first_frame"].tolist()
+    assert frames["frame"].tolist() == shown_events["first_frame"].tolist()
     assert set(frames["recording"]) == {3}
 
 

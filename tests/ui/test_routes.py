@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 import pytest
 from asgi import ask, put
-from builders import at, compare, make_dataset
+from builders import at, make_dataset, result_of
 
 from nvcore.box_states import pack_boxes
 from nvcore.errors import MediaError
@@ -39,7 +39,7 @@ def space(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Workspace:
     monkeypatch.setenv("NVCORE_UPLOAD_DIR", str(tmp_path))
     space = Workspace()
     space.dataset = make_dataset(truth=[at(3, 50)], x=[at(3, 50)], n_frames=N_ROWS)
-    space.compared = Compared(compare(space.dataset), "v1")
+    space.compared = Compared(result_of(space.dataset), "v1")
     space.pictures = {0: Grey()}
     space.picture_rows = {0: np.array([-1, 0, 1, 2])}
     return space
@@ -111,7 +111,7 @@ def test_the_token_of_an_ended_session_finds_nothing(
 def test_one_session_does_not_get_anothers_boxes(space: Workspace):
     other = Workspace()
     other.dataset = make_dataset(truth=[at(0, 10)], n_frames=1)
-    other.compared = Compared(compare(other.dataset), "v1")
+    other.compared = Compared(result_of(other.dataset), "v1")
     mine, theirs = (ask(f"{address(one)}/boxes/0/0").body for one in (space, other))
     assert theirs == pack_boxes(other.result, 0, 1)
     assert mine != theirs
