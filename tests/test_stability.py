@@ -246,7 +246,7 @@ def test_a_cancelled_map_stops_between_steps(
     n_threads: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     stop, is_let_go, started = Event(), Event(), []
-    original = nvcore.stability.score_setting
+    from nvcore.stability import score_setting as original
 
     def score(*arguments: Any) -> Any:
         started.append(arguments[2])
@@ -258,7 +258,7 @@ def test_a_cancelled_map_stops_between_steps(
         if done == 2:
             stop.set()
 
-    monkeypatch.setattr(nvcore.stability, "score_setting", score)
+    monkeypatch.setattr("nvcore.stability.score_setting", score)
     pool = ThreadPoolExecutor(n_threads) if n_threads else None
     with pytest.raises(CancelledError):
         map_stability(
@@ -284,7 +284,7 @@ def test_an_error_of_a_step_ends_the_map(monkeypatch: pytest.MonkeyPatch) -> Non
     def broken(*arguments: Any) -> Any:
         raise ValueError("broken step")
 
-    monkeypatch.setattr(nvcore.stability, "score_setting", broken)
+    monkeypatch.setattr("nvcore.stability.score_setting", broken)
     with ThreadPoolExecutor(2) as pool, pytest.raises(ValueError, match="broken step"):
         map_stability(tied(), "edge-weight", executor=pool)
 

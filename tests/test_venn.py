@@ -121,7 +121,9 @@ def test_very_many_encounters_do_not_overflow_phi() -> None:
 
 def test_boxes_are_counted_by_who_matched_them_and_ignored_ones_not() -> None:
     truth = [at(0, c, track=c) for c in (10, 30, 50, 70)] + [at(0, 90, ignore=True)]
-    result = result_of(make_dataset(truth, [at(0, 10), at(0, 30), at(0, 90)], [at(0, 10), at(0, 50)]))
+    result = result_of(
+        make_dataset(truth, [at(0, 10), at(0, 30), at(0, 90)], [at(0, 10), at(0, 50)])
+    )
     boxes = result.boxes
     assert (boxes.both, boxes.x_only, boxes.y_only, boxes.neither) == (1, 1, 1, 1)
 

@@ -235,8 +235,8 @@ def test_kaists_truth_comes_back(realdata: Path, tmp_path, format_name):
     reading = read_coco([SourceFile(realdata / name, name)], ReadOptions())
     path = tmp_path / "copy"
     write(reading, format_name, path, role="truth")
-    reader = plain_csv if format_name == "csv" else coco
-    back = reader.read([SourceFile(path, "copy")], ReadOptions())
+    read = plain_csv.read if format_name == "csv" else read_coco
+    back = read([SourceFile(path, "copy")], ReadOptions())
     pd.testing.assert_frame_equal(
         without_origin(back.boxes), without_origin(reading.boxes), check_exact=True
     )

@@ -252,7 +252,9 @@ def test_one_frame_in_two_files_is_an_error(tmp_path):
     with pytest.raises(
         FormatError, match=r"second.json: frame 5 of recording 'a' is in an earlier"
     ):
-        reader.read([SourceFile(path, "first.json"), SourceFile(path, "second.json")], ReadOptions())
+        reader.read(
+            [SourceFile(path, "first.json"), SourceFile(path, "second.json")], ReadOptions()
+        )
 
 
 def test_equal_ids_in_two_files_are_kept_apart(tmp_path):
