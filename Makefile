@@ -19,7 +19,7 @@ run: $(LIBRARY)
 # The browser tests run by themselves: they look at what is painted in time.
 test: $(DEVELOP) chromium lint
 	$(BIN)/coverage erase
-	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q --cov --cov-report= --cov-fail-under=0 tests/test_kernels.py tests/test_link_kernel.py
+	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q --cov --cov-report= --cov-fail-under=0 tests/metrics/test_kernels.py tests/metrics/test_link_kernel.py
 	$(BIN)/python -m pytest -q -n auto --dist loadfile --cov --cov-append --cov-report= --cov-fail-under=0 --ignore=tests/e2e
 	$(BIN)/python -m pytest -q --cov --cov-append tests/e2e
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import streamlit as st
 
-from ui.routes import ROUTES
-from ui.trouble import show_trouble
+from ui.session.routes import ROUTES
+from ui.shell.messages import error_banner
 
-app = st.App(Path(__file__).parent / "ui" / "main.py", routes=ROUTES, on_script_error=show_trouble)
+app = st.App(Path(__file__).parent / "ui" / "main.py", routes=ROUTES, on_script_error=error_banner)

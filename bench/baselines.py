@@ -22,7 +22,7 @@ from scipy.spatial.distance import directed_hausdorff
 from bench.measure import measure, report, versions
 from bench.ours import to_dataset
 from bench.sets import HEIGHT, WIDTH, Boxes, BoxSet, load_set
-from nvcore.analysis import Result, analyse
+from nvcore.comparison import Result, compare
 from nvcore.params import MIDPOINT_SHARE, SPREAD_SHARE, Params
 
 Figures = list[dict[str, np.ndarray]]
@@ -140,7 +140,7 @@ def main() -> None:
     baseline, of_ours = BASELINES[given.name]
     boxes = load_set(given.set)
     figures, seconds, peak_mb = measure(lambda: baseline(boxes), given.repeat)
-    expected = of_ours(analyse(to_dataset(boxes)))
+    expected = of_ours(compare(to_dataset(boxes)))
     off = 0.0
     for theirs, ours in zip(figures, expected, strict=True):
         for name, values in ours.items():

@@ -33,9 +33,9 @@ Work = Callable[[], Figures]
 
 
 def _nvcore(folder: Path) -> Work:
-    from nvcore.analysis import analyse
-    from nvcore.loading import load
-    from nvcore.session import Session, Source, SystemSource
+    from nvcore.comparison import compare
+    from nvcore.inputs.load import load
+    from nvcore.inputs.session import Session, Source, SystemSource
 
     session = Session(
         folder,
@@ -44,7 +44,7 @@ def _nvcore(folder: Path) -> Work:
     )
 
     def work() -> Figures:
-        result = analyse(load(session))
+        result = compare(load(session))
         return [
             {
                 "matched": int(system.matched.sum()),

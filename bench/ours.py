@@ -16,7 +16,7 @@ import pandas as pd
 
 from bench.measure import measure, repeat, report, versions
 from bench.sets import COLUMNS, FPS, HEIGHT, WIDTH, BoxSet, load_set, make_set
-from nvcore.analysis import Result, analyse
+from nvcore.comparison import Result, compare
 from nvcore.dataset import Dataset, dataset_from_tables
 from nvcore.params import Params
 
@@ -67,14 +67,14 @@ def main() -> None:
     parser.add_argument("--repeat", type=int, default=5)
     given = parser.parse_args()
     warm = to_dataset(make_set(1_000))
-    analyse(warm, previous=analyse(warm))
+    compare(warm, previous=compare(warm))
     dataset = to_dataset(load_set(given.set))
     dataset.frame_columns, dataset.truth  # noqa: B018  columns of the input, made once
-    base, analyse_s, peak_mb = measure(lambda: analyse(dataset), given.repeat)
+    base, analyse_s, peak_mb = measure(lambda: compare(dataset), given.repeat)
     seconds = {"analyse": analyse_s}
     for name, params in CHANGES.items():
         seconds[f"change of {name}"] = repeat(
-            lambda i, params=params: analyse(dataset, params(i), previous=base), given.repeat
+            lambda i, params=params: compare(dataset, params(i), previous=base), given.repeat
         )
     report(
         seconds=seconds,

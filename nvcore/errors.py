@@ -17,22 +17,6 @@ from __future__ import annotations
 from pathlib import Path
 
 
-def one_line(text: str) -> str:
-    r"""The text as one harmless line: what a terminal would act on is shown as an escape.
-
-    Names of files, recordings and systems come from others; none of them may move the cursor,
-    set a colour or begin a line of its own.
-
-    Examples
-    --------
-    >>> one_line("V000\x1b[31m")
-    'V000\\x1b[31m'
-    """
-    return "".join(
-        sign if sign.isprintable() else sign.encode("unicode_escape").decode() for sign in text
-    )
-
-
 class NvcoreError(Exception):
     """Base of all errors that a user can mend."""
 

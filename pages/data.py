@@ -2,12 +2,12 @@
 
 import streamlit as st
 
-from ui import data_compare, data_findings, data_inputs, data_open
-from ui.data_opening import draw_outcome
+from ui.data import choose, compare, findings, inputs
+from ui.data.opening import draw_outcome
 
 st.title("Data")
 for draw in (
-    draw_outcome, data_findings.draw, data_inputs.draw, data_open.draw, data_compare.draw,
+    draw_outcome, findings.draw, inputs.draw, choose.draw, compare.draw,
 ):  # fmt: skip
     with st.container():  # one place each: an upload goes on when there is more or less above it
         draw()

@@ -2,10 +2,10 @@
 
 import streamlit as st
 
-from ui import detection_curves, detection_protocol, state
-from ui.caution import draw_caution
-from ui.empty import one_system_only
-from ui.text import docs_link
+from ui.detection import curves, protocol
+from ui.session import state
+from ui.shell.messages import draw_caution, one_system_only
+from ui.widgets.text import docs_link
 
 st.title("Detection")
 result = state.result()
@@ -18,5 +18,5 @@ else:
         f"({docs_link('Detection curves', 'detection-curves', doc='detection')})."
     )
     draw_caution(result, is_of_encounters=False)
-    chosen = detection_protocol.choose(result.dataset)
-    detection_curves.draw(result, chosen)
+    chosen = protocol.choose(result.dataset)
+    curves.draw(result, chosen)

@@ -2,20 +2,20 @@
 
 import streamlit as st
 
-from nvcore.tables import encounters_table
-from ui import encounters_figures, encounters_filters, encounters_list, state
-from ui.caution import draw_caution
-from ui.empty import one_system_only
-from ui.text import docs_link
+from nvcore.tables.result import encounters_table
+from ui.encounters import figures, filters, table
+from ui.session import state
+from ui.shell.messages import draw_caution, one_system_only
+from ui.widgets.text import docs_link
 
 
 @st.fragment
 def draw_filtered() -> None:
     """What the filters choose; a filter draws nothing but this again."""
     result = state.result()
-    kept = encounters_filters.draw(encounters_table(result))
-    encounters_list.draw(result, kept)
-    encounters_figures.draw_classes(result, kept)
+    kept = filters.draw(encounters_table(result))
+    table.draw(result, kept)
+    figures.draw_classes(result, kept)
 
 
 st.title("Encounters")
@@ -33,5 +33,5 @@ else:
     )
     draw_caution(result)
     draw_filtered()
-    encounters_figures.draw_exclusivity(result)
-    encounters_figures.draw_fusion(result)
+    figures.draw_exclusivity(result)
+    figures.draw_fusion(result)

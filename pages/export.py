@@ -2,17 +2,18 @@
 
 import streamlit as st
 
-from ui import export_frame, export_html, export_link, export_report, export_video, state
-from ui.empty import one_system_only
+from ui.export import frame, html, link, report, video
+from ui.session import state
+from ui.shell.messages import one_system_only
 
 st.title("Export")
 result = state.result()
 if result is None:
     one_system_only()
 else:
-    export_report.draw(result)
-    export_html.draw(result)
-    export_link.draw()
-    if export_frame.choose_frame(result):
-        export_frame.draw(result)
-        export_video.draw(result)
+    report.draw(result)
+    html.draw(result)
+    link.draw()
+    if frame.choose_frame(result):
+        frame.draw(result)
+        video.draw(result)

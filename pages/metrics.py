@@ -1,5 +1,5 @@
 """Metrics: what every figure means, what the report's files hold, which formats are read."""
 
-from ui import docs
+from ui.documentation import page
 
-docs.draw()
+page.draw()

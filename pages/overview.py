@@ -2,9 +2,10 @@
 
 import streamlit as st
 
-from ui import overview_evidence, overview_moments, overview_scorecard, overview_venn, state
-from ui.empty import one_system_only
-from ui.evidence import evidence
+from ui.overview import evidence, moments, scorecard, venn
+from ui.session import state
+from ui.session.evidence import measure_evidence
+from ui.shell.messages import one_system_only
 
 st.title("Overview")
 result = state.result()
@@ -14,12 +15,12 @@ else:
     verdict = st.container()  # filled last: it waits for the audit
     left, right = st.columns([1.15, 1], gap="large")
     with left:
-        overview_scorecard.scorecard(result)
+        scorecard.scorecard(result)
     with right:
-        overview_venn.draw(result)
-    overview_moments.draw(result)
-    overview_scorecard.by_recording(result)
-    found = evidence()
-    overview_evidence.draw(result, found)
+        venn.draw(result)
+    moments.draw(result)
+    scorecard.by_recording(result)
+    found = measure_evidence()
+    evidence.draw(result, found)
     with verdict:
-        overview_scorecard.verdict_box(result, state.findings(), found)
+        scorecard.verdict_box(result, state.findings(), found)

@@ -2,15 +2,16 @@
 
 import streamlit as st
 
-from ui import ratings_conduct, ratings_links, ratings_participant, ratings_results, state
-from ui.empty import one_system_only
-from ui.text import docs_link
+from ui.ratings import conduct, links, participant, results
+from ui.session import state
+from ui.shell.messages import one_system_only
+from ui.widgets.text import docs_link
 
-if ratings_links.is_participant():
-    ratings_participant.draw()
+if links.is_participant():
+    participant.draw()
 elif (result := state.result()) is None:
     st.title("Ratings")
-    ratings_participant.draw_waiting()
+    participant.draw_waiting()
     one_system_only()
 else:
     st.title("Ratings")
@@ -19,8 +20,8 @@ else:
         "it would be to drive with. Saliency claims to say the same without asking anybody; here "
         f"the two are compared ({docs_link('Ratings', 'ratings', doc='ratings')})."
     )
-    ratings_participant.draw_waiting()
-    if ratings_conduct.choose_part() == ratings_conduct.RESULTS:
-        ratings_results.draw(result)
+    participant.draw_waiting()
+    if conduct.choose_part() == conduct.RESULTS:
+        results.draw(result)
     else:
-        ratings_conduct.draw(result)
+        conduct.draw(result)

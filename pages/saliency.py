@@ -2,22 +2,22 @@
 
 import streamlit as st
 
-from ui import saliency_events, saliency_figures, state
-from ui.caution import draw_caution
-from ui.empty import one_system_only
-from ui.text import docs_link
+from ui.saliency import events, figures
+from ui.session import state
+from ui.shell.messages import draw_caution, one_system_only
+from ui.widgets.text import docs_link
 
 
 @st.fragment
 def draw_events() -> None:
     """X against Y, then the events of the chosen recording; a choice draws nothing but this."""
-    saliency_events.open_asked()
+    events.open_asked()
     result = state.result()
-    saliency_figures.draw_recordings(result)
+    figures.draw_recordings(result)
     st.header("Events")
-    recording = saliency_events.choose_recording()
-    saliency_figures.draw_events(result, recording)
-    saliency_events.draw_table(result, recording)
+    recording = events.choose_recording()
+    figures.draw_events(result, recording)
+    events.draw_table(result, recording)
 
 
 st.title("Saliency")
@@ -33,5 +33,5 @@ else:
         "pedestrians can be the most salient, with the little weight they have."
     )
     draw_caution(result)
-    saliency_figures.draw_numbers(result)
+    figures.draw_numbers(result)
     draw_events()

@@ -2,10 +2,10 @@
 
 import streamlit as st
 
-from ui import stability_map, stability_survey, state
-from ui.caution import draw_caution
-from ui.empty import one_system_only
-from ui.text import docs_link
+from ui.session import state
+from ui.shell.messages import draw_caution, one_system_only
+from ui.stability import survey, verdict_map
+from ui.widgets.text import docs_link
 
 st.title("Stability")
 result = state.result()
@@ -20,6 +20,6 @@ else:
     )
     draw_caution(result)
     above = st.container()  # filled last: the map is there sooner
-    stability_map.draw(result)
+    verdict_map.draw(result)
     with above:
-        stability_survey.draw(result)
+        survey.draw(result)

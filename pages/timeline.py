@@ -2,8 +2,9 @@
 
 import streamlit as st
 
-from ui import state, timeline_plots, timeline_viewer
-from ui.empty import one_system_only
+from ui.session import state
+from ui.shell.messages import one_system_only
+from ui.timeline import plots, viewer
 
 st.title("Timeline")
 result = state.result()
@@ -12,5 +13,5 @@ if result is None:
 elif len(result.dataset.frames) == 0:
     st.info("There is no evaluated frame. Check the frame list on the Data page.")
 else:
-    timeline_viewer.recording_choice()
-    timeline_plots.draw_all(result)
+    viewer.recording_choice()
+    plots.draw_all(result)

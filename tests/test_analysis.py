@@ -9,10 +9,10 @@ import pytest
 from builders import Place, at, make_dataset, result_of
 from scenes import draw_scene
 
-from nvcore import kernels
-from nvcore.analysis import Result, analyse
+from nvcore.comparison import Result, compare
 from nvcore.dataset import Dataset, dataset_from_tables
 from nvcore.errors import InputError, ParameterError
+from nvcore.metrics import kernels
 from nvcore.params import Params
 
 CHANGES: dict[str, Any] = {
@@ -91,15 +91,15 @@ def test_every_parameter_is_changed_by_these_tests() -> None:
 def test_a_previous_result_changes_no_figure(busy: Dataset, name: str) -> None:
     before = Params(**BASE.get(name, {}))
     after = dataclasses.replace(before, **{name: CHANGES[name]})
-    previous = analyse(busy, before)
-    assert not differing(analyse(busy, after, previous=previous), analyse(busy, after))
+    previous = compare(busy, before)
+    assert not differing(compare(busy, after, previous=previous), compare(busy, after))
 
 
 @pytest.mark.parametrize("name", CHANGES)
 def test_every_parameter_has_an_effect(busy: Dataset, name: str) -> None:
     before = Params(**BASE.get(name, {}))
     after = dataclasses.replace(before, **{name: CHANGES[name]})
-    assert differing(analyse(busy, before), analyse(busy, after))
+    assert differing(compare(busy, before), compare(busy, after))
 
 
 EFFECTS = {
@@ -120,19 +120,19 @@ EFFECTS = {
 def test_a_parameter_changes_what_it_should_and_nothing_else(busy: Dataset, name: str) -> None:
     before = Params(**BASE.get(name, {}))
     after = dataclasses.replace(before, **{name: CHANGES[name]})
-    changed = differing(analyse(busy, before), analyse(busy, after))
+    changed = differing(compare(busy, before), compare(busy, after))
     assert changed == {f"{letter} {figure}" for letter in "xy" for figure in EFFECTS[name]}
 
 
 @pytest.mark.parametrize(("name", "other"), [("threshold_x", "y"), ("threshold_y", "x")])
 def test_a_threshold_changes_its_own_system_alone(busy: Dataset, name: str, other: str) -> None:
-    changed = differing(analyse(busy), analyse(busy, Params(**{name: 0.5})))
+    changed = differing(compare(busy), compare(busy, Params(**{name: 0.5})))
     assert "n_det" in {figure.partition(" ")[2] for figure in changed}
     assert not {figure for figure in changed if figure.startswith(f"{other} ")}
 
 
 def test_coverage_moves_encounters_between_categories_only(busy: Dataset) -> None:
-    changed = differing(analyse(busy), analyse(busy, Params(coverage=0.9)))
+    changed = differing(compare(busy), compare(busy, Params(coverage=0.9)))
     assert changed == {"venn", "exclusivity", "category", "x encounters", "y encounters"}
 
 
@@ -140,17 +140,17 @@ def test_coverage_moves_encounters_between_categories_only(busy: Dataset) -> Non
 def test_figures_do_not_depend_on_the_number_of_threads(
     busy: Dataset, pieces: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    whole = analyse(busy)
+    whole = compare(busy)
     monkeypatch.setattr(kernels, "MIN_PER_THREAD", 1)
     monkeypatch.setattr(kernels.os, "cpu_count", lambda: pieces)
-    assert not differing(analyse(busy), whole)
+    assert not differing(compare(busy), whole)
 
 
 def test_stages_whose_settings_are_the_same_are_taken_from_the_previous_result(
     busy: Dataset,
 ) -> None:
-    previous = analyse(busy)
-    result = analyse(busy, Params(alpha=0.5), previous=previous)
+    previous = compare(busy)
+    result = compare(busy, Params(alpha=0.5), previous=previous)
     assert result.x.matches is previous.x.matches
     assert result.x.events is previous.x.events
     assert result.encounters is previous.encounters
@@ -158,19 +158,19 @@ def test_stages_whose_settings_are_the_same_are_taken_from_the_previous_result(
 
 def test_a_previous_result_of_another_dataset_is_not_used() -> None:
     one, other = make_dataset([at(0, 50, track=1)]), make_dataset([at(0, 20, track=1)])
-    result = analyse(other, previous=analyse(one))
+    result = compare(other, previous=compare(one))
     assert result.x.distances.d_miss[0] == pytest.approx(20)
 
 
 def test_exchanged_systems_with_a_previous_result_are_exchanged(busy: Dataset) -> None:
-    previous = analyse(busy)
-    result = analyse(busy, x="y", y="x", previous=previous)
-    assert not differing(result, analyse(busy, x="y", y="x"))
+    previous = compare(busy)
+    result = compare(busy, x="y", y="x", previous=previous)
+    assert not differing(result, compare(busy, x="y", y="x"))
     assert (result.venn.x_only, result.venn.y_only) == (previous.venn.y_only, previous.venn.x_only)
 
 
 def test_a_system_against_itself_has_no_encounter_alone(busy: Dataset) -> None:
-    result = analyse(busy, x="x", y="x")
+    result = compare(busy, x="x", y="x")
     assert result.venn.x_only == result.venn.y_only == 0
     assert result.exclusivity.mcnemar_p == 1
 
@@ -180,7 +180,7 @@ def test_one_system_against_itself_with_two_thresholds_is_a_comparison() -> None
     dataset = make_dataset(truth, [at(0, 20, score=0.9), at(0, 70, score=0.4)])
     result = result_of(dataset, threshold_x=0.3, threshold_y=0.5)
     assert result.y.n_det.tolist() == [0]
-    itself = analyse(dataset, Params(threshold_x=0.3, threshold_y=0.5), x="x", y="x")
+    itself = compare(dataset, Params(threshold_x=0.3, threshold_y=0.5), x="x", y="x")
     assert (itself.venn.both, itself.venn.x_only) == (1, 1)
 
 
@@ -235,25 +235,25 @@ def one_system() -> Dataset:
 
 def test_a_comparison_needs_two_systems() -> None:
     with pytest.raises(InputError, match=r"needs two systems; there is 1 \(only\)"):
-        analyse(one_system())
+        compare(one_system())
 
 
 def test_a_single_system_may_be_compared_with_itself_by_name() -> None:
-    assert analyse(one_system(), Params(proximity="none"), x="only", y="only").venn.both == 1
+    assert compare(one_system(), Params(proximity="none"), x="only", y="only").venn.both == 1
 
 
 def test_an_unknown_system_is_refused() -> None:
     with pytest.raises(InputError, match="there is no system 'z'; there are x, y"):
-        analyse(make_dataset(n_frames=1), y="z")
+        compare(make_dataset(n_frames=1), y="z")
 
 
 def test_an_error_in_one_system_reaches_the_caller() -> None:
     with pytest.raises(ParameterError, match="needs the row of the horizon"):
-        analyse(make_dataset(x=[at(0, 50)]), Params(proximity="horizon"))
+        compare(make_dataset(x=[at(0, 50)]), Params(proximity="horizon"))
 
 
 def test_the_dataset_is_not_changed(busy: Dataset) -> None:
     before = [table.copy() for table in (busy.recordings, busy.frames, busy.boxes)]
-    analyse(busy, Params(**{**CHANGES, "proximity": "horizon"})).fusion  # noqa: B018
+    compare(busy, Params(**{**CHANGES, "proximity": "horizon"})).fusion  # noqa: B018
     for table, copy in zip((busy.recordings, busy.frames, busy.boxes), before, strict=True):
         pd.testing.assert_frame_equal(table, copy)

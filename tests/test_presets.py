@@ -6,8 +6,7 @@ from dataclasses import asdict
 
 import pytest
 
-from nvcore.params import Params
-from nvcore.presets import PRESETS
+from nvcore.params import PRESETS, Params
 
 
 @pytest.mark.parametrize("preset", PRESETS, ids=lambda preset: preset.name)

@@ -11,10 +11,9 @@ import pandas as pd
 import pytest
 from builders import Box, Place, make_dataset
 
-from nvcore.curves import detection_curve
 from nvcore.dataset import Dataset
-from nvcore.errors import InputError, ParameterError
-from nvcore.filtered_truth import (
+from nvcore.detection.curves import detection_curve
+from nvcore.detection.filtered_truth import (
     ASPECT,
     BORDER,
     FLAGGED,
@@ -24,6 +23,7 @@ from nvcore.filtered_truth import (
     has_tags,
     known_tags,
 )
+from nvcore.errors import InputError, ParameterError
 from nvcore.params import Params
 from nvcore.protocols import OWN, PROTOCOLS, Protocol, protocol_from
 

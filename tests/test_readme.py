@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
 
 from click.testing import CliRunner
+from places import ROOT
 
 from nvcore.cli import main
-
-ROOT = Path(__file__).resolve().parent.parent
 
 
 def test_the_scorecard_in_the_readme_is_that_of_the_sample_recordings() -> None:

@@ -5,10 +5,11 @@ from __future__ import annotations
 import streamlit as st
 
 from nvcore.errors import NvcoreError
-from ui import live_params, ratings_links, reload, sidebar, state
-from ui.navigate import PAGES, follow_wish
-from ui.public import shown_error
-from ui.trouble import show_trouble
+from ui.ratings import links
+from ui.session import state
+from ui.shell import live_params, reload, sidebar
+from ui.shell.messages import error_banner, shown_error
+from ui.shell.navigate import PAGES, follow_wish
 
 st.set_page_config(
     page_title="nvcore", page_icon=str(state.ROOT / "ui" / "assets" / "icon.svg"), layout="wide",
@@ -30,7 +31,7 @@ page = st.navigation(
         st.Page(PAGES / "export.py", title="Export", icon=":material/download:"),
         st.Page(PAGES / "metrics.py", title="Metrics", icon=":material/menu_book:"),
     ],
-    position="hidden" if ratings_links.is_participant() else "top",
+    position="hidden" if links.is_participant() else "top",
 )
 
 wrong_params = None
@@ -38,7 +39,7 @@ try:
     follow_wish()
     state.begin_run()
     wrong_params = live_params.read()
-    if ratings_links.is_participant():
+    if links.is_participant():
         live_params.keep_all_hidden()
     elif page.url_path != "metrics":  # its address may name a section, which writing would drop
         state.write_address()
@@ -48,8 +49,8 @@ try:
 except NvcoreError as error:
     st.error(shown_error(error), icon=":material/error:")
 except Exception as error:  # noqa: BLE001  # the sidebar is drawn, or its widgets lose their values
-    show_trouble(error)
-if wrong_params is not None and not ratings_links.is_participant():  # something is open
+    error_banner(error)
+if wrong_params is not None and not links.is_participant():  # something is open
     sidebar.draw(wrong_params)
     with st.sidebar:
         reload.draw()

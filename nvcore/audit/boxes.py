@@ -9,7 +9,7 @@ import pandas as pd
 
 from nvcore.audit.cases import Audited, counted
 from nvcore.findings import Finding, Severity
-from nvcore.kernels import group_rows
+from nvcore.metrics.kernels import group_rows
 from nvcore.schema import NO_TRACK
 
 REUSE_S: Final = 5.0

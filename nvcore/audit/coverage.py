@@ -15,7 +15,7 @@ from nvcore.audit.cases import (
 )
 from nvcore.dataset import Dataset, offsets_of
 from nvcore.findings import Finding, Severity
-from nvcore.frame_lists import nth
+from nvcore.inputs.evaluated_frames import nth
 
 MIN_REGULAR: Final = 10
 """Frames with boxes from which on a regular step between them is no chance."""

@@ -10,8 +10,9 @@ from typing import Any, Final, Literal
 import numpy as np
 import plotly.graph_objects as go
 
-from nvcore.curve_summary import CurveSummary
-from nvcore.curves import DetectionCurve
+from nvcore.detection.curve_summary import CurveSummary
+from nvcore.detection.curves import DetectionCurve
+from nvcore.detection.miss_rate import FPPI_REFERENCES
 from nvcore.figures.rate_axis import LogScale, decades, log_scale
 from nvcore.figures.style import (
     DASH,
@@ -19,14 +20,13 @@ from nvcore.figures.style import (
     SYMBOL,
     axis,
     click_markers,
-    count_text,
     empty_figure,
     layout,
     steady_marker,
     system_label,
 )
-from nvcore.miss_rate import FPPI_REFERENCES
 from nvcore.palette import Theme
+from nvcore.wording import count_text
 
 CurveKind = Literal["miss_rate", "precision_recall", "roc", "roc_windows", "f1"]
 
@@ -124,13 +124,13 @@ def curve_plot(
     Parameters
     ----------
     curves
-        Of X and Y (`nvcore.curves.detection_curve`).
+        Of X and Y (`nvcore.detection.curves.detection_curve`).
     thresholds
         Thresholds in use of X and Y; None: every detection counts.
     summaries
         What the legend says behind the names (`legend_figure`).
     windows_per_image
-        For false positives per window (`nvcore.windows`).
+        For false positives per window (`nvcore.detection.windows`).
     hint
         Last part of the subtitle.
     """

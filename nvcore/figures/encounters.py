@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 import pandas as pd
@@ -13,7 +13,6 @@ from nvcore.figures.style import (
     LEGEND,
     LOOK,
     axis,
-    count_text,
     empty_figure,
     faded,
     layout,
@@ -23,6 +22,58 @@ from nvcore.figures.style import (
 )
 from nvcore.palette import Theme
 from nvcore.schema import MISS_CLASS_TEXT, Category, MissClass
+from nvcore.wording import count_text
+
+LABELS: Final = {"x": "X", "y": "Y", "x_or_y": "X or Y", "x_and_y": "X and Y"}
+SYMBOLS: Final = {"x": "circle", "y": "diamond", "x_or_y": "star", "x_and_y": "square"}
+
+
+def fusion_plot(fusion: pd.DataFrame, *, theme: Theme) -> go.Figure:
+    """Four points: up is more encounters detected, left is fewer false alerts.
+
+    Parameters
+    ----------
+    fusion
+        `nvcore.tables.miss_classes.fusion_table`.
+    """
+    n_encounters = int(fusion["encounters"].max()) if len(fusion) else 0
+    known = fusion[fusion["episodes_per_hour"].notna()]
+    if not n_encounters or known.empty:
+        return empty_figure("There is no encounter that counts.", theme=theme)
+    look = LOOK[theme]
+    colour = {"x": look.x, "y": look.y, "x_or_y": look.ink, "x_and_y": look.muted}
+    rows: list[Any] = list(known.itertuples(index=False))
+    traces = [
+        go.Scatter(
+            x=[row.episodes_per_hour], y=[row.encounters_detected], mode="markers+text",
+            text=[LABELS[row.system]], textposition="middle right", cliponaxis=False,
+            textfont={"size": 13, "color": colour[row.system]},
+            marker={"size": 14, "symbol": SYMBOLS[row.system], "color": colour[row.system]},
+            hovertext=[
+                f"{LABELS[row.system]}: {plain(row.name)}<br>{row.encounters_detected} of "
+                f"{n_encounters} encounters<br>{row.episodes_per_hour:.1f} false-alert episodes "
+                "per hour"
+            ],
+            hovertemplate="%{hovertext}<extra></extra>", name=LABELS[row.system],
+        )
+        for row in rows
+    ]  # fmt: skip
+    most = float(known["episodes_per_hour"].max())
+    return go.Figure(
+        traces,
+        layout(
+            theme,
+            title="What using both would gain and cost",
+            subtitle=f"{n_encounters:,} encounters that count; best is top left",
+            hoverdistance=24,
+            showlegend=False,
+            xaxis=axis(theme, "false-alert episodes per hour", fixedrange=True,
+                       range=[-0.05 * most, 1.2 * most or 1.0]),
+            yaxis=axis(theme, "encounters detected", range=[0, 1.08 * n_encounters],
+                       fixedrange=True),
+        ),
+    )  # fmt: skip
+
 
 CLASS_WORDS: Final = {
     MissClass.NEVER: "never",
@@ -58,7 +109,7 @@ def miss_classes_plot(
     Parameters
     ----------
     encounters
-        `nvcore.tables.encounters_table`, or rows of it.
+        `nvcore.tables.result.encounters_table`, or rows of it.
     names
         Names of X and Y.
     """
@@ -122,7 +173,7 @@ def lead_time_plot(encounters: pd.DataFrame, *, theme: Theme) -> go.Figure:
     Parameters
     ----------
     encounters
-        `nvcore.tables.encounters_table`, or rows of it.
+        `nvcore.tables.result.encounters_table`, or rows of it.
     """
     lead_s = encounters["lead_time_s"].to_numpy(dtype=float)
     lead_s = lead_s[np.isfinite(lead_s)]
@@ -174,7 +225,7 @@ def position_map(encounters: pd.DataFrame, *, theme: Theme) -> go.Figure:
     Parameters
     ----------
     encounters
-        `nvcore.tables.encounters_table`, or rows of it with its index.
+        `nvcore.tables.result.encounters_table`, or rows of it with its index.
     """
     if encounters.empty:
         return empty_figure(NONE_LEFT, theme=theme)

@@ -10,9 +10,10 @@ import numpy as np
 import pandas as pd
 import plotly.graph_objects as go
 
-from nvcore.figures.style import LOOK, axis, count_text, empty_figure, layout, plain
+from nvcore.evidence.subgroups import ALL
+from nvcore.figures.style import LOOK, axis, empty_figure, layout, plain
 from nvcore.palette import Theme
-from nvcore.subgroups import ALL
+from nvcore.wording import count_text
 
 ROW_PX: Final = 30
 MOST_GROUPS: Final = 40
@@ -50,7 +51,7 @@ def subgroup_forest(subgroups: pd.DataFrame, *, theme: Theme) -> go.Figure:
     Parameters
     ----------
     subgroups
-        `nvcore.subgroup_figures.subgroup_table` of one figure.
+        `nvcore.evidence.subgroup_table.subgroup_table` of one figure.
     """
     is_defined = np.isfinite(subgroups["difference"].to_numpy(dtype=float))
     table = subgroups[is_defined].head(MOST_GROUPS)

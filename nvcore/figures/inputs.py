@@ -9,18 +9,11 @@ import pandas as pd
 import plotly.graph_objects as go
 
 from nvcore.dataset import Dataset
-from nvcore.figures.style import (
-    LOOK,
-    axis,
-    count_text,
-    empty_figure,
-    faded,
-    layout,
-    system_label,
-)
+from nvcore.figures.style import LOOK, axis, empty_figure, faded, layout, system_label
+from nvcore.metrics.proximity import sigmoid
 from nvcore.palette import Theme
 from nvcore.params import MIDPOINT_SHARE, SPREAD_SHARE, Params
-from nvcore.proximity import sigmoid
+from nvcore.wording import count_text
 
 SMALL_PX: Final = 180
 """Height of the figure in the sidebar."""
@@ -39,7 +32,7 @@ def score_plot(
     Parameters
     ----------
     histogram
-        `nvcore.operating_point.score_histogram`.
+        `nvcore.detection.operating_point.score_histogram`.
     letter
         "x" or "y".
     """
@@ -90,7 +83,7 @@ def false_alarm_plot(
     Parameters
     ----------
     curve
-        `nvcore.operating_point.false_alarm_curve`.
+        `nvcore.detection.operating_point.false_alarm_curve`.
     letter
         "x" or "y".
     """

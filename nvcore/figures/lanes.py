@@ -8,21 +8,20 @@ import numpy as np
 import pandas as pd
 import plotly.graph_objects as go
 
-from nvcore.analysis import Result
+from nvcore.comparison import Result
 from nvcore.figures.style import (
     LOOK,
     axis,
     click_markers,
-    count_text,
     empty_figure,
     faded,
     layout,
     plain,
     system_label,
 )
-from nvcore.lanes import lanes_table
 from nvcore.palette import Theme
-from nvcore.tables import sides
+from nvcore.tables.lanes import lanes_table
+from nvcore.wording import count_text
 
 MAX_LANES: Final = 200
 """Encounters drawn: those that are missed longest."""
@@ -83,7 +82,7 @@ def lanes_figure(
     time_s = result.dataset.frames["time_s"].to_numpy()
     end = float(time_s[stop - 1] + result.dataset.frames["step_s"].to_numpy()[stop - 1])
     tracks = result.encounters.track[encounters]
-    labels = [system_label(letter, system.name) for letter, system in sides(result)]
+    labels = [system_label(letter, system.name) for letter, system in result.sides]
     figure = go.Figure(
         [*traces, _clicks(result, runs, n_lanes)],
         layout(

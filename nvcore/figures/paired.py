@@ -13,7 +13,6 @@ from nvcore.figures.style import (
     SYMBOL,
     axis,
     click_markers,
-    count_text,
     empty_figure,
     layout,
     plain,
@@ -21,6 +20,25 @@ from nvcore.figures.style import (
     system_label,
 )
 from nvcore.palette import Theme
+from nvcore.wording import count_text
+
+
+def recordings_plot(recordings: pd.DataFrame, names: tuple[str, str], *, theme: Theme) -> go.Figure:
+    """Mean similarity per recording as paired points; `customdata` is the recording's row.
+
+    Parameters
+    ----------
+    recordings
+        `nvcore.tables.result.recordings_table`.
+    names
+        Names of X and Y.
+    """
+    return paired_points(
+        recordings, "mean_similarity", names, theme=theme, title="Similarity by recording",
+        axis_title="mean similarity (1 = perfect)", higher_is_better=True,
+        least_range=(0.5, 1.0),
+    )  # fmt: skip
+
 
 MAX_RECORDINGS: Final = 40
 """Recordings drawn: those with the largest differences."""
@@ -47,7 +65,7 @@ def paired_points(
     Parameters
     ----------
     recordings
-        `nvcore.tables.recordings_table`, or rows of it with the same index.
+        `nvcore.tables.result.recordings_table`, or rows of it with the same index.
     column
         Name of the figure without the system, such as "mean_similarity".
     least_range

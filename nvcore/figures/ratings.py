@@ -13,7 +13,6 @@ from nvcore.figures.style import (
     LOOK,
     SYMBOL,
     axis,
-    count_text,
     empty_figure,
     layout,
     plain,
@@ -21,8 +20,9 @@ from nvcore.figures.style import (
     system_label,
 )
 from nvcore.palette import Theme
-from nvcore.ratings.agreement import Agreement
-from nvcore.ratings.validation import Correlation
+from nvcore.studies.ratings.agreement import Agreement
+from nvcore.studies.ratings.validation import Correlation
+from nvcore.wording import count_text
 
 MOST_CLIPS: Final = 2_000
 MOST_PARTICIPANTS: Final = 60
@@ -41,9 +41,9 @@ def rating_plot(
     Parameters
     ----------
     clips
-        Of `nvcore.ratings.validation.join_clips`.
+        Of `nvcore.studies.ratings.validation.join_clips`.
     correlations
-        Of `nvcore.ratings.validation.correlate`; the first defined one is told.
+        Of `nvcore.studies.ratings.validation.correlate`; the first defined one is told.
     names
         Names of X and Y.
     """

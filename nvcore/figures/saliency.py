@@ -8,13 +8,12 @@ import numpy as np
 import pandas as pd
 import plotly.graph_objects as go
 
-from nvcore.analysis import Result
+from nvcore.comparison import Result
 from nvcore.figures.paired import paired_points
 from nvcore.figures.style import (
     LOOK,
     SYMBOL,
     axis,
-    count_text,
     empty_figure,
     faded,
     layout,
@@ -22,9 +21,9 @@ from nvcore.figures.style import (
     steady_marker,
     system_label,
 )
+from nvcore.metrics.saliency import recency_weight
 from nvcore.palette import Theme
-from nvcore.saliency import recency_weight
-from nvcore.tables import sides
+from nvcore.wording import count_text
 
 MAX_EVENTS: Final = 1000
 """Events of each system on the curve, the most salient first."""
@@ -38,7 +37,7 @@ NO_EVENTS: Final = "No saliency events: no pedestrian is missed by more than the
 
 def _events(result: Result, letter: str, recording: int | None, most: int) -> pd.DataFrame:
     """Events of one system, the most salient first, with a text for each."""
-    system = dict(sides(result))[letter]
+    system = dict(result.sides)[letter]
     events = system.events
     if recording is not None:
         events = events[events["recording"].to_numpy() == recording]
@@ -76,7 +75,7 @@ def recency_plot(result: Result, *, theme: Theme, recording: int | None = None) 
         )
     ]  # fmt: skip
     said = []
-    for letter, system in sides(result):
+    for letter, system in result.sides:
         events = _events(result, letter, recording, MAX_EVENTS)
         said.append(f"{letter.upper()} {count_text(len(events), 'event')}")
         area = events["duration_s"].to_numpy()
@@ -127,7 +126,7 @@ def parts_plot(
     look = LOOK[theme]
     traces: list[go.Bar] = []
     labels: list[str] = []
-    for letter, system in sides(result):
+    for letter, system in result.sides:
         events = _events(result, letter, recording, n)
         place = len(labels) + np.arange(len(events), dtype=float)
         labels += [
@@ -177,7 +176,7 @@ def saliency_by_recording(
     Parameters
     ----------
     recordings
-        `nvcore.tables.recordings_table`.
+        `nvcore.tables.result.recordings_table`.
     names
         Names of X and Y.
     """

@@ -10,20 +10,12 @@ import numpy as np
 import plotly.graph_objects as go
 from scipy.ndimage import binary_dilation, binary_erosion, distance_transform_edt
 
-from nvcore.figures.style import (
-    LOOK,
-    axis,
-    click_markers,
-    count_text,
-    empty_figure,
-    faded,
-    layout,
-)
+from nvcore.figures.style import LOOK, axis, click_markers, empty_figure, faded, layout
 from nvcore.palette import Theme
-from nvcore.stability import StabilityMap
-from nvcore.stability_axes import Axis
-from nvcore.stability_turns import outer
-from nvcore.stability_words import (
+from nvcore.stability.axes import Axis
+from nvcore.stability.map import StabilityMap
+from nvcore.stability.turns import outer
+from nvcore.stability.words import (
     CRITERIA,
     QUANTITY,
     UNDEFINED,
@@ -31,6 +23,7 @@ from nvcore.stability_words import (
     share_text,
     winner_text,
 )
+from nvcore.wording import count_text
 
 MAP_PX: Final = 460
 LINE_PX: Final = 320

@@ -84,11 +84,6 @@ def plain(text: object, *, max_length: int = MAX_NAME) -> str:
     return shown
 
 
-def count_text(n: int, noun: str) -> str:
-    """A count with its noun: "1 frame", "3,000 frames"."""
-    return f"{n:,} {noun}{'' if n == 1 else 's'}"
-
-
 def system_label(letter: str, name: str) -> str:
     """How a system is called in legends: "X: FIR", as plain text."""
     return f"{letter.upper()}: {plain(name)}" if name else letter.upper()

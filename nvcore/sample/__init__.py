@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from nvcore.sample.ratings import RATINGS_FILE, ratings_text, simulate_ratings
+from nvcore.sample.ratings import ratings_text, simulate_ratings
 from nvcore.sample.recordings import all_recordings
 from nvcore.sample.render import pictures
 from nvcore.sample.scene import Recording
@@ -28,6 +28,7 @@ from nvcore.sample.writing import (
     session_text,
     write_video,
 )
+from nvcore.studies.ratings.reading import RATINGS_FILE
 
 __all__ = ["all_recordings", "generate", "tables"]
 

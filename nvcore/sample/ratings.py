@@ -9,12 +9,11 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
-from nvcore.analysis import analyse
-from nvcore.loading import effective_params, load
-from nvcore.ratings.validation import clip_saliency
-from nvcore.session_file import read_session
+from nvcore.comparison import compare
+from nvcore.inputs.load import effective_params, load
+from nvcore.inputs.session_toml import read_session
+from nvcore.studies.ratings.validation import clip_saliency
 
-RATINGS_FILE: Final = "ratings_simulated.csv"
 N_PARTICIPANTS: Final = 16
 LOW: Final = 1
 HIGH: Final = 7
@@ -44,7 +43,7 @@ def simulate_ratings(session_file: Path) -> pd.DataFrame:
     """
     session = read_session(session_file)
     dataset = load(session)
-    result = analyse(dataset, replace(effective_params(session, dataset), **HABIT))
+    result = compare(dataset, replace(effective_params(session, dataset), **HABIT))
     clips = clip_saliency(result)
     annoyance = np.log1p(clips["saliency_s"].to_numpy())
     annoyance = (annoyance - annoyance.mean()) / annoyance.std()

@@ -3,7 +3,7 @@ from __future__ import annotations
 from audit_comparison import N, codes, dataset, find, truth_walk, walk
 from builders import Box, Place
 
-from nvcore.analysis import analyse
+from nvcore.comparison import compare
 from nvcore.findings import Severity
 
 
@@ -32,7 +32,7 @@ def test_a_recording_without_pedestrians_is_a_note() -> None:
     finding = find(made, "recording-without-pedestrians")
     assert (finding.severity, finding.count) == (Severity.NOTE, 1)
     assert finding.message.endswith(": r1.")
-    assert analyse(made).x.false_alarms.sum() == N
+    assert compare(made).x.false_alarms.sum() == N
 
 
 def test_a_recording_with_truth_and_without_detections_is_a_warning() -> None:
@@ -107,7 +107,7 @@ def test_silence_of_a_system_that_rarely_detects_is_no_finding() -> None:
 def test_all_figures_stand_on_the_same_pedestrians_for_both_systems() -> None:
     # peers.md 37: another tool counts the ground truth differently per model
     made = dataset(x=walk(step=3))
-    result = analyse(made)
+    result = compare(made)
     boxes = result.boxes
     assert boxes.both + boxes.x_only + boxes.y_only + boxes.neither == N
     assert find(made, "detections-every-nth-frame").count == 1

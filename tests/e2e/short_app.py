@@ -5,9 +5,9 @@ from pathlib import Path
 
 import streamlit as st
 
-from ui import state
-from ui.routes import ROUTES
-from ui.trouble import show_trouble
+from ui.session import state
+from ui.session.routes import ROUTES
+from ui.shell.messages import error_banner
 
 state.SAMPLE = Path(os.environ["NVCORE_TEST_SESSION"])
-app = st.App(state.ROOT / "ui" / "main.py", routes=ROUTES, on_script_error=show_trouble)
+app = st.App(state.ROOT / "ui" / "main.py", routes=ROUTES, on_script_error=error_banner)

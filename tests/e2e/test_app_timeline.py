@@ -8,10 +8,10 @@ import pytest
 from app_server import ROOT
 from playwright.sync_api import Locator, expect
 
-from nvcore.analysis import analyse
-from nvcore.loading import compared_systems, effective_params, load
-from nvcore.moments import next_misses
-from nvcore.session_file import read_session
+from nvcore.comparison import compare
+from nvcore.inputs.load import compared_systems, effective_params, load
+from nvcore.inputs.session_toml import read_session
+from nvcore.tables.moments import next_misses
 
 LINK = "timeline?alpha=0.4&recording=rural_child&frame=57"
 RECORDING = 4  # rural_child is the fifth of the sample
@@ -46,7 +46,7 @@ def misses() -> list[int]:
     session = read_session(ROOT / "sample_data" / "session.toml")
     dataset = load(session)
     x, y = compared_systems(session, dataset)
-    result = analyse(dataset, effective_params(session, dataset), x=x, y=y)
+    result = compare(dataset, effective_params(session, dataset), x=x, y=y)
     return [int(row) for row in next_misses(result, RECORDING)]
 
 

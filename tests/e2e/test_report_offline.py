@@ -10,9 +10,9 @@ import pytest
 from inputs import drive, session_of
 from playwright.sync_api import Browser, Page, expect
 
-from nvcore.analysis import analyse
-from nvcore.html_report import write_html_report
-from nvcore.loading import load
+from nvcore.comparison import compare
+from nvcore.inputs.load import load
+from nvcore.report.html import write_html_report
 
 HOSTILE = "</script><img src=x onerror=document.title=1>{{ 7*7 }}$x^2$"
 PATIENCE_MS = 30_000
@@ -27,7 +27,7 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
         path.write_text(path.read_text().replace("urban", HOSTILE))
     session = session_of(folder)
     dataset = replace(load(session), systems=(HOSTILE, "nir"))
-    write_html_report(analyse(dataset), session, (), folder / "report.html")
+    write_html_report(compare(dataset), session, (), folder / "report.html")
     return folder / "report.html"
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, Page
 
-from ui.viewer import FOLDER
+from ui.widgets.viewer import FOLDER
 
 TRUTH, X, Y = 0, 1, 2
 RELEVANT, MATCHED_X, MATCHED_Y = 8, 2, 4

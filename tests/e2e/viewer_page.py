@@ -6,7 +6,7 @@ import numpy as np
 import streamlit as st
 import viewer_scene as scene
 
-from ui.viewer import viewer
+from ui.widgets.viewer import viewer
 
 RECORDINGS = ["video", "boxes only", "sampled", "long", "slow", "ended", "empty"]
 

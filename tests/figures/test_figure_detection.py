@@ -10,7 +10,7 @@ import pytest
 from curve_scenes import curve_of
 from figure_parts import trace, words
 
-from nvcore.curve_summary import summarise_curve
+from nvcore.detection.curve_summary import summarise_curve
 from nvcore.figures.detection import MAX_POINTS, CurveKind, curve_plot, legend_figure
 
 X = curve_of([1, 2, 3], [0, 10, 100], n_truth=4)
@@ -207,7 +207,9 @@ def test_what_stands_at_a_point_is_the_curve_s_there() -> None:
 
 def test_a_curve_of_many_points_costs_no_array_for_each(monkeypatch: pytest.MonkeyPatch) -> None:
     made = []
-    monkeypatch.setattr("nvcore.curves._ratio", lambda part, whole: made.append(1) or part / whole)
+    monkeypatch.setattr(
+        "nvcore.detection.curves._ratio", lambda part, whole: made.append(1) or part / whole
+    )
     n = np.arange(1, 501)
     curve_plot((curve_of(n, n, n_truth=500),), (None,), "precision_recall", theme="light")
     assert len(made) < 10

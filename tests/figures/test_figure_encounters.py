@@ -9,9 +9,14 @@ from figure_parts import trace, words
 
 from nvcore.figures import encounters as module
 from nvcore.figures import paired
-from nvcore.figures.encounters import lead_bins, lead_time_plot, miss_classes_plot, position_map
-from nvcore.figures.fusion import fusion_plot
-from nvcore.figures.recordings import recordings_plot
+from nvcore.figures.encounters import (
+    fusion_plot,
+    lead_bins,
+    lead_time_plot,
+    miss_classes_plot,
+    position_map,
+)
+from nvcore.figures.paired import recordings_plot
 from nvcore.figures.saliency import saliency_by_recording
 from nvcore.figures.style import LOOK
 

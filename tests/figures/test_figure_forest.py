@@ -7,9 +7,9 @@ import pytest
 from builders import Place, at, make_dataset, result_of
 from figure_parts import trace, words
 
+from nvcore.evidence.subgroup_table import FIGURES, subgroup_table
 from nvcore.figures.forest import subgroup_forest
 from nvcore.figures.style import LOOK
-from nvcore.subgroup_figures import FIGURES, subgroup_table
 
 
 def table(figure: str = "encounters_detected"):

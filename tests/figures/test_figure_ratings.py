@@ -7,8 +7,8 @@ import pandas as pd
 from figure_parts import trace, words
 
 from nvcore.figures.ratings import participants_plot, rating_plot
-from nvcore.ratings.agreement import Agreement
-from nvcore.ratings.validation import correlate
+from nvcore.studies.ratings.agreement import Agreement
+from nvcore.studies.ratings.validation import correlate
 
 
 def clips(n: int = 12) -> pd.DataFrame:

@@ -6,7 +6,7 @@ import pytest
 from builders import Place, at, make_dataset, result_of
 from figure_parts import trace, words
 
-from nvcore.analysis import Result
+from nvcore.comparison import Result
 from nvcore.figures.saliency import parts_plot, recency_plot
 
 

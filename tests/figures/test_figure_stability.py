@@ -10,17 +10,17 @@ from builders import Place, at, make_dataset, result_of
 from figure_parts import shape, trace, words
 from scenes import draw_scene
 
-from nvcore.analysis import analyse
+from nvcore.comparison import compare
 from nvcore.figures.stability import stability_map
 from nvcore.palette import X_COLOUR, Y_COLOUR
 from nvcore.params import Params
-from nvcore.stability import StabilityMap, map_stability
+from nvcore.stability.map import StabilityMap, map_stability
 
 
 @pytest.fixture(scope="module")
 def found() -> StabilityMap:
     """A map on which either system is better somewhere."""
-    result = analyse(draw_scene(44).dataset(), Params(midpoint=40.0))
+    result = compare(draw_scene(44).dataset(), Params(midpoint=40.0))
     return map_stability(result, "alpha-midpoint", "similarity", n_points=9)
 
 
@@ -120,7 +120,7 @@ def test_axes_end_with_their_cells_and_have_the_settings_names(found: StabilityM
 
 
 def test_the_colours_say_for_whom_more_is_better() -> None:
-    result = analyse(draw_scene(44).dataset(), Params())
+    result = compare(draw_scene(44).dataset(), Params())
     for criterion in ("similarity", "encounters", "saliency"):
         found = map_stability(result, "alpha-midpoint", criterion, n_points=5)
         heat = trace(stability_map(found, theme="light"), "difference")
@@ -174,7 +174,7 @@ def test_one_setting_is_a_curve_filled_on_the_winners_side() -> None:
 def test_settings_of_each_recordings_own_are_a_line_between_the_ends() -> None:
     places = [Place([0], height=100), Place([0], height=300)]
     truth = [at(0, 50, recording=0), at(0, 50, recording=1)]
-    result = analyse(make_dataset(truth, truth, [], places=places), Params())
+    result = compare(make_dataset(truth, truth, [], places=places), Params())
     found = map_stability(result, "alpha-midpoint", "similarity", n_points=5)
     marker = trace(stability_map(found, theme="light"), "as analysed")
     assert (marker.x, marker.y, marker.mode) == ((0.9, 0.9), (10, 30), "markers+lines")

@@ -7,8 +7,9 @@ import plotly.graph_objects as go
 import pytest
 from figure_parts import words
 
-from nvcore.figures.series import decimate, evenly
-from nvcore.figures.style import LOOK, count_text, empty_figure, faded, layout, plain
+from nvcore.figures.style import LOOK, empty_figure, faded, layout, plain
+from nvcore.figures.time_plot import decimate, evenly
+from nvcore.wording import count_text
 
 
 @pytest.mark.parametrize(

@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 from figure_parts import shape, trace, words
 
-from nvcore.figures.venn import venn_figure
-from nvcore.figures.venn_circles import overlap_area, place_circles
-from nvcore.venn import Venn
+from nvcore.figures.venn import overlap_area, place_circles, venn_figure
+from nvcore.metrics.venn import Venn
 
 NAMES = ("FIR", "NIR")
 

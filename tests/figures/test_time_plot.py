@@ -9,8 +9,8 @@ import pytest
 from builders import Place, at, make_dataset, result_of
 from figure_parts import shape, trace, words
 
-from nvcore.analysis import Result
-from nvcore.figures import time_marks
+from nvcore.comparison import Result
+from nvcore.figures import time_plot
 from nvcore.figures.time_plot import similarity_plot
 
 
@@ -52,7 +52,7 @@ def test_only_the_worst_intervals_are_drawn_and_the_number_of_all_is_said(
     truth = [at(i, 50, track=3) for i in range(9)]
     y = [at(i, 50) for i in (0, 2, 5, 8)]  # missed: 1; 3, 4; 6, 7
     result = result_of(make_dataset(truth, truth, y))
-    monkeypatch.setattr(time_marks, "MAX_INTERVALS", 2)
+    monkeypatch.setattr(time_plot, "MAX_INTERVALS", 2)
     figure = similarity_plot(result, 0, theme="light")
     area = trace(figure, "Y, low similarity")
     assert np.count_nonzero(np.isnan(area.x)) == 2

@@ -9,12 +9,14 @@ import av
 import numpy as np
 import pandas as pd
 import pytest
+from places import ROOT
 
 from nvcore import sample
-from nvcore.sample.ratings import RATINGS_FILE, ratings_text, simulate_ratings
+from nvcore.sample.ratings import ratings_text, simulate_ratings
 from nvcore.sample.writing import csv_text, readme_text, session_text
+from nvcore.studies.ratings.reading import RATINGS_FILE
 
-FOLDER = Path(__file__).resolve().parents[2] / "sample_data"
+FOLDER = ROOT / "sample_data"
 NAMES = [recording.name for recording in sample.all_recordings()]
 TABLES = ["truth.csv", "fir.csv", "nir.csv"]
 

@@ -5,36 +5,16 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from places import ROOT
 from streamlit.testing.v1 import AppTest
 
-from ui import state
+from pages import FRAMES, rows, write
+from ui.session import state
 
-ROOT = Path(__file__).resolve().parents[2]
 PAGES = [
     *("data", "overview", "timeline", "encounters", "saliency", "detection", "stability"),
     *("ratings", "export", "metrics"),
 ]
-HEAD = "recording,frame,x,y,w,h,track,score\n"
-FRAMES = range(30)
-
-
-def rows(x: int, *, track: int = 1, score: str = "0.9", recording: str = "night") -> str:
-    return "".join(
-        f"{recording},{frame},{x + frame},200,40,120,{track},{score}\n" for frame in FRAMES
-    )
-
-
-def write(folder: Path, systems: dict[str, str], *, frames: str = "0:29", truth: str = "") -> Path:
-    """A session with one recording without pictures."""
-    (folder / "truth.csv").write_text(HEAD.replace(",score", "") + truth.replace(",0.9", ""))
-    text = f'[defaults]\nsize = "640x480"\nfps = 10\nframes = "{frames}"\n'
-    text += '[truth]\npath = "truth.csv"\n'
-    for name, content in systems.items():
-        (folder / f"{name}.csv").write_text(HEAD.replace("track,", "") + content)
-        text += f'[[system]]\nname = "{name}"\npath = "{name}.csv"\n'
-    session = folder / "session.toml"
-    session.write_text(text)
-    return session
 
 
 def detections(x: int) -> str:

@@ -1,0 +1,159 @@
+"""Whether X and Y are compared at like operating points when no threshold is given."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from nvcore.audit.cases import TRUTH_NAME, Audited, counted
+from nvcore.dataset import Dataset
+from nvcore.detection.operating_point import threshold_for
+from nvcore.findings import Finding, Severity
+from nvcore.inputs.evaluated_frames import nth
+from nvcore.metrics.encounters import find_encounters, mostly_one_frame
+from nvcore.metrics.linking import track_truth
+from nvcore.metrics.matching import Matches
+from nvcore.metrics.proximity import weigh_proximity
+from nvcore.params import Params
+
+MIN_ENCOUNTERS: Final = 10
+"""Fewer near encounters than this say little."""
+RELEVANT: Final = 0.5
+"""Proximity weight from which on a pedestrian is near."""
+
+
+def audit_encounter_lengths(dataset: Dataset, params: Params) -> list[Finding]:
+    """Most near encounters are a single evaluated frame long.
+
+    Notes
+    -----
+    Proximity by a horizon that is not known cannot be judged: nothing is reported.
+    """
+    truth, frames = dataset.truth, dataset.frame_columns
+    if params.proximity == "horizon" and params.horizon is None and np.isnan(frames.horizon).any():
+        return []
+    tracks = track_truth(truth, frames)
+    occlusion = dataset.boxes["occlusion"].to_numpy()[: len(truth)]
+    encounters = find_encounters(truth, tracks.track, occlusion, frames)
+    k = weigh_proximity(truth, ~truth.ignore, frames, params).k
+    near = np.unique(encounters.encounter_of[~truth.ignore & (k >= RELEVANT)])
+    n_frames = encounters.n_frames[near]
+    if len(near) < MIN_ENCOUNTERS or not mostly_one_frame(n_frames):
+        return []
+    n_short = int(np.count_nonzero(n_frames == 1))
+    reasons = []
+    step = int(np.median(frames.gap))
+    if step > 1:
+        reasons.append(f"every {nth(step)} frame is evaluated")
+    if len(tracks.linked_recordings):
+        reasons.append("pedestrians without track ids were linked over the frames")
+    why = f" ({'; '.join(reasons)})" if reasons else ""
+    return [
+        Finding(
+            Severity.WARNING, "short-encounters", TRUTH_NAME, n_short,
+            f"{n_short:,} of {len(near):,} near encounters are one evaluated frame long{why}.",
+            "Saliency, lag, gap, lead time, dropout and rates per hour mean little here, and "
+            "McNemar's test counts frames rather than persons. Give ground truth with track ids in "
+            "every frame, or read the figures per frame only.",
+        )
+    ]  # fmt: skip
+
+
+SHARE_APART: Final = 0.5
+"""Difference of the shares without distance from which on two sources are weighted unlike."""
+
+
+def audit_weighting(truth: Audited, x: Audited, y: Audited, params: Params) -> list[Finding]:
+    """X, Y and truth weighted by different rules, because one of them lacks distances.
+
+    Only with proximity by distance. A box without a distance is weighted by its height, so that a
+    false alarm of one system may weigh more than the same one of the other.
+    """
+    if params.proximity != "distance":
+        return []
+    without = [(one, np.flatnonzero(np.isnan(one.boxes.distance_m))) for one in (truth, x, y)]
+    shares = [len(rows) / len(one.boxes) if len(one.boxes) else np.nan for one, rows in without]
+    least = np.nanmin(shares, initial=1.0)
+    return [
+        one.finding(
+            Severity.WARNING,
+            "mixed-weighting",
+            rows,
+            f"{share:.0%} of the boxes have no distance and are weighted by their height, the "
+            f"others by metres; of the truth, X and Y the least is {least:.0%}.",
+            "Compare with --proximity height, which all boxes have, or give the distances.",
+        )
+        for (one, rows), share in zip(without, shares, strict=True)
+        if share - least >= SHARE_APART
+    ]
+
+
+MIN_DETECTIONS: Final = 50
+"""The lowest of fewer scores says little."""
+FLOOR_DIFFERENCE: Final = 0.05
+"""Difference of the lowest scores, both on a scale from 0 to 1, that is worth telling."""
+MAX_RATIO: Final = 3.0
+"""Ratio of the detections per frame that is worth telling on any scale."""
+
+
+def audit_operating_points(
+    x: Audited, y: Audited, matches: tuple[Matches, Matches], params: Params
+) -> list[Finding]:
+    """Scores that reach down to different values, or far more detections of one system.
+
+    Only where both systems have scores and neither has a threshold.
+
+    Parameters
+    ----------
+    matches
+        Of X and Y, without thresholds.
+    """
+    scores = x.boxes.score, y.boxes.score
+    if params.threshold_x is not None or params.threshold_y is not None:
+        return []
+    if min(map(len, scores)) < MIN_DETECTIONS or any(np.isnan(one).any() for one in scores):
+        return []
+    floors = [float(one.min()) for one in scores]
+    per_frame = [len(one) / len(x.dataset.frames) for one in scores]
+    is_unit = all(one.min() >= 0 and one.max() <= 1 for one in scores)
+    is_apart = is_unit and abs(floors[0] - floors[1]) >= FLOOR_DIFFERENCE
+    if not is_apart and max(per_frame) <= MAX_RATIO * min(per_frame):
+        return []
+    alarms = [
+        np.sort(one[match.is_false_alarm])[::-1] for one, match in zip(scores, matches, strict=True)
+    ]
+    more = 0 if len(alarms[0]) >= len(alarms[1]) else 1
+    told = (x, y)
+    what = ", ".join(
+        f"{one.name} {'has scores ' if i == 0 else ''}down to {floors[i]:.3f} "
+        f"({per_frame[i]:.1f} detections per frame)"
+        for i, one in enumerate(told)
+    )
+    return [
+        Finding(
+            severity=Severity.WARNING,
+            code="score-floors",
+            subject=told[more].name,
+            count=len(told[more].boxes),
+            message=f"{what}: without thresholds the comparison is at two different operating "
+            "points.",
+            advice="Give --threshold-x and --threshold-y."
+            + _proposal(alarms[more], len(alarms[1 - more]), more, x, y),
+        )
+    ]
+
+
+def _proposal(alarms: np.ndarray, n_wanted: int, more: int, x: Audited, y: Audited) -> str:
+    """The threshold that leaves one system as many false alarms as the other has; or nothing."""
+    threshold = threshold_for(alarms, n_wanted)
+    if threshold is None:
+        return ""
+    n_left = int(np.count_nonzero(alarms >= threshold))
+    one, other = ((x, y), (y, x))[more]
+    n_frames = len(x.dataset.frames)
+    return (
+        f" For example, --threshold-{'xy'[more]} {threshold:g} alone leaves {one.name} "
+        f"{n_left / n_frames:.2g} false alarms per frame; {other.name} has "
+        f"{n_wanted / n_frames:.2g} ({counted(n_wanted, 'false alarm')} in all)."
+    )

@@ -1,0 +1,245 @@
+"""The command line: parse, load, audit, analyse, report."""
+
+from __future__ import annotations
+
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from nvcore import __version__
+from nvcore.cli.convert import convert
+from nvcore.cli.gate import gate
+from nvcore.cli.options import (
+    OUTPUT,
+    GroupedCommand,
+    findings_at_paths,
+    grouped_option,
+    input_options,
+    parameter_options,
+    pasteable_errors,
+    protocol_option,
+    session_from,
+    sources_of,
+)
+from nvcore.cli.report import report
+from nvcore.cli.steps import exit_on_findings, files_read, refuse_to_replace
+from nvcore.errors import InputError, NvcoreError
+from nvcore.inputs.session import Session
+from nvcore.params import MATCHING
+from nvcore.tables.columns import REPORT_COLUMNS
+from nvcore.wording import one_line
+
+if TYPE_CHECKING:
+    from nvcore.dataset import Dataset
+
+# The commands import what they need: `nvcore --help` need not wait for numpy, pandas and numba.
+
+EXIT_BAD_INPUT = 2
+MAX_CONVERSION = 160
+"""Letters of a conversion's text that `compare` shows: some two lines with the path."""
+
+
+class _BadInput(click.ClickException):
+    exit_code = EXIT_BAD_INPUT
+
+
+class _Group(click.Group):
+    """Shows errors that a user can mend without a traceback, with exit code 2."""
+
+    def invoke(self, ctx: click.Context) -> Any:
+        try:
+            return super().invoke(ctx)
+        except NvcoreError as error:
+            raise _BadInput(one_line(str(error))) from error
+
+
+class _Steps:
+    """Progress on the terminal, shown once the work has taken a second."""
+
+    PATIENCE_S = 1.0
+
+    def __init__(self, n_steps: int):
+        self.n_steps = n_steps
+        self.done = 0
+        self.started = time.monotonic()
+        self.bar: Any = None
+
+    def __enter__(self) -> _Steps:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self.bar is not None:
+            self.bar.finish()
+            self.bar.__exit__(None, None, None)
+
+    def __call__(self, label: str) -> None:
+        is_late = time.monotonic() - self.started > self.PATIENCE_S
+        if self.bar is None and is_late and sys.stderr.isatty():
+            self.bar = click.progressbar(length=self.n_steps, file=sys.stderr, width=24)
+            self.bar.__enter__()
+            self.bar.update(self.done)
+        if self.bar is not None:
+            self.bar.label = one_line(label).ljust(28)
+            self.bar.update(1)
+        self.done += 1
+
+
+@click.group(
+    cls=_Group,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+)
+@click.version_option(__version__, prog_name="nvcore")
+def main() -> None:
+    """Compare two pedestrian-detection systems by what the driver notices."""
+
+
+@main.command(cls=GroupedCommand)
+@input_options
+@grouped_option(
+    OUTPUT,
+    "--out",
+    type=click.Path(file_okay=False, path_type=Path),
+    metavar="DIR",
+    help="Write the CSV tables, summary.json and session.toml into this folder.",
+)
+@grouped_option(
+    OUTPUT, "--json", "as_json", is_flag=True, help="Print summary.json, not the scorecard."
+)
+@grouped_option(
+    OUTPUT, "--strict", is_flag=True, help="Warnings of the audit give exit code 1, too."
+)
+@protocol_option
+@parameter_options
+def compare(out: Path | None, as_json: bool, strict: bool, **options: Any) -> None:
+    """Compare systems X and Y against the ground truth.
+
+    Inputs come from SESSION_FILE (TOML) or from --truth, --x and --y. The audit of the inputs is
+    printed first. Exit code 0: fine, 1: the audit found errors (with --strict: or warnings), 2: bad
+    input.
+    """
+    from nvcore.audit import audit
+    from nvcore.comparison import compare
+    from nvcore.inputs.files import paths_to_show
+    from nvcore.inputs.load import compared_systems, effective_params, load
+    from nvcore.report.files import summary_json, write_report
+    from nvcore.report.terminal import render_findings, render_inputs, render_scorecard
+
+    session = session_from(options, needs_y=True)
+    _keep_inputs(session, options["session_file"], out)
+    sources = sources_of(session)
+    n_steps = 6 + len(session.systems) + (10 if out is not None else 0)
+    with pasteable_errors(session.folder, sources), _Steps(n_steps) as steps:
+        dataset = load(session, progress=steps)
+        params = effective_params(session, dataset)
+        x, y = compared_systems(session, dataset)
+        steps("auditing the inputs")
+        findings = audit(dataset, params, x=x, y=y)
+        steps("analysing")
+        result = compare(dataset, params, x=x, y=y)
+        steps("what fusion would do")
+        text = (
+            summary_json(result)
+            if as_json
+            else render_scorecard(result, findings, session.protocol)
+        )
+        if out is not None:
+            write_report(result, session, out, findings, progress=steps)
+    shown = paths_to_show(session.folder, sources)
+    told = replace(result, dataset=_for_terminal(dataset, shown, longest=MAX_CONVERSION))
+    click.echo(render_inputs(told), err=as_json)
+    click.echo("\n" + render_findings(findings_at_paths(findings, shown)) + "\n", err=as_json)
+    click.echo(text, nl=not as_json)
+    if out is not None:
+        click.echo(one_line(f"written to {out}"), err=True)
+    exit_on_findings(findings, strict)
+
+
+def _keep_inputs(session: Session, file: Path | None, out: Path | None) -> None:
+    """Refuse to write the report over its inputs; a session.toml it wrote itself may be."""
+    if out is None:
+        return
+    is_written_by_hand = not session.hashes
+    if (
+        file is not None
+        and is_written_by_hand
+        and file.resolve() == (out / "session.toml").resolve()
+    ):
+        raise click.UsageError("the report would replace the session file; give another --out")
+    refuse_to_replace(
+        (out / name for name in (*REPORT_COLUMNS, "summary.json")), files_read(session)
+    )
+
+
+@main.command(cls=GroupedCommand)
+@input_options
+@grouped_option(OUTPUT, "--strict", is_flag=True, help="Warnings give exit code 1, too.")
+@grouped_option(MATCHING, "--threshold-x", type=float, help="Audit X at this threshold.")
+@grouped_option(MATCHING, "--threshold-y", type=float, help="Audit Y at this threshold.")
+def check(strict: bool, **options: Any) -> None:
+    """Audit the inputs without scoring them.
+
+    Exit code 0: no errors, 1: errors (with --strict: or warnings), 2: bad input.
+    """
+    from nvcore.audit import audit
+    from nvcore.inputs.files import paths_to_show
+    from nvcore.inputs.load import compared_systems, effective_params, load
+    from nvcore.report.terminal import render_dataset, render_findings
+
+    session = session_from(options, needs_y=False)
+    sources = sources_of(session)
+    with pasteable_errors(session.folder, sources), _Steps(4 + len(session.systems)) as steps:
+        dataset = load(session, progress=steps)
+        params = effective_params(session, dataset)
+        x, y = compared_systems(session, dataset)
+        steps("auditing the inputs")
+        findings = audit(dataset, params, x=x, y=y)
+    shown = paths_to_show(session.folder, sources)
+    click.echo(render_dataset(_for_terminal(dataset, shown)))
+    click.echo("\n" + render_findings(findings_at_paths(findings, shown)))
+    exit_on_findings(findings, strict)
+
+
+main.add_command(convert)
+main.add_command(gate)
+main.add_command(report)
+
+
+@main.command(short_help="Generate the sample recordings again.")
+@click.argument("folder", default="sample_data", type=click.Path(file_okay=False, path_type=Path))
+def sample(folder: Path) -> None:
+    """Generate the sample recordings again, into FOLDER (default: sample_data)."""
+    from nvcore.sample import generate
+
+    def tell(name: str, share: float) -> None:
+        if name:
+            click.echo(f"{share:4.0%} {name}", err=True)
+
+    try:
+        generate(folder, progress=tell)
+    except OSError as error:
+        raise InputError(f"cannot be written ({error.strerror})", file=folder) from error
+    click.echo(one_line(f"written to {folder}"), err=True)
+
+
+def _for_terminal(
+    dataset: Dataset, shown: dict[str, str], *, longest: int | None = None
+) -> Dataset:
+    """The dataset with its files' paths and conversions as the terminal shows them."""
+    inputs = dataset.inputs
+    changed = inputs.assign(
+        file=[shown.get(name, name) for name in inputs["file"]],
+        conversion=[_shortened(text, longest) for text in inputs["conversion"]],
+    )
+    return replace(dataset, inputs=changed)
+
+
+def _shortened(text: str, longest: int | None) -> str:
+    """The first facts of a conversion, as many as fit; at least one."""
+    if longest is None or len(text) <= longest:
+        return text
+    end = text.rfind("; ", 0, longest)
+    return (text[:end] if end > 0 else text[:longest]) + "; ... (all of it: nvcore check)"

@@ -1,0 +1,253 @@
+"""``nvcore gate``: rules that a comparison has to pass, for nightly runs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from nvcore.cli.options import (
+    OUTPUT,
+    GroupedCommand,
+    findings_at_paths,
+    grouped_option,
+    input_options,
+    parameter_options,
+    pasteable_errors,
+    protocol_option,
+    session_from,
+    sources_of,
+)
+from nvcore.cli.steps import compare_session, files_read, refuse_to_replace
+from nvcore.errors import InputError, NvcoreError
+from nvcore.wording import one_line
+
+if TYPE_CHECKING:
+    from nvcore.report.gate import Rule
+
+RULES = "Rules"
+EXIT_FAILED = 1
+EXIT_BAD_INPUT = 2
+STANDARD = Path("-")
+"""Standard input or output, as a file's name."""
+
+
+class _GateCommand(GroupedCommand):
+    """Says in the files of results why there are none, so that none of the last run stay there."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        given = [*args]
+        try:
+            return super().parse_args(ctx, args)
+        except click.UsageError as error:
+            junit, markdown_file = (_value_of(flag, given) for flag in ("--junit", "--markdown"))
+            _write_problem(junit, markdown_file, error.format_message())
+            raise
+
+    def invoke(self, ctx: click.Context) -> Any:
+        try:
+            return super().invoke(ctx)
+        except click.ClickException as error:
+            _write_problem(ctx.params["junit"], ctx.params["markdown_file"], error.format_message())
+            raise
+        except NvcoreError as error:
+            _write_problem(ctx.params["junit"], ctx.params["markdown_file"], str(error))
+            raise
+
+
+class _BadRules(click.ClickException):
+    exit_code = EXIT_BAD_INPUT
+
+
+def _file_type() -> click.Path:
+    return click.Path(dir_okay=False, allow_dash=True, path_type=Path)
+
+
+@click.command(cls=_GateCommand, short_help="Exit with 1 if a rule does not hold.")
+@input_options
+@grouped_option(
+    RULES,
+    "--rule",
+    "rules",
+    multiple=True,
+    metavar="RULE",
+    help="A figure, a comparison and a number: 'lamr_y <= 0.10'. Can be given again.",
+)
+@grouped_option(
+    RULES,
+    "--rules",
+    "rules_file",
+    metavar="FILE",
+    type=_file_type(),
+    help="A file with a rule on each line; # begins a comment; - is the standard input.",
+)
+@grouped_option(
+    RULES, "--strict", is_flag=True, help="Warnings of the audit break the gate, as errors do."
+)
+@grouped_option(RULES, "--list", "lists", is_flag=True, help="Print all figures and their values.")
+@protocol_option
+@grouped_option(
+    OUTPUT,
+    "--junit",
+    type=_file_type(),
+    metavar="FILE",
+    help="Write the outcomes as JUnit XML; - is the standard output.",
+)
+@grouped_option(
+    OUTPUT,
+    "--markdown",
+    "markdown_file",
+    type=_file_type(),
+    metavar="FILE",
+    help="Write the outcomes as Markdown; - is the standard output.",
+)
+@parameter_options
+def gate(
+    rules: tuple[str, ...],
+    rules_file: Path | None,
+    strict: bool,
+    lists: bool,
+    junit: Path | None,
+    markdown_file: Path | None,
+    **options: Any,
+) -> None:
+    """Compare X and Y, and exit with 1 if a rule does not hold.
+
+    Inputs as for compare. A figure ends with _x, _y or _difference (X - Y); new_misses are the
+    encounters that X detects and Y does not: give the release in use as X, the candidate as Y. An
+    undefined figure breaks its rule, unless the rule ends with 'or undefined'. Exit code 0: all
+    rules hold, 1: one does not, or the audit found errors (with --strict: or warnings), 2: bad
+    input or no such figure.
+    """
+    from nvcore.inputs.files import paths_to_show
+    from nvcore.report.gate import (
+        audit_rules,
+        explain,
+        figure_names,
+        figure_text,
+        gate_figures,
+        judge,
+    )
+    from nvcore.report.gate_results import junit_xml, markdown, terminal_lines
+    from nvcore.report.terminal import render_findings
+
+    files = [one for one in (junit, markdown_file) if one is not None]
+    is_machine_read = _takes_standard_output(files, lists)
+    written = [one for one in files if one != STANDARD]
+    named = (options["session_file"], rules_file)
+    refuse_to_replace(written, (one for one in named if one is not None and one != STANDARD))
+    wanted = _read(rules, rules_file)
+    if not wanted and not lists:
+        lack = "" if rules_file is None else "the file of rules holds none; "
+        raise click.UsageError(f"{lack}give a rule: --rule 'lamr_y <= 0.10', or --rules FILE")
+    session = session_from(options, needs_y=True)
+    refuse_to_replace(written, files_read(session))
+    _write_problem(junit, markdown_file, "it was stopped before it ended", prints=False)
+    sources = sources_of(session)
+    with pasteable_errors(session.folder, sources):
+        result, findings = compare_session(session)
+    wanted += audit_rules(wanted, strict=strict)
+    names = figure_names() if lists else [rule.name for rule in wanted]
+    figures = gate_figures(result, findings, session.protocol, names)
+    outcomes = explain(judge(wanted, figures), result, findings)
+    shown = findings_at_paths(findings, paths_to_show(session.folder, sources))
+    click.echo(render_findings(shown), err=is_machine_read)
+    if lists:
+        width = max(map(len, figures))
+        for name in sorted(figures):
+            click.echo(f"{name:<{width}}  {figure_text(figures[name])}")
+    click.echo("\n".join(["", *terminal_lines(outcomes)]), err=is_machine_read)
+    title = f"{result.x.name} (X) and {result.y.name} (Y)"
+    if junit is not None:
+        _write(junit, junit_xml(outcomes, title, shown))
+    if markdown_file is not None:
+        _write(markdown_file, markdown(outcomes, title, shown).encode())
+    if not all(one.is_passed for one in outcomes):
+        raise SystemExit(EXIT_FAILED)
+
+
+def _takes_standard_output(files: Sequence[Path], lists: bool) -> bool:
+    """Whether something else than text for people goes there; a usage error if several do."""
+    n_taken = files.count(STANDARD) + lists
+    if n_taken > 1:
+        raise click.UsageError("only one of --list, --junit - and --markdown - can be printed")
+    if len(files) == 2 and files[0].resolve() == files[1].resolve():
+        raise click.UsageError("--junit and --markdown: expected two files, found the same twice")
+    return n_taken > 0
+
+
+def _read(texts: Iterable[str], file: Path | None) -> list[Rule]:
+    """The rules of the flags and of the file, or all that is wrong with them."""
+    from nvcore.report.gate import figure_names, read_rules
+
+    lines = [("--rule", text) for text in texts]
+    if file is not None:
+        name = "standard input" if file == STANDARD else one_line(str(file))
+        numbered = enumerate(_content(file).splitlines(), 1)
+        lines += [(f"{name}, line {number}", text) for number, text in numbered]
+    rules, problems = read_rules(lines, figure_names())
+    if problems:
+        raise _BadRules("\n".join(problems))
+    return rules
+
+
+def _content(file: Path) -> str:
+    try:
+        with click.open_file(str(file), "rb") as stream:
+            content: bytes = stream.read()
+        return content.decode("utf-8-sig")
+    except OSError as error:
+        raise InputError(f"the rules cannot be read ({error.strerror})", file=file) from error
+    except UnicodeDecodeError as error:
+        raise InputError(
+            "the rules cannot be read: expected UTF-8 text; save the file as UTF-8", file=file
+        ) from error
+
+
+def _write(file: Path, content: bytes) -> None:
+    if file == STANDARD:
+        click.echo(content, nl=False)
+        return
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_bytes(content)
+    except OSError as error:
+        raise InputError(f"cannot be written ({error.strerror})", file=file) from error
+
+
+def _write_problem(
+    junit: Path | None, markdown_file: Path | None, problem: str, *, prints: bool = True
+) -> None:
+    """Why the gate could not be run, in place of the results; what is no gate's result stays."""
+    from nvcore.report.gate_results import is_gate_result, junit_error, markdown_error
+
+    contents = ((junit, junit_error(problem)), (markdown_file, markdown_error(problem).encode()))
+    for file, content in contents:
+        if file is None or (file == STANDARD and not prints):
+            continue
+        # resolved: by way of a missing folder (missing/../truth.csv) an input seems not to exist
+        target = file if file == STANDARD else file.resolve()
+        with suppress(OSError, InputError):
+            if file == STANDARD or not target.exists() or is_gate_result(_head(target)):
+                _write(target, content)
+
+
+def _head(file: Path) -> bytes:
+    """Beginning of a file; empty for what is none, such as a terminal."""
+    if not file.is_file():
+        return b""
+    with file.open("rb") as stream:
+        return stream.read(200)
+
+
+def _value_of(flag: str, arguments: Sequence[str]) -> Path | None:
+    """What a flag says in arguments that could not be parsed."""
+    for one, following in zip(arguments, [*arguments[1:], None], strict=True):
+        if one == flag and following is not None:
+            return Path(following)
+        if one.startswith(f"{flag}="):
+            return Path(one.partition("=")[2])
+    return None

@@ -1,0 +1,89 @@
+"""``nvcore report``: the comparison as one HTML file."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import click
+
+from nvcore.cli.options import (
+    OUTPUT,
+    GroupedCommand,
+    findings_at_paths,
+    grouped_option,
+    input_options,
+    parameter_options,
+    pasteable_errors,
+    protocol_option,
+    session_from,
+    sources_of,
+)
+from nvcore.cli.steps import compare_session, exit_on_findings, files_read, refuse_to_replace
+from nvcore.wording import one_line
+
+REPORT = "Report"
+
+
+@click.command(cls=GroupedCommand, short_help="Write the comparison as one HTML file.")
+@input_options
+@protocol_option
+@grouped_option(
+    REPORT,
+    "--stability/--no-stability",
+    default=None,
+    help="Whether to map the verdict over the settings: alpha and midpoint, thresholds, matching, "
+    "traffic context. Default: for up to 20,000 frames.",
+)
+@grouped_option(
+    OUTPUT,
+    "--out",
+    type=click.Path(dir_okay=False, path_type=Path),
+    metavar="FILE.html",
+    default=Path("report.html"),
+    show_default=True,
+    help="The file to write.",
+)
+@grouped_option(
+    OUTPUT, "--strict", is_flag=True, help="Warnings of the audit give exit code 1, too."
+)
+@parameter_options
+def report(stability: bool | None, out: Path, strict: bool, **options: Any) -> None:
+    """Write the comparison of X and Y as one HTML file.
+
+    Inputs as for compare. The file has verdict, figures, evidence frames, tables, parameters and
+    hashes of the inputs; it needs neither network nor this program, and browsers print it to PDF.
+    Exit code 0: fine, 1: the audit found errors (with --strict: or warnings), 2: bad input.
+    """
+    from nvcore.inputs.files import paths_to_show
+    from nvcore.report.html import write_html_report
+    from nvcore.report.terminal import render_findings
+
+    if out.suffix.lower() not in (".html", ".htm"):  # an input named by mistake stays as it is
+        raise click.UsageError(
+            f"--out: expected a file that ends in .html, got {one_line(str(out))}"
+        )
+    session = session_from(options, needs_y=True)
+    refuse_to_replace([out], files_read(session))
+    sources = sources_of(session)
+    with pasteable_errors(session.folder, sources):
+        result, findings = compare_session(session, progress=_show)
+        write_html_report(
+            result, session, findings, out, stability=stability, progress=_goes_on
+        )  # fmt: skip
+    shown = paths_to_show(session.folder, sources)
+    click.echo(render_findings(findings_at_paths(findings, shown)))
+    click.echo(one_line(f"written to {out}"), err=True)
+    exit_on_findings(findings, strict)
+
+
+def _goes_on(_share: float, what: str) -> bool:
+    _show(what)
+    return True
+
+
+def _show(what: str) -> None:
+    """What is being done, on a terminal."""
+    if sys.stderr.isatty():
+        click.echo(one_line(what), err=True)

@@ -1,0 +1,1 @@
+"""The benchmarks: curves, miss rate, average precision, operating points, protocols applied."""

@@ -1,0 +1,106 @@
+"""Areas under the precision-recall curve, in the three ways that are in use."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from nvcore.detection.curves import DetectionCurve
+
+# not i / 100: 0.57 differs in the last bit, and recalls are compared with exactly these
+COCO_RECALLS: Final = np.linspace(0.0, 1.0, 101)
+"""The recalls at which COCO reads precision."""
+COCO_RECALLS.flags.writeable = False
+
+
+def average_precision(curve: DetectionCurve) -> float:
+    """Area under the monotone precision-recall curve, 1 is best.
+
+    ``sum over points of (r_i - r_{i-1}) * max over j >= i of p_j``: the step function of Pascal VOC
+    since 2010. Without detections 0; NaN where ``curve.why_undefined``.
+
+    References
+    ----------
+    M. Everingham et al.: The Pascal Visual Object Classes challenge: a retrospective, IJCV 2015.
+    """
+    if curve.why_undefined:
+        return np.nan
+    gain = np.diff(curve.recall, prepend=0.0)
+    return float((gain * _envelope(curve)).sum())
+
+
+def average_precision_coco(curve: DetectionCurve) -> float:
+    """Mean of the best precision at 101 recalls, 1 is best (COCO; at one IoU).
+
+    At each of 0, 0.01, ..., 1 the largest precision at that or a larger recall, 0 beyond the
+    largest. Equal scores are one point, where COCO takes them in file order, and regions absorb
+    a detection from a share of 0.5 on, where COCO's do from the IoU on. Without detections 0; NaN
+    where ``curve.why_undefined``.
+
+    References
+    ----------
+    T.-Y. Lin et al.: Microsoft COCO: common objects in context, ECCV 2014; cocoapi.
+    """
+    if curve.why_undefined:
+        return np.nan
+    at = np.searchsorted(curve.recall, COCO_RECALLS, side="left")
+    reached = at < len(curve)
+    return float(_envelope(curve)[at[reached]].sum() / len(COCO_RECALLS))
+
+
+def pr_auc(curve: DetectionCurve) -> float:
+    """Area under the precision-recall curve with non-linear interpolation, 1 is best.
+
+    Trapezoids between the points of `interpolate_curve`; a straight line between two points
+    would promise too much. Up to the largest recall that is reached. Without detections 0; NaN
+    where ``curve.why_undefined``.
+
+    References
+    ----------
+    J. Davis, M. Goadrich: The relationship between precision-recall and ROC curves, ICML 2006.
+    """
+    if curve.why_undefined:
+        return np.nan
+    tp, before, after = _steps(curve)
+    with np.errstate(invalid="ignore"):
+        left = (tp - 1) / (tp - 1 + before)
+    right = tp / (tp + after)
+    # 0 of 0: nothing is found yet, and precision is that of the way to the first pedestrian
+    left = np.where(tp - 1 + before == 0, right, left)
+    return float((0.5 * (left + right)).sum() / curve.n_truth)
+
+
+def interpolate_curve(curve: DetectionCurve) -> tuple[np.ndarray, np.ndarray]:
+    """True and false positives with true positives going up one by one (Davis and Goadrich).
+
+    Between two points false positives grow with the local skew, ``(fp_b - fp_a) / (tp_b - tp_a)``
+    for each true positive.
+
+    Returns
+    -------
+    tp
+        1, 2, ... up to the most that the curve reaches; int64, (n,).
+    fp
+        False positives when that many are first reached; float64, (n,).
+    """
+    tp, _, fp = _steps(curve)
+    return tp, fp
+
+
+def _steps(curve: DetectionCurve) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Each true positive with the false positives before and after its step."""
+    tp_at = np.concatenate([[0], curve.tp])
+    fp_at = np.concatenate([[0], curve.fp]).astype(float)
+    tp = np.arange(1, tp_at[-1] + 1)
+    b = np.searchsorted(tp_at, tp, side="left")  # first point that has so many
+    a = b - 1  # last one that has fewer
+    skew = (fp_at[b] - fp_at[a]) / (tp_at[b] - tp_at[a])
+    after = fp_at[a] + skew * (tp - tp_at[a])
+    return tp, after - skew, after
+
+
+def _envelope(curve: DetectionCurve) -> np.ndarray:
+    """Largest precision at each point's recall or a larger one; (n_points,)."""
+    best: np.ndarray = np.maximum.accumulate(curve.precision[::-1])[::-1]
+    return best

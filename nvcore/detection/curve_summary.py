@@ -1,0 +1,106 @@
+"""The figures of a detection curve, and those at the threshold in use, for a table."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from nvcore.detection.average_precision import average_precision, average_precision_coco, pr_auc
+from nvcore.detection.curves import DetectionCurve
+from nvcore.detection.miss_rate import (
+    FPPI_REFERENCES,
+    explain_range,
+    explain_zero,
+    log_average_miss_rate,
+    miss_rate_at,
+)
+
+
+@dataclass(frozen=True)
+class CurveSummary:
+    """Figures of one system under one protocol.
+
+    Attributes
+    ----------
+    log_average_miss_rate
+        Over FPPI from 0.01 to 1, 0 is best.
+    average_precision_coco, average_precision, pr_auc
+        101 recalls; area under the monotone curve; area by Davis and Goadrich. 1 is best.
+    best_f1, best_f1_threshold
+        Largest F1 and the score at which it stands.
+    recall, precision, f1, fppi
+        At the threshold in use.
+    n_absorbed
+        Detections at the threshold in use that are neither right nor wrong: an ignored box
+        absorbs them.
+    n_zero_references
+        At how many of the nine references of the log-average miss rate nobody is missed: one is
+        enough to make it 0.
+    notes
+        What the log-average miss rate does not tell by itself: why it is 0, and what stands for
+        the miss rate where the curve does not reach the references.
+    why_undefined
+        Why areas and averages are undefined (NaN); None where they are defined.
+    """
+
+    log_average_miss_rate: float
+    average_precision_coco: float
+    average_precision: float
+    pr_auc: float
+    best_f1: float
+    best_f1_threshold: float
+    recall: float
+    precision: float
+    f1: float
+    fppi: float
+    n_absorbed: int
+    n_zero_references: int
+    notes: tuple[str, ...]
+    why_undefined: str | None
+
+
+SUMMARY_ROWS: Final = (
+    ("log_average_miss_rate", "log-average miss rate", "lower", ".2%"),
+    ("average_precision_coco", "average precision (COCO, 101 recalls)", "higher", ".4f"),
+    ("average_precision", "average precision (area, monotone)", "higher", ".4f"),
+    ("pr_auc", "area under precision-recall (Davis, Goadrich)", "higher", ".4f"),
+    ("best_f1", "best F1 over all thresholds", "higher", ".4f"),
+    ("recall", "recall at the threshold", "higher", ".4f"),
+    ("precision", "precision at the threshold", "higher", ".4f"),
+    ("f1", "F1 at the threshold", "higher", ".4f"),
+    ("fppi", "false positives per image at the threshold", "lower", ".4f"),
+    ("n_absorbed", "detections absorbed by ignored boxes at the threshold", "", "d"),
+)
+"""Attribute, what it is called, which way is better ("": neither), and its format."""
+
+
+def summarise_curve(curve: DetectionCurve, threshold: float | None) -> CurveSummary:
+    """All figures of a curve; undefined ones are NaN.
+
+    Parameters
+    ----------
+    threshold
+        In use; None: every detection counts.
+    """
+    point = curve.at(threshold)
+    rates = miss_rate_at(curve, FPPI_REFERENCES)
+    f1 = curve.f1
+    best = int(np.nanargmax(f1)) if np.isfinite(f1).any() else None
+    return CurveSummary(
+        log_average_miss_rate=log_average_miss_rate(curve),
+        average_precision_coco=average_precision_coco(curve),
+        average_precision=average_precision(curve),
+        pr_auc=pr_auc(curve),
+        best_f1=np.nan if best is None else float(f1[best]),
+        best_f1_threshold=np.nan if best is None else float(curve.threshold[best]),
+        recall=point.recall,
+        precision=point.precision,
+        f1=point.f1,
+        fppi=point.fppi,
+        n_absorbed=curve.n_absorbed(threshold),
+        n_zero_references=int(np.count_nonzero(rates == 0)),
+        notes=tuple(filter(None, (explain_zero(rates), *explain_range(curve, rates)))),
+        why_undefined=curve.why_undefined,
+    )

@@ -1,0 +1,351 @@
+"""Detection curves: what a system finds, and at the cost of how many false positives, by score."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Final
+
+import numpy as np
+import pandas as pd
+
+from nvcore.dataset import BoxColumns, Dataset, offsets_of
+from nvcore.detection.filtered_truth import FilteredTruth, filter_detections, filter_truth
+from nvcore.errors import ParameterError
+from nvcore.metrics.kernels import ABSORBED, FALSE_ALARM, MATCHED
+from nvcore.metrics.matching import Matches, match_boxes
+from nvcore.params import Params
+from nvcore.protocols import PROTOCOLS, Protocol
+
+MIXED_POINTS: Final = 25
+"""Points of a curve if some detections have no score: each then takes a matching of its own."""
+
+CURVE_COLUMNS: Final = (
+    "threshold", "tp", "fp", "fn", "precision", "recall", "miss_rate", "f1", "fppi", "fppw",
+)  # fmt: skip
+"""Columns of `curve_table`."""
+
+
+@dataclass(frozen=True)
+class CurvePoint:
+    """One point of a detection curve.
+
+    Attributes
+    ----------
+    threshold
+        Lowest score that counts; inf: only detections without a score do.
+    tp, fp, fn
+        Matched pedestrians, detections that match nobody, missed pedestrians.
+    precision, recall, f1
+        1 is best; NaN where undefined (`DetectionCurve`).
+    fppi
+        False positives per image; 0 is best.
+    """
+
+    threshold: float
+    tp: int
+    fp: int
+    fn: int
+    precision: float
+    recall: float
+    f1: float
+    fppi: float
+
+    @property
+    def miss_rate(self) -> float:
+        """Share of the pedestrians that are missed; 0 is best."""
+        return 1 - self.recall
+
+
+@dataclass(frozen=True, eq=False)
+class DetectionCurve:
+    """Detections of one system at every score threshold.
+
+    Attributes
+    ----------
+    system, protocol
+        Whose curve it is, and which pedestrians count.
+    threshold
+        The distinct scores, descending; float64, (n_points,). Equal scores are one point. Where
+        there are detections without a score, which pass every threshold, the first is inf.
+    tp, fp
+        Matched pedestrians, and detections that match nobody and that no ignored box absorbs, at
+        or above each threshold; int64, (n_points,).
+    n_truth, n_images
+        Pedestrian boxes and frames that count; the same for every system.
+    is_ranked
+        Every detection has a score. If not, there are points (a single one where no detection
+        has a score) but no areas under them.
+    absorbed_score
+        Scores of the detections that ignored boxes absorb, NaN without one; float64,
+        (n_absorbed,). They are neither right nor wrong.
+
+    Notes
+    -----
+    Without detections there is no point. Without pedestrians recall, miss rate and F1 are NaN.
+    """
+
+    system: str
+    protocol: Protocol
+    threshold: np.ndarray
+    tp: np.ndarray
+    fp: np.ndarray
+    n_truth: int
+    n_images: int
+    is_ranked: bool = True
+    absorbed_score: np.ndarray = field(default_factory=lambda: np.empty(0))
+
+    def __len__(self) -> int:
+        return len(self.threshold)
+
+    @property
+    def recall(self) -> np.ndarray:
+        """Share of the pedestrians that are detected (detection rate), 1 is best; (n_points,)."""
+        return _ratio(self.tp, self.n_truth)
+
+    @property
+    def miss_rate(self) -> np.ndarray:
+        """Share of the pedestrians that are missed, 0 is best; (n_points,)."""
+        return _ratio(self.n_truth - self.tp, self.n_truth)
+
+    @property
+    def precision(self) -> np.ndarray:
+        """Share of the detections that are right, 1 is best; NaN without any; (n_points,)."""
+        return _ratio(self.tp, self.tp + self.fp)
+
+    @property
+    def f1(self) -> np.ndarray:
+        """Harmonic mean of precision and recall, 1 is best; (n_points,)."""
+        if not self.n_truth:
+            return np.full(len(self), np.nan)
+        return _ratio(2 * self.tp, self.tp + self.fp + self.n_truth)
+
+    @property
+    def fppi(self) -> np.ndarray:
+        """False positives per image, images without detections included; (n_points,)."""
+        return _ratio(self.fp, self.n_images)
+
+    def fppw(self, windows_per_image: float) -> np.ndarray:
+        """False positives per window, 0 is best; (n_points,).
+
+        Parameters
+        ----------
+        windows_per_image
+            Windows that the detector looks at in an image, the mean where images differ
+            (`nvcore.detection.windows`).
+
+        Raises
+        ------
+        ParameterError
+            If that is no positive number.
+        """
+        if not 0 < windows_per_image < np.inf:
+            raise ParameterError(
+                f"windows_per_image: expected a positive number, got {windows_per_image:g}"
+            )
+        return self.fppi / windows_per_image
+
+    def at(self, threshold: float | None) -> CurvePoint:
+        """The operating point at a threshold: that of the lowest score which passes it.
+
+        None: every detection counts. Above all scores nothing is detected.
+        """
+        limit = -np.inf if threshold is None else threshold
+        i = int(np.searchsorted(-self.threshold, -limit, side="right")) - 1
+        if i < 0:
+            nothing, all_of_it = np.array([0]), np.array([limit])
+            return replace(self, threshold=all_of_it, tp=nothing, fp=nothing).at(None)
+        return CurvePoint(
+            float(self.threshold[i]), int(self.tp[i]), int(self.fp[i]),
+            int(self.n_truth - self.tp[i]), float(self.precision[i]), float(self.recall[i]),
+            float(self.f1[i]), float(self.fppi[i]),
+        )  # fmt: skip
+
+    def n_absorbed(self, threshold: float | None) -> int:
+        """Detections that ignored boxes absorb at a threshold; None: all that they absorb."""
+        if threshold is None:
+            return len(self.absorbed_score)
+        return int(np.count_nonzero(~(self.absorbed_score < threshold)))
+
+    @property
+    def why_undefined(self) -> str | None:
+        """Why areas and averages of the curve are undefined; None where they are defined."""
+        if not self.n_truth:
+            return "no pedestrian counts under this protocol"
+        if not self.is_ranked:
+            return "detections have no score: there are points, but no curve"
+        return None
+
+
+@dataclass(frozen=True, eq=False)
+class Outcomes:
+    """What became of each counted detection of one system; a curve is made of their sums.
+
+    Attributes
+    ----------
+    score
+        Descending, those without a score (NaN) last; float64, (n,).
+    is_match
+        Whether it is a pedestrian; else a false positive; bool, (n,).
+    frame_index
+        Row of the frames table; int64, (n,).
+    recording
+        Row of the recordings table; int32, (n,).
+    n_truth, n_images
+        Pedestrian boxes and frames that count; int64, (n_recordings,).
+    truth
+        The ground truth under the protocol.
+    absorbed_score
+        Of the detections that are left out because ignored boxes absorb them; float64, in the
+        order of the frames.
+    """
+
+    score: np.ndarray
+    is_match: np.ndarray
+    frame_index: np.ndarray
+    recording: np.ndarray
+    n_truth: np.ndarray
+    n_images: np.ndarray
+    truth: FilteredTruth
+    absorbed_score: np.ndarray
+
+
+def detection_curve(
+    dataset: Dataset,
+    system: str,
+    params: Params,
+    protocol: Protocol = PROTOCOLS["all"],
+    *,
+    recordings: np.ndarray | None = None,
+) -> DetectionCurve:
+    """The curve of one system over all score thresholds.
+
+    Parameters
+    ----------
+    params
+        Says when a detection matches; its thresholds are not used.
+    protocol
+        Which pedestrians count.
+    recordings
+        Recordings that may count, beside the protocol's tags; bool, (n_recordings,); None: all.
+
+    Raises
+    ------
+    InputError
+        If there is no such system, or no recording is left.
+
+    Notes
+    -----
+    Detections take pedestrians in descending score, so one matching gives all points. Only
+    detections without a score come after all others and may take what a threshold sets free: a
+    system that has both is matched anew at each of at most `MIXED_POINTS` thresholds.
+    """
+    truth = filter_truth(dataset, protocol, recordings=recordings)
+    detections = _taking_part(dataset, system, protocol)
+    score = detections.score[truth.is_counted[detections.frame_index]]
+    is_scored = ~np.isnan(score)
+    if is_scored.all():
+        outcomes = _outcomes(dataset, truth, detections, params)
+        is_last = np.ones(len(outcomes.score), dtype=bool)  # of its equals
+        is_last[:-1] = outcomes.score[1:] != outcomes.score[:-1]
+        threshold = outcomes.score[is_last]
+        tp = np.cumsum(outcomes.is_match)[is_last]
+        fp = np.cumsum(~outcomes.is_match)[is_last]
+    else:
+        threshold = np.unique(score[is_scored])[::-1]
+        if len(threshold) >= MIXED_POINTS:
+            chosen = np.linspace(0, len(threshold) - 1, MIXED_POINTS - 1).round().astype(np.int64)
+            threshold = threshold[chosen]
+        threshold = np.concatenate([[np.inf], threshold])
+        points = []
+        for t in threshold:
+            outcomes = _outcomes(dataset, truth, detections, params, at=t)
+            points.append(outcomes.is_match)
+        tp = np.array([np.count_nonzero(is_match) for is_match in points])
+        fp = np.array([len(is_match) for is_match in points]) - tp
+    return DetectionCurve(
+        system, protocol, threshold, tp.astype(np.int64), fp.astype(np.int64), truth.n_truth,
+        truth.n_images, is_ranked=bool(is_scored.all()),
+        absorbed_score=outcomes.absorbed_score,
+    )  # fmt: skip
+
+
+def detection_outcomes(
+    dataset: Dataset,
+    system: str,
+    params: Params,
+    protocol: Protocol = PROTOCOLS["all"],
+    *,
+    recordings: np.ndarray | None = None,
+) -> Outcomes:
+    """What became of each detection, at the lowest threshold (for resampling of recordings).
+
+    Parameters and errors as `detection_curve`. Detections that ignored boxes absorb are left out.
+    """
+    truth = filter_truth(dataset, protocol, recordings=recordings)
+    return _outcomes(dataset, truth, _taking_part(dataset, system, protocol), params)
+
+
+def curve_table(curve: DetectionCurve, *, windows_per_image: float | None = None) -> pd.DataFrame:
+    """One row per point, thresholds descending: `CURVE_COLUMNS`; fppw is NaN if not asked for.
+
+    The ROC is `recall` (detection rate) over `fppi` or `fppw`.
+    """
+    nothing = np.full(len(curve), np.nan)
+    columns = (
+        curve.threshold, curve.tp, curve.fp, curve.n_truth - curve.tp, curve.precision,
+        curve.recall, curve.miss_rate, curve.f1, curve.fppi,
+        nothing if windows_per_image is None else curve.fppw(windows_per_image),
+    )  # fmt: skip
+    return pd.DataFrame(dict(zip(CURVE_COLUMNS, columns, strict=True)))
+
+
+def _outcomes(
+    dataset: Dataset,
+    truth: FilteredTruth,
+    detections: BoxColumns,
+    params: Params,
+    *,
+    at: float | None = None,
+) -> Outcomes:
+    frames = dataset.frame_columns
+    matches: Matches = match_boxes(
+        truth.truth, detections, frames, threshold=at, match=params.match, iou=params.iou,
+        lateral_tolerance=params.lateral_tolerance,
+    )  # fmt: skip
+    is_here = truth.is_counted[detections.frame_index]
+    rows = np.flatnonzero(is_here & np.isin(matches.state, (MATCHED, FALSE_ALARM)))
+    rows = rows[np.argsort(-detections.score[rows], kind="stable")]
+    n_recordings = len(dataset.recordings)
+    truth_in = frames.recording[truth.truth.frame_index[truth.counts]]
+    return Outcomes(
+        score=detections.score[rows],
+        is_match=matches.state[rows] == MATCHED,
+        frame_index=detections.frame_index[rows],
+        recording=frames.recording[detections.frame_index[rows]],
+        n_truth=np.bincount(truth_in, minlength=n_recordings),
+        n_images=np.bincount(frames.recording[truth.is_counted], minlength=n_recordings),
+        truth=truth,
+        absorbed_score=detections.score[is_here & (matches.state == ABSORBED)],
+    )
+
+
+def _taking_part(dataset: Dataset, system: str, protocol: Protocol) -> BoxColumns:
+    """Detections of a system without those that the protocol leaves out."""
+    detections = dataset.system(system)
+    takes_part = filter_detections(detections, protocol)
+    if takes_part.all():
+        return detections
+    columns = {
+        name: getattr(detections, name)[takes_part]
+        for name in ("x", "y", "w", "h", "score", "track", "ignore", "distance_m", "frame_index")
+    }
+    offsets = offsets_of(columns["frame_index"], len(dataset.frames))
+    return replace(detections, **columns, offsets=offsets)
+
+
+def _ratio(part: np.ndarray, whole: np.ndarray | int) -> np.ndarray:
+    """Quotient; NaN where the whole is 0."""
+    divisor = np.broadcast_to(np.asarray(whole, dtype=float), part.shape)
+    answer = np.full(part.shape, np.nan)
+    np.divide(part, divisor, out=answer, where=divisor > 0)
+    return answer

@@ -1,0 +1,238 @@
+"""Operating points: what a score threshold leaves of a system, and thresholds that compare."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import pandas as pd
+
+from nvcore.dataset import Dataset
+from nvcore.metrics.kernels import BELOW
+from nvcore.metrics.matching import Matches, match_boxes
+from nvcore.params import Params
+
+CURVE_POINTS: Final = 200
+"""Points of a false-alarm curve, at most."""
+MIXED_POINTS: Final = 25
+"""The same if some detections have no score: each point then takes a matching of its own."""
+LEAST_DECIMALS: Final = 2
+"""Decimals of a proposed threshold, at least: those of a slider's step."""
+MAX_DECIMALS: Final = 6
+"""Decimals of a proposed threshold, at most."""
+
+CURVE_COLUMNS: Final = (
+    "threshold", "n_kept", "n_false_alarms", "false_alarms_per_frame", "false_alarms_per_minute",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class OperatingPoint:
+    """What one threshold leaves of one system.
+
+    Attributes
+    ----------
+    threshold
+        Detections with a lower score are left out; None: every detection counts.
+    n_kept
+        Detections that pass it.
+    n_false_alarms
+        Those of them that match nobody and that no ignore region absorbs; 0 is best.
+    false_alarms_per_frame, false_alarms_per_minute
+        Of listed frames, of recording time; NaN without frames.
+    """
+
+    threshold: float | None
+    n_kept: int
+    n_false_alarms: int
+    false_alarms_per_frame: float
+    false_alarms_per_minute: float
+
+
+@dataclass(frozen=True)
+class SameOperatingPoint:
+    """X as it is, and Y at the threshold at which it has the most similar false alarms."""
+
+    x: OperatingPoint
+    y: OperatingPoint
+
+    @property
+    def threshold_y(self) -> float | None:
+        """Threshold for Y; None: every detection counts, and Y has no more false alarms than X."""
+        return self.y.threshold
+
+
+def operating_point(
+    dataset: Dataset, system: str, params: Params, *, threshold: float | None
+) -> OperatingPoint:
+    """What a threshold leaves of a system; `params` say when a detection matches.
+
+    The thresholds of `params` are not used.
+
+    Raises
+    ------
+    InputError
+        If there is no such system.
+    """
+    matches = _match(dataset, system, params, threshold=threshold)
+    n_kept = int(np.count_nonzero(matches.state != BELOW))
+    n_alarms = int(np.count_nonzero(matches.is_false_alarm))
+    per_frame, per_minute = _rates(dataset, np.array([n_alarms]))
+    return OperatingPoint(threshold, n_kept, n_alarms, float(per_frame[0]), float(per_minute[0]))
+
+
+def false_alarm_curve(
+    dataset: Dataset, system: str, params: Params, *, n_points: int = CURVE_POINTS
+) -> pd.DataFrame:
+    """Detections kept and false alarms at thresholds from the lowest to the highest score.
+
+    Returns
+    -------
+    Columns `CURVE_COLUMNS`, at most `n_points` rows, thresholds increasing. A system without
+    scores, or without detections: no rows, as no threshold changes anything.
+
+    Notes
+    -----
+    Detections take pedestrians in descending score, so a threshold changes nothing for those
+    above it: one matching gives all points. Only detections without a score come after all others
+    and may take what a threshold sets free; a system that has both is matched anew at each of at
+    most `MIXED_POINTS` points.
+
+    Raises
+    ------
+    InputError
+        If there is no such system.
+    """
+    score = dataset.system(system).score
+    is_scored = ~np.isnan(score)
+    thresholds = np.unique(score[is_scored])
+    if not is_scored.all():
+        n_points = min(n_points, MIXED_POINTS)
+    if len(thresholds) > n_points:
+        chosen = np.linspace(0, len(thresholds) - 1, n_points).round().astype(np.int64)
+        thresholds = thresholds[chosen]
+    if is_scored.all():
+        matches = _match(dataset, system, params, threshold=None)
+        n_kept = _count_from(score, thresholds)
+        n_alarms = _count_from(score[matches.is_false_alarm], thresholds)
+    else:
+        points = [operating_point(dataset, system, params, threshold=t) for t in thresholds]
+        n_kept = np.array([point.n_kept for point in points], np.int64)
+        n_alarms = np.array([point.n_false_alarms for point in points], np.int64)
+    columns = (thresholds, n_kept, n_alarms, *_rates(dataset, n_alarms))
+    return pd.DataFrame(dict(zip(CURVE_COLUMNS, columns, strict=True)))
+
+
+def same_operating_point(dataset: Dataset, params: Params, x: str, y: str) -> SameOperatingPoint:
+    """The threshold at which Y has as many false alarms per frame as X at its own threshold.
+
+    X is taken at ``params.threshold_x``. Y has the number of false alarms closest to X's that a
+    threshold can give (of two equally close, the lower one), by the lowest round threshold that
+    gives it: so none of its matches is given away.
+
+    Raises
+    ------
+    InputError
+        If there is no such system.
+    """
+    at_x = operating_point(dataset, x, params, threshold=params.threshold_x)
+    threshold = _threshold_with(dataset, y, params, at_x.n_false_alarms)
+    return SameOperatingPoint(at_x, operating_point(dataset, y, params, threshold=threshold))
+
+
+def _threshold_with(dataset: Dataset, system: str, params: Params, n_wanted: int) -> float | None:
+    """Threshold that gives the number of false alarms closest to the wanted one; None: all."""
+    score = dataset.system(system).score
+    matches = _match(dataset, system, params, threshold=None)
+    is_scored = ~np.isnan(score)
+    if not is_scored.any() or not matches.is_false_alarm.any():
+        return None
+    if not is_scored.all():
+        curve = false_alarm_curve(dataset, system, params)
+        n_alarms = curve["n_false_alarms"].to_numpy()[::-1]
+        best = int(np.argmin(np.abs(n_alarms - n_wanted)))
+        return float(curve["threshold"].to_numpy()[::-1][best])
+    alarms = np.sort(score[matches.is_false_alarm])[::-1]
+    # equal scores stay or go together
+    possible = np.concatenate([[0], np.flatnonzero(np.diff(alarms)) + 1, [len(alarms)]])
+    n_left = int(possible[np.argmin(np.abs(possible - n_wanted))])
+    if n_left == len(alarms):
+        return None
+    lost = float(alarms[n_left])
+    kept = float(alarms[n_left - 1]) if n_left else np.inf
+    threshold = round_between(lost, kept)
+    if threshold is None:
+        threshold = kept if n_left else float(np.nextafter(lost, np.inf))
+    return threshold
+
+
+def threshold_for(scores: np.ndarray, n_wanted: int) -> float | None:
+    """A round threshold that keeps that many scores; None if none does, or all or none are kept.
+
+    Parameters
+    ----------
+    scores
+        In descending order, shape (n,).
+    """
+    if not 0 < n_wanted < len(scores):
+        return None
+    return round_between(float(scores[n_wanted]), float(scores[n_wanted - 1]))
+
+
+def round_between(lost: float, kept: float) -> float | None:
+    """The lowest threshold of few decimals with ``lost < threshold <= kept``; None: there is none.
+
+    The lowest: what lies between the two false alarms are matches, and they should stay.
+    """
+    for decimals in range(LEAST_DECIMALS, MAX_DECIMALS + 1):  # a loop over a few decimals
+        scale = 10**decimals
+        step = np.floor(lost * scale) + 1
+        for candidate in (float(step / scale), float((step + 1) / scale)):  # lost * scale rounds
+            if lost < candidate <= kept:
+                return candidate
+    return None
+
+
+def score_histogram(dataset: Dataset, system: str, bins: int = 60) -> pd.DataFrame:
+    """How many detections of a system have scores from `low` to `high`; equally wide bins.
+
+    Returns
+    -------
+    Columns low, high, n; the last bin includes its upper end. Detections without a finite score
+    are not counted; without any finite score: no rows.
+
+    Raises
+    ------
+    InputError
+        If there is no such system.
+    """
+    score = dataset.system(system).score
+    score = score[np.isfinite(score)]
+    n, edges = np.histogram(score, bins=bins) if len(score) else (np.empty(0, np.int64), [0.0])
+    return pd.DataFrame({"low": edges[:-1], "high": edges[1:], "n": n}).astype(
+        {"low": "float64", "high": "float64", "n": "int64"}
+    )
+
+
+def _match(dataset: Dataset, system: str, params: Params, *, threshold: float | None) -> Matches:
+    return match_boxes(
+        dataset.truth, dataset.system(system), dataset.frame_columns, threshold=threshold,
+        match=params.match, iou=params.iou, lateral_tolerance=params.lateral_tolerance,
+    )  # fmt: skip
+
+
+def _count_from(score: np.ndarray, thresholds: np.ndarray) -> np.ndarray:
+    """Number of scores at or above each threshold; int64."""
+    n_from: np.ndarray = len(score) - np.searchsorted(np.sort(score), thresholds, side="left")
+    return n_from.astype(np.int64)
+
+
+def _rates(dataset: Dataset, n_alarms: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """False alarms per frame and per minute."""
+    n_frames, duration_s = len(dataset.frames), dataset.frame_columns.duration_s
+    nothing = np.full(len(n_alarms), np.nan)
+    return (
+        n_alarms / n_frames if n_frames else nothing,
+        n_alarms / duration_s * 60 if duration_s else nothing,
+    )

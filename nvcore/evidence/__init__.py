@@ -1,0 +1,1 @@
+"""More than chance? Units, intervals, paired tests, groups."""

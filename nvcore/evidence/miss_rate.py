@@ -1,0 +1,159 @@
+"""The log-average miss rate from sums over units, so that its difference can be tested."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+
+from nvcore.comparison import Result
+from nvcore.detection.curves import Outcomes, detection_outcomes
+from nvcore.detection.filtered_truth import filter_truth
+from nvcore.detection.miss_rate import FPPI_REFERENCES, explain_few, explain_zero
+from nvcore.errors import InputError
+from nvcore.evidence.measures import LOWER, Evidence, UnitFigure, judge_figure
+from nvcore.evidence.units import Units, units_within
+from nvcore.protocols import PROTOCOLS, Protocol
+
+FIGURE: Final = "log_average_miss_rate"
+N_POINTS: Final = 200
+"""Operating points besides the references: a resample finds its own among them."""
+POINT_RANGE: Final = (0.002, 4.0)
+"""False positives per image of these points; the references are 0.01 to 1."""
+
+
+def log_average_miss_rate_figure(
+    result: Result, units: Units, protocol: Protocol = PROTOCOLS["all"]
+) -> UnitFigure | None:
+    """The log-average miss rate for `nvcore.evidence.measures.judge_figure`.
+
+    Each system is counted at the same 200 levels of false positives per image, the nine
+    references among them; a resample or exchange looks up the references among these levels. Over
+    all units the figure is exactly `nvcore.detection.miss_rate.log_average_miss_rate`.
+
+    Returns
+    -------
+    None if a system has detections without a score, or no pedestrian counts.
+
+    References
+    ----------
+    ``docs/detection.md``, log-average miss rate.
+    """
+    made = []
+    for _, system in result.sides:
+        outcomes = detection_outcomes(result.dataset, system.name, result.params, protocol)
+        if np.isnan(outcomes.score).any() or not outcomes.truth.n_truth:
+            return None
+        made.append(_sums(outcomes, units))
+    return UnitFigure(FIGURE, _label(protocol), LOWER, made[0], made[1], statistic=_log_average)
+
+
+def judge_miss_rate(
+    result: Result, units: Units, protocol: Protocol = PROTOCOLS["all"]
+) -> Evidence:
+    """Difference of the log-average miss rate; `note` says why it is undefined or 0.
+
+    Units are those within the recordings that the protocol counts.
+    """
+
+    def undefined(why: str) -> Evidence:
+        return Evidence.undefined(
+            FIGURE, _label(protocol), LOWER, unit=units.kind, n=len(units), note=why
+        )
+
+    try:
+        truth = filter_truth(result.dataset, protocol)
+    except InputError as error:  # no recording has the protocol's tags
+        return undefined(error.message)
+    recordings = np.zeros(len(result.dataset.recordings), dtype=bool)
+    recordings[result.dataset.frame_columns.recording[truth.is_counted]] = True
+    units = units_within(result, units, recordings)
+    figure = log_average_miss_rate_figure(result, units, protocol)
+    if figure is None:
+        return undefined(
+            "the log-average miss rate needs pedestrians that count, and detections with scores"
+        )
+    found = judge_figure(figure, units)
+    sums = (figure.x.sum(axis=0), figure.y.sum(axis=0))
+    notes = [found.note]
+    n_with = np.count_nonzero(figure.x[:, 1])
+    if np.isnan(found.low) and n_with < len(units):
+        notes.append(f"only {n_with} of {len(units)} {units.kind} have pedestrians that count")
+    notes.append(explain_few(int(sums[0][1])))
+    for letter, one in zip("XY", sums, strict=True):
+        why_zero = explain_zero(_rates(one))
+        notes.append(f"log-average miss rate of {letter}: {why_zero}" if why_zero else "")
+    return replace(found, note="; ".join(filter(None, notes)))
+
+
+def _label(protocol: Protocol) -> str:
+    is_plain = protocol == PROTOCOLS["all"]
+    return "log-average miss rate" + ("" if is_plain else f", {protocol.title}")
+
+
+def _levels() -> np.ndarray:
+    """False positives per image at which systems are counted, increasing."""
+    between = np.geomspace(*POINT_RANGE, N_POINTS)
+    return np.union1d(between, FPPI_REFERENCES)
+
+
+def _sums(outcomes: Outcomes, units: Units) -> np.ndarray:
+    """Images, pedestrians, and false and true positives at each level, by unit.
+
+    Shape (n_units, 1 + 1 + 2 * n_levels).
+    """
+    n = len(units)
+    unit = units.unit_of_frame
+    truth = outcomes.truth
+    n_images = np.bincount(unit[truth.is_counted], minlength=n)
+    n_truth = np.bincount(unit[truth.truth.frame_index[truth.counts]], minlength=n)
+    # how many detections, from the highest score, pass at each level: equal scores together
+    fp = np.cumsum(~outcomes.is_match)
+    is_last = np.ones(len(fp), dtype=bool)
+    is_last[:-1] = outcomes.score[1:] != outcomes.score[:-1]
+    ends = np.flatnonzero(is_last)
+    fppi = fp[ends] / max(truth.n_images, 1)
+    last = np.searchsorted(fppi, _levels(), side="right") - 1
+    n_passing = np.where(last < 0, 0, ends[np.maximum(last, 0)] + 1) if len(ends) else 0 * last
+    level = np.searchsorted(n_passing, np.arange(len(fp)), side="right")  # the first to count it
+    of_unit = unit[outcomes.frame_index]
+    counts = []
+    for is_it in (~outcomes.is_match, outcomes.is_match):
+        first = np.zeros((n, len(n_passing) + 1))
+        np.add.at(first, (of_unit[is_it], level[is_it]), 1)
+        counts.append(np.cumsum(first[:, :-1], axis=1))
+    return np.column_stack([n_images, n_truth, *counts])
+
+
+def _log_average(sums: np.ndarray) -> np.ndarray:
+    """LAMR from such sums, shape (..., columns) to (...); NaN without pedestrians."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        lamr: np.ndarray = np.exp(np.log(_rates(sums)).mean(axis=-1))
+    return np.where(sums[..., 1] > 0, lamr, np.nan)
+
+
+def _rates(sums: np.ndarray) -> np.ndarray:
+    """Miss rates at the references from such sums, shape (..., columns) to (..., 9)."""
+    n_levels = (sums.shape[-1] - 2) // 2
+    fp, tp = sums[..., 2 : 2 + n_levels], sums[..., 2 + n_levels :]
+    most = sums[..., :1] * (FPPI_REFERENCES * (1 + 1e-12))
+    n_within = _count_up_to(fp, most)
+    found = np.take_along_axis(tp, np.maximum(n_within - 1, 0), axis=-1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        rates: np.ndarray = np.maximum(1 - np.where(n_within > 0, found, 0) / sums[..., 1:2], 0)
+    return rates
+
+
+def _count_up_to(values: np.ndarray, limits: np.ndarray) -> np.ndarray:
+    """How many of the values, increasing along the last axis, are at most each limit.
+
+    Shapes (..., n) and (..., m) to (..., m); `np.searchsorted` for many rows at once.
+    """
+    n = values.shape[-1]
+    count = np.zeros(limits.shape, dtype=np.int64)
+    for bit in reversed(range(n.bit_length())):
+        more = count + (1 << bit)
+        at = np.take_along_axis(values, np.minimum(more, n) - 1, axis=-1)
+        count = np.where((more <= n) & (at <= limits), more, count)
+    return count

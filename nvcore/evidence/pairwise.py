@@ -1,0 +1,117 @@
+"""Every two systems of a dataset against each other."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from itertools import combinations
+from typing import Any, Final
+
+import pandas as pd
+
+from nvcore.comparison import Result, compare
+from nvcore.dataset import Dataset
+from nvcore.errors import InputError
+from nvcore.evidence.measures import Evidence, judge_encounters_detected, judge_figure, unit_figures
+from nvcore.evidence.paired_tests import holm
+from nvcore.evidence.units import find_units
+from nvcore.params import Params
+
+COLUMNS: Final = (
+    "x", "y", "n_encounters", "x_only", "y_only", "detected_x", "detected_y", "difference", "low",
+    "high", "odds_ratio", "mcnemar_p", "mcnemar_p_holm", "n_units", "unit", "detected_by_unit_low",
+    "detected_by_unit_high", "detected_by_unit_p", "detected_by_unit_p_holm", "similarity_x",
+    "similarity_y", "similarity_difference", "similarity_low", "similarity_high", "similarity_p",
+    "similarity_p_holm", "note",
+)  # fmt: skip
+CORRECTED: Final = ("mcnemar_p", "detected_by_unit_p", "similarity_p")
+
+
+def pairwise_table(
+    dataset: Dataset,
+    params: Params | None = None,
+    *,
+    systems: Sequence[str] | None = None,
+    thresholds: Mapping[str, float | None] | None = None,
+) -> pd.DataFrame:
+    """Who detects more, and who has the higher similarity, for every two systems.
+
+    Parameters
+    ----------
+    params
+        Settings; the thresholds of X and Y are not used.
+    systems
+        Names, in the order in which they become X and Y; None: all of the dataset.
+    thresholds
+        Score threshold of each system; without one every detection counts.
+
+    Returns
+    -------
+    Columns `COLUMNS`, one row per pair: shares of encounters detected with interval and exact
+    McNemar p; interval and p of the same difference by units (recordings, or blocks of time);
+    mean similarity, 1 is best, with the same. Each kind of p is corrected by Holm over the pairs.
+    All differences are X - Y. What is not given is NaN, and `note` says why.
+
+    Raises
+    ------
+    InputError
+        If there are fewer than two systems, none of a given name, or one twice.
+    """
+    params = params or Params()
+    names = tuple(dataset.systems if systems is None else systems)
+    thresholds = dict(thresholds or {})
+    if len(names) < 2 or len(set(names)) < len(names):
+        raise InputError(
+            "a comparison in pairs needs two systems or more, each once; given: "
+            f"{', '.join(names) or 'none'}"
+        )
+    for name in (*names, *thresholds):
+        dataset.system(name)
+    rows, previous = [], None
+    for x, y in combinations(names, 2):  # a loop over pairs of systems
+        setting = replace(params, threshold_x=thresholds.get(x), threshold_y=thresholds.get(y))
+        previous = compare(dataset, setting, x=x, y=y, previous=previous)
+        rows.append(_row(previous))
+    table = pd.DataFrame(rows)
+    for column in CORRECTED:
+        table[f"{column}_holm"] = holm(table[column].to_numpy())
+    return table[list(COLUMNS)]
+
+
+def _row(result: Result) -> dict[str, Any]:
+    units = find_units(result)
+    figures = {one.figure: one for one in unit_figures(result, units)}
+    split = judge_encounters_detected(result)
+    by_unit = judge_figure(figures["encounters_detected_by_unit"], units)
+    similarity = judge_figure(figures["mean_similarity"], units)
+    return {
+        "x": result.x.name,
+        "y": result.y.name,
+        "n_encounters": result.venn.n_near,
+        "x_only": result.venn.x_only,
+        "y_only": result.venn.y_only,
+        "detected_x": split.x,
+        "detected_y": split.y,
+        "difference": split.difference,
+        "low": split.low,
+        "high": split.high,
+        "odds_ratio": split.effect,
+        "mcnemar_p": split.p,
+        "n_units": len(units),
+        "unit": units.kind,
+        "detected_by_unit_low": by_unit.low,
+        "detected_by_unit_high": by_unit.high,
+        "detected_by_unit_p": by_unit.p,
+        "similarity_x": similarity.x,
+        "similarity_y": similarity.y,
+        "similarity_difference": similarity.difference,
+        "similarity_low": similarity.low,
+        "similarity_high": similarity.high,
+        "similarity_p": similarity.p,
+        "note": _note(split, by_unit, similarity),
+    }
+
+
+def _note(*evidence: Evidence) -> str:
+    notes = (part for one in evidence for part in one.note.split("; "))
+    return "; ".join(part for part in dict.fromkeys(notes) if part)

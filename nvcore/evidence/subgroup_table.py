@@ -1,0 +1,181 @@
+"""The figures of a comparison for parts of it, each with its evidence."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any, Final
+
+import numpy as np
+import pandas as pd
+
+from nvcore.comparison import Result, SystemResult
+from nvcore.dataset import Dataset
+from nvcore.evidence.measures import (
+    Evidence,
+    judge_encounters_detected,
+    judge_figure,
+    unit_figures,
+    with_largest_events,
+)
+from nvcore.evidence.miss_rate import judge_miss_rate
+from nvcore.evidence.paired_tests import holm, mcnemar
+from nvcore.evidence.subgroups import ALL, Subgroup, everyone, find_subgroups
+from nvcore.evidence.units import Units, find_units, units_within
+from nvcore.metrics.venn import count_categories
+from nvcore.protocols import PROTOCOLS, Protocol
+from nvcore.schema import Category
+
+DETECTED: Final = "encounters_detected"
+BY_UNIT: Final = "encounters_detected_by_unit"
+MISS_RATE: Final = "log_average_miss_rate"
+FIGURES: Final = (
+    DETECTED, BY_UNIT, "mean_similarity", "share_low", "saliency",
+    "false_alert_episodes_per_hour", MISS_RATE,
+)  # fmt: skip
+"""Figures that `subgroup_table` knows, by their keys in `nvcore.evidence.table.evidence_table`."""
+NOT_OF_PEDESTRIANS: Final[Mapping[str, str]] = {
+    "mean_similarity": "a frame belongs to no group of pedestrians",
+    "share_low": "a frame belongs to no group of pedestrians",
+    "false_alert_episodes_per_hour": "a false alert belongs to no pedestrian",
+}
+"""Figures that only groups of whole recordings have, and why."""
+
+COLUMNS: Final = (
+    "factor", "group", "figure", "label", "better", "n", "unit", "both", "x_only", "y_only",
+    "neither", "x", "y", "difference", "low", "high", "p", "p_holm", "effect", "effect_name",
+    "odds_low", "odds_high", "method", "note",
+)  # fmt: skip
+
+
+def subgroup_table(
+    result: Result,
+    figures: Sequence[str] = FIGURES,
+    *,
+    protocol: Protocol = PROTOCOLS["all"],
+    units: Units | None = None,
+) -> pd.DataFrame:
+    """Difference X - Y of each figure, for all encounters and for every group of them.
+
+    Ready for forest plots: for each figure one row per group, the first one for all. A group of
+    recordings (a tag) has every figure, from the units within these recordings. Of a group of
+    pedestrians encounters detected are its own; saliency is that of its events, over the
+    recordings with such pedestrians; in the log-average miss rate all others are ignored, and the
+    false positives are those of all frames. Frames and false alerts belong to no such group: their
+    figures are NaN, `note` says so.
+
+    Parameters
+    ----------
+    figures
+        Some of `FIGURES`.
+    protocol
+        Which pedestrians count in the log-average miss rate.
+    units
+        ``find_units(result)``, if known already.
+
+    Returns
+    -------
+    Columns `COLUMNS`: factor, group; both, x_only, y_only, neither: encounters of the group, near
+    ones, by who detects them; odds_low, odds_high: 95 % interval of the odds ratio; p_holm: p
+    corrected for all groups of the same figure (the row of all is not one). The others are
+    attributes of `measures.Evidence`. Groups of several factors overlap, and a tag's
+    with another's.
+
+    References
+    ----------
+    ``docs/significance.md``, groups; ``docs/decisions/032-figures-of-subgroups.md``.
+
+    Examples
+    --------
+    >>> subgroup_table(result, ["saliency"])[["group", "n", "difference"]]  # doctest: +SKIP
+    """
+    units = find_units(result) if units is None else units
+    parts = (everyone(result), *find_subgroups(result))
+    judged = [_judge_part(result, part, figures, units=units, protocol=protocol) for part in parts]
+    tables = []
+    for of_figure in zip(*judged, strict=True):
+        rows = [_row(result, *pair) for pair in zip(parts, of_figure, strict=True)]
+        table = pd.DataFrame(rows)
+        table["label"] = of_figure[0].label  # that of a tag's miss rate would name the tag
+        table["p_holm"] = np.concatenate([[np.nan], holm(table["p"].to_numpy()[1:])])
+        tables.append(table[list(COLUMNS)])
+    return pd.concat(tables, ignore_index=True)
+
+
+def _row(result: Result, part: Subgroup, judged: Evidence) -> dict[str, Any]:
+    venn = count_categories(result.category[part.is_member])
+    counts = venn.counts()
+    odds = (np.nan, np.nan)
+    if judged.figure == DETECTED:
+        found = mcnemar(venn)
+        odds = found.odds_low, found.odds_high
+    return {
+        "factor": part.factor,
+        "group": part.group,
+        **vars(judged),
+        **{name: counts[name] for name in ("both", "x_only", "y_only", "neither")},
+        "odds_low": odds[0],
+        "odds_high": odds[1],
+    }
+
+
+def _judge_part(
+    result: Result, part: Subgroup, figures: Sequence[str], *, units: Units, protocol: Protocol
+) -> list[Evidence]:
+    """The figures of a group, in their order."""
+    narrowed = _narrowed(result, part)
+    within = units_within(result, units, part.recordings)
+    of_units = {one.figure: one for one in unit_figures(narrowed, units)}
+    is_within = part.recordings[units.recording]
+
+    def judge(figure: str) -> Evidence:
+        if figure == DETECTED:
+            split = judge_encounters_detected(narrowed)
+            return split.withheld() if result.is_short else split
+        if figure == MISS_RATE:
+            return _miss_rate(result, part, units, protocol)
+        own = of_units[figure]
+        if figure in NOT_OF_PEDESTRIANS and not part.has_frames:
+            return Evidence.undefined(
+                own.figure, own.label, own.better, unit=units.kind, note=NOT_OF_PEDESTRIANS[figure]
+            )
+        own = replace(own, x=own.x[is_within], y=own.y[is_within])
+        row = judge_figure(own, within)
+        return with_largest_events(narrowed, within, row) if figure == "saliency" else row
+
+    return [judge(figure) for figure in figures]
+
+
+def _narrowed(result: Result, part: Subgroup) -> Result:
+    """The result whose encounters that count, and events, are those of a group."""
+    category = np.where(part.is_member, result.category, Category.DISTANT.value)
+    return replace(
+        result, category=category, venn=count_categories(category),
+        x=_with_events_of(part, result.x), y=_with_events_of(part, result.y),
+    )  # fmt: skip
+
+
+def _with_events_of(part: Subgroup, system: SystemResult) -> SystemResult:
+    if part.has_frames:
+        return system
+    encounter = system.events["encounter"].to_numpy(dtype=np.int64)
+    return replace(system, events=system.events[part.is_member[encounter]])
+
+
+def _miss_rate(result: Result, part: Subgroup, units: Units, protocol: Protocol) -> Evidence:
+    """Log-average miss rate of a group: other pedestrians are ignored."""
+    if part.factor == ALL:
+        return judge_miss_rate(result, units, protocol)
+    if part.has_frames:
+        tagged = replace(protocol, tags=(*protocol.tags, part.group))
+        return judge_miss_rate(result, units, tagged)
+    return judge_miss_rate(replace(result, dataset=_only(result, part)), units, protocol)
+
+
+def _only(result: Result, part: Subgroup) -> Dataset:
+    """The dataset with the pedestrians of all other encounters ignored."""
+    dataset, encounter_of = result.dataset, result.encounters.encounter_of
+    ignore = dataset.boxes["ignore"].to_numpy(dtype=bool, copy=True)
+    is_of_part = np.append(part.is_member, False)[encounter_of]  # -1: in none
+    ignore[: len(encounter_of)] |= ~is_of_part
+    return replace(dataset, boxes=dataset.boxes.assign(ignore=ignore))

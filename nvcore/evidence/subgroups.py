@@ -1,0 +1,116 @@
+"""Parts of the encounters: near and far, centre and edge, occluded, odd poses, recordings' tags."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from nvcore.comparison import Result
+from nvcore.detection.filtered_truth import has_tags, known_tags
+from nvcore.params import MIDPOINT_SHARE
+from nvcore.schema import Category
+
+NEAR_MIDPOINTS: Final = 2.0
+"""Near: the largest box is this many times as high as one that counts half. Height goes with one
+over the distance: at half the distance of the step or closer."""
+CENTRE_OFFSET: Final = 0.5
+"""Centre: on average in the middle half of the picture, where the road is."""
+OCCLUDED_SHARE: Final = 0.5
+"""Occluded: in at least this share of the frames with known occlusion."""
+ODD_POSE_Z: Final = 1.0
+"""Odd pose: the aspect ratio is this many standard deviations or more from the mean."""
+
+ALL: Final = "all"
+TAG: Final = "tag"
+
+
+@dataclass(frozen=True, eq=False)
+class Subgroup:
+    """Some of the encounters.
+
+    Attributes
+    ----------
+    factor, group
+        What encounters are divided by (``distance``, ``place``, ``occlusion``, ``pose``, ``tag``),
+        and the name of the part.
+    is_member
+        Encounters in it, distant ones left out; bool, shape (n_encounters,).
+    recordings
+        Recordings with the tag, or with a member; bool, shape (n_recordings,).
+    """
+
+    factor: str
+    group: str
+    is_member: np.ndarray
+    recordings: np.ndarray
+
+    @property
+    def has_frames(self) -> bool:
+        """Whether it is made of whole recordings, so that frames and false alerts belong to it."""
+        return self.factor in (ALL, TAG)
+
+
+def everyone(result: Result) -> Subgroup:
+    """All encounters that count, and all recordings."""
+    is_near = result.category != Category.DISTANT.value
+    return Subgroup(ALL, ALL, is_near, np.ones(len(result.dataset.recordings), dtype=bool))
+
+
+def find_subgroups(result: Result) -> tuple[Subgroup, ...]:
+    """The parts of the encounters that count; by the ground truth alone, the same for X and Y.
+
+    A factor is left out where the data do not know it (occlusion, tags) or do not divide by it
+    (a part would be empty), and a tag without frames. A recording may have several tags.
+    """
+    encounters, dataset = result.encounters, result.dataset
+    is_near = result.category != Category.DISTANT.value
+    height = dataset.recordings["height"].to_numpy(dtype=float)[encounters.recording]
+    midpoint = result.params.midpoint
+    if midpoint is None or result.params.proximity != "height":
+        half = MIDPOINT_SHARE * height
+    else:
+        half = np.full(len(encounters), midpoint)
+    is_close = encounters.peak_height >= NEAR_MIDPOINTS * half
+    is_central = encounters.lateral_offset < CENTRE_OFFSET
+    occluded, pose = encounters.occluded_share, encounters.aspect_z
+    is_usual = np.abs(pose) < ODD_POSE_Z
+    factors: tuple[tuple[str, dict[str, np.ndarray]], ...] = (
+        ("distance", {"near": is_close, "far": ~is_close}),
+        ("place", {"centre": is_central, "edge": ~is_central}),
+        ("occlusion", {
+            "visible": occluded < OCCLUDED_SHARE,
+            "occluded": occluded >= OCCLUDED_SHARE,
+            "unknown": np.isnan(occluded),
+        }),
+        ("pose", {
+            "usual": is_usual,
+            "wide": pose <= -ODD_POSE_Z,
+            "narrow": pose >= ODD_POSE_Z,
+        }),
+    )  # fmt: skip
+    found = []
+    for factor, groups in factors:
+        parts = [_part(result, factor, name, is_it & is_near) for name, is_it in groups.items()]
+        parts = [part for part in parts if part.is_member.any()]
+        if len(parts) > 1:
+            found += parts
+    return (*found, *_tagged(result, is_near))
+
+
+def _part(result: Result, factor: str, group: str, is_member: np.ndarray) -> Subgroup:
+    n_recordings = len(result.dataset.recordings)
+    members = np.bincount(result.encounters.recording[is_member], minlength=n_recordings)
+    return Subgroup(factor, group, is_member, members > 0)
+
+
+def _tagged(result: Result, is_near: np.ndarray) -> list[Subgroup]:
+    has_frames = np.diff(result.dataset.frame_columns.first) > 0
+    parts = []
+    for tag in known_tags(result.dataset):
+        has_tag = has_tags(result.dataset, (tag,))
+        if (has_tag & has_frames).any():
+            is_member = has_tag[result.encounters.recording] & is_near
+            parts.append(Subgroup(TAG, tag, is_member, has_tag))
+    return parts

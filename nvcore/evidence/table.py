@@ -1,0 +1,50 @@
+"""Every figure with its evidence, as the verdict, the dashboard and the reports show it."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import pandas as pd
+
+from nvcore.comparison import Result
+from nvcore.evidence.measures import Evidence, significance_table
+from nvcore.evidence.miss_rate import judge_miss_rate
+from nvcore.evidence.units import Units, find_units
+from nvcore.protocols import PROTOCOLS, Protocol
+
+FORMS: Final = {
+    "encounters_detected": ".1%",
+    "encounters_detected_by_unit": ".1%",
+    "mean_similarity": ".4f",
+    "share_low": ".1%",
+    "saliency": ".2f",
+    "false_alert_episodes_per_hour": ".1f",
+    "log_average_miss_rate": ".1%",
+}
+"""Python's formats of the figures, by their keys."""
+
+
+def evidence_table(
+    result: Result,
+    protocol: Protocol = PROTOCOLS["all"],
+    *,
+    units: Units | None = None,
+    miss_rate: Evidence | None = None,
+) -> pd.DataFrame:
+    """`nvcore.evidence.measures.significance_table` with the log-average miss rate as its last row.
+
+    Parameters
+    ----------
+    protocol
+        Which pedestrians count in the log-average miss rate.
+    units, miss_rate
+        ``find_units(result)``, and ``judge_miss_rate(result, units, protocol)``, if known already.
+
+    Examples
+    --------
+    >>> evidence_table(result)[["label", "difference", "p_holm"]]  # doctest: +SKIP
+    """
+    units = find_units(result) if units is None else units
+    if miss_rate is None:
+        miss_rate = judge_miss_rate(result, units, protocol)
+    return significance_table(result, [miss_rate], units=units)

@@ -1,0 +1,1 @@
+"""From paths or a session file to a Dataset, and back to files."""

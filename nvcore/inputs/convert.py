@@ -1,0 +1,352 @@
+"""Readings written as plain CSV, COCO or MOTChallenge text, for ``nvcore convert``."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+import pandas as pd
+import tomli_w
+
+from nvcore.csv_text import to_csv_bytes
+from nvcore.errors import InputError, UnknownFormatError
+from nvcore.inputs.evaluated_frames import own_frames
+from nvcore.inputs.readers.base import Reading, Role
+from nvcore.schema import NO_TRACK, UNKNOWN_OCCLUSION
+
+FORMATS: Final = ("csv", "coco", "mot")
+"""What `write` can write."""
+
+CSV_COLUMNS: Final = (
+    "recording", "frame", "x", "y", "w", "h", "score", "track", "ignore", "distance_m",
+    "occlusion",
+)  # fmt: skip
+
+VISIBLE_SHARE: Final = {0: 1.0, 1: 0.8, 2: 0.4, UNKNOWN_OCCLUSION: -1.0}
+"""MOTChallenge's visibility for each level of occlusion, read back as the same level."""
+
+
+def write(
+    reading: Reading,
+    format_name: str,
+    path: Path,
+    *,
+    role: Role,
+    images: pd.DataFrame | None = None,
+    inputs: Sequence[Path] = (),
+    force: bool = False,
+) -> list[Path]:
+    """Write a reading to disk.
+
+    Parameters
+    ----------
+    reading
+        What is written; its boxes are in the specification's convention.
+    format_name
+        ``csv`` keeps everything but the list of evaluated frames and the sizes. ``coco`` keeps
+        those of the truth, too; boxes without coordinates it cannot hold. ``mot`` has no distances
+        and no frame list.
+    path
+        File to write; for ``mot`` with several recordings a folder of one file per recording.
+    role
+        Whether the reading is truth or detections.
+    images
+        The truth's image list (recording, frame, image_id), for COCO results: detections then
+        name their image by its id. Without it by recording and frame, as a file name.
+    inputs
+        Files that are never written over.
+    force
+        Whether other files that exist are replaced.
+
+    Returns
+    -------
+    list of Path
+        The files that were written.
+
+    Raises
+    ------
+    UnknownFormatError
+        If no writer has the name.
+    InputError
+        If a file cannot be written or exists, or the format cannot hold what is to be written.
+    """
+    if format_name == "csv":
+        contents = {path: _csv(reading, role)}
+    elif format_name == "coco":
+        contents = {path: _coco(reading, role, images)}
+    elif format_name == "mot":
+        contents = _mot(reading, path, role)
+    else:
+        raise UnknownFormatError(
+            f"{format_name!r} cannot be written; the formats to write are {', '.join(FORMATS)}"
+        )
+    return _write_files(contents, inputs, force)
+
+
+def write_frame_lists(
+    frames: Mapping[str, np.ndarray],
+    path: Path,
+    *,
+    inputs: Sequence[Path] = (),
+    force: bool = False,
+) -> list[Path]:
+    """Write evaluated frames as the text files that ``--frames`` reads: one number a line.
+
+    Parameters
+    ----------
+    frames
+        Frame numbers by recording.
+    path
+        File to write, if all recordings have the same frames. Else a folder of one file per
+        recording and ``recordings.toml``, the part of a session file that names them.
+    inputs, force
+        See `write`.
+
+    Returns
+    -------
+    list of Path
+        The files that were written, ``recordings.toml`` last.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be written or exists, or there is no frame.
+    """
+    if not frames:
+        raise InputError("there is no frame to list: the ground truth holds no box", file=path)
+    texts = {name: "".join(f"{number}\n" for number in listed) for name, listed in frames.items()}
+    if len(set(texts.values())) == 1:
+        return _write_files({path: next(iter(texts.values())).encode()}, inputs, force)
+    contents, tables = {}, []
+    for name, file_name in zip(texts, _safe_names(list(texts)), strict=True):
+        contents[path / f"{file_name}.txt"] = texts[name].encode()
+        facts = tomli_w.dumps({"name": name, "frames": f"{file_name}.txt"})
+        tables.append(f"[[recording]]\n{facts}")
+    contents[path / "recordings.toml"] = "\n".join(tables).encode()
+    return _write_files(contents, inputs, force)
+
+
+def _write_files(contents: dict[Path, bytes], inputs: Sequence[Path], force: bool) -> list[Path]:
+    """Write all of them, or none if one must not be written over."""
+    for target in contents:
+        if not target.is_file():
+            continue
+        if any(one.is_file() and target.samefile(one) for one in inputs):
+            raise InputError("is the input; give another file to write", file=target)
+        if not force:
+            raise InputError("exists; give another file to write, or --force", file=target)
+    for target, content in contents.items():
+        try:
+            target.parent.mkdir(parents=True, exist_ok=True)
+            target.write_bytes(content)
+        except OSError as error:
+            raise InputError(f"cannot be written ({error.strerror})", file=target) from error
+    return list(contents)
+
+
+def _csv(reading: Reading, role: Role) -> bytes:
+    left_aside = "score" if role == "truth" else "ignore"
+    table = reading.boxes[[name for name in CSV_COLUMNS if name != left_aside]]
+    return to_csv_bytes(
+        table.assign(
+            track=table["track"].astype("Int64").mask(table["track"] == NO_TRACK),
+            occlusion=table["occlusion"]
+            .astype("Int64")
+            .mask(table["occlusion"] == UNKNOWN_OCCLUSION),
+        ),
+        digits=None,
+    )
+
+
+def _coco(reading: Reading, role: Role, images: pd.DataFrame | None) -> bytes:
+    boxes = reading.boxes
+    sides = boxes[["x", "y", "w", "h"]].to_numpy()
+    has_gap = ~np.isfinite(sides).all(axis=1)
+    if has_gap.any():
+        first = boxes[has_gap].iloc[0]
+        raise InputError(
+            f"COCO cannot hold boxes without finite coordinates; there are {int(has_gap.sum())}, "
+            f"the first in frame {first['frame']} of {first['recording']} (line {first['line']}); "
+            "mend them, or write csv"
+        )
+    if role == "truth":
+        document: object = _coco_truth(reading, sides)
+    else:
+        document = _coco_results(reading, sides, images)
+    return (json.dumps(document, allow_nan=False) + "\n").encode()
+
+
+def _coco_truth(reading: Reading, sides: np.ndarray) -> dict[str, object]:
+    boxes = reading.boxes
+    images = _image_list(reading)
+    videos = {name: number for number, name in enumerate(images["recording"].unique(), 1)}
+    facts = reading.recordings.set_index("name")
+    entries = []
+    for recording, frame, image_id in images[["recording", "frame", "image_id"]].itertuples(
+        index=False, name=None
+    ):
+        entry = {
+            "id": image_id,
+            "file_name": _file_name(recording, frame),
+            "video_id": videos[recording],
+            "frame_index": frame,
+        }
+        entries.append(entry | _known(facts, recording, ("width", "height")))
+    ids = _ids(boxes, images)
+    rows = []
+    # one object a box is what JSON wants: a loop
+    for number, (image_id, box, ignore, track, distance, occlusion) in enumerate(
+        zip(
+            ids,
+            sides.tolist(),
+            boxes["ignore"].tolist(),
+            boxes["track"].tolist(),
+            boxes["distance_m"].tolist(),
+            boxes["occlusion"].tolist(),
+            strict=True,
+        ),
+        1,  # id 0 counts as "no match" in COCO's own evaluation
+    ):
+        row = {
+            "id": number, "image_id": image_id, "category_id": 1, "bbox": box,
+            "area": box[2] * box[3], "iscrowd": 0, "ignore": int(ignore),
+        }  # fmt: skip
+        if track != NO_TRACK:
+            row["track_id"] = track
+        if np.isfinite(distance):
+            row["distance_m"] = distance
+        if occlusion != UNKNOWN_OCCLUSION:
+            row["occlusion"] = occlusion
+        rows.append(row)
+    return {
+        "videos": [
+            {"id": number, "name": name} | _known(facts, name, ("width", "height", "fps"))
+            for name, number in videos.items()
+        ],
+        "images": entries,
+        "annotations": rows,
+        "categories": [{"id": 1, "name": "person"}],
+    }
+
+
+def _coco_results(
+    reading: Reading, sides: np.ndarray, images: pd.DataFrame | None
+) -> list[dict[str, object]]:
+    boxes = reading.boxes
+    if images is not None:
+        key, places = "image_id", _ids(boxes, images)
+    else:
+        key = "image_filepath"
+        names = zip(boxes["recording"].tolist(), boxes["frame"].tolist(), strict=True)
+        places = [_file_name(recording, frame) for recording, frame in names]
+    rows = []
+    # one object a box is what JSON wants: a loop
+    for place, box, score, track in zip(
+        places, sides.tolist(), boxes["score"].tolist(), boxes["track"].tolist(), strict=True
+    ):
+        row: dict[str, object] = {key: place, "category_id": 1, "bbox": box}
+        if np.isfinite(score):
+            row["score"] = score
+        if track != NO_TRACK:
+            row["track_id"] = track
+        rows.append(row)
+    return rows
+
+
+def _image_list(reading: Reading) -> pd.DataFrame:
+    """The evaluated images, numbered from 1 where the reading has no numbers of its own."""
+    images = reading.images
+    if images is None:
+        told = own_frames(reading, reading.recordings["name"])
+        images = pd.concat(
+            [
+                pd.DataFrame({"recording": name, "frame": frames}).astype({"recording": object})
+                for name, (frames, _) in told.items()
+            ]
+            or [pd.DataFrame({"recording": [], "frame": []})],
+            ignore_index=True,
+        )
+    elif not images["image_id"].duplicated().any():
+        return images
+    return images.assign(image_id=np.arange(1, len(images) + 1))
+
+
+def _ids(boxes: pd.DataFrame, images: pd.DataFrame) -> list[object]:
+    """Image id of every box."""
+    keys = ["recording", "frame"]
+    listed = images[[*keys, "image_id"]]
+    found = boxes[keys].merge(listed.astype({"image_id": object}), how="left", on=keys)["image_id"]
+    unknown = found.isna().to_numpy()
+    if unknown.any():
+        first = boxes[unknown].iloc[0]
+        raise InputError(
+            f"{int(unknown.sum())} boxes are in frames that the image list does not have, the "
+            f"first in frame {first['frame']} of {first['recording']}; give the truth "
+            "that they belong to"
+        )
+    return found.tolist()
+
+
+def _file_name(recording: str, frame: int) -> str:
+    return f"{recording}/{frame:06d}.png"
+
+
+def _known(facts: pd.DataFrame, recording: str, names: tuple[str, ...]) -> dict[str, object]:
+    """What is known of a recording, whole numbers as such."""
+    if recording not in facts.index:
+        return {}
+    values = facts.loc[recording, list(names)].to_numpy(dtype=float).tolist()
+    return {
+        name: int(value) if value.is_integer() else value
+        for name, value in zip(names, values, strict=True)
+        if np.isfinite(value)
+    }
+
+
+def _mot(reading: Reading, path: Path, role: Role) -> dict[Path, bytes]:
+    boxes = reading.boxes
+    columns: dict[str, object] = {
+        "frame": boxes["frame"],
+        "id": boxes["track"],
+        "left": boxes["x"] + 1,
+        "top": boxes["y"] + 1,
+        "width": boxes["w"],
+        "height": boxes["h"],
+    }
+    if role == "truth":
+        columns["conf"] = (~boxes["ignore"]).astype(np.int64)
+        columns["class"] = 1
+        columns["visibility"] = boxes["occlusion"].map(VISIBLE_SHARE)
+    else:
+        has_scores = bool(boxes["score"].notna().any())
+        columns["conf"] = boxes["score"] if has_scores else -1
+        columns |= {"x": -1, "y": -1, "z": -1}
+    table = pd.DataFrame(columns, index=boxes.index)
+    names = reading.recordings["name"].tolist()
+    if len(names) <= 1:
+        return {path: to_csv_bytes(table, digits=None, header=False, missing="nan")}
+    files = {}
+    for name, file_name in zip(names, _safe_names(names), strict=True):
+        rows = table[(boxes["recording"] == name).to_numpy()]
+        files[path / f"{file_name}.txt"] = to_csv_bytes(
+            rows, digits=None, header=False, missing="nan"
+        )
+    return files
+
+
+def _safe_names(names: list[str]) -> list[str]:
+    """File names of recordings: no folders, no hidden files, no two the same."""
+    taken: set[str] = set()
+    safe = []
+    for name in names:
+        plain = re.sub(r"[^A-Za-z0-9._-]+", "_", name).lstrip(".") or "recording"
+        candidate, number = plain, 2
+        while candidate.lower() in taken:
+            candidate, number = f"{plain}_{number}", number + 1
+        taken.add(candidate.lower())
+        safe.append(candidate)
+    return safe

@@ -1,0 +1,197 @@
+"""Which frames of a recording are evaluated, and why."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+import pandas as pd
+
+from nvcore.errors import FormatError, InputError, MissingFactError
+from nvcore.inputs.readers.base import Reading
+from nvcore.inputs.readers.meaning.seqinfo import MAX_FRAMES
+from nvcore.inputs.session import is_frame_range
+
+MIN_SAMPLED: Final = 8
+"""Annotated frames from which a common step between them is taken for regular sampling."""
+
+
+def parse_frames(text: str, folder: Path) -> np.ndarray:
+    """Frame numbers from ``first:last``, ``first:last:step``, or a file with one number a line.
+
+    Returns
+    -------
+    Sorted, unique, int64.
+
+    Raises
+    ------
+    InputError
+        If the range is empty or too long, or the file cannot be opened.
+    FormatError
+        With the line that is no whole number.
+    """
+    if is_frame_range(text):
+        first, last, step = ([int(part) for part in text.split(":")] + [1])[:3]
+        if step < 1 or last < first:
+            raise InputError(
+                f"frames {text!r}: expected first:last[:step] with last >= first and step >= 1"
+            )
+        if (last - first) // step >= MAX_FRAMES:
+            raise InputError(f"frames {text!r}: expected at most {MAX_FRAMES} frames")
+        return np.arange(first, last + 1, step)
+    path = folder / text
+    try:
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
+    except (OSError, ValueError) as error:  # ValueError: not UTF-8, or a name that cannot be
+        reason = getattr(error, "strerror", None) or "not UTF-8 text"
+        raise InputError(
+            "cannot be read as a frame list; expected first:last[:step], or a text file with one "
+            f"frame number a line ({reason})",
+            file=text,
+        ) from error
+    numbers = []
+    for number, line in enumerate(lines, 1):
+        if not line.strip():
+            continue
+        if re.fullmatch(r"\s*-?\d{1,15}\s*", line) is None:
+            raise FormatError(
+                f"expected a frame number, found {line[:40]!r}", file=path.name, line=number
+            )
+        numbers.append(int(line))
+    if not numbers:
+        raise InputError("holds no frame number", file=text)
+    return np.unique(np.array(numbers, dtype=np.int64))
+
+
+def nth(step: int) -> str:
+    """The step as an ordinal number: ``2nd``, ``20th``."""
+    ending = {1: "st", 2: "nd", 3: "rd"}.get(step % 10 if step // 10 % 10 != 1 else 0, "th")
+    return f"{step}{ending}"
+
+
+def infer_frames(annotated: np.ndarray) -> tuple[np.ndarray, str]:
+    """Evaluated frames of a recording from the frames that have truth, and the reason.
+
+    Every frame from the first to the last annotated one; or every n-th, where all annotated
+    frames lie a multiple of n apart (n > 1, at least `MIN_SAMPLED` of them).
+
+    Parameters
+    ----------
+    annotated
+        Frame numbers with truth, ignored boxes included; sorted, unique, not empty.
+
+    Raises
+    ------
+    MissingFactError
+        If that would be more frames than any recording has.
+    """
+    first, last = int(annotated[0]), int(annotated[-1])
+    step = int(np.gcd.reduce(np.diff(annotated))) if len(annotated) >= MIN_SAMPLED else 1
+    if (last - first) // step >= MAX_FRAMES:
+        raise MissingFactError(
+            f"the truth reaches from frame {first} to {last}, more than {MAX_FRAMES} frames; "
+            "correct the frame numbers, or give the evaluated frames with --frames",
+            facts=("frames",),
+        )
+    if step > 1:
+        reason = (
+            f"every {nth(step)} frame from {first} to {last}: annotation is sampled at that step"
+        )
+        return np.arange(first, last + 1, step), reason
+    return np.arange(
+        first, last + 1
+    ), f"every frame from the first to the last annotated, {first} to {last}"
+
+
+def own_frames(truth: Reading, names: Iterable[str]) -> dict[str, tuple[np.ndarray, str]]:
+    """Evaluated frames of recordings as the ground truth tells them, and the reason in words.
+
+    Parameters
+    ----------
+    truth
+        The ground truth.
+    names
+        The recordings that are asked for.
+
+    Returns
+    -------
+    dict
+        By recording: frame numbers, sorted, unique, int64; none where nothing is known of them.
+
+    Raises
+    ------
+    MissingFactError
+        If that would be more frames than any recording has.
+    """
+    annotated = _by_recording(truth.boxes if truth.annotated is None else truth.annotated)
+    imaged = {} if truth.images is None else _by_recording(truth.images)
+    told: dict[str, tuple[np.ndarray, str]] = {}
+    for name in names:
+        if name in imaged:
+            told[name] = imaged[name], "those that the ground truth lists"
+        elif name in annotated:
+            told[name] = infer_frames(annotated[name])
+        else:
+            told[name] = np.empty(0, np.int64), "no frame is known; recording left out"
+    return told
+
+
+@dataclass(frozen=True)
+class LostFrames:
+    """What boxes without a frame list do not tell of the evaluated frames.
+
+    Attributes
+    ----------
+    frames
+        Evaluated frames by recording; those of which none is known are left out.
+    n_frames
+        How many these are.
+    n_empty
+        How many of them have no box.
+    n_again
+        How many frames would be evaluated if only the boxes were read.
+    is_same
+        Whether these would be the same.
+    """
+
+    frames: dict[str, np.ndarray]
+    n_frames: int
+    n_empty: int
+    n_again: int
+    is_same: bool
+
+
+def frames_lost_without_list(truth: Reading) -> LostFrames:
+    """What becomes of the evaluated frames in a format that has boxes, but no list of frames.
+
+    Raises
+    ------
+    MissingFactError
+        See `own_frames`.
+    """
+    told = own_frames(truth, truth.recordings["name"])
+    boxed = _by_recording(truth.boxes)
+    nothing = np.empty(0, np.int64)
+    again = {name: infer_frames(boxed[name])[0] if name in boxed else nothing for name in told}
+    frames = {name: listed for name, (listed, _) in told.items() if len(listed)}
+    return LostFrames(
+        frames,
+        n_frames=sum(map(len, frames.values())),
+        n_empty=sum(
+            len(np.setdiff1d(listed, boxed.get(name, nothing))) for name, listed in frames.items()
+        ),
+        n_again=sum(map(len, again.values())),
+        is_same=all(np.array_equal(told[name][0], again[name]) for name in told),
+    )
+
+
+def _by_recording(table: pd.DataFrame) -> dict[str, np.ndarray]:
+    """Frame numbers, sorted and unique, of every recording of a table."""
+    return {
+        str(name): np.unique(group.to_numpy(dtype=np.int64))
+        for name, group in table.groupby("recording", sort=False)["frame"]
+    }

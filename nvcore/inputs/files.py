@@ -1,0 +1,244 @@
+"""From the paths of a session to the files that are read."""
+
+from __future__ import annotations
+
+import glob
+import hashlib
+import os
+import re
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Final
+
+from nvcore.errors import InputError
+from nvcore.inputs.readers import NOTHING, detect_format, format_named, holds_nothing
+from nvcore.inputs.readers.base import Format, Role, SourceFile
+from nvcore.inputs.readers.meaning.names import NEUTRAL
+from nvcore.inputs.session import Source
+
+NAME_PARTS = 3
+"""How many parts of a path a file is shown by: enough for recording/gt/gt.txt."""
+
+EMPTY_TRUTH: Final = (
+    "the file is empty; expected ground truth with at least one box: is it the right file?"
+)
+EMPTY_DOCUMENT: Final = (
+    "the file is empty; expected detections. A system that detected nothing has an empty text or "
+    "CSV file, or an empty list ([]) in a JSON file"
+)
+
+FRAME_LIST: Final = (
+    "found a whole number on every line, as in a list of evaluated frames: it belongs in the field "
+    "“Evaluated frames” (on the command line: --frames)"
+)
+HEAD_BYTES: Final = 4096
+"""What of a file is looked at to tell a list of frames."""
+
+
+def find_files(source: Source, folder: Path, role: Role) -> tuple[list[SourceFile], Format]:
+    """Files of a source and their format.
+
+    A path is a file, a glob, or a folder. In a folder with MOTChallenge's layout those are
+    ``*/gt/gt.txt`` (truth) or ``*/det/det.txt`` (detections); in any other all files below it
+    whose ending belongs to the format. Detection files that are all empty are read by `NOTHING`,
+    whatever format is named: the system detected nothing.
+
+    Raises
+    ------
+    InputError
+        If nothing is there, or the ground truth is empty.
+    UnknownFormatError
+        If the format cannot be told.
+    """
+    named = None if source.format is None else format_named(source.format)
+    found: list[SourceFile] = []
+    for text in source.path:
+        found += _expand(text, folder, role, named)
+    for file in found:
+        _check_name(file.path)
+    unique = {file.path: file for file in found}
+    files = list(unique.values())
+    if named is not None and role not in named.roles:
+        advice = "" if role == "detections" else "; they hold detections"
+        raise InputError(f"{named.title} files hold no {role}{advice}", file=source.path[0])
+    if holds_nothing(files):
+        if role == "truth":
+            raise InputError(EMPTY_TRUTH, file=files[0].name)
+        if files[0].path.suffix.lower() in (".json", ".xml"):
+            raise InputError(EMPTY_DOCUMENT, file=files[0].name)
+        return files, NOTHING
+    if named is None and _is_frame_list(files):
+        expected = "ground truth" if role == "truth" else "the detections of a system"
+        raise InputError(f"expected {expected}, {FRAME_LIST}", file=files[0].name)
+    chosen = named if named is not None else detect_format(files, role)
+    # beside what a folder or glob brings along, a file that was named is always read
+    stated = {folder / text for text in source.path}
+    kept = [
+        file for file in files if file.path in stated or file.path.suffix.lower() in chosen.suffixes
+    ]
+    # a seqinfo.ini sent along is read as what it is: facts about the recording beside it
+    kept = [file for file in kept if file.path.name.lower() != "seqinfo.ini"] or kept
+    return kept or files, chosen
+
+
+def _is_frame_list(files: Sequence[SourceFile]) -> bool:
+    """Whether the only file begins with lines of one whole number each."""
+    if len(files) != 1:
+        return False
+    try:
+        with files[0].path.open("rb") as stream:
+            head = stream.read(HEAD_BYTES)
+    except OSError:  # told when it is read
+        return False
+    lines = head.removeprefix(b"\xef\xbb\xbf").splitlines()
+    if len(head) == HEAD_BYTES:
+        lines = lines[:-1]  # cut off
+    lines = [line for line in lines if line.strip()]
+    return bool(lines) and all(re.fullmatch(rb"\s*-?\d{1,15}\s*", line) for line in lines)
+
+
+def _expand(text: str, folder: Path, role: Role, named: Format | None) -> list[SourceFile]:
+    path = folder / text
+    try:
+        is_folder, is_file = path.is_dir(), path.is_file()
+    except OSError as error:  # a name that is too long, a folder that may not be looked into
+        raise InputError(f"cannot be opened ({error.strerror})", file=text) from error
+    if is_folder:
+        return _in_folder(path, text, role, named)
+    if is_file:
+        return [SourceFile(path, _shown(path))]
+    if glob.has_magic(text):
+        # Path.glob takes no absolute pattern
+        names = glob.glob(text, root_dir=folder, recursive=True)  # noqa: PTH207
+        matches = [folder / name for name in sorted(names)]
+        files = [SourceFile(match, _shown(match)) for match in matches if match.is_file()]
+        if files:
+            return files
+        raise InputError("no file matches this pattern", file=text)
+    raise InputError("there is no such file or folder", file=text)
+
+
+def _in_folder(path: Path, text: str, role: Role, named: Format | None) -> list[SourceFile]:
+    pattern = "*/gt/gt.txt" if role == "truth" else "*/det/det.txt"
+    matches = sorted(path.glob(pattern)) or sorted(path.glob(pattern.partition("/")[2]))
+    if matches and (named is None or named.name == "mot"):
+        return [SourceFile(match, _shown(match)) for match in matches]
+    files = [
+        SourceFile(match, match.relative_to(path).as_posix())
+        for match in sorted(path.rglob("*"))
+        if match.is_file()
+        and not any(part.startswith(".") for part in match.relative_to(path).parts)
+    ]
+    readable = (".txt", ".csv", ".json", ".xml", ".tsv")
+    endings = named.suffixes if named is not None else readable
+    files = [file for file in files if file.path.suffix.lower() in endings]
+    notes = ("readme", "license", "classes", "index")
+    files = [f for f in files if f.path.stem.lower() not in notes] or files
+    if not files:
+        raise InputError(
+            f"the folder holds no file that could be {role} (endings: {', '.join(endings)})",
+            file=text,
+        )
+    return files
+
+
+def _shown(path: Path) -> str:
+    # abspath, not resolve: what a link points to may be named by its hash
+    return "/".join(Path(os.path.abspath(path)).parts[-NAME_PARTS:]).replace("//", "/")  # noqa: PTH100
+
+
+def paths_to_show(folder: Path, sources: Iterable[tuple[Source, Role]]) -> dict[str, str]:
+    """Paths of all files that can be pasted into a terminal, by `SourceFile.name`.
+
+    Relative to the current folder for files below it or named by a relative path, else absolute.
+    A name that two files have is left out. For the terminal only: reports hold the names, which
+    are the same wherever they are made.
+    """
+    here = Path.cwd()
+    shown: dict[str, set[str]] = {}
+    for source, role in sources:
+        for text in source.path:
+            try:
+                named = None if source.format is None else format_named(source.format)
+                files = _expand(text, folder, role, named)
+            except InputError:  # told when the files are read
+                continue
+            for file in files:
+                path = Path(os.path.abspath(file.path))  # noqa: PTH100  # as in _shown
+                is_near = path.is_relative_to(here) or not Path(text).is_absolute()
+                near = os.path.relpath(path, here) if is_near else str(path)
+                shown.setdefault(file.name, set()).add(Path(near).as_posix())
+    return {name: paths.pop() for name, paths in shown.items() if len(paths) == 1}
+
+
+def _check_name(path: Path) -> None:
+    try:
+        str(path).encode()
+    except UnicodeEncodeError as error:
+        raise InputError(
+            f"the name of the file or its folder is not UTF-8: {str(path)!r}; rename it"
+        ) from error
+
+
+def system_name(source: Source, recordings: Sequence[str]) -> str:
+    """Name for a system that has none: the part of its path that tells most.
+
+    The part nearest to the file that is neither a neutral word (``det``) nor a recording.
+    """
+    parts = _telling_parts(source, recordings)
+    return parts[0] if parts else Path(source.path[0]).stem
+
+
+def system_names(sources: Sequence[Source], recordings: Sequence[str]) -> list[str]:
+    """Names for systems by their paths, told apart where the paths allow it.
+
+    Each as by `system_name`; where that gives several the same name (``x/out.csv`` and
+    ``y/out.csv``), these are named by the next part of their paths in which they differ; the
+    others keep theirs.
+    """
+    names = [system_name(source, recordings) for source in sources]
+    parts = [_telling_parts(source, recordings) for source in sources]
+    clashing: dict[str, list[int]] = {}
+    for i, name in enumerate(names):
+        clashing.setdefault(name, []).append(i)
+    for same in clashing.values():
+        others = {name for i, name in enumerate(names) if i not in same}
+        deepest = max(len(parts[i]) for i in same) if len(same) > 1 else 0
+        for level in range(1, deepest):
+            raised = [parts[i][min(level, len(parts[i]) - 1)] for i in same if parts[i]]
+            if len({*raised}) == len(same) and not others & {*raised}:
+                for i, name in zip(same, raised, strict=True):
+                    names[i] = name
+                break
+    return names
+
+
+def _telling_parts(source: Source, recordings: Sequence[str]) -> list[str]:
+    """Parts of the path that are neither neutral nor a recording, nearest to the file first."""
+    path = Path(source.path[0])
+    return [
+        part
+        for part in (path.stem, *reversed(path.parts[:-1]))
+        if part.lower() not in NEUTRAL
+        and part not in recordings
+        and part not in ("", "/", ".", "..")
+        and not glob.has_magic(part)
+    ]
+
+
+def digest(files: Sequence[SourceFile]) -> list[str]:
+    """sha256 of every file.
+
+    Raises
+    ------
+    InputError
+        If one cannot be opened.
+    """
+    digests = []
+    for file in files:
+        try:
+            with file.path.open("rb") as stream:
+                digests.append(hashlib.file_digest(stream, "sha256").hexdigest())
+        except OSError as error:
+            raise InputError(f"cannot be opened ({error.strerror})", file=file.name) from error
+    return digests

@@ -1,0 +1,367 @@
+"""From a session to a `Dataset`: find the files, read them, put every box in its frame."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Iterable
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from nvcore.dataset import Dataset, compared_names, dataset_from_tables, without_empty_tags
+from nvcore.errors import MissingFactError
+from nvcore.findings import Finding, Severity
+from nvcore.inputs.evaluated_frames import own_frames, parse_frames
+from nvcore.inputs.files import digest, find_files, system_names
+from nvcore.inputs.readers.base import (
+    Format,
+    Reading,
+    ReadOptions,
+    Role,
+    SourceFile,
+    joined_findings,
+)
+from nvcore.inputs.recordings import NO_BOX, contradicted_facts, describe_recordings
+from nvcore.inputs.session import Session, Source, SystemSource
+from nvcore.params import Params
+
+Progress = Callable[[str], None]
+"""Told what is being done next, in a few words."""
+
+
+@dataclass(frozen=True)
+class _Loaded:
+    """One source, read."""
+
+    subject: str
+    files: list[SourceFile]
+    digests: list[str]
+    format: Format
+    reading: Reading
+
+
+def load(session: Session, *, progress: Progress | None = None) -> Dataset:
+    """Read everything that a session names.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be used; with file and line.
+    MissingFactError
+        If image size, frame rate or truth are needed and unknown; with the flag to give.
+    """
+    tell = progress or (lambda _: None)
+    tell("reading the ground truth")
+    truth = _read(session, session.truth, "truth", "truth", None)
+    names = truth.reading.recordings["name"].tolist()
+    loaded = [truth]
+    told = system_names(session.systems, names)
+    for source, by_path in zip(session.systems, told, strict=True):
+        name = source.name or by_path
+        while name in {one.subject for one in loaded}:
+            name += " (2)"
+        tell(f"reading {name}")
+        system = _read(session, source, name, "detections", truth.reading)
+        loaded.append(_corrected(system, source))
+    tell("placing boxes in frames")
+    return _place(session, _named_by_session(session, loaded))
+
+
+def effective_params(session: Session, dataset: Dataset) -> Params:
+    """The session's parameters with the thresholds of the two compared systems filled in."""
+    thresholds: dict[str | None, float | None] = dict(
+        zip(dataset.systems, (system.threshold for system in session.systems), strict=True)
+    )
+    x, y = compared_systems(session, dataset)
+    params = session.params
+    given_x, given_y = params.threshold_x, params.threshold_y
+    return replace(
+        params,
+        threshold_x=thresholds.get(x) if given_x is None else given_x,
+        threshold_y=thresholds.get(y) if given_y is None else given_y,
+    )
+
+
+def compared_systems(session: Session, dataset: Dataset) -> tuple[str, str | None]:
+    """Names of X and Y: those that the session names, else the first that is left.
+
+    Y is None where there is only one system.
+    """
+    x, y = compared_names(dataset.systems, session.x, session.y)
+    return x or dataset.systems[0], y
+
+
+def read_source(
+    source: Source,
+    *,
+    role: Role,
+    folder: Path | None = None,
+    size: tuple[int, int] | None = None,
+    truth: Reading | None = None,
+) -> Reading:
+    """Read one source by itself, such as for conversion.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be used.
+    """
+    files, chosen = find_files(source, folder or Path.cwd(), role)
+    reading = chosen.read(files, _options(source, role, size, truth))
+    return replace(reading, findings=joined_findings(reading.findings))
+
+
+def _options(
+    source: Source, role: Role, size: tuple[int, int] | None, truth: Reading | None
+) -> ReadOptions:
+    return ReadOptions(
+        role=role,
+        classes=source.classes,
+        size=size,
+        frame_base=source.frame_base,
+        box_base=source.box_base,
+        recordings=() if truth is None else tuple(truth.recordings["name"]),
+        images=None if truth is None else truth.images,
+    )
+
+
+def _read(
+    session: Session, source: Source, subject: str, role: Role, truth: Reading | None
+) -> _Loaded:
+    files, chosen = find_files(source, session.folder, role)
+    size = session.common_size or _common_size(truth)
+    reading = chosen.read(files, _options(source, role, size, truth))
+    if truth is not None:
+        reading = _same_single_recording(reading, truth)
+    reading = replace(
+        reading,
+        findings=joined_findings(replace(finding, subject=subject) for finding in reading.findings),
+    )
+    return _Loaded(subject, files, digest(files), chosen, reading)
+
+
+def _common_size(truth: Reading | None) -> tuple[int, int] | None:
+    """The size of the truth's pictures, where its files give a single one."""
+    if truth is None:
+        return None
+    sizes = truth.recordings[["width", "height"]].drop_duplicates().to_numpy()
+    if len(sizes) != 1 or not np.isfinite(sizes).all():
+        return None
+    return int(sizes[0, 0]), int(sizes[0, 1])
+
+
+def _same_single_recording(reading: Reading, truth: Reading) -> Reading:
+    """One recording on both sides is the same one, whatever the files are called."""
+    theirs, ours = reading.recordings["name"].tolist(), truth.recordings["name"].tolist()
+    if len(theirs) != 1 or len(ours) != 1 or theirs == ours:
+        return reading
+    boxes = reading.boxes.assign(recording=ours[0])
+    recordings = reading.recordings.assign(name=ours[0])
+    note = f"recording {theirs[0]!r} taken for the truth's only recording {ours[0]!r}"
+    return replace(
+        reading,
+        boxes=boxes,
+        recordings=recordings,
+        conversion="; ".join(part for part in (reading.conversion, note) if part),
+    )
+
+
+def _named_by_session(session: Session, loaded: list[_Loaded]) -> list[_Loaded]:
+    """The sources with the only recording called as the session calls it."""
+    told = loaded[0].reading.recordings["name"].tolist()
+    if len(told) != 1 or len(session.recordings) != 1:
+        return loaded
+    old, new = told[0], session.recordings[0].name
+    if any((one.reading.recordings["name"] == new).any() for one in loaded):
+        return loaded  # it is called so already, or a system holds another one of that name
+
+    def renamed(table: pd.DataFrame, column: str = "recording") -> pd.DataFrame:
+        return table.assign(**{column: table[column].where(table[column] != old, new)})
+
+    readings = [
+        replace(
+            one.reading,
+            boxes=renamed(one.reading.boxes),
+            recordings=renamed(one.reading.recordings, "name"),
+            images=None if one.reading.images is None else renamed(one.reading.images),
+            annotated=None if one.reading.annotated is None else renamed(one.reading.annotated),
+        )
+        for one in loaded
+    ]
+    return [replace(one, reading=reading) for one, reading in zip(loaded, readings, strict=True)]
+
+
+def _corrected(system: _Loaded, source: SystemSource) -> _Loaded:
+    """Apply the corrections that the session names for a system."""
+    boxes, facts = system.reading.boxes, []
+    if source.scale != (1, 1):
+        across, down = source.scale
+        factors = {"x": across, "w": across, "y": down, "h": down}
+        boxes = boxes.assign(**{name: boxes[name] * by for name, by in factors.items()})
+        facts.append(f"coordinates scaled by {across:g}, {down:g}")
+    if any(source.offset_px):
+        dx, dy = source.offset_px
+        boxes = boxes.assign(x=boxes["x"] + dx, y=boxes["y"] + dy)
+        facts.append(f"boxes moved by {dx:g}, {dy:g} px")
+    if source.offset_frames:
+        boxes = boxes.assign(frame=boxes["frame"] + source.offset_frames)
+        facts.append(f"frame numbers moved by {source.offset_frames:+d}")
+    if not facts:
+        return system
+    conversion = "; ".join([system.reading.conversion, *facts])
+    return replace(system, reading=replace(system.reading, boxes=boxes, conversion=conversion))
+
+
+def _place(session: Session, loaded: list[_Loaded]) -> Dataset:
+    truth = loaded[0].reading
+    recordings = describe_recordings(session, truth)
+    frames, notes = _frames(session, truth, recordings)
+    keep = [i for i, listed in enumerate(frames) if len(listed)]
+    recordings = recordings.iloc[keep].reset_index(drop=True)
+    frames = [frames[i] for i in keep]
+    tables, left_out, inputs = [], [], []
+    n_files = 0
+    for number, one in enumerate(loaded):
+        boxes = one.reading.boxes.assign(file=one.reading.boxes["file"] + np.int32(n_files))
+        placed, lost = _place_boxes(boxes, recordings["name"], frames)
+        tables.append(placed.assign(source=np.int16(number)))
+        left_out.append(lost.assign(subject=one.subject))
+        inputs.append(
+            pd.DataFrame(
+                {
+                    "subject": one.subject,
+                    "file": [file.name for file in one.files],
+                    "sha256": one.digests,
+                    "format": one.format.name,
+                    "conversion": one.reading.conversion,
+                }
+            )
+        )
+        n_files += len(one.files)
+    all_inputs = pd.concat(inputs, ignore_index=True)
+    findings = [finding for one in loaded for finding in one.reading.findings]
+    findings += _changed_inputs(session, loaded)
+    findings += contradicted_facts(truth, recordings)
+    return dataset_from_tables(
+        recordings,
+        frames,
+        pd.concat(tables, ignore_index=True),
+        [one.subject for one in loaded[1:]],
+        fingerprint=_fingerprint(session, loaded, recordings, frames),
+        inputs=all_inputs,
+        left_out=pd.concat(left_out, ignore_index=True),
+        findings=tuple(findings),
+        notes=tuple(notes),
+    )
+
+
+def source_hashes(dataset: Dataset) -> dict[str, str]:
+    """sha256 of each source (truth or system): over the hashes of its files, in their order."""
+    return {
+        str(subject): _source_hash(group)
+        for subject, group in dataset.inputs.groupby("subject", sort=False)["sha256"]
+    }
+
+
+def _source_hash(digests: Iterable[str]) -> str:
+    return hashlib.sha256("\n".join(digests).encode()).hexdigest()
+
+
+def _changed_inputs(session: Session, loaded: list[_Loaded]) -> list[Finding]:
+    findings = []
+    for one in loaded:
+        now = _source_hash(one.digests)
+        before = session.hashes.get(one.subject)
+        if before is not None and before != now:
+            findings.append(
+                Finding(
+                    Severity.WARNING, "input-changed", one.subject, len(one.files),
+                    "The input has changed since the session file was written.",
+                    "The figures will differ from those of then; find out which files are meant.",
+                    file=one.files[0].name,
+                )
+            )  # fmt: skip
+    return findings
+
+
+def _frames(
+    session: Session, truth: Reading, recordings: pd.DataFrame
+) -> tuple[list[np.ndarray], list[str]]:
+    """Listed frames of every recording, and in words how they were chosen."""
+    facts = {one.name: one.frames for one in session.recordings if one.frames is not None}
+    if len(recordings) == 1 and len(session.recordings) == 1:
+        facts = dict.fromkeys(recordings["name"], *facts.values()) if facts else {}
+    common = None if session.frames is None else parse_frames(session.frames, session.folder)
+    told = own_frames(
+        truth, [] if common is not None else [n for n in recordings["name"] if n not in facts]
+    )
+    frames: list[np.ndarray] = []
+    reasons: dict[str, list[str]] = {}
+    for name in recordings["name"]:
+        if name in facts:
+            listed, reason = parse_frames(facts[name], session.folder), "as the session says"
+        elif common is not None:
+            listed, reason = common, "as given for all recordings"
+        else:
+            listed, reason = told[name]
+        frames.append(listed)
+        reasons.setdefault(reason, []).append(name)
+    counts = dict(zip(recordings["name"], map(len, frames), strict=True))
+    notes = [
+        f"evaluated frames of {names[0] if len(names) == 1 else f'{len(names)} recordings'}: "
+        f"{reason} ({sum(counts[name] for name in names)} in all)"
+        for reason, names in reasons.items()
+    ]
+    if not sum(len(listed) for listed in frames):
+        raise MissingFactError(NO_BOX, file=session.truth.path[0], facts=("frames",))
+    return frames, notes
+
+
+def _place_boxes(
+    boxes: pd.DataFrame, names: pd.Series[str], frames: list[np.ndarray]
+) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """Boxes with their frame_index, and those that have no place, with the reason."""
+    codes = pd.Index(names).get_indexer(pd.Index(boxes["recording"]))
+    # one number per recording and frame; frames outside the list share the places at its ends, so
+    # that a frame number of any size fits
+    before = np.array([listed[0] - 1 for listed in frames])
+    span = np.array([listed[-1] - listed[0] + 3 for listed in frames])
+    start = np.cumsum(span) - span
+    listed = np.concatenate([start[i] + (f - before[i]) for i, f in enumerate(frames)])
+    inside = np.clip(boxes["frame"].to_numpy(), before[codes], (before + span - 1)[codes])
+    key = start[codes] + (inside - before[codes])
+    at = np.searchsorted(listed, key)
+    at = np.minimum(at, len(listed) - 1)
+    is_listed = listed[at] == key
+    size = boxes[["w", "h"]].to_numpy()
+    finite = np.isfinite(boxes[["x", "y", "w", "h"]].to_numpy()).all(axis=1)
+    has_area = (size > 0).all(axis=1)
+    reason = np.select(
+        [codes < 0, ~is_listed, ~finite, ~has_area],
+        ["unknown recording", "frame not listed", "not a number", "no area"],
+        default="",
+    )
+    is_lost = reason != ""
+    placed = boxes.drop(columns=["recording", "frame"]).assign(frame_index=at)[~is_lost]
+    lost = boxes.loc[is_lost, ["recording", "frame", "file", "line"]].assign(
+        reason=reason[is_lost].astype(object)
+    )
+    return placed, lost
+
+
+def _fingerprint(
+    session: Session, loaded: list[_Loaded], recordings: pd.DataFrame, frames: list[np.ndarray]
+) -> str:
+    """sha256 over the input bytes and the reader settings."""
+    digest_ = hashlib.sha256()
+    sources: list[Source] = [session.truth, *session.systems]
+    for one, source in zip(loaded, sources, strict=True):
+        settings = {**asdict(source), "path": None, "format": one.format.name}
+        settings |= {"threshold": None, "name": None}
+        digest_.update(f"{one.subject}\n{one.digests}\n{settings}\n".encode())
+    digest_.update(without_empty_tags(recordings).to_csv(index=False).encode())
+    for listed in frames:
+        digest_.update(listed.astype(np.int64).tobytes())
+    return digest_.hexdigest()

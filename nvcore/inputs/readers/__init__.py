@@ -1,0 +1,162 @@
+"""One reader per file format, and the registry that finds the right one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+from nvcore.errors import InputError, UnknownFormatError
+from nvcore.file_kinds import binary_kind
+from nvcore.inputs.readers.base import (
+    Format,
+    Reading,
+    ReadOptions,
+    Role,
+    SourceFile,
+    reading_boxes,
+    recording_row,
+    recordings_table,
+)
+from nvcore.inputs.readers.caltech.boxes import FORMAT as BBGT
+from nvcore.inputs.readers.caltech.kaist_results import FORMAT as KAIST_RESULTS
+from nvcore.inputs.readers.coco.results import FORMAT as COCO_RESULTS
+from nvcore.inputs.readers.coco.truth import FORMAT as COCO
+from nvcore.inputs.readers.csv import FORMAT as PLAIN_CSV
+from nvcore.inputs.readers.cvat.images import FORMAT as CVAT_IMAGES
+from nvcore.inputs.readers.cvat.video import FORMAT as CVAT_VIDEO
+from nvcore.inputs.readers.kitti.detections import FORMAT as KITTI_DETECTIONS
+from nvcore.inputs.readers.kitti.object import FORMAT as KITTI_OBJECT
+from nvcore.inputs.readers.kitti.tracking import FORMAT as KITTI_TRACKING
+from nvcore.inputs.readers.mot import FORMAT as MOT
+from nvcore.inputs.readers.parse.unknown import describe_foreign
+from nvcore.inputs.readers.voc import FORMAT as VOC
+from nvcore.inputs.readers.yolo import FORMAT as YOLO
+
+FORMATS: Final[tuple[Format, ...]] = (
+    CVAT_VIDEO,
+    CVAT_IMAGES,
+    VOC,
+    COCO,
+    COCO_RESULTS,
+    PLAIN_CSV,
+    BBGT,
+    KITTI_TRACKING,
+    KITTI_OBJECT,
+    KITTI_DETECTIONS,
+    KAIST_RESULTS,
+    MOT,
+    YOLO,
+)
+"""All formats, in the order in which they are asked whether a content is theirs."""
+
+_HOLDS: Final[dict[Role, str]] = {
+    "truth": "ground truth",
+    "detections": "the detections of a system",
+}
+
+
+def _read_nothing(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
+    """No box in any recording of the truth."""
+    what = "empty file" if len(files) == 1 else "empty files"
+    rows = [recording_row(name) for name in options.recordings]
+    return Reading(reading_boxes(0), recordings_table(rows), f"{what}: no detections")
+
+
+NOTHING: Final = Format(
+    name="empty",
+    title="empty",
+    roles=("detections",),
+    suffixes=(),
+    recognise=lambda _name, _head, _role: False,
+    read=_read_nothing,
+)
+"""Empty files of a system that detected nothing, whatever their format; see `holds_nothing`.
+
+It is no member of `FORMATS`: nobody names it.
+"""
+
+HEAD_BYTES: Final = 65_536
+"""How much of a file is looked at to tell its format."""
+
+MAX_LOOKS: Final = 50
+"""How many files are looked at: those of a format with one file a picture may be empty."""
+
+
+def format_named(name: str) -> Format:
+    """The format of a given name.
+
+    Raises
+    ------
+    UnknownFormatError
+        If there is none.
+    """
+    for candidate in FORMATS:
+        if candidate.name == name:
+            return candidate
+    names = ", ".join(sorted(candidate.name for candidate in FORMATS))
+    raise UnknownFormatError(f"there is no format {name!r}; the formats are {names}")
+
+
+def detect_format(files: Sequence[SourceFile], role: Role) -> Format:
+    """The format of some files, told from the content of the first that is not empty.
+
+    Raises
+    ------
+    UnknownFormatError
+        If no reader recognises it, or all are empty.
+    InputError
+        If a file cannot be opened.
+    """
+    for file in files[:MAX_LOOKS]:
+        content = _head(file)
+        head = content.decode("utf-8-sig", errors="replace")
+        if not head.strip():
+            continue
+        for candidate in FORMATS:
+            if role in candidate.roles and candidate.recognise(file.name, head, role):
+                return candidate
+        raise UnknownFormatError(_unknown(file, content, head, role), file=file.name)
+    raise UnknownFormatError(
+        f"the format cannot be told: the first {len(files[:MAX_LOOKS])} files are empty; name it "
+        "with --format",
+        file=files[0].name if files else None,
+    )
+
+
+def holds_nothing(files: Sequence[SourceFile]) -> bool:
+    """Whether all files are empty, but for white space; False where there is no file.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be opened.
+    """
+    return bool(files) and all(not _head(file).strip() for file in files)
+
+
+def _unknown(file: SourceFile, content: bytes, head: str, role: Role) -> str:
+    """What a file is that no format takes in this role, and what to do."""
+    kind = binary_kind(content)
+    if kind is not None:
+        return f"expected {_HOLDS[role]}, found {kind}"
+    other: Role = "detections" if role == "truth" else "truth"
+    for candidate in FORMATS:
+        if role not in candidate.roles and candidate.recognise(file.name, head, other):
+            return f"expected {_HOLDS[role]}, found {candidate.title}, which holds {_HOLDS[other]}"
+    foreign = describe_foreign(file, head, role)
+    if foreign is not None:
+        return f"no reader recognises this as {role}: it is {foreign}"
+    first = head.strip().splitlines()[0][:60]
+    readable = ", ".join(c.name for c in FORMATS if role in c.roles)
+    return (
+        f"no reader recognises this as {role}; it begins with {first!r}. Name the format with "
+        f"--format (one of {readable})"
+    )
+
+
+def _head(file: SourceFile) -> bytes:
+    try:
+        with file.path.open("rb") as stream:
+            return stream.read(HEAD_BYTES)
+    except OSError as error:
+        raise InputError(f"cannot be opened ({error.strerror})", file=file.name) from error

@@ -1,0 +1,1 @@
+"""Caltech and KAIST text files: truth and results."""

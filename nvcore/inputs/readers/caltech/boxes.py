@@ -1,0 +1,142 @@
+"""Caltech and KAIST ground truth as ``bbGt`` text (versions 0 to 3), one file per frame."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from nvcore.findings import Finding
+from nvcore.inputs.readers.base import (
+    Format,
+    Reading,
+    ReadOptions,
+    Role,
+    SourceFile,
+    reading_boxes,
+    recording_row,
+    recordings_table,
+    rows_finding,
+)
+from nvcore.inputs.readers.meaning.classes import ClassRule, choose_classes
+from nvcore.inputs.readers.meaning.names import listed_frames
+from nvcore.inputs.readers.meaning.occlusion import (
+    PARTIAL_OCCLUSION,
+    levels_of_numbers,
+    levels_of_visible_share,
+)
+from nvcore.inputs.readers.parse.text import are_numbers, read_numbers, rows_of_text, stacked
+
+WHAT = "label l t w h occluded vl vt vw vh [ignore [angle]]"
+HEADER = "% bbGt version="
+RULE = ClassRule(
+    counted=("person",),
+    ignored=("people", "person?", "cyclist", "ignore", "__ignore__"),
+    left_out=("person-fa",),
+)
+
+
+def recognise(name: str, head: str, role: Role) -> bool:
+    """Whether the text begins with the bbGt header, or has 10 fields as version 0 has them."""
+    del name
+    if role != "truth":
+        return False
+    if head.removeprefix("\ufeff").startswith(HEADER):
+        return True
+    rows = rows_of_text(head, delimiter=" ")[:20]
+    return bool(rows) and all(
+        len(row) == 10 and not are_numbers(row[:1]) and are_numbers(row[1:]) for row in rows
+    )
+
+
+def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
+    """Read bbGt files, one per frame; a file without boxes is an evaluated frame.
+
+    Boxes are x, y, w, h in pixels already and are kept. `person` counts; `people`, `person?`,
+    `cyclist` and rows with the ignore flag are ignore regions; other labels are left out. The
+    occlusion field is KAIST's level 0, 1, 2, or Caltech's flag, which the visible box makes a
+    level.
+
+    Raises
+    ------
+    InputError
+        If a file name has no frame number, two files are of one frame, or a class is unknown.
+    FormatError
+        With file and line of the first row that is not bbGt.
+    """
+    images = listed_frames(files, options)
+    names = images["recording"].to_numpy()
+    table, file = stacked(
+        [
+            read_numbers(
+                one, n_columns=(10, 11, 12), delimiter=" ", what=WHAT, label_at=0, comment="%"
+            )
+            for one in files
+        ]
+    )
+    label = table.label
+    assert label is not None
+    x, y, w, h, flag, *visible, ign, angle = table.columns
+    choice = choose_classes(label, RULE, options, files=files, file=file, line=table.line)
+    boxes = reading_boxes(
+        len(table),
+        recording=names[file],
+        frame=images["frame"].to_numpy()[file],
+        x=x,
+        y=y,
+        w=w,
+        h=h,
+        ignore=choice.ignore | (np.nan_to_num(ign) != 0),
+        occlusion=_occlusion(flag, (x, y, w, h), visible),
+        file=file,
+        line=table.line,
+    )
+    return Reading(
+        boxes=boxes[choice.keep].reset_index(drop=True),
+        recordings=recordings_table([recording_row(name) for name in dict.fromkeys(names)]),
+        conversion="x, y, w, h in pixels kept as they are; frame numbers from the file names; "
+        f"{choice.fact}; ignore flag kept; occlusion levels kept, Caltech's flag made a level by "
+        f"the visible box (up to {PARTIAL_OCCLUSION:g} hidden = partial)",
+        images=images.sort_values("image_id", ignore_index=True),
+        findings=(*choice.findings, *_rotated(angle, choice.keep, files, file, table.line)),
+    )
+
+
+def _occlusion(
+    flag: np.ndarray, box: Sequence[np.ndarray], visible: Sequence[np.ndarray]
+) -> np.ndarray:
+    """Levels 0, 1, 2; a flag of 1 is partial unless the visible box says that it is heavy."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        share = visible[2] * visible[3] / (box[2] * box[3])
+    is_set = np.any([v != 0 for v in visible], axis=0)
+    # Caltech's labelling tool leaves the visible box equal to the box where nothing is visible
+    is_whole = np.all([v == b for v, b in zip(visible, box, strict=True)], axis=0)
+    is_heavy = is_set & (is_whole | (levels_of_visible_share(share) == 2))
+    return levels_of_numbers(np.where((flag == 1) & is_heavy, 2, flag))
+
+
+def _rotated(
+    angle: np.ndarray,
+    keep: np.ndarray,
+    files: Sequence[SourceFile],
+    file: np.ndarray,
+    line: np.ndarray,
+) -> list[Finding]:
+    return rows_finding(
+        keep & (np.nan_to_num(angle) != 0),
+        "rotated-box",
+        "Boxes with an angle are taken as upright boxes.",
+        "Give upright boxes if the angle matters.",
+        role="truth",
+        place=lambda row: (files[file[row]].name, f"line {line[row]}: angle {angle[row]:g}"),
+    )
+
+
+FORMAT = Format(
+    name="bbgt",
+    title="Caltech/KAIST bbGt text",
+    roles=("truth",),
+    suffixes=(".txt",),
+    recognise=recognise,
+    read=read,
+)

@@ -1,0 +1,1 @@
+"""COCO: truth and results."""

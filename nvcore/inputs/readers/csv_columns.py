@@ -1,0 +1,279 @@
+"""Columns of a CSV file with a header, whatever they are called there."""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import pandas as pd
+import pyarrow as pa
+import pyarrow.compute as pc
+import pyarrow.csv
+
+from nvcore.csv_text import without_safeguard
+from nvcore.errors import FormatError
+from nvcore.inputs.readers.base import Role, SourceFile
+from nvcore.inputs.readers.parse.text import MAX_INTEGER, read_text
+
+SYNONYMS: Final[dict[str, tuple[str, ...]]] = {
+    "frame": (
+        "frame", "video_frame", "frame_number", "frame_no", "frame_nr", "frame_index",
+        "frame_idx", "frame_id", "frameid", "framenumber", "frameindex",
+    ),
+    "x": ("x", "left", "bb_left", "bbox_left", "bbox_x", "xmin", "x_min", "x1", "xtl", "x0"),
+    "y": ("y", "top", "bb_top", "bbox_top", "bbox_y", "ymin", "y_min", "y1", "ytl", "y0"),
+    "w": ("w", "width", "bb_width", "bbox_width", "bbox_w", "box_width"),
+    "h": ("h", "height", "bb_height", "bbox_height", "bbox_h", "box_height"),
+    "right": ("x2", "xmax", "x_max", "right", "xbr", "bb_right", "bbox_right"),
+    "bottom": ("y2", "ymax", "y_max", "bottom", "ybr", "bb_bottom", "bbox_bottom"),
+    "score": ("score", "conf", "confidence", "probability", "prob"),
+    "track": (
+        "track", "track_id", "trackid", "object_id", "target_id", "instance_id", "person_id",
+        "ped_id", "identity", "id",
+    ),
+    "ignore": ("ignore", "ignored", "is_ignore", "dontcare", "dont_care", "iscrowd"),
+    "distance_m": ("distance_m", "distance", "range_m", "range", "dist_m", "dist", "depth_m"),
+    "occlusion": ("occlusion", "occ", "occluded", "occlusion_level"),
+    "recording": (
+        "recording", "recording_id", "sequence", "sequence_name", "sequence_id", "seq", "video",
+        "video_id", "video_name", "clip", "scene",
+    ),
+    "picture": (
+        "image_name", "file_name", "filename", "im_name", "image_path", "image_file", "image",
+        "file", "picture",
+    ),
+    "class": ("class", "class_name", "class_id", "category", "category_id", "label", "type"),
+}  # fmt: skip
+"""Names that a column may have, the plainest first; case and punctuation do not matter."""
+
+NUMBERS = ("frame", "x", "y", "w", "h", "right", "bottom", "score", "distance_m", "occlusion")
+_TEXT = pa.dictionary(pa.int32(), pa.string())
+_MISSING = ["", "nan", "NaN", "NA", "N/A", "null", "None"]
+_TRUE = ["1", "true", "True", "TRUE", "1.0"]
+_FALSE = ["0", "false", "False", "FALSE", "0.0"]
+
+
+@dataclass(frozen=True)
+class Header:
+    """First line of a CSV file.
+
+    Attributes
+    ----------
+    names
+        Columns as the file calls them.
+    delimiter
+        Comma, semicolon or tab.
+    place
+        Index of each column that was recognised, by its name in `SYNONYMS`.
+    """
+
+    names: tuple[str, ...]
+    delimiter: str
+    place: dict[str, int]
+
+    @property
+    def has_box(self) -> bool:
+        """Whether there are all four numbers of a box."""
+        sizes = {"w", "h"} <= self.place.keys() or {"right", "bottom"} <= self.place.keys()
+        return {"x", "y"} <= self.place.keys() and sizes
+
+    @property
+    def has_frame(self) -> bool:
+        """Whether the frame is told: by its number or by the picture's name."""
+        return "frame" in self.place or "picture" in self.place
+
+
+def read_header(line: str) -> Header:
+    """Columns of a header line; the delimiter is the commonest of comma, semicolon and tab."""
+    line = line.rstrip("\r\n")
+    delimiter = max(",;\t", key=line.count)
+    try:
+        fields = next(csv.reader([line], delimiter=delimiter), [])
+    except csv.Error:  # a line of more than 131,072 characters is no header
+        fields = []
+    names = tuple(name.strip() for name in fields)
+    plain = [re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_") for name in names]
+    place = {}
+    for column, synonyms in SYNONYMS.items():
+        places = [plain.index(name) for name in synonyms if name in plain]
+        if places:
+            place[column] = places[0]
+    return Header(names, delimiter, place)
+
+
+def read_columns(
+    file: SourceFile, header: Header, content: bytes, wanted: Sequence[str]
+) -> tuple[pd.DataFrame, np.ndarray, bool]:
+    """The wanted columns: numbers as float64, ignore as bool, the rest as text.
+
+    Parameters
+    ----------
+    file
+        The file, for errors.
+    header
+        Its columns.
+    content
+        The file from its first line on, without byte order mark.
+    wanted
+        Columns to be read, of those in `header.place`.
+
+    Returns
+    -------
+    tuple
+        The columns, the 1-based line of each row (int64), and whether the decimal sign is a comma.
+
+    Raises
+    ------
+    FormatError
+        With the first line that has another number of fields or a field that is no number.
+    """
+    kinds = {name: _kind(name) for name in wanted}
+    table, decimal = None, "."
+    for decimal in (".", ",") if header.delimiter == ";" else (".",):
+        table = _parse(content, header, kinds, decimal)
+        if table is None and "track" in kinds:
+            table = _parse(content, header, {**kinds, "track": _TEXT}, decimal)
+        if table is not None:
+            break
+    if table is None:
+        raise _first_fault(file, header, content, wanted)
+    columns = {name: _column(table[name]) for name in wanted}
+    frame = pd.DataFrame(columns, index=range(table.num_rows))
+    return frame, _lines(content, table.num_rows), decimal == ","
+
+
+def _kind(name: str) -> pa.DataType:
+    if name in (*NUMBERS, "track"):
+        return pa.float64()
+    return pa.bool_() if name == "ignore" else _TEXT
+
+
+def _parse(
+    content: bytes, header: Header, kinds: dict[str, pa.DataType], decimal: str
+) -> pa.Table | None:
+    """The columns by pyarrow, None if a field is not of its kind or a line has other fields."""
+    names = [f"unused {i}" for i in range(len(header.names))]
+    for name in kinds:
+        names[header.place[name]] = name
+    try:
+        table = pyarrow.csv.read_csv(
+            io.BytesIO(content),
+            read_options=pyarrow.csv.ReadOptions(column_names=names, skip_rows=1),
+            parse_options=pyarrow.csv.ParseOptions(delimiter=header.delimiter),
+            convert_options=pyarrow.csv.ConvertOptions(
+                column_types=kinds,
+                include_columns=list(kinds),
+                null_values=_MISSING,
+                strings_can_be_null=False,
+                true_values=_TRUE,
+                false_values=_FALSE,
+                decimal_point=decimal,
+            ),
+        )
+    except pa.ArrowInvalid:
+        return None
+    if "track" in kinds and kinds["track"] != _TEXT:
+        track = table["track"]
+        # numbers that float64 cannot hold are text, as a hash is
+        is_whole = pc.and_(pc.less(pc.abs(track), MAX_INTEGER), pc.equal(track, pc.floor(track)))
+        if not pc.all(pc.fill_null(is_whole, True)).as_py():
+            return None
+    return table
+
+
+def _column(column: pa.ChunkedArray) -> pd.Series:
+    if pa.types.is_boolean(column.type):
+        return pd.Series(pc.fill_null(column, False).to_numpy())
+    if pa.types.is_floating(column.type):
+        return pd.Series(pc.fill_null(column, np.nan).to_numpy())
+    # names repeat: each different one is looked at once
+    coded = column.unify_dictionaries().combine_chunks()
+    unique = np.array(
+        [without_safeguard(text.strip()) for text in coded.dictionary.to_pylist()], dtype=object
+    )
+    codes = coded.indices.to_numpy(zero_copy_only=False)
+    return pd.Series(unique[codes] if len(unique) else np.empty(0, dtype=object), dtype=object)
+
+
+def _lines(content: bytes, n_rows: int) -> np.ndarray:
+    """1-based line of each row; line 1 is the header, empty lines are no rows."""
+    n_lines = content.count(b"\n") + (not content.endswith(b"\n"))
+    if n_lines == n_rows + 1:
+        return np.arange(2, n_rows + 2)
+    filled = [number for number, text in enumerate(content.split(b"\n"), 1) if text.strip()][1:]
+    if len(filled) != n_rows:  # a quoted text over several lines: count the rows
+        return np.arange(2, n_rows + 2)
+    return np.array(filled, dtype=np.int64)
+
+
+def _first_fault(
+    file: SourceFile, header: Header, content: bytes, wanted: Sequence[str]
+) -> FormatError:
+    """Error about the first line that cannot be read; line by line, as there is a fault."""
+    text = content.decode("utf-8", "replace")
+    rows = csv.reader(io.StringIO(text, newline=""), delimiter=header.delimiter)
+    what = header.delimiter.join(header.names)
+    try:
+        for row in rows:
+            if rows.line_num == 1 or not row or row == [""]:
+                continue
+            fault = _fault(row, header, wanted, what)
+            if fault is not None:
+                return FormatError(fault, file=file.name, line=rows.line_num)
+    except csv.Error as error:
+        return FormatError(f"expected CSV: {error}", file=file.name, line=rows.line_num)
+    return FormatError(
+        f"expected CSV with the columns {what}, found lines that cannot be told apart; is there a "
+        "quotation mark too many?",
+        file=file.name,
+    )
+
+
+def _fault(row: list[str], header: Header, wanted: Sequence[str], what: str) -> str | None:
+    """What is wrong with a row, None if nothing is."""
+    if len(row) != len(header.names):
+        return f"expected {len(header.names)} fields ({what}), found {len(row)}"
+    for name in wanted:
+        value = row[header.place[name]].strip()
+        title = header.names[header.place[name]]
+        if name == "ignore" and value not in _MISSING + _TRUE + _FALSE:
+            return f"expected 0, 1, true or false as {title}, found {_shorten(value)}"
+        if name in NUMBERS and value not in _MISSING:
+            try:
+                float(value.replace("_", "?"))  # Python reads 1_000, the fast parser does not
+            except ValueError:
+                return f"expected a number as {title}, found {_shorten(value)}"
+    return None
+
+
+def _shorten(value: str) -> str:
+    return repr(value if len(value) <= 60 else value[:57] + "...")
+
+
+def csv_content(file: SourceFile, *, role: Role) -> bytes:
+    """Content of a CSV file from its header on, without byte order mark, lines ended by LF.
+
+    The empty file of a system that detected nothing becomes one with the header only.
+
+    Raises
+    ------
+    FormatError
+        If it is no UTF-8 text, or ground truth and empty.
+    """
+    text = read_text(file)
+    if "\r" in text:
+        text = text.replace("\r\n", "\n").replace("\r", "\n")
+    if not text.strip():
+        if role == "detections":
+            return b"frame,x,y,w,h\n"
+        raise FormatError(
+            "the file is empty; expected a header line such as frame,x,y,w,h,track (the ground "
+            "truth of a recording without pedestrians has the header only)",
+            file=file.name,
+        )
+    return text.encode()

@@ -1,0 +1,1 @@
+"""CVAT: video and images."""

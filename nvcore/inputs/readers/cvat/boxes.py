@@ -1,0 +1,192 @@
+"""From CVAT's boxes, of videos and of pictures, to a reading."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
+import pandas as pd
+
+from nvcore.findings import Finding, Severity
+from nvcore.inputs.readers.base import Reading, ReadOptions, SourceFile, reading_boxes
+from nvcore.inputs.readers.cvat.xml import CvatFile
+from nvcore.inputs.readers.meaning.categories import concerns_pedestrians, free_labels
+from nvcore.inputs.readers.meaning.classes import choose_classes, name_left_out
+from nvcore.inputs.readers.meaning.occlusion import levels_of_numbers
+
+
+@dataclass(frozen=True)
+class CvatBoxes:
+    """Boxes of one file, one row per visible box, each array of shape (n,).
+
+    Attributes
+    ----------
+    recording, frame, track, label
+        As in `Reading.boxes`; label as in the file.
+    corners
+        x0, y0, x1, y1 of the box before it is rotated, shape (n, 4), px.
+    rotation
+        Clockwise rotation about the middle of the box, degrees.
+    occluded
+        1 occluded, 0 not, NaN unknown.
+    ignore, score, file, line
+        As in `Reading.boxes`.
+    declared
+        Labels that the file declares.
+    n_filled
+        How many of the boxes were filled in between keyframes.
+    """
+
+    recording: np.ndarray
+    frame: np.ndarray
+    track: np.ndarray
+    corners: np.ndarray
+    rotation: np.ndarray
+    label: np.ndarray
+    occluded: np.ndarray
+    ignore: np.ndarray
+    score: np.ndarray
+    file: np.ndarray
+    line: np.ndarray
+    declared: tuple[str, ...] = ()
+    n_filled: int = 0
+
+
+def boxes_reading(
+    tables: Sequence[CvatBoxes],
+    files: Sequence[SourceFile],
+    options: ReadOptions,
+    recordings: pd.DataFrame,
+    images: pd.DataFrame | None,
+    *,
+    facts: Sequence[str],
+    findings: Sequence[Finding],
+) -> Reading:
+    """The reading: classes sorted, rotated boxes made upright, the conversion told."""
+    column = {
+        one.name: np.concatenate([getattr(table, one.name) for table in tables])
+        for one in fields(CvatBoxes)
+        if one.name not in ("declared", "n_filled")
+    }
+    label = column["label"]
+    declared = {name for table in tables for name in table.declared}
+    choice = choose_classes(
+        label,
+        free_labels({*label, *declared}, options),
+        options,
+        files=files,
+        file=column["file"],
+        line=column["line"],
+    )
+    is_truth = options.role == "truth"
+    rotated = choice.keep & (np.nan_to_num(column["rotation"]) != 0)
+    x, y, width, height = _upright(column["corners"], column["rotation"])
+    boxes = reading_boxes(
+        len(label),
+        recording=column["recording"],
+        frame=column["frame"],
+        x=x,
+        y=y,
+        w=width,
+        h=height,
+        score=column["score"],
+        track=column["track"],
+        ignore=(choice.ignore | column["ignore"]) & is_truth,
+        occlusion=levels_of_numbers(column["occluded"]),
+        file=column["file"],
+        line=column["line"],
+    )
+    told = ["corners to width and height (0-based, continuous)", *facts, choice.fact]
+    others = name_left_out(label, choice.keep)
+    told += [others] if others else []
+    if is_truth:
+        told.append("attributes such as ignore or iscrowd = ignore; occluded = partial occlusion")
+    if rotated.any():
+        told.append(f"{rotated.sum()} rotated boxes replaced by the upright box around them")
+    return Reading(
+        boxes=boxes[choice.keep].reset_index(drop=True),
+        recordings=recordings,
+        conversion="; ".join(told),
+        images=images,
+        findings=(*merged(findings), *choice.findings),
+    )
+
+
+def _upright(
+    corners: np.ndarray, rotation: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """x, y, w, h of the upright box around each rotated one."""
+    x0, y0, x1, y1 = corners.T
+    # numbers near the largest float pass through as infinite, the dataset reports them
+    with np.errstate(invalid="ignore", over="ignore"):
+        width, height = x1 - x0, y1 - y0
+        cosine = np.abs(np.cos(np.radians(rotation)))
+        sine = np.abs(np.sin(np.radians(rotation)))
+        wide = width * cosine + height * sine
+        high = width * sine + height * cosine
+        x, y = (x0 + x1 - wide) / 2, (y0 + y1 - high) / 2
+    upright = np.nan_to_num(rotation) == 0
+    return (
+        np.where(upright, x0, x),
+        np.where(upright, y0, y),
+        np.where(upright, width, wide),
+        np.where(upright, height, high),
+    )
+
+
+def oddity(
+    code: str,
+    count: int,
+    message: str,
+    advice: str,
+    file: str,
+    options: ReadOptions,
+    example: str,
+) -> Finding:
+    """A warning about the annotations."""
+    return Finding(
+        severity=Severity.WARNING,
+        code=code,
+        subject=options.role,
+        count=count,
+        message=message,
+        advice=advice,
+        file=file,
+        example=example,
+    )
+
+
+def other_shapes(content: CvatFile, file: SourceFile, options: ReadOptions) -> list[Finding]:
+    """Pedestrians that were drawn as anything but a box."""
+    shapes = [one for one in content.other_shapes if concerns_pedestrians(one[1], options)]
+    if not shapes:
+        return []
+    kinds = Counter(kind for kind, _, _ in shapes)
+    listed = ", ".join(sorted(kinds))
+    kind, label, line = shapes[0]
+    return [
+        oddity(
+            "no-box",
+            len(shapes),
+            f"Pedestrians drawn as {listed} are not boxes and were left out.",
+            "Convert them to boxes in CVAT and export again.",
+            file.name,
+            options,
+            f"line {line}: {kind} of {label}",
+        )
+    ]
+
+
+def merged(findings: Sequence[Finding]) -> list[Finding]:
+    """Findings of several files, those that say the same in one, with the sum of their counts."""
+    found: dict[tuple[str, str], Finding] = {}
+    for one in findings:
+        key = (one.code, one.message)
+        first = found.get(key)
+        if first is None:
+            found[key] = one
+        else:
+            found[key] = replace(first, count=first.count + one.count)
+    return list(found.values())

@@ -1,0 +1,210 @@
+"""CVAT for images XML 1.1: boxes by picture."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+import numpy as np
+import pandas as pd
+
+from nvcore.errors import FormatError
+from nvcore.findings import Finding
+from nvcore.inputs.readers.base import (
+    Format,
+    Reading,
+    ReadOptions,
+    Role,
+    SourceFile,
+    object_array,
+    recording_row,
+    recordings_table,
+)
+from nvcore.inputs.readers.cvat.boxes import CvatBoxes, boxes_reading, oddity, other_shapes
+from nvcore.inputs.readers.cvat.xml import CvatFile, Owner, read_cvat
+from nvcore.inputs.readers.meaning.names import recording_and_frame_of, recording_of
+from nvcore.inputs.readers.parse.xml import root_of
+from nvcore.schema import NO_TRACK
+
+_ANNOTATION = re.compile(r"<mode>\s*annotation\s*</mode>")
+
+
+def recognise(name: str, head: str, role: Role) -> bool:
+    """Whether it is CVAT's XML with images, or with neither images nor tracks from pictures."""
+    del name, role
+    if root_of(head) != "annotations" or re.search(r"<track\s", head):
+        return False
+    return bool(re.search(r"<image\s", head) or _ANNOTATION.search(head))
+
+
+def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
+    """Read CVAT for images files; pictures without boxes are evaluated frames.
+
+    Recording and frame are told by the names of the pictures; where one of a file has no number,
+    the file is the recording and the ids of its pictures are the frames. Corners are 0-based and
+    continuous.
+
+    Raises
+    ------
+    InputError
+        If a class is unknown.
+    FormatError
+        With file and line of what is not CVAT for images, or of a second picture of one frame.
+    """
+    tables, listed, findings = [], [], []
+    for number, file in enumerate(files):
+        content = read_cvat(file, kind="image")
+        recording, frame, odd = _places(content, file, options)
+        columns = content.columns
+        owner = columns["owner"].astype(np.int64)
+        tables.append(
+            CvatBoxes(
+                recording=recording[owner],
+                frame=frame[owner],
+                track=np.full(len(owner), NO_TRACK),
+                corners=np.column_stack([columns[name] for name in ("x0", "y0", "x1", "y1")]),
+                rotation=columns["rotation"],
+                label=content.label,
+                occluded=columns["occluded"],
+                ignore=columns["ignore"] == 1,
+                score=columns["score"],
+                file=np.full(len(owner), number),
+                line=columns["line"].astype(np.int64),
+                declared=tuple(content.declared),
+            )
+        )
+        listed.append(_pictures(content, file, recording, frame))
+        findings += [*odd, *other_shapes(content, file, options)]
+    pictures = pd.concat(listed, ignore_index=True)
+    _check_doubles(pictures)
+    ids = pictures["number"].to_numpy()
+    if pictures["number"].duplicated().any():
+        ids = np.arange(len(pictures))
+    sizes = pictures.groupby("recording", sort=False)[["width", "height"]]
+    rows = [
+        recording_row(str(name), width=size["width"], height=size["height"])
+        for name, size in sizes.first().iterrows()
+    ]
+    findings += _sizes_that_differ(pictures, sizes.transform("first"), options)
+    return boxes_reading(
+        tables,
+        files,
+        options,
+        recordings_table(rows),
+        pictures[["recording", "frame"]].assign(image_id=ids),
+        facts=["recordings and frame numbers from the picture names"],
+        findings=findings,
+    )
+
+
+def _places(
+    content: CvatFile, file: SourceFile, options: ReadOptions
+) -> tuple[np.ndarray, np.ndarray, list[Finding]]:
+    """Recording and frame of each picture."""
+    known = options.recordings
+    fallback = recording_of(file.name, known)
+    recordings: list[str] = []
+    frames: list[int] = []
+    # a loop over pictures: each has a name to be taken apart
+    for owner in content.owners:
+        name = owner.name.replace("\\", "/")
+        place = recording_and_frame_of(name, known)
+        if place is None:
+            return _places_by_id(content, owner, fallback, file, options)
+        recording, frame = place
+        # a bare name, frame_000012 from a video: the file is the recording
+        if recording == "recording" and recording not in name:
+            recording = _task_recording(content, owner, fallback)
+        elif recording not in known and fallback in known:
+            recording = fallback
+        recordings.append(recording)
+        frames.append(frame)
+    return object_array(recordings), np.array(frames, dtype=np.int64), []
+
+
+def _places_by_id(
+    content: CvatFile, strange: Owner, fallback: str, file: SourceFile, options: ReadOptions
+) -> tuple[np.ndarray, np.ndarray, list[Finding]]:
+    n_strange = sum(recording_and_frame_of(one.name) is None for one in content.owners)
+    finding = oddity(
+        "picture-without-number",
+        n_strange,
+        "Names of pictures have no frame number: the ids of the pictures are taken as frames.",
+        "Check that the pictures follow each other in time in the order of their ids.",
+        file.name,
+        options,
+        f"line {strange.line}: {strange.name[:60]}",
+    )
+    recordings = [_task_recording(content, one, fallback) for one in content.owners]
+    frames = np.array([one.number for one in content.owners], dtype=np.int64)
+    return object_array(recordings), frames, [finding]
+
+
+def _task_recording(content: CvatFile, owner: Owner, fallback: str) -> str:
+    """The file's recording, or the task's where the file has several."""
+    task = content.tasks.get(owner.task)
+    if len(content.tasks) == 1 or task is None:
+        return fallback
+    return f"{task.stated or 'task'}-{task.key}"
+
+
+def _pictures(
+    content: CvatFile, file: SourceFile, recording: np.ndarray, frame: np.ndarray
+) -> pd.DataFrame:
+    return pd.DataFrame(
+        {
+            "recording": recording,
+            "frame": frame,
+            "number": np.array([one.number for one in content.owners], dtype=np.int64),
+            "width": np.array([one.width for one in content.owners], dtype=float),
+            "height": np.array([one.height for one in content.owners], dtype=float),
+            "file": file.name,
+            "line": np.array([one.line for one in content.owners], dtype=np.int64),
+        }
+    )
+
+
+def _check_doubles(pictures: pd.DataFrame) -> None:
+    double = pictures.duplicated(["recording", "frame"])
+    if not double.any():
+        return
+    second = pictures[double].iloc[0]
+    same = (pictures["recording"] == second["recording"]) & (pictures["frame"] == second["frame"])
+    first = pictures[same].iloc[0]
+    raise FormatError(
+        f"the picture is frame {second['frame']} of recording {second['recording']!r}, as is that "
+        f"of {first['file']}, line {first['line']}; expected one picture per frame: name the "
+        "pictures or their folders by the recordings",
+        file=second["file"],
+        line=int(second["line"]),
+    )
+
+
+def _sizes_that_differ(
+    pictures: pd.DataFrame, first: pd.DataFrame, options: ReadOptions
+) -> list[Finding]:
+    differs = ((pictures[["width", "height"]] != first) & first.notna()).any(axis=1)
+    if not differs.any():
+        return []
+    one = pictures[differs].iloc[0]
+    return [
+        oddity(
+            "picture-size",
+            int(differs.sum()),
+            "Pictures differ in size from the first of their recording, whose size is taken.",
+            "Give each size a recording of its own, or scale the boxes to one size.",
+            str(one["file"]),
+            options,
+            f"line {one['line']}: {one['width']:g} x {one['height']:g}",
+        )
+    ]
+
+
+FORMAT = Format(
+    name="cvat-images",
+    title="CVAT for images XML 1.1",
+    roles=("truth", "detections"),
+    suffixes=(".xml",),
+    recognise=recognise,
+    read=read,
+)

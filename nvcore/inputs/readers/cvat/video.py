@@ -1,0 +1,405 @@
+"""CVAT for video XML 1.1: tracks of boxes, with or without those between the keyframes."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import pandas as pd
+
+from nvcore.errors import FormatError
+from nvcore.findings import Finding, Severity
+from nvcore.inputs.readers.base import (
+    Format,
+    Reading,
+    ReadOptions,
+    Role,
+    SourceFile,
+    recording_row,
+    recordings_table,
+)
+from nvcore.inputs.readers.cvat.boxes import CvatBoxes, boxes_reading, oddity, other_shapes
+from nvcore.inputs.readers.cvat.xml import CvatFile, Task, read_cvat
+from nvcore.inputs.readers.meaning.names import recordings_of
+from nvcore.inputs.readers.parse.xml import root_of
+
+
+@dataclass(frozen=True)
+class Filled:
+    """Rows of all tracks, sorted by track and frame, with those between keyframes filled in.
+
+    Attributes
+    ----------
+    left, right
+        Rows of the input between which each row lies, int64, shape (m,); equal for input rows.
+    share
+        Way from left to right in 0..1, float64, shape (m,); 0 for input rows.
+    frame
+        Frame of each row, int64, shape (m,).
+    gaps
+        Rows of the input after which frames are missing that were not filled because the boxes
+        around them are not both keyframes, int64.
+    """
+
+    left: np.ndarray
+    right: np.ndarray
+    share: np.ndarray
+    frame: np.ndarray
+    gaps: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.left)
+
+    def between(self, values: np.ndarray) -> np.ndarray:
+        """Values of the input rows, linear between them; shape (m, ...)."""
+        share = self.share.reshape(-1, *[1] * (values.ndim - 1))
+        with np.errstate(invalid="ignore", over="ignore"):
+            moved = values[self.left] + share * (values[self.right] - values[self.left])
+        return np.asarray(np.where(share == 0, values[self.left], moved))
+
+    def angle_between(self, degrees: np.ndarray) -> np.ndarray:
+        """Angles of the input rows, linear between them the shorter way round; shape (m,)."""
+        with np.errstate(invalid="ignore"):
+            turn = (degrees[self.right] - degrees[self.left] + 180) % 360 - 180
+            moved = degrees[self.left] + self.share * turn
+        return np.asarray(np.where(self.share == 0, degrees[self.left], moved))
+
+
+class TooManyFramesError(ValueError):
+    """More boxes would be filled in than anyone annotates; `row` is where the longest gap is."""
+
+    def __init__(self, row: int):
+        super().__init__(row)
+        self.row = row
+
+
+def fill_between_keyframes(
+    track: np.ndarray,
+    frame: np.ndarray,
+    outside: np.ndarray,
+    keyframe: np.ndarray,
+    step: np.ndarray,
+    *,
+    limit: int,
+) -> Filled:
+    """Fill the frames between two keyframes of a track, from the first unless it is outside.
+
+    Parameters
+    ----------
+    track, frame
+        Number of the track and of the frame of each row, int64, shape (n,).
+    outside
+        Whether the object has left the picture at this row, bool, shape (n,).
+    keyframe
+        Whether an annotator drew the box, bool, shape (n,). Nothing is filled in beside a box
+        that is no keyframe: the file then has all frames that it means to have.
+    step
+        Distance of neighbouring frames, int64 >= 1, shape (n,).
+    limit
+        Most rows to fill in.
+
+    Raises
+    ------
+    TooManyFramesError
+        If more than `limit` rows would be filled in.
+    """
+    order = np.lexsort((frame, track))
+    left, right = order[:-1], order[1:]
+    missing = np.maximum((frame[right] - frame[left] - 1) // step[left], 0)
+    missing = np.where((track[left] == track[right]) & ~outside[left], missing, 0)
+    fills = keyframe[left] & keyframe[right]
+    n_filled = np.where(fills, missing, 0)
+    if n_filled.sum(dtype=float) > limit:
+        raise TooManyFramesError(int(left[np.argmax(n_filled)]))
+    n_rows = np.append(n_filled, 0)[: len(order)] + 1
+    at = np.repeat(np.arange(len(order)), n_rows)
+    # position of each row behind its keyframe: 0 is the keyframe itself
+    position = np.arange(len(at)) - np.repeat(np.cumsum(n_rows) - n_rows, n_rows)
+    start = order[at]
+    end = np.where(position > 0, order[np.minimum(at + 1, len(order) - 1)], start)
+    frames = frame[start] + position * step[start]
+    length = np.maximum(frame[end] - frame[start], 1)
+    return Filled(
+        left=start,
+        right=end,
+        share=(frames - frame[start]) / length,
+        frame=frames,
+        gaps=left[(missing > 0) & ~fills],
+    )
+
+
+MAX_FRAMES: Final = 10_000_000
+"""Most frames of a task, and most boxes filled in between keyframes: 92 hours at 30 fps."""
+_INTERPOLATION = re.compile(r"<mode>\s*interpolation\s*</mode>")
+
+
+def recognise(name: str, head: str, role: Role) -> bool:
+    """Whether it is CVAT's XML with tracks, or with neither tracks nor images from a video."""
+    del name, role
+    if root_of(head) != "annotations" or re.search(r"<image\s", head):
+        return False
+    return bool(re.search(r"<track\s", head) or _INTERPOLATION.search(head))
+
+
+def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
+    """Read CVAT for video files, one recording each, or an export of a project with several.
+
+    Frame numbers are those of the video, also where the task has every n-th frame only; corners
+    are 0-based and continuous. Boxes marked as outside are not boxes. Between two keyframes the
+    boxes that the file leaves out are filled in, as CVAT does. Size, start, stop and step of the
+    task tell the evaluated frames.
+
+    Raises
+    ------
+    InputError
+        If two files are of one recording, or a class is unknown.
+    FormatError
+        With file and line of what is not CVAT for video.
+    """
+    contents = [read_cvat(file, kind="track") for file in files]
+    units = [(number, task) for number, one in enumerate(contents) for task in one.tasks.values()]
+    names, facts = _recordings(files, contents, units, options)
+    rows, listed, findings = [], [], []
+    by_task: dict[tuple[int, str], str] = {}
+    for (number, task), name in zip(units, names, strict=True):
+        by_task[number, task.key] = name
+        rows.append(recording_row(name, width=task.width, height=task.height))
+        frames, odd = _frames_of(task, files[number], options)
+        findings += odd
+        listed.append(None if frames is None else (name, frames))
+    tables = []
+    for number, (file, one) in enumerate(zip(files, contents, strict=True)):
+        table, odd = _boxes_of(one, file, number, by_task, options)
+        tables.append(table)
+        findings += [*odd, *other_shapes(one, file, options)]
+    n_filled = sum(table.n_filled for table in tables)
+    facts = [
+        "frame numbers of the video kept (0-based)",
+        "boxes marked outside left out",
+        f"{n_filled} boxes filled in between keyframes (linear)",
+        *facts,
+    ]
+    images = None
+    if all(frames is not None for frames in listed):
+        images = _images([one for one in listed if one is not None])
+        facts.append("evaluated frames from the task's size, start and step")
+    return boxes_reading(
+        tables, files, options, recordings_table(rows), images, facts=facts, findings=findings
+    )
+
+
+def _recordings(
+    files: Sequence[SourceFile],
+    contents: Sequence[CvatFile],
+    units: Sequence[tuple[int, Task]],
+    options: ReadOptions,
+) -> tuple[list[str], list[str]]:
+    """Recording of each task: a file has one, an export of a project several."""
+    paths, stated = [], []
+    names = [task.stated for _, task in units]
+    for (number, task), name in zip(units, names, strict=True):
+        alone = len(contents[number].tasks) == 1
+        if name is not None and not alone and names.count(name) > 1:
+            name = f"{name}-{task.key}"
+        own = name or f"task-{task.key}"
+        paths.append(files[number].name if alone else f"{files[number].name}/{own}")
+        stated.append(name if alone else own)
+    return recordings_of(paths, options.recordings, stated=stated)
+
+
+def _frames_of(
+    task: Task, file: SourceFile, options: ReadOptions
+) -> tuple[np.ndarray | None, list[Finding]]:
+    """The task's frames, None where the file does not tell them."""
+    n_frames = task.n_frames
+    if n_frames is not None and n_frames > MAX_FRAMES:
+        raise FormatError(
+            f"expected a task of at most {MAX_FRAMES} frames, found {n_frames}",
+            file=file.name,
+            line=task.line,
+        )
+    if task.is_contradictory:
+        text = f"{task.size} frames, from {task.start} to {task.stop} by {task.step}"
+        finding = Finding(
+            severity=Severity.WARNING,
+            code="frame-count",
+            subject=options.role,
+            count=1,
+            message="Size, start, stop and step of the task do not agree: the evaluated frames "
+            "are not taken from them.",
+            advice="Give the evaluated frames with --frames.",
+            file=file.name,
+            example=f"line {task.line}: {text}",
+        )
+        return None, [finding]
+    if n_frames is None:
+        return None, []
+    return task.start + task.step * np.arange(n_frames, dtype=np.int64), []
+
+
+def _images(listed: Sequence[tuple[str, np.ndarray]]) -> pd.DataFrame:
+    frame = np.concatenate([frames for _, frames in listed])
+    recording = np.repeat(
+        np.array([name for name, _ in listed], dtype=object), [len(frames) for _, frames in listed]
+    )
+    return pd.DataFrame({"recording": recording, "frame": frame, "image_id": frame})
+
+
+@dataclass(frozen=True)
+class _Rows:
+    """The rows of one file by track, before anything is filled in."""
+
+    owner: np.ndarray
+    frame: np.ndarray
+    outside: np.ndarray
+    keyframe: np.ndarray
+    start: np.ndarray
+    step: np.ndarray
+    last: np.ndarray
+    line: np.ndarray
+
+
+def _boxes_of(
+    content: CvatFile,
+    file: SourceFile,
+    number: int,
+    by_task: dict[tuple[int, str], str],
+    options: ReadOptions,
+) -> tuple[CvatBoxes, list[Finding]]:
+    """Boxes of one file, those between keyframes filled in."""
+    tasks = [_task_of(content, owner.task, owner.line, file) for owner in content.owners]
+    columns = content.columns
+    owner = columns["owner"].astype(np.int64)
+    per_owner = np.array(
+        [(t.start, t.step, -np.inf if t.last is None else t.last) for t in tasks], dtype=float
+    ).reshape(-1, 3)[owner]
+    rows = _Rows(
+        owner=owner,
+        frame=columns["frame"].astype(np.int64),
+        outside=columns["outside"] == 1,
+        keyframe=columns["keyframe"] == 1,
+        start=per_owner[:, 0].astype(np.int64),
+        step=per_owner[:, 1].astype(np.int64),
+        last=per_owner[:, 2],
+        line=columns["line"].astype(np.int64),
+    )
+    try:
+        filled = fill_between_keyframes(
+            owner, rows.frame, rows.outside, rows.keyframe, rows.step, limit=MAX_FRAMES
+        )
+    except TooManyFramesError as error:
+        raise FormatError(
+            f"expected keyframes near each other, found a gap after frame "
+            f"{rows.frame[error.row]} that would take more than {MAX_FRAMES} boxes to fill",
+            file=file.name,
+            line=int(rows.line[error.row]),
+        ) from error
+    findings = _findings(rows, filled, content, file, options)
+    visible = ~rows.outside[filled.left]
+    left = filled.left[visible]
+    corners = np.column_stack([columns[name] for name in ("x0", "y0", "x1", "y1")])
+    recording = np.array([by_task[number, task.key] for task in tasks] + [None], dtype=object)
+    track = np.array([one.track for one in content.owners], dtype=np.int64)
+    return CvatBoxes(
+        recording=recording[owner[left]],
+        frame=filled.frame[visible],
+        track=track[owner[left]],
+        corners=filled.between(corners)[visible],
+        rotation=filled.angle_between(columns["rotation"])[visible],
+        label=content.label[left],
+        occluded=columns["occluded"][left],
+        ignore=columns["ignore"][left] == 1,
+        score=columns["score"][left],
+        file=np.full(len(left), number),
+        line=rows.line[left],
+        declared=tuple(content.declared),
+        n_filled=int((filled.share[visible] > 0).sum()),
+    ), findings
+
+
+def _task_of(content: CvatFile, key: str, line: int, file: SourceFile) -> Task:
+    """Task of a track: the only one, or the one that it names."""
+    if len(content.tasks) == 1:
+        return next(iter(content.tasks.values()))
+    if key not in content.tasks:
+        raise FormatError(
+            f"expected one of the tasks {', '.join(list(content.tasks)[:10])} as task_id, "
+            f"found {key[:60]!r}",
+            file=file.name,
+            line=line,
+        )
+    return content.tasks[key]
+
+
+def _findings(
+    rows: _Rows, filled: Filled, content: CvatFile, file: SourceFile, options: ReadOptions
+) -> list[Finding]:
+    """Frames beside the step, gaps that were not filled, tracks without an end, ids used twice."""
+
+    def found(code: str, which: np.ndarray, message: str, advice: str) -> list[Finding]:
+        if not len(which):
+            return []
+        row = int(which[0])
+        example = f"line {rows.line[row]}: track {track[row]}, frame {rows.frame[row]}"
+        return [oddity(code, len(which), message, advice, file.name, options, example)]
+
+    track = np.array([one.track for one in content.owners], dtype=np.int64)[rows.owner]
+    beside = ~rows.outside & ((rows.frame - rows.start) % rows.step != 0)
+    order = np.lexsort((rows.frame, rows.owner))
+    is_last = np.append(np.diff(rows.owner[order]) != 0, [True] * bool(len(order)))
+    last = order[is_last.astype(bool)]
+    # CVAT writes no end for a box in one of the last two frames
+    endless = ~rows.outside[last] & (rows.frame[last] < rows.last[last] - rows.step[last])
+    ids = pd.Series([one.track for one in content.owners], dtype=np.int64)
+    # a file of several tasks may number the tracks of each
+    tasks = pd.Series([one.task for one in content.owners], dtype=object)
+    doubles = np.flatnonzero(pd.DataFrame({"i": ids, "t": tasks})[ids >= 0].duplicated())
+    findings = [
+        *found(
+            "frame-beside-step",
+            np.flatnonzero(beside),
+            "Boxes lie in frames that the task, by its start and step, does not have.",
+            "Check that the boxes carry frame numbers of the video, not of the task.",
+        ),
+        *found(
+            "track-with-gap",
+            np.sort(filled.gaps),
+            "Tracks miss frames beside boxes that are no keyframes; nothing was filled in (CVAT "
+            "leaves out deleted frames).",
+            "If the frames were deleted, leave them out of the evaluated frames (--frames).",
+        ),
+        *found(
+            "track-without-end",
+            last[endless],
+            "Tracks stop before the last frame without a box marked outside; CVAT itself shows "
+            "such a box up to the last frame, here the track ends with its last box.",
+            "Mark the end of the tracks in CVAT, or export the task again.",
+        ),
+    ]
+    if len(doubles):
+        where = content.owners[int(doubles[0])]
+        findings.append(
+            oddity(
+                "track-id-twice",
+                len(doubles),
+                "Several tracks have the same id and count as one.",
+                "Give every track an id of its own.",
+                file.name,
+                options,
+                f"line {where.line}: track {where.track}",
+            )
+        )
+    return findings
+
+
+FORMAT = Format(
+    name="cvat-video",
+    title="CVAT for video XML 1.1",
+    roles=("truth", "detections"),
+    suffixes=(".xml",),
+    recognise=recognise,
+    read=read,
+)

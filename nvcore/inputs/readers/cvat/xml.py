@@ -1,0 +1,361 @@
+"""What a CVAT XML file says, as columns; see `cvat_boxes` for what is made of it."""
+
+from __future__ import annotations
+
+import re
+from array import array
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+
+from nvcore.errors import FormatError
+from nvcore.inputs.readers.base import SourceFile, object_array
+from nvcore.inputs.readers.parse.xml import (
+    Element,
+    file_stem,
+    is_true,
+    number,
+    read_elements,
+    whole_number,
+)
+
+IGNORE_ATTRIBUTES: Final = frozenset(
+    {"ignore", "ignored", "iscrowd", "is_crowd", "crowd", "difficult", "dontcare", "don't care"}
+)
+"""Attributes of the annotator that make a box an ignore region where they are true."""
+SCORE_ATTRIBUTES: Final = frozenset({"score", "confidence", "conf"})
+_NO_SHAPES = frozenset({"box", "tag"})
+_COLUMNS = (
+    "owner", "frame", "x0", "y0", "x1", "y1", "rotation",
+    "outside", "occluded", "keyframe", "ignore", "score", "line",
+)  # fmt: skip
+_FRAME_FACTS = {"size": "size", "start_frame": "start", "stop_frame": "stop"}
+_TASK = re.compile(r"annotations/meta/(?:task|job|project/tasks/task)(?:/(?P<fact>.*))?")
+_STEP = re.compile(r"\s*(?:step\s*=\s*(?P<step>[0-9]{1,9})\s*)?")
+
+
+@dataclass
+class Task:
+    """What the file says of a task: one video or one set of pictures.
+
+    Attributes
+    ----------
+    key
+        Number of the task in an export of a project; empty elsewhere.
+    name, source
+        Name of the task, file name of its video; empty where not given.
+    width, height
+        Size of the pictures, px; NaN where not given.
+    start, step
+        First frame and distance of frames, in the frame numbers of the video.
+    stop, size
+        Last frame and number of frames; None where not given.
+    line
+        Where the task is described.
+    """
+
+    key: str = ""
+    name: str = ""
+    source: str = ""
+    width: float = np.nan
+    height: float = np.nan
+    start: int = 0
+    step: int = 1
+    stop: int | None = None
+    size: int | None = None
+    line: int = 1
+
+    @property
+    def stated(self) -> str | None:
+        """Name of the recording, as the task states it."""
+        return file_stem(self.source) or self.name or None
+
+    @property
+    def n_frames(self) -> int | None:
+        """Number of frames; None where it is not given or the file contradicts itself."""
+        spanned = None if self.stop is None else max((self.stop - self.start) // self.step + 1, 0)
+        if self.size is None or spanned is None:
+            return spanned if self.size is None else self.size
+        return self.size if self.size == spanned else None
+
+    @property
+    def last(self) -> int | None:
+        """Last frame; None where it is not given."""
+        if self.stop is None and self.size is not None:
+            return self.start + self.step * (self.size - 1)
+        return self.stop
+
+    @property
+    def is_contradictory(self) -> bool:
+        """Whether size, start, stop and step do not agree."""
+        return self.n_frames is None and self.size is not None
+
+
+@dataclass(frozen=True)
+class Owner:
+    """A track of a video, or a picture.
+
+    Attributes
+    ----------
+    line
+        Line of its element.
+    task
+        Key of its task, see `Task`.
+    track
+        Id and label of a track; id -1 and empty for a picture.
+    label
+        See `track`.
+    name, number, width, height
+        Name, id and size of a picture; empty, -1 and NaN for a track.
+    """
+
+    line: int
+    task: str
+    track: int = -1
+    label: str = ""
+    name: str = ""
+    number: int = -1
+    width: float = np.nan
+    height: float = np.nan
+
+
+@dataclass
+class CvatFile:
+    """Content of one file.
+
+    Attributes
+    ----------
+    tasks
+        By key.
+    owners
+        Tracks or pictures, in the order of the file, pictures without boxes too.
+    columns
+        One float64 array of shape (n,) per name in owner, frame, x0, y0, x1, y1, rotation
+        (degrees), outside, occluded, keyframe, ignore, score, line.
+    label
+        Label of each box, object, shape (n,).
+    other_shapes
+        (kind, label, line) of each shape that is no box.
+    declared
+        Labels that the file declares.
+    """
+
+    tasks: dict[str, Task] = field(default_factory=dict)
+    owners: list[Owner] = field(default_factory=list)
+    columns: dict[str, np.ndarray] = field(default_factory=dict)
+    label: np.ndarray = field(default_factory=lambda: np.empty(0, dtype=object))
+    other_shapes: list[tuple[str, str, int]] = field(default_factory=list)
+    declared: list[str] = field(default_factory=list)
+
+
+class _Parser:
+    """Collects the elements of one file."""
+
+    def __init__(self, file: SourceFile, kind: str):
+        self.file = file
+        self.kind = kind
+        self.content = CvatFile()
+        self.values = array("d")
+        self.labels: list[str] = []
+        self.task: Task | None = None
+        self.source = ""
+        self.owner: Element | None = None
+        self.shape: Element | None = None
+        self.is_ignored = False
+        self.is_occluded = False
+        self.score = float("nan")
+
+    def take(self, element: Element) -> None:
+        """One element that has ended."""
+        path = element.path
+        parent = element.parent
+        if path == f"annotations/{self.kind}/box":
+            self.take_box(element)
+        elif path == f"annotations/{self.kind}/box/attribute":
+            self.take_attribute(element)
+        elif path.startswith("annotations/meta/"):
+            self.take_meta(element)
+        elif path == "annotations/image" or path == "annotations/track":
+            if path != f"annotations/{self.kind}":
+                other = "cvat-images" if self.kind == "track" else "cvat-video"
+                raise FormatError(
+                    f"expected <{self.kind}>, found <{element.tag}>: the file is {other}; give "
+                    "that as its format",
+                    file=self.file.name,
+                    line=element.line,
+                )
+            if element is not self.owner:
+                self.add_owner(element)
+        elif (
+            parent is not None
+            and parent.path == f"annotations/{self.kind}"
+            and element.tag not in _NO_SHAPES
+            and element.attributes.get("outside") != "1"
+        ):
+            label = element.attributes.get("label", parent.attributes.get("label", ""))
+            self.content.other_shapes.append((element.tag, label.strip(), element.line))
+
+    def take_attribute(self, element: Element) -> None:
+        assert element.parent is not None
+        if element.parent is not self.shape:
+            self.begin_shape(element.parent)
+        name = element.attributes.get("name", "").strip().casefold()
+        if name in IGNORE_ATTRIBUTES:
+            self.is_ignored |= is_true(element.text)
+        elif name == "occluded":
+            self.is_occluded |= is_true(element.text)
+        elif name in SCORE_ATTRIBUTES:
+            self.score = number(element.text, name, self.file, element.line)
+
+    def begin_shape(self, element: Element) -> None:
+        self.shape = element
+        self.is_ignored = self.is_occluded = False
+        self.score = float("nan")
+
+    def take_box(self, element: Element) -> None:
+        if element is not self.shape:
+            self.begin_shape(element)
+        assert element.parent is not None
+        if element.parent is not self.owner:
+            self.add_owner(element.parent)
+        owner = self.content.owners[-1]
+        get, file, line = element.attributes.get, self.file, element.line
+        label, frame = owner.label, float(owner.number)
+        if self.kind == "track":
+            frame = whole_number(get("frame"), "frame", file, line)
+        else:
+            label = self.text_of(element, "label")
+        occluded = 1.0 if self.is_occluded else number(get("occluded", ""), "occluded", file, line)
+        self.values.extend(
+            (
+                len(self.content.owners) - 1,
+                frame,
+                number(get("xtl"), "xtl", file, line),
+                number(get("ytl"), "ytl", file, line),
+                number(get("xbr"), "xbr", file, line),
+                number(get("ybr"), "ybr", file, line),
+                number(get("rotation", "0"), "rotation", file, line),
+                is_true(get("outside")),
+                occluded,
+                is_true(get("keyframe", "1")),
+                self.is_ignored,
+                self.score,
+                line,
+            )
+        )
+        self.labels.append(label)
+
+    def add_owner(self, element: Element) -> None:
+        self.owner = element
+        get, file, line = element.attributes.get, self.file, element.line
+        task = get("task_id", "")
+        if self.kind == "track":
+            n_known = len(self.content.owners)
+            track = whole_number(get("id", str(n_known)), "track id", file, line)
+            owner = Owner(line, task, track=max(track, -1), label=self.text_of(element, "label"))
+        else:
+            owner = Owner(
+                line,
+                task,
+                name=self.text_of(element, "name"),
+                number=whole_number(get("id"), "image id", file, line),
+                width=number(get("width", ""), "width", file, line),
+                height=number(get("height", ""), "height", file, line),
+            )
+        self.content.owners.append(owner)
+
+    def text_of(self, element: Element, name: str) -> str:
+        """An attribute that must be there."""
+        text = element.attributes.get(name)
+        if text is None:
+            raise FormatError(
+                f"expected a {name} in <{element.tag}>, found none",
+                file=self.file.name,
+                line=element.line,
+            )
+        return text.strip()
+
+    def take_meta(self, element: Element) -> None:
+        if element.path == "annotations/meta/source":
+            self.source = element.text
+        elif element.path.endswith("/labels/label/name"):
+            self.content.declared.append(element.text)
+        found = _TASK.fullmatch(element.path)
+        if found is None:
+            return
+        if self.task is None:
+            self.task = Task()
+        fact = found["fact"]
+        if fact is None:  # the end of the task
+            in_project = "/project/" in element.path
+            self.task.line = element.line
+            self.task.key = self.task.key if in_project else ""
+            self.content.tasks[self.task.key] = self.task
+            self.task = None
+        else:
+            self.take_fact(self.task, fact, element)
+
+    def take_fact(self, task: Task, fact: str, element: Element) -> None:
+        text = element.text
+        if fact == "id":
+            task.key = text
+        elif fact == "name":
+            task.name = text
+        elif fact == "source":
+            task.source = text
+        elif fact == "frame_filter":
+            found = _STEP.fullmatch(text)
+            if found is None or (found["step"] is not None and int(found["step"]) == 0):
+                raise FormatError(
+                    f"expected a frame filter such as step=5, found {text[:60]!r}",
+                    file=self.file.name,
+                    line=element.line,
+                )
+            task.step = int(found["step"] or 1)
+        elif fact == "original_size/width":
+            task.width = number(text, "width", self.file, element.line)
+        elif fact == "original_size/height":
+            task.height = number(text, "height", self.file, element.line)
+        elif fact in _FRAME_FACTS and text:
+            value = whole_number(text, fact, self.file, element.line)
+            if value < 0:
+                raise FormatError(
+                    f"expected {fact} of 0 or more, found {value}",
+                    file=self.file.name,
+                    line=element.line,
+                )
+            setattr(task, _FRAME_FACTS[fact], value)
+
+    def finish(self) -> CvatFile:
+        table = np.frombuffer(self.values, dtype=np.float64).reshape(-1, len(_COLUMNS))
+        self.content.columns = {name: table[:, i].copy() for i, name in enumerate(_COLUMNS)}
+        self.content.label = object_array(self.labels)
+        tasks = self.content.tasks
+        if not tasks:
+            tasks[""] = Task()
+        if len(tasks) == 1:
+            task = next(iter(tasks.values()))
+            task.source = task.source or self.source
+        return self.content
+
+
+def read_cvat(file: SourceFile, *, kind: str) -> CvatFile:
+    """Content of a CVAT file.
+
+    Parameters
+    ----------
+    file
+        The file.
+    kind
+        ``track`` for CVAT for video, ``image`` for CVAT for images.
+
+    Raises
+    ------
+    FormatError
+        With file and line, if the file is not of that kind.
+    """
+    parser = _Parser(file, kind)
+    for element in read_elements(file, root="annotations"):
+        parser.take(element)
+    return parser.finish()

@@ -1,0 +1,1 @@
+"""KITTI: tracking, object, detections."""

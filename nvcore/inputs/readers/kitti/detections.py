@@ -1,0 +1,190 @@
+"""Pedestrian detections on KITTI tracking, comma-separated: 6 columns, or AB3DMOT's 15."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from nvcore.errors import FormatError
+from nvcore.findings import Finding
+from nvcore.inputs.readers.base import (
+    Format,
+    Reading,
+    ReadOptions,
+    Role,
+    SourceFile,
+    reading_boxes,
+    recording_row,
+    recordings_table,
+)
+from nvcore.inputs.readers.kitti.label import CORNERS, DISTANCE, corner_columns, distance_of
+from nvcore.inputs.readers.meaning.classes import ClassRule, choose_classes
+from nvcore.inputs.readers.meaning.names import recordings_of
+from nvcore.inputs.readers.parse.text import (
+    NumberTable,
+    are_numbers,
+    is_whole,
+    number_of,
+    read_numbers,
+    rows_of_text,
+    stacked,
+    whole_numbers,
+)
+
+WHAT = "frame,x1,y1,x2,y2,score or frame,type,x1,y1,x2,y2,score,h,w,l,X,Y,Z,ry,alpha"
+TYPES = {1: "Pedestrian", 2: "Car", 3: "Cyclist"}
+"""Type numbers of the 15-column layout."""
+RULE = ClassRule(counted=("Pedestrian",), ignored=(), left_out=("Car", "Cyclist"))
+
+
+def recognise(name: str, head: str, role: Role) -> bool:
+    """Whether all rows have 15 numbers, or all have 6 with x2 > x1 and y2 > y1 throughout.
+
+    Rows of 6 could be ``frame,x,y,w,h,score`` as well; there, sizes that exceed the positions in
+    every single row do not occur.
+    """
+    del name
+    if role != "detections":
+        return False
+    rows = rows_of_text(head)
+    if not rows or len(rows[0]) not in (6, 15):
+        return False
+    n_columns = len(rows[0])
+    if any(len(row) != n_columns or not are_numbers(row) for row in rows):
+        return False
+    if not all(is_whole(row[0]) and (n_columns == 6 or is_whole(row[1])) for row in rows):
+        return False
+    if n_columns == 15:
+        return True
+    left, top, right, bottom = np.array(
+        [[number_of(field) for field in row[1:5]] for row in rows], dtype=float
+    ).T
+    return _first_without_corners(left, top, right, bottom) is None
+
+
+def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
+    """Read KITTI detections, one file per recording.
+
+    Frames and pixels are 0-based, corners inclusive. In the 15-column layout type 1 (Pedestrian)
+    counts, other types are left out, and the camera's Z becomes the distance.
+
+    Raises
+    ------
+    InputError
+        If two files are of one recording, or a class is unknown.
+    FormatError
+        With file and line of the first row that has other columns, or no corners.
+    """
+    names, assumed = recordings_of([file.name for file in files], options.recordings)
+    facts = ["frame numbers kept (0-based)", CORNERS]
+    tables = [read_numbers(file, n_columns=(6, 15), what=WHAT) for file in files]
+    for source, part in zip(files, tables, strict=True):
+        _check(source, part)
+    frame = np.concatenate(
+        [
+            whole_numbers(t.columns[0], f, t.line, "frame")
+            for f, t in zip(files, tables, strict=True)
+        ]
+    )
+    table, file = stacked(tables)
+    is_long = _is_long(table)
+    # the long layout has the type between frame and corners
+    left, top, right, bottom, score = (
+        np.where(is_long, table.columns[i + 1], table.columns[i]) for i in range(1, 6)
+    )
+    keep = np.ones(len(table), dtype=bool)
+    findings: tuple[Finding, ...] = ()
+    if is_long.any():
+        named = replace(options, classes=_class_names(options.classes))
+        choice = choose_classes(
+            _type_names(np.where(is_long, table.columns[1], 1)),
+            RULE,
+            named,
+            files=files,
+            file=file,
+            line=table.line,
+        )
+        keep, findings = choice.keep, choice.findings
+        facts += [DISTANCE, choice.fact]
+    elif len(table):
+        facts.append("columns 2 to 5 taken for corners (x2 > x1 and y2 > y1 in every row)")
+    boxes = reading_boxes(
+        len(table),
+        recording=np.array(names, dtype=object)[file],
+        frame=frame,
+        **corner_columns(left, top, right, bottom),
+        score=score,
+        distance_m=distance_of(table.columns[12]),
+        file=file,
+        line=table.line,
+    )
+    return Reading(
+        boxes=boxes[keep].reset_index(drop=True),
+        recordings=recordings_table([recording_row(name) for name in names]),
+        conversion="; ".join([*facts, *assumed]),
+        findings=findings,
+    )
+
+
+def _is_long(table: NumberTable) -> np.ndarray:
+    """Whether each row has more than 6 columns; bool, shape (n,)."""
+    return np.asarray(~np.isnan(np.stack(table.columns[6:])).all(axis=0))
+
+
+def _check(file: SourceFile, table: NumberTable) -> None:
+    """Raise FormatError for a file that mixes the layouts or whose 6 columns are no corners."""
+    is_long = _is_long(table)
+    if not len(table):
+        return
+    if is_long.any():
+        if not is_long.all():
+            raise FormatError(
+                f"expected the same number of columns in all rows, found both 6 and 15 ({WHAT})",
+                file=file.name,
+                line=int(table.line[np.argmax(is_long != is_long[0])]),
+            )
+        whole_numbers(table.columns[1], file, table.line, "type")
+        return
+    left, top, right, bottom = table.columns[1:5]
+    first = _first_without_corners(left, top, right, bottom)
+    if first is not None:
+        found = ",".join(f"{column[first]:g}" for column in (left, top, right, bottom))
+        raise FormatError(
+            f"expected corners x1,y1,x2,y2 with x2 > x1 and y2 > y1, found {found}; if the columns "
+            "are x,y,w,h, the format is kaist-results",
+            file=file.name,
+            line=int(table.line[first]),
+        )
+
+
+def _first_without_corners(
+    left: np.ndarray, top: np.ndarray, right: np.ndarray, bottom: np.ndarray
+) -> int | None:
+    """First row whose second corner is not to the lower right of the first; NaN rows pass."""
+    with np.errstate(invalid="ignore"):
+        wrong = (right <= left) | (bottom <= top)
+    return int(np.argmax(wrong)) if wrong.any() else None
+
+
+def _type_names(types: np.ndarray) -> np.ndarray:
+    numbers, rows = np.unique(types.astype(np.int64), return_inverse=True)
+    return np.array([TYPES.get(int(n), str(n)) for n in numbers], dtype=object)[rows]
+
+
+def _class_names(classes: tuple[str, ...] | None) -> tuple[str, ...] | None:
+    """Classes by name, where they may be given by number."""
+    if classes is None:
+        return None
+    return tuple(TYPES.get(int(c), c) if c.isdecimal() else c for c in classes)
+
+
+FORMAT = Format(
+    name="kitti-detections",
+    title="KITTI detections, comma-separated",
+    roles=("detections",),
+    suffixes=(".txt", ".csv"),
+    recognise=recognise,
+    read=read,
+)

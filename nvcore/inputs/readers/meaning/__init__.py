@@ -1,0 +1,1 @@
+"""What names, classes, tracks and occlusion in files mean."""

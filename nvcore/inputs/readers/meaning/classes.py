@@ -1,0 +1,170 @@
+"""Which boxes count as pedestrians, which are ignore regions and which are left out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import pandas as pd
+
+from nvcore.errors import InputError
+from nvcore.findings import Finding
+from nvcore.inputs.readers.base import ReadOptions, SourceFile, rows_finding
+
+_MAX_NAMED: Final = 8
+"""Most labels that a conversion text names."""
+
+
+@dataclass(frozen=True)
+class ClassRule:
+    """What a format does with its classes; names are compared without regard to case.
+
+    Attributes
+    ----------
+    counted
+        Classes that are pedestrians, unless `ReadOptions.classes` says otherwise.
+    ignored
+        Classes whose boxes are ignore regions in the truth.
+    left_out
+        Classes that are known and are neither.
+    """
+
+    counted: tuple[str, ...]
+    ignored: tuple[str, ...]
+    left_out: tuple[str, ...] = ()
+
+    @property
+    def known(self) -> tuple[str, ...]:
+        """All classes of the format."""
+        return self.counted + self.ignored + self.left_out
+
+
+@dataclass(frozen=True)
+class ClassChoice:
+    """What becomes of each row.
+
+    Attributes
+    ----------
+    keep
+        Bool, shape (n,): the row stays in the table.
+    ignore
+        Bool, shape (n,): the row is an ignore region; a row that is neither counts.
+    fact
+        The rule in words, for the conversion text.
+    findings
+        Rows of classes that the format does not have; rows of which none counts.
+    """
+
+    keep: np.ndarray
+    ignore: np.ndarray
+    fact: str
+    findings: tuple[Finding, ...]
+
+
+def choose_classes(
+    label: np.ndarray,
+    rule: ClassRule,
+    options: ReadOptions,
+    *,
+    files: Sequence[SourceFile],
+    file: np.ndarray,
+    line: np.ndarray,
+) -> ClassChoice:
+    """Sort rows by their class into counted, ignored (in truth only) and left out.
+
+    Parameters
+    ----------
+    label
+        Class of each row, object, shape (n,).
+    rule
+        The format's classes.
+    options
+        `classes` and `role` are used.
+    files
+        The files of the reading, for errors and findings.
+    file, line
+        Index of the file and 1-based line of each row, shape (n,).
+
+    Raises
+    ------
+    InputError
+        If a class is asked for that neither the format nor the files have.
+    """
+    codes, found = pd.factorize(label)
+    known = {name.casefold() for name in rule.known}
+    present = {str(name).casefold() for name in found}
+    wanted = {name.casefold() for name in rule.counted}
+    counted = rule.counted
+    if options.classes is not None:
+        counted = options.classes
+        wanted = {name.casefold() for name in counted}
+        for name in counted:
+            if name.casefold() not in known | present:
+                others = sorted(str(other) for other in found if other.casefold() not in known)
+                raise InputError(
+                    f"there is no class {name!r}; the classes are {', '.join(rule.known)}"
+                    + (f", the files also have {', '.join(others)}" if others else ""),
+                    file=files[0].name if files else None,
+                )
+    neutral = {name.casefold() for name in rule.ignored} - wanted
+    if options.role == "detections":
+        neutral = set()
+    # over the few different names, not over the rows
+    is_wanted = np.array([str(name).casefold() in wanted for name in found], dtype=bool)[codes]
+    is_neutral = np.array([str(name).casefold() in neutral for name in found], dtype=bool)[codes]
+    fact = f"classes: {', '.join(counted)} counted"
+    ignored = [name for name in rule.ignored if name.casefold() in neutral]
+    if ignored:
+        fact += f"; {', '.join(ignored)} ignored"
+
+    def place(row: int) -> tuple[str, str]:
+        return files[file[row]].name, f"line {line[row]}: {label[row]}"
+
+    is_strange = np.array([str(n).casefold() not in known | wanted for n in found], bool)[codes]
+    findings = rows_finding(
+        is_strange,
+        "unknown-class",
+        "Rows of classes that the format does not have were left out: "
+        f"{', '.join(sorted({str(name) for name in label[is_strange]}))}.",
+        "If one of them is a pedestrian, name it as a class that counts (--classes).",
+        role=options.role,
+        place=place,
+    )
+    findings += rows_finding(
+        np.full(len(label), not is_wanted.any()),
+        "no-counted-class",
+        f"No row is of a class that counts ({', '.join(counted)}); found "
+        f"{', '.join(sorted(str(name) for name in found))}.",
+        "Name the classes that are pedestrians (--classes).",
+        role=options.role,
+        place=place,
+    )
+    return ClassChoice(
+        keep=is_wanted | is_neutral,
+        ignore=is_neutral,
+        fact=fact + "; others left out",
+        findings=tuple(findings),
+    )
+
+
+def name_left_out(label: np.ndarray, keep: np.ndarray) -> str:
+    """The labels that were left out with their numbers of boxes, in words; empty for none.
+
+    Parameters
+    ----------
+    label
+        Label of each box, object, shape (n,).
+    keep
+        Whether it stays, bool, shape (n,).
+    """
+    counts = pd.Series(label[~keep], dtype=object).value_counts()
+    if counts.empty:
+        return ""
+    counts = counts.sort_index().sort_values(ascending=False, kind="stable")
+    named = [f"{name} ({n})" for name, n in counts.iloc[:_MAX_NAMED].items()]
+    if len(counts) > _MAX_NAMED:
+        rest = counts.iloc[_MAX_NAMED:]
+        named.append(f"{len(rest)} more labels ({rest.sum()})")
+    return f"left out: {', '.join(named)}"

@@ -1,0 +1,40 @@
+"""Levels of occlusion (0 none, 1 partial, 2 heavy) from what the formats say."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from nvcore.findings import Finding
+from nvcore.inputs.readers.base import Role, SourceFile, rows_finding
+from nvcore.schema import UNKNOWN_OCCLUSION
+
+PARTIAL_OCCLUSION: Final = 0.35
+"""Occluded share up to which an occlusion is partial (Caltech's limit)."""
+
+
+def levels_of_visible_share(visible: np.ndarray) -> np.ndarray:
+    """Levels from the visible share in [0, 1]; UNKNOWN_OCCLUSION where it is NaN or outside."""
+    occluded = 1 - visible
+    level = np.where(occluded <= 0, 0, np.where(occluded <= PARTIAL_OCCLUSION + 1e-9, 1, 2))
+    known = (visible >= 0) & (visible <= 1)
+    return np.where(known, level, UNKNOWN_OCCLUSION).astype(np.int8)
+
+
+def levels_of_numbers(values: np.ndarray) -> np.ndarray:
+    """Levels 0, 1, 2 kept; UNKNOWN_OCCLUSION for everything else, NaN too."""
+    known = np.isin(values, (0.0, 1.0, 2.0))
+    return np.where(known, values, UNKNOWN_OCCLUSION).astype(np.int8)
+
+
+def odd_levels(values: np.ndarray, file: SourceFile, line: np.ndarray, role: Role) -> list[Finding]:
+    """Finding about numbers that are no level: neither 0, 1, 2, nor -1 or NaN for unknown."""
+    return rows_finding(
+        ~(np.isin(values, (0.0, 1.0, 2.0, -1.0)) | np.isnan(values)),
+        "unknown-occlusion",
+        "Levels of occlusion other than 0 (none), 1 (partial), 2 (heavy) are taken as unknown.",
+        "Write the level as 0, 1 or 2, or leave it empty.",
+        role=role,
+        place=lambda row: (file.name, f"line {line[row]}: {values[row]:g}"),
+    )

@@ -1,0 +1,47 @@
+"""Track ids as integers, whatever the file calls them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+
+from nvcore.inputs.readers.parse.text import MAX_INTEGER
+from nvcore.schema import NO_TRACK
+
+TEXT_IDS = "track ids that are no whole numbers were numbered by first appearance in the recording"
+"""Conversion to be told where `track_numbers` had to number text."""
+
+
+def track_numbers(texts: pd.Series, recording: np.ndarray) -> tuple[np.ndarray, bool]:
+    """Track ids as int64, and whether some were text.
+
+    Whole numbers keep their value (negative ones and empty: NO_TRACK). Other text is numbered in
+    the order of first appearance in its recording, after the recording's largest whole number.
+
+    Parameters
+    ----------
+    texts
+        Ids as text or missing, or float64 with NaN (whole numbers only), shape (n,).
+    recording
+        Name of each row's recording, shape (n,).
+    """
+    if texts.dtype.kind == "f":
+        return np.where(texts >= 0, texts, NO_TRACK).astype(np.int64), False
+    texts = texts.astype("str").str.strip()
+    number = pd.to_numeric(texts, errors="coerce").to_numpy(dtype=float)
+    missing = texts.isna().to_numpy() | texts.str.lower().isin(["", "nan", "none", "null"])
+    with np.errstate(invalid="ignore"):
+        is_whole = (np.abs(number) < MAX_INTEGER) & (number == np.floor(number))
+    track = np.where(is_whole & (number >= 0), number, NO_TRACK).astype(np.int64)
+    is_text = np.asarray(~missing & ~is_whole, dtype=bool)
+    if not is_text.any():
+        return track, False
+    codes, names = pd.factorize(np.asarray(recording, dtype=object))
+    largest = np.full(len(names), -1, dtype=np.int64)
+    np.maximum.at(largest, codes, track)
+    named = pd.DataFrame({"recording": codes[is_text], "text": texts.to_numpy()[is_text]})
+    first = named.drop_duplicates()
+    order = first.groupby("recording").cumcount().to_numpy()
+    first = first.assign(track=largest[first["recording"].to_numpy()] + 1 + order)
+    track[is_text] = named.merge(first, how="left", on=["recording", "text"])["track"].to_numpy()
+    return track, True

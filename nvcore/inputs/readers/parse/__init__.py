@@ -1,0 +1,1 @@
+"""Text, JSON and XML to rows, with file and line in every error."""

@@ -1,0 +1,220 @@
+"""JSON files as lists of records, with errors that name the file, the line and the record."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Sequence
+from functools import cached_property
+from itertools import chain
+
+import numpy as np
+
+from nvcore.errors import FormatError
+from nvcore.inputs.readers.base import SourceFile
+from nvcore.inputs.readers.parse.text import read_text
+
+NESTED = ("extra_info", "attributes")
+"""Fields of a record in which tools keep further fields (Teledyne FLIR, CVAT)."""
+
+
+_SURROGATE = re.compile(r"\\u[dD][89a-fA-F]")
+
+
+def read_json(file: SourceFile) -> object:
+    """Content of a JSON file.
+
+    Raises
+    ------
+    FormatError
+        If it is not JSON.
+    """
+    text = read_text(file)
+    try:
+        document: object = json.loads(text)
+    except json.JSONDecodeError as error:
+        raise FormatError(
+            f"expected JSON: {error.msg} (column {error.colno}); is the file complete?",
+            file=file.name,
+            line=error.lineno,
+        ) from error
+    except (RecursionError, ValueError) as error:
+        # ValueError: a whole number of more than 4300 digits
+        raise FormatError(
+            "expected JSON with lists and numbers of sensible size, found nesting or a number "
+            "without end",
+            file=file.name,
+        ) from error
+    if _SURROGATE.search(text) is not None:
+        try:
+            json.dumps(document, ensure_ascii=False).encode()
+        except UnicodeEncodeError as error:
+            raise FormatError(
+                r"expected Unicode text, found half a character (\ud800 to \udfff)", file=file.name
+            ) from error
+    return document
+
+
+def found(value: object) -> str:
+    """What a value of a JSON file is, for an error: short text of it."""
+    text = (
+        json.dumps(value)
+        if value is None or isinstance(value, (bool, dict, list))
+        else f"{value!r}"
+    )
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+class Records:
+    """A list of JSON objects of which columns are taken.
+
+    Parameters
+    ----------
+    rows
+        The list as it stands in the file.
+    file
+        The file, for errors.
+    what
+        What one record is, for errors: "annotation".
+    key
+        Field of the document that holds the list; empty where the list is the document.
+
+    Raises
+    ------
+    FormatError
+        If `rows` is no list of objects.
+    """
+
+    def __init__(self, rows: object, file: SourceFile, what: str, key: str = "") -> None:
+        self.file = file
+        self.what = what
+        self.key = key
+        if not isinstance(rows, list):
+            where = f'"{key}"' if key else "the file"
+            raise FormatError(
+                f"expected {where} to be a list of {what}s, found {found(rows)}", file=file.name
+            )
+        self.rows: list[dict[str, object]] = rows
+        if not set(map(type, rows)) <= {dict}:
+            first = next(i for i, row in enumerate(rows) if not isinstance(row, dict))
+            raise self.error(first, f"expected an object {{...}}, found {found(rows[first])}")
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def error(self, index: int, message: str) -> FormatError:
+        """Error about one record, to be raised."""
+        line = _line_of_record(read_text(self.file), self.key, index)
+        return FormatError(
+            f"{self.what} {index + 1} of {len(self.rows)}: {message}",
+            file=self.file.name,
+            line=line,
+        )
+
+    @cached_property
+    def _layers(self) -> list[tuple[list[dict[str, object]], set[str]]]:
+        """The records, then the objects nested in them, each with the names of its fields."""
+        layers = [(self.rows, set(chain.from_iterable(self.rows)))]
+        for key in NESTED:
+            if key in layers[0][1]:
+                inner = [row.get(key) for row in self.rows]
+                nested = [value if isinstance(value, dict) else {} for value in inner]
+                layers.append((nested, set(chain.from_iterable(nested))))
+        return layers
+
+    def values(self, *keys: str) -> list[object] | None:
+        """The first of the fields that any record has, None where a record lacks it.
+
+        None if no record has any of the fields.
+        """
+        for key in keys:
+            for rows, present in self._layers:
+                if key in present:
+                    return [row.get(key) for row in rows]
+        return None
+
+    def required(self, *keys: str) -> list[object]:
+        """As `values`, of a field that every record must have."""
+        values = self.values(*keys)
+        if values is None:
+            values = [None] * len(self.rows)
+        if None in values:
+            raise self.error(values.index(None), f'expected the field "{keys[0]}", found none')
+        return values
+
+    def numbers(self, *keys: str) -> np.ndarray | None:
+        """The first of the fields that any record has, as float64; NaN where missing."""
+        values = self.values(*keys)
+        if values is None:
+            return None
+        self._check_types(values, {int, float, type(None)}, keys[0], "a number")
+        return self.to_floats(values, keys[0])
+
+    def flags(self, *keys: str) -> np.ndarray:
+        """Whether any of the fields (0, 1, true, false) is set, bool; missing: not set."""
+        is_set = np.zeros(len(self.rows), dtype=bool)
+        for key in keys:
+            values = self.values(key)
+            if values is not None:
+                self._check_types(values, {int, float, bool, type(None)}, key, "0 or 1")
+                is_set |= np.fromiter((bool(value) for value in values), bool, len(values))
+        return is_set
+
+    def boxes(self) -> np.ndarray:
+        """``bbox`` of every record as float64 of shape (n, 4): x, y, w, h."""
+        values = self.required("bbox")
+        if not set(map(type, values)) <= {list}:
+            first = next(i for i, value in enumerate(values) if not isinstance(value, list))
+            raise self.error(
+                first, f"expected bbox [x, y, width, height], found {found(values[first])}"
+            )
+        boxes: list[list[object]] = values  # type: ignore[assignment]
+        if not set(map(len, boxes)) <= {4}:
+            first = next(i for i, box in enumerate(boxes) if len(box) != 4)
+            raise self.error(
+                first,
+                f"expected bbox [x, y, width, height], found {len(boxes[first])} values: "
+                f"{found(boxes[first])}",
+            )
+        flat = list(chain.from_iterable(boxes))
+        if not set(map(type, flat)) <= {int, float}:
+            first = next(i for i, value in enumerate(flat) if type(value) not in {int, float})
+            raise self.error(
+                first // 4, f"expected four numbers as bbox, found {found(boxes[first // 4])}"
+            )
+        return self.to_floats(flat, "bbox").reshape(-1, 4)
+
+    def _check_types(
+        self, values: Sequence[object], allowed: set[type], key: str, expected: str
+    ) -> None:
+        if not set(map(type, values)) <= allowed:
+            first = next(i for i, value in enumerate(values) if type(value) not in allowed)
+            raise self.error(first, f'expected {expected} as "{key}", found {found(values[first])}')
+
+    def to_floats(self, values: list[object], key: str) -> np.ndarray:
+        """Numbers of a field as float64, None as NaN."""
+        try:
+            return np.array(values, dtype=float)
+        except OverflowError:
+            raise FormatError(
+                f'expected numbers below 1e308 as "{key}" of the {self.what}s', file=self.file.name
+            ) from None
+
+
+def _line_of_record(text: str, key: str, index: int) -> int | None:
+    """Line on which a record of a list starts; read again, only when there is an error to tell."""
+    start = re.search(rf'"{key}"\s*:\s*\[', text) if key else re.search(r"\[", text)
+    if start is None:
+        return None
+    position = start.end()
+    decoder = json.JSONDecoder()
+    begin = position
+    for _ in range(index + 1):
+        separator = re.compile(r"[\s,]*").match(text, position)
+        assert separator is not None
+        begin = separator.end()
+        try:
+            position = decoder.raw_decode(text, begin)[1]
+        except ValueError:
+            return None
+    return text.count("\n", 0, begin) + 1

@@ -1,0 +1,213 @@
+"""Elements of an XML file one after the other, with their lines; entities and DTDs forbidden."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import PurePosixPath
+from typing import Any, Final
+from xml.etree.ElementTree import ParseError
+
+from defusedxml.common import DefusedXmlException
+from defusedxml.ElementTree import DefusedXMLParser
+
+from nvcore.errors import FormatError, InputError
+from nvcore.inputs.readers.base import SourceFile
+from nvcore.inputs.readers.parse.text import MAX_INTEGER
+
+MAX_DEPTH: Final = 32
+"""Deepest nesting that is read; no annotation format comes near it."""
+_CHUNK: Final = 1 << 16
+# atomic groups: many comments must not make the search try every way to split them
+_ROOT = re.compile(r"\s*(?><\?xml[^>]*>\s*)?(?><!--.*?-->\s*)*<(?P<root>[\w:.-]+)", re.DOTALL)
+
+
+class Element:
+    """One element of an XML file.
+
+    Attributes
+    ----------
+    path
+        Tags from the root to this element, such as ``annotations/track/box``.
+    attributes
+        Its attributes.
+    line
+        1-based line of its start.
+    parent
+        The element around it; None for the root.
+    text
+        Its text without that of inner elements, stripped.
+    """
+
+    __slots__ = ("_parts", "attributes", "line", "parent", "path")
+
+    def __init__(self, path: str, attributes: dict[str, str], line: int, parent: Element | None):
+        self.path = path
+        self.attributes = attributes
+        self.line = line
+        self.parent = parent
+        self._parts: list[str] = []
+
+    @property
+    def tag(self) -> str:
+        """Name of the element."""
+        return self.path.rpartition("/")[2]
+
+    @property
+    def text(self) -> str:
+        """Text without that of inner elements, stripped."""
+        return "".join(self._parts).strip()
+
+    def add_text(self, part: str) -> None:
+        """Append a part of the text."""
+        self._parts.append(part)
+
+
+class _Collector:
+    """Target of the parser: keeps the open elements and hands out the closed ones."""
+
+    def __init__(self, file: SourceFile):
+        self.file = file
+        self.expat: Any = None
+        self.open: list[Element] = []
+        self.closed: list[Element] = []
+
+    def start(self, tag: str, attributes: dict[str, str]) -> None:
+        line = self.expat.CurrentLineNumber
+        if len(self.open) == MAX_DEPTH:
+            raise FormatError(
+                f"expected annotations, found elements nested more than {MAX_DEPTH} deep",
+                file=self.file.name,
+                line=line,
+            )
+        parent = self.open[-1] if self.open else None
+        path = tag if parent is None else f"{parent.path}/{tag}"
+        self.open.append(Element(path, attributes, line, parent))
+
+    def data(self, text: str) -> None:
+        # text that is nothing but line ends and indentation is not worth keeping
+        if not text.isspace():
+            self.open[-1].add_text(text)
+
+    def end(self, tag: str) -> None:
+        del tag
+        self.closed.append(self.open.pop())
+
+
+def root_of(head: str) -> str:
+    """Name of the outermost element of an XML file, from its beginning; empty if it has none."""
+    found = _ROOT.match(head.removeprefix("\ufeff"))
+    return "" if found is None else found["root"]
+
+
+def read_elements(file: SourceFile, *, root: str) -> Iterator[Element]:
+    """Elements of an XML file in the order in which they end, inner ones before outer ones.
+
+    The file is read in pieces: what the caller does not keep is given free.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be opened.
+    FormatError
+        If it is not well-formed XML, declares a DTD or entities, or has another root element.
+    """
+    collector = _Collector(file)
+    parser = DefusedXMLParser(target=collector, forbid_dtd=True)
+    collector.expat = parser.parser
+    checked = False
+    for piece in _pieces(file):
+        try:
+            if piece:
+                parser.feed(piece)
+            else:
+                parser.close()
+        except ParseError as error:
+            raise FormatError(
+                f"expected XML, found a fault: {str(error).partition(': line')[0]}; is the file "
+                "complete?",
+                file=file.name,
+                line=error.position[0],
+            ) from error
+        except DefusedXmlException as error:
+            raise FormatError(
+                "declares a DTD or entities, which annotations do not need and which are not "
+                "read: remove the DOCTYPE",
+                file=file.name,
+                line=collector.expat.CurrentLineNumber,
+            ) from error
+        except (LookupError, ValueError) as error:  # encodings that expat cannot have
+            raise FormatError(
+                f"expected XML in UTF-8, found another encoding: {error}", file=file.name, line=1
+            ) from error
+        if not checked and (collector.closed or collector.open):
+            checked = True
+            first = collector.open[0] if collector.open else collector.closed[-1]
+            if first.path != root:
+                raise FormatError(
+                    f"expected <{root}> as the outermost element, found <{first.path[:60]}>",
+                    file=file.name,
+                    line=first.line,
+                )
+        closed, collector.closed = collector.closed, []
+        yield from closed
+
+
+def _pieces(file: SourceFile) -> Iterator[bytes]:
+    """The file in pieces, then an empty one."""
+    try:
+        with file.path.open("rb") as stream:
+            while piece := stream.read(_CHUNK):
+                yield piece
+    except OSError as error:
+        raise InputError(f"cannot be opened ({error.strerror})", file=file.name) from error
+    yield b""
+
+
+def number(text: str | None, what: str, file: SourceFile, line: int) -> float:
+    """The text as a number, NaN where it is empty.
+
+    Raises
+    ------
+    FormatError
+        If it is missing (None) or no number.
+    """
+    if text is None:
+        raise FormatError(f"expected {what}, found none", file=file.name, line=line)
+    try:
+        if "_" not in text:  # Python's own notation, 1_000
+            return float(text)
+    except ValueError:
+        if not text.strip():
+            return float("nan")
+    raise FormatError(
+        f"expected a number as {what}, found {text[:60]!r}", file=file.name, line=line
+    )
+
+
+def whole_number(text: str | None, what: str, file: SourceFile, line: int) -> int:
+    """The text as a whole number (``3.0`` is one).
+
+    Raises
+    ------
+    FormatError
+        If it is missing (None), empty or no whole number.
+    """
+    value = number(text, what, file, line)
+    if not (abs(value) < MAX_INTEGER and value == int(value)):
+        raise FormatError(
+            f"expected a whole number as {what}, found {str(text)[:60]!r}",
+            file=file.name,
+            line=line,
+        )
+    return int(value)
+
+
+def is_true(text: str | None) -> bool:
+    """Whether a flag is set: 1, true, yes."""
+    return text is not None and text.strip().casefold() in ("1", "1.0", "true", "yes")
+
+
+def file_stem(name: str) -> str:
+    """File name without folders and ending."""
+    return PurePosixPath(name.replace("\\", "/")).stem

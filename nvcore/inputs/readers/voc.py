@@ -1,0 +1,259 @@
+"""Pascal VOC: one XML file per picture."""
+
+from __future__ import annotations
+
+from array import array
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+import pandas as pd
+
+from nvcore.errors import FormatError
+from nvcore.findings import Finding, Severity
+from nvcore.inputs.readers.base import (
+    Format,
+    Reading,
+    ReadOptions,
+    Role,
+    SourceFile,
+    object_array,
+    reading_boxes,
+    recording_row,
+    recordings_table,
+    rows_finding,
+)
+from nvcore.inputs.readers.meaning.categories import concerns_pedestrians, free_labels
+from nvcore.inputs.readers.meaning.classes import choose_classes, name_left_out
+from nvcore.inputs.readers.meaning.names import listed_frames
+from nvcore.inputs.readers.meaning.occlusion import levels_of_numbers
+from nvcore.inputs.readers.parse.xml import Element, is_true, number, read_elements, root_of
+
+CORNERS: Final = ("xmin", "ymin", "xmax", "ymax")
+SCORES: Final = ("score", "confidence")
+_COLUMNS = ("file", "line", *CORNERS, "difficult", "occluded", "score")
+
+
+def recognise(name: str, head: str, role: Role) -> bool:
+    """Whether the outermost element is ``<annotation>``."""
+    del name, role
+    return root_of(head) == "annotation"
+
+
+@dataclass
+class _Objects:
+    """The objects of all files, before the classes are sorted."""
+
+    numbers: array[float] = field(default_factory=lambda: array("d"))
+    label: list[str] = field(default_factory=list)
+    shapes: list[tuple[str, int, int]] = field(default_factory=list)
+    """Label, file and line of objects without a box."""
+    sizes: list[tuple[float, float]] = field(default_factory=list)
+    """Width and height of each file's picture, NaN where not given."""
+
+
+def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
+    """Read Pascal VOC files, one per picture; a file without objects is an evaluated frame.
+
+    Corners are inclusive pixels counted from 1, as VOC defines them; with ``box_base=0`` they are
+    edges counted from 0, as many other programs write them. Difficult objects are ignore regions.
+
+    Raises
+    ------
+    InputError
+        If a file name has no number, two files are of one frame, or a class is unknown.
+    FormatError
+        With file and line of what is not Pascal VOC.
+    """
+    images = listed_frames(files, options)
+    objects = _Objects()
+    # a loop over files, each of which is a picture
+    for position, file in enumerate(files):
+        _read_one(file, position, objects)
+    table = np.frombuffer(objects.numbers, dtype=np.float64).reshape(-1, len(_COLUMNS))
+    column = {name: table[:, i] for i, name in enumerate(_COLUMNS)}
+    index, line = column["file"].astype(np.int64), column["line"].astype(np.int64)
+    label = object_array(objects.label)
+    declared = {shape[0] for shape in objects.shapes}
+    choice = choose_classes(
+        label,
+        free_labels({*label, *declared}, options),
+        options,
+        files=files,
+        file=index,
+        line=line,
+    )
+    base = 1 if options.box_base is None else options.box_base
+    is_truth = options.role == "truth"
+    x, y = column["xmin"] - base, column["ymin"] - base
+    with np.errstate(invalid="ignore", over="ignore"):
+        w, h = column["xmax"] - x, column["ymax"] - y
+    boxes = reading_boxes(
+        len(label),
+        recording=images["recording"].to_numpy()[index],
+        frame=images["frame"].to_numpy()[index],
+        x=x,
+        y=y,
+        w=w,
+        h=h,
+        score=column["score"],
+        ignore=(choice.ignore | (column["difficult"] == 1)) & is_truth,
+        occlusion=levels_of_numbers(column["occluded"]),
+        file=index,
+        line=line,
+    )
+    others = name_left_out(label, choice.keep)
+    facts = [
+        "frame numbers from the file names",
+        "inclusive corners to width and height, pixels from 1-based to 0-based"
+        if base
+        else "corners taken as edges, pixels 0-based (box base 0)",
+        choice.fact,
+        *([others] if others else []),
+        *(["difficult = ignore"] if is_truth else []),
+        "occluded = partial occlusion, truncated not used",
+    ]
+    recordings, odd_sizes = _recordings(images, objects.sizes, files, options)
+    findings = [
+        *_shapes(objects, files, options),
+        *_wrong_base(x, y, choice.keep, base, files, index, line, options),
+        *odd_sizes,
+        *choice.findings,
+    ]
+    return Reading(
+        boxes=boxes[choice.keep].reset_index(drop=True),
+        recordings=recordings,
+        conversion="; ".join(facts),
+        images=images.sort_values("image_id", ignore_index=True),
+        findings=tuple(findings),
+    )
+
+
+def _read_one(file: SourceFile, index: int, objects: _Objects) -> None:
+    """Append the objects of one file; parts of objects (heads, hands) are passed over."""
+    facts: dict[str, Element] = {}
+    size = {"width": float("nan"), "height": float("nan")}
+    for element in read_elements(file, root="annotation"):
+        path = element.path.removeprefix("annotation/")
+        if path in ("size/width", "size/height"):
+            value = number(element.text, path, file, element.line)
+            # some programs write 0 for a size that they do not know
+            size[path.removeprefix("size/")] = value if value > 0 else float("nan")
+        elif path == "object":
+            _add_object(element, facts, file, index, objects)
+            facts = {}
+        elif path.startswith("object/"):
+            facts[path.removeprefix("object/")] = element
+    objects.sizes.append((size["width"], size["height"]))
+
+
+def _add_object(
+    element: Element, facts: dict[str, Element], file: SourceFile, index: int, objects: _Objects
+) -> None:
+    if "name" not in facts:
+        raise FormatError("expected <object> with a <name>", file=file.name, line=element.line)
+    label = facts["name"].text
+    if "bndbox" not in facts:
+        objects.shapes.append((label, index, element.line))
+        return
+    line = facts["bndbox"].line
+    values: list[float] = [index, line]
+    for name in CORNERS:
+        one = facts.get(f"bndbox/{name}")
+        values.append(
+            number(
+                None if one is None else one.text,
+                f"<{name}> in <bndbox>",
+                file,
+                line if one is None else one.line,
+            )
+        )
+    values.append("difficult" in facts and is_true(facts["difficult"].text))
+    for names in (("occluded",), SCORES):
+        given = next((facts[name] for name in names if name in facts), None)
+        text, at = ("", line) if given is None else (given.text, given.line)
+        values.append(number(text, f"<{names[0]}>", file, at))
+    objects.numbers.extend(values)
+    objects.label.append(label)
+
+
+def _recordings(
+    images: pd.DataFrame,
+    sizes: Sequence[tuple[float, float]],
+    files: Sequence[SourceFile],
+    options: ReadOptions,
+) -> tuple[pd.DataFrame, list[Finding]]:
+    """Recordings with the size of their first picture, and pictures of another size."""
+    table = images[["recording"]].assign(
+        width=np.array([size[0] for size in sizes]), height=np.array([size[1] for size in sizes])
+    )
+    by_recording = table.groupby("recording", sort=False)[["width", "height"]]
+    first = by_recording.transform("first")
+    differs = ((table[["width", "height"]] != first) & table[["width", "height"]].notna()).any(
+        axis=1
+    )
+    rows = [
+        recording_row(str(name), width=size["width"], height=size["height"])
+        for name, size in by_recording.first().iterrows()
+    ]
+    return recordings_table(rows), rows_finding(
+        differs.to_numpy(),
+        "picture-size",
+        "Pictures differ in size from the first of their recording, whose size is taken.",
+        "Give each size a recording of its own, or scale the boxes to one size.",
+        role=options.role,
+        place=lambda one: (files[one].name, f"{sizes[one][0]:g} x {sizes[one][1]:g}"),
+    )
+
+
+def _shapes(objects: _Objects, files: Sequence[SourceFile], options: ReadOptions) -> list[Finding]:
+    """Pedestrians without a box."""
+    shapes = [one for one in objects.shapes if concerns_pedestrians(one[0], options)]
+    if not shapes:
+        return []
+    label, index, line = shapes[0]
+    return [
+        Finding(
+            severity=Severity.WARNING,
+            code="no-box",
+            subject=options.role,
+            count=len(shapes),
+            message="Pedestrians without <bndbox> are not boxes and were left out.",
+            advice="Annotate them as upright boxes.",
+            file=files[index].name,
+            example=f"line {line}: {label}",
+        )
+    ]
+
+
+def _wrong_base(
+    x: np.ndarray,
+    y: np.ndarray,
+    keep: np.ndarray,
+    base: int,
+    files: Sequence[SourceFile],
+    index: np.ndarray,
+    line: np.ndarray,
+    options: ReadOptions,
+) -> list[Finding]:
+    """Corners of exactly 0, which a file that counts pixels from 1 cannot have."""
+    at_zero = keep & ((x == -base) | (y == -base))
+    return rows_finding(
+        at_zero & (base != 0),
+        "box-base",
+        "Boxes have xmin or ymin 0, but Pascal VOC counts pixels from 1.",
+        "The files seem to count from 0: say so with --box-base 0.",
+        role=options.role,
+        place=lambda row: (files[index[row]].name, f"line {line[row]}"),
+    )
+
+
+FORMAT = Format(
+    name="voc",
+    title="Pascal VOC",
+    roles=("truth", "detections"),
+    suffixes=(".xml",),
+    recognise=recognise,
+    read=read,
+)

@@ -1,0 +1,321 @@
+"""YOLO text: one file per picture, rows of class, middle and size in shares of the picture."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import PurePosixPath
+from typing import Final
+
+import numpy as np
+
+from nvcore.errors import FormatError, InputError, MissingFactError
+from nvcore.findings import Finding
+from nvcore.inputs.readers.base import (
+    Format,
+    Reading,
+    ReadOptions,
+    Role,
+    SourceFile,
+    object_array,
+    reading_boxes,
+    recording_row,
+    recordings_table,
+    rows_finding,
+)
+from nvcore.inputs.readers.meaning.categories import free_labels
+from nvcore.inputs.readers.meaning.classes import ClassRule, choose_classes, name_left_out
+from nvcore.inputs.readers.meaning.names import listed_frames
+from nvcore.inputs.readers.parse.text import (
+    MAX_INTEGER,
+    NumberTable,
+    are_numbers,
+    number_of,
+    read_numbers,
+    read_text,
+    rows_of_text,
+    stacked,
+    whole_numbers,
+)
+from nvcore.schema import NO_TRACK
+
+WHAT = "class x y width height [confidence]"
+MAX_SHARE: Final = 2.0
+"""Largest coordinate, in shares of the picture, that can be a box that sticks out of it."""
+_INSIDE: Final = 0.01
+"""How far a box may stick out of the picture and still count as inside it."""
+_NAMES = re.compile(r"classes\.txt|.*\.names")
+_OTHERS = re.compile(r".*\.ya?ml|(?:train|val|valid|test)\.txt|.*\.data|.*\.cache")
+
+
+def recognise(name: str, head: str, role: Role) -> bool:
+    """Whether the rows are a class number and 4 to 6 numbers, the first four of them shares.
+
+    A list of class names is YOLO's, too: in its folder it comes before the first picture's file.
+    """
+    del role
+    if _is_extra(name):
+        return _NAMES.fullmatch(PurePosixPath(name).name.casefold()) is not None
+    rows = rows_of_text(head, delimiter=" ")[:20]
+    return bool(rows) and all(_is_row(row) for row in rows)
+
+
+def _is_row(row: Sequence[str]) -> bool:
+    if len(row) not in (5, 6, 7) or not are_numbers(row) or not row[0].isdecimal():
+        return False
+    return all(0 <= (number_of(share) or 0) <= 1.1 for share in row[1:5])
+
+
+@dataclass(frozen=True)
+class _Rows:
+    """Rows of all files: what each field holds was told from the content."""
+
+    middle_and_size: list[np.ndarray]
+    score: np.ndarray
+    track: np.ndarray
+    facts: tuple[str, ...]
+    findings: tuple[Finding, ...]
+
+
+def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
+    """Read YOLO text files, one per picture; an empty file is an evaluated frame.
+
+    Class 0 counts, or the classes whose names are pedestrians where ``classes.txt`` tells names.
+    The confidence is the last field (Ultralytics) or the second (review_object_detection_metrics):
+    told from which of the two readings leaves the boxes inside the picture.
+
+    Raises
+    ------
+    MissingFactError
+        If the size of the pictures is not given.
+    InputError
+        If a file name has no number, two files are of one frame, or a class is unknown.
+    FormatError
+        With file and line of the first row that is not YOLO text.
+    """
+    if options.size is None:
+        raise MissingFactError(
+            "YOLO text holds shares of the picture's width and height: give the size of the "
+            "pictures with --size WIDTHxHEIGHT",
+            file=files[0].name if files else None,
+            facts=("size",),
+        )
+    frames = [file for file in files if not _is_extra(file.name)]
+    position = np.array([i for i, file in enumerate(files) if not _is_extra(file.name)], np.int64)
+    if not frames:
+        raise InputError(
+            "expected one text file per picture, found none", file=files[0].name if files else None
+        )
+    names = _class_names(files, frames)
+    images = listed_frames(frames, options)
+    table, file = stacked(
+        [read_numbers(one, n_columns=(5, 6, 7), delimiter=" ", what=WHAT) for one in frames]
+    )
+    _check_shares(table, frames, file)
+    rows = _told_apart(table, frames, file, options)
+    kind = _per_file_whole(table.columns[0], frames, file, table.line)
+    label = _labels(kind, names)
+    rule, wanted = _rule(label, names, options)
+    choice = choose_classes(label, rule, wanted, files=frames, file=file, line=table.line)
+    width, height = options.size
+    x, y, w, h = rows.middle_and_size
+    boxes = reading_boxes(
+        len(table),
+        recording=images["recording"].to_numpy()[file],
+        frame=images["frame"].to_numpy()[file],
+        x=(x - w / 2) * width,
+        y=(y - h / 2) * height,
+        w=w * width,
+        h=h * height,
+        score=rows.score,
+        track=rows.track,
+        ignore=choice.ignore,
+        file=position[file],
+        line=table.line,
+    )
+    others = name_left_out(label, choice.keep)
+    passed = sorted({PurePosixPath(one.name).name for one in files if _is_extra(one.name)})
+    facts = [
+        "frame numbers from the file names",
+        f"shares of the picture to pixels of {width} x {height} (0-based)",
+        *rows.facts,
+        choice.fact,
+        *([others] if others else []),
+        *([f"class names from {names.source}"] if names.source else []),
+        *([f"not read as pictures: {', '.join(passed)}"] if passed else []),
+    ]
+    recordings = [
+        recording_row(str(name), width=width, height=height)
+        for name in dict.fromkeys(images["recording"])
+    ]
+    return Reading(
+        boxes=boxes[choice.keep].reset_index(drop=True),
+        recordings=recordings_table(recordings),
+        conversion="; ".join(facts),
+        images=images.sort_values("image_id", ignore_index=True),
+        findings=(*rows.findings, *choice.findings),
+    )
+
+
+def _is_extra(name: str) -> bool:
+    """Whether the file is no picture's: names of classes, lists of files, settings."""
+    last = PurePosixPath(name).name.casefold()
+    return _NAMES.fullmatch(last) is not None or _OTHERS.fullmatch(last) is not None
+
+
+@dataclass(frozen=True)
+class _Names:
+    """Names of the classes by number, and the file that they are from; empty for none."""
+
+    names: tuple[str, ...] = ()
+    source: str = ""
+
+
+def _class_names(files: Sequence[SourceFile], frames: Sequence[SourceFile]) -> _Names:
+    """Class names from a file among those given, or beside or above the first picture's file."""
+    folder = frames[0].path.parent
+    beside = [
+        SourceFile(path=at / "classes.txt", name="classes.txt") for at in (folder, folder.parent)
+    ]
+    among = [file for file in files if _NAMES.fullmatch(PurePosixPath(file.name).name.casefold())]
+    for file in [*among, *(one for one in beside if one.path.is_file())]:
+        lines = [line.strip() for line in read_text(file).strip().splitlines()]
+        return _Names(tuple(lines), PurePosixPath(file.name).name)
+    return _Names()
+
+
+def _labels(kind: np.ndarray, names: _Names) -> np.ndarray:
+    """Name of each row's class, its number where it has none."""
+    numbers, codes = np.unique(kind, return_inverse=True)
+    found = [
+        names.names[number] if 0 <= number < len(names.names) else str(number)
+        for number in numbers.tolist()
+    ]
+    return object_array(found)[codes]
+
+
+def _rule(label: np.ndarray, names: _Names, options: ReadOptions) -> tuple[ClassRule, ReadOptions]:
+    """What to do with which class; class numbers are made names where the names are known."""
+    found = {*label, *names.names}
+    if not names.names:
+        for name in options.classes or ():
+            if not name.isdecimal():
+                raise InputError(
+                    f"expected class numbers, found the class {name!r}: YOLO text has no names; "
+                    "give numbers, or put classes.txt beside the files"
+                )
+        found |= set(options.classes or ())
+        others = tuple(sorted(found - {"0"}))
+        return ClassRule(counted=("0",), ignored=(), left_out=others), options
+    if options.classes is None:
+        return free_labels(found, options), options
+    n_names = len(names.names)
+    wanted = tuple(
+        names.names[int(name)] if re.fullmatch("[0-9]{1,9}", name) and int(name) < n_names else name
+        for name in options.classes
+    )
+    options = replace(options, classes=wanted)
+    return free_labels(found, options), options
+
+
+def _check_shares(table: NumberTable, files: Sequence[SourceFile], file: np.ndarray) -> None:
+    values = np.column_stack(table.columns[1:5])
+    with np.errstate(invalid="ignore"):
+        wrong = np.abs(values) > MAX_SHARE
+    if wrong.any():
+        row = int(np.argmax(wrong.any(axis=1)))
+        value = values[row][wrong[row]][0]
+        raise FormatError(
+            f"expected shares of the picture in 0..1 ({WHAT}), found {value:g}; are these pixels?",
+            file=files[file[row]].name,
+            line=int(table.line[row]),
+        )
+
+
+def _told_apart(
+    table: NumberTable, files: Sequence[SourceFile], file: np.ndarray, options: ReadOptions
+) -> _Rows:
+    """Which fields are the box, the confidence and the track id."""
+    second, third, fourth, fifth, sixth, seventh = table.columns[1:]
+    box, score, track = [second, third, fourth, fifth], sixth, seventh
+    has_sixth, has_seventh = ~np.isnan(sixth), ~np.isnan(seventh)
+    facts: list[str] = []
+    findings: list[Finding] = []
+    n_last = n_second = 0
+    if has_seventh.any():
+        facts.append("confidence last but one, track id last")
+    elif has_sixth.any() and _are_ids(sixth[has_sixth]):
+        score, track = np.full(len(table), np.nan), sixth
+        facts.append("last field = track id; no scores")
+    elif has_sixth.any():
+        n_last = _n_outside([column[has_sixth] for column in box])
+        shifted = [third, fourth, fifth, sixth]
+        n_second = _n_outside([column[has_sixth] for column in shifted])
+        if n_second < n_last:
+            # rows of five fields have no confidence and keep their places
+            box = [np.where(has_sixth, s, b) for s, b in zip(shifted, box, strict=True)]
+            score = np.where(has_sixth, second, np.nan)
+        place = "second" if n_second < n_last else "last"
+        facts.append(f"confidence in the {place} field")
+        if n_last == n_second:
+            facts[-1] += " (could not be told from the content)"
+            findings = rows_finding(
+                has_sixth,
+                "confidence-field",
+                "Whether the confidence is the last field or the second cannot be told from the "
+                "rows; it was taken as the last.",
+                "Check that the boxes lie where they should.",
+                role=options.role,
+                place=lambda row: (files[file[row]].name, f"line {table.line[row]}"),
+            )
+    ids = np.full(len(table), NO_TRACK, dtype=np.int64)
+    given = ~np.isnan(track)
+    ids[given] = _per_file_whole(track[given], files, file[given], table.line[given], "track id")
+    return _Rows(box, score, np.maximum(ids, NO_TRACK), tuple(facts), tuple(findings))
+
+
+def _are_ids(values: np.ndarray) -> bool:
+    """Whether a last field is a track id, as trackers write it: whole numbers, some above 1."""
+    return bool(np.all(values == np.floor(values)) and values.max() > 1)
+
+
+def _n_outside(box: Sequence[np.ndarray]) -> int:
+    """How many boxes stick out of the picture or have no area."""
+    x, y, w, h = box
+    with np.errstate(invalid="ignore"):
+        inside = (
+            (x - w / 2 >= -_INSIDE)
+            & (x + w / 2 <= 1 + _INSIDE)
+            & (y - h / 2 >= -_INSIDE)
+            & (y + h / 2 <= 1 + _INSIDE)
+            & (w > 0)
+            & (h > 0)
+        )
+    return int((~inside).sum())
+
+
+def _per_file_whole(
+    values: np.ndarray,
+    files: Sequence[SourceFile],
+    file: np.ndarray,
+    line: np.ndarray,
+    what: str = "class number",
+) -> np.ndarray:
+    """The values as int64; the error names the file of the first that is no whole number."""
+    if not len(values):
+        return np.empty(0, dtype=np.int64)
+    with np.errstate(invalid="ignore"):
+        bad = ~((values == np.floor(values)) & (np.abs(values) < MAX_INTEGER))
+    # without a fault, argmax is the first row and the name is not needed
+    return whole_numbers(values, files[file[int(np.argmax(bad))]], line, what)
+
+
+FORMAT = Format(
+    name="yolo",
+    title="YOLO text",
+    roles=("truth", "detections"),
+    suffixes=(".txt",),
+    recognise=recognise,
+    read=read,
+)

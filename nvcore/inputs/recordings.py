@@ -1,0 +1,97 @@
+"""Size, frame rate and horizon of every recording: from the data, the session, or flags."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+import pandas as pd
+
+from nvcore.errors import InputError, MissingFactError
+from nvcore.findings import Finding, Severity
+from nvcore.inputs.readers.base import Reading
+from nvcore.inputs.session import Session
+
+NO_BOX: Final = (
+    "no frame is evaluated: the ground truth holds no box (only a header, or other classes?). "
+    "Check that it is the right file and --classes; if there is no pedestrian in it, give the "
+    "evaluated frames with --frames"
+)
+
+
+def contradicted_facts(truth: Reading, recordings: pd.DataFrame) -> list[Finding]:
+    """Sizes and frame rates that were given although the data say something else."""
+    stated = truth.recordings.set_index("name").reindex(recordings["name"])
+    findings = []
+    for columns, what, flag in (
+        (["width", "height"], "image size", "--size"),
+        (["fps"], "frame rate", "--fps"),
+    ):
+        ours, theirs = recordings[columns].to_numpy(), stated[columns].to_numpy(dtype=float)
+        differs = (np.isfinite(theirs) & (ours != theirs)).any(axis=1)
+        if not differs.any():
+            continue
+        first = int(np.argmax(differs))
+        given, said = ("x".join(f"{v:g}" for v in row[first]) for row in (ours, theirs))
+        findings.append(
+            Finding(
+                Severity.WARNING, "contradicted-fact", "truth", int(np.count_nonzero(differs)),
+                f"The {what} given ({given}) is not that of the data ({said}).",
+                f"Leave {flag} away (or the value in the session file) where the data hold it.",
+                example=f"recording {recordings['name'].iloc[first]}",
+            )
+        )  # fmt: skip
+    return findings
+
+
+def describe_recordings(session: Session, truth: Reading) -> pd.DataFrame:
+    """Name, width, height, fps, horizon, tags of recordings; what is unknown is an error."""
+    table = truth.recordings.copy()
+    facts = {one.name: one for one in session.recordings}
+    if len(table) == 1 and len(facts) == 1 and table["name"][0] not in facts:
+        # one recording here and there: the session names it
+        facts = {table["name"][0]: next(iter(facts.values()))}
+    known = set(table["name"])
+    more = [name for name in facts if name not in known]
+    if more:
+        extra = pd.DataFrame({"name": more, "width": np.nan, "height": np.nan, "fps": np.nan})
+        table = pd.concat([table, extra], ignore_index=True)
+    if table.empty:
+        raise InputError(NO_BOX, file=session.truth.path[0])
+    table["horizon"] = np.nan
+    for row, name in enumerate(table["name"]):  # a loop over recordings: hundreds at the most
+        one = facts.get(name)
+        for column in ("width", "height", "fps", "horizon"):
+            value = None if one is None else getattr(one, column)
+            if value is not None:
+                table.loc[row, column] = value
+    width, height = session.size or (None, None)
+    for column, common in (("width", width), ("height", height), ("fps", session.fps)):
+        if common is not None:
+            own = {name for name, one in facts.items() if getattr(one, column) is not None}
+            table.loc[~table["name"].isin(own), column] = common
+    _check_known(table)
+    tags = [facts[name].tags if name in facts else () for name in table["name"]]
+    return table.assign(tags=pd.Series(tags, dtype=object))
+
+
+def _check_known(table: pd.DataFrame) -> None:
+    """One error about everything that is unknown of the first recording that lacks something."""
+    values = table[["width", "height", "fps"]].to_numpy(dtype=float)
+    is_unknown = ~(values > 0)
+    lacking = is_unknown.any(axis=1)
+    if not lacking.any():
+        return
+    first = int(np.argmax(lacking))
+    size, fps = bool(is_unknown[first, :2].any()), bool(is_unknown[first, 2])
+    what = " and ".join(["image size"] * size + ["frame rate"] * fps)
+    flags = " and ".join(["--size WIDTHxHEIGHT"] * size + ["--fps FPS"] * fps)
+    keys = {(True, True): "width, height and fps", (True, False): "width and height"}
+    n_others = int(np.count_nonzero(lacking)) - 1
+    others = f" (nor those of {n_others} more)" if n_others else ""
+    raise MissingFactError(
+        f"the {what} of recording {table['name'].iloc[first]!r} "
+        f"{'are' if size and fps else 'is'} not in the data{others}; give {flags}, or "
+        f"{keys.get((size, fps), 'fps')} in the session file",
+        facts=(*["size"] * size, *["fps"] * fps),
+    )

@@ -1,0 +1,227 @@
+"""What one comparison consists of: inputs, facts that they lack, settings."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Final
+
+from nvcore.errors import SessionError
+from nvcore.params import Params
+from nvcore.protocols import PROTOCOLS, Protocol
+
+MAX_OFFSET_FRAMES: Final = 1_000_000
+"""Largest correction of frame numbers."""
+
+_MAX_FRAME: Final = 2**53
+"""Frame numbers are exact in every table up to here."""
+
+
+@dataclass(frozen=True)
+class RecordingFacts:
+    """What the session says of one recording; None: the data tell.
+
+    `pictures` is a video, a folder or an archive, `first_picture` the number of the frame that
+    its first picture shows. `tags` are words by which recordings can be chosen, such as "night".
+    """
+
+    name: str
+    width: float | None = None
+    height: float | None = None
+    fps: float | None = None
+    frames: str | None = None
+    horizon: float | None = None
+    pictures: str | None = None
+    first_picture: int | None = None
+    tags: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not self.name:
+            raise SessionError("expected a name of the recording")
+        for name in ("width", "height", "fps"):
+            _positive(name, getattr(self, name))
+        _finite("horizon", self.horizon)
+        if self.first_picture is not None and abs(self.first_picture) > _MAX_FRAME:
+            raise SessionError(
+                f"first_picture: expected a frame number, found {self.first_picture}"
+            )
+        _can_be_a_path("frames", self.frames)
+        _can_be_a_path("pictures", self.pictures)
+        if not all(tag.strip() for tag in self.tags) or len(set(self.tags)) < len(self.tags):
+            raise SessionError(f"tags: expected different words, found {list(self.tags)}")
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where ground truth or a system's detections come from, and how to read them.
+
+    Attributes
+    ----------
+    path
+        Files, folders or globs.
+    format
+        Name of a format; None: told from the content.
+    classes, frame_base, box_base
+        See `nvcore.inputs.readers.base.ReadOptions`.
+    """
+
+    path: tuple[str, ...]
+    format: str | None = None
+    classes: tuple[str, ...] | None = None
+    frame_base: int | None = None
+    box_base: int | None = None
+
+    def __post_init__(self) -> None:
+        if not self.path or not all(self.path):
+            raise SessionError("path: expected a file, folder or glob, found nothing")
+        for text in self.path:
+            _can_be_a_path("path", text)
+        if self.classes is not None and not (self.classes and all(self.classes)):
+            raise SessionError("classes: expected names or numbers of classes, found nothing")
+
+
+@dataclass(frozen=True)
+class SystemSource(Source):
+    """A system's detections, its threshold, and corrections applied to its boxes.
+
+    Attributes
+    ----------
+    name
+        The system's name; None: told from the path.
+    threshold
+        Score threshold; None: every detection counts.
+    offset_frames
+        Added to the frame numbers.
+    offset_px
+        Added to x and y, after scaling.
+    scale
+        By which x and w, and y and h are multiplied.
+    """
+
+    name: str | None = None
+    threshold: float | None = None
+    offset_frames: int = 0
+    offset_px: tuple[float, float] = (0.0, 0.0)
+    scale: tuple[float, float] = (1.0, 1.0)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        try:
+            (self.name or "").encode()
+        except UnicodeEncodeError as error:
+            raise SessionError(f"name: expected UTF-8 text, found {self.name!r}") from error
+        if self.threshold is not None and math.isnan(self.threshold):
+            raise SessionError("threshold: expected a number, found nan")
+        if abs(self.offset_frames) > MAX_OFFSET_FRAMES:
+            raise SessionError(
+                f"offset_frames: expected at most {MAX_OFFSET_FRAMES}, found {self.offset_frames}"
+            )
+        for value in self.offset_px:
+            _finite("offset_px", value)
+        for value in self.scale:
+            _positive("scale", value)
+
+
+@dataclass(frozen=True)
+class Session:
+    """A comparison to be made.
+
+    Attributes
+    ----------
+    folder
+        What relative paths start from.
+    truth, systems
+        The inputs.
+    recordings
+        Facts by recording.
+    size, fps, frames
+        Facts for all recordings: (width, height) px, frames per second, frame list.
+    x, y
+        Names of the two systems to compare; None: the first and the second.
+    params
+        Settings of the analysis. Thresholds given here go before those of the systems.
+    protocol
+        Which pedestrians count in the detection figures.
+    hashes
+        sha256 of each source when the session was written, by ``truth`` or the system's name;
+        checked when it is loaded.
+    """
+
+    folder: Path
+    truth: Source
+    systems: tuple[SystemSource, ...]
+    recordings: tuple[RecordingFacts, ...] = ()
+    size: tuple[int, int] | None = None
+    fps: float | None = None
+    frames: str | None = None
+    x: str | None = None
+    y: str | None = None
+    params: Params = field(default_factory=Params)
+    protocol: Protocol = PROTOCOLS["all"]
+    hashes: Mapping[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        _positive("fps", self.fps)
+        _can_be_a_path("frames", self.frames)
+        names = [one.name for one in self.recordings]
+        for name in names:
+            if names.count(name) > 1:
+                raise SessionError(f"expected one [[recording]] named {name!r}, found several")
+
+    def paths(self) -> Iterator[str]:
+        """What it names of files: inputs, frame lists, pictures, as they are written."""
+        for source in (self.truth, *self.systems):
+            yield from source.path
+        for frames in (self.frames, *(one.frames for one in self.recordings)):
+            if frames is not None and not is_frame_range(frames):
+                yield frames
+        yield from (one.pictures for one in self.recordings if one.pictures is not None)
+
+    @property
+    def common_size(self) -> tuple[int, int] | None:
+        """The size of all pictures, where the session gives a single one."""
+        if self.size is not None:
+            return self.size
+        sizes = {(one.width, one.height) for one in self.recordings}
+        if len(sizes) != 1:
+            return None
+        width, height = sizes.pop()
+        return None if width is None or height is None else (int(width), int(height))
+
+
+def _positive(name: str, value: float | None) -> None:
+    if value is not None and not 0 < value < math.inf:
+        raise SessionError(f"{name}: expected a positive number, found {value:g}")
+
+
+def _finite(name: str, value: float | None) -> None:
+    if value is not None and not math.isfinite(value):
+        raise SessionError(f"{name}: expected a finite number, found {value:g}")
+
+
+def _can_be_a_path(name: str, text: str | None) -> None:
+    # other control characters may be in the names of files, and are shown harmlessly
+    if text is not None and "\0" in text:
+        raise SessionError(f"{name}: expected a path, found one with a NUL: {text!r}")
+
+
+def parse_size(text: str) -> tuple[int, int]:
+    """Width and height from ``640x480``.
+
+    Raises
+    ------
+    ValueError
+        If the text is not of that form.
+    """
+    found = re.fullmatch(r"\s*(\d{1,6})\s*[xX×]\s*(\d{1,6})\s*", text)
+    if found is None or not int(found[1]) or not int(found[2]):
+        raise ValueError(f"expected a size such as 640x480, got {text!r}")
+    return int(found[1]), int(found[2])
+
+
+def is_frame_range(frames: str) -> bool:
+    """Whether the text is ``first:last`` or ``first:last:step``, not the name of a file."""
+    return re.fullmatch(r"\s*-?\d{1,15}\s*:\s*-?\d{1,15}\s*(:\s*\d{1,15}\s*)?", frames) is not None

@@ -1,0 +1,238 @@
+"""Encounters: one pedestrian of one recording, and how each system did with it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import pandas as pd
+
+from nvcore.dataset import BoxColumns, FrameColumns
+from nvcore.metrics.kernels import encounter_frames, group_rows, over_ranges
+from nvcore.params import Params
+from nvcore.schema import UNKNOWN_OCCLUSION, MissClass
+
+SHORT_SHARE: Final = 0.5
+"""Share of one-frame encounters above which they are frames rather than persons."""
+
+
+def mostly_one_frame(n_frames: np.ndarray) -> bool:
+    """Whether most of these encounters are a single frame long.
+
+    Parameters
+    ----------
+    n_frames
+        Annotated frames of each; shape (n,).
+    """
+    return bool(np.count_nonzero(n_frames == 1) > SHORT_SHARE * len(n_frames))
+
+
+@dataclass(frozen=True)
+class Encounters:
+    """The encounters of a dataset and what does not depend on any parameter.
+
+    Attributes
+    ----------
+    recording, track
+        Of each encounter, sorted by both; int32 and int64, shape (n,).
+    encounter_of
+        Encounter of each truth row, -1 for ignored boxes; int64, shape (n_truth,).
+    order, offsets
+        ``order[offsets[e]:offsets[e + 1]]`` are the truth rows of encounter e, by frame.
+    frame_index
+        Frame row of each of these rows, in their order; int64.
+    first_row, last_row
+        Frame rows of the first and the last annotated frame; int64, shape (n,).
+    n_frames
+        Annotated frames; int64, shape (n,).
+    lateral_offset
+        Mean distance from the middle of the picture, fraction of W/2, 0..1.
+    lateral_position
+        Mean signed position, -1 left edge, 0 middle, 1 right edge.
+    peak_height
+        Largest box height, px.
+    aspect_ratio, aspect_z
+        Mean h/w and its z-score over all encounters (NaN for fewer than two, or no spread).
+    occluded_share
+        Share of the frames with known occlusion that are at least partly occluded; NaN: unknown.
+    """
+
+    recording: np.ndarray
+    track: np.ndarray
+    encounter_of: np.ndarray
+    order: np.ndarray
+    offsets: np.ndarray
+    frame_index: np.ndarray
+    first_row: np.ndarray
+    last_row: np.ndarray
+    n_frames: np.ndarray
+    lateral_offset: np.ndarray
+    lateral_position: np.ndarray
+    peak_height: np.ndarray
+    aspect_ratio: np.ndarray
+    aspect_z: np.ndarray
+    occluded_share: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.track)
+
+
+def find_encounters(
+    truth: BoxColumns, track: np.ndarray, occlusion: np.ndarray, frames: FrameColumns
+) -> Encounters:
+    """Group the pedestrians of the ground truth into encounters; ignored boxes belong to none.
+
+    Parameters
+    ----------
+    track
+        Track of each truth row (given or linked); int64, shape (n_truth,).
+    occlusion
+        0 none, 1 partial, 2 heavy, -1 unknown; int8, shape (n_truth,).
+    """
+    recording = frames.recording[truth.frame_index]
+    code, key_recording, key_track = _number_encounters(recording, track, ~truth.ignore)
+    counts = np.bincount(code[code >= 0], minlength=len(key_track)).astype(np.int64)
+    order = group_rows(code, counts)[: int(counts.sum())]
+    offsets = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
+    starts = offsets[:-1]
+    at_frame = truth.frame_index[order]
+    first_row, last_row = at_frame[starts], at_frame[offsets[1:] - 1]
+    is_new_frame = np.ones(len(order), dtype=bool)  # a track id given twice in a frame counts once
+    is_new_frame[1:] = np.diff(at_frame) != 0
+    is_new_frame[starts] = True
+    half = 0.5 * frames.width[recording[order]]
+    centre = np.clip(truth.x[order] + 0.5 * truth.w[order], 0, 2 * half)
+    signed = (centre - half) / half
+    aspect = truth.h[order] / truth.w[order]
+    known = (occlusion[order] != UNKNOWN_OCCLUSION).astype(float)
+    occluded = (occlusion[order] > 0).astype(float)
+    # no encounter is empty, so reduceat has no empty segments
+    mean_aspect = _sum(aspect, starts) / counts
+    n_known = _sum(known, starts)
+    with np.errstate(invalid="ignore"):
+        occluded_share = _sum(occluded, starts) / n_known
+    return Encounters(
+        recording=key_recording,
+        track=key_track,
+        encounter_of=code,
+        order=order,
+        offsets=offsets,
+        frame_index=at_frame,
+        first_row=first_row,
+        last_row=last_row,
+        n_frames=_sum(is_new_frame, starts).astype(np.int64),
+        lateral_offset=_sum(np.abs(signed), starts) / counts,
+        lateral_position=_sum(signed, starts) / counts,
+        peak_height=np.maximum.reduceat(truth.h[order], starts) if len(starts) else np.empty(0),
+        aspect_ratio=mean_aspect,
+        aspect_z=_z_scores(mean_aspect),
+        occluded_share=occluded_share,
+    )
+
+
+def _sum(values: np.ndarray, starts: np.ndarray) -> np.ndarray:
+    """Sum of every non-empty segment."""
+    if not len(starts):
+        return np.empty(0)
+    total: np.ndarray = np.add.reduceat(values, starts, dtype=float)
+    return total
+
+
+def _number_encounters(
+    recording: np.ndarray, track: np.ndarray, is_member: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Encounter of each row (-1: none), and recording and track of each encounter, sorted."""
+    small, given = track, None
+    if len(track) and (track.min() < -1 or track.max() >= 2**31 - 1):
+        small, given = pd.factorize(track, sort=True)  # ids such as timestamps
+    key = recording.astype(np.int64) << 32 | (small + 1)
+    code = np.full(len(key), -1, np.int64)
+    codes, keys = pd.factorize(key[is_member])
+    keys = np.asarray(keys, dtype=np.int64)
+    by_key = np.argsort(keys)
+    rank = np.empty(len(keys), np.int64)
+    rank[by_key] = np.arange(len(keys))
+    code[is_member] = rank[codes] if len(keys) else codes
+    keys = keys[by_key]
+    tracks = (keys & 0xFFFFFFFF) - 1
+    if given is not None:
+        tracks = np.asarray(given, dtype=np.int64)[tracks]
+    return code, (keys >> 32).astype(np.int32), tracks
+
+
+def _z_scores(values: np.ndarray) -> np.ndarray:
+    spread = values.std() if len(values) > 1 else 0.0
+    # equal values have a spread of a rounding error, not always 0
+    if not spread > 1e-9 * np.abs(values).max(initial=0):
+        return np.full(len(values), np.nan)
+    scores: np.ndarray = (values - values.mean()) / spread
+    return scores
+
+
+def judge_encounters(
+    encounters: Encounters,
+    k_truth: np.ndarray,
+    is_matched: np.ndarray,
+    frames: FrameColumns,
+    params: Params,
+) -> pd.DataFrame:
+    """How one system did in every encounter.
+
+    Relevant frames have ``k >= 0.5``; the encounter is detected when the share of matched ones is
+    at least ``coverage`` and one is matched. Distant encounters (no relevant frame) have neither
+    class nor figures.
+
+    Returns
+    -------
+    One row per encounter: n_relevant, matched (relevant frames), peak_k, coverage (0..1, 1 is
+    best), is_detected, lag_s, gap_s, tail_s (seconds, 0 is best, NaN if never matched), miss_class
+    (None for distant ones).
+
+    References
+    ----------
+    Paper 11-0360, figures 1 and 2; ``docs/metrics.md``, encounters.
+    """
+    n = len(encounters)
+    n_relevant, matched = np.empty(n, np.int64), np.empty(n, np.int64)
+    peak_k, lag, gap, tail = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
+    over_ranges(
+        encounter_frames, n, encounters.offsets, encounters.order, encounters.frame_index,
+        frames.frame, frames.gap, k_truth, is_matched, n_relevant, matched, peak_k, lag, gap, tail,
+    )  # fmt: skip
+    rate = frames.fps[encounters.recording]
+    with np.errstate(invalid="ignore"):
+        coverage = matched / n_relevant
+    is_detected = (coverage >= params.coverage) & (matched > 0)
+    lag_s, gap_s, tail_s = lag / rate, gap / rate, tail / rate
+    classes = np.array([None, *(kind.value for kind in MissClass)], dtype=object)
+    code = np.select(  # in the order of MissClass, 0 for distant ones: the first that holds
+        [
+            n_relevant == 0,
+            matched == 0,
+            lag_s > params.lag_s,
+            gap_s > params.gap_s,
+            tail_s > params.gap_s,
+            coverage < params.coverage,
+        ],
+        range(len(classes) - 1),
+        default=len(classes) - 1,
+    )
+    miss_class = classes[code]
+    return pd.DataFrame(
+        {
+            "n_relevant": n_relevant,
+            "matched": matched,
+            "peak_k": peak_k,
+            "coverage": coverage,
+            "is_detected": is_detected,
+            "lag_s": lag_s,
+            "gap_s": gap_s,
+            "tail_s": tail_s,
+            "miss_class": pd.Series(miss_class, dtype=object),  # not str: None stays None
+        }
+    )
+
+
+RELEVANT_K: Final = 0.5
+"""Least proximity weight of a relevant pedestrian."""

@@ -1,0 +1,87 @@
+"""False alarms and the episodes that a driver would notice as one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from nvcore.dataset import BoxColumns, FrameColumns
+from nvcore.metrics.linking import link_boxes
+
+EPISODE_COLUMNS = ("recording", "first_row", "last_row", "n_boxes", "duration_s")
+
+
+def find_episodes(
+    detections: BoxColumns, is_false_alarm: np.ndarray, frames: FrameColumns
+) -> pd.DataFrame:
+    """False-alert episodes: unmatched detections of one system linked over frames.
+
+    Returns
+    -------
+    One row per episode, by first frame: recording, first_row, last_row (of the frames), n_boxes,
+    duration_s (time steps from its first to its last frame, seconds).
+    """
+    rows = np.flatnonzero(is_false_alarm)
+    episode = link_boxes(detections, frames, rows)
+    at_frame = detections.frame_index[rows]
+    n_episodes = int(episode.max()) + 1 if len(episode) else 0
+    first_row = np.empty(n_episodes, np.int64)
+    last_row = np.empty(n_episodes, np.int64)
+    first_row[episode[::-1]] = at_frame[::-1]
+    last_row[episode] = at_frame
+    passed = frames.passed
+    recording = frames.recording[first_row]
+    return pd.DataFrame(
+        {
+            "recording": recording,
+            "first_row": first_row,
+            "last_row": last_row,
+            "n_boxes": np.bincount(episode, minlength=n_episodes).astype(np.int64),
+            "duration_s": (passed[last_row + 1] - passed[first_row]) / frames.fps[recording],
+        },
+        columns=list(EPISODE_COLUMNS),
+    )
+
+
+@dataclass(frozen=True)
+class FalseAlarmSummary:
+    """False alarms of one system; 0 is best, NaN where nothing was recorded.
+
+    Attributes
+    ----------
+    count
+        Unmatched detections not absorbed by ignore regions.
+    per_frame, per_minute
+        Of listed frames; of recording time.
+    episodes, episodes_per_hour
+        Runs that a driver would notice as one false alert.
+    mean_episode_s, longest_episode_s
+        Duration; NaN without episodes.
+    """
+
+    count: int
+    per_frame: float
+    per_minute: float
+    episodes: int
+    episodes_per_hour: float
+    mean_episode_s: float
+    longest_episode_s: float
+
+
+def summarise_false_alarms(
+    count: int, episodes: pd.DataFrame, *, n_frames: int, duration_s: float
+) -> FalseAlarmSummary:
+    """Rates of false alarms over `n_frames` listed frames and `duration_s` of recording."""
+    nan = float("nan")
+    lengths = episodes["duration_s"]
+    return FalseAlarmSummary(
+        count=count,
+        per_frame=count / n_frames if n_frames else nan,
+        per_minute=count / duration_s * 60 if duration_s else nan,
+        episodes=len(episodes),
+        episodes_per_hour=len(episodes) / duration_s * 3600 if duration_s else nan,
+        mean_episode_s=float(lengths.mean()) if len(episodes) else nan,
+        longest_episode_s=float(lengths.max()) if len(episodes) else nan,
+    )

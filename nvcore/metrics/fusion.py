@@ -1,0 +1,76 @@
+"""Fusion what-if: the systems ``X or Y`` and ``X and Y``, from the detections of both."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from nvcore.dataset import BoxColumns, Dataset, FrameColumns
+from nvcore.metrics.kernels import over_ranges, pair_frames
+from nvcore.schema import DATASET_BOX_DTYPES, TRUTH, conform
+
+
+def pair_detections(
+    x: BoxColumns,
+    y: BoxColumns,
+    is_kept_x: np.ndarray,
+    is_kept_y: np.ndarray,
+    frames: FrameColumns,
+    *,
+    iou: float = 0.5,
+) -> np.ndarray:
+    """Row of Y's detection paired with each of X's, -1 none; int64, shape (n_x,).
+
+    In each frame pairs are made greedily by descending IoU, down to `iou`.
+
+    Parameters
+    ----------
+    is_kept_x, is_kept_y
+        Detections that pass their own system's threshold; bool.
+    """
+    partner = np.full(len(x), -1, np.int64)
+    over_ranges(
+        pair_frames, len(frames), x.offsets, x.x, x.y, x.w, x.h, is_kept_x,
+        y.offsets, y.x, y.y, y.w, y.h, is_kept_y, float(iou), partner,
+    )  # fmt: skip
+    return partner
+
+
+def fuse(
+    dataset: Dataset,
+    x_name: str,
+    y_name: str,
+    is_kept_x: np.ndarray,
+    is_kept_y: np.ndarray,
+    *,
+    iou: float = 0.5,
+) -> Dataset:
+    """The dataset with ``X or Y`` and ``X and Y`` as its two systems.
+
+    ``X or Y``: every pair once, by X's box, and all unpaired boxes of both; ``X and Y``: the pairs
+    only, by X's box. Fused boxes carry no score.
+    """
+    x, y = dataset.system(x_name), dataset.system(y_name)
+    partner = pair_detections(x, y, is_kept_x, is_kept_y, dataset.frame_columns, iou=iou)
+    is_paired_y = np.zeros(len(y), dtype=bool)
+    is_paired_y[partner[partner >= 0]] = True
+    unpaired_y = y.first_row + np.flatnonzero(is_kept_y & ~is_paired_y)
+    either = np.concatenate([x.first_row + np.flatnonzero(is_kept_x), unpaired_y])
+    both = x.first_row + np.flatnonzero(partner >= 0)
+    at_frame = dataset.boxes["frame_index"].to_numpy()
+    either = either[np.argsort(at_frame[either], kind="stable")]  # in a frame X's before Y's
+    n_truth = len(dataset.truth)
+    rows = np.concatenate([np.arange(n_truth), either, both])
+    # column by column: every box is copied once
+    columns: dict[str, Any] = {
+        str(name): dataset.boxes[name].to_numpy()[rows] for name in dataset.boxes
+    }
+    columns["source"] = np.repeat([TRUTH, 1, 2], [n_truth, len(either), len(both)])
+    columns["score"][n_truth:] = np.nan
+    return replace(
+        dataset,
+        boxes=conform(columns, DATASET_BOX_DTYPES, n_rows=len(rows)),
+        systems=(f"{x_name} or {y_name}", f"{x_name} and {y_name}"),
+    )

@@ -1,0 +1,74 @@
+"""Track ids where the files have none, and boxes of one system linked to episodes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from nvcore.dataset import BoxColumns, FrameColumns
+from nvcore.metrics.link_kernel import link_rows
+from nvcore.schema import NO_TRACK
+
+LINK_IOU: Final = 0.3
+"""Smallest IoU of two boxes of one track in successive frames."""
+LINK_GAP: Final = 2
+"""Largest number of listed frames in which a track may be missing."""
+
+
+@dataclass(frozen=True)
+class TruthTracks:
+    """Track of every truth box.
+
+    Attributes
+    ----------
+    track
+        int64, shape (n_truth,); ignored boxes keep what the files say.
+    linked_recordings
+        Rows of the recordings in which tracks were made by linking.
+    """
+
+    track: np.ndarray
+    linked_recordings: np.ndarray
+
+
+def link_boxes(boxes: BoxColumns, frames: FrameColumns, rows: np.ndarray) -> np.ndarray:
+    """Number the tracks of some boxes, from 0 over all recordings; int64, shape (len(rows),).
+
+    Boxes of successive listed frames are linked by the assignment with the largest total IoU
+    over pairs with IoU >= 0.3; a track may be missing in up to 2 listed frames and never crosses
+    recordings.
+
+    Parameters
+    ----------
+    rows
+        Rows of `boxes`, increasing.
+    """
+    track = np.empty(len(rows), np.int64)
+    link_rows(
+        rows, boxes.frame_index, frames.recording, boxes.x, boxes.y, boxes.w, boxes.h,
+        LINK_IOU, LINK_GAP, track,
+    )  # fmt: skip
+    return track
+
+
+def track_truth(truth: BoxColumns, frames: FrameColumns) -> TruthTracks:
+    """Track of every pedestrian; those without an id are linked over the frames.
+
+    New ids follow the largest id of their recording, so that they never meet a given one.
+    """
+    rows = np.flatnonzero((truth.track == NO_TRACK) & ~truth.ignore)
+    if not len(rows):
+        return TruthTracks(truth.track, np.empty(0, np.int64))
+    linked = link_boxes(truth, frames, rows)
+    recording = frames.recording[truth.frame_index]
+    largest = np.zeros(len(frames.fps), np.int64)
+    np.maximum.at(largest, recording, truth.track)
+    # tracks are numbered over all recordings: restart in each
+    of_row = recording[rows]
+    restart = np.full(len(frames.fps), np.iinfo(np.int64).max)
+    np.minimum.at(restart, of_row, linked)
+    track = truth.track.copy()
+    track[rows] = linked - restart[of_row] + largest[of_row] + 1
+    return TruthTracks(track, np.unique(of_row))

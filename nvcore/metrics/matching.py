@@ -1,0 +1,109 @@
+"""Which detection belongs to which pedestrian, frame by frame."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from nvcore.dataset import BoxColumns, FrameColumns
+from nvcore.metrics.kernels import ABSORBED, FALSE_ALARM, MATCHED, match_frames, over_ranges
+from nvcore.params import Match
+
+
+@dataclass(frozen=True)
+class Matches:
+    """Result of matching one system's detections to the ground truth.
+
+    Attributes
+    ----------
+    state
+        Per detection: BELOW, MATCHED, FALSE_ALARM or ABSORBED of `kernels`; int8, (n_det,).
+    det_truth
+        Per detection: row of its pedestrian among the truth boxes, -1 none; int64, (n_det,).
+    truth_det
+        Per truth box: row of its detection among the system's boxes, -1 none; int64, (n_truth,).
+    """
+
+    state: np.ndarray
+    det_truth: np.ndarray
+    truth_det: np.ndarray
+
+    @property
+    def is_counted(self) -> np.ndarray:
+        """Detections that belong to S: above the threshold and not absorbed; bool, (n_det,)."""
+        counted: np.ndarray = np.isin(self.state, (MATCHED, FALSE_ALARM))
+        return counted
+
+    @property
+    def is_false_alarm(self) -> np.ndarray:
+        """Detections that match nobody and are not absorbed; bool, (n_det,)."""
+        alarms: np.ndarray = self.state == FALSE_ALARM
+        return alarms
+
+    @property
+    def n_absorbed(self) -> int:
+        """Detections above the threshold on people or regions that the truth ignores."""
+        return int(np.count_nonzero(self.state == ABSORBED))
+
+    @property
+    def is_matched(self) -> np.ndarray:
+        """Truth boxes that the system matched; bool, (n_truth,)."""
+        matched: np.ndarray = self.truth_det >= 0
+        return matched
+
+
+def match_boxes(
+    truth: BoxColumns,
+    detections: BoxColumns,
+    frames: FrameColumns,
+    *,
+    threshold: float | None = None,
+    match: Match = "iou",
+    iou: float = 0.5,
+    lateral_tolerance: float = 0.02,
+) -> Matches:
+    """Match detections to pedestrians.
+
+    In each frame detections in descending score (ties: file order; those without a score last)
+    each take the free pedestrian of highest IoU, if it is at least `iou`; with ``match="lateral"``
+    the nearest free one with ``|c_a - c_b| <= max(lateral_tolerance * W, w_truth / 2)``. What is
+    left and lies on an ignore region (intersection over own area >= 0.5) is absorbed.
+
+    Parameters
+    ----------
+    truth, detections
+        Boxes, px, sorted by frame.
+    frames
+        The listed frames.
+    threshold
+        Detections with a lower score are left out; None: all count. A detection without a score
+        passes every threshold: its system has decided by itself.
+
+    Notes
+    -----
+    No truth: every detection is a false alarm or absorbed. No detections: nothing is matched.
+
+    References
+    ----------
+    ``docs/metrics.md``, matching.
+    """
+    state = np.zeros(len(detections), np.int8)
+    det_truth = np.full(len(detections), -1, np.int64)
+    truth_det = np.full(len(truth), -1, np.int64)
+    over_ranges(
+        match_frames, len(frames),
+        truth.offsets, truth.x, truth.y, truth.w, truth.h, truth.ignore,
+        detections.offsets, detections.x, detections.y, detections.w, detections.h,
+        detections.score, -np.inf if threshold is None else float(threshold),
+        float(iou), match == "lateral", float(lateral_tolerance),
+        frames.recording, frames.width, state, det_truth, truth_det,
+    )  # fmt: skip
+    return Matches(state, det_truth, truth_det)
+
+
+def count_per_frame(boxes: BoxColumns, member: np.ndarray) -> np.ndarray:
+    """Number of boxes with ``member`` in each frame; int64, shape (n_frames,)."""
+    total = np.concatenate([[0], np.cumsum(member)])
+    counts: np.ndarray = np.diff(total[boxes.offsets])
+    return counts

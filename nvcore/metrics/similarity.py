@@ -1,0 +1,274 @@
+"""Similarity: how well the detections of a frame fit its pedestrians (paper, equations 1, 2)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from nvcore.dataset import BoxColumns, FrameColumns
+from nvcore.metrics.kernels import maximin_frames, maximum_frames, nearest_frames, over_ranges
+from nvcore.params import Distance
+
+
+@dataclass(frozen=True)
+class Nearest:
+    """Distance of each box to the nearest member of the other set, px; infinite if it is empty.
+
+    Attributes
+    ----------
+    truth
+        Per truth box, to the counted detections; float64, shape (n_truth,).
+    detections
+        Per detection, to the pedestrians; float64, shape (n_det,).
+    """
+
+    truth: np.ndarray
+    detections: np.ndarray
+
+
+@dataclass(frozen=True)
+class SetDistances:
+    """Weighted MaxiMin distances of every frame.
+
+    Attributes
+    ----------
+    d_miss
+        D(G, S), the effect of misses, px, 0 is best; float64, shape (n_frames,).
+    d_false
+        D(S, G), the effect of false alarms, px, 0 is best; float64, shape (n_frames,).
+    salient_row
+        Truth row at which D(G, S) stands, -1 without pedestrians; int64, shape (n_frames,).
+    """
+
+    d_miss: np.ndarray
+    d_false: np.ndarray
+    salient_row: np.ndarray
+
+
+def find_nearest(
+    truth: BoxColumns,
+    detections: BoxColumns,
+    is_counted: np.ndarray,
+    frames: FrameColumns,
+    *,
+    distance: Distance = "lateral",
+) -> Nearest:
+    """Distance of every box to the nearest member of the other set, frame by frame.
+
+    Does not depend on alpha, edge weight or the sigmoid, so that these can be moved live.
+
+    Parameters
+    ----------
+    truth, detections
+        Boxes, px, sorted by frame.
+    is_counted
+        Detections that belong to S; bool, shape (n_det,).
+    frames
+        The listed frames.
+    distance
+        ``"lateral"``: |c_a - c_b|; ``"ground"``: Euclidean between foot points.
+    """
+    near_truth, near_detections = np.empty(len(truth)), np.empty(len(detections))
+    over_ranges(
+        nearest_frames, len(frames),
+        truth.offsets, truth.x, truth.y, truth.w, truth.h, ~truth.ignore,
+        detections.offsets, detections.x, detections.y, detections.w, detections.h, is_counted,
+        distance == "ground", frames.recording, frames.width, near_truth, near_detections,
+    )  # fmt: skip
+    return Nearest(near_truth, near_detections)
+
+
+def measure_sets(
+    truth: BoxColumns,
+    k_truth: np.ndarray,
+    detections: BoxColumns,
+    k_detections: np.ndarray,
+    is_counted: np.ndarray,
+    nearest: Nearest,
+    frames: FrameColumns,
+    *,
+    track: np.ndarray | None = None,
+    edge_weight: float = 0.0,
+) -> SetDistances:
+    """Weighted MaxiMin distances D(G, S) and D(S, G) of every frame, px; 0 is best.
+
+    ``D(A, B) = max over a of k(a) * min(border(a), min over b of d(a, b))``, ``D(empty, B) = 0``,
+    ``border(a) = edge_weight * W/2 + (1 - edge_weight) * min(c_a, W - c_a)``.
+
+    Parameters
+    ----------
+    track
+        Track of each truth box where it differs from ``truth.track`` (linked), for ties.
+
+    References
+    ----------
+    Paper 11-0360, equation 1.
+    """
+    n_frames = len(frames)
+    d_miss, d_false = np.empty(n_frames), np.empty(n_frames)
+    salient_row = np.empty(n_frames, np.int64)
+    over_ranges(
+        maximin_frames, n_frames, truth.offsets, truth.x, truth.w, k_truth, nearest.truth,
+        ~truth.ignore, truth.track if track is None else track, float(edge_weight),
+        frames.recording, frames.width, d_miss, salient_row,
+    )  # fmt: skip
+    over_ranges(
+        maximum_frames, n_frames, detections.offsets, detections.x, detections.w, k_detections,
+        nearest.detections, is_counted, float(edge_weight), frames.recording, frames.width, d_false,
+    )  # fmt: skip
+    return SetDistances(d_miss, d_false, salient_row)
+
+
+def salient_detection(
+    detections: BoxColumns,
+    k_detections: np.ndarray,
+    is_member: np.ndarray,
+    nearest: Nearest,
+    frames: FrameColumns,
+    row: int,
+    *,
+    edge_weight: float = 0.0,
+) -> int:
+    """Detection row at which D(S, G) of one frame stands; -1 if the frame has no member.
+
+    As `SetDistances.salient_row` for the pedestrians; computed when asked for, as the maximum
+    alone is faster.
+
+    Parameters
+    ----------
+    is_member
+        The detections that are S; bool, shape (n_det,).
+    row
+        Of the frames table.
+    """
+    d, at = np.empty(1), np.empty(1, np.int64)
+    maximin_frames(
+        0, 1, detections.offsets[row : row + 2], detections.x, detections.w, k_detections,
+        nearest.detections, is_member, detections.track, float(edge_weight),
+        frames.recording[row : row + 1], frames.width, d, at,
+    )  # fmt: skip
+    return int(at[0])
+
+
+def trace_similarity(
+    distances: SetDistances, frames: FrameColumns, *, alpha: float = 0.9
+) -> np.ndarray:
+    """Similarity of every frame, in [0, 1], 1 is best; float64, shape (n_frames,).
+
+    ``M = 1 - (alpha * D(G, S) + (1 - alpha) * D(S, G)) / (W / 2)``. A frame with neither
+    pedestrians nor detections has 1.
+
+    References
+    ----------
+    Paper 11-0360, equation 2.
+    """
+    half_width = 0.5 * frames.width
+    per_frame = half_width[0] if len(half_width) == 1 else half_width[frames.recording]
+    effect = alpha * distances.d_miss
+    effect += (1 - alpha) * distances.d_false
+    effect /= per_frame
+    np.subtract(1, effect, out=effect)
+    return np.maximum(effect, 0, out=effect)  # alpha and 1 - alpha can add up to just over 1
+
+
+def smooth(values: np.ndarray, frames: FrameColumns, *, window: float = 1.0) -> np.ndarray:
+    """Moving mean over the frames within ``window / 2`` seconds, never across recordings.
+
+    Compared in frame numbers, so that a frame exactly half a window away always counts.
+    """
+    start, stop = frames.within(window)
+    total = np.concatenate([[0.0], np.cumsum(values)])
+    mean: np.ndarray = (total[stop] - total[start]) / (stop - start)
+    return mean
+
+
+def runs_of(key: np.ndarray, recording: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """First and last row of every maximal run of equal `key` >= 0 within one recording.
+
+    Parameters
+    ----------
+    key, recording
+        Integers, shape (n_frames,); rows with a negative key belong to no run.
+
+    Returns
+    -------
+    first, last
+        int64, shape (n_runs,), both inclusive.
+    """
+    if not len(key):
+        return np.empty(0, np.int64), np.empty(0, np.int64)
+    changes = (key[1:] != key[:-1]) | (recording[1:] != recording[:-1])
+    first = np.flatnonzero(np.concatenate([[True], changes]))
+    last = np.concatenate([first[1:] - 1, [len(key) - 1]])
+    inside = key[first] >= 0
+    return first[inside], last[inside]
+
+
+def find_low_intervals(
+    similarity: np.ndarray, frames: FrameColumns, *, low: float = 0.9
+) -> pd.DataFrame:
+    """Maximal runs of consecutive listed frames with a similarity below `low`.
+
+    Returns
+    -------
+    One row per interval: recording (row of the recordings), first_row, last_row (of the frames),
+    duration_s, severity_s (sum of ``(low - M) * time step``, seconds; larger is worse),
+    min_similarity and worst_row (the first frame where it stands).
+    """
+    is_low = similarity < low
+    first, last = runs_of(np.where(is_low, 0, -1), frames.recording)
+    rate = frames.fps[frames.recording[first]] if len(first) else np.empty(0)
+    lack = np.concatenate([[0.0], np.cumsum(np.where(is_low, (low - similarity) * frames.gap, 0))])
+    low_rows = np.flatnonzero(is_low)
+    if len(first):
+        starts = np.searchsorted(low_rows, first)
+        least = np.minimum.reduceat(similarity[low_rows], starts)  # no run is empty
+        lengths = last - first + 1
+        at_least = similarity[low_rows] == np.repeat(least, lengths)
+        hits = np.flatnonzero(at_least)
+        worst = low_rows[hits[np.searchsorted(hits, starts)]]
+    else:
+        least, worst = np.empty(0), np.empty(0, np.int64)
+    return pd.DataFrame(
+        {
+            "recording": frames.recording[first],
+            "first_row": first,
+            "last_row": last,
+            "duration_s": (frames.passed[last + 1] - frames.passed[first]) / rate,
+            "severity_s": (lack[last + 1] - lack[first]) / rate,
+            "min_similarity": least,
+            "worst_row": worst,
+        }
+    )
+
+
+@dataclass(frozen=True)
+class SimilaritySummary:
+    """Aggregates of similarity over frames; NaN without frames.
+
+    Attributes
+    ----------
+    mean, minimum, percentile_5
+        In [0, 1], 1 is best.
+    share_low
+        Share of frames below `low`, 0 is best.
+    """
+
+    mean: float
+    minimum: float
+    percentile_5: float
+    share_low: float
+
+
+def summarise_similarity(similarity: np.ndarray, *, low: float = 0.9) -> SimilaritySummary:
+    """Mean, minimum, 5th percentile (linear interpolation) and share of low frames."""
+    if not len(similarity):
+        return SimilaritySummary(np.nan, np.nan, np.nan, np.nan)
+    return SimilaritySummary(
+        mean=float(similarity.mean()),
+        minimum=float(similarity.min()),
+        percentile_5=float(np.percentile(similarity, 5)),
+        share_low=float(np.count_nonzero(similarity < low) / len(similarity)),
+    )

@@ -1,0 +1,257 @@
+"""One frame of a result as a picture: boxes, and a caption that says what one sees."""
+
+from __future__ import annotations
+
+import json
+import struct
+import zlib
+from collections.abc import Sequence
+from dataclasses import fields
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nvcore import __version__
+from nvcore.comparison import Result
+from nvcore.errors import MediaError
+from nvcore.overlay.draw import (
+    BLANK_RGB,
+    TRUTH_RGB,
+    X_RGB,
+    Y_RGB,
+    Canvas,
+    Colour,
+    DrawnBoxes,
+    draw_boxes,
+    put_text,
+    text_width,
+)
+from nvcore.pictures.base import Picture, Pictures
+from nvcore.pictures.index import picture_index
+from nvcore.pictures.stretch import png, stretch
+from nvcore.schema import NO_TRACK
+from nvcore.tables.box_states import (
+    SOURCE_TRUTH,
+    SOURCE_X,
+    SOURCE_Y,
+    PackedBoxes,
+    pack_boxes,
+    unpack_boxes,
+)
+from nvcore.wording import one_line
+
+LAYERS: Final = ("truth", "x", "y")
+_DIM_RGB: Final[Colour] = (150, 158, 168)
+_LONGEST_NAME: Final = 40
+
+
+def annotated_frame(
+    result: Result,
+    pictures: Pictures | None,
+    row: int,
+    *,
+    first_picture: int | None = None,
+    lo: float = 0.0,
+    hi: float = 100.0,
+    layers: Sequence[str] = LAYERS,
+    labels: bool = False,
+    caption: bool = True,
+) -> Canvas:
+    """A frame's picture with boxes and caption.
+
+    Parameters
+    ----------
+    pictures
+        Of the frame's recording; None, or none for this frame: boxes on a dark blank.
+    row
+        Row of the frames table.
+    first_picture
+        See `nvcore.pictures.picture_index`.
+    lo, hi
+        See `nvcore.pictures.stretch`.
+    layers
+        Those of "truth", "x", "y" to draw.
+    labels
+        Whether to write track ids and scores beside the boxes.
+    caption
+        Whether to write recording, frame, time, similarity, settings and version below.
+
+    Returns
+    -------
+    numpy.ndarray
+        RGB, uint8, (h, w, 3), with even h and w.
+
+    Raises
+    ------
+    ParameterError
+        If `lo` and `hi` are no percentiles.
+    """
+    index = -1
+    if pictures is not None:
+        frames = result.dataset.frame_columns
+        recording = frames.recording[row]
+        listed = frames.frame[frames.first[recording] : frames.first[recording + 1]]
+        index = int(
+            picture_index(listed, pictures, first_picture)[0][row - frames.first[recording]]
+        )
+    return annotate(
+        result, pictures, index, row, lo=lo, hi=hi, layers=layers, labels=labels, caption=caption
+    )
+
+
+def annotate(
+    result: Result, pictures: Pictures | None, index: int, row: int, *, lo: float, hi: float,
+    layers: Sequence[str], labels: bool, caption: bool,
+) -> Canvas:  # fmt: skip
+    """`annotated_frame` where the index of the picture is known, -1 none."""
+    frames = result.dataset.frame_columns
+    recording = frames.recording[row]
+    picture, trouble = frame_picture(pictures, index, lo, hi)
+    drawn = frame_boxes(result, row, layers=layers, labels=labels)
+    canvas = draw_boxes(
+        picture, float(frames.width[recording]), float(frames.height[recording]),
+        truth=drawn["truth"], x=drawn["x"], y=drawn["y"],
+    )  # fmt: skip
+    if picture is None:
+        put_text(canvas, trouble, (12, 24), 0.45, _DIM_RGB)
+    return np.concatenate([canvas, _caption(result, row, canvas.shape[1])]) if caption else canvas
+
+
+def frame_picture(
+    pictures: Pictures | None, index: int, lo: float, hi: float
+) -> tuple[Picture | None, str]:
+    """The picture of an index in 8 bit, or None and why there is none."""
+    if pictures is None or index < 0:
+        return None, "no picture for this frame"
+    try:
+        return stretch(pictures.read(index), lo, hi), ""
+    except MediaError:
+        return None, "the picture of this frame cannot be decoded"
+
+
+def frame_boxes(
+    result: Result, row: int, *, layers: Sequence[str] = LAYERS, labels: bool = False
+) -> dict[str, DrawnBoxes | None]:
+    """What to draw of truth, X and Y in a frame by name of layer; None: not asked for."""
+    boxes = unpack_boxes(pack_boxes(result, row, row + 1))
+    return {
+        name: _boxes_of(boxes, source, labels=labels) if name in layers else None
+        for name, source in zip(LAYERS, (SOURCE_TRUTH, SOURCE_X, SOURCE_Y), strict=True)
+    }
+
+
+def _boxes_of(boxes: PackedBoxes, source: int, *, labels: bool) -> DrawnBoxes:
+    rows = boxes.source == source
+    texts: list[str] = []
+    if labels and source == SOURCE_TRUTH:
+        texts = ["" if track == NO_TRACK else f"{track}" for track in boxes.track[rows].tolist()]
+    elif labels:
+        scores = boxes.score[rows].tolist()
+        texts = ["" if np.isnan(score) else f"{score:.2f}" for score in scores]
+    xywh = np.column_stack([boxes.x, boxes.y, boxes.w, boxes.h]).astype(np.float64)
+    return DrawnBoxes(xywh[rows], boxes.state[rows], texts)
+
+
+def _caption(result: Result, row: int, width: int) -> NDArray[np.uint8]:
+    unit = max(1.0, width / 960)
+    size, step = 0.45 * unit, 20 * unit
+    frames = result.dataset.frames.iloc[row]
+    name = _short(str(result.dataset.recordings["name"].iloc[int(frames["recording"])]))
+    similarity = [float(system.similarity[row]) for system in (result.x, result.y)]
+    lines: list[list[tuple[str, Colour]]] = [
+        [
+            (f"{name}   frame {int(frames['frame'])}   {frames['time_s']:.2f} s", TRUTH_RGB),
+            (f"similarity X {_number(similarity[0])}", X_RGB),
+            (f"Y {_number(similarity[1])}", Y_RGB),
+        ],
+        [
+            ("thin: truth", TRUTH_RGB),
+            (f"solid: X = {_short(result.x.name)}", X_RGB),
+            (f"dashed: Y = {_short(result.y.name)}", Y_RGB),
+            ("corners: missed, cross: false alarm", _DIM_RGB),
+        ],
+        [(settings_text(result), _DIM_RGB)],
+    ]
+    wrapped = [line for parts in lines for line in _wrap(parts, width - 16 * unit, size)]
+    height = round((step * len(wrapped) + 10 * unit) / 2) * 2
+    bar = np.full((height, width, 3), BLANK_RGB, np.uint8)
+    for number, line in enumerate(wrapped):
+        at = 8 * unit
+        for text, colour in line:
+            put_text(bar, text, (at, (number + 0.8) * step), size, colour)
+            at += text_width(text, size) + 18 * unit
+    return bar
+
+
+def _wrap(
+    parts: Sequence[tuple[str, Colour]], width: float, size: float
+) -> list[list[tuple[str, Colour]]]:
+    """Parts in as few lines as they need; a part too long for a line is broken at its blanks."""
+    lines: list[list[tuple[str, Colour]]] = [[]]
+    gap, used = 40 * size, 0.0
+    for text, colour in parts:
+        if text_width(text, size) <= width:
+            pieces = [text]
+        else:
+            pieces = [""]
+            for word in text.split(" "):
+                longer = f"{pieces[-1]} {word}".strip()
+                if text_width(longer, size) <= width or not pieces[-1]:
+                    pieces[-1] = longer
+                else:
+                    pieces.append(word)
+        for piece in pieces:
+            needed = text_width(piece, size)
+            if lines[-1] and used + gap + needed > width:
+                lines.append([])
+                used = 0.0
+            lines[-1].append((piece, colour))
+            used += needed + gap
+    return lines
+
+
+def settings_text(result: Result) -> str:
+    """Version and the settings that are not the default, as one line."""
+    params = result.params
+    changed = [
+        f"{spec.name}={_value(getattr(params, spec.name))}"
+        for spec in fields(params)
+        if getattr(params, spec.name) != spec.default
+    ]
+    return f"nvcore {__version__}   settings: {', '.join(changed) or 'defaults'}"
+
+
+def provenance(result: Result) -> str:
+    """Version, fingerprint, systems and all settings as JSON, for the metadata of files."""
+    return json.dumps(
+        {
+            "program": f"nvcore {__version__}",
+            "fingerprint": result.dataset.fingerprint,
+            "x": result.x.name,
+            "y": result.y.name,
+            "parameters": result.params.given(),
+        }
+    )
+
+
+def frame_png(picture: Canvas, result: Result) -> bytes:
+    """The annotated frame as PNG with `provenance` inside (text chunk ``Comment``)."""
+    content = png(picture)
+    chunk = b"tEXtComment\0" + provenance(result).encode("ascii")
+    added = struct.pack(">L", len(chunk) - 4) + chunk + struct.pack(">L", zlib.crc32(chunk))
+    first = 8 + 25  # the signature and the header, which comes first
+    return content[:first] + added + content[first:]
+
+
+def _value(value: object) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def _number(value: float) -> str:
+    return "-" if np.isnan(value) else f"{value:.2f}"
+
+
+def _short(name: str) -> str:
+    shown = one_line(name)
+    return shown if len(shown) <= _LONGEST_NAME else shown[: _LONGEST_NAME - 3] + "..."

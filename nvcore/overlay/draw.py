@@ -1,0 +1,384 @@
+"""Boxes of one frame on its picture, so that one sees at a glance who is missed by whom.
+
+Truth thin, X solid, Y dashed, each in its colour. A missed pedestrian has corners in the colour of
+the system that misses them (both: left X, right Y) and says so above; the most salient one has a
+triangle there. False alarms are crossed, ignore regions dotted. Labels keep off each other and off
+missed pedestrians (`nvcore.overlay.labels`).
+"""
+
+from __future__ import annotations
+
+import unicodedata
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Final
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from nvcore.metrics.kernels import FALSE_ALARM
+from nvcore.overlay.labels import Box, LabelRoom, Place, overlap, tag_places
+from nvcore.palette import TRUTH_COLOUR, X_COLOUR, Y_COLOUR, rgb
+from nvcore.pictures.base import Picture
+from nvcore.tables.box_states import (
+    BIT_IGNORE,
+    BIT_MATCHED_X,
+    BIT_MATCHED_Y,
+    BIT_RELEVANT,
+    BIT_SALIENT_X,
+    BIT_SALIENT_Y,
+)
+
+Colour = tuple[int, int, int]
+Canvas = NDArray[np.uint8]
+
+X_RGB: Final = rgb(X_COLOUR["dark"])
+Y_RGB: Final = rgb(Y_COLOUR["dark"])
+TRUTH_RGB: Final = rgb(TRUTH_COLOUR["dark"])
+BLANK_RGB: Final[Colour] = (16, 19, 24)
+
+
+@dataclass(frozen=True)
+class Inks:
+    """Colours of X, Y and the truth, and of the ground of labels and of frames without picture."""
+
+    x: Colour
+    y: Colour
+    truth: Colour
+    ground: Colour
+
+    @property
+    def contrast(self) -> Colour:
+        """White on a dark ground, black on a light one."""
+        return (255, 255, 255) if sum(self.ground) < 3 * 128 else (0, 0, 0)
+
+
+ON_DARK: Final = Inks(X_RGB, Y_RGB, TRUTH_RGB, BLANK_RGB)
+"""For pictures."""
+ON_LIGHT: Final = Inks(
+    rgb(X_COLOUR["light"]), rgb(Y_COLOUR["light"]), rgb(TRUTH_COLOUR["light"]), (244, 246, 248)
+)
+"""For paper: frames without picture."""
+
+_MIN_WIDTH: Final = 960
+_MAX_WIDTH: Final = 1920
+_SHIFT: Final = 4  # cv2 takes coordinates in 1/16 px
+_PLATE: Final = 0.8
+"""Opacity of the ground of a label."""
+_TINT: Final = 0.6
+"""Share of its system's colour in the text of a label; the rest is contrast to the ground."""
+_FONT: Final = cv2.FONT_HERSHEY_SIMPLEX
+
+
+@dataclass(frozen=True)
+class DrawnBoxes:
+    """Boxes of one source in one frame.
+
+    Attributes
+    ----------
+    xywh
+        x, y, w, h in the recording's px; float64, shape (n, 4).
+    state
+        As in `nvcore.tables.box_states.PackedBoxes`; uint8, shape (n,).
+    labels
+        A text for each, or none at all.
+    """
+
+    xywh: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 4)))
+    state: NDArray[np.uint8] = field(default_factory=lambda: np.empty(0, np.uint8))
+    labels: Sequence[str] = ()
+
+
+def canvas_size(width: float, height: float) -> tuple[int, int]:
+    """Size of the drawing: even numbers, small recordings enlarged by a whole factor, px."""
+    factor = max(1.0, float(int(np.ceil(_MIN_WIDTH / width)))) if width < _MIN_WIDTH else 1.0
+    factor = min(factor, 8.0, _MAX_WIDTH / width)
+    return max(2, round(width * factor / 2) * 2), max(2, round(height * factor / 2) * 2)
+
+
+def draw_boxes(
+    picture: Picture | None,
+    width: float,
+    height: float,
+    *,
+    truth: DrawnBoxes | None = None,
+    x: DrawnBoxes | None = None,
+    y: DrawnBoxes | None = None,
+    inks: Inks = ON_DARK,
+    unit: int | None = None,
+) -> Canvas:
+    """The picture with boxes; None: the boxes on a blank.
+
+    Parameters
+    ----------
+    picture
+        8 bit (`nvcore.pictures.stretch`), of any size: it is scaled to the recording.
+    width, height
+        The recording's size, px.
+    truth, x, y
+        What to draw; None: not this source.
+    inks
+        The colours.
+    unit
+        Thickness of thin lines, px of the canvas; labels are ten times as high. None: for a
+        canvas that is shown as wide as it is.
+
+    Returns
+    -------
+    numpy.ndarray
+        RGB, uint8, of `canvas_size`.
+    """
+    size = canvas_size(width, height)
+    canvas = _background(picture, size, inks)
+    scale = np.array([size[0] / width, size[1] / height] * 2)
+    unit = max(1, round(size[0] / 960)) if unit is None else unit
+    for boxes, colour, is_dashed in ((x, inks.x, False), (y, inks.y, True)):
+        if boxes is not None:
+            _draw_detections(canvas, boxes, scale, colour, is_dashed=is_dashed, unit=unit)
+    if truth is not None:
+        _draw_truth(canvas, truth, scale, unit, inks)
+    _draw_labels(canvas, truth or DrawnBoxes(), x, y, scale, unit, inks)
+    return canvas
+
+
+def _background(picture: Picture | None, size: tuple[int, int], inks: Inks) -> Canvas:
+    if picture is None:
+        return np.full((size[1], size[0], 3), inks.ground, np.uint8)
+    if picture.ndim == 2:
+        picture = cv2.cvtColor(picture, cv2.COLOR_GRAY2RGB)
+    if picture.shape[1::-1] == size:
+        return np.array(picture, dtype=np.uint8)
+    method = cv2.INTER_AREA if picture.shape[1] > size[0] else cv2.INTER_LINEAR
+    return np.asarray(cv2.resize(picture, size, interpolation=method), dtype=np.uint8)
+
+
+def _corners(canvas: Canvas, xywh: NDArray[np.float64], scale: NDArray[np.float64]) -> list[Box]:
+    """First and last column and row on the canvas: left, top, right, bottom.
+
+    Whole pixels, so that thin lines are sharp; far outside is cut, so that numbers stay small.
+    """
+    scaled = xywh * scale
+    edges = np.column_stack([scaled[:, :2], scaled[:, :2] + scaled[:, 2:] - 1])
+    limits = np.array([canvas.shape[1], canvas.shape[0]] * 2, dtype=float)
+    clipped = np.clip(edges, -limits, 2 * limits)
+    return [(row[0], row[1], row[2], row[3]) for row in np.round(clipped).tolist()]
+
+
+def _draw_detections(
+    canvas: Canvas, boxes: DrawnBoxes, scale: NDArray[np.float64], colour: Colour,
+    *, is_dashed: bool, unit: int,
+) -> None:  # fmt: skip
+    # a loop over the boxes of one frame: drawing is done box by box
+    for number, box in enumerate(_corners(canvas, boxes.xywh, scale)):
+        _draw_rectangle(canvas, box, colour, 2 * unit, 7.0 * unit if is_dashed else None)
+        left, top, right, bottom = box
+        if boxes.state[number] == FALSE_ALARM:
+            arm = min(8.0 * unit, (right - left) / 2, (bottom - top) / 2)
+            across, down = (left + right) / 2, (top + bottom) / 2
+            for sign in (-1, 1):
+                _line(canvas, across - arm, down - sign * arm, across + arm, down + sign * arm,
+                      colour, unit)  # fmt: skip
+
+
+def _draw_truth(
+    canvas: Canvas, boxes: DrawnBoxes, scale: NDArray[np.float64], unit: int, inks: Inks
+) -> None:
+    # a loop over the boxes of one frame
+    for number, box in enumerate(_corners(canvas, boxes.xywh, scale)):
+        state = int(boxes.state[number])
+        dash = 2.0 * unit if state & BIT_IGNORE else None
+        _draw_rectangle(canvas, box, inks.truth, unit, dash)
+        if not state & BIT_IGNORE:
+            _mark_miss(canvas, box, state, unit, inks)
+
+
+def _mark_miss(canvas: Canvas, box: Box, state: int, unit: int, inks: Inks) -> None:
+    is_missed = (not state & BIT_MATCHED_X, not state & BIT_MATCHED_Y)
+    if not any(is_missed):
+        return
+    left_colour = inks.x if is_missed[0] else inks.y
+    right_colour = inks.y if is_missed[1] else inks.x
+    gap = 4.0 * unit
+    left, top, right, bottom = box[0] - gap, box[1] - gap, box[2] + gap, box[3] + gap
+    arm_x, arm_y = max(4.0 * unit, (right - left) / 3), max(4.0 * unit, (bottom - top) / 5)
+    is_relevant = bool(state & BIT_RELEVANT)
+    thickness = 3 * unit if is_relevant else unit
+    for edge, sign, colour in ((left, 1, left_colour), (right, -1, right_colour)):
+        for level, down in ((top, 1), (bottom, -1)):
+            _line(canvas, edge, level, edge + sign * arm_x, level, colour, thickness)
+            _line(canvas, edge, level, edge, level + down * arm_y, colour, thickness)
+
+
+def _draw_labels(
+    canvas: Canvas, truth: DrawnBoxes, x: DrawnBoxes | None, y: DrawnBoxes | None,
+    scale: NDArray[np.float64], unit: int, inks: Inks,
+) -> None:  # fmt: skip
+    """Tags of the missed pedestrians, the tallest first; then what else finds room."""
+    boxes = _corners(canvas, truth.xywh, scale)
+    texts = truth.labels or [""] * len(boxes)
+    gap = 5.0 * unit
+    grown = {i: (b[0] - gap, b[1] - gap, b[2] + gap, b[3] + gap) for i, b in enumerate(boxes)}
+    height, width = canvas.shape[:2]
+    missed = {
+        i: box for i, box in grown.items()
+        if _is_tagged(int(truth.state[i])) and overlap(box, (0, 0, width, height))
+    }  # fmt: skip
+    room = LabelRoom(width, height, list(missed.values()))
+    for i in sorted(missed, key=lambda i: missed[i][1] - missed[i][3]):
+        _draw_tag(canvas, room, missed[i], int(truth.state[i]), texts[i], unit, inks)
+    for found, colour, is_upper in ((x, inks.x, True), (y, inks.y, False)):
+        if found is not None and found.labels:
+            for text, box in zip(found.labels, _corners(canvas, found.xywh, scale), strict=True):
+                _draw_label(canvas, room, text, box, colour, unit, inks, is_left=True,
+                            is_upper=is_upper)  # fmt: skip
+    for i, (text, box) in enumerate(zip(texts, boxes, strict=True)):
+        if i not in missed:
+            _draw_label(canvas, room, text, box, inks.truth, unit, inks, is_left=False,
+                        is_upper=False)  # fmt: skip
+
+
+def _is_tagged(state: int) -> bool:
+    """Whether a truth box counts and is missed by a system."""
+    both = BIT_MATCHED_X | BIT_MATCHED_Y
+    return bool(state & BIT_RELEVANT) and not state & BIT_IGNORE and state & both != both
+
+
+def _draw_tag(
+    canvas: Canvas, room: LabelRoom, box: Box, state: int, text: str, unit: int, inks: Inks
+) -> None:
+    """A filled field for each system that misses, and the label."""
+    marks = [
+        (letter, colour, bool(state & salient))
+        for letter, colour, matched, salient in (
+            ("X", inks.x, BIT_MATCHED_X, BIT_SALIENT_X),
+            ("Y", inks.y, BIT_MATCHED_Y, BIT_SALIENT_Y),
+        ) if not state & matched
+    ]  # fmt: skip
+    size = 0.4 * unit
+    width = sum(_chip_width(is_salient, unit) + 2 * unit for _, _, is_salient in marks)
+    if text:
+        width += text_width(text, size) + 2 * unit
+    extent = (float(width), 15.0 * unit)
+    at, top, _, _ = room.must_take(extent, tag_places(box, extent))
+    base = top + 12 * unit
+    for letter, colour, is_salient in marks:
+        _draw_chip(canvas, at, base, letter, colour, is_salient, unit, inks)
+        at += _chip_width(is_salient, unit) + 2 * unit
+    if text:
+        end = at + text_width(text, size) + unit
+        _draw_plate(canvas, (at - unit, top, end, top + extent[1]), inks)
+        put_text(canvas, text, (at, base), size, inks.truth)
+
+
+def _draw_label(
+    canvas: Canvas, room: LabelRoom, text: str, box: Box, colour: Colour, unit: int, inks: Inks,
+    *, is_left: bool, is_upper: bool,
+) -> None:  # fmt: skip
+    """A text beside its box, else above or below it, else not at all."""
+    if not text:
+        return
+    size = 0.4 * unit
+    width, height, gap = text_width(text, size), 13.0 * unit, 5.0 * unit
+    left, top, right, bottom = box
+    level = top if is_upper else bottom - 10 * unit
+    aligned = left if is_left else right - width
+    beside: list[Place] = [(left - gap - width, level), (right + gap, level)]
+    upright: list[Place] = [(aligned, top - gap - height), (aligned, bottom + gap)]
+    places = [
+        *(beside if is_left else beside[::-1]), *(upright if is_upper else upright[::-1]),
+    ]  # fmt: skip
+    taken = room.take((width, height), places)
+    if taken is not None:
+        _draw_plate(canvas, taken, inks)
+        stronger = np.round(_TINT * np.array(colour) + (1 - _TINT) * np.array(inks.contrast))
+        put_text(canvas, text, (taken[0], taken[1] + 10 * unit), size, _colour(stronger))
+
+
+def _colour(rgb_values: NDArray[np.float64]) -> Colour:
+    red, green, blue = (int(value) for value in rgb_values)
+    return red, green, blue
+
+
+def _draw_plate(canvas: Canvas, box: Box, inks: Inks) -> None:
+    """The ground of a label, so that it can be read on any picture."""
+    left, top, right, bottom = (max(0, round(edge)) for edge in box)
+    behind = canvas[top:bottom, left:right]
+    behind[:] = np.round((1 - _PLATE) * behind + _PLATE * np.array(inks.ground))
+
+
+def _chip_width(is_salient: bool, unit: int) -> int:
+    return (25 if is_salient else 15) * unit
+
+
+def _draw_chip(
+    canvas: Canvas, left: float, base: float, letter: str, colour: Colour, is_salient: bool,
+    unit: int, inks: Inks,
+) -> None:  # fmt: skip
+    """A filled field with the letter (and a triangle, if most salient)."""
+    left_px, base_px = round(left), round(base)
+    right_px = left_px + _chip_width(is_salient, unit)
+    cv2.rectangle(canvas, (left_px, base_px - 12 * unit), (right_px, base_px + 3 * unit),
+                  colour, -1)  # fmt: skip
+    put_text(canvas, letter, (left_px + 3 * unit, base_px), 0.42 * unit, inks.ground)
+    if is_salient:
+        tip = np.array([[15, -8], [23, -8], [19, -1]]) * unit + [left_px, base_px]
+        cv2.fillPoly(canvas, [tip.astype(np.int32)], inks.ground, cv2.LINE_AA)
+
+
+def _draw_rectangle(
+    canvas: Canvas, box: Box, colour: Colour, thickness: int, dash: float | None
+) -> None:
+    left, top, right, bottom = box
+    for start, end in (
+        ((left, top), (right, top)), ((right, top), (right, bottom)),
+        ((right, bottom), (left, bottom)), ((left, bottom), (left, top)),
+    ):  # fmt: skip
+        length = float(np.hypot(end[0] - start[0], end[1] - start[1]))
+        if dash is None or length <= dash:
+            _line(canvas, *start, *end, colour, thickness)
+            continue
+        n_dashes = max(1, round(length / (1.8 * dash)))
+        for number in range(n_dashes):
+            share = (number / n_dashes, (number + 0.55) / n_dashes)
+            ends = [
+                start[axis] + part * (end[axis] - start[axis]) for part in share for axis in (0, 1)
+            ]
+            _line(canvas, ends[0], ends[1], ends[2], ends[3], colour, thickness)
+
+
+def _line(
+    canvas: Canvas, x0: float, y0: float, x1: float, y1: float, colour: Colour, thickness: int
+) -> None:
+    start, end = (
+        (round(a * (1 << _SHIFT)), round(b * (1 << _SHIFT))) for a, b in ((x0, y0), (x1, y1))
+    )
+    kind = cv2.LINE_8 if x0 == x1 or y0 == y1 else cv2.LINE_AA  # upright lines stay sharp
+    cv2.line(canvas, start, end, colour, thickness, kind, _SHIFT)
+
+
+def put_text(
+    canvas: Canvas, text: str, at: tuple[float, float], size: float, colour: Colour
+) -> None:
+    """One line of text, its base line starting at `at`; signs that the font lacks as `?`."""
+    shown, place = drawable(text), (round(at[0]), round(at[1]))
+    thickness = 2 if size > 0.75 else 1
+    cv2.putText(canvas, shown, place, _FONT, size, colour, thickness, cv2.LINE_AA)
+
+
+def text_width(text: str, size: float) -> int:
+    """Width of a text, px."""
+    return int(cv2.getTextSize(drawable(text), _FONT, size, 2 if size > 0.75 else 1)[0][0])
+
+
+def drawable(text: str) -> str:
+    """The text in the signs that OpenCV's font has: without accents, others as `?`.
+
+    Examples
+    --------
+    >>> drawable("Müller – 夜")
+    'Muller - ?'
+    """
+    plain = unicodedata.normalize("NFKD", text.replace("–", "-").replace("ß", "ss"))
+    letters = (sign for sign in plain if not unicodedata.combining(sign))
+    return "".join(sign if " " <= sign <= "~" else "?" for sign in letters)

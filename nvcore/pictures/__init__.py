@@ -1,0 +1,30 @@
+"""Pictures of the recordings: reading and stretching them, safely.
+
+    pictures = open_pictures(Path("drive.mp4"))
+    index, note = picture_index(frames, pictures)     which picture shows which frame
+    jpeg(pictures.read(int(index[212])), lo=1, hi=99)
+
+Whatever comes from files is checked before it is decoded: sizes, archives, container formats.
+"""
+
+from nvcore.pictures.archive import Archive, ArchiveLimits
+from nvcore.pictures.base import Picture, Pictures
+from nvcore.pictures.header import IMAGE_SUFFIXES
+from nvcore.pictures.index import picture_index, size_note
+from nvcore.pictures.open import is_below, open_pictures
+from nvcore.pictures.stretch import jpeg, png, stretch
+
+__all__ = [
+    "IMAGE_SUFFIXES",
+    "Archive",
+    "ArchiveLimits",
+    "Picture",
+    "Pictures",
+    "is_below",
+    "jpeg",
+    "open_pictures",
+    "picture_index",
+    "png",
+    "size_note",
+    "stretch",
+]

@@ -1,0 +1,228 @@
+"""Pictures as single files: a folder, a list, or a ZIP archive of PNG, JPEG, TIFF or BMP."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from pathlib import Path, PurePosixPath
+from threading import Lock
+from typing import Final
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from nvcore.errors import MediaError
+from nvcore.inputs.readers.meaning.names import recording_and_frame_of
+from nvcore.pictures.archive import Archive
+from nvcore.pictures.base import Picture, Recent, check_index
+from nvcore.pictures.header import IMAGE_SUFFIXES, image_size
+from nvcore.wording import one_line
+
+_MAX_BYTES: Final = 1 << 29
+_SHOWN_FOLDERS: Final = 5
+
+
+class Images:
+    """Pictures that are files of their own; see `nvcore.pictures.base.Pictures`."""
+
+    is_video = False
+
+    def __init__(
+        self,
+        name: str,
+        names: Sequence[str],
+        read_bytes: Callable[[int], bytes],
+        close: Callable[[], None],
+    ):
+        """Take over files in their order.
+
+        Parameters
+        ----------
+        name
+            Of all of them together.
+        names
+            Path of each, for its frame number and for errors.
+        read_bytes
+            Content of a file by its position.
+        close
+            Called once, by `close`.
+
+        Raises
+        ------
+        MediaError
+            If the first picture cannot be read.
+        """
+        self.name, self.n, self.note = name, len(names), ""
+        self.numbers = numbers_of(names)
+        self.fps: float | None = None
+        self._names, self._read_bytes, self._close = names, read_bytes, close
+        self._recent, self._lock = Recent(), Lock()
+        self.height, self.width = self.read(0).shape[:2]
+
+    def read(self, index: int) -> Picture:
+        """See `Pictures.read`."""
+        check_index(index, self)
+        with self._lock:
+            known = self._recent.get(index)
+            if known is not None:
+                return known
+            name = one_line(PurePosixPath(self._names[index]).name)
+            return self._recent.put(index, decode_image(self._read_bytes(index), name))
+
+    def close(self) -> None:
+        """See `Pictures.close`."""
+        with self._lock:
+            self._recent.clear()
+            self._close()
+
+
+def decode_image(content: bytes, name: str) -> Picture:
+    """A PNG, JPEG, TIFF or BMP as grey or RGB, uint8 or uint16.
+
+    Transparency is dropped. Fractions (TIFF of temperatures) become uint16, least to greatest.
+
+    Raises
+    ------
+    MediaError
+        If it is none of these, too large, or damaged.
+    """
+    image_size(content, name)
+    try:
+        picture = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_UNCHANGED)
+    except cv2.error:
+        picture = None
+    if picture is None:
+        raise MediaError("the picture cannot be decoded; it is damaged or unusual", file=name)
+    if picture.ndim == 3:
+        picture = picture[..., 0] if picture.shape[2] < 3 else picture[..., 2::-1]
+    if picture.dtype not in (np.uint8, np.uint16):
+        picture = _as_uint16(picture)
+    return np.ascontiguousarray(picture)
+
+
+def _as_uint16(picture: NDArray[np.generic]) -> NDArray[np.uint16]:
+    values = np.nan_to_num(picture.astype(np.float64), posinf=0, neginf=0)
+    low, high = float(values.min()), float(values.max())
+    scaled: NDArray[np.float64] = (values - low) * (65535 / (high - low) if high > low else 0.0)
+    return scaled.astype(np.uint16)
+
+
+def files_as_pictures(paths: Sequence[Path], name: str) -> Images:
+    """Given picture files, in natural order of their names.
+
+    Raises
+    ------
+    MediaError
+        If there is none, or the first cannot be read.
+    """
+    ordered = sorted(paths, key=lambda path: natural_order(path.name))
+    if not ordered:
+        raise MediaError("there are no pictures; expected PNG, JPEG, TIFF or BMP", file=name)
+    return Images(
+        name,
+        [path.name for path in ordered],
+        lambda index: _file_bytes(ordered[index]),
+        lambda: None,
+    )
+
+
+def folder_as_pictures(folder: Path, *, inside: str | None = None) -> Images:
+    """Pictures of a folder, or of its only subfolder that holds some; hidden ones are left out.
+
+    Raises
+    ------
+    MediaError
+        If there is none, or several subfolders hold some and `inside` names none of them.
+    """
+    try:
+        relative = [
+            path.relative_to(folder).as_posix()
+            for path in folder.rglob("*")
+            if path.suffix.lower() in IMAGE_SUFFIXES and path.is_file()
+        ]
+    except OSError as error:
+        raise MediaError(f"cannot be read ({error.strerror})", file=folder.name) from error
+    chosen = _one_folder(relative, folder.name, inside)
+    return files_as_pictures([folder / name for name in chosen], folder.name)
+
+
+def archive_as_pictures(path: Path, *, inside: str | None = None) -> Images:
+    """Pictures of a ZIP archive, read without unpacking.
+
+    Raises
+    ------
+    MediaError
+        If the archive is refused (`nvcore.pictures.archive`), holds no picture, or several folders
+        hold some and `inside` names none of them.
+    """
+    archive = Archive(path)
+    try:
+        pictures = [
+            name for name in archive.names if PurePosixPath(name).suffix.lower() in IMAGE_SUFFIXES
+        ]
+        names = sorted(_one_folder(pictures, path.name, inside), key=natural_order)
+        return Images(path.name, names, lambda index: archive.read(names[index]), archive.close)
+    except MediaError:
+        archive.close()
+        raise
+
+
+def _one_folder(names: Sequence[str], where: str, inside: str | None) -> list[str]:
+    """Those of one folder: the one named, else the top one, else the only one."""
+    by_folder: dict[str, list[str]] = {}
+    for name in names:
+        path = PurePosixPath(name)
+        if not any(part.startswith(".") for part in path.parts):
+            by_folder.setdefault(str(path.parent), []).append(name)
+    if inside is not None:
+        by_folder = {inside: by_folder[inside]} if inside in by_folder else {}
+    elif "." in by_folder:
+        by_folder = {".": by_folder["."]}
+    if not by_folder:
+        wanted = "" if inside is None else f" in {one_line(inside)!r}"
+        raise MediaError(f"holds no PNG, JPEG, TIFF or BMP{wanted}", file=where)
+    if len(by_folder) > 1:
+        shown = ", ".join(one_line(name) for name in sorted(by_folder)[:_SHOWN_FOLDERS])
+        more = ", ..." if len(by_folder) > _SHOWN_FOLDERS else ""
+        raise MediaError(
+            f"holds pictures in {len(by_folder)} folders ({shown}{more}); give the folder of one "
+            "recording",
+            file=where,
+        )
+    return next(iter(by_folder.values()))
+
+
+def _file_bytes(path: Path) -> bytes:
+    name = one_line(path.name)
+    try:
+        if path.stat().st_size > _MAX_BYTES:
+            raise MediaError(f"is larger than {_MAX_BYTES >> 20} MiB; is it a picture?", file=name)
+        return path.read_bytes()
+    except OSError as error:
+        raise MediaError(f"cannot be read ({error.strerror})", file=name) from error
+
+
+def natural_order(name: str) -> list[tuple[int, int, str]]:
+    """Sort key by which ``p9`` comes before ``p10``.
+
+    Examples
+    --------
+    >>> sorted(["p10.png", "p9.png", "p09.png"], key=natural_order)
+    ['p09.png', 'p9.png', 'p10.png']
+    """
+    parts = re.split(r"([0-9]+)", name)
+    keys = [
+        (1, len(part.lstrip("0")), part.lstrip("0")) if i % 2 else (0, 0, part)
+        for i, part in enumerate(parts)
+    ]
+    return [*keys, (0, 0, name)]
+
+
+def numbers_of(names: Sequence[str]) -> NDArray[np.int64] | None:
+    """Frame numbers at the end of file names; None if one has none or two are the same."""
+    found = [recording_and_frame_of(PurePosixPath(name).name) for name in names]
+    numbers = [one[1] for one in found if one is not None]
+    if len(numbers) < len(names) or len(set(numbers)) < len(numbers):
+        return None
+    return np.array(numbers, dtype=np.int64)

@@ -1,0 +1,118 @@
+"""Which picture shows which frame."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nvcore.pictures.base import Pictures
+
+_ENOUGH: Final = 0.5
+"""Share of the frames, or of the pictures, from which on numbers in names are believed."""
+
+
+def picture_index(
+    frames: NDArray[np.int64], pictures: Pictures, first_picture: int | None = None
+) -> tuple[NDArray[np.int64], str]:
+    """The picture of every listed frame, and in words by which rule.
+
+    In this order: `first_picture`; a video's picture i shows frame i, or
+    frame i + 1 where the last listed frame is the number of pictures; the number in a picture's
+    name is the frame, or the frame + 1 (names that count from 1), if so every listed frame has a
+    picture, or else at least half of the frames or pictures find each other; the pictures in
+    their order show the listed frames if they are as many, or else frame 0, 1, 2, ...
+
+    Parameters
+    ----------
+    frames
+        Frame numbers of a recording, shape (n,).
+    pictures
+        Its pictures.
+    first_picture
+        Number of the frame that the first picture shows; None: by the rules above.
+
+    Returns
+    -------
+    tuple
+        Index of the picture, -1 none, int64, shape (n,); and a note for the user.
+    """
+    frames = np.asarray(frames, dtype=np.int64)
+    if first_picture is not None:
+        index = frames - first_picture
+        rule = f"the first picture shows frame {first_picture}, as given"
+    elif pictures.is_video:
+        index, rule = _of_video(frames, pictures.n)
+    elif pictures.numbers is not None:
+        index, rule = _by_number(frames, pictures.numbers)
+    else:
+        index, rule = _by_order(frames, pictures.n)
+    index = np.where((index >= 0) & (index < pictures.n), index, -1)
+    n_without = int(np.count_nonzero(index < 0))
+    note = f"{rule[0].upper()}{rule[1:]}."
+    if n_without:
+        note += (
+            f" {n_without} of {len(frames)} listed frames have no picture "
+            f"({pictures.n} pictures in {pictures.name})."
+        )
+    if pictures.note:
+        note += f" {pictures.name}: {pictures.note}."
+    return index, note
+
+
+def _of_video(frames: NDArray[np.int64], n: int) -> tuple[NDArray[np.int64], str]:
+    """Frames that count from 1 to the number of pictures are those of a video counted from 1."""
+    if len(frames) and frames.min() >= 1 and frames.max() == n:
+        return frames - 1, "picture i, counted from 0, shows frame i + 1: the frames count from 1"
+    return frames.copy(), "picture i shows frame i, both counted from 0"
+
+
+def _by_number(
+    frames: NDArray[np.int64], numbers: NDArray[np.int64]
+) -> tuple[NDArray[np.int64], str]:
+    as_named, one_based = _find(frames, numbers), _find(frames, numbers - 1)
+    n_as_named, n_one_based = np.count_nonzero(as_named >= 0), np.count_nonzero(one_based >= 0)
+    enough = _ENOUGH * min(len(frames), len(numbers))
+    n_best = max(n_as_named, n_one_based)
+    if n_best and n_best >= enough:
+        if n_as_named < n_one_based:
+            return one_based, (
+                "the number in a picture's name, less one, is the frame (names that count from 1)"
+            )
+        rule = "the number in a picture's name is the frame"
+        if n_as_named == n_one_based:
+            rule += " (less one would do as well: if boxes lag behind, give the first frame)"
+        return as_named, rule
+    return _by_order(frames, len(numbers))
+
+
+def _by_order(frames: NDArray[np.int64], n: int) -> tuple[NDArray[np.int64], str]:
+    if len(frames) == n:
+        return np.arange(n), "the pictures in their order show the listed frames"
+    return frames.copy(), "the pictures in their order show frame 0, 1, 2 and so on"
+
+
+def _find(frames: NDArray[np.int64], numbers: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Position of each frame among the numbers, -1 none."""
+    order = np.argsort(numbers)
+    place = np.minimum(np.searchsorted(numbers[order], frames), len(numbers) - 1)
+    at = order[place]
+    return np.where(numbers[at] == frames, at, -1).astype(np.int64)
+
+
+def size_note(pictures: Pictures, width: float, height: float) -> str:
+    """What to say of pictures of another size than their recording's; empty: the same size.
+
+    Boxes are drawn scaled to the picture.
+    """
+    if (pictures.width, pictures.height) == (width, height):
+        return ""
+    note = (
+        f"The pictures are {pictures.width} x {pictures.height} px, the recording is "
+        f"{width:g} x {height:g} px: boxes are drawn scaled"
+    )
+    across, down = pictures.width / width, pictures.height / height
+    if abs(across / down - 1) > 0.02:
+        note += f", by {across:.3g} across and {down:.3g} down; check that they belong together"
+    return note + "."

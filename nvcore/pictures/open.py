@@ -1,0 +1,89 @@
+"""Whatever holds the pictures of a recording, opened by its content, not by its name."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+from nvcore.errors import MediaError
+from nvcore.file_kinds import binary_kind
+from nvcore.pictures.base import Pictures
+from nvcore.pictures.containers import video_format
+from nvcore.pictures.header import is_image
+from nvcore.pictures.images import archive_as_pictures, files_as_pictures, folder_as_pictures
+from nvcore.pictures.video import Video
+from nvcore.wording import one_line
+
+
+def open_pictures(path: Path | Sequence[Path], *, inside: str | None = None) -> Pictures:
+    """Open the pictures of one recording.
+
+    Parameters
+    ----------
+    path
+        A video, a folder of pictures, a ZIP archive of pictures, one picture, or several.
+    inside
+        Folder within the folder or archive; None: the top one, or the only one with pictures.
+
+    Raises
+    ------
+    MediaError
+        If it holds no pictures that can be read; with what to do.
+    """
+    if not isinstance(path, Path):
+        paths = list(path)
+        if len(paths) == 1:
+            return open_pictures(paths[0], inside=inside)
+        return files_as_pictures(paths, f"{len(paths)} pictures")
+    name = one_line(path.name)
+    try:
+        is_folder, is_file = path.is_dir(), path.is_file()
+    except OSError as error:  # a name that is too long, a folder that may not be looked into
+        raise MediaError(f"cannot be opened ({error.strerror})", file=name) from error
+    if is_folder:
+        return folder_as_pictures(path, inside=inside)
+    if not is_file:
+        raise MediaError("there is no such file or folder of pictures", file=name)
+    try:
+        with path.open("rb") as file:
+            content = file.read(4096)
+    except OSError as error:
+        raise MediaError(f"cannot be opened ({error.strerror})", file=name) from error
+    if content.startswith((b"PK\3\4", b"PK\5\6")):
+        return archive_as_pictures(path, inside=inside)
+    if is_image(content):
+        return files_as_pictures([path], name)
+    if video_format(content) is not None:
+        return Video(path)
+    if not content:
+        raise MediaError("is empty", file=name)
+    kind = (binary_kind(content) or "text").partition(":")[0]
+    raise MediaError(
+        f"is {kind}, not pictures; expected a video (MP4, MOV, Matroska, WebM, AVI, MPEG), PNG, "
+        "JPEG, TIFF or BMP, or a ZIP archive or folder of these",
+        file=name,
+    )
+
+
+def is_below(path: Path, root: Path) -> bool:
+    """Whether a path, links followed, lies in a folder; of a folder also all that it holds.
+
+    For places where people may look at one folder only: pictures there may be links. A name that
+    no file can have (too long, with a NUL) lies where it would lie, or nowhere.
+    """
+    real_root = os.path.realpath(root)
+
+    def lies_below(one: str | Path) -> bool:
+        try:
+            return Path(os.path.realpath(one)).is_relative_to(real_root)
+        except ValueError:  # NUL
+            return False
+
+    if not lies_below(path):
+        return False
+    return not os.path.isdir(path) or all(  # noqa: PTH112  # Path.is_dir refuses long names
+        lies_below(Path(folder) / name)
+        for folder, folders, files in os.walk(path)
+        for name in (*folders, *files)
+    )

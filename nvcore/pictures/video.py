@@ -1,0 +1,195 @@
+"""Exact random access to the pictures of a video.
+
+The demuxer's presentation times, sorted, tell which picture is which; nothing is decoded for that.
+A picture is reached from the key picture before it, and is taken only if its own time is the
+wanted one. Containers whose times cannot be trusted (H.264 in AVI) are counted from their start.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from threading import Lock
+from typing import Any, Final
+
+import av
+import numpy as np
+from numpy.typing import NDArray
+
+from nvcore.errors import MediaError
+from nvcore.pictures.base import Picture, Recent, check_index
+from nvcore.pictures.containers import (
+    DAMAGED,
+    REORDERED,
+    format_of_file,
+    is_cut_off,
+    list_pictures,
+    open_container,
+)
+from nvcore.wording import one_line
+
+_NEAR: Final = 8
+"""Pictures before the wanted one that are kept on the way, for steps backwards."""
+
+
+class Video:
+    """Pictures of a video; see `nvcore.pictures.base.Pictures`. Picture i is the i-th shown."""
+
+    is_video = True
+
+    def __init__(self, path: Path):
+        """Open and list the pictures.
+
+        Raises
+        ------
+        MediaError
+            If it is no video of a known format, holds no picture, or is too large.
+        """
+        self.name = one_line(path.name)
+        self.numbers: NDArray[np.int64] | None = None
+        self._path, self._lock, self._recent = path, Lock(), Recent()
+        self._container: Any = None
+        self._stream: Any = None
+        self._frames: Iterator[Any] = iter(())
+        self._at = -1
+        self._lost: set[int] = set()
+        self._format = format_of_file(path, self.name)
+        try:
+            stream = self._open()
+            rate = stream.average_rate
+            self.fps = float(rate) if rate else None
+            self._table = list_pictures(
+                self._container, stream, self._format, self.name,
+                is_cut=is_cut_off(path, self._format),
+            )  # fmt: skip
+            self._by_count = not self._table.is_sure
+            self.n = len(self._table.times)
+            first = self._find(0)
+        except (av.error.FFmpegError, OSError) as error:
+            raise MediaError(DAMAGED, file=self.name) from error
+        finally:
+            self._let_go()
+        if first is None:
+            raise MediaError(f"its first picture cannot be decoded: it {DAMAGED}", file=self.name)
+        self.height, self.width = first.shape[:2]
+        self.note = ""
+        if self._table.is_cut:
+            stated = f" of {self._table.n_stated}" if self._table.n_stated else ""
+            self.note = f"the video is cut off or damaged; {self.n}{stated} pictures can be read"
+
+    def read(self, index: int) -> Picture:
+        """See `Pictures.read`."""
+        check_index(index, self)
+        with self._lock:
+            picture = self._recent.get(index)
+            if picture is not None:
+                return picture
+            if index not in self._lost:
+                try:
+                    picture = self._find(index)
+                except (av.error.FFmpegError, OSError):
+                    self._let_go()
+            if picture is None:
+                self._lost.add(index)
+                raise MediaError(
+                    f"picture {index} cannot be decoded: the video is damaged there",
+                    file=self.name,
+                )
+            return picture
+
+    def close(self) -> None:
+        """See `Pictures.close`; reading opens the file again."""
+        with self._lock:
+            self._recent.clear()
+            self._let_go()
+
+    # Reading the file. Everything below is called with the lock held, or while opening.
+
+    def _open(self) -> Any:
+        """The stream of pictures of the newly opened file."""
+        self._let_go()
+        self._container, stream = open_container(self._path, self._format, self.name)
+        return stream
+
+    def _let_go(self) -> None:
+        self._frames, self._at = iter(()), -1
+        if self._container is not None:
+            self._container.close()
+            self._container = None
+
+    def _find(self, index: int) -> Picture | None:
+        """The picture, decoded; None if the decoder does not give it."""
+        key = int(np.searchsorted(self._table.keys, index, side="right")) - 1
+        key_at = int(self._table.keys[key]) if key >= 0 else 0
+        if self._container is not None and (
+            key_at <= self._at < index or (self._by_count and self._at < index)
+        ):
+            found, _ = self._forward(index, self._at)
+            if found is not None:
+                return found
+        # key pictures further and further back, where a seek lands too late; at last the start
+        for number in [key - back for back in (0, 1, 3) if key - back > 0 and not self._by_count]:
+            self._seek(int(self._table.key_seeks[number]))
+            found, was_reached = self._forward(index, int(self._table.keys[number]))
+            if was_reached:
+                return found
+        self._seek(None)
+        return self._forward(index, self.n)[0]
+
+    def _seek(self, time: int | None) -> None:
+        """Go to a key picture; None: to the start of the file."""
+        stream = self._open() if time is None or self._container is None else self._stream
+        self._stream, self._at = stream, -1
+        if time is not None:
+            self._container.seek(time, stream=stream, backward=True)
+        self._frames = self._decode(stream)
+
+    def _decode(self, stream: Any) -> Iterator[Any]:
+        for packet in self._container.demux(stream):
+            try:
+                yield from packet.decode()
+            except av.error.InvalidDataError:
+                continue  # the pictures of this packet are missing, others follow
+
+    def _forward(self, index: int, start: int) -> tuple[Picture | None, bool]:
+        """Decode up to the picture: the picture, and whether decoding began at `start` or before.
+
+        None and True: the decoder does not give this picture.
+        """
+        n_beyond, is_first = 0, self._at < 0
+        for frame in self._frames:
+            at = self._position(frame)
+            if at is None:
+                continue
+            if is_first and at > start:
+                self._at = at
+                return None, False
+            is_first, self._at = False, max(self._at, at)
+            if index - _NEAR < at <= index:
+                picture = self._recent.put(at, self._to_array(frame))
+                if at == index:
+                    return picture, True
+            n_beyond += at > index
+            if n_beyond > REORDERED:  # a decoder may give a few pictures out of order
+                return None, True
+        self._let_go()
+        return None, True
+
+    def _position(self, frame: Any) -> int | None:
+        """Which picture this is; None: none of those listed."""
+        if self._by_count:
+            return self._at + 1 if self._at + 1 < self.n else None
+        if frame.pts is None:
+            return None
+        at = int(np.searchsorted(self._table.times, frame.pts))
+        return at if at < self.n and self._table.times[at] == frame.pts else None
+
+    def _to_array(self, frame: Any) -> Picture:
+        name = frame.format.name
+        wanted = "rgb24"
+        if name.startswith("gray"):
+            wanted = "gray" if name == "gray" else "gray16le"
+        width, height = self._stream.width, self._stream.height
+        picture: Picture = frame.reformat(width=width, height=height, format=wanted).to_ndarray()
+        quarters = round(frame.rotation / 90) % 4
+        return np.ascontiguousarray(np.rot90(picture, quarters)) if quarters else picture

@@ -1,0 +1,1 @@
+"""What is handed on: verdict, terminal scorecard, CSV files, gate."""

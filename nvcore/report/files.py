@@ -1,0 +1,118 @@
+"""A `Result` as files: CSV tables, a summary, and the session that makes them again."""
+
+from __future__ import annotations
+
+import io
+import json
+import zipfile
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+import pandas as pd
+
+from nvcore import __version__
+from nvcore.comparison import Result
+from nvcore.csv_text import to_csv_bytes
+from nvcore.errors import InputError
+from nvcore.evidence.subgroup_table import subgroup_table
+from nvcore.evidence.table import evidence_table
+from nvcore.findings import Finding
+from nvcore.inputs.load import source_hashes
+from nvcore.inputs.session import Session
+from nvcore.inputs.session_toml import write_session
+from nvcore.tables.result import (
+    encounters_table,
+    events_table,
+    findings_table,
+    frames_table,
+    intervals_table,
+    recordings_table,
+    summary,
+)
+
+ZIP_TIME: Final = (1980, 1, 1, 0, 0, 0)
+"""Time of every file in a zip, the earliest there is: the same report, the same bytes."""
+
+
+def export_files(
+    result: Result, session: Session, findings: tuple[Finding, ...] = ()
+) -> dict[str, Callable[[], bytes]]:
+    """Every file of a report by name, each made when called; the same input, the same bytes."""
+    systems = tuple(
+        replace(system, name=name)
+        for system, name in zip(session.systems, result.dataset.systems, strict=True)
+    )
+    written = replace(session, systems=systems, hashes=source_hashes(result.dataset))
+    return {
+        "frames.csv": lambda: to_csv_bytes(frames_table(result)),
+        "encounters.csv": lambda: to_csv_bytes(encounters_table(result)),
+        "events.csv": lambda: to_csv_bytes(events_table(result)),
+        "intervals.csv": lambda: to_csv_bytes(intervals_table(result)),
+        "recordings.csv": lambda: to_csv_bytes(recordings_table(result)),
+        "significance.csv": lambda: _finite_csv(evidence_table(result, session.protocol)),
+        "subgroups.csv": lambda: _finite_csv(subgroup_table(result, protocol=session.protocol)),
+        "findings.csv": lambda: to_csv_bytes(findings_table(findings)),
+        "summary.json": lambda: summary_json(result).encode(),
+        "session.toml": lambda: write_session(
+            written, version=__version__, fingerprint=result.dataset.fingerprint
+        ).encode(),
+    }
+
+
+def _finite_csv(table: pd.DataFrame) -> bytes:
+    """The table as CSV; an infinite odds ratio is an empty cell, as CSV has no infinity."""
+    return to_csv_bytes(table.replace([np.inf, -np.inf], np.nan))
+
+
+def summary_json(result: Result) -> str:
+    """The summary as JSON text."""
+    return json.dumps(summary(result), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def write_report(
+    result: Result,
+    session: Session,
+    folder: Path,
+    findings: tuple[Finding, ...] = (),
+    *,
+    progress: Callable[[str], None] | None = None,
+) -> None:
+    """Write all files of a report into a folder, which is made if it is missing.
+
+    Raises
+    ------
+    InputError
+        If the folder cannot be written to.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, make in export_files(result, session, findings).items():
+            if progress is not None:
+                progress(f"writing {name}")
+            (folder / name).write_bytes(make())
+    except OSError as error:
+        raise InputError(f"cannot be written ({error.strerror})", file=folder) from error
+
+
+def report_zip(
+    result: Result,
+    session: Session,
+    findings: tuple[Finding, ...] = (),
+    *,
+    progress: Callable[[str], None] | None = None,
+) -> bytes:
+    """A zip of the files of a report, byte for byte those of `write_report`."""
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, make in export_files(result, session, findings).items():
+            if progress is not None:
+                progress(f"writing {name}")
+            entry = zipfile.ZipInfo(name, ZIP_TIME)
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.create_system = 3  # the same bytes on every system
+            entry.external_attr = 0o644 << 16
+            archive.writestr(entry, make())
+    return content.getvalue()

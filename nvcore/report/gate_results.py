@@ -1,0 +1,139 @@
+"""What a gate found, for people and CI: lines for the terminal, JUnit XML, Markdown."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from typing import Final
+from xml.etree import ElementTree
+
+from nvcore.findings import Finding
+from nvcore.report.gate import COUNTED_FINDINGS, Outcome, figure_text
+from nvcore.report.terminal import render_findings
+from nvcore.wording import one_line
+
+JUNIT_HEAD: Final = b"<?xml version='1.0' encoding='utf-8'?>\n<testsuites name=\"nvcore gate\""
+MARKDOWN_HEAD: Final = b"## Gate: "
+_MARKUP: Final = re.compile(r"([\\`*_{}\[\]<>()#+.!|$~:&^=@-])")
+
+
+def terminal_lines(outcomes: Sequence[Outcome]) -> list[str]:
+    """A line for each rule, and below a failed one the encounters that it counts."""
+    lines = []
+    for one in outcomes:
+        lines.append(f"{'passed' if one.is_passed else 'FAILED'}  {one.rule.text}  ({one.message})")
+        lines += [f"        {one_line(detail)}" for detail in _encounters(one)]
+    return lines
+
+
+def _encounters(outcome: Outcome) -> tuple[str, ...]:
+    """Those that a failed rule counts; findings are shown with the audit."""
+    return () if outcome.rule.name in COUNTED_FINDINGS else outcome.details
+
+
+def junit_xml(outcomes: Sequence[Outcome], title: str, findings: Sequence[Finding] = ()) -> bytes:
+    """The outcomes as JUnit XML, a test case for each rule; the audit is the suite's output.
+
+    Parameters
+    ----------
+    title
+        Name of the test suite.
+    """
+    n_failed = sum(not one.is_passed for one in outcomes)
+    root, suite = _suite(title, tests=len(outcomes), failures=n_failed)
+    for one in outcomes:
+        case = ElementTree.SubElement(
+            suite, "testcase", {"classname": "nvcore.report.gate", "name": one.rule.text}
+        )
+        if one.is_passed:
+            ElementTree.SubElement(case, "system-out").text = one.message
+            continue
+        message = f"{one.message}; wanted {one.rule.text}"
+        failure = ElementTree.SubElement(case, "failure", {"message": message})
+        failure.text = "\n".join([message, *map(one_line, one.details)])
+    ElementTree.SubElement(suite, "system-out").text = render_findings(findings)
+    return _xml(root)
+
+
+def junit_error(problem: str) -> bytes:
+    """JUnit XML of a gate that could not be run: one test case, with an error.
+
+    Parameters
+    ----------
+    problem
+        Why not; may have several lines.
+    """
+    root, suite = _suite("nvcore gate", tests=1, errors=1)
+    case = ElementTree.SubElement(
+        suite, "testcase", {"classname": "nvcore.report.gate", "name": "the gate can be run"}
+    )
+    lines = [one_line(line) for line in problem.splitlines()]
+    error = ElementTree.SubElement(case, "error", {"message": " ".join(lines)})
+    error.text = "\n".join(lines)
+    return _xml(root)
+
+
+def _suite(
+    title: str, *, tests: int, failures: int = 0, errors: int = 0
+) -> tuple[ElementTree.Element, ElementTree.Element]:
+    counts = {"tests": str(tests), "failures": str(failures), "errors": str(errors)}
+    root = ElementTree.Element("testsuites", {"name": "nvcore gate", **counts})
+    return root, ElementTree.SubElement(root, "testsuite", {"name": one_line(title), **counts})
+
+
+def _xml(root: ElementTree.Element) -> bytes:
+    ElementTree.indent(root)
+    text: bytes = ElementTree.tostring(root, encoding="utf-8", xml_declaration=True)
+    return text + b"\n"
+
+
+def markdown(outcomes: Sequence[Outcome], title: str, findings: Sequence[Finding] = ()) -> str:
+    """The outcomes as Markdown: a table, failing rules first, what these count, the audit."""
+    rows = sorted(outcomes, key=lambda one: one.is_passed)
+    n_failed = sum(not one.is_passed for one in outcomes)
+    verdict = f"{n_failed} of {len(outcomes)} rules failed" if n_failed else "all rules passed"
+    lines = [f"## Gate: {verdict}", "", _plain(title), "", "| rule | found | |", "|---|---|---|"]
+    lines += [
+        f"| `{one.rule.text}` | {figure_text(one.value)} | "
+        f"{'passed' if one.is_passed else '**failed**'} |"
+        for one in rows
+    ]
+    for one in rows:
+        if encounters := _encounters(one):
+            lines += ["", f"`{one.rule.text}` failed:", ""]
+            lines += [f"- {_plain(detail)}" for detail in encounters]
+    lines += ["", *_audit(findings)]
+    return "\n".join(lines) + "\n"
+
+
+def _audit(findings: Sequence[Finding]) -> list[str]:
+    head = render_findings(findings).splitlines()[0]
+    lines = [f"### {head.rstrip('.')}"]
+    if findings:
+        lines.append("")
+    return lines + [
+        f"- {one.severity.value}, {_plain(one.subject)}: {_plain(one.message)} {_plain(one.advice)}"
+        for one in findings
+    ]
+
+
+def markdown_error(problem: str) -> str:
+    """Markdown of a gate that could not be run.
+
+    Parameters
+    ----------
+    problem
+        Why not; may have several lines.
+    """
+    lines = [_plain(line) for line in problem.splitlines()]
+    return "\n\n".join(["## Gate: could not be run", *lines]) + "\n"
+
+
+def is_gate_result(content: bytes) -> bool:
+    """Whether a file's content was written by a gate."""
+    return content.startswith((JUNIT_HEAD, MARKDOWN_HEAD))
+
+
+def _plain(text: str) -> str:
+    """The text without markup, HTML or links, one line."""
+    return _MARKUP.sub(r"\\\1", one_line(text))

@@ -1,0 +1,146 @@
+"""A figure that only the report has, and Plotly for a page without network."""
+
+from __future__ import annotations
+
+import base64
+import gzip
+import json
+from collections.abc import Hashable, Mapping, Sequence
+from functools import cache
+from typing import Any, Final
+
+import numpy as np
+import pandas as pd
+import plotly.graph_objects as go
+from plotly.offline import get_plotlyjs
+
+from nvcore.figures.style import LOOK, axis, empty_figure, layout, plain
+from nvcore.palette import Theme
+from nvcore.wording import difference
+
+THEME: Final[Theme] = "light"
+INTERVAL_PX: Final = 82
+WORDS_PX: Final = 30
+"""Height of the row of a figure with an interval, and of one without."""
+STRIP_PX: Final = (28, 56)
+"""Top and bottom of the axis within its row."""
+MARGIN_PX: Final = (76, 16)
+"""Above and below the rows."""
+REACH: Final = 1.12
+"""Half an axis, in the largest value that it shows."""
+LEAST_REACH: Final = {"%": 1.0, "4f": 0.001, "2f": 0.1, "1f": 1.0}
+"""Half an axis at least, by the ending of the figure's format."""
+
+
+@cache
+def packed_plotly() -> str:
+    """Plotly's JavaScript, compressed, in base64: the page unpacks it."""
+    return base64.b64encode(gzip.compress(get_plotlyjs().encode(), 9, mtime=0)).decode()
+
+
+def figure_json(figure: go.Figure) -> str:
+    """The figure as JSON that may stand in a ``script`` element: it cannot end it."""
+    # to_json by the standard library's encoder: the same text wherever it is made
+    text = json.dumps(json.loads(figure.to_json(engine="json")), separators=(",", ":"))
+    for sign, escape in (("<", "\\u003c"), (">", "\\u003e"), ("&", "\\u0026")):
+        text = text.replace(sign, escape)
+    return text
+
+
+def interval_plot(evidence: pd.DataFrame, forms: Mapping[str, str]) -> go.Figure:
+    """Difference X - Y of every figure with its 95 % interval, each on an axis of its own.
+
+    Right of the line X is better in all of them: where less is better, the axis runs backwards. A
+    figure without interval has its difference in words and no place on an axis: nothing says
+    whether it would be a large or a small one there.
+
+    Parameters
+    ----------
+    evidence
+        `nvcore.evidence.measures.significance_table`.
+    forms
+        Format of each figure; shares (``%``) are shown in percentage points.
+    """
+    known = evidence[np.isfinite(evidence["difference"])]
+    if known.empty:
+        return empty_figure("No figure is defined for both systems.", theme=THEME)
+    has_interval = np.isfinite(known["low"].to_numpy()) & np.isfinite(known["high"].to_numpy())
+    heights = np.where(has_interval, INTERVAL_PX, WORDS_PX)
+    ends = np.cumsum(heights)
+    total = float(ends[-1])
+    figure = go.Figure()
+    for one, top, is_drawn in zip(
+        known.to_dict("records"), (ends - heights).tolist(), has_interval.tolist(), strict=True
+    ):
+        form = forms.get(one["figure"], ".4g")
+        told = f"{plain(one['label'], max_length=80)}: <b>{_told(one['difference'], form)}</b>"
+        if is_drawn:
+            span = f"{_told(one['low'], form)} to {_told(one['high'], form)}"
+            told += f"   (95 % interval {span})"
+            _add_axis(figure, one, form, [1 - (top + edge) / total for edge in STRIP_PX[::-1]])
+        else:
+            told += "   (no interval can be given)"
+        figure.add_annotation(
+            text=told, x=0, xref="paper", xanchor="left", y=1 - (top + 4) / total, yref="paper",
+            yanchor="top", showarrow=False, font={"size": 12.5, "color": LOOK[THEME].ink},
+        )  # fmt: skip
+    sides = "every axis has its own scale; right of the line X is better, left of it Y"
+    above, below = MARGIN_PX
+    figure.update_layout(
+        layout(
+            THEME,
+            title="Differences X − Y with 95 % intervals",
+            subtitle=sides if has_interval.any() else "too few data for any interval",
+            height=int(above + total + below),
+            showlegend=False,
+            margin={"l": 24, "r": 24, "t": above, "b": below},
+            # without any axis Plotly would draw its own
+            **({} if has_interval.any() else {"xaxis": {"visible": False},
+                                              "yaxis": {"visible": False}}),
+        )
+    )  # fmt: skip
+    return figure
+
+
+def _told(value: float, form: str) -> str:
+    return difference(value, 0, form).replace("-", "−")
+
+
+def _add_axis(
+    figure: go.Figure, one: Mapping[Hashable, Any], form: str, domain: Sequence[float]
+) -> None:
+    """The interval and the difference of a figure."""
+    look = LOOK[THEME]
+    number = sum(trace.mode == "markers" for trace in figure.data) + 1
+    key = str(number) if number > 1 else ""
+    is_share = form.endswith("%")
+    low, high, middle = (
+        (100.0 if is_share else 1.0) * one[name] for name in ("low", "high", "difference")
+    )
+    least = LEAST_REACH["%" if is_share else form[-2:]]
+    reach = max(REACH * max(abs(low), abs(high), abs(middle)), least)
+    sign = 1 if one["better"] == "higher" else -1
+    figure.add_scatter(
+        x=[low, high], y=[0, 0], mode="lines", hoverinfo="skip", xaxis=f"x{key}", yaxis=f"y{key}",
+        line={"color": look.muted, "width": 3},
+    )  # fmt: skip
+    figure.add_scatter(
+        x=[middle], y=[0], mode="markers", hoverinfo="x", xaxis=f"x{key}", yaxis=f"y{key}",
+        marker={"color": _side(sign * middle), "size": 12, "symbol": "circle"},
+    )  # fmt: skip
+    figure.update_layout({
+        f"xaxis{key}": axis(
+            THEME, range=[-sign * reach, sign * reach], fixedrange=True, nticks=7, zeroline=True,
+            zerolinewidth=1.5, zerolinecolor=look.muted, anchor=f"y{key}",
+            ticksuffix=" pp" if is_share else "",
+        ),
+        f"yaxis{key}": {"visible": False, "range": [-1, 1], "fixedrange": True,
+                        "domain": list(domain), "anchor": f"x{key}"},
+    })  # fmt: skip
+
+
+def _side(gain: float) -> str:
+    """Colour of the system that is better; grey where they are equal."""
+    look: Any = LOOK[THEME]
+    colour: str = look.x if gain > 0 else look.y if gain < 0 else look.muted
+    return colour

@@ -1,0 +1,184 @@
+"""Everything that the report says, in order: sections of texts, tables, charts and frames."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import CancelledError
+from dataclasses import dataclass, replace
+
+from nvcore import __version__
+from nvcore.comparison import Result
+from nvcore.evidence.subgroup_table import subgroup_table
+from nvcore.evidence.table import evidence_table
+from nvcore.findings import Finding
+from nvcore.protocols import Protocol
+from nvcore.report.html import words
+from nvcore.report.html.blocks import Section, Sentences
+from nvcore.report.html.evidence_sections import (
+    detection_section,
+    frames_section,
+    significance_section,
+    stability_section,
+    subgroups_section,
+    verdict_section,
+)
+from nvcore.report.html.frames import RecordingPictures, decisive_moments, photo
+from nvcore.report.html.input_sections import audit_section, inputs_section, parameters_section
+from nvcore.report.html.result_sections import (
+    encounters_section,
+    false_alerts_section,
+    only_one_section,
+    saliency_section,
+    scorecard_section,
+    similarity_section,
+)
+from nvcore.wording import UNDEFINED, one_line
+
+CAUTION = {
+    "encounters": words.SHORT_ENCOUNTERS,
+    "saliency": words.SHORT_ENCOUNTERS,
+    "significance": words.SHORT_TESTS,
+    "subgroups": words.SHORT_TESTS,
+}
+"""What stands first in these sections, by their anchors."""
+
+Progress = Callable[[float, str], bool]
+"""Told the share that is done and what comes next; says whether to go on."""
+
+
+@dataclass(frozen=True)
+class Content:
+    """What stands on the page.
+
+    Attributes
+    ----------
+    title
+        Which systems are compared.
+    names
+        Of X and Y.
+    facts
+        Label and text of what was compared.
+    sections
+        In order.
+    version, fingerprint
+        Of the program and of the inputs.
+    """
+
+    title: str
+    names: tuple[str, str]
+    facts: tuple[tuple[str, str], ...]
+    sections: tuple[Section, ...]
+    version: str
+    fingerprint: str
+
+
+def report_content(
+    result: Result,
+    findings: Sequence[Finding],
+    *,
+    pictures: RecordingPictures,
+    protocol: Protocol,
+    stability: bool | None,
+    progress: Progress,
+) -> Content:
+    """Gather the report.
+
+    Raises
+    ------
+    CancelledError
+        If `progress` said so.
+    """
+
+    def tell(share: float, what: str) -> None:
+        if not progress(share, what):
+            raise CancelledError
+
+    tell(0.0, "testing the differences")
+    evidence = evidence_table(result, protocol)
+    subgroups = subgroup_table(result, protocol=protocol)
+    tell(0.15, "detection curves")
+    detection = detection_section(result, protocol)
+    tell(0.3, "tables")
+    sections = [
+        verdict_section(result, findings, evidence),
+        Section(
+            "reading", "How to read this report", None, (Sentences(words.reading(result.params)),)
+        ),
+        scorecard_section(result),
+        encounters_section(result),
+        similarity_section(result),
+        saliency_section(result),
+        false_alerts_section(result),
+        significance_section(evidence),
+        subgroups_section(subgroups),
+        detection,
+    ]
+
+    def tell_maps(done: int, total: int) -> None:
+        tell(0.4 + 0.2 * done / total, "stability maps")
+
+    tell_maps(0, 1)
+    sections.append(stability_section(result, evidence, wanted=stability, progress=tell_maps))
+    moments = decisive_moments(result)
+    photos = []
+    for number, moment in enumerate(moments):
+        tell(0.6 + 0.3 * number / len(moments), "evidence frames")
+        photos.append(photo(result, moment, pictures))
+    sections += [
+        frames_section(photos, pictures.troubles),
+        only_one_section(result),
+        audit_section(findings),
+        inputs_section(result),
+        parameters_section(result),
+    ]
+    tell(0.9, "the page")
+    return Content(
+        title=f"{one_line(result.x.name)} (X) and {one_line(result.y.name)} (Y) compared",
+        names=(one_line(result.x.name), one_line(result.y.name)),
+        facts=_facts(result, protocol),
+        sections=tuple(_cautioned(sections) if result.is_short else sections),
+        version=__version__,
+        fingerprint=result.dataset.fingerprint,
+    )
+
+
+def _cautioned(sections: Sequence[Section]) -> list[Section]:
+    """With a word where figures of encounters mean little, as most are one frame long."""
+    return [
+        replace(one, blocks=(Sentences((CAUTION[one.anchor],)), *one.blocks))
+        if one.anchor in CAUTION else one
+        for one in sections
+    ]  # fmt: skip
+
+
+def _facts(result: Result, protocol: Protocol) -> tuple[tuple[str, str], ...]:
+    thresholds = [
+        (
+            letter.upper(),
+            one_line(system.name)
+            + (
+                ", every detection counts"
+                if system.threshold is None
+                else f", detections with a score of {system.threshold:g} or more"
+            ),
+        )
+        for letter, system in result.sides
+    ]
+    n_recordings = len(result.dataset.recordings)
+    return (
+        *thresholds,
+        (
+            "Data",
+            f"{n_recordings:,} recording{'' if n_recordings == 1 else 's'}, "
+            f"{len(result.dataset.frames):,} evaluated frames, {result.duration_s:,.1f} s, "
+            f"{int(result.n_truth.sum()):,} pedestrian boxes",
+        ),
+        (
+            "Encounters",
+            f"{result.venn.n_near:,} that count, and {result.venn.distant:,} distant ones that do "
+            "not",
+        ),
+        ("Protocol of the detection figures", protocol.title),
+        ("Program", f"nvcore {__version__}"),
+        ("Fingerprint of the inputs", result.dataset.fingerprint or UNDEFINED),
+    )

@@ -1,0 +1,186 @@
+"""Sections of what the figures were made from: findings, files, recordings, parameters."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import fields
+from typing import Any, Final
+
+import numpy as np
+
+from nvcore import __version__
+from nvcore.comparison import Result
+from nvcore.evidence.bootstrap import MIN_UNITS, N_RESAMPLES, SEED
+from nvcore.findings import Finding
+from nvcore.inputs.evaluated_frames import MIN_SAMPLED
+from nvcore.inputs.load import source_hashes
+from nvcore.metrics.encounters import RELEVANT_K
+from nvcore.metrics.kernels import ABSORB_SHARE
+from nvcore.metrics.linking import LINK_GAP, LINK_IOU
+from nvcore.params import MIDPOINT_SHARE, SPREAD_SHARE, Params
+from nvcore.report.html import words
+from nvcore.report.html.blocks import Block, Section, Sentences, Table, table
+from nvcore.tables.inputs import inputs_table, left_out_table
+from nvcore.wording import UNDEFINED, count_text, number
+
+MOST_FILES: Final = 60
+"""Input files that are listed one by one; there is a hash of all in any case."""
+FROM_HEIGHT: Final = {"midpoint": MIDPOINT_SHARE, "spread": SPREAD_SHARE}
+"""Settings that are a share of the picture's height if not set."""
+
+
+def audit_section(findings: Sequence[Finding]) -> Section:
+    """What the audit of the inputs found."""
+    if not findings:
+        nothing = Sentences(("The audit found nothing.",))
+        return Section("audit", "Audit of the inputs", words.AUDIT, (nothing,))
+    rows = [
+        (
+            one.severity.value, one.subject, one.message,
+            ", ".join(part for part in (one.file, one.example) if part) or UNDEFINED, one.advice,
+        )
+        for one in findings
+    ]  # fmt: skip
+    head = ("Severity", "About", "What was found", "First case", "What to do")
+    found = table(f"{count_text(len(findings), 'finding')}, worst first", head, rows)
+    return Section("audit", "Audit of the inputs", words.AUDIT, (found,))
+
+
+def inputs_section(result: Result) -> Section:
+    """Files with hashes and conversions, recordings, and what was left out."""
+    dataset = result.dataset
+    blocks: list[Block] = []
+    if len(dataset.inputs):
+        blocks += _files(result)
+    blocks.append(_recordings(result))
+    if dataset.notes:
+        blocks.append(Sentences(tuple(f"{note[0].upper()}{note[1:]}." for note in dataset.notes)))
+    linked = len(result.tracks.linked_recordings)
+    if linked:
+        blocks.append(Sentences((
+            f"The truth of {count_text(linked, 'recording')} has pedestrians without track ids: "
+            "they were linked to encounters by overlap from frame to frame.",
+        )))  # fmt: skip
+    left_out = left_out_table(dataset)
+    if len(left_out):
+        rows = [tuple(row) for row in left_out.itertuples(index=False)]
+        blocks.append(
+            table("Rows that could not be placed", ("Source", "Reason", "Rows"), rows, right=(2,))
+        )
+    return Section("inputs", "Input files and recordings", words.INPUTS, tuple(blocks))
+
+
+def _role(result: Result, subject: str) -> str:
+    roles = {"truth": "ground truth", result.x.name: "X", result.y.name: "Y"}
+    return roles.get(subject, "not compared")
+
+
+def _files(result: Result) -> list[Block]:
+    dataset = result.dataset
+    hashes = source_hashes(dataset)
+    sources = [
+        (one["subject"], _role(result, one["subject"]), one["format"], one["conversion"],
+         f"{one['n_files']:,}", f"{one['n_boxes']:,}", hashes[one["subject"]])
+        for one in inputs_table(dataset).to_dict("records")
+    ]  # fmt: skip
+    head = (
+        "Source",
+        "Role",
+        "Format",
+        "Conversion",
+        "Files",
+        "Boxes",
+        "SHA-256 of its files' hashes",
+    )
+    files = dataset.inputs[["subject", "file", "sha256"]].to_numpy().tolist()
+    return [
+        table("Sources", head, sources, right=(4, 5)),
+        table("Files", ("Source", "File", "SHA-256"), files, most=MOST_FILES),
+        Sentences((f"Fingerprint of all: {dataset.fingerprint}",)),
+    ]
+
+
+def in_use(result: Result, name: str) -> np.ndarray:
+    """The midpoint or the spread of every recording, px; shape (n_recordings,)."""
+    heights = result.dataset.recordings["height"].to_numpy(dtype=float)
+    value = getattr(result.params, name)
+    return FROM_HEIGHT[name] * heights if value is None else np.full(len(heights), float(value))
+
+
+def span_in_use(result: Result, name: str) -> str:
+    """`in_use` in words: "48", or "48 to 57.6" where recordings differ."""
+    values = in_use(result, name)
+    if not len(values):
+        return "not set"
+    low, high = float(values.min()), float(values.max())
+    return f"{low:.4g}" if low == high else f"{low:.4g} to {high:.4g}"
+
+
+def _recordings(result: Result) -> Table:
+    dataset = result.dataset
+    n_frames = np.diff(dataset.frame_columns.first)
+    midpoint, spread = (in_use(result, name).tolist() for name in FROM_HEIGHT)
+    rows = [
+        (
+            one["name"], f"{one['width']:g} x {one['height']:g}", f"{one['fps']:g}",
+            f"{n_frames[i]:,}", f"{midpoint[i]:.4g}", f"{spread[i]:.4g}",
+            number(one["horizon"], "g"), ", ".join(one["tags"]) or UNDEFINED,
+        )
+        for i, one in enumerate(dataset.recordings.to_dict("records"))
+    ]  # fmt: skip
+    head = ("Recording", "Size (px)", "Frames per second", "Evaluated frames", "Midpoint (px)",
+            "Spread (px)", "Horizon (px)", "Tags")  # fmt: skip
+    return table("Recordings", head, rows, right=range(1, 7))
+
+
+def parameters_section(result: Result) -> Section:
+    """Every setting with its meaning, and the fixed numbers."""
+    rows = []
+    for spec in fields(Params):
+        value, meta = getattr(result.params, spec.name), spec.metadata
+        is_changed = value != spec.default
+        default = _value(spec.default)
+        rows.append((
+            spec.name, _value(value) if value is not None else _taken(result, spec.name),
+            meta["unit"], "changed" if is_changed else "default", default, _range(meta),
+            meta["help"],
+        ))  # fmt: skip
+    head = ("Parameter", "Value", "Unit", "Changed", "Default", "Range", "Meaning")
+    fixed = (
+        ("weight of nearness from which a frame is relevant", f"{RELEVANT_K:g}"),
+        ("share of a detection on an ignored region that absorbs it", f"{ABSORB_SHARE:g}"),
+        ("smallest overlap of linked boxes", f"{LINK_IOU:g}"),
+        ("largest gap of linked boxes, evaluated frames", f"{LINK_GAP}"),
+        ("annotated frames from which sampling is inferred", f"{MIN_SAMPLED}"),
+        ("resamples of the bootstrap", f"{N_RESAMPLES:,}"),
+        ("seed of the bootstrap and of random exchanges", f"{SEED}"),
+        ("recordings below which blocks of time are resampled", f"{MIN_UNITS}"),
+        ("version of nvcore", __version__),
+    )
+    return Section(
+        "parameters", "Parameters", words.PARAMETERS,
+        (
+            table("Parameters", head, rows, right=(1,)),
+            table("Fixed numbers", ("What", "Value"), fixed, right=(1,)),
+        ),
+    )  # fmt: skip
+
+
+def _taken(result: Result, name: str) -> str:
+    """What stands in for a setting without a value."""
+    return span_in_use(result, name) if name in FROM_HEIGHT else "not set"
+
+
+def _value(value: Any) -> str:
+    if value is None:
+        return UNDEFINED
+    return f"{value:g}" if isinstance(value, int | float) else str(value)
+
+
+def _range(meta: Any) -> str:
+    if meta["choices"] is not None:
+        return ", ".join(meta["choices"])
+    if math.isinf(meta["high"]):
+        return "any"
+    return f"{'more than ' if meta['above_low'] else ''}{meta['low']:g} to {meta['high']:g}"

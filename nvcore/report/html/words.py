@@ -1,0 +1,283 @@
+"""What the sections of the report are about, for a reader who does not have the program."""
+
+from __future__ import annotations
+
+from nvcore.metrics.encounters import RELEVANT_K
+from nvcore.metrics.kernels import ABSORB_SHARE
+from nvcore.metrics.linking import LINK_GAP, LINK_IOU
+from nvcore.params import MIDPOINT_SHARE, SPREAD_SHARE, Params
+from nvcore.report.html.blocks import Intro
+from nvcore.report.html.frames import APART_S, MOST
+
+
+def reading(params: Params) -> tuple[str, ...]:
+    """What X, Y, truth, match and encounter are."""
+    rule = (
+        f"if the boxes overlap by an intersection over union of at least {params.iou:g}"
+        if params.match == "iou"
+        else f"if it lies at most {_percent(params.lateral_tolerance)} of the picture's width, or "
+        "half the pedestrian's, to the side of them"
+    )
+    return (
+        "X and Y are two systems that detect pedestrians; both were given the same recordings.",
+        "The ground truth says where pedestrians are: boxes that people drew in the pictures. A "
+        "detection is a box of a system, with a score that says how sure it is; boxes with a score "
+        "below the system's threshold are left out.",
+        f"A detection matches a pedestrian {rule}; each matches one at most, the best scores "
+        "first. One that matches nobody is a false alarm, a pedestrian whom nothing matches is "
+        "missed. Regions that the ground truth marks as ignored count neither way.",
+        "An encounter is one pedestrian, from the first to the last frame in which they are "
+        "annotated. Frames in which they are near enough to matter (weight of nearness of "
+        f"{RELEVANT_K:g} or more, see Similarity) are called relevant; an encounter without any is "
+        "distant and not counted.",
+        "In the charts X is blue, solid and a circle, Y is orange, dashed and a diamond. A dash in "
+        "a table means not defined, never zero.",
+    )
+
+
+VERDICT = Intro(
+    what="What the figures of this report support, in sentences that go no further than they do.",
+    how="The first sentence counts the encounters that only one of the systems detects and tests "
+    "whether so uneven a split may be chance; the next one names who is better in which figure; "
+    "then comes what the audit of the inputs says about it.",
+    limits="It holds for these recordings, at these thresholds and parameters. It says nothing "
+    "about conditions that were not recorded and is no proof of safety.",
+)
+
+
+SHORT_ENCOUNTERS = (
+    "Caution: most encounters here are one frame long, as sampled or unlinked annotation makes "
+    "them. They are frames rather than persons: shares of encounters are shares of frames, and "
+    "late, dropout, lead time and saliency mean little."
+)
+SHORT_TESTS = (
+    "Caution: most encounters here are one frame long, so one person may stand in many of them. "
+    "Tests and intervals of single encounters would take them as independent and be far too sure, "
+    "so they are not given. Go by the figures by recordings or blocks of time."
+)
+NO_PICTURES = (
+    "There are no pictures of these frames: the boxes are drawn on an empty ground of the "
+    "picture's size."
+)
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.4g} %"
+
+
+def scorecard(params: Params) -> Intro:
+    """Introduction of the scorecard."""
+    return Intro(
+        what="All figures side by side. X - Y is the difference; of shares it is given in "
+        "percentage points (pp).",
+        how="Each figure is explained in its own section below. An encounter is detected if at "
+        f"least {_percent(params.coverage)} of its relevant frames are matched. How the encounters "
+        "went counts, for each system, the way in which it failed (or did not).",
+        best="The last column says whether higher or lower is better.",
+        limits="Whether a difference is more than chance: see Is the difference real.",
+    )
+
+
+def who(params: Params) -> Intro:
+    """Introduction of the encounters by who detects them."""
+    return Intro(
+        what="Which pedestrians were detected by both systems, by one only, by neither.",
+        how="A system detects an encounter if it matches the pedestrian in at least "
+        f"{_percent(params.coverage)} of the relevant frames, and in one at least. A first match "
+        f"more than {params.lag_s:g} s late makes the encounter late, a gap of more than "
+        f"{params.gap_s:g} s a dropout, the same after the last match an early loss; the first of "
+        "these that holds is counted. Lead time is Y's delay of the first match less X's. Jaccard "
+        "index: shared misses over all misses. Phi: correlation of the two systems' misses.",
+        best="Many in the middle of the diagram, few outside the circles. A system dominates the "
+        "other if it detects all that the other detects, and more.",
+        limits="An encounter counts once, however long it lasts; one class is named, though "
+        "several failures may hold.",
+    )
+
+
+def similarity(params: Params, midpoint: str, spread: str) -> Intro:
+    """Introduction of similarity.
+
+    Parameters
+    ----------
+    midpoint, spread
+        The values in use, px.
+    """
+    a = params.alpha
+    weights = {
+        "height": "1 / (1 + exp(-(height of the box - midpoint) / spread))",
+        "horizon": "1 / (1 + exp(-(foot point below the horizon - midpoint) / spread))",
+        "distance": "1 / (1 + exp((distance - midpoint_m) / spread_m)), by the height of the box "
+        "where the distance is unknown",
+        "none": "1 for everybody",
+    }
+    own = [
+        f"{name} {value} px"
+        + ("" if given is not None else f" ({share} of the height of each recording's picture)")
+        for name, value, given, share in (
+            ("midpoint", midpoint, params.midpoint, _percent(MIDPOINT_SHARE)),
+            ("spread", spread, params.spread, _percent(SPREAD_SHARE)),
+        )
+    ]
+    if params.proximity == "distance":
+        own.insert(0, f"midpoint_m {params.midpoint_m:g} m, spread_m {params.spread_m:g} m")
+    here = "" if params.proximity == "none" else f", here with {' and '.join(own)}"
+    return Intro(
+        what="How near what a system shows is to what is there, for each frame: 1 means that the "
+        "detections fit the pedestrians.",
+        how="Of all pedestrians of a frame the one is taken that is worst represented: its "
+        "distance to the nearest detection, or to the border where that is nearer, times its "
+        "weight of nearness. That is D(truth, system); D(system, truth) is the same for the "
+        "detection that is farthest from any pedestrian. Similarity is 1 - "
+        f"({a:g} × D(truth, system) + {1 - a:.4g} × D(system, truth)) / (half the picture's "
+        "width). "
+        f"The weight of nearness is {weights[params.proximity]}{here}. The border is the nearer "
+        "edge of the picture (edge_weight 0, urban), half the picture's width away (1, rural), or "
+        f"between; here {params.edge_weight:g}. A low interval is a run of frames with a "
+        f"similarity below {params.low:g}; its severity is the sum of how far below, times the "
+        "time step.",
+        best="1; the mean over all frames of all recordings is compared.",
+        limits="Only the worst pedestrian and the worst false alarm of a frame count, not how "
+        "many there are.",
+    )
+
+
+def saliency(params: Params) -> Intro:
+    """Introduction of saliency."""
+    scope = "recording" if params.saliency_scope == "recording" else "encounter"
+    whole = (
+        "the largest event" if params.saliency_aggregate == "max" else "the sum of all its events"
+    )
+    return Intro(
+        what="How much the misses will be noticed by a driver, in seconds: long ones more than "
+        "short ones, late ones more than early ones.",
+        how="A saliency event is a run of frames in which one missed pedestrian stands out "
+        f"(weighted distance above {_percent(params.tolerance)} of half the picture's width). Its "
+        "saliency is duration times recency, and recency is 1 / (1 + exp(-(t - "
+        f"{params.recency_midpoint:g}) / {params.recency_spread:g})), t being the share of the "
+        f"{scope} that has passed when the event ends. A recording's saliency is {whole}; over "
+        "several recordings the same is taken.",
+        best="0 s.",
+        limits="It is a model of what drivers remember, not a measurement of it.",
+    )
+
+
+SIGNIFICANCE = Intro(
+    what="Whether each difference between X and Y may be chance. Both systems saw the same "
+    "pedestrians, so all tests are paired.",
+    how="Whole recordings (or blocks of time, where there are few recordings) are drawn again and "
+    "again with replacement; the middle 95 % of the differences that come about, corrected for "
+    "bias and skew (BCa), are the interval. For the p-value X and Y are exchanged "
+    "within the recordings or blocks, in all ways where up to 16 of them differ, else in 10,000 "
+    "random ways; it is the share of these that give at least so large a difference. For "
+    "encounters it is the exact McNemar test of those that only one detects. Holm's correction "
+    "allows for several figures being tested at once. Effect size: mean difference over its "
+    "standard deviation (Cohen's d_z), or the odds ratio of the encounters that only one detects.",
+    best="An interval that does not touch 0 on the side of the better system; a corrected p of "
+    "0.05 or less.",
+    limits="A large p does not show that the systems are equal: it may be that there are too few "
+    "data. The intervals do not allow for recordings of other kinds than these. Saliency is tested "
+    "as the mean of the recordings; the scorecard has that of all of them together, which one "
+    "recording may decide, so that the two can point in different directions.",
+)
+
+SUBGROUPS = Intro(
+    what="The same figures for some of the encounters: near or far, in the centre or at the "
+    "edge of the picture, occluded, in an unusual pose, by tags of the recordings.",
+    how="The plot has the share of encounters that X detects less the share that Y detects, with "
+    "Newcombe's 95 % interval for paired shares and the exact McNemar test. The other figures are "
+    "judged as in the section before: for a tag from the recordings that have it; for a group of "
+    "pedestrians saliency from the events of these pedestrians, as the mean over the recordings "
+    "that have any, and the log-average miss rate with all other pedestrians ignored. p (Holm) is "
+    "corrected for all groups of one figure. Only encounters that count are in a group; among them "
+    "near means at least twice as high in the picture as a pedestrian who counts half, far lower "
+    "than that (distant encounters, which do not count, are not meant). Centre means the middle "
+    "half of the picture's width; an unusual pose is one standard deviation or more from the mean "
+    "ratio of height to width.",
+    best="In the plot: right of 0 X detects more, left of it Y.",
+    limits="A frame's similarity and a false alert belong to no single pedestrian: these figures "
+    "are there for all and by tags only. Groups overlap, and small groups show little: look at "
+    "the counts.",
+)
+
+DETECTION = Intro(
+    what="The usual figures of detection benchmarks, over all score thresholds, from the same "
+    "matching as everything else.",
+    how="At each threshold: recall is matched pedestrian boxes over all of them, miss rate is 1 "
+    "less recall, precision is matched over matched plus false; false positives are counted per "
+    "image. Average precision is the mean, over recalls 0, 0.01, ... 1, of the largest precision "
+    "at that or a larger recall. The log-average miss rate is the geometric mean of the miss "
+    "rates at nine values from 0.01 to 1 false positives per image. Pedestrians that the protocol "
+    "leaves out are ignored.",
+    best="A low miss rate curve, a high precision-recall curve. Large marks are the thresholds "
+    "in use.",
+    limits="Boxes are counted, not persons, and when something is missed makes no difference. "
+    "The averages run over thresholds that nobody drives with.",
+)
+
+STABILITY = Intro(
+    what="Whether the verdict depends on settings that the analyst chooses: alpha, which weighs "
+    "misses against false alarms; the midpoint, the height (or distance) at which a pedestrian "
+    "counts half; the score thresholds; the matching rule; the traffic context (edge weight).",
+    how="The comparison is made at every pair of settings of a map, all else as analysed. The "
+    "table says in which share of the plausible range the verdict holds. One map is drawn: blue "
+    "where X is better, orange where Y is; the line is where it turns, the dotted frame the range "
+    "that is plausible.",
+    best="A verdict that holds in all of the plausible range of every setting.",
+    limits="It is about these data: a verdict that holds at all settings may still be chance.",
+)
+
+FALSE_ALERTS = Intro(
+    what="Detections that match nobody, and how often a driver would notice one.",
+    how="False alarms that overlap from frame to frame (intersection over union of "
+    f"{LINK_IOU:g} or more, gaps of up to {LINK_GAP} evaluated frames) are one episode: a warning "
+    "that flickers for two seconds annoys once. Detections with at least "
+    f"{100 * ABSORB_SHARE:g} % of their area on an ignored region do not count.",
+    best="0.",
+    limits="A real pedestrian whom nobody annotated makes a false alarm. Rates per minute and "
+    "hour are too low where only some frames of a recording are evaluated.",
+)
+
+EVIDENCE = Intro(
+    what="The frames behind the verdict: encounters that only one system detects, and the worst "
+    "moments of each system.",
+    how="Of such an encounter the frame is shown in which the similarities of the two systems "
+    "differ most while one matches the pedestrian and the other does not, and those encounters in "
+    "which they differ most; of a low interval the frame with the lowest similarity; of a time in "
+    "which one system is clearly better the frame with the largest difference. Frames of one "
+    f"recording within {APART_S:g} s are one scene and shown once for each system. Truth: thin "
+    "white (dark where there is no picture); X: solid blue; Y: dashed orange. A missed pedestrian "
+    "has corners and a letter in the colour of the system that misses them; a triangle "
+    "\N{BLACK DOWN-POINTING TRIANGLE} beside the letter marks the miss that stands out most in "
+    "this frame. A false alarm is crossed out. The ellipse is around the pedestrian or the false "
+    "alarm that the text is about. Numbers are track ids (like the truth) and scores (like their "
+    "system), as far as there is room. Dotted boxes are ignored.",
+    limits=f"{MOST} frames at most, chosen by rule: they show what happens, not how often.",
+)
+
+ONLY_ONE = Intro(
+    what="Every encounter that one system detects and the other does not: what tells the two "
+    "apart. The gravest come first.",
+    how="Sorted by weighted missed time: the time in which the other system misses the pedestrian, "
+    "each frame multiplied by its weight of nearness. Coverage is the share of relevant frames in "
+    "which the pedestrian is matched. Missed from is the time of the first relevant frame in "
+    "which the other system misses them.",
+)
+
+AUDIT = Intro(
+    what="What is wrong or suspicious in the input files. An error makes figures wrong until it "
+    "is mended, a warning may, a note is good to know.",
+    limits="Mistakes of the people who annotated are not found by it.",
+)
+
+INPUTS = Intro(
+    what="What was read, and how it was converted, so that the comparison can be repeated and "
+    "files can be told apart.",
+    how="The SHA-256 of a file changes with every change of its content. The fingerprint stands "
+    "for all files, how they were read, and the evaluated frames.",
+)
+
+PARAMETERS = Intro(
+    what="Every setting of the analysis, with its value here. Whoever sets the same values and "
+    "has the same files gets the same figures.",
+)

@@ -1,0 +1,232 @@
+"""The comparison as text for a terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from nvcore.comparison import Result, SystemResult
+from nvcore.dataset import Dataset
+from nvcore.evidence.table import evidence_table
+from nvcore.findings import Finding, Severity
+from nvcore.metrics.venn import Exclusivity
+from nvcore.protocols import PROTOCOLS, Protocol
+from nvcore.report.verdict import verdict
+from nvcore.schema import Category
+from nvcore.tables.inputs import inputs_table
+from nvcore.tables.result import worst_intervals
+from nvcore.tables.scorecard import ScoreRow, class_rows, score_rows
+from nvcore.wording import difference, number, one_line
+
+NAME_WIDTH = 16
+"""Longest name of a system in the head of a column; it stands in full above the table."""
+
+
+def render_scorecard(
+    result: Result, findings: Sequence[Finding] = (), protocol: Protocol = PROTOCOLS["all"]
+) -> str:
+    """Scorecard of both systems, Venn counts, fusion, worst moments, and the verdict.
+
+    Parameters
+    ----------
+    findings
+        Of the audit: the verdict says which of them it depends on.
+    protocol
+        Which pedestrians count in the detection figures.
+    """
+    evidence = evidence_table(result, protocol)
+    parts = [
+        _heading(result),
+        _table(result),
+        _venn(result),
+        _fusion(result),
+        *(_worst(result, letter, system) for letter, system in result.sides),
+        "In short: " + " ".join(verdict(result, findings, evidence=evidence)),
+    ]
+    return "\n\n".join(parts)
+
+
+def render_findings(findings: Sequence[Finding]) -> str:
+    """The audit's findings, one paragraph each, worst first as given."""
+    if not findings:
+        return "Audit: nothing found."
+    counts = [
+        f"{n} {kind.value}{'s' if n != 1 else ''}"
+        for kind in Severity
+        if (n := sum(one.severity == kind for one in findings))
+    ]
+    lines = [f"Audit: {', '.join(counts)}."]
+    for one in findings:
+        where = ", ".join(part for part in (one.file, one.example) if part)
+        lines.append(f"  {one.severity.value:<8}{one.subject}: {one.message}")
+        if where:
+            lines.append(f"          first: {where}")
+        lines.append(f"          {one.advice}")
+    return _text(lines)
+
+
+def render_dataset(dataset: Dataset) -> str:
+    """What was read, how it was converted, and which frames are evaluated."""
+    lines = []
+    for row in inputs_table(dataset).to_dict("records"):
+        first, n_files = row["first_file"], row["n_files"]
+        what = first if n_files == 1 else f"{n_files} files, {first} ..."
+        lines.append(f"{row['subject']}: {what} ({row['format']}; {row['conversion']})")
+    return _text([*lines, *dataset.notes])
+
+
+def render_inputs(result: Result) -> str:
+    """`render_dataset`, and what the analysis had to make up for."""
+    lines = [render_dataset(result.dataset)]
+    linked = len(result.tracks.linked_recordings)
+    if linked:
+        lines.append(
+            f"the truth of {linked} recording{'s' if linked > 1 else ''} has pedestrians without "
+            "track ids: they were linked to encounters by overlap from frame to frame"
+        )
+    for who, without in (
+        ("truth boxes", result.k_truth.n_without_distance),
+        ("boxes of X", result.x.weights.n_without_distance),
+        ("boxes of Y", result.y.weights.n_without_distance),
+    ):
+        if without:
+            lines.append(f"{without} {who} have no distance and are weighted by height")
+    return "\n".join(lines)
+
+
+def _heading(result: Result) -> str:
+    n_recordings = len(result.dataset.recordings)
+    lines = [
+        f"{letter.upper()} = {system.name}"
+        + (f", score >= {system.threshold:g}" if system.threshold is not None else ", all scores")
+        for letter, system in result.sides
+    ]
+    lines.append(
+        f"{n_recordings} recording{'s' if n_recordings > 1 else ''}, "
+        f"{len(result.dataset.frames)} frames, {result.duration_s:.1f} s, "
+        f"{int(result.n_truth.sum())} pedestrian boxes, {result.venn.n_near} "
+        f"encounter{'s' if result.venn.n_near != 1 else ''} "
+        f"(and {result.venn.distant} distant, not counted)"
+    )
+    return _text(lines)
+
+
+def _table(result: Result) -> str:
+    heads = [_head(letter, system) for letter, system in result.sides]
+    rows: list[tuple[str, ...]] = [("", *heads, "X - Y", "better")]
+    rows += [_row(one) for one in score_rows(result)]
+    rows.append((f"how the {result.venn.n_near} encounters went:", "", "", "", ""))
+    rows += [_row(one) for one in class_rows(result)]
+    widths = [max(len(row[i]) for row in rows) for i in range(4)]
+    lines = [
+        "  ".join([row[0].ljust(widths[0]), *(row[i].rjust(max(widths[i], 9)) for i in (1, 2, 3))])
+        + f"  {row[4]}"
+        for row in rows
+    ]
+    return _text([line.rstrip() for line in lines])
+
+
+def _head(letter: str, system: SystemResult) -> str:
+    name = one_line(system.name)
+    shown = name if len(name) <= NAME_WIDTH else name[: NAME_WIDTH - 1] + "…"
+    return f"{letter.upper()}: {shown}"
+
+
+def _row(row: ScoreRow) -> tuple[str, ...]:
+    label = "  " * row.level + row.label
+    shown = (number(row.x, row.form), number(row.y, row.form), difference(row.x, row.y, row.form))
+    return (label, *shown, row.better)
+
+
+def _venn(result: Result) -> str:
+    venn = result.venn
+    counts = venn.counts()
+    lines = [
+        "encounters detected by: "
+        + ", ".join(
+            f"{name} {counts[category]}"
+            for name, category in (
+                ("both", Category.BOTH),
+                ("only X", Category.X_ONLY),
+                ("only Y", Category.Y_ONLY),
+                ("neither", Category.NEITHER),
+            )
+        )
+        + f" ({venn.distant} distant, not counted)"
+    ]
+    lines.append(describe_exclusivity(result.exclusivity, venn.x_only, venn.y_only))
+    lines.append(_lead(result))
+    boxes = result.boxes
+    lines.append(
+        f"boxes matched by: both {boxes.both}, only X {boxes.x_only}, only Y {boxes.y_only}, "
+        f"neither {boxes.neither} (all boxes, distant ones too)"
+    )
+    absorbed = [f"{letter.upper()} {system.matches.n_absorbed}" for letter, system in result.sides]
+    lines.append(
+        "detections on people or regions that the truth ignores, not counted: "
+        + ", ".join(absorbed)
+    )
+    return _text(lines)
+
+
+def describe_exclusivity(exclusivity: Exclusivity, x_only: int, y_only: int) -> str:
+    """How exclusive the misses are, in words that go no further than the figures."""
+    e = exclusivity
+    text = (
+        f"encounters not detected: {e.missed_by_x} by X, {e.missed_by_y} by Y, of these "
+        f"{e.missed_by_both} by both "
+        f"(Jaccard {number(e.jaccard, '.2f')}, phi {number(e.phi, '.2f')})"
+    )
+    if x_only + y_only == 0:
+        return text + "; none tells the two systems apart"
+    return text + f"; McNemar's exact p = {e.mcnemar_p:.2g} for {x_only} to {y_only}"
+
+
+def _lead(result: Result) -> str:
+    """Who is first, in the encounters that both systems match."""
+    lead = result.lead_time_s
+    lead = lead[np.isfinite(lead)]
+    if not len(lead):
+        return "lead time: no encounter is matched by both systems"
+    first_x, first_y = int(np.count_nonzero(lead > 0)), int(np.count_nonzero(lead < 0))
+    return (
+        f"lead time, in the {len(lead)} encounters that both match: X is first in {first_x}, Y in "
+        f"{first_y}, at once in {len(lead) - first_x - first_y}; X leads by {lead.mean():+.2f} s "
+        f"on average, median {np.median(lead):+.2f} s"
+    )
+
+
+def _fusion(result: Result) -> str:
+    fused = result.fusion
+    lines = []
+    for label, system in (("X or Y", fused.x), ("X and Y", fused.y)):
+        detected = int(system.encounters["is_detected"].sum())
+        alerts = system.false_alarm_summary.episodes_per_hour
+        lines.append(
+            f"fusion {label}: {detected} of {result.venn.n_near} encounters, "
+            f"{number(alerts, '.1f')} false-alert episodes/h, "
+            f"mean similarity {number(system.summary.mean, '.4f')}"
+        )
+    return "\n".join(lines)
+
+
+def _worst(result: Result, letter: str, system: SystemResult) -> str:
+    table = worst_intervals(result, letter)
+    name = f"worst intervals of {letter.upper()} ({system.name})"
+    if table.empty:
+        return one_line(f"{name}: none below {result.params.low:g}")
+    lines = [f"{name}:"]
+    lines += [
+        f"  {row['recording']}  {row['start_s']:.2f} s to "
+        f"{row['start_s'] + row['duration_s']:.2f} s  "
+        f"(frames {row['first_frame']} to {row['last_frame']}): severity {row['severity_s']:.3f} "
+        f"s, lowest {row['min_similarity']:.3f} at frame {row['worst_frame']}"
+        for row in table.to_dict("records")
+    ]
+    return _text(lines)
+
+
+def _text(lines: Sequence[str]) -> str:
+    """The lines as text; names in them cannot make lines of their own."""
+    return "\n".join(one_line(line) for line in lines)

@@ -1,0 +1,308 @@
+"""What a comparison supports, in sentences that go no further than its figures."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence, Set
+from typing import Final
+
+import numpy as np
+import pandas as pd
+
+from nvcore.comparison import Result, SystemResult
+from nvcore.evidence.paired_tests import MIN_DISCORDANT, MIN_SWAPPED, SIGNIFICANT
+from nvcore.findings import Finding, Severity
+
+TESTED: Final = {
+    "mean_similarity": "mean similarity",
+    "saliency": "saliency per recording",
+    "false_alert_episodes_per_hour": "false-alert episodes",
+}
+"""The figures that stand side by side, by their key in the table of evidence."""
+
+OF_TIME: Final = ("saliency", "false_alert_episodes_per_hour")
+"""Those that mean little where encounters are single frames."""
+
+PER: Final = {"saliency": " s", "false_alert_episodes_per_hour": " per hour"}
+"""Units of measure of their intervals."""
+
+BLOCKS: Final = "blocks"
+UNITS: Final = {
+    "recordings": "recordings",
+    BLOCKS: "blocks of time, which say nothing of other recordings",
+}
+
+CAVEATS: Final = {
+    "track-reused": "track ids of the ground truth are used again after a gap, so that two persons "
+    "may be taken for one encounter",
+    "short-encounters": "most encounters are one frame long, so that counts of them are counts of "
+    "frames rather than persons, and saliency and episodes mean little",
+    "score-floors": "X and Y are compared at different operating points; with thresholds the "
+    "other may come out better",
+    "mixed-weighting": "X and Y are weighted by different rules",
+    "same-boxes": "two of the inputs have the same boxes",
+    "size-too-large": "the image size seems wrong",
+    "implausible-fps": "the frame rate seems wrong",
+    "time-offset": "a system seems to be off in time",
+    "pixel-offset": "a system's boxes seem to be displaced",
+    "scale-mismatch": "a system's boxes seem to be of another resolution",
+    "frames-beyond-boxes": "frames without any box are evaluated",
+    "no-detections": "a system has no detections",
+    "threshold-keeps-nothing": "a threshold leaves no detection",
+}
+"""What a finding of the audit means for the verdict, by its code."""
+
+
+def verdict(
+    result: Result, findings: Sequence[Finding] = (), *, evidence: pd.DataFrame | None = None
+) -> tuple[str, ...]:
+    """Which system detects more pedestrians, and what the other figures say; plain sentences.
+
+    The first sentence is about encounters, one system dominates, is better beyond chance, or these
+    data show no difference. The second puts figures side by side, and says which of their
+    differences are more than chance. A last one says which warnings and errors of the audit it all
+    depends on. X and Y are called ``X`` and ``Y``.
+
+    Parameters
+    ----------
+    findings
+        Of the audit of the same inputs.
+    evidence
+        `nvcore.evidence.measures.significance_table` of the result; None: that the differences are
+        not tested is said.
+
+    Notes
+    -----
+    Without a near encounter the first sentence says that nothing can be said; a figure that is
+    undefined for a system is left out of the second.
+
+    Examples
+    --------
+    >>> print(" ".join(verdict(result)))  # doctest: +SKIP
+    X detects every encounter that Y detects, and 9 more of 40 (p = 0.0039).
+    """
+    codes = {one.code for one in findings}
+    sentences = [_encounters(result, codes, evidence) + _by_units(result, codes, evidence)]
+    figures = _figures(result, evidence)
+    if figures:
+        sentences.append(f"{figures}; {_chance(evidence, result.is_short)}.")
+    unlimited = _without_threshold(result)
+    if unlimited:
+        sentences.append(unlimited)
+    grave = [one for one in findings if one.severity is not Severity.NOTE]
+    if grave:
+        sentences.append(_caveat(grave))
+    return tuple(sentences)
+
+
+def _caveat(grave: Sequence[Finding]) -> str:
+    known = list(dict.fromkeys(CAVEATS[one.code] for one in grave if one.code in CAVEATS))
+    others = [one.code for one in grave if one.code not in CAVEATS]
+    if others:
+        known.append(
+            f"{len(others)} {'other ' if known else ''}finding{'s' if len(others) > 1 else ''} "
+            "that it lists"
+        )
+    return f"This depends on what the audit found: {'; '.join(known)}."
+
+
+def _without_threshold(result: Result) -> str:
+    """Whose every detection counts, though it has scores."""
+    letters = [
+        letter.upper()
+        for letter, system in result.sides
+        if system.threshold is None and np.isfinite(result.dataset.system(system.name).score).any()
+    ]
+    if not letters:
+        return ""
+    return f"Every detection of {' and '.join(letters)} counts, however low its score."
+
+
+def _encounters(result: Result, codes: Set[str], evidence: pd.DataFrame | None) -> str:
+    venn, p = result.venn, _p_of_encounters(result, evidence)
+    if "same-boxes" in codes:
+        return "Two of the inputs have the same boxes: this is no comparison of two systems."
+    is_testable = not result.is_short
+    n_split = venn.x_only + venn.y_only
+    tested = f"p = {result.exclusivity.mcnemar_p:.2g}"
+    if p != result.exclusivity.mcnemar_p:
+        tested += f", corrected for all figures {p:.2g}"
+    if n_split < MIN_DISCORDANT:
+        tested = "too few to test"
+    chance = f" ({tested})" if is_testable else ""
+    if not venn.n_near:
+        return (
+            "There is no encounter near enough to count: these data do not show which system "
+            "detects more."
+        )
+    if not n_split:
+        return (
+            f"X and Y detect the same {venn.both} of {venn.n_near} encounters: these data do not "
+            "tell them apart by whom they detect."
+        )
+    winner, loser = ("X", "Y") if venn.x_only > venn.y_only else ("Y", "X")
+    more = max(venn.x_only, venn.y_only)
+    if venn.dominant is not None:
+        claim = (
+            f"{winner} detects every encounter that {loser} detects, and {more} more of "
+            f"{venn.n_near}"
+        )
+        if p <= SIGNIFICANT or not is_testable:
+            return f"{claim}{chance}."
+        if n_split < MIN_DISCORDANT:
+            return f"{claim}; so few do not show a difference beyond chance."
+        return f"{claim}; that is not shown to be more than chance{chance}."
+    split = (
+        f"of the {n_split} encounters that only one system detects, X detects {venn.x_only} and Y "
+        f"{venn.y_only}{chance}"
+    )
+    if not is_testable:
+        return f"{split[0].upper()}{split[1:]}."
+    if p <= SIGNIFICANT:
+        return f"{winner} detects more encounters, but not all that {loser} detects: {split}."
+    return f"These data do not show which system detects more encounters: {split}."
+
+
+def _p_of_encounters(result: Result, evidence: pd.DataFrame | None) -> float:
+    """McNemar's p, corrected for the other figures where there are any."""
+    if evidence is not None:
+        row = evidence[evidence["figure"] == "encounters_detected"]
+        if len(row) and np.isfinite(row["p_holm"].iloc[0]):
+            return float(row["p_holm"].iloc[0])
+    return result.exclusivity.mcnemar_p
+
+
+def _by_units(result: Result, codes: Set[str], evidence: pd.DataFrame | None) -> str:
+    """What encounters of one recording being alike leaves of the evidence, where it matters.
+
+    That is where single encounters would make a claim, or are frames rather than persons.
+    """
+    venn, short = result.venn, result.is_short
+    is_claimed = short or _p_of_encounters(result, evidence) <= SIGNIFICANT
+    if evidence is None or "same-boxes" in codes or not is_claimed or venn.x_only == venn.y_only:
+        return ""
+    row = evidence[evidence["figure"] == "encounters_detected_by_unit"]
+    p = np.nan if row.empty else float(row["p_holm"].iloc[0])
+    is_shown = p <= SIGNIFICANT
+    if row.empty or (is_shown and not short):
+        return ""
+    n, kind = int(row["n"].iloc[0]), str(row["unit"].iloc[0])
+    unit = f"{n:,} {kind.removesuffix('s') if n == 1 else kind}"
+    unit += " of time" if kind == BLOCKS else ""
+    if np.isnan(p) and n < MIN_SWAPPED:
+        outcome = "cannot be tested: there are too few of them"
+    elif np.isnan(p):
+        outcome = "cannot be tested: too few of them tell X and Y apart"
+    elif is_shown:
+        outcome = f"is more than chance (p = {p:.2g})"
+    else:
+        outcome = "is not shown to be more than chance"
+    return f" Judged by {unit} instead of single encounters, that {outcome}."
+
+
+def _figures(result: Result, evidence: pd.DataFrame | None) -> str:
+    x, y = result.x, result.y
+    parts = [
+        _better("the higher mean similarity", _mean(x), _mean(y), ".3f", is_high_better=True),
+        _better("the lower saliency", x.saliency_s, y.saliency_s, ".2f", unit=" s")
+        + _mean_saliency(result, evidence),
+        _better(
+            "fewer false-alert episodes",
+            x.false_alarm_summary.episodes if result.duration_s else np.nan,
+            y.false_alarm_summary.episodes if result.duration_s else np.nan,
+            "d",
+            unit=f" in {_duration(result.duration_s)}",
+        ),
+    ]
+    known = [part for part in parts if part]
+    if not known:
+        return ""
+    text = known[0] if len(known) == 1 else ", ".join(known[:-1]) + ", and " + known[-1]
+    return f"{text[0].upper()}{text[1:]}"
+
+
+def _mean_saliency(result: Result, evidence: pd.DataFrame | None) -> str:
+    """That the mean over recordings, which is tested, speaks for the other system."""
+    rows = None if evidence is None else evidence[evidence["figure"] == "saliency"]
+    if rows is None or rows.empty:
+        return ""
+    tested = float(rows["difference"].iloc[0])
+    if not tested * (result.x.saliency_s - result.y.saliency_s) < 0:
+        return ""
+    means = sorted((float(rows["x"].iloc[0]), float(rows["y"].iloc[0])))
+    winner = "X" if tested < 0 else "Y"
+    return f", but {winner} in the mean over recordings ({means[0]:.2f} to {means[1]:.2f} s)"
+
+
+def _chance(evidence: pd.DataFrame | None, short: bool) -> str:
+    """Which of the differences side by side are more than chance, by their corrected p-values."""
+    if evidence is None:
+        return "whether these differences are more than chance is not tested"
+    judged = [name for name in TESTED if not (short and name in OF_TIME)]
+    told = _beyond_chance(evidence[evidence["figure"].isin(judged)])
+    return f"{told}; saliency and episodes mean little here and are not judged" if short else told
+
+
+def _beyond_chance(shown: pd.DataFrame) -> str:
+    tested = shown[np.isfinite(shown["p_holm"])]
+    if tested.empty:
+        return "there are too few data to test these differences for chance"
+    beyond = tested[tested["p_holm"] <= SIGNIFICANT]
+    by = f"by these {int(tested['n'].iloc[0]):,} {UNITS[tested['unit'].iloc[0]]}"
+    if beyond.empty and len(shown) == 1:
+        name = TESTED[shown["figure"].iloc[0]]
+        return f"{by}, the difference in {name} is not shown to be more than chance"
+    if beyond.empty:
+        return f"{by}, none of these differences is shown to be more than chance"
+    told = [
+        f"{TESTED[figure]} (for {_favoured(difference, better)}, "
+        f"{_interval(figure, low, high)}p = {p:.2g})"
+        for figure, difference, better, low, high, p in zip(
+            *(beyond[name] for name in ("figure", "difference", "better", "low", "high", "p_holm")),
+            strict=True,
+        )
+    ]
+    listed = told[0] if len(told) < 2 else ", ".join(told[:-1]) + " and " + told[-1]
+    is_one = len(told) == 1
+    others = "" if len(beyond) == len(shown) else "; the others are not shown to be"
+    noun, verb = ("difference", "is") if is_one else ("differences", "are")
+    return f"{by}, the {noun} in {listed} {verb} more than chance{others}"
+
+
+def _favoured(difference: float, better: str) -> str:
+    """Whom a difference X - Y speaks for."""
+    return "X" if (difference > 0) == (better == "higher") else "Y"
+
+
+def _interval(figure: str, low: float, high: float) -> str:
+    if not np.isfinite(low):
+        return ""
+    ends = f"{_signed(low)} to {_signed(high)}"
+    return f"X - Y 95 % interval {ends}{PER.get(figure, '')}, "
+
+
+def _signed(value: float) -> str:
+    """Three digits at the least, without an exponent."""
+    return f"{value:+,.0f}" if abs(value) >= 100 else f"{value:+.3g}"
+
+
+def _duration(seconds: float) -> str:
+    return f"{seconds:.0f} s" if seconds < 600 else f"{seconds / 3600:.1f} h"
+
+
+def _mean(system: SystemResult) -> float:
+    return system.summary.mean
+
+
+def _better(
+    what: str, x: float, y: float, form: str, *, unit: str = "", is_high_better: bool = False
+) -> str:
+    """Who has it, with both figures, the better one first; empty where undefined."""
+    if np.isnan(x) or np.isnan(y):
+        return ""
+    shown_x, shown_y = format(x, form), format(y, form)
+    if shown_x == shown_y:
+        noun = what.split(" ", 2)[-1] if what.startswith("the ") else what.split(" ", 1)[-1]
+        return f"both have the same {noun} ({shown_x}{unit})"
+    is_x = (x > y) == is_high_better
+    winner, first, second = ("X", shown_x, shown_y) if is_x else ("Y", shown_y, shown_x)
+    return f"{winner} has {what} ({first} to {second}{unit})"

@@ -1,0 +1,184 @@
+"""Exclusivity, fusion and saliency of a comparison in sentences that say no more than the figures.
+
+The systems are called X and Y; no name from a file stands in these sentences.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from typing import Any, Final
+
+import numpy as np
+import pandas as pd
+
+from nvcore.comparison import Result, SystemResult
+from nvcore.evidence.paired_tests import SIGNIFICANT
+
+FEW_MISSES: Final = 5
+"""Misses of a system below which phi is not explained."""
+
+
+def describe_misses(result: Result) -> tuple[str, ...]:
+    """Whether X and Y miss the same pedestrians, in sentences.
+
+    Who misses how many, how much the two sets of misses share (Jaccard index), how they are
+    correlated (phi), and whether the split between them may be chance (exact McNemar test; not
+    where most encounters are one frame long).
+    """
+    venn, e = result.venn, result.exclusivity
+    if not venn.n_near:
+        return ("No pedestrian came near enough to count, so there is nothing to miss.",)
+    n_missed = venn.x_only + venn.y_only + venn.neither
+    if not n_missed:
+        return (f"Neither system misses any of the {venn.n_near} encounters that count.",)
+    sentences = [
+        f"Of {venn.n_near} encounters that count, X does not detect {e.missed_by_x} "
+        f"and Y does not detect {e.missed_by_y}; {_shared(n_missed, venn.neither)} (Jaccard "
+        f"index {e.jaccard:.2f})."
+    ]
+    related = _relation(e.phi, min(e.missed_by_x, e.missed_by_y))
+    if related:
+        sentences.append(related)
+    short = result.is_short
+    sentences.append(_split(venn.x_only, venn.y_only, e.mcnemar_p, short=short))
+    return tuple(sentences)
+
+
+def _shared(n_missed: int, by_both: int) -> str:
+    if not by_both:
+        return f"no encounter is missed by both: all {n_missed} misses are exclusive"
+    if by_both == n_missed:
+        return f"they miss the same {by_both}"
+    return f"{by_both} of the {n_missed} that at least one misses are missed by both"
+
+
+def _relation(phi: float, fewest: int) -> str:
+    """Phi in words; empty where it is undefined."""
+    if np.isnan(phi):
+        return ""
+    if fewest < FEW_MISSES:
+        return f"Too few misses to say whether those of X and Y go together (phi {phi:+.2f})."
+    return (
+        f"The correlation of their misses is phi {phi:+.2f} (0: a miss of one says nothing about "
+        "the other; 1: both miss the same pedestrians; below 0: one rather detects those that the "
+        "other misses)."
+    )
+
+
+def _split(x_only: int, y_only: int, p: float, *, short: bool) -> str:
+    n = x_only + y_only
+    if not n:
+        return "No encounter is detected by one system alone: none tells the two apart."
+    what = (
+        f"Of the {n} encounters that only one system detects, X detects {x_only} and Y {y_only}"
+        if n > 1
+        else f"Only one encounter is detected by a single system, by {'X' if x_only else 'Y'}"
+    )
+    if x_only == y_only:
+        return f"{what}: in this they do not differ."
+    if short:
+        return (
+            f"{what}. Most encounters are one frame long and not independent, so no test of "
+            "single encounters is given."
+        )
+    if p <= SIGNIFICANT:
+        return (
+            f"{what}: a split so uneven is unlikely if both are equally good (exact McNemar test, "
+            f"p = {p:.2g})."
+        )
+    return (
+        f"{what}: two equally good systems could well differ so much by chance (exact McNemar "
+        f"test, p = {p:.2g})."
+    )
+
+
+def describe_lead(result: Result) -> str:
+    """Who matches a pedestrian first, by mean and median of the lead time (positive: X first)."""
+    lead_s = result.lead_time_s
+    lead_s = lead_s[np.isfinite(lead_s)]
+    if not len(lead_s):
+        return "No encounter is matched by both systems, so there is no lead time."
+    first_x, first_y = int(np.count_nonzero(lead_s > 0)), int(np.count_nonzero(lead_s < 0))
+    mean, median = round(float(lead_s.mean()), 2), round(float(np.median(lead_s)), 2)
+    said = (
+        f"Of {_count(len(lead_s), 'encounter')} that both match, X matches {first_x} first, Y "
+        f"{first_y}, and {len(lead_s) - first_x - first_y} at once. X's lead is {mean:+z.2f} s on "
+        f"average, median {median:+z.2f} s"
+    )
+    if not mean and not median:
+        return f"{said}: neither leads."
+    if not median:
+        return f"{said}: in the middle neither leads; the mean comes from those that differ."
+    if mean * median < 0:
+        return f"{said}: the two point in different directions, so neither leads clearly."
+    return f"{said}."
+
+
+def describe_fusion(fusion: pd.DataFrame) -> tuple[str, ...]:
+    """What each fused system gains and costs against the better single one, in sentences.
+
+    Parameters
+    ----------
+    fusion
+        `nvcore.tables.miss_classes.fusion_table`.
+    """
+    rows = {row["system"]: row for row in fusion.to_dict("records")}
+    n = rows["x"]["encounters"]
+    if not n:
+        return ("No pedestrian came near enough to count, so a fusion can neither gain nor lose.",)
+    # against the single system that detects more; X where they are equal
+    best = max("xy", key=lambda letter: rows[letter]["encounters_detected"])
+    return tuple(
+        _fused_sentence(rows[kind], name, best, n)
+        for kind, name in (("x_or_y", "X or Y"), ("x_and_y", "X and Y"))
+    )
+
+
+def _fused_sentence(row: dict[Hashable, Any], name: str, best: str, n: int) -> str:
+    gain, more = row[f"gain_on_{best}"], row[f"more_episodes_than_{best}"]
+    per_hour = row[f"more_episodes_per_hour_than_{best}"]
+    encounters = (
+        f"as many as {best.upper()} alone"
+        if not gain
+        else f"{abs(gain)} {'more' if gain > 0 else 'fewer'} than {best.upper()} alone"
+    )
+    rate = "" if np.isnan(per_hour) or not more else f" ({per_hour:+.0f} an hour)"
+    alerts = (
+        "and has as many false-alert episodes"
+        if not more
+        else f"{'and costs' if more > 0 else 'and saves'} "
+        f"{_count(abs(more), 'false-alert episode')}{rate}"
+    )
+    return (
+        f"\u201c{name}\u201d detects {row['encounters_detected']} of {n} encounters, "
+        f"{encounters}, {alerts}."
+    )
+
+
+def describe_saliency(result: Result) -> tuple[str, ...]:
+    """How the saliency of each system over all recordings comes about, one sentence each."""
+    return tuple(_saliency(result, letter.upper(), system) for letter, system in result.sides)
+
+
+def _saliency(result: Result, letter: str, system: SystemResult) -> str:
+    events = system.events
+    if events.empty:
+        return f"{letter} misses nobody by more than the tolerance: its saliency is 0."
+    if result.params.saliency_aggregate == "sum":
+        total_s = float(events["duration_s"].sum())
+        return (
+            f"{letter}: {_count(len(events), 'event')}, {total_s:.1f} s in all; weighted by "
+            f"recency and added they make {system.saliency_s:.2f} s."
+        )
+    worst = events.iloc[events["saliency_s"].argmax()]
+    whole = "encounter" if result.params.saliency_scope == "encounter" else "recording"
+    return (
+        f"{letter}: the most salient of {_count(len(events), 'event')} lasts "
+        f"{worst['duration_s']:.2f} s and ends when {worst['tau']:.0%} of the {whole} has passed, "
+        f"which gives it the weight {worst['recency']:.2f}: {worst['duration_s']:.2f} s × "
+        f"{worst['recency']:.2f} = {worst['saliency_s']:.2f} s."
+    )
+
+
+def _count(n: int, noun: str) -> str:
+    return f"{n:,} {noun}{'' if n == 1 else 's'}"

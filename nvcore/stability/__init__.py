@@ -1,0 +1,1 @@
+"""Maps of the verdict over the settings: does it depend on them."""

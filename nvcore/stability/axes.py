@@ -1,0 +1,325 @@
+"""The settings that a stability map moves: their values, and which of them are plausible."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final, Literal, get_args
+
+import numpy as np
+
+from nvcore.comparison import Result
+from nvcore.detection.operating_point import false_alarm_curve
+from nvcore.errors import InputError, ParameterError
+from nvcore.params import MIDPOINT_SHARE, Match
+
+Plane = Literal["alpha-midpoint", "thresholds", "matching", "edge-weight", "edge-weight-alpha"]
+
+ALPHA_PLAUSIBLE: Final = (0.5, 1.0)
+"""A warning system exists for the pedestrian who is missed: a miss counts at least as much as a
+false alarm."""
+MIDPOINT_PLAUSIBLE: Final = (0.06, 0.15)
+"""Shares of a picture's height: from the preset for rural roads to that for towns, with the default
+between them. Of the lowest picture and of the tallest one, so that every recording's own is in."""
+MIDPOINT_M_PLAUSIBLE: Final = (22.0, 56.0)
+"""Metres: where a person of 1.75 m has these shares of the height, by a camera as that of the
+default (focal length 720 px, picture 375 px high)."""
+EDGE_WEIGHT_PLAUSIBLE: Final = (0.0, 1.0)
+"""From the preset for towns to that for rural roads, which are the ends of the setting."""
+IOU_PLAUSIBLE: Final = (0.3, 0.7)
+"""0.5 is the pedestrian benchmarks' limit. At 0.3 a match still is the same person (the limit of
+linking); above 0.7 the annotators' own boxes of small pedestrians disagree."""
+ALARMS_PLAUSIBLE: Final = (0.01, 1.0)
+"""False alarms per frame at thresholds that are used: the range over which pedestrian benchmarks
+average the miss rate (Dollár et al. 2012)."""
+
+MATCH_WORDS: Final[dict[Match, str]] = {
+    "iou": "overlap of the boxes",
+    "lateral": "sideways position",
+}
+
+ALPHA_DRAWN: Final = (0.0, 1.0)
+MIDPOINT_DRAWN: Final = (0.02, 0.25)
+MIDPOINT_M_DRAWN: Final = (10.0, 90.0)
+IOU_DRAWN: Final = (0.1, 0.9)
+"""Drawn beyond what is plausible, so that a turn just outside is seen."""
+
+MIN_POINTS: Final = 3
+DIGITS: Final = 10
+"""Digits of a value below the first of the axis' length."""
+ON_GRID: Final = 1e-6
+"""A value this near to a point, in shares of the distance between points, is that point."""
+
+
+@dataclass(frozen=True, eq=False)
+class Axis:
+    """One setting of `nvcore.params.Params` and the values a map gives it.
+
+    Attributes
+    ----------
+    name
+        Field of `Params`.
+    title, unit
+        In words, within a sentence; the unit is empty for shares and scores.
+    label
+        The setting's name where it is set, with the parameter's in brackets if it is another.
+    values
+        Increasing, float64, shape (n,), read-only; positions 0, 1, ... of `labels` if there are.
+    plausible
+        Ends of the range that an analyst may reasonably choose from, within `values`.
+    reason
+        Why this range, in words.
+    present
+        Ends of where the analysed setting lies: equal, unless the recordings' own values differ.
+    labels, words
+        Of a choice: the values of the parameter, and what they are called.
+    """
+
+    name: str
+    title: str
+    unit: str
+    values: np.ndarray
+    plausible: tuple[float, float]
+    reason: str
+    present: tuple[float, float]
+    label: str
+    labels: tuple[str, ...] = ()
+    words: tuple[str, ...] = ()
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    def setting(self, i: int) -> float | str:
+        """Value of the parameter at point i."""
+        return self.labels[i] if self.labels else float(self.values[i])
+
+    def setting_at(self, value: float) -> float | str:
+        """Value of the parameter at a place on the axis."""
+        return self.labels[round(value)] if self.labels else float(value)
+
+    def is_plausible(self, values: np.ndarray | float) -> np.ndarray:
+        """Whether places on the axis lie in the plausible range; bool, the same shape."""
+        low, high = self.plausible
+        room = ON_GRID * (high - low)  # 22.2 px is not below 0.06 * 370
+        return (np.asarray(values) >= low - room) & (np.asarray(values) <= high + room)
+
+    @property
+    def is_present_plausible(self) -> bool:
+        """Whether the analysed setting, or each recording's own, lies in the plausible range."""
+        return bool(self.is_plausible(np.array(self.present)).all())
+
+    @property
+    def present_index(self) -> int | None:
+        """Point at which the analysed setting lies; None if the recordings' own values differ."""
+        low, high = self.present
+        return int(np.argmin(np.abs(self.values - low))) if low == high else None
+
+    @cached_property
+    def weights(self) -> np.ndarray:
+        """Share of the plausible range that each point stands for; float64, (n,), sums to 1.
+
+        A point stands for what lies nearer to it than to any other.
+        """
+        if self.labels:
+            return np.full(len(self), 1 / len(self))
+        middle = (self.values[1:] + self.values[:-1]) / 2
+        edges = np.concatenate([self.values[:1], middle, self.values[-1:]])
+        width = np.diff(np.clip(edges, *self.plausible))
+        share: np.ndarray = width / width.sum()
+        return share
+
+    def distance(self, values: np.ndarray) -> np.ndarray:
+        """How far places are from the analysed setting, in plausible ranges; float64, (n,).
+
+        Another choice is a whole range away.
+        """
+        low, high = self.present
+        if self.labels:
+            return np.where(values == low, 0.0, 1.0)
+        apart = np.maximum(np.maximum(low - values, values - high), 0)
+        share: np.ndarray = apart / (self.plausible[1] - self.plausible[0])
+        return share
+
+    def range_text(self, low: float, high: float) -> str:
+        """A range on this axis: "28.8 to 72 px", or all choices."""
+        if self.labels:
+            return " or ".join(self.words)
+        return self.number_text(high) if low == high else f"{low:.4g} to {self.number_text(high)}"
+
+    def text(self, value: float) -> str:
+        """A place in words, such as "alpha 0.3" or "counts half at 48 px"."""
+        said = self.words[round(value)] if self.labels else self.number_text(value)
+        return f"{self.title} {said}"
+
+    def number_text(self, value: float) -> str:
+        """A value on this axis with its unit."""
+        return f"{value:.4g} {self.unit}".rstrip()
+
+
+def axes_of(result: Result, plane: Plane, *, n_points: int) -> tuple[Axis, ...]:
+    """The axes of a map, one or two; what these data cannot show is left out.
+
+    Without proximity there is no midpoint, and without scores no threshold.
+
+    Raises
+    ------
+    ParameterError
+        If there is no such plane, or fewer than `MIN_POINTS` points are asked for.
+    InputError
+        If no threshold changes anything: neither system has scores that differ.
+    """
+    if plane not in get_args(Plane):
+        raise ParameterError(f"plane: expected one of {', '.join(get_args(Plane))}, got {plane!r}")
+    if n_points < MIN_POINTS:
+        raise ParameterError(f"n_points: expected at least {MIN_POINTS}, got {n_points}")
+    found: tuple[Axis | None, ...]
+    match plane:
+        case "alpha-midpoint":
+            found = (_alpha(result, n_points), _midpoint(result, n_points))
+        case "thresholds":
+            found = (_threshold(result, "x", n_points), _threshold(result, "y", n_points))
+        case "matching":
+            found = (_iou(result, n_points), _match_mode(result))
+        case "edge-weight":
+            found = (_edge_weight(result, n_points),)
+        case "edge-weight-alpha":
+            found = (_edge_weight(result, n_points), _alpha(result, n_points))
+    axes = tuple(axis for axis in found if axis is not None)
+    if not axes:
+        raise InputError(
+            "neither system has scores that differ: no threshold changes anything; read "
+            "detections with scores, or look at another map"
+        )
+    return axes
+
+
+def _alpha(result: Result, n_points: int) -> Axis:
+    return _numeric(
+        "alpha", "alpha", "", result.params.alpha, n_points, ALPHA_PLAUSIBLE, ALPHA_DRAWN,
+        "a miss counts at least as much as a false alarm", "Misses against false alarms (alpha)",
+    )  # fmt: skip
+
+
+def _edge_weight(result: Result, n_points: int) -> Axis:
+    return _numeric(
+        "edge_weight", "traffic context", "", result.params.edge_weight, n_points,
+        EDGE_WEIGHT_PLAUSIBLE, EDGE_WEIGHT_PLAUSIBLE, "from towns to rural roads",
+        "Traffic context (edge weight)",
+    )  # fmt: skip
+
+
+def _iou(result: Result, n_points: int) -> Axis:
+    return _numeric(
+        "iou", "IoU", "", result.params.iou, n_points, IOU_PLAUSIBLE, IOU_DRAWN,
+        "below, a match may be someone else; above, annotators' own boxes disagree",
+        "Smallest overlap (IoU)",
+    )  # fmt: skip
+
+
+def _match_mode(result: Result) -> Axis:
+    labels = get_args(Match)
+    place = float(labels.index(result.params.match))
+    values = np.arange(len(labels), dtype=float)
+    values.flags.writeable = False
+    return Axis(
+        "match", "matching by", "", values, (0.0, len(labels) - 1.0), "both are in use",
+        (place, place), "A detection matches by", labels,
+        tuple(MATCH_WORDS[one] for one in labels),
+    )  # fmt: skip
+
+
+def _midpoint(result: Result, n_points: int) -> Axis | None:
+    """Midpoint of the proximity sigmoid in px, or in metres if proximity is by distance."""
+    params, height = result.params, result.dataset.frame_columns.height
+    if params.proximity == "none" or not len(height):
+        return None
+    presets = "from the preset for rural roads to that for towns"
+    if params.proximity == "distance":
+        return _numeric(
+            "midpoint_m", "counts half at", "m", params.midpoint_m, n_points,
+            MIDPOINT_M_PLAUSIBLE, MIDPOINT_M_DRAWN, presets, "Counts half at (midpoint)",
+        )  # fmt: skip
+    least, most = float(height.min()), float(height.max())
+    present = (MIDPOINT_SHARE * least, MIDPOINT_SHARE * most)
+    plausible, drawn = (
+        (low * least, high * most) for low, high in (MIDPOINT_PLAUSIBLE, MIDPOINT_DRAWN)
+    )
+    low, high = (f"{100 * share:g}" for share in MIDPOINT_PLAUSIBLE)
+    share = f"{low} to {high} % of the picture's height"
+    if least < most:
+        share = f"{low} % of the lowest picture's height to {high} % of the tallest's"
+    return _numeric(
+        "midpoint", "counts half at", "px",
+        present if params.midpoint is None else params.midpoint, n_points, plausible, drawn,
+        f"{share}, {presets}", "Counts half at (midpoint)",
+    )  # fmt: skip
+
+
+def _threshold(result: Result, letter: Literal["x", "y"], n_points: int) -> Axis | None:
+    """Score threshold of a system; None if all its scores are the same, or it has none."""
+    system = getattr(result, letter)
+    score = result.dataset.system(system.name).score
+    score = score[np.isfinite(score)]
+    low, high = (float(score.min()), float(score.max())) if len(score) else (0.0, 0.0)
+    if low == high:
+        return None
+    # without a threshold every detection counts, as at the lowest score
+    present = low if system.threshold is None else system.threshold
+    if not np.isfinite(present):
+        present = low if present < 0 else float(np.nextafter(high, np.inf))
+    curve = false_alarm_curve(result.dataset, system.name, result.params)
+    per_frame = curve["false_alarms_per_frame"].to_numpy()
+    threshold = curve["threshold"].to_numpy()
+    least, most = ALARMS_PLAUSIBLE
+    usable = threshold[(per_frame >= least) & (per_frame <= most)]
+    usable = usable[np.isfinite(usable)]
+    plausible = (float(usable.min()), float(usable.max())) if len(usable) else (low, high)
+    reason = f"{least:g} to {most:g} false alarms per frame, where the scores give that"
+    if plausible[0] == plausible[1]:
+        plausible = (low, high)
+        reason = f"all scores: no range of them gives {least:g} to {most:g} false alarms per frame"
+    title = f"threshold of {letter.upper()}"
+    return _numeric(
+        f"threshold_{letter}", title, "", present, n_points, plausible, plausible, reason,
+        f"Score {title}",
+    )  # fmt: skip
+
+
+def _numeric(
+    name: str,
+    title: str,
+    unit: str,
+    present: float | tuple[float, float],
+    n_points: int,
+    plausible: tuple[float, float],
+    drawn: tuple[float, float],
+    reason: str,
+    label: str,
+) -> Axis:
+    """Values over what is drawn, plausible and present, evenly spaced but for two things.
+
+    The ends of the plausible range are points, in the place of the nearest even ones: what is told
+    to lie inside of it does, and no point stands for settings on both sides. The present setting is
+    one point more where it lies between two, so that the map shows it.
+    """
+    place = present if isinstance(present, tuple) else (float(present), float(present))
+    low, high = min(drawn[0], plausible[0], place[0]), max(drawn[1], plausible[1], place[1])
+    values = np.linspace(low, high, n_points)
+    # 0.6, not 0.6000000000000001, which a score of 0.6 would not pass
+    values[1:-1] = values[1:-1].round(DIGITS - int(np.floor(np.log10(high - low))))
+    near = ON_GRID * (high - low) / (n_points - 1)
+    for end in plausible:
+        nearest = int(np.argmin(np.abs(values - end)))
+        is_free = 0 < nearest < len(values) - 1 and values[nearest] != plausible[0]
+        if is_free or abs(values[nearest] - end) <= near:
+            values[nearest] = end
+        else:
+            values = np.sort(np.append(values, end))
+    if place[0] == place[1]:
+        nearest = int(np.argmin(np.abs(values - place[0])))
+        if abs(values[nearest] - place[0]) <= near:
+            values[nearest] = place[0]
+        else:
+            values = np.sort(np.append(values, place[0]))
+    values.flags.writeable = False
+    return Axis(name, title, unit, values, plausible, reason, place, label)

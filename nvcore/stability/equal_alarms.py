@@ -1,0 +1,103 @@
+"""Thresholds at which X and Y have equally many false alarms: the fair pairs among all thresholds.
+
+A system at a lax threshold detects more than one at a strict threshold; that says nothing of the
+systems. Along these pairs it does.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import pandas as pd
+
+from nvcore.comparison import Result, SystemResult
+from nvcore.detection.operating_point import false_alarm_curve
+from nvcore.stability.axes import ALARMS_PLAUSIBLE
+from nvcore.stability.scores import LETTERS, Letter
+from nvcore.stability.turns import Winner, winners
+
+N_RATES: Final = 41
+"""Rates of false alarms, in steps of equal ratio as where the miss rate is averaged."""
+CURVE_POINTS: Final = 100_000
+"""Thresholds of a system that are tried, at most."""
+ALIKE: Final = 0.1
+"""Numbers of false alarms that differ by no more than this share of the larger are equal."""
+
+COLUMNS: Final = ("alarms_per_frame", "threshold_x", "threshold_y")
+
+
+@dataclass(frozen=True, eq=False)
+class EqualAlarms:
+    """The difference between X and Y where both have equally many false alarms per frame.
+
+    Attributes
+    ----------
+    alarms_per_frame
+        Increasing in steps of equal ratio, float64, shape (n,); n is 0 if no thresholds do it.
+    threshold_x, threshold_y
+        That give it, float64, shape (n,).
+    difference
+        There; positive: X is better; float64, shape (n,).
+    present_x, present_y
+        False alarms per frame as analysed.
+    """
+
+    alarms_per_frame: np.ndarray
+    threshold_x: np.ndarray
+    threshold_y: np.ndarray
+    difference: np.ndarray
+    present_x: float
+    present_y: float
+
+    def share(self, winner: Winner) -> float:
+        """Share of these pairs in which this is so, 0..1; NaN if there are none."""
+        if not len(self.difference):
+            return np.nan
+        return float(np.mean(winners(self.difference) == winner))
+
+
+def equal_alarm_thresholds(result: Result) -> pd.DataFrame:
+    """Thresholds of X and Y with equally many false alarms per frame.
+
+    Returns
+    -------
+    Columns `COLUMNS`, at most `N_RATES` rows, rates increasing from the least to the greatest of
+    `nvcore.stability.axes.ALARMS_PLAUSIBLE`: the lowest thresholds that give no more than the rate.
+    Rates that a system does not reach are left out, and those at which the numbers differ, as
+    where many detections have one score. No rows without scores.
+    """
+    rates = np.geomspace(*ALARMS_PLAUSIBLE, N_RATES)
+    columns: dict[str, np.ndarray] = {"alarms_per_frame": rates}
+    n_alarms, is_known = [], np.ones(N_RATES, dtype=bool)
+    for letter, system in (("x", result.x), ("y", result.y)):
+        curve = false_alarm_curve(
+            result.dataset, system.name, result.params, n_points=CURVE_POINTS
+        ).sort_values("threshold")
+        if curve.empty:
+            return pd.DataFrame({name: np.empty(0) for name in COLUMNS})
+        per_frame = curve["false_alarms_per_frame"].to_numpy()
+        is_within = per_frame[:, None] <= rates * (1 + 1e-9)
+        first = is_within.argmax(axis=0)
+        is_known &= is_within.any(axis=0) & (per_frame.max() >= rates * (1 - 1e-9))
+        columns[f"threshold_{letter}"] = curve["threshold"].to_numpy()[first]
+        n_alarms.append(curve["n_false_alarms"].to_numpy()[first])
+    fewer, more = np.minimum(*n_alarms), np.maximum(*n_alarms)
+    is_known &= (more > 0) & (more - fewer <= ALIKE * more)
+    return pd.DataFrame(columns)[is_known].reset_index(drop=True)
+
+
+def keys_along(pairs: pd.DataFrame) -> dict[Letter, np.ndarray]:
+    """What each system's figure depends on in each pair of thresholds; object, one `Key` each."""
+    names: dict[Letter, str] = {letter: f"threshold_{letter}" for letter in LETTERS}
+    return {
+        letter: np.fromiter((((name, value),) for value in pairs[name].tolist()), object)
+        for letter, name in names.items()
+    }
+
+
+def alarms_per_frame(result: Result, system: SystemResult) -> float:
+    """False alarms per frame as analysed; NaN without frames."""
+    n_frames = len(result.dataset.frames)
+    return np.count_nonzero(system.matches.is_false_alarm) / n_frames if n_frames else np.nan

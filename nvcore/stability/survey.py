@@ -1,0 +1,121 @@
+"""All maps at once: on which settings the verdict depends, and on which it does not."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import pandas as pd
+
+from nvcore.comparison import Result
+from nvcore.errors import InputError
+from nvcore.progress import Progress
+from nvcore.stability.axes import Plane
+from nvcore.stability.map import StabilityMap, map_stability
+from nvcore.stability.scores import Criterion
+from nvcore.stability.words import CRITERIA, PLANES, nearest_text, share_text, winner_text
+
+SURVEYED: Final[tuple[Plane, ...]] = (
+    "alpha-midpoint", "thresholds", "matching", "edge-weight-alpha",
+)  # fmt: skip
+"""Every setting that a map moves is in one of them."""
+NOTHING: Final = "–"
+STEPS: Final = 1000
+"""Steps of progress of one map."""
+SURVEY_COLUMNS: Final = ("plane", "criterion", "settings", "by", "verdict", "share", "nearest")
+
+
+@dataclass(frozen=True, eq=False)
+class Surveyed:
+    """One map, or why there is none.
+
+    Attributes
+    ----------
+    plane, criterion
+        Which map.
+    found
+        None if these data have no such map.
+    why_not
+        In words; empty if there is one.
+    """
+
+    plane: Plane
+    criterion: Criterion
+    found: StabilityMap | None
+    why_not: str = ""
+
+    @property
+    def is_dependent(self) -> bool:
+        """Whether there is a map, and any of its settings enters into the criterion."""
+        return self.found is not None and any(self.found.is_moved_by)
+
+
+def survey_stability(
+    result: Result,
+    *,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
+    is_cancelled: Callable[[], bool] | None = None,
+) -> tuple[Surveyed, ...]:
+    """The maps of `SURVEYED` by every criterion; parameters as of `map_stability`.
+
+    Raises
+    ------
+    concurrent.futures.CancelledError
+        If `is_cancelled` said so.
+    """
+    wanted: list[tuple[Plane, Criterion]] = [(p, c) for p in SURVEYED for c in CRITERIA]
+    surveyed = []
+    for number, (plane, criterion) in enumerate(wanted):
+
+        def tell(done: int, total: int, before: int = number) -> None:
+            if progress is not None:
+                progress(before * STEPS + STEPS * done // total, len(wanted) * STEPS)
+
+        try:
+            found = map_stability(
+                result, plane, criterion, executor=executor, progress=tell,
+                is_cancelled=is_cancelled,
+            )  # fmt: skip
+        except InputError as error:
+            surveyed.append(Surveyed(plane, criterion, None, str(error)))
+        else:
+            surveyed.append(Surveyed(plane, criterion, found))
+    return tuple(surveyed)
+
+
+def survey_table(surveyed: Sequence[Surveyed]) -> pd.DataFrame:
+    """The maps in words, one row each.
+
+    Returns
+    -------
+    Columns `SURVEY_COLUMNS`, texts: the settings, what is compared, the verdict as analysed, in
+    which share of the plausible range it holds, and the nearest setting that overturns it.
+    """
+    rows = []
+    for one in surveyed:
+        found, verdict, nearest = one.found, NOTHING, one.why_not
+        if found is not None:
+            verdict = winner_text(one.criterion, found.verdict, found.present_difference)
+            nearest = nearest_text(found) if one.is_dependent else NOTHING
+        rows.append((
+            one.plane, one.criterion, PLANES[one.plane], CRITERIA[one.criterion], verdict,
+            held_text(one), nearest,
+        ))  # fmt: skip
+    return pd.DataFrame(rows, columns=list(SURVEY_COLUMNS))
+
+
+def held_text(one: Surveyed) -> str:
+    """In which share of the plausible range the verdict holds, in a few words."""
+    if one.found is None:
+        return "no such map"
+    if one.found.verdict == "undefined":
+        return "undefined"
+    if not one.is_dependent:
+        return "does not depend on them"
+    if np.isnan(one.found.share_held):
+        return "undefined there"
+    return share_text(one.found.share_held)

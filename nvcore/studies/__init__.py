@@ -1,0 +1,1 @@
+"""Experiments with people: participants, order, an append-only store."""

@@ -1,0 +1,183 @@
+"""Reader of ratings: one row for each participant and clip."""
+
+from __future__ import annotations
+
+import csv
+from io import StringIO
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+import pandas as pd
+
+from nvcore.csv_text import without_safeguard
+from nvcore.errors import FormatError
+
+REQUIRED: Final = ("participant", "clip", "rating")
+SYSTEM: Final = "system"
+MOST_ROWS: Final = 1_000_000
+SEPARATORS: Final = ",;\t"
+MISSING: Final = frozenset({"", "na", "nan", "-", "\u2013"})
+
+
+def read_ratings(path: Path) -> pd.DataFrame:
+    """Ratings from a CSV file; see `parse_ratings`."""
+    return parse_ratings(path.read_bytes(), name=path.name)
+
+
+def parse_ratings(content: bytes, *, name: str) -> pd.DataFrame:
+    """Ratings from CSV text with the columns participant, clip, rating, and perhaps system.
+
+    Fields are separated by comma, semicolon or tab, whichever is commonest in the first line. With
+    semicolons a rating may have a decimal comma.
+
+    Parameters
+    ----------
+    content
+        ``clip`` is the name of a recording; ``system`` the one whose boxes were shown. A higher
+        rating means more annoying. An empty rating is a missing one.
+    name
+        Of the file, for messages.
+
+    Returns
+    -------
+    Columns ``participant``, ``clip``, ``system`` (str; empty: not said) and ``rating`` (float64;
+    NaN: missing), in the file's order. Participants whose names differ in capitals or spaces only
+    are one, by the first spelling.
+
+    Raises
+    ------
+    FormatError
+        If a column or a field is missing, a rating is no number, the system is said for some clips
+        only, or a participant rates a clip twice.
+    """
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise FormatError(f"this is no CSV table of ratings ({error})", file=name) from error
+    separator = max(SEPARATORS, key=text.partition("\n")[0].count)
+    rows, lines = _rows(text, separator, name)
+    if not rows:
+        raise FormatError("this is no CSV table of ratings (it is empty)", file=name)
+    table = pd.DataFrame(rows[1:], columns=rows[0], dtype=object)
+    return check_ratings(table, name=name, lines=lines[1:], has_decimal_comma=separator == ";")
+
+
+def _rows(text: str, separator: str, name: str) -> tuple[list[list[str]], np.ndarray]:
+    """Fields of each line that is not blank, as many as in the first, and the lines' numbers."""
+    reader = csv.reader(
+        StringIO(text, newline=""), delimiter=separator, skipinitialspace=True, strict=True
+    )
+    rows: list[list[str]] = []
+    lines: list[int] = []
+    try:
+        for row in reader:
+            if not any(field.strip() for field in row):
+                continue
+            if rows and len(row) != len(rows[0]):
+                raise FormatError(
+                    f"expected {len(rows[0])} fields, as in the first line; found {len(row)}",
+                    file=name, line=reader.line_num,
+                )  # fmt: skip
+            if len(rows) > MOST_ROWS:
+                raise FormatError(f"more than {MOST_ROWS:,} ratings", file=name)
+            rows.append(row)
+            lines.append(reader.line_num)
+    except csv.Error as error:
+        raise FormatError(
+            f"this is no CSV table of ratings ({error})", file=name, line=reader.line_num
+        ) from error
+    return rows, np.array(lines, dtype=np.int64)
+
+
+def check_ratings(
+    table: pd.DataFrame,
+    *,
+    name: str,
+    lines: np.ndarray | None = None,
+    has_decimal_comma: bool = False,
+) -> pd.DataFrame:
+    """Ratings from a table of text; else as `parse_ratings`.
+
+    Parameters
+    ----------
+    lines
+        Number of each row, for messages; None: from 1.
+    """
+    table = table.set_axis([str(column).strip().lower() for column in table.columns], axis=1)
+    lacking = [column for column in REQUIRED if column not in table]
+    if lacking:
+        raise FormatError(
+            f"the columns {', '.join(REQUIRED)} are needed, separated by commas, semicolons or "
+            f"tabs; {', '.join(lacking)} is missing, found "
+            f"{', '.join(map(str, table.columns[:8]))}",
+            file=name, line=1,
+        )  # fmt: skip
+    if twice := [column for column in (*REQUIRED, SYSTEM) if (table.columns == column).sum() > 1]:
+        raise FormatError(f"there are several columns {twice[0]}", file=name, line=1)
+    line = np.arange(1, len(table) + 1) if lines is None else lines
+    texts = [*REQUIRED[:2], *([SYSTEM] if SYSTEM in table else [])]
+    ratings = pd.DataFrame(
+        {column: table[column].astype(str).str.strip().map(without_safeguard) for column in texts}
+    ).astype(str)
+    ratings[SYSTEM] = ratings.get(SYSTEM, pd.Series("", index=ratings.index, dtype=str))
+    ratings["participant"] = _one_spelling(ratings["participant"])
+    rating = table["rating"].astype(str).str.strip()
+    if has_decimal_comma:
+        rating = rating.str.replace(",", ".")
+    ratings["rating"] = _numbers(rating, name, line)
+    _check(ratings, name, line)
+    return ratings
+
+
+def folded(participant: str) -> str:
+    """What names of one person have in common, however they are typed.
+
+    Examples
+    --------
+    >>> folded(" Anna  K") == folded("anna k")
+    True
+    """
+    return " ".join(participant.split()).casefold()
+
+
+def _one_spelling(names: pd.Series) -> pd.Series:
+    """Every name as it is spelt the first time."""
+    first = names.groupby(names.map(folded), sort=False).transform("first")
+    return first.where(names != "", names)
+
+
+def _numbers(text: pd.Series, file: str, line: np.ndarray) -> np.ndarray:
+    is_missing = text.str.lower().isin(MISSING)
+    numbers = pd.to_numeric(text.where(~is_missing), errors="coerce").to_numpy(dtype=float)
+    wrong = np.flatnonzero(~is_missing.to_numpy() & ~np.isfinite(numbers))
+    if len(wrong):
+        raise FormatError(
+            f"a rating is a number, or empty where it is missing; found {text.iloc[wrong[0]]!r}",
+            file=file, line=int(line[wrong[0]]),
+        )  # fmt: skip
+    return numbers
+
+
+def _check(ratings: pd.DataFrame, file: str, line: np.ndarray) -> None:
+    for name in REQUIRED[:2]:
+        empty = np.flatnonzero((ratings[name] == "").to_numpy())
+        if len(empty):
+            raise FormatError(f"the {name} is empty", file=file, line=int(line[empty[0]]))
+    is_silent = (ratings[SYSTEM] == "").to_numpy()
+    if is_silent.any() and not is_silent.all():
+        raise FormatError(
+            "the system is empty, while other lines name it: name it in all or in none",
+            file=file, line=int(line[np.argmax(is_silent)]),
+        )  # fmt: skip
+    twice = np.flatnonzero(ratings.duplicated(["participant", "clip", SYSTEM]).to_numpy())
+    if len(twice):
+        row = ratings.iloc[twice[0]]
+        shown = f" with the boxes of {row[SYSTEM]}" if row[SYSTEM] else ""
+        raise FormatError(
+            f"{row['participant']} rates the clip {row['clip']}{shown} a second time",
+            file=file, line=int(line[twice[0]]),
+        )  # fmt: skip
+
+
+RATINGS_FILE: Final = "ratings_simulated.csv"

@@ -1,0 +1,333 @@
+"""Rating sessions in a database file: each rating is on the disk before the next clip is shown."""
+
+from __future__ import annotations
+
+import json
+import secrets
+import sqlite3
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import closing, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+import pandas as pd
+
+from nvcore.errors import InputError
+from nvcore.studies.ratings.reading import folded
+
+
+def counterbalanced(n_clips: int, participant: int) -> np.ndarray:
+    """Clips in the order for one participant: a row of Williams' balanced Latin square (1949).
+
+    Over `n_clips` participants (twice as many where that is odd) every clip stands in every place
+    equally often, and follows every other clip equally often.
+
+    Parameters
+    ----------
+    participant
+        0-based number of the participant; beyond the square it starts again.
+
+    Examples
+    --------
+    >>> counterbalanced(4, 0).tolist(), counterbalanced(4, 1).tolist()
+    ([0, 1, 3, 2], [1, 2, 0, 3])
+    """
+    steps = np.arange(n_clips)
+    zigzag = np.where(steps % 2 == 1, (steps + 1) // 2, (n_clips - steps // 2) % max(n_clips, 1))
+    order: np.ndarray = (zigzag + participant) % max(n_clips, 1)
+    is_mirrored = n_clips % 2 == 1 and participant // max(n_clips, 1) % 2 == 1
+    return order[::-1] if is_mirrored else order
+
+
+MOST_NAME: Final = 64
+MOST_CLIPS: Final = 500
+WAIT_S: Final = 10.0
+"""How long a write waits for another one."""
+TABLES: Final = """
+CREATE TABLE IF NOT EXISTS study (
+    token TEXT PRIMARY KEY, conductor TEXT NOT NULL UNIQUE, fingerprint TEXT NOT NULL,
+    clips TEXT NOT NULL, low INTEGER NOT NULL, high INTEGER NOT NULL,
+    thresholds TEXT NOT NULL);
+CREATE TABLE IF NOT EXISTS participant (
+    study TEXT NOT NULL REFERENCES study, name TEXT NOT NULL, number INTEGER NOT NULL,
+    PRIMARY KEY (study, name), UNIQUE (study, number));
+CREATE TABLE IF NOT EXISTS rating (
+    study TEXT NOT NULL, participant TEXT NOT NULL, clip INTEGER NOT NULL, rating INTEGER NOT NULL,
+    rated_at TEXT NOT NULL DEFAULT CURRENT_TIMESTAMP, n_plays INTEGER, first_rating INTEGER,
+    PRIMARY KEY (study, participant, clip),
+    FOREIGN KEY (study, participant) REFERENCES participant (study, name));
+"""
+
+ADDED: Final = ("n_plays", "first_rating")
+"""Columns of ratings that files of earlier versions have not."""
+RATE: Final = """
+INSERT INTO rating (study, participant, clip, rating, n_plays) VALUES (?, ?, ?, ?, ?)
+ON CONFLICT (study, participant, clip) DO UPDATE SET
+    first_rating = CASE WHEN rating.rating = excluded.rating THEN rating.first_rating
+        ELSE COALESCE(rating.first_rating, rating.rating) END,
+    n_plays = CASE WHEN excluded.n_plays IS NULL THEN rating.n_plays
+        ELSE COALESCE(rating.n_plays, 0) + excluded.n_plays END,
+    rating = excluded.rating, rated_at = CURRENT_TIMESTAMP
+"""
+
+
+@dataclass(frozen=True)
+class Study:
+    """What participants rate.
+
+    Attributes
+    ----------
+    token
+        Name of the study for participants, not to be guessed.
+    conductor
+        Its name for who conducts it and sees the ratings; does not follow from `token`.
+    fingerprint
+        Of the dataset that the clips are from.
+    clips
+        Recording and system (whose boxes are shown) of each clip.
+    low, high
+        Ends of the scale: not annoying at all, very annoying.
+    thresholds
+        Score threshold of each system, None where every detection is shown: all participants see
+        the same boxes.
+    """
+
+    token: str
+    conductor: str
+    fingerprint: str
+    clips: tuple[tuple[str, str], ...]
+    low: int
+    high: int
+    thresholds: Mapping[str, float | None]
+
+
+class RatingStore:
+    """Studies, participants and their ratings in one SQLite file.
+
+    Parameters
+    ----------
+    path
+        The file; it and its folder are made if need be.
+
+    Notes
+    -----
+    Every call has a connection of its own, so that any thread may call. A rating is committed
+    with ``synchronous=FULL``: it outlives a crash of program or machine.
+
+    Raises
+    ------
+    InputError
+        Here and in every call: if the file cannot be used.
+    """
+
+    def __init__(self, path: Path):
+        self._path = path
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+        except OSError as error:
+            raise InputError(
+                f"the folder of the ratings cannot be made ({error.strerror})"
+            ) from error
+        with self._connect() as base:
+            base.executescript(TABLES)
+            _add_columns(base)
+
+    @contextmanager
+    def _connect(self) -> Iterator[sqlite3.Connection]:
+        try:
+            with closing(sqlite3.connect(self._path, timeout=WAIT_S)) as base:
+                base.execute("PRAGMA foreign_keys = ON")
+                base.execute("PRAGMA synchronous = FULL")
+                with base:  # commits, or rolls back
+                    yield base
+        except sqlite3.IntegrityError:
+            raise
+        except sqlite3.DatabaseError as error:
+            raise InputError(f"the file of the ratings cannot be used ({error})") from error
+
+    def begin(
+        self,
+        fingerprint: str,
+        clips: Sequence[tuple[str, str]],
+        *,
+        low: int = 1,
+        high: int = 7,
+        thresholds: Mapping[str, float | None] | None = None,
+    ) -> Study:
+        """A new study of these clips, each a recording and a system.
+
+        Raises
+        ------
+        InputError
+            If there is no clip, one twice or too many, or the scale has no two steps.
+        """
+        if not 0 < len(clips) <= MOST_CLIPS or len(set(clips)) < len(clips):
+            raise InputError(f"a rating session needs 1 to {MOST_CLIPS} clips, each once")
+        if low >= high:
+            raise InputError(f"the scale must rise; it goes from {low} to {high}")
+        shown = dict(thresholds or {})
+        token, conductor = secrets.token_urlsafe(16), secrets.token_urlsafe(16)
+        study = Study(token, conductor, fingerprint, tuple(clips), low, high, shown)
+        with self._connect() as base:
+            base.execute(
+                "INSERT INTO study VALUES (?, ?, ?, ?, ?, ?, ?)",
+                (
+                    token,
+                    conductor,
+                    fingerprint,
+                    json.dumps(study.clips),
+                    low,
+                    high,
+                    json.dumps(shown),
+                ),
+            )
+        return study
+
+    def study(self, token: str) -> Study | None:
+        """The study that participants know by that name, if there is one."""
+        return self._study("SELECT * FROM study WHERE token = ?", token)
+
+    def conducted(self, conductor: str) -> Study | None:
+        """The study that its conductor knows by that name, if there is one."""
+        return self._study("SELECT * FROM study WHERE conductor = ?", conductor)
+
+    def _study(self, query: str, name: str) -> Study | None:
+        with self._connect() as base:
+            row = base.execute(query, (name,)).fetchone()
+        if row is None:
+            return None
+        token, conductor, fingerprint, clips, low, high, thresholds = row
+        pairs = tuple((recording, system) for recording, system in json.loads(clips))
+        return Study(token, conductor, fingerprint, pairs, low, high, json.loads(thresholds))
+
+    def order(self, study: Study, participant: str) -> list[int]:
+        """Clips in this participant's own order; a new participant gets the next free one.
+
+        Names that differ in capitals or spaces only are one participant, here and in every call.
+
+        Raises
+        ------
+        InputError
+            If the name is empty or too long.
+        """
+        name = participant.strip()
+        if not 0 < len(name) <= MOST_NAME:
+            raise InputError(f"a participant's name or code has 1 to {MOST_NAME} characters")
+        with self._connect() as base:
+            base.execute("BEGIN IMMEDIATE")  # nobody else joins between the two
+            known = _spelling(base, study, name)
+            if known is None:
+                base.execute(
+                    "INSERT INTO participant SELECT ?, ?, COUNT(*) FROM participant "
+                    "WHERE study = ?",
+                    (study.token, name, study.token),
+                )
+            (number,) = base.execute(
+                "SELECT number FROM participant WHERE study = ? AND name = ?",
+                (study.token, known or name),
+            ).fetchone()
+        return [int(clip) for clip in counterbalanced(len(study.clips), number)]
+
+    def rated(self, study: Study, participant: str) -> dict[int, int]:
+        """Ratings that this participant has given, by clip."""
+        with self._connect() as base:
+            return dict(
+                base.execute(
+                    "SELECT clip, rating FROM rating WHERE study = ? AND participant = ?",
+                    (study.token, _spelling(base, study, participant)),
+                ).fetchall()
+            )
+
+    def rate(
+        self, study: Study, participant: str, clip: int, rating: int, *, n_plays: int | None = None
+    ) -> None:
+        """Keep a rating; another one of the same clip takes its place, and the first is told.
+
+        Parameters
+        ----------
+        n_plays
+            How often the clip was played to its end before this rating (again, for another one of
+            the same clip); None: not known.
+
+        Raises
+        ------
+        InputError
+            If there is no such clip or participant, or the rating is not on the scale.
+        """
+        if not 0 <= clip < len(study.clips):
+            raise InputError(f"there is no clip {clip + 1}")
+        if not study.low <= rating <= study.high:
+            raise InputError(f"a rating is {study.low} to {study.high}; given {rating}")
+        with self._connect() as base:
+            name = _spelling(base, study, participant)
+            if name is None:
+                raise InputError(f"{participant} has not joined this rating session")
+            base.execute(RATE, (study.token, name, clip, rating, n_plays))
+
+    def participants(self, study: Study) -> pd.DataFrame:
+        """How far everybody has come: ``participant`` and ``n_rated``, in the order of joining."""
+        with self._connect() as base:
+            rows = base.execute(
+                "SELECT name, COUNT(clip) FROM participant LEFT JOIN rating ON rating.study = "
+                "participant.study AND rating.participant = participant.name "
+                "WHERE participant.study = ? GROUP BY number ORDER BY number",
+                (study.token,),
+            ).fetchall()
+        return pd.DataFrame(rows, columns=["participant", "n_rated"])
+
+    def ratings(self, study: Study) -> pd.DataFrame:
+        """All ratings of a study, as `read_ratings` gives them, and more.
+
+        Returns
+        -------
+        Also ``n_plays``, how often the clip was played to its end (missing: not recorded), and
+        ``first_rating``, what `rating` was before it was changed (missing: it never was); both
+        Int64.
+        """
+        with self._connect() as base:
+            rows = base.execute(
+                "SELECT participant, clip, rating, n_plays, first_rating FROM rating "
+                "JOIN participant ON "
+                "participant.study = rating.study AND participant.name = rating.participant "
+                "WHERE rating.study = ? ORDER BY number, clip",
+                (study.token,),
+            ).fetchall()
+        clips = [study.clips[row[1]] for row in rows]
+        return pd.DataFrame(
+            {
+                "participant": pd.Series([row[0] for row in rows], dtype=str),
+                "clip": pd.Series([recording for recording, _ in clips], dtype=str),
+                "system": pd.Series([system for _, system in clips], dtype=str),
+                "rating": pd.Series([row[2] for row in rows], dtype=float),
+                "n_plays": pd.Series([row[3] for row in rows], dtype="Int64"),
+                "first_rating": pd.Series([row[4] for row in rows], dtype="Int64"),
+            }
+        )
+
+
+def _add_columns(base: sqlite3.Connection) -> None:
+    """Give the file of an earlier version the columns that it has not."""
+    known = {row[1] for row in base.execute("PRAGMA table_info(rating)")}
+    for column in ADDED:
+        if column not in known:
+            try:
+                base.execute(f"ALTER TABLE rating ADD COLUMN {column} INTEGER")
+            except sqlite3.OperationalError as error:
+                if "duplicate column" not in str(error):  # somebody else has just done it
+                    raise
+
+
+def _spelling(base: sqlite3.Connection, study: Study, participant: str) -> str | None:
+    """A participant's name as it was given first; None: nobody of that name has joined."""
+    names = [
+        name
+        for (name,) in base.execute(
+            "SELECT name FROM participant WHERE study = ? ORDER BY number", (study.token,)
+        )
+    ]
+    if participant.strip() in names:  # files of earlier versions may have two spellings
+        return participant.strip()
+    wanted = folded(participant)
+    return next((name for name in names if folded(name) == wanted), None)

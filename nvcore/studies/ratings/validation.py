@@ -1,0 +1,223 @@
+"""Saliency against people: whether the figure rises with the mean rank of annoyance."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any, Final
+
+import numpy as np
+import pandas as pd
+from scipy import stats
+
+from nvcore.comparison import Result
+from nvcore.errors import InputError
+from nvcore.metrics.saliency import aggregate_saliency
+
+LEAST_CLIPS: Final = 5
+"""Fewer clips give no correlation worth telling."""
+N_RESAMPLES: Final = 5_000
+SEED: Final = 20_110_360
+BATCH_CELLS: Final = 2_000_000
+"""Pairs of clips looked at at once: bounds the memory of the bootstrap."""
+MOST_IN_PAIRS: Final = 120
+"""Clips up to which all pairs of all resamples are looked at at once."""
+Statistic = Callable[[np.ndarray, np.ndarray], np.ndarray]
+
+
+@dataclass(frozen=True)
+class Correlation:
+    """A correlation over clips with its 95 % interval.
+
+    Attributes
+    ----------
+    name
+        Of the coefficient.
+    value
+        -1..1; NaN where it is undefined.
+    low, high
+        BCa bootstrap interval over clips; NaN where it is undefined.
+    p
+        Two-sided p-value of no correlation; NaN where `value` is.
+    note
+        Why something is undefined; else empty.
+    """
+
+    name: str
+    value: float
+    low: float
+    high: float
+    p: float
+    note: str = ""
+
+
+def clip_saliency(result: Result) -> pd.DataFrame:
+    """Saliency of every recording with the boxes of X and with those of Y, seconds, 0 is best.
+
+    Returns
+    -------
+    Columns ``clip`` (the recording), ``system`` and ``saliency_s``: first all of X, then of Y.
+    """
+    names = result.dataset.recordings["name"].astype(str).tolist()
+    parts = []
+    for _, system in result.sides:
+        starts = np.searchsorted(system.events["recording"], np.arange(len(names) + 1))
+        events = system.events["saliency_s"].to_numpy()
+        values = [
+            aggregate_saliency(events[a:b], aggregate=result.params.saliency_aggregate)
+            for a, b in pairwise(starts)
+        ]
+        parts.append(pd.DataFrame({"clip": names, "system": system.name, "saliency_s": values}))
+    return pd.concat(parts, ignore_index=True)
+
+
+def split_known(
+    ratings: pd.DataFrame, saliency: pd.DataFrame, *, system: str = ""
+) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """The ratings of clips of this comparison, and those of others, which belong in no figure.
+
+    Parameters
+    ----------
+    ratings
+        Of `nvcore.studies.ratings.reading.read_ratings`.
+    saliency
+        Of `clip_saliency`.
+    system
+        Whose boxes the clips showed, where the ratings do not say; it is filled in.
+
+    Raises
+    ------
+    InputError
+        If no rated clip is a recording of this comparison.
+    """
+    said = ratings.assign(system=ratings["system"].where(ratings["system"] != "", system))
+    clips = pd.MultiIndex.from_frame(saliency[["clip", "system"]])
+    is_known = pd.MultiIndex.from_frame(said[["clip", "system"]]).isin(clips)
+    if not is_known.any():
+        raise _none_known(said["clip"])
+    return said[is_known].reset_index(drop=True), said[~is_known].reset_index(drop=True)
+
+
+def _none_known(clips: pd.Series) -> InputError:
+    shown = ", ".join(clips.drop_duplicates().head(3))
+    return InputError(
+        f"none of the rated clips ({shown}, ...) is a recording of this comparison with the "
+        "boxes of X or Y: the clip's name must be the recording's, the system's that of X or Y"
+    )
+
+
+def join_clips(ranks: pd.DataFrame, saliency: pd.DataFrame) -> pd.DataFrame:
+    """Mean rank and saliency of the clips that have both.
+
+    Parameters
+    ----------
+    ranks
+        Of `agreement.rank_ratings`; ratings that do not say whose boxes a clip
+        showed go through `split_known` first.
+    saliency
+        Of `clip_saliency`.
+
+    Returns
+    -------
+    Columns ``clip``, ``system``, ``mean_rank`` (1 is least annoying), ``n_ratings``,
+    ``saliency_s``.
+
+    Raises
+    ------
+    InputError
+        If no rated clip is a recording of this comparison.
+    """
+    rated = pd.DataFrame({"mean_rank": ranks.mean(), "n_ratings": ranks.notna().sum()})
+    rated = rated.reset_index()
+    joined: pd.DataFrame = rated.merge(saliency, on=["clip", "system"], how="inner")
+    if joined.empty:
+        raise _none_known(rated["clip"])
+    return joined[["clip", "system", "mean_rank", "n_ratings", "saliency_s"]]
+
+
+def _pearson(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """Over the last axis; NaN where all values are the same."""
+    a = one - one.mean(axis=-1, keepdims=True)
+    b = other - other.mean(axis=-1, keepdims=True)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        r: np.ndarray = (a * b).sum(-1) / np.sqrt((a * a).sum(-1) * (b * b).sum(-1))
+    return r
+
+
+def _spearman(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    return _pearson(stats.rankdata(one, axis=-1), stats.rankdata(other, axis=-1))
+
+
+def _kendall(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """Tau-b over the last axis: the cosine between the signs of all differences."""
+    if one.shape[-1] > MOST_IN_PAIRS:
+        return _kendall_by_sorting(one, other)
+    a = np.sign(one[..., :, None] - one[..., None, :])
+    b = np.sign(other[..., :, None] - other[..., None, :])
+    across = (-2, -1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        tau: np.ndarray = (a * b).sum(across) / np.sqrt((a * a).sum(across) * (b * b).sum(across))
+    return tau
+
+
+def _kendall_by_sorting(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """Tau-b in n log n, one resample after the other."""
+    a, b = (x.reshape(-1, x.shape[-1]) for x in np.broadcast_arrays(one, other))
+    values = [stats.kendalltau(x, y).statistic for x, y in zip(a, b, strict=True)]
+    tau: np.ndarray = np.array(values).reshape(np.broadcast_shapes(one.shape, other.shape)[:-1])
+    return tau
+
+
+COEFFICIENTS: Final = (
+    ("Pearson's r", _pearson, stats.pearsonr),
+    ("Spearman's rho", _spearman, stats.spearmanr),
+    ("Kendall's tau", _kendall, stats.kendalltau),
+)
+"""Name, the coefficient over the last axis (many resamples at once), and its test."""
+
+
+def correlate(saliency_s: np.ndarray, mean_rank: np.ndarray) -> list[Correlation]:
+    """Pearson's r, Spearman's rho and Kendall's tau of saliency and mean rank over clips.
+
+    Notes
+    -----
+    Intervals are bias-corrected and accelerated (BCa), from 5,000 resamples of the clips with a
+    fixed seed. Clips of one recording, shown with two systems, are taken as independent: with
+    few recordings the intervals are too narrow.
+    """
+    n = len(saliency_s)
+    if n < LEAST_CLIPS:
+        note = f"{n} clips; a correlation needs {LEAST_CLIPS} at least"
+    elif np.ptp(saliency_s) == 0 or np.ptp(mean_rank) == 0:
+        note = "all clips have the same value: there is nothing to correlate"
+    else:
+        return [_correlation(*one, saliency_s, mean_rank) for one in COEFFICIENTS]
+    return [Correlation(label, np.nan, np.nan, np.nan, np.nan, note) for label, *_ in COEFFICIENTS]
+
+
+def _over_last_axis(value: Statistic) -> Callable[..., np.ndarray]:
+    """The statistic as `scipy.stats.bootstrap` calls it: always with the last axis."""
+
+    def called(one: np.ndarray, other: np.ndarray, *, axis: int) -> np.ndarray:
+        assert axis == -1
+        return value(one, other)
+
+    return called
+
+
+def _correlation(
+    label: str, value: Statistic, test: Any, one: np.ndarray, other: np.ndarray
+) -> Correlation:
+    found = test(one, other)
+    with warnings.catch_warnings():  # a resample may hold one clip only, many times
+        warnings.simplefilter("ignore")
+        interval = stats.bootstrap(
+            (one, other), _over_last_axis(value), paired=True, vectorized=True,
+            n_resamples=N_RESAMPLES, method="BCa", rng=np.random.default_rng(SEED),
+            batch=max(1, BATCH_CELLS // len(one) ** 2),
+        ).confidence_interval  # fmt: skip
+    low, high = float(interval.low), float(interval.high)
+    note = "" if np.isfinite([low, high]).all() else "the clips allow no interval"
+    return Correlation(label, float(found.statistic), low, high, float(found.pvalue), note)

@@ -1,0 +1,140 @@
+"""All that is to be said about one frame: who is there, who is missed by whom, false alarms."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import pandas as pd
+
+from nvcore.comparison import Result, SystemResult
+from nvcore.metrics.kernels import ABSORBED
+from nvcore.tables.box_states import FOUND, box_states
+
+PEDESTRIAN_COLUMNS: Final = (
+    "track", "height_px", "distance_m", "k", "is_relevant", "found_x", "found_y", "is_salient_x",
+    "is_salient_y",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class SystemFacts:
+    """One system in one frame.
+
+    Attributes
+    ----------
+    name
+        The system's name.
+    similarity, similarity_window
+        Of this frame and its moving mean, 0..1, 1 is best.
+    d_miss_px, d_false_px
+        Effect of misses, of false alarms, px, 0 is best.
+    n_det, matched, false_alarms
+        Detections that count; pedestrians matched; detections that match nobody.
+    n_absorbed
+        Detections on ignore regions; they count for nothing.
+    """
+
+    name: str
+    similarity: float
+    similarity_window: float
+    d_miss_px: float
+    d_false_px: float
+    n_det: int
+    matched: int
+    false_alarms: int
+    n_absorbed: int
+
+
+@dataclass(frozen=True, eq=False)
+class FrameFacts:
+    """One frame.
+
+    Attributes
+    ----------
+    recording, recording_index
+        Name and row of the recording.
+    row, row_in_recording
+        Row of the frames table, and within the recording.
+    frame, time_s
+        Frame number; seconds since the recording's first listed frame.
+    n_truth, n_ignored
+        Pedestrians, and boxes that the truth ignores.
+    x, y
+        The two systems.
+    pedestrians
+        Columns `PEDESTRIAN_COLUMNS`, the tallest first: track, height_px, distance_m (NaN
+        unknown), proximity weight k, is_relevant (``k >= 0.5``), found_x and found_y (matched by
+        X, by Y), is_salient_x and is_salient_y (the most salient miss).
+    """
+
+    recording: str
+    recording_index: int
+    row: int
+    row_in_recording: int
+    frame: int
+    time_s: float
+    n_truth: int
+    n_ignored: int
+    x: SystemFacts
+    y: SystemFacts
+    pedestrians: pd.DataFrame
+
+    @property
+    def missed(self) -> pd.DataFrame:
+        """The pedestrians that X or Y misses."""
+        table = self.pedestrians
+        return table[~(table["found_x"] & table["found_y"])]
+
+
+def frame_facts(result: Result, row: int) -> FrameFacts:
+    """All about one frame, by its row in the frames table."""
+    dataset, frames = result.dataset, result.dataset.frame_columns
+    truth = dataset.truth
+    states = box_states(result, row, row + 1)
+    rows = np.arange(truth.offsets[row], truth.offsets[row + 1])
+    table = pd.DataFrame(
+        {
+            "track": result.tracks.track[rows],
+            "height_px": truth.h[rows],
+            "distance_m": truth.distance_m[rows],
+            "k": result.k_truth.k[rows],
+            "is_relevant": states.is_relevant,
+            "found_x": states.state_x == FOUND,
+            "found_y": states.state_y == FOUND,
+            "is_salient_x": states.is_salient_x,
+            "is_salient_y": states.is_salient_y,
+        },
+        columns=list(PEDESTRIAN_COLUMNS),
+    )[~truth.ignore[rows]]
+    recording = int(frames.recording[row])
+    return FrameFacts(
+        recording=str(dataset.recordings["name"].iloc[recording]),
+        recording_index=recording,
+        row=row,
+        row_in_recording=row - int(frames.first[recording]),
+        frame=int(frames.frame[row]),
+        time_s=float(dataset.frames["time_s"].iloc[row]),
+        n_truth=int(result.n_truth[row]),
+        n_ignored=int(np.count_nonzero(truth.ignore[rows])),
+        x=_system_facts(result.x, states.x, row),
+        y=_system_facts(result.y, states.y, row),
+        pedestrians=table.sort_values("height_px", ascending=False, kind="stable").reset_index(
+            drop=True
+        ),
+    )
+
+
+def _system_facts(system: SystemResult, state: np.ndarray, row: int) -> SystemFacts:
+    return SystemFacts(
+        name=system.name,
+        similarity=float(system.similarity[row]),
+        similarity_window=float(system.similarity_window[row]),
+        d_miss_px=float(system.distances.d_miss[row]),
+        d_false_px=float(system.distances.d_false[row]),
+        n_det=int(system.n_det[row]),
+        matched=int(system.matched[row]),
+        false_alarms=int(system.false_alarms[row]),
+        n_absorbed=int(np.count_nonzero(state == ABSORBED)),
+    )

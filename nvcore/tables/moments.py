@@ -1,0 +1,317 @@
+"""The moments worth looking at: where each system does worst, and where the two differ most."""
+
+from __future__ import annotations
+
+from typing import Final, NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from nvcore.comparison import Result, SystemResult
+from nvcore.metrics.encounters import RELEVANT_K
+from nvcore.metrics.similarity import runs_of
+from nvcore.tables.lanes import miss_starts
+
+ENCOUNTER_MOMENT_COLUMNS: Final = ("first_row", "missed_row_x", "missed_row_y", "shown_row")
+NEVER: Final = -1
+"""Frame row of what does not happen."""
+
+
+def encounter_moments(result: Result) -> pd.DataFrame:
+    """The frames of every encounter that are worth opening, as rows of the frames table.
+
+    Returns
+    -------
+    One row per encounter, columns `ENCOUNTER_MOMENT_COLUMNS`, int64: first_row, the first relevant
+    frame (of a distant encounter the first annotated one); missed_row_x and missed_row_y, the first
+    relevant frame in which that system misses the pedestrian, -1 if it never does; shown_row, the
+    earlier
+    of these two, else first_row.
+    """
+    encounters = result.encounters
+    n, rows = len(encounters), encounters.order
+    of = np.repeat(np.arange(n), np.diff(encounters.offsets))
+    at = encounters.frame_index
+    is_relevant = result.k_truth.k[rows] >= RELEVANT_K
+    first = _earliest(n, of[is_relevant], at[is_relevant])
+    first = np.where(first == NEVER, encounters.first_row, first)
+    moments = {"first_row": first}
+    # a track that stands twice in a frame is one pedestrian there, found if one box is
+    key = of * (len(result.dataset.frames) + 1) + at
+    for letter, system in result.sides:
+        is_matched = system.matches.is_matched[rows]
+        is_missed = is_relevant & ~is_matched
+        found_twin = np.isin(key[is_missed], _twice(key[is_relevant & is_matched], key))
+        moments[f"missed_row_{letter}"] = _earliest(
+            n, of[is_missed][~found_twin], at[is_missed][~found_twin]
+        )
+    both = np.stack([moments["missed_row_x"], moments["missed_row_y"]])
+    earlier = np.where(both == NEVER, len(result.dataset.frames), both).min(axis=0)
+    is_missed_at_all = (both != NEVER).any(axis=0)
+    moments["shown_row"] = np.where(is_missed_at_all, earlier, first)
+    return pd.DataFrame(moments, columns=list(ENCOUNTER_MOMENT_COLUMNS)).astype("int64")
+
+
+def encounter_box(result: Result, encounter: int, row: int) -> np.ndarray:
+    """x, y, w, h (px) of the pedestrian of an encounter in a frame.
+
+    Parameters
+    ----------
+    encounter
+        Row of ``result.encounters``.
+    row
+        Row of the frames table, one in which the pedestrian is annotated. Where the track stands
+        there twice: its first box.
+
+    Raises
+    ------
+    ValueError
+        If the pedestrian is not annotated in this frame.
+    """
+    of, truth = result.encounters, result.dataset.truth
+    start, stop = of.offsets[encounter : encounter + 2]
+    at = start + np.searchsorted(of.frame_index[start:stop], row)
+    if at == stop or of.frame_index[at] != row:
+        raise ValueError(f"encounter {encounter} has no box in row {row} of the frames table")
+    box = of.order[at]
+    return np.array([truth.x[box], truth.y[box], truth.w[box], truth.h[box]])
+
+
+def _twice(found: np.ndarray, keys: np.ndarray) -> np.ndarray:
+    """Those of `found` that stand more than once in the sorted `keys`."""
+    several = keys[1:][keys[1:] == keys[:-1]]
+    return found[np.isin(found, several)] if len(several) else several
+
+
+def _earliest(n: int, of: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """First value of each group, `NEVER` for a group without; sorted by group and value."""
+    earliest = np.full(n, NEVER, dtype=np.int64)
+    is_first = np.ones(len(of), dtype=bool)
+    is_first[1:] = of[1:] != of[:-1]
+    earliest[of[is_first]] = at[is_first]
+    return earliest
+
+
+MOMENT_COLUMNS: Final = (
+    "kind", "recording", "recording_index", "first_frame", "last_frame", "row", "frame", "time_s",
+    "duration_s", "severity_s", "similarity_x", "similarity_y", "track", "reason",
+)  # fmt: skip
+
+KINDS: Final = ("x", "y", "x_better", "y_better")
+"""Kinds of moments: low similarity of X, of Y; X better than Y, and the other way."""
+
+LEAST_DIFFERENCE: Final = 0.01
+"""Difference of the similarities that belongs to an interval; less is noise of where boxes lie."""
+
+
+class _Span(NamedTuple):
+    """An interval of frames; all rows of the frames table, both ends inclusive."""
+
+    kind: str
+    first: int
+    last: int
+    row: int
+    severity_s: float
+
+
+def worst_moments(result: Result, *, n: int = 5) -> pd.DataFrame:
+    """The intervals in which each system does worst, and those in which the two differ most.
+
+    Kinds ``"x"`` and ``"y"``: low-similarity intervals by severity. Kinds ``"x_better"`` and
+    ``"y_better"``: maximal runs of consecutive listed frames in which that system's similarity is
+    larger by more than 0.01, by the sum of difference times time step.
+
+    Parameters
+    ----------
+    n
+        Largest number of each kind.
+
+    Returns
+    -------
+    Columns `MOMENT_COLUMNS`, kind by kind, the largest severity first. `row` (of the frames
+    table), frame, time_s and the similarities are of the frame with the lowest similarity (kinds
+    ``x``, ``y``) or the largest difference; severity_s and duration_s in seconds. reason is a
+    sentence about the whole interval that calls the systems X and Y, and track the pedestrian
+    that it names, missing where it is about false alarms.
+    """
+    spans = [*_low_spans(result, n), *_difference_spans(result, n)]
+    frames, columns = result.dataset.frames, result.dataset.frame_columns
+    first, last, row = (
+        np.array([getattr(span, name) for span in spans], dtype=np.int64)
+        for name in ("first", "last", "row")
+    )
+    reasons = [_reason(result, span) for span in spans]  # a loop over a handful of moments
+    recording = columns.recording[row].astype(np.int64)
+    frame = frames["frame"].to_numpy()
+    passed = columns.passed
+    return pd.DataFrame(
+        {
+            "kind": np.array([span.kind for span in spans], dtype=object),
+            "recording": result.dataset.recordings["name"].to_numpy(dtype=object)[recording],
+            "recording_index": recording,
+            "first_frame": frame[first],
+            "last_frame": frame[last],
+            "row": row,
+            "frame": frame[row],
+            "time_s": frames["time_s"].to_numpy()[row],
+            "duration_s": (passed[last + 1] - passed[first]) / columns.fps[recording],
+            "severity_s": np.array([span.severity_s for span in spans], dtype=float),
+            "similarity_x": result.x.similarity[row],
+            "similarity_y": result.y.similarity[row],
+            "track": pd.array([track for track, _ in reasons], dtype="Int64"),
+            "reason": np.array([reason for _, reason in reasons], dtype=object),
+        },
+        columns=list(MOMENT_COLUMNS),
+    )
+
+
+def next_misses(result: Result, recording: int) -> np.ndarray:
+    """Where a relevant pedestrian begins to be missed by X or by Y, for stepping through them.
+
+    Returns
+    -------
+    Rows within the recording (0: its first listed frame), increasing, unique; int64.
+    """
+    starts = [miss_starts(result, recording, system) for _, system in result.sides]
+    first = result.dataset.frame_columns.first[recording]
+    rows: np.ndarray = np.unique(np.concatenate(starts)) - first
+    return rows
+
+
+def _largest(severity_s: np.ndarray, n: int) -> np.ndarray:
+    """Positions of the `n` largest, the earlier of equals first."""
+    largest: np.ndarray = np.argsort(-severity_s, kind="stable")[:n]
+    return largest
+
+
+def _low_spans(result: Result, n: int) -> list[_Span]:
+    spans = []
+    for letter, system in result.sides:
+        table = system.intervals
+        worst = table.iloc[_largest(table["severity_s"].to_numpy(), n)]
+        names = ("first_row", "last_row", "worst_row", "severity_s")
+        values = zip(*(worst[name].tolist() for name in names), strict=True)
+        spans += [_Span(letter, *one) for one in values]
+    return spans
+
+
+def _difference_spans(result: Result, n: int) -> list[_Span]:
+    frames = result.dataset.frame_columns
+    difference = result.x.similarity - result.y.similarity
+    spans = []
+    for kind, lead in (("x_better", difference), ("y_better", -difference)):
+        is_clear = lead > LEAST_DIFFERENCE
+        first, last = runs_of(np.where(is_clear, 0, -1), frames.recording)
+        total = np.concatenate([[0.0], np.cumsum(np.where(is_clear, lead * frames.gap, 0))])
+        rate = frames.fps[frames.recording[first]]
+        severity_s = (total[last + 1] - total[first]) / rate
+        for i in _largest(severity_s, n):
+            row = first[i] + np.argmax(lead[first[i] : last[i] + 1])
+            spans.append(_Span(kind, int(first[i]), int(last[i]), int(row), float(severity_s[i])))
+    return spans
+
+
+def _reason(result: Result, span: _Span) -> tuple[int | None, str]:
+    """Whom a moment is about (None: nobody), and why it is as bad as it is.
+
+    The pedestrian (or the false alarms) with the largest effect on similarity summed over the
+    interval, not only in its worst frame.
+    """
+    worse, other = ("X", "Y") if span.kind in ("x", "y_better") else ("Y", "X")
+    systems = {"X": result.x, "Y": result.y}
+    system, frames = systems[worse], slice(span.first, span.last + 1)
+    of_misses, of_alarms = system.distances.d_miss[frames], system.distances.d_false[frames]
+    if span.kind.endswith("better"):  # what makes the difference
+        rival = systems[other].distances
+        of_misses, of_alarms = of_misses - rival.d_miss[frames], of_alarms - rival.d_false[frames]
+    gap, alpha = result.dataset.frame_columns.gap[frames], result.params.alpha
+    salient = system.distances.salient_row[frames]
+    has_salient = salient >= 0
+    encounter = result.encounters.encounter_of[salient[has_salient]]
+    effect = np.bincount(
+        encounter - encounter.min(initial=0), weights=(alpha * of_misses * gap)[has_salient]
+    )
+    if len(effect) and effect.max() >= ((1 - alpha) * of_alarms * gap).sum():
+        worst = int(np.argmax(effect) + encounter.min(initial=0))
+        return _miss_reason(result, span, worst, worse, system, other, systems[other])
+    return None, _alarm_reason(result, span, worse, system)
+
+
+def _miss_reason(
+    result: Result,
+    span: _Span,
+    encounter: int,
+    letter: str,
+    system: SystemResult,
+    other: str,
+    rival: SystemResult,
+) -> tuple[int | None, str]:
+    encounters = result.encounters
+    start, stop = encounters.offsets[encounter : encounter + 2]
+    inside = start + np.searchsorted(
+        encounters.frame_index[start:stop], [span.first, span.last + 1]
+    )
+    rows, at = encounters.order[slice(*inside)], encounters.frame_index[slice(*inside)]
+    track = int(encounters.track[encounter])
+    who = f"pedestrian {track} (up to {result.dataset.truth.h[rows].max():.0f} px tall)"
+    missed, missed_by_rival = (
+        # a track that stands twice in a frame is found if one of its boxes is
+        np.setdiff1d(at, at[one.matches.truth_det[rows] >= 0])
+        for one in (system, rival)
+    )
+    if not len(missed):
+        apart_px = system.nearest.truth[rows].max()
+        return track, f"{letter}'s nearest detection is up to {apart_px:.0f} px from {who}."
+    found_by_rival = np.setdiff1d(missed, missed_by_rival)
+    if not len(found_by_rival):
+        does = "misses it, too"
+        if span.kind.endswith("better"):
+            does += _nearer(system.nearest.truth[rows].max(), rival.nearest.truth[rows].max())
+    elif len(found_by_rival) == len(missed):
+        does = "finds it"
+    else:
+        does = f"finds it for {_seconds(_time_s(result, found_by_rival))} of that time"
+    lasts = _share(_time_s(result, missed), _span_s(result, span))
+    return track, f"{letter} misses {who} for {lasts}; {other} {does}."
+
+
+def _nearer(apart_px: float, rival_px: float) -> str:
+    """How a system that misses somebody, too, is nearer to them."""
+    if not rival_px < apart_px:
+        return ""
+    own = f"{apart_px:.0f} px" if np.isfinite(apart_px) else "no detection at all"
+    return f", but its nearest detection is closer (up to {rival_px:.0f} px away; the other: {own})"
+
+
+def _alarm_reason(result: Result, span: _Span, letter: str, system: SystemResult) -> str:
+    frames = np.arange(span.first, span.last + 1)
+    n_alarms = system.false_alarms[frames]
+    if not n_alarms.any():
+        boxes = result.dataset.system(system.name)
+        rows = slice(boxes.offsets[span.first], boxes.offsets[span.last + 1])
+        apart_px = system.nearest.detections[rows][system.matches.is_counted[rows]]
+        return f"{letter} has detections up to {apart_px.max():.0f} px from the nearest pedestrian."
+    lasts = _share(_time_s(result, frames[n_alarms > 0]), _span_s(result, span))
+    most = n_alarms.max()
+    at_once = f" (up to {most} at once)" if most > 1 else ""
+    return f"{letter} has false alarms for {lasts}{at_once}."
+
+
+def _time_s(result: Result, frames: np.ndarray) -> float:
+    """Sum of the time steps of some frames of one recording, seconds."""
+    columns = result.dataset.frame_columns
+    return float(columns.gap[frames].sum() / columns.fps[columns.recording[frames[0]]])
+
+
+def _span_s(result: Result, span: _Span) -> float:
+    return _time_s(result, np.arange(span.first, span.last + 1))
+
+
+def _share(part_s: float, whole_s: float) -> str:
+    """A duration, of the whole one where they differ."""
+    part, whole = _seconds(part_s), _seconds(whole_s)
+    return part if part == whole else f"{part} of {whole}"
+
+
+def _seconds(duration_s: float) -> str:
+    return f"{duration_s:.2f} s" if duration_s < 1 else f"{duration_s:.1f} s"

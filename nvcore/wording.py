@@ -1,0 +1,44 @@
+"""Small words that every output shares: numbers, differences, counts, names from files."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+UNDEFINED: Final = "–"
+ARROWS: Final = {"higher": " ↑", "lower": " ↓", "": ""}
+"""Which way is better, as it stands behind a label."""
+
+
+def number(value: float | None, form: str) -> str:
+    """The number in this format, a dash where it is undefined."""
+    return UNDEFINED if value is None or math.isnan(value) else format(value, form)
+
+
+def difference(x: float, y: float, form: str) -> str:
+    """X - Y with its sign, shares in percentage points, a dash where either is undefined."""
+    if math.isnan(x) or math.isnan(y):
+        return UNDEFINED
+    sign = "+" if form == "d" else "+z"  # z: no negative zero
+    return format(x - y, sign + form).replace("%", " pp")
+
+
+def count_text(n: int, noun: str) -> str:
+    """A count with its noun: "1 frame", "3,000 frames"."""
+    return f"{n:,} {noun}{'' if n == 1 else 's'}"
+
+
+def one_line(text: str) -> str:
+    r"""The text as one harmless line: what a terminal would act on is shown as an escape.
+
+    Names of files, recordings and systems come from others; none of them may move the cursor,
+    set a colour or begin a line of its own.
+
+    Examples
+    --------
+    >>> one_line("V000\x1b[31m")
+    'V000\\x1b[31m'
+    """
+    return "".join(
+        sign if sign.isprintable() else sign.encode("unicode_escape").decode() for sign in text
+    )

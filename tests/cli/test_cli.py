@@ -1,0 +1,346 @@
+"""The command line: what goes in, what comes out, and with which exit code."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from dataclasses import fields
+from pathlib import Path
+
+import pytest
+from inputs import FACTS, drive, flags, mot_layout, nvcore, write
+
+from nvcore.cli.options import flag_of
+from nvcore.params import Params
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    return drive(tmp_path / "drive")
+
+
+def session(folder: Path, *more: str) -> Path:
+    """A session file with relative paths and a frame list in a file."""
+    write(folder / "lists" / "frames.txt", *map(str, range(0, 20, 2)))
+    return write(
+        folder / "session.toml",
+        '[defaults]\nsize = "640x480"\nfps = 20',
+        '[[recording]]\nname = "rural"\nframes = "lists/frames.txt"',
+        '[truth]\npath = "truth.csv"',
+        '[[system]]\nname = "FIR"\npath = "fir.csv"\nthreshold = 0.5',
+        '[[system]]\nname = "NIR"\npath = "nir.csv"',
+        *more,
+    )
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+def written(folder: Path) -> dict:
+    return tomllib.loads((folder / "session.toml").read_text(encoding="utf-8"))
+
+
+# compare
+
+
+def test_compare_prints_inputs_audit_and_scorecard(folder: Path):
+    result = nvcore("compare", *flags(folder))
+    assert result.exit_code == 0, result.output
+    order = ["truth.csv (csv;", "Audit:", "X = fir, all scores", "both 1, only X 1"]
+    places = [result.stdout.index(text) for text in order]
+    assert places == sorted(places)
+
+
+def test_out_writes_the_report_and_says_where(folder: Path, tmp_path: Path):
+    result = nvcore("compare", *flags(folder), "--out", tmp_path / "a")
+    assert len(contents(tmp_path / "a")) == 10
+    assert f"written to {tmp_path / 'a'}" in result.stderr
+
+
+def test_json_prints_the_summary_and_nothing_else_on_stdout(folder: Path):
+    result = nvcore("compare", *flags(folder), "--json")
+    summary = json.loads(result.stdout)
+    for letter in "xy":
+        assert {"saliency", "mean_similarity", "min_similarity"} <= set(summary[letter])
+    assert set(summary["venn"]) == {"both", "x_only", "y_only", "neither", "distant"}
+    assert "Audit:" in result.stderr
+
+
+def test_the_report_s_summary_is_what_json_prints(folder: Path, tmp_path: Path):
+    result = nvcore("compare", *flags(folder), "--json", "--out", tmp_path / "a")
+    assert contents(tmp_path / "a")["summary.json"].decode() == result.stdout
+
+
+def test_the_written_session_gives_the_same_bytes_elsewhere(folder: Path, tmp_path: Path):
+    nvcore("compare", *flags(folder), "--iou", 0.4, "--out", tmp_path / "a")
+    nvcore("compare", tmp_path / "a" / "session.toml", "--out", tmp_path / "far" / "b")
+    assert contents(tmp_path / "far" / "b") == contents(tmp_path / "a")
+
+
+def test_relative_flags_mean_the_same_from_another_folder(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    write(folder / "frames.txt", "1", "2", "3")
+    monkeypatch.chdir(folder)
+    nvcore("compare", "--truth", "truth.csv", "--x", "f*.csv", "--y", "./nir.csv", *FACTS,
+           "--frames", "frames.txt", "--out", tmp_path / "a")  # fmt: skip
+    monkeypatch.chdir(tmp_path)
+    nvcore("compare", "a/session.toml", "--out", "b")
+    assert contents(tmp_path / "b") == contents(tmp_path / "a")
+    assert json.loads(contents(tmp_path / "b")["summary.json"])["frames"] == 6
+
+
+def test_a_session_with_relative_paths_gives_the_same_bytes_elsewhere(folder: Path, tmp_path: Path):
+    nvcore("compare", session(folder), "--out", tmp_path / "a")
+    nvcore("compare", tmp_path / "a" / "session.toml", "--out", tmp_path / "far" / "b")
+    assert contents(tmp_path / "far" / "b") == contents(tmp_path / "a")
+    assert json.loads(contents(tmp_path / "a")["summary.json"])["frames"] == 30
+
+
+def test_a_mot_folder_gives_the_same_bytes_elsewhere(tmp_path: Path):
+    mot = mot_layout(tmp_path / "mot")
+    nvcore("compare", "--truth", mot, "--x", mot, "--y", mot, "--out", tmp_path / "a")
+    nvcore("compare", tmp_path / "a" / "session.toml", "--out", tmp_path / "b")
+    assert contents(tmp_path / "b") == contents(tmp_path / "a")
+    assert [one["name"] for one in written(tmp_path / "a")["system"]] == ["mot", "mot (2)"]
+
+
+def test_a_report_may_be_written_over_itself(folder: Path, tmp_path: Path):
+    nvcore("compare", *flags(folder), "--out", tmp_path / "a")
+    before = contents(tmp_path / "a")
+    assert nvcore("compare", tmp_path / "a/session.toml", "--out", tmp_path / "a").exit_code == 0
+    assert contents(tmp_path / "a") == before
+
+
+def test_a_report_does_not_replace_a_session_that_somebody_wrote(folder: Path):
+    before = session(folder).read_bytes()
+    result = nvcore("compare", folder / "session.toml", "--out", folder)
+    assert result.exit_code == 2
+    assert "would replace the session file; give another --out" in result.stderr
+    assert (folder / "session.toml").read_bytes() == before
+
+
+def test_a_changed_input_is_reported(folder: Path, tmp_path: Path):
+    nvcore("compare", *flags(folder), "--out", tmp_path / "a")
+    with (folder / "nir.csv").open("a") as stream:
+        stream.write("rural,5,500,200,40,100,0.65\n")
+    again = nvcore("compare", tmp_path / "a" / "session.toml")
+    assert "nir: The input has changed since the session file was written." in again.stdout
+    assert again.exit_code == 0
+    assert nvcore("compare", tmp_path / "a" / "session.toml", "--strict").exit_code == 1
+
+
+# parameters
+
+OTHER = {
+    "alpha": 0.7, "edge_weight": 0.5, "midpoint": 30.0, "spread": 5.0, "midpoint_m": 20.0,
+    "spread_m": 3.0, "horizon": 150.0, "threshold_x": 0.8, "threshold_y": 0.6, "iou": 0.3,
+    "lateral_tolerance": 0.1, "coverage": 0.9, "lag_s": 0.2, "gap_s": 0.2, "low": 0.8,
+    "window": 0.5, "tolerance": 0.2, "recency_midpoint": 0.7, "recency_spread": 0.2,
+    "distance": "ground", "proximity": "none", "match": "lateral", "saliency_aggregate": "sum",
+    "saliency_scope": "encounter",
+}  # fmt: skip
+"""Another value than the default for every live parameter."""
+
+
+def test_every_live_parameter_has_another_value_here():
+    assert set(OTHER) == {spec.name for spec in fields(Params)}
+
+
+def test_every_live_parameter_is_a_flag_and_stands_in_the_written_session(
+    folder: Path, tmp_path: Path
+):
+    given = [str(one) for name, value in OTHER.items() for one in (flag_of(name), value)]
+    result = nvcore("compare", *flags(folder), *given, "--out", tmp_path / "a")
+    assert result.exit_code == 0, result.output
+    assert written(tmp_path / "a")["parameters"] == OTHER
+
+
+def test_flags_go_before_the_parameters_of_the_session(folder: Path, tmp_path: Path):
+    file = session(folder, "[parameters]\nalpha = 0.5\niou = 0.3\nthreshold_x = 0.6")
+    nvcore("compare", file, "--alpha", 0.8, "--out", tmp_path / "a")
+    parameters = written(tmp_path / "a")["parameters"]
+    assert (parameters["alpha"], parameters["iou"], parameters["threshold_x"]) == (0.8, 0.3, 0.6)
+
+
+def test_thresholds_are_applied(folder: Path):
+    low, high = (
+        json.loads(nvcore("compare", *flags(folder), "--json", *more).stdout)["x"]["detections"]
+        for more in ((), ("--threshold-x", "0.85"))
+    )
+    # scores 0.90, 0.89, ... 0.71 in two recordings
+    assert (low, high) == (40, 12)
+
+
+# facts by flag for a session
+
+
+def test_size_fps_and_frames_by_flag_go_before_the_session(folder: Path, tmp_path: Path):
+    file = session(folder, "[[recording]]\nname='urban'\nwidth=100\nheight=100\nfps=5")
+    nvcore("compare", file, "--size", "1280x960", "--fps", 10, "--frames", "0:3",
+           "--out", tmp_path / "a")  # fmt: skip
+    table = contents(tmp_path / "a")["recordings.csv"].decode().splitlines()
+    assert [line.split(",")[:5] for line in table[1:]] == [
+        ["urban", "1280", "960", "10", "4"], ["rural", "1280", "960", "10", "4"],
+    ]  # fmt: skip
+
+
+def test_a_session_alone_keeps_what_it_says_of_a_recording(folder: Path, tmp_path: Path):
+    file = session(folder, "[[recording]]\nname='urban'\nwidth=100\nheight=100\nfps=5")
+    nvcore("compare", file, "--out", tmp_path / "a")
+    line = contents(tmp_path / "a")["recordings.csv"].decode().splitlines()[1]
+    assert line.startswith("urban,100,100,5,")
+
+
+def test_names_choose_among_the_systems_of_a_session(folder: Path):
+    result = nvcore("compare", session(folder), "--name-x", "NIR")
+    assert "X = NIR, all scores\nY = FIR, score >= 0.5" in result.stdout
+
+
+def test_names_name_the_systems_of_flags(folder: Path):
+    result = nvcore("compare", *flags(folder, "--name-x", "warm", "--name-y", "bright"))
+    assert "X = warm, all scores\nY = bright, all scores" in result.stdout
+
+
+CORRECTIONS = ("--offset-frames-y", 1, "--offset-px-y", "2,-3.5", "--scale-y", "2",
+               "--scale-x", "1,0.5")  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", ["flags", "session"])
+def test_corrections_by_flag_reach_the_boxes_and_the_written_session(
+    folder: Path, tmp_path: Path, kind: str
+):
+    inputs = flags(folder) if kind == "flags" else [session(folder)]
+    result = nvcore("compare", *inputs, *CORRECTIONS, "--out", tmp_path / "a")
+    assert "coordinates scaled by 2, 2; boxes moved by 2, -3.5 px; frame numbers moved by +1" in (
+        result.stdout
+    )
+    x, y = written(tmp_path / "a")["system"]
+    assert (x["scale"], "offset_px" in x) == ([1.0, 0.5], False)
+    assert (y["offset_frames"], y["offset_px"], y["scale"]) == (1, [2.0, -3.5], 2.0)
+
+
+def test_a_correction_goes_to_the_system_that_is_chosen(folder: Path, tmp_path: Path):
+    file = session(folder, '[compare]\nx = "NIR"\ny = "FIR"')
+    nvcore("compare", file, "--offset-frames-x", 1, "--out", tmp_path / "a")
+    fir, nir = written(tmp_path / "a")["system"]
+    assert ("offset_frames" in fir, nir["offset_frames"]) == (False, 1)
+
+
+def test_a_correction_of_a_system_that_cannot_be_told_is_refused(folder: Path):
+    file = session(folder, '[compare]\nx = "NIR"')
+    result = nvcore("compare", file, "--offset-frames-y", 1)
+    assert result.exit_code == 2
+    assert "cannot tell which system of the session is Y" in result.stderr
+
+
+@pytest.mark.parametrize(
+    "given",
+    [("--format", "csv"), ("--format-truth", "csv"), ("--format-x", "csv"), ("--format-y", "csv"),
+     ("--classes", "person"), ("--frame-base", "0"), ("--box-base", "1")],
+)  # fmt: skip
+def test_flags_for_reading_files_are_refused_beside_a_session(folder: Path, given: tuple[str, str]):
+    result = nvcore("compare", session(folder), *given)
+    assert result.exit_code == 2
+    assert f"{given[0]} is for files named by flags; in a session file write it" in result.stderr
+
+
+def test_formats_by_flag_are_taken(folder: Path, tmp_path: Path):
+    nvcore("compare", *flags(folder), "--format", "csv", "--format-y", "csv", "--frame-base", 0,
+           "--classes", "person, child", "--out", tmp_path / "a")  # fmt: skip
+    truth = written(tmp_path / "a")["truth"]
+    assert (truth["format"], truth["frame_base"]) == ("csv", 0)
+    assert truth["classes"] == ["person", "child"]
+
+
+# exit codes
+
+BAD = [
+    ((), "give a session file, or --truth, --x and --y"),
+    (("--truth", "truth.csv", "--x", "fir.csv"), "to audit a single system use nvcore check"),
+    (("no.toml",), "no.toml: cannot be opened (No such file or directory)"),
+    (("truth.csv",), "truth.csv: is not TOML"),
+    (("s.toml", "--truth", "truth.csv"), "give a session file or --truth, --x and --y, not both"),
+    (("GOOD", "--size", "640"), "--size: expected a size such as 640x480, got '640'"),
+    (("GOOD", "--fps", "0"), "fps: expected a positive number, found 0"),
+    (("GOOD", "--fps", "nan"), "fps: expected a positive number, found nan"),
+    (("GOOD", "--alpha", "2"), "alpha: expected 0 to 1, got 2"),
+    (("GOOD", "--match", "best"), "'best' is not one of 'iou', 'lateral'"),
+    (("GOOD", "--frames", "9:1"), "frames '9:1': expected first:last[:step]"),
+    (("GOOD", "--frames", "no.txt"), "cannot be read as a frame list"),
+    (("GOOD", "--format", "vbb"), "there is no format 'vbb'; the formats are bbgt"),
+    (("GOOD", "--classes", ","), "classes: expected names or numbers of classes"),
+    (("GOOD", "--scale-x", "0"), "scale: expected a positive number, found 0"),
+    (("GOOD", "--scale-x", "1,2,3"), "expected one number, or two with a comma between"),
+    (
+        ("GOOD", "--scale-y", "wide"),
+        "expected one number, or two with a comma between, found 'wide'",
+    ),
+    (("GOOD", "--offset-px-x", "3"), "expected two numbers with a comma between, found '3'"),
+    (("GOOD", "--offset-px-x", "nan,1"), "offset_px: expected a finite number, found nan"),
+    (("GOOD", "--offset-frames-y", "9" * 30), "offset_frames: expected at most 1000000"),
+    (("GOOD", "--truth", "no.csv"), "no.csv: there is no such file or folder"),
+    (("GOOD", "--x", "*.json"), "*.json: no file matches this pattern"),
+    (("GOOD", "--x", "broken.csv"), "broken.csv, line 2: "),
+    (("--truth", "tale.txt", "--x", "a", "--y", "b"), "tale.txt: no reader recognises this as tr"),
+    (("GOOD", "--out", "truth.csv"), "Directory 'truth.csv' is a file"),
+    (("GOOD", "--alfa", "1"), "No such option '--alfa'"),
+]
+
+
+@pytest.mark.parametrize(("arguments", "words"), BAD, ids=[words for _, words in BAD])
+def test_bad_input_gives_exit_code_2_and_one_line(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, arguments: tuple[str, ...], words: str
+):
+    monkeypatch.chdir(folder)
+    write(folder / "broken.csv", "recording,frame,x,y,w,h,score", "urban,zero,1,1,1,1,1")
+    write(folder / "tale.txt", "once upon a time")
+    good = ("--truth", "truth.csv", "--x", "fir.csv", "--y", "nir.csv", *FACTS)
+    given = [part for one in arguments for part in (good if one == "GOOD" else (one,))]
+    result = nvcore("compare", *given)
+    assert result.exit_code == 2
+    (error,) = [line for line in result.stderr.splitlines() if line.startswith("Error: ")]
+    assert words in error
+    assert result.stderr.endswith(error + "\n")
+    assert result.stdout == ""
+
+
+def test_an_error_of_the_audit_gives_exit_code_1_after_the_scorecard(folder: Path):
+    # every box of X lies in fractions of the picture
+    lines = (folder / "fir.csv").read_text().splitlines()
+    rows = [line.split(",") for line in lines[1:]]
+    write(folder / "fir.csv", lines[0], *(",".join([*r[:2], "0.1", "0.1", "0.2", "0.3", r[6]])
+                                          for r in rows))  # fmt: skip
+    result = nvcore("compare", *flags(folder))
+    assert result.exit_code == 1
+    assert "Audit: 1 error" in result.stdout
+    assert "X = fir" in result.stdout
+
+
+# check
+
+
+def test_check_audits_without_scoring(folder: Path):
+    result = nvcore("check", *flags(folder), "--threshold-x", 0.8)
+    assert result.exit_code == 0
+    assert "Audit:" in result.stdout
+    assert "similarity" not in result.stdout.split("Audit:")[0]
+    assert "X = " not in result.stdout
+
+
+def test_check_needs_only_one_system(folder: Path):
+    arguments = ("--truth", folder / "truth.csv", "--x", folder / "fir.csv", *FACTS)
+    assert nvcore("check", *arguments).exit_code == 0
+
+
+def test_check_without_a_system_says_what_to_give(folder: Path):
+    result = nvcore("check", "--truth", folder / "truth.csv")
+    assert result.exit_code == 2
+    assert "give a session file, or --truth and --x; one system is enough" in result.stderr
+
+
+def test_check_with_strict_gives_exit_code_1_on_warnings(folder: Path):
+    file = session(folder, '[written.sha256]\ntruth = "0"')
+    assert nvcore("check", file).exit_code == 0
+    assert nvcore("check", file, "--strict").exit_code == 1

@@ -1,0 +1,55 @@
+"""The help of compare and check: every option under a heading."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import fields
+
+import click
+import pytest
+from inputs import nvcore
+
+from nvcore.cli import main
+from nvcore.cli.options import GroupedOption, flag_of
+from nvcore.params import Params
+
+
+def headings(command: str) -> dict[str, list[str]]:
+    """Flags of a command by the heading that they stand under."""
+    found: dict[str, list[str]] = {}
+    heading = ""
+    for line in nvcore(command, "--help").stdout.splitlines():
+        if re.fullmatch(r"[A-Z][\w ]+:", line):
+            heading = line.rstrip(":")
+        flag = re.match(r"  (?:-h, )?(--[a-z-]+)", line)
+        if flag:
+            found.setdefault(heading, []).append(flag[1])
+    return found
+
+
+def test_the_headings_of_compare_go_from_inputs_to_settings():
+    assert list(headings("compare")) == [
+        "Inputs", "How files are read", "What the files do not say", "Corrections", "Output",
+        "Detection figures", "Similarity", "Proximity", "Thresholds and matching", "Encounters",
+        "Saliency", "Other",
+    ]  # fmt: skip
+
+
+def test_every_parameter_stands_under_its_group():
+    found = headings("compare")
+    for spec in fields(Params):
+        assert flag_of(spec.name) in found[spec.metadata["group"]]
+
+
+@pytest.mark.parametrize("command", ["compare", "check"])
+def test_only_help_stands_under_other(command: str):
+    assert headings(command)["Other"] == ["--help"]
+    options = [one for one in main.commands[command].params if isinstance(one, click.Option)]
+    assert all(isinstance(one, GroupedOption) for one in options)
+
+
+@pytest.mark.parametrize("command", ["compare", "check"])
+def test_no_option_is_lost_or_shown_twice(command: str):
+    shown = [flag for flags in headings(command).values() for flag in flags]
+    known = [one.opts[0] for one in main.commands[command].params if isinstance(one, click.Option)]
+    assert sorted(shown) == sorted([*known, "--help"])

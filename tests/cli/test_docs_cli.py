@@ -1,0 +1,98 @@
+"""docs/cli.md shows the program's own help, and its examples work.
+
+``python tests/test_docs_cli.py`` writes the help texts of the page anew.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+from places import ROOT
+
+from nvcore.cli import main
+
+PAGE = ROOT / "docs" / "cli.md"
+SECTION = re.compile(r"^## (nvcore.*?)$(.*?)(?=^## |\Z)", re.DOTALL | re.MULTILINE)
+HELP = re.compile(r"^```text\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+EXAMPLES = re.compile(r"^```console\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+
+
+def sections() -> dict[str, str]:
+    """Text of each command's section by its name."""
+    return dict(SECTION.findall(PAGE.read_text(encoding="utf-8")))
+
+
+def help_of(name: str) -> str:
+    """What the command prints on a terminal of 100 columns, of which click leaves 2 free."""
+    arguments = [*name.split()[1:], "--help"]
+    result = CliRunner().invoke(main, arguments, prog_name="nvcore", terminal_width=98)
+    assert result.exit_code == 0, result.output
+    return result.stdout
+
+
+def examples() -> list[str]:
+    text = PAGE.read_text(encoding="utf-8")
+    return [line for block in EXAMPLES.findall(text) for line in block.splitlines()]
+
+
+def test_every_command_has_its_section_in_the_order_of_the_help():
+    assert list(sections()) == ["nvcore", *(f"nvcore {name}" for name in main.commands)]
+
+
+@pytest.mark.parametrize("name", ["nvcore", *(f"nvcore {name}" for name in main.commands)])
+def test_the_page_shows_the_command_s_help(name: str):
+    assert HELP.findall(sections()[name]) == [help_of(name)]
+
+
+@pytest.mark.parametrize("name", ["nvcore", *(f"nvcore {name}" for name in main.commands)])
+def test_the_help_fits_a_terminal_of_100_columns(name: str):
+    assert max(len(line) for line in help_of(name).splitlines()) <= 100
+
+
+def test_the_page_is_what_a_terminal_of_100_columns_shows():
+    run = subprocess.run(
+        [sys.executable, "-m", "nvcore", "convert", "--help"],
+        capture_output=True, text=True, cwd=ROOT, env={**os.environ, "COLUMNS": "100"},
+    )  # fmt: skip
+    # started by -m the program has another name in the first line
+    assert run.stdout.splitlines()[1:] == help_of("nvcore convert").splitlines()[1:]
+
+
+def test_the_examples_work_in_their_order(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    if not (ROOT / "sample_data" / "session.toml").is_file():
+        pytest.skip("sample_data has not been generated")
+    for name in ("session.toml", "truth.csv", "fir.csv", "nir.csv"):
+        (tmp_path / "sample_data").mkdir(exist_ok=True)
+        (tmp_path / "sample_data" / name).write_bytes((ROOT / "sample_data" / name).read_bytes())
+    monkeypatch.chdir(tmp_path)
+    failed = {}
+    for line in examples():
+        result = CliRunner().invoke(main, shlex.split(line)[1:])
+        if result.exit_code:
+            failed[line] = result.output[-500:]
+    assert not failed
+    assert (tmp_path / "again" / "frames.csv").read_bytes() == (
+        tmp_path / "report" / "frames.csv"
+    ).read_bytes()
+
+
+def written_anew() -> str:
+    """The page with the help of today."""
+
+    def section(found: re.Match[str]) -> str:
+        help_text = help_of(found[1])
+        body = HELP.sub(lambda _: f"```text\n{help_text}```", found[2])
+        return f"## {found[1]}{body}"
+
+    return SECTION.sub(section, PAGE.read_text(encoding="utf-8"))
+
+
+if __name__ == "__main__":
+    PAGE.write_text(written_anew(), encoding="utf-8")

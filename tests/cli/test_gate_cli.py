@@ -1,0 +1,320 @@
+"""``nvcore gate``: exit codes, what is written and printed, and what is never written over."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+from click.testing import CliRunner
+from inputs import drive, flags, nvcore, write
+from places import DATA
+
+from nvcore.cli import main
+
+SAMPLE = DATA.parents[1] / "sample_data" / "session.toml"
+HOLDS = ("--rule", "encounters == 2")
+"""A rule that holds for `drive`: two pedestrians, FIR (X) detects both, NIR (Y) the urban one."""
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """The files of `drive`."""
+    return drive(tmp_path / "drive")
+
+
+def swapped(folder: Path, *more: object) -> list[object]:
+    """Flags that compare NIR as X with FIR as Y, which has no false alarm."""
+    given = flags(folder, *more)
+    x, y = given.index("--x"), given.index("--y")
+    given[x], given[y] = "--y", "--x"
+    return [*given]
+
+
+def with_a_box_without_area(folder: Path) -> Path:
+    """The files with a row of NIR that the audit calls an error."""
+    with (folder / "nir.csv").open("a") as file:
+        file.write("urban,3,10,10,0,5,0.9\n")
+    return folder
+
+
+def suite_of(file: Path) -> ElementTree.Element:
+    return ElementTree.parse(file).getroot().find("testsuite")
+
+
+def test_the_command_fails_with_the_rules_that_do_not_hold(tmp_path: Path):
+    rules = write(tmp_path / "rules.txt", "new_misses == 8  # X alone detects 8", "lamr_x <= 0.10")
+    written = ["--junit", tmp_path / "ci" / "gate.xml", "--markdown", tmp_path / "gate.md"]
+    ran = nvcore("gate", SAMPLE, "--rules", rules, "--rule", "lamr_difference < 0", *written)
+    assert ran.exit_code == 1, ran.output
+    judged = [line for line in ran.stdout.splitlines() if line[:6] in ("passed", "FAILED")]
+    assert [line[:6] for line in judged] == ["passed", "passed", "FAILED", "passed"]
+    assert "FAILED  lamr_x <= 0.10  (lamr_x is 0.627" in ran.stdout
+    assert suite_of(tmp_path / "ci" / "gate.xml").attrib["failures"] == "1"
+    assert "1 of 4 rules failed" in (tmp_path / "gate.md").read_text()
+
+
+def test_the_command_passes_where_all_rules_hold():
+    ran = nvcore("gate", SAMPLE, "--rule", "encounters == 38", "--rule", "mcnemar_p > 0.5")
+    assert ran.exit_code == 0, ran.output
+
+
+def test_a_failed_rule_names_the_pedestrians_everywhere(folder: Path):
+    files = (folder / "gate.xml", folder / "gate.md")
+    ran = nvcore("gate", *flags(folder), "--rule", "new_misses == 0",
+                 "--junit", files[0], "--markdown", files[1])  # fmt: skip
+    assert ran.exit_code == 1
+    whom = "rural, track 1, frames 0 to 19"
+    assert f"FAILED  new_misses == 0  (new_misses is 1)\n        {whom}\n" in ran.stdout
+    assert suite_of(files[0]).find("testcase/failure").text.endswith(f"\n{whom}")
+    assert f"\n- {whom}\n" in files[1].read_text()
+
+
+def test_nothing_to_miss_passes_no_rule(tmp_path: Path):
+    for name in ("truth", "fir", "nir"):
+        write(tmp_path / f"{name}.csv", "frame,x,y,w,h,score", "1,5,5,10,20,0.5")
+    write(tmp_path / "truth.csv", "frame,x,y,w,h,ignore", "1,5,5,10,20,1")
+    ran = nvcore("gate", *flags(tmp_path), "--rule", "new_misses == 0")
+    assert ran.exit_code == 1, ran.output
+    assert "new_misses is undefined" in ran.stdout
+
+
+def test_a_candidate_without_false_alarms_passes_a_rule_that_allows_it(folder: Path):
+    rule = "longest_episode_s_y <= 1"
+    strict = nvcore("gate", *swapped(folder), "--rule", rule)
+    assert strict.exit_code == 1
+    assert "longest_episode_s_y is undefined; add 'or undefined' to the rule" in strict.stdout
+    assert nvcore("gate", *swapped(folder), "--rule", f"{rule} or undefined").exit_code == 0
+    assert nvcore("gate", *flags(folder), "--rule", f"{rule} or undefined").exit_code == 0
+    assert nvcore("gate", *flags(folder), "--rule", "longest_episode_s_y > 1 or undefined"
+                  ).exit_code == 1  # fmt: skip
+
+
+def test_an_error_of_the_audit_fails_the_gate(folder: Path):
+    files = (folder / "gate.xml", folder / "gate.md")
+    ran = nvcore("gate", *flags(with_a_box_without_area(folder)), *HOLDS,
+                 "--junit", files[0], "--markdown", files[1])  # fmt: skip
+    assert ran.exit_code == 1
+    assert ran.stdout.startswith("Audit: 1 error")
+    assert "passed  encounters == 2" in ran.stdout
+    assert "FAILED  audit_errors == 0  (audit_errors is 1)" in ran.stdout
+    suite = suite_of(files[0])
+    assert (suite.attrib["tests"], suite.attrib["failures"]) == ("2", "1")
+    failed = suite.find("testcase[@name='audit_errors == 0']/failure")
+    assert "nir: 1 row is left out: the width or height is 0 or less." in failed.text
+    assert "### Audit: 1 error" in files[1].read_text()
+
+
+def test_a_rule_says_how_many_errors_of_the_audit_are_fine(folder: Path):
+    ran = nvcore("gate", *flags(with_a_box_without_area(folder)), "--rule", "audit_errors <= 1")
+    assert ran.exit_code == 0
+    assert ran.stdout.startswith("Audit: 1 error")
+
+
+def test_a_warning_of_the_audit_is_shown_and_fails_a_strict_gate(folder: Path):
+    same = [*flags(folder), *HOLDS, "--junit", folder / "gate.xml"]
+    same[same.index(str(folder / "nir.csv"))] = folder / "fir.csv"
+    ran = nvcore("gate", *same)
+    assert ran.exit_code == 0, ran.output
+    assert "have exactly the same 40 boxes" in ran.stdout
+    assert "have exactly the same 40 boxes" in suite_of(folder / "gate.xml").find("system-out").text
+    strict = nvcore("gate", *same, "--strict")
+    assert strict.exit_code == 1
+    assert "FAILED  audit_warnings == 0  (audit_warnings is 3)" in strict.stdout
+
+
+def test_the_list_says_undefined_where_a_figure_is(folder: Path):
+    ran = nvcore("gate", *flags(folder), "--list")
+    assert ran.exit_code == 0
+    values = dict(line.split() for line in ran.stdout.splitlines())
+    assert values["longest_episode_s_x"] == "undefined"
+    assert (values["new_misses"], values["venn.both"], values["frames"]) == ("1", "1", "40")
+    assert "nan" not in values.values()
+    assert "Audit: " in ran.stderr
+
+
+def test_the_protocol_changes_the_figures_of_the_curve():
+    every = nvcore("gate", SAMPLE, "--list").stdout
+    near = nvcore("gate", SAMPLE, "--list", "--protocol", "near").stdout
+    differing = {
+        one.split()[0] for one, other in zip(every.splitlines(), near.splitlines(), strict=True)
+        if one != other
+    }  # fmt: skip
+    assert "lamr_x" in differing
+    assert "mean_similarity_x" not in differing
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ([], "give a rule: --rule 'lamr_y <= 0.10'"),
+        (["--rule", "lamr_x"], "expected a figure"),
+        (["--rule", "nothing_x < 1"], "there is no figure 'nothing_x'"),
+        (["--rule", "lamr_x < 1", "--protocol", "best"], "'best' is not one of"),
+        (["--rules", "absent.txt"], "absent.txt: the rules cannot be read (No such file"),
+        (["--list", "--junit", "-"], "only one of --list, --junit - and --markdown - can be"),
+        (["--junit", "a", "--markdown", "./a"], "expected two files, found the same twice"),
+    ],
+)
+def test_what_cannot_be_judged_is_bad_input(arguments, words, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    ran = nvcore("gate", SAMPLE, *arguments)
+    assert ran.exit_code == 2
+    assert words in ran.output
+
+
+def test_all_wrong_rules_are_told_at_once_with_file_and_line(tmp_path: Path):
+    rules = write(
+        tmp_path / "rules.txt", "# nightly", "new_misses = 0", "encounters > 1", "lmr_y < 1"
+    )
+    ran = nvcore("gate", SAMPLE, "--rules", rules, "--rule", "saliency")
+    assert ran.exit_code == 2
+    told = ran.stderr.splitlines()
+    assert "Error: --rule: 'saliency': expected a figure" in told[0]
+    assert f"{rules}, line 2: 'new_misses = 0'" in told[1]
+    assert told[1].endswith("did you mean 'new_misses == 0'?")
+    assert f"{rules}, line 4: 'lmr_y < 1': there is no figure 'lmr_y'; did you mean" in told[2]
+    assert len(told) == 3
+
+
+def test_a_file_without_rules_is_told(tmp_path: Path):
+    ran = nvcore("gate", SAMPLE, "--rules", write(tmp_path / "rules.txt", "# none"))
+    assert ran.exit_code == 2
+    assert "the file of rules holds none" in ran.stderr
+
+
+def test_rules_may_begin_with_a_byte_order_mark_and_must_be_utf_8(folder: Path):
+    rules = folder / "rules.txt"
+    rules.write_bytes(b"\xef\xbb\xbfencounters == 2\n")
+    assert nvcore("gate", *flags(folder), "--rules", rules).exit_code == 0
+    rules.write_bytes(b"encounters == 2 # \xe9\n")
+    ran = nvcore("gate", *flags(folder), "--rules", rules)
+    assert ran.exit_code == 2
+    assert "expected UTF-8 text" in ran.stderr
+
+
+@pytest.mark.parametrize(
+    ("flag", "beginning"), [("--junit", "<?xml"), ("--markdown", "## Gate: all rules passed")]
+)
+def test_rules_and_results_go_through_the_standard_streams(folder: Path, flag: str, beginning: str):
+    arguments = ["gate", *flags(folder), "--rules", "-", flag, "-"]
+    ran = CliRunner().invoke(main, arguments, input="encounters == 2\n")
+    assert ran.exit_code == 0
+    assert ran.stdout.startswith(beginning)
+    assert "passed  encounters == 2" not in ran.stdout
+    assert "passed  encounters == 2" in ran.stderr
+    failed = CliRunner().invoke(main, arguments, input="no rule\n")
+    assert failed.exit_code == 2
+    assert failed.stdout.startswith("<?xml" if flag == "--junit" else "## Gate: could not be run")
+    assert "standard input, line 1: 'no rule'" in failed.stderr
+
+
+@pytest.mark.parametrize(
+    ("wrong", "words"),
+    [
+        (["--rule", "lmr_y < 1"], "there is no figure 'lmr_y'"),
+        (["--y", "absent.csv"], "there is no such file"),
+        (["--size", "wide"], "expected a size"),
+        (["--protocol", "best"], "is not one of"),
+        (["--rul", "encounters > 0"], "No such option"),
+    ],
+)
+def test_of_a_gate_that_cannot_be_run_nothing_green_stays(folder: Path, wrong, words):
+    junit, text = folder / "gate.xml", folder / "gate.md"
+    written = [*HOLDS, "--junit", junit, f"--markdown={text}"]
+    assert nvcore("gate", *flags(folder), *written).exit_code == 0
+    assert suite_of(junit).attrib["errors"] == "0"
+    assert nvcore("gate", *flags(folder), *written, *wrong).exit_code == 2
+    assert suite_of(junit).attrib["errors"] == "1"
+    assert words in suite_of(junit).find("testcase/error").text
+    assert text.read_text().startswith("## Gate: could not be run\n")
+
+
+def test_a_gate_that_was_stopped_leaves_nothing_green(folder: Path, monkeypatch):
+    def stop(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("nvcore.cli.gate.compare_session", stop)
+    nvcore("gate", *flags(folder), *HOLDS, "--junit", folder / "gate.xml")
+    error = suite_of(folder / "gate.xml").find("testcase/error")
+    assert error.text == "it was stopped before it ended"
+
+
+def test_results_that_cannot_be_written_are_told(folder: Path):
+    write(folder / "file", "")
+    ran = nvcore("gate", *flags(folder), *HOLDS, "--junit", folder / "file" / "x.xml",
+                 "--markdown", folder / "gate.md")  # fmt: skip
+    assert ran.exit_code == 2
+    assert "cannot be written" in ran.stderr
+    assert "cannot be written" in (folder / "gate.md").read_text()
+
+
+def kept(folder: Path) -> dict[str, bytes]:
+    return {one.name: one.read_bytes() for one in folder.iterdir()}
+
+
+def linked(folder: Path) -> Path:
+    """The files of `drive` by other names, too, and a session file that names them all."""
+    os.link(folder / "fir.csv", folder / "hard.csv")
+    (folder / "soft.csv").symlink_to("nir.csv")
+    write(folder / "frames.txt", *map(str, range(20)))
+    write(folder / "0.png", "a picture")
+    write(folder / "rules.txt", "encounters == 2")
+    write(
+        folder / "session.toml",
+        '[defaults]\nsize = "640x480"\nfps = 20',
+        '[truth]\npath = "truth.csv"',
+        '[[recording]]\nname = "urban"\nframes = "frames.txt"\npictures = "."',
+        '[[system]]\npath = "fi*.csv"',
+        '[[system]]\npath = "nir.csv"',
+    )
+    return folder
+
+
+@pytest.mark.parametrize("flag", ["--junit", "--markdown"])
+@pytest.mark.parametrize(
+    "name",
+    ["truth.csv", "fir.csv", "hard.csv", "soft.csv", "missing/../truth.csv", "frames.txt", "0.png",
+     "rules.txt", "session.toml"],
+)  # fmt: skip
+def test_no_input_is_written_over(folder: Path, flag: str, name: str):
+    before = kept(linked(folder))
+    given = [folder / "session.toml", "--rules", folder / "rules.txt", flag, f"{folder}/{name}"]
+    ran = nvcore("gate", *given)
+    assert ran.exit_code == 2
+    assert f"{name} is an input, and would be replaced; give another file to write" in ran.stderr
+    assert kept(folder) == before
+
+
+def test_an_input_that_only_a_broken_session_names_is_not_written_over(folder: Path):
+    before = kept(linked(folder))
+    broken = write(folder.parent / "broken.toml", '[truth]\npath = "drive/truth.csv')
+    for given in ([broken], [*flags(folder), "--no-such-flag"]):
+        ran = nvcore("gate", *given, *HOLDS, "--markdown", folder / "truth.csv")
+        assert ran.exit_code == 2
+        assert kept(folder) == before
+
+
+def test_results_beside_the_inputs_may_be_written_again(folder: Path):
+    linked(folder)
+    given = [folder / "session.toml", *HOLDS, "--junit", folder / "gate.xml"]
+    assert nvcore("gate", *given).exit_code == 0
+    assert nvcore("gate", *given).exit_code == 0
+
+
+def test_compare_and_report_write_over_no_input(folder: Path):
+    text = (folder / "truth.csv").read_text()
+    write(folder / "summary.json", text)
+    write(folder / "truth.html", text)
+    before = kept(folder)
+    for command, truth, out in (
+        ("compare", "summary.json", folder),
+        ("report", "truth.html", folder / "truth.html"),
+    ):
+        given = [*flags(folder), "--format-truth", "csv", "--out", out]
+        given[given.index(str(folder / "truth.csv"))] = folder / truth
+        ran = nvcore(command, *given)
+        assert ran.exit_code == 2, ran.output
+        assert f"{truth} is an input, and would be replaced" in ran.stderr
+    assert kept(folder) == before

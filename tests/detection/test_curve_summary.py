@@ -1,0 +1,73 @@
+"""Figures of a curve in one place."""
+
+from dataclasses import fields, replace
+
+import numpy as np
+import pytest
+from curve_scenes import curve_of, random_dataset
+
+from nvcore.detection.curve_summary import SUMMARY_ROWS, CurveSummary, summarise_curve
+from nvcore.detection.curves import detection_curve
+from nvcore.params import Params
+
+
+def test_figures_by_hand():
+    found = summarise_curve(curve_of([1, 2], [0, 2], n_truth=2, n_images=100), 1.0)
+    # recall 0.5 at precision 1, then recall 1 at precision 0.5
+    assert found.average_precision == pytest.approx(0.5 * 1 + 0.5 * 0.5)
+    assert found.average_precision_coco == pytest.approx((51 * 1 + 50 * 0.5) / 101)
+    assert (found.best_f1, found.best_f1_threshold) == (pytest.approx(2 / 3), 1.0)
+    assert (found.recall, found.precision, found.fppi) == (0.5, 1, 0)
+    assert found.log_average_miss_rate == 0  # nothing is missed at FPPI 0.02
+    assert found.why_undefined is None
+
+
+def test_every_row_is_a_figure():
+    names = {field.name for field in fields(CurveSummary)}
+    assert {name for name, *_ in SUMMARY_ROWS} < names
+
+
+@pytest.mark.parametrize(
+    ("curve", "words"),
+    [
+        (curve_of([0], [3], n_truth=0), "no pedestrian"),
+        (curve_of([1], [3], n_truth=2, is_ranked=False), "no score"),
+    ],
+)
+def test_undefined_figures_are_nan_with_the_reason(curve, words):
+    found = summarise_curve(curve, None)
+    assert np.isnan(found.average_precision)
+    assert np.isnan(found.log_average_miss_rate)
+    assert found.why_undefined is not None
+    assert words in found.why_undefined
+
+
+def test_a_log_average_of_0_says_at_how_many_references_nobody_is_missed():
+    found = summarise_curve(curve_of([1, 2], [0, 2], n_truth=2, n_images=100), None)
+    assert found.n_zero_references == 7  # from 10^-1.5 = 0.032 on; FPPI 0.02 is below that
+    assert found.notes[0].startswith("0 at 7 of 9 references")
+    assert found.notes[1].startswith("the curve ends at 0.02 false positives per image")
+    whole = summarise_curve(curve_of([1], [100], n_truth=2, n_images=100), None)
+    assert whole.n_zero_references == 0
+
+
+@pytest.mark.parametrize(("threshold", "n"), [(None, 4), (0.5, 3), (0.51, 2), (0.9, 1)])
+def test_absorbed_detections_are_counted_at_the_threshold(threshold, n):
+    curve = replace(curve_of([1], [3], n_truth=2), absorbed_score=np.array([0.8, 0.5, np.nan, 0.1]))
+    assert summarise_curve(curve, threshold).n_absorbed == n
+
+
+def test_without_detections_nothing_is_found():
+    found = summarise_curve(curve_of([], [], n_truth=3), None)
+    assert (found.recall, found.fppi) == (0, 0)
+    assert np.isnan(found.best_f1)
+
+
+@pytest.mark.parametrize("share_scored", [1.0, 0.6, 0.0])
+def test_every_detection_is_right_wrong_or_absorbed(share_scored):
+    dataset = random_dataset(2, share_scored=share_scored)
+    curve = detection_curve(dataset, "x", Params())
+    found = summarise_curve(curve, None)
+    assert found.n_absorbed > 0
+    n = int(curve.tp[-1] + curve.fp[-1]) + found.n_absorbed
+    assert n == len(dataset.system("x"))

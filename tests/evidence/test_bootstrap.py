@@ -1,0 +1,157 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.stats import bootstrap, norm
+from scipy.stats import t as student
+
+from nvcore.evidence.bootstrap import MIN_UNITS, bootstrap_difference, count_units, ratio
+
+
+def rates(values: np.ndarray, size: float = 1.0) -> np.ndarray:
+    """Numerator and denominator of units of equal size."""
+    return np.column_stack([values * size, np.full(len(values), size)])
+
+
+def draw(seed: int, n: int) -> tuple[np.ndarray, np.ndarray]:
+    rng = np.random.default_rng(seed)
+    shared = rng.normal(0.8, 0.1, n)
+    return rates(shared + rng.normal(0.02, 0.02, n)), rates(shared + rng.normal(0, 0.02, n))
+
+
+def test_the_difference_is_of_the_figure_over_all_units() -> None:
+    x = np.array([[9, 10], [10, 30], *[[1, 1]] * 6])  # 25 / 46
+    y = np.array([[8, 10], [16, 30], *[[0, 1]] * 6])  # 24 / 46
+    found = bootstrap_difference(x, y)
+    assert (found.x, found.y) == (25 / 46, 24 / 46)
+    assert found.difference == pytest.approx(1 / 46)
+    assert found.low < found.difference < found.high
+    assert (found.n_units, found.n_resamples, found.confidence) == (8, 10_000, 0.95)
+    assert found.seed == 110360
+    assert (found.method, found.reason) == ("BCa bootstrap", "")
+
+
+def test_units_of_equal_size_give_scipy_s_interval_of_the_mean_difference() -> None:
+    x, y = draw(1, 30)
+    n = len(x)
+    level = 1 - 2 * norm.sf(student.isf(0.025, n - 1) * np.sqrt(n / (n - 1)))
+    expected = bootstrap(
+        (x[:, 0] - y[:, 0],), np.mean, confidence_level=level, n_resamples=10_000, method="BCa",
+        rng=np.random.default_rng(5),
+    ).confidence_interval  # fmt: skip
+    found = bootstrap_difference(x, y)
+    width = expected.high - expected.low
+    assert found.low == pytest.approx(expected.low, abs=0.03 * width)
+    assert found.high == pytest.approx(expected.high, abs=0.03 * width)
+
+
+def test_swapping_x_and_y_turns_the_sign() -> None:
+    x, y = draw(2, 12)
+    there, back = bootstrap_difference(x, y), bootstrap_difference(y, x)
+    assert there.difference == -back.difference
+    assert there.low == pytest.approx(-back.high, rel=1e-9)
+    assert there.high == pytest.approx(-back.low, rel=1e-9)
+
+
+def test_the_same_seed_gives_the_same_interval_and_another_one_nearly() -> None:
+    x, y = draw(3, 15)
+    first, again = bootstrap_difference(x, y), bootstrap_difference(x, y)
+    other = bootstrap_difference(x, y, seed=1)
+    assert first == again
+    assert other.low != first.low
+    assert other.low == pytest.approx(first.low, abs=0.05 * (first.high - first.low))
+
+
+def test_a_figure_of_a_whole_curve_can_be_resampled() -> None:
+    # rows: units; columns: thresholds; the figure is the smallest rate over the thresholds
+    rng = np.random.default_rng(4)
+    shape = (20, 5, 2)
+    x, y = rng.uniform(1, 2, shape), rng.uniform(1, 2, shape)
+    x[..., 0] *= 3
+
+    def least(sums: np.ndarray) -> np.ndarray:
+        return ratio(sums).min(axis=-1)
+
+    found = bootstrap_difference(x, y, least)
+    expected = (x.sum(0)[:, 0] / x.sum(0)[:, 1]).min() - (y.sum(0)[:, 0] / y.sum(0)[:, 1]).min()
+    assert found.difference == pytest.approx(expected)
+    assert 0 < found.low < expected < found.high
+
+
+def test_units_without_weight_change_nothing_but_the_draw() -> None:
+    x, y = draw(5, 40)
+    nothing = np.zeros((1, 2))
+    with_nothing = bootstrap_difference(np.vstack([x, nothing]), np.vstack([y, nothing]))
+    without = bootstrap_difference(x, y)
+    assert with_nothing.difference == without.difference
+    assert with_nothing.low == pytest.approx(without.low, abs=0.1 * (without.high - without.low))
+
+
+@pytest.mark.parametrize("n", [0, 1, MIN_UNITS - 1])
+def test_too_few_units_have_words_instead_of_an_interval(n: int) -> None:
+    x, y = draw(6, n)
+    found = bootstrap_difference(x, y)
+    assert np.isnan([found.low, found.high]).all()
+    expected = "undefined" if n == 0 else f"too few to resample: {n}, at least 8 are needed"
+    assert expected in found.reason
+    assert found.method == ""
+
+
+def test_equal_systems_have_words_instead_of_an_interval() -> None:
+    x, _ = draw(7, 12)
+    found = bootstrap_difference(x, x.copy())
+    assert found.difference == 0
+    assert np.isnan(found.low)
+    assert found.reason == "X and Y are the same in every unit"
+
+
+def test_the_same_difference_in_every_unit_is_no_interval_of_width_0() -> None:
+    x, _ = draw(8, 12)
+    found = bootstrap_difference(x, rates(x[:, 0] - 0.1))
+    assert np.isnan(found.low)
+    assert "differ by the same in every unit" in found.reason
+
+
+def test_a_figure_that_some_resamples_do_not_have_is_not_given() -> None:
+    # only one unit of ten has anything to count
+    x, y = np.zeros((10, 2)), np.zeros((10, 2))
+    x[0], y[0] = (3, 4), (1, 4)
+    found = bootstrap_difference(x, y)
+    assert found.difference == 0.5
+    assert np.isnan(found.low)
+    assert "undefined in some resamples" in found.reason
+
+
+def test_what_bca_cannot_correct_has_the_plain_interval_and_says_so() -> None:
+    # the figure of all units is far above that of any resample: no bias correction reaches it
+    x, y = draw(9, 20)
+
+    def jagged(sums: np.ndarray) -> np.ndarray:
+        return ratio(sums) + np.isclose(sums[..., 0], x[:, 0].sum(), rtol=1e-12) * 100
+
+    found = bootstrap_difference(x, y, jagged)
+    assert found.method == "percentile bootstrap"
+    assert found.difference > 99
+    assert found.low < found.high < 1
+
+
+def test_drawn_units_are_counted() -> None:
+    drawn = np.array([[0, 0, 2], [1, 2, 2]])
+    assert count_units(drawn, 3).tolist() == [[2, 0, 1], [0, 1, 2]]
+    assert count_units(drawn[0], 3).tolist() == [2, 0, 1]
+
+
+@pytest.mark.parametrize(("kind", "least"), [("normal", 0.92), ("exponential", 0.89)])
+@pytest.mark.parametrize("n", [8, 16])
+def test_intervals_hold_the_true_difference_about_as_often_as_they_say(
+    kind: str, least: float, n: int
+) -> None:
+    # of 400 intervals of 95 % some 380; the standard error of the share is 0.011
+    rng = np.random.default_rng(11)
+    draws = rng.normal(0, 1, (400, n)) if kind == "normal" else rng.exponential(1, (400, n)) - 1
+    held = 0
+    for differences in draws:
+        shared = rng.normal(5, 3, n)  # what recordings share falls out of the pairs
+        found = bootstrap_difference(rates(shared + differences), rates(shared), n_resamples=999)
+        held += found.low <= 0 <= found.high
+    assert least <= held / len(draws) <= 0.98

@@ -1,0 +1,234 @@
+from __future__ import annotations
+
+import time
+
+import numpy as np
+import pandas as pd
+import pytest
+from builders import Place, at, make_dataset, result_of
+from drives import by_figure, drives
+from scipy.signal import lfilter
+
+from nvcore.comparison import compare
+from nvcore.dataset import Dataset, dataset_from_tables
+from nvcore.evidence.block_length import block_length
+from nvcore.evidence.bootstrap import bootstrap_difference, ratio
+from nvcore.evidence.measures import COLUMNS, UnitFigure, judge_figure, significance_table
+from nvcore.evidence.paired_tests import sign_flip_test, swap_test
+from nvcore.evidence.units import STRETCH, find_units
+from nvcore.params import Params
+
+NUMBERS = ["x", "y", "difference", "low", "high", "p", "p_holm", "effect"]
+
+
+def reordered(dataset: Dataset, order: np.ndarray) -> Dataset:
+    """The same recordings in another order; all have 20 frames."""
+    n_frames = 20
+    new_place = np.argsort(order)
+    boxes, at_frame = dataset.boxes.copy(), dataset.boxes["frame_index"].to_numpy()
+    boxes["frame_index"] = new_place[at_frame // n_frames] * n_frames + at_frame % n_frames
+    recordings = dataset.recordings.iloc[order].reset_index(drop=True)
+    frames = [np.arange(n_frames)] * len(order)
+    return dataset_from_tables(recordings, frames, boxes, dataset.systems)
+
+
+def test_the_table_has_every_figure_with_its_evidence() -> None:
+    result = result_of(drives(12))
+    table = significance_table(result)
+    assert tuple(table.columns) == COLUMNS
+    assert table["figure"].tolist() == [
+        "encounters_detected", "encounters_detected_by_unit", "mean_similarity", "share_low",
+        "saliency", "false_alert_episodes_per_hour",
+    ]  # fmt: skip
+    assert (table["low"] < table["difference"]).all()
+    assert (table["difference"] < table["high"]).all()
+    assert table[NUMBERS].notna().all().all()
+    assert (table["p_holm"] >= table["p"]).all()
+    assert table["n"].tolist() == [60, 12, 12, 12, 12, 12]
+    assert table["unit"].tolist() == ["encounters", *["recordings"] * 5]
+    assert (table["note"] == "").all()
+
+
+def test_the_figures_are_those_of_the_scorecard() -> None:
+    result = result_of(drives(12))
+    table = by_figure(result)
+    for letter, system in (("x", result.x), ("y", result.y)):
+        assert table.loc["mean_similarity", letter] == pytest.approx(system.summary.mean)
+        assert table.loc["share_low", letter] == pytest.approx(system.summary.share_low)
+        assert table.loc["false_alert_episodes_per_hour", letter] == pytest.approx(
+            system.false_alarm_summary.episodes_per_hour
+        )
+        share = system.encounters["is_detected"].sum() / result.venn.n_near
+        assert table.loc["encounters_detected", letter] == pytest.approx(share)
+        assert table.loc["encounters_detected_by_unit", letter] == pytest.approx(share)
+    assert table.loc["encounters_detected", "p"] == result.exclusivity.mcnemar_p
+
+
+def test_p_of_similarity_is_the_sign_flip_test_of_the_recordings_traces() -> None:
+    result = result_of(drives(12))
+    difference = (result.x.similarity - result.y.similarity).reshape(12, 20).mean(axis=1)
+    row = by_figure(result).loc["mean_similarity"]
+    assert row["p"] == sign_flip_test(difference).p
+    assert row["effect"] == pytest.approx(difference.mean() / difference.std(ddof=1))
+    assert row["effect_name"] == "Cohen's d_z"
+
+
+def test_the_effect_of_units_of_different_length_has_the_sign_of_the_difference() -> None:
+    x = np.array([[90, 100], [1, 10], [2, 10], [1, 10], [3, 10], [2, 10]], dtype=float)
+    y = np.array([[50, 100], [2, 10], [4, 10], [3, 10], [5, 10], [4, 10]], dtype=float)
+    units = find_units(result_of(drives(6)))
+    row = judge_figure(UnitFigure("share", "share", "higher", x, y), units)
+    rows = np.arange(6)
+    parts = []  # pseudo-values, the plain way
+    whole = x[:, 0].sum() / x[:, 1].sum() - y[:, 0].sum() / y[:, 1].sum()
+    for i in rows:
+        a, b = x[rows != i], y[rows != i]
+        without = a[:, 0].sum() / a[:, 1].sum() - b[:, 0].sum() / b[:, 1].sum()
+        parts.append(6 * whole - 5 * without)
+    assert (x[:, 0] / x[:, 1] - y[:, 0] / y[:, 1]).mean() < 0 < row.difference
+    assert row.effect == pytest.approx(whole / np.std(parts, ddof=1))
+    assert row.effect > 0
+
+
+def test_swapping_x_and_y_turns_the_signs_and_nothing_else() -> None:
+    dataset = drives(12)
+    there = by_figure(compare(dataset, Params(), x="x", y="y"))
+    back = by_figure(compare(dataset, Params(), x="y", y="x"))
+    assert back["difference"].tolist() == pytest.approx((-there["difference"]).tolist())
+    assert back["low"].tolist() == pytest.approx((-there["high"]).tolist())
+    assert back["high"].tolist() == pytest.approx((-there["low"]).tolist())
+    assert back["p"].tolist() == pytest.approx(there["p"].tolist())
+    effects = [1 / there["effect"].iloc[0], *(-there["effect"].iloc[1:])]
+    assert back["effect"].tolist() == pytest.approx(effects)
+
+
+def test_the_order_of_the_recordings_changes_nothing() -> None:
+    dataset = drives(18)  # more than 16: random exchanges as well
+    order = np.random.default_rng(1).permutation(18)
+    there, back = (by_figure(result_of(one)) for one in (dataset, reordered(dataset, order)))
+    assert not np.array_equal(order, np.arange(18))
+    for name in NUMBERS:
+        assert back[name].tolist() == pytest.approx(there[name].tolist(), rel=1e-9), name
+
+
+def test_the_same_input_gives_the_same_table() -> None:
+    first, again = (significance_table(result_of(drives(9))) for _ in range(2))
+    pd.testing.assert_frame_equal(first, again)
+
+
+def test_one_recording_is_judged_by_blocks_and_says_what_that_means() -> None:
+    rng = np.random.default_rng(0)
+    n = 600
+    is_lost = np.repeat(rng.random(n // 10) < 0.3, 10)
+    truth = [at(frame, 50, track=frame // 10) for frame in range(n)]
+    y = [at(frame, 50) for frame in range(n) if not is_lost[frame]]
+    table = by_figure(result_of(make_dataset(truth, truth, y, n_frames=n)))
+    row = table.loc["mean_similarity"]
+    assert row["unit"] == "blocks"
+    assert row["low"] > 0
+    assert "one recording only: this says nothing of other recordings" in row["note"]
+    saliency = table.loc["saliency"]
+    assert saliency[["low", "high", "p"]].isna().all()
+    assert saliency["y"] > saliency["x"] == 0
+    assert "cannot be shared out to blocks" in saliency["note"]
+    summed = result_of(make_dataset(truth, truth, y, n_frames=n), saliency_aggregate="sum")
+    row = by_figure(summed).loc["saliency"]
+    assert row["y"] == pytest.approx(summed.y.saliency_s)
+    assert row["high"] < 0
+
+
+def test_a_short_recording_has_words_instead_of_figures() -> None:
+    truth = [at(frame, 50, track=1) for frame in range(6)]
+    table = by_figure(result_of(make_dataset(truth, truth[:2], truth[:4], n_frames=6)))
+    assert table[["low", "high", "p", "p_holm"]].isna().all().all()
+    assert table["effect"].iloc[1:].isna().all()  # of a few blocks it says nothing
+    assert table["note"].str.contains("too few").sum() >= 4
+    assert (table["method"] == "").all()
+    assert table["difference"].notna().all()
+
+
+def test_without_frames_nothing_is_invented() -> None:
+    table = by_figure(result_of(make_dataset(n_frames=0)))
+    assert table[["low", "high", "p", "p_holm", "effect"]].isna().all().all()
+    assert (table["note"] != "").all()
+
+
+def test_equal_systems_are_said_to_be_the_same() -> None:
+    truth = [at(f, 50, track=1, recording=r) for r in range(10) for f in range(5)]
+    dataset = make_dataset(truth, truth[::2], truth[::2], places=[Place(range(5))] * 10)
+    table = by_figure(result_of(dataset))
+    assert (table["difference"] == 0).all()
+    assert table.loc["mean_similarity", "note"].startswith("X and Y are the same in every unit")
+    assert table[["low", "p", "effect"]].iloc[1:].isna().all().all()
+
+
+def test_encounters_of_one_frame_are_called_frames() -> None:
+    truth = [at(f, 50, track=f, recording=r) for r in range(10) for f in range(4)]
+    dataset = make_dataset(truth, truth, truth[::2], places=[Place(range(4))] * 10)
+    result = result_of(dataset)
+    table = by_figure(result)
+    row = table.loc["encounters_detected"]
+    assert "most encounters are one frame long" in row["note"]
+    assert result.exclusivity.mcnemar_p == pytest.approx(2 / 2**20)
+    assert row[["low", "high", "p", "p_holm", "effect"]].isna().all()
+    assert row["difference"] == 0.5
+    assert table.loc["encounters_detected_by_unit", "difference"] == 0.5
+
+
+def test_another_figure_from_sums_over_the_same_units_can_be_added() -> None:
+    result = result_of(drives(12))
+    units = find_units(result)
+    n_pedestrians = np.bincount(units.unit_of_frame, weights=result.n_truth)
+    missed = [
+        np.column_stack(
+            [
+                np.bincount(units.unit_of_frame, weights=result.n_truth - system.matched),
+                n_pedestrians,
+            ]
+        )
+        for system in (result.x, result.y)
+    ]
+    extra = UnitFigure("miss_rate", "miss rate", "lower", *missed)
+    table = significance_table(result, [judge_figure(extra, units)], units=units)
+    row = table.iloc[-1]
+    assert row["figure"] == "miss_rate"
+    assert row["x"] == pytest.approx(1 - result.x.matched.sum() / result.n_truth.sum())
+    assert row["low"] < row["difference"] < row["high"] < 0
+    # one more p-value to correct for
+    plain = significance_table(result)
+    assert (table["p_holm"].iloc[:-1] >= plain["p_holm"]).all()
+
+
+def test_blocks_hold_the_true_difference_and_keep_the_level_about_as_they_say() -> None:
+    # traces in which a frame resembles the one before (0.8); single frames would hold it in 50 %
+    rng = np.random.default_rng(12)
+    n, n_runs = 3000, 300
+    noise = rng.normal(0, 0.05, (n_runs, n + 300))
+    traces = lfilter([1], [1, -0.8], noise, axis=1)[:, 300:]
+    held = held_by_frames = rejected = 0
+    for trace in traces:
+        n_blocks = n // (STRETCH * block_length(trace, np.array([0, n])))
+        block = np.arange(n) * n_blocks // n
+        sums, size = np.bincount(block, weights=trace), np.bincount(block)
+        x, y = np.column_stack([sums, size]), np.column_stack([0 * sums, size])
+        found = bootstrap_difference(x, y, n_resamples=599)
+        held += found.low <= 0 <= found.high
+        held_by_frames += abs(trace.mean()) <= 1.96 * trace.std() / np.sqrt(n)
+        rejected += swap_test(x, y, ratio, n_permutations=599).p <= 0.05
+    assert 0.90 <= held / n_runs <= 0.98
+    assert rejected / n_runs <= 0.10
+    assert held_by_frames / n_runs < 0.65
+
+
+def test_similarity_of_a_million_frames_is_resampled_in_under_a_second() -> None:
+    rng = np.random.default_rng(0)
+    x, y = rng.uniform(0.8, 1, (2, 1000, 1000))
+    size = np.full(1000, 1000.0)
+    begin = time.perf_counter()
+    found = bootstrap_difference(
+        np.column_stack([x.sum(axis=1), size]), np.column_stack([y.sum(axis=1), size])
+    )
+    took = time.perf_counter() - begin
+    assert found.n_resamples == 10_000
+    assert found.low < x.mean() - y.mean() < found.high
+    assert took < 1

@@ -1,0 +1,241 @@
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.stats import binom, multinomial, permutation_test
+
+from nvcore.evidence.bootstrap import ratio
+from nvcore.evidence.paired_tests import holm, mcnemar, sign_flip_test, swap_test
+from nvcore.metrics.venn import Venn
+
+NORMAL = st.floats(-1, 1).map(lambda value: round(value, 2))
+
+
+def venn(both: int, x_only: int, y_only: int, neither: int) -> Venn:
+    return Venn(both=both, x_only=x_only, y_only=y_only, neither=neither, distant=0)
+
+
+@pytest.mark.parametrize(
+    ("counts", "low", "high"),
+    [
+        # Newcombe (1998), Statistics in Medicine 17:2635, table II, method 10
+        ((36, 12, 2, 0), 0.0569, 0.3404),
+        ((18, 12, 2, 18), 0.0562, 0.3290),
+        # Fagerland, Lydersen and Laake (2014): airway reactivity of 21 children
+        ((1, 1, 7, 12), -0.507, -0.026),
+    ],
+)
+def test_the_interval_of_paired_shares_is_as_published(
+    counts: tuple[int, int, int, int], low: float, high: float
+) -> None:
+    found = mcnemar(venn(*counts))
+    assert (found.low, found.high) == (
+        pytest.approx(low, abs=5e-4 if low < 0 else 6e-5),
+        pytest.approx(high, abs=5e-4 if low < 0 else 6e-5),
+    )
+
+
+def test_the_exact_p_and_the_odds_ratio_are_as_published() -> None:
+    # two culture media, Armitage and Berry (1994), p. 127, after Liddell (1983):
+    # R' = 6, exact 95 % interval 1.335744 to 55.197091, two-sided p = 0.0129
+    found = mcnemar(venn(20, 12, 2, 16))
+    assert found.p == pytest.approx(0.0129, abs=5e-5)
+    assert found.odds_ratio == pytest.approx(6)
+    assert found.odds_low == pytest.approx(1.335744, abs=1e-6)
+    assert found.odds_high == pytest.approx(55.197091, abs=1e-5)
+    assert found.difference == pytest.approx(0.2)
+    assert found.reason == ""
+
+
+def test_fagerland_s_children_have_the_published_exact_p() -> None:
+    assert mcnemar(venn(1, 1, 7, 12)).p == pytest.approx(0.0703, abs=5e-5)
+
+
+def test_swapping_x_and_y_turns_the_sign_and_inverts_the_odds() -> None:
+    there, back = mcnemar(venn(20, 12, 3, 16)), mcnemar(venn(20, 3, 12, 16))
+    assert there.difference == -back.difference
+    assert (there.low, there.high) == (pytest.approx(-back.high), pytest.approx(-back.low))
+    assert there.p == back.p
+    assert there.odds_low == pytest.approx(1 / back.odds_high)
+    assert there.odds_high == pytest.approx(1 / back.odds_low)
+
+
+def test_few_discordant_encounters_have_words_instead_of_a_p_value() -> None:
+    found = mcnemar(venn(40, 5, 0, 5))
+    assert np.isnan(found.p)
+    assert "too few encounters tell the two apart for a test: 5" in found.reason
+    assert found.low < 0.1 < found.high
+    assert not np.isnan(mcnemar(venn(40, 6, 0, 5)).p)
+    assert mcnemar(venn(40, 6, 0, 5)).p == pytest.approx(2 / 2**6)
+
+
+def test_few_encounters_have_words_instead_of_an_interval() -> None:
+    found = mcnemar(venn(2, 7, 0, 0))
+    assert np.isnan([found.low, found.high]).all()
+    assert found.reason == "too few encounters for an interval: 9, at least 10 are needed"
+    assert found.odds_ratio == np.inf
+    assert found.odds_low > 1
+
+
+def test_without_encounters_nothing_is_invented() -> None:
+    found = mcnemar(venn(0, 0, 0, 0))
+    numbers = (found.share_x, found.share_y, found.difference, found.low, found.high, found.p,
+               found.odds_ratio, found.odds_low, found.odds_high)  # fmt: skip
+    assert np.isnan(numbers).all()
+    assert found.n == 0
+
+
+def test_without_discordant_encounters_there_is_no_odds_ratio() -> None:
+    found = mcnemar(venn(30, 0, 0, 2))
+    assert np.isnan([found.odds_ratio, found.odds_low, found.odds_high, found.p]).all()
+    assert found.low < 0 < found.high
+
+
+def test_the_interval_of_paired_shares_holds_the_truth_at_about_95_percent() -> None:
+    # exact coverage: every table of 14 encounters, weighed by how likely it is
+    n = 14
+    tables = np.array([(a, b, c, n - a - b - c) for a in range(n + 1) for b in range(n + 1 - a)
+                       for c in range(n + 1 - a - b)])  # fmt: skip
+    found = [mcnemar(venn(*map(int, table))) for table in tables]
+    low, high = np.array([(one.low, one.high) for one in found]).T
+    coverage = []
+    for shares in ([0.5, 0.2, 0.2, 0.1], [0.6, 0.25, 0.05, 0.1], [0.3, 0.1, 0.3, 0.3],
+                   [0.8, 0.12, 0.03, 0.05], [0.45, 0.05, 0.05, 0.45]):  # fmt: skip
+        truth = shares[1] - shares[2]
+        weight = multinomial.pmf(tables, n, shares)
+        assert weight.sum() == pytest.approx(1)
+        coverage.append(weight[(low <= truth) & (truth <= high)].sum())
+    assert min(coverage) >= 0.92
+    assert 0.94 <= np.mean(coverage) <= 0.98
+
+
+def test_the_exact_test_rejects_at_most_at_its_level() -> None:
+    # exact level by summing over all splits of 25 discordant encounters
+    split = np.arange(26)
+    p = np.array([mcnemar(venn(10, int(k), 25 - int(k), 0)).p for k in split])
+    level = binom.pmf(split[p <= 0.05], 25, 0.5).sum()
+    assert 0.02 < level <= 0.05
+
+
+def brute_force(differences: list[float]) -> float:
+    """All signs, one after the other."""
+    observed = abs(sum(differences))
+    sums = [abs(sum(s * d for s, d in zip(signs, differences, strict=True)))
+            for signs in product((1, -1), repeat=len(differences))]  # fmt: skip
+    return sum(one >= observed - 1e-9 for one in sums) / len(sums)
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.lists(NORMAL.filter(lambda value: value != 0), min_size=6, max_size=9))
+def test_all_sign_flips_are_those_of_brute_force(differences: list[float]) -> None:
+    found = sign_flip_test(np.array(differences))
+    assert found.is_exact
+    assert found.n_permutations == 2 ** len(differences)
+    assert found.p == pytest.approx(brute_force(differences))
+
+
+def test_fisher_s_test_of_darwin_s_maize_is_as_published() -> None:
+    # Fisher (1935), The design of experiments, section 21: of 32,768 ways to place the signs of
+    # Darwin's 15 differences (eighths of an inch), 1,726 have a sum of at least 314 in size
+    darwin = [49, -67, 8, 16, 6, 23, 28, 41, 14, 29, 56, 24, 75, 60, -48]
+    found = sign_flip_test(np.array(darwin))
+    assert sum(darwin) == 314
+    assert found.n_permutations == 32768
+    assert found.p == 1726 / 32768
+
+
+def test_random_exchanges_come_close_to_all() -> None:
+    rng = np.random.default_rng(2)
+    differences = rng.normal(0.3, 1, 18)
+    expected = permutation_test(
+        (differences, np.zeros(18)), lambda x, y, axis: (x - y).sum(axis=axis), vectorized=True,
+        permutation_type="samples", n_resamples=20_000, rng=np.random.default_rng(3),
+    ).pvalue  # fmt: skip
+    found = sign_flip_test(differences)
+    assert not found.is_exact
+    assert found.n_permutations == 10_000
+    assert found.p == pytest.approx(expected, abs=0.02)
+
+
+def test_random_exchanges_never_give_a_p_of_0() -> None:
+    assert sign_flip_test(np.ones(30)).p == 1 / 10_001
+
+
+def test_scipy_s_exact_permutation_test_gives_the_same_of_a_ratio() -> None:
+    rng = np.random.default_rng(4)
+    size = rng.uniform(5, 50, 9)
+    x, y = (np.column_stack([rng.uniform(0.6, 1, 9) * size, size]) for _ in "xy")
+    expected = permutation_test(
+        (x[:, 0], y[:, 0]), lambda a, b, axis: (a - b).sum(axis=axis) / size.sum(),
+        permutation_type="samples", vectorized=True, n_resamples=2**9,
+    ).pvalue  # fmt: skip
+    assert swap_test(x, y, ratio).p == pytest.approx(expected)
+
+
+def test_swapping_x_and_y_and_reordering_units_change_no_exact_p() -> None:
+    rng = np.random.default_rng(5)
+    x, y = rng.uniform(1, 2, (12, 2)), rng.uniform(1, 2, (12, 2))
+    y[:, 1] = x[:, 1]
+    order = rng.permutation(12)
+    p = swap_test(x, y, ratio).p
+    assert swap_test(y, x, ratio).p == p
+    assert swap_test(x[order], y[order], ratio).p == p
+
+
+def test_units_in_which_both_are_equal_do_not_count() -> None:
+    differences = np.array([0.1, 0.2, 0.1, 0.3, 0.2, 0.1])
+    found = sign_flip_test(np.concatenate([differences, np.zeros(30)]))
+    assert found.n_swapped == 6
+    assert found.p == sign_flip_test(differences).p == 2 / 2**6
+
+
+@pytest.mark.parametrize("n", [0, 1, 5])
+def test_too_few_units_have_words_instead_of_a_p_value(n: int) -> None:
+    found = sign_flip_test(np.ones(n))
+    assert np.isnan(found.p)
+    assert f"too few tell X and Y apart for a test: {n}, at least 6" in found.reason
+
+
+def test_an_undefined_figure_has_no_p_value() -> None:
+    found = swap_test(np.zeros((9, 2)), np.zeros((9, 2)), ratio)
+    assert np.isnan(found.p)
+    assert "undefined" in found.reason
+
+
+@pytest.mark.parametrize("n", [8, 30])
+def test_the_sign_flip_test_keeps_its_level(n: int) -> None:
+    rng = np.random.default_rng(6)
+    draws = rng.standard_t(3, (800, n))
+    p = np.array([sign_flip_test(one, n_permutations=999).p for one in draws])
+    # standard error of the share 0.008
+    assert 0.03 <= np.mean(p <= 0.05) <= 0.07
+    assert np.mean(p <= 0.5) == pytest.approx(0.5, abs=0.06)
+
+
+def test_holm_s_worked_example() -> None:
+    # four hypotheses, p = 0.01, 0.04, 0.03, 0.005: times 3, 1, 2, 4, never falling; at 0.05 the
+    # first and the last one are rejected
+    found = holm(np.array([0.01, 0.04, 0.03, 0.005]))
+    assert found.tolist() == pytest.approx([0.03, 0.06, 0.06, 0.02])
+
+
+def test_holm_leaves_undefined_ones_out_and_stays_at_most_1() -> None:
+    found = holm(np.array([np.nan, 0.6, 0.4, np.nan]))
+    assert np.isnan(found[[0, 3]]).all()
+    assert found[[1, 2]].tolist() == pytest.approx([0.8, 0.8])
+    assert holm(np.array([0.9, 0.8])).tolist() == [1, 1]
+    assert len(holm(np.empty(0))) == 0
+
+
+@given(st.lists(st.floats(0, 1), min_size=1, max_size=12))
+def test_holm_never_lowers_and_lies_below_bonferroni(p: list[float]) -> None:
+    values = np.array(p)
+    found = holm(values)
+    assert (found >= values).all()
+    assert (found <= np.minimum(len(p) * values, 1) + 1e-12).all() or len(set(p)) < len(p)
+    by_size = np.argsort(values, kind="stable")
+    assert (np.diff(found[by_size]) >= 0).all()

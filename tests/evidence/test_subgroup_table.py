@@ -1,0 +1,292 @@
+"""Every figure for tags of recordings and for groups of pedestrians."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from builders import Box, Place, at, make_dataset, result_of
+from scenes import draw_scene
+
+from nvcore.comparison import Result, compare
+from nvcore.dataset import Dataset
+from nvcore.detection.curves import detection_curve
+from nvcore.detection.miss_rate import log_average_miss_rate
+from nvcore.evidence.subgroup_table import (
+    COLUMNS,
+    FIGURES,
+    MISS_RATE,
+    NOT_OF_PEDESTRIANS,
+    subgroup_table,
+)
+from nvcore.evidence.table import evidence_table
+from nvcore.inputs.load import load
+from nvcore.inputs.session import RecordingFacts, Session, Source, SystemSource
+from nvcore.params import Params
+from nvcore.protocols import PROTOCOLS
+
+NIGHT = 10
+"""Of the 20 recordings of `drives`, so many, the last ones, are tagged night."""
+
+
+def tagged(dataset: Dataset, tags: list[tuple[str, ...]]) -> Dataset:
+    recordings = dataset.recordings.copy()
+    recordings["tags"] = np.array([*tags, None], dtype=object)[:-1]
+    return replace(dataset, recordings=recordings)
+
+
+def drives(*, n: int = 20, night: int = NIGHT, **params: object) -> Result:
+    """Recordings of 4 frames of 0.1 s, with a person in the middle and one at the edge.
+
+    X finds everybody. Y finds who is in the middle, and by day also who is at the edge, and in
+    every night recording but the first makes one false alarm.
+    """
+    truth, y = [], []
+    for number in range(n):
+        is_night = number >= n - night
+        for frame in range(4):
+            middle = at(frame, 50, recording=number, track=1, score=0.9)
+            edge = at(frame, 8, recording=number, track=2, score=0.8)
+            truth += [middle, edge]
+            y += [middle] if is_night else [middle, edge]
+        if is_night and number > n - night:
+            y.append(Box(0, 70, 30, 5, 50, score=0.5, recording=number))
+    dataset = make_dataset(truth, truth, y, places=[Place(range(4))] * n)
+    tags = [("all of them", "night" if number >= n - night else "day") for number in range(n)]
+    return result_of(tagged(dataset, tags), **params)
+
+
+@pytest.fixture(scope="module")
+def table() -> pd.DataFrame:
+    """Every figure of `drives`."""
+    return subgroup_table(drives())
+
+
+def of(result: Result, figure: str, **options: object) -> pd.DataFrame:
+    return subgroup_table(result, [figure], **options).set_index(["factor", "group"])
+
+
+def test_the_table_has_each_figure_for_all_and_every_group(table: pd.DataFrame):
+    assert tuple(table.columns) == COLUMNS
+    assert table["figure"].unique().tolist() == list(FIGURES)
+    sizes = table.groupby("figure").size()
+    assert sizes.tolist() == [6] * len(FIGURES)  # all, centre, edge, three tags
+    assert (table.groupby("figure").nth(0)["factor"] == "all").all()
+
+
+def test_the_row_of_all_is_that_of_the_whole_comparison(table: pd.DataFrame):
+    whole = evidence_table(drives()).set_index("figure")
+    everybody = table[table["factor"] == "all"].set_index("figure")
+    shared = [one for one in whole.columns if one != "p_holm"]
+    pd.testing.assert_frame_equal(
+        everybody.loc[list(FIGURES), shared], whole.loc[list(FIGURES), shared]
+    )
+
+
+@pytest.mark.parametrize("n", [20, 3])
+def test_a_tag_of_all_recordings_has_the_figures_of_all(n: int):
+    table = subgroup_table(drives(n=n, night=1)).set_index(["group", "figure"])
+    same = [one for one in table.columns if one not in ("factor", "p_holm")]
+    tag = table.loc["all of them", same]
+    pd.testing.assert_frame_equal(tag, table.loc["all", same])
+    assert np.isfinite(tag["x"]).all()
+
+
+def test_a_tag_has_the_figures_of_its_recordings_alone(table: pd.DataFrame):
+    table = table.set_index(["group", "figure"])
+    boxes_by_day = drives(n=NIGHT, night=0)
+    alone = subgroup_table(boxes_by_day).set_index(["group", "figure"])
+    same = [one for one in table.columns if one not in ("factor", "p_holm")]
+    pd.testing.assert_frame_equal(table.loc["day", same], alone.loc["all", same])
+
+
+def test_figures_of_a_tag_by_hand(table: pd.DataFrame):
+    table = table.set_index(["group", "figure"])
+    night = table.loc["night"]
+    assert night.loc["mean_similarity", "n"] == NIGHT
+    # at night Y misses one person at 8 of 100 px in each frame: D(G, S) = 8 px to the border
+    similarity = 1 - 0.9 * 8 / 50
+    false_alarm = 0.1 * 22.5 / 50  # in one frame of nine recordings, 22.5 px from the person
+    assert night.loc["mean_similarity", "y"] == pytest.approx(similarity - 9 / 40 * false_alarm)
+    assert night.loc["mean_similarity", "x"] == 1
+    assert night.loc["share_low", "x"] == 0
+    assert night.loc["false_alert_episodes_per_hour", "y"] == pytest.approx(9 / 4.0 * 3600)
+    assert night.loc["encounters_detected_by_unit", ["x", "y"]].tolist() == [1, 0.5]
+    assert (table.loc["day", "x"] == table.loc["day", "y"]).all()
+
+
+def test_frames_and_false_alerts_belong_to_no_group_of_pedestrians(table: pd.DataFrame):
+    is_of_some = table["factor"] == "place"
+    for figure, why in NOT_OF_PEDESTRIANS.items():
+        rows = table[is_of_some & (table["figure"] == figure)]
+        assert len(rows) == 2
+        assert rows[["x", "y", "difference", "low", "high", "p", "p_holm"]].isna().all(axis=None)
+        assert (rows["note"] == why).all()
+        assert (rows["n"] == 0).all()
+    rest = table[is_of_some & ~table["figure"].isin(list(NOT_OF_PEDESTRIANS))]
+    assert rest[["x", "y"]].notna().all(axis=None)
+
+
+def test_saliency_of_a_group_is_that_of_the_misses_of_its_pedestrians():
+    result = drives(saliency_aggregate="sum")
+    table = of(result, "saliency")
+    event_s = result.y.events["saliency_s"].to_numpy()
+    assert len(event_s) == NIGHT  # who is at the edge, in each night
+    edge = table.loc[("place", "edge")]
+    assert edge["y"] == pytest.approx(event_s.sum() / 20)
+    assert edge["x"] == 0
+    assert table.loc[("place", "centre"), ["x", "y"]].tolist() == [0, 0]
+    assert table.loc[("tag", "night"), "y"] == pytest.approx(event_s.sum() / NIGHT)
+
+
+def test_saliency_of_a_group_is_over_the_recordings_that_have_its_pedestrians():
+    places = [Place(range(4))] * 10
+    edge = [at(f, 8, recording=r, track=2) for r in range(4) for f in range(4)]
+    middle = [at(f, 50, recording=r, track=1) for r in range(10) for f in range(4)]
+    result = result_of(make_dataset([*middle, *edge], [*middle, *edge], middle, places=places))
+    table = of(result, "saliency")
+    row = table.loc[("place", "edge")]
+    assert row["n"] == 4
+    assert row["y"] == pytest.approx(result.y.events["saliency_s"].mean())
+    assert "too few to resample: 4" in row["note"]
+    assert np.isnan(row["low"])
+    assert table.loc[("all", "all"), "y"] == pytest.approx(0.4 * row["y"])
+
+
+def test_saliencies_of_a_factor_s_groups_add_up_where_all_have_them():
+    table = of(drives(saliency_aggregate="sum"), "saliency")
+    total = table.loc["place", ["x", "y"]].sum()
+    assert total.to_numpy() == pytest.approx(table.loc[("all", "all"), ["x", "y"]].astype(float))
+
+
+@pytest.mark.parametrize("aggregate", ["max", "sum"])
+def test_with_blocks_of_time_saliency_is_the_mean_over_recordings(aggregate: str):
+    result = drives(n=3, night=2, saliency_aggregate=aggregate)
+    row = of(result, "saliency").loc[("tag", "night")]
+    assert row["unit"] == "blocks"
+    assert row["y"] == pytest.approx(result.y.events["saliency_s"].sum() / 2)
+    assert ("cannot be shared out to blocks" in row["note"]) == (aggregate == "max")
+    assert "2 recordings are too few" in row["note"]
+
+
+def test_miss_rate_of_a_group_by_hand():
+    table = of(drives(), MISS_RATE)
+    # Y finds nobody at the edge by night: half of them at any threshold; false positives are
+    # those of everybody, 9 in 80 images, with a lower score than any pedestrian
+    edge = table.loc[("place", "edge")]
+    assert (edge["x"], edge["y"]) == (0, pytest.approx(0.5))
+    assert table.loc[("place", "centre"), ["x", "y"]].tolist() == [0, 0]
+    assert table.loc[("tag", "night"), "y"] == pytest.approx(0.5)
+    assert table.loc[("all", "all"), "y"] == pytest.approx(0.25)
+
+
+@pytest.mark.parametrize("seed", [0, 2, 4, 5, 7, 8])
+def test_miss_rate_of_a_group_is_that_of_truth_without_the_others(seed: int):
+    """By deleting nothing: a second dataset in which the others are marked as ignored."""
+    scene = draw_scene(seed)
+    for boxes in (scene.x, scene.y):
+        boxes[:] = [box._replace(score=0.3 if np.isnan(box.score) else box.score) for box in boxes]
+    result = result_of(scene.dataset())
+    offset = dict(zip(zip(result.encounters.recording, result.encounters.track, strict=True),
+                      result.encounters.lateral_offset, strict=True))  # fmt: skip
+    table = of(result, MISS_RATE)
+    assert list(table.loc["place"].index) == ["centre", "edge"]
+    for group in ("centre", "edge"):
+        truth = [
+            box._replace(ignore=box.ignore or is_other(offset, box, group)) for box in scene.truth
+        ]
+        dataset = make_dataset(truth, scene.x, scene.y, places=scene.places)
+        for letter in "xy":
+            expected = log_average_miss_rate(detection_curve(dataset, letter, result.params))
+            assert table.loc[("place", group), letter] == pytest.approx(expected, nan_ok=True)
+
+
+def is_other(offset: dict[tuple[int, int], float], box: Box, group: str) -> bool:
+    at_centre = offset.get((box.recording, box.track), 0.0) < 0.5
+    return at_centre != (group == "centre")
+
+
+def test_without_scores_no_group_has_a_miss_rate_and_all_say_so():
+    truth = [at(f, c, recording=r, track=c) for r in range(9) for f in range(2) for c in (8, 50)]
+    result = result_of(make_dataset(truth, truth, truth[::2], places=[Place(range(2))] * 9))
+    table = of(result, MISS_RATE)
+    assert table["x"].isna().all()
+    assert table["note"].str.contains("detections with scores").all()
+
+
+def test_holm_corrects_over_the_groups_of_one_figure(table: pd.DataFrame):
+    for figure, rows in table.groupby("figure"):
+        p = rows["p"].to_numpy()[1:]
+        known = p[~np.isnan(p)]
+        assert np.isnan(rows["p_holm"].iloc[0])
+        if len(known):
+            assert rows["p_holm"].min() == pytest.approx(min(len(known) * known.min(), 1)), figure
+    assert table["p_holm"].notna().any()
+
+
+def test_a_tag_in_fewer_than_eight_recordings_has_no_interval():
+    table = subgroup_table(drives(night=7)).set_index(["group", "figure"])
+    night = table.loc["night"].drop(index="encounters_detected")
+    assert night[["low", "high"]].isna().all(axis=None)
+    assert (night["n"] == 7).all()
+    assert night.loc["mean_similarity", "note"] == "too few to resample: 7, at least 8 are needed"
+    assert night.loc["mean_similarity", "p"] == 2 / 2**7
+
+
+def test_a_tag_without_a_pedestrian_still_has_similarity_and_false_alerts():
+    dataset = make_dataset(
+        [at(0, 50, recording=0, track=1)], [], [at(0, 30, recording=1)],
+        places=[Place(range(4))] * 2,
+    )  # fmt: skip
+    table = subgroup_table(result_of(tagged(dataset, [("city",), ("empty",)])))
+    empty = table[table["group"] == "empty"].set_index("figure")
+    assert empty.loc["false_alert_episodes_per_hour", "y"] == pytest.approx(1 / 0.4 * 3600)
+    assert np.isfinite(empty.loc["mean_similarity", "y"])
+    assert np.isnan(empty.loc["encounters_detected", "x"])
+    assert empty.loc["encounters_detected", "n"] == 0
+
+
+def test_swapping_x_and_y_turns_the_signs_of_every_figure(table: pd.DataFrame):
+    result = drives()
+    back = subgroup_table(compare(result.dataset, result.params, x="y", y="x"))
+    assert back["difference"].to_numpy() == pytest.approx(-table["difference"], nan_ok=True)
+    assert back["p"].to_numpy() == pytest.approx(table["p"], nan_ok=True)
+
+
+def test_without_frames_nothing_is_defined_and_nothing_fails():
+    table = subgroup_table(result_of(make_dataset(n_frames=0)))
+    assert len(table) == len(FIGURES)
+    assert table[["x", "y", "low", "p"]].isna().all(axis=None)
+
+
+@pytest.mark.realdata
+def test_kaist_s_day_and_night_have_their_published_log_average_miss_rates(realdata: Path):
+    facts = [
+        RecordingFacts(f"set{number:02}/V{video:03}", tags=("day" if number < 9 else "night",))
+        for number, n in zip(range(6, 12), (5, 3, 3, 1, 2, 2), strict=True)
+        for video in range(n)
+    ]
+    systems = [
+        SystemSource((f"results/{name}_result.txt",), name=name) for name in ("MBNet", "GAFF")
+    ]
+    session = Session(
+        realdata / "kaist", Source(("KAIST_annotation.json",)), tuple(systems), tuple(facts),
+        fps=20.0,
+    )  # fmt: skip
+    result = compare(load(session), Params())
+    table = of(result, MISS_RATE, protocol=PROTOCOLS["kaist-reasonable"])
+    for row, published in (
+        (("all", "all"), (8.13, 6.48)), (("tag", "day"), (8.28, 8.35)),
+        (("tag", "night"), (7.86, 3.46)),
+    ):  # fmt: skip
+        assert [100 * table.loc[row, "x"], 100 * table.loc[row, "y"]] == pytest.approx(
+            published, abs=0.02
+        )
+    assert table.loc[("tag", "day"), "n"] == 11
+    night = table.loc[("tag", "night")]
+    assert night["n"] == 5
+    assert np.isnan(night["low"])
+    assert "too few to resample: 5" in night["note"]

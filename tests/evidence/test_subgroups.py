@@ -1,0 +1,133 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+from builders import Place, at, make_dataset, result_of
+
+from nvcore.comparison import Result, compare
+from nvcore.dataset import Dataset
+from nvcore.evidence.subgroup_table import DETECTED, subgroup_table
+from nvcore.evidence.subgroups import find_subgroups
+from nvcore.params import Params
+
+
+def people(**params: object) -> Result:
+    """24 recordings of one pedestrian each: the first 12 near and central, 12 far at the edge.
+
+    X detects all of them, Y the near ones and every fourth of the far ones.
+    """
+    return result_of(crowd(), proximity="height", **params)
+
+
+def crowd() -> Dataset:
+    truth, y = [], []
+    for number in range(24):
+        is_near = number < 12
+        for frame in range(4):
+            box = at(
+                frame, 50 if is_near else 10, h=40 if is_near else 15, recording=number, track=1,
+                w=20 if is_near else 5 + number % 2, occlusion=number % 2,
+            )  # fmt: skip
+            truth.append(box)
+            if is_near or number % 4 == 0:
+                y.append(box)
+    return make_dataset(truth, truth, y, places=[Place(range(4))] * 24)
+
+
+def tagged(dataset: Dataset, tags: list[tuple[str, ...]]) -> Dataset:
+    recordings = dataset.recordings.copy()
+    recordings["tags"] = np.array([*tags, None], dtype=object)[:-1]
+    return replace(dataset, recordings=recordings)
+
+
+def detected(result: Result) -> pd.DataFrame:
+    return subgroup_table(result, [DETECTED])
+
+
+def parts(result: Result) -> dict[tuple[str, str], int]:
+    return {(one.factor, one.group): int(one.is_member.sum()) for one in find_subgroups(result)}
+
+
+def test_encounters_are_divided_by_the_ground_truth() -> None:
+    found = parts(people())
+    assert found["distance", "near"] == found["distance", "far"] == 12
+    assert found["place", "centre"] == found["place", "edge"] == 12
+    assert found["occlusion", "visible"] == found["occlusion", "occluded"] == 12
+    assert ("occlusion", "unknown") not in found
+
+
+def test_the_first_row_is_all_encounters_and_parts_add_up_to_it() -> None:
+    table = detected(people())
+    assert table.iloc[0][["factor", "group", "n"]].tolist() == ["all", "all", 24]
+    counts = ["n", "both", "x_only", "y_only", "neither"]
+    for factor in ("distance", "place", "occlusion", "pose"):
+        total = table.loc[table["factor"] == factor, counts].sum()
+        assert total.tolist() == table.iloc[0][counts].tolist(), factor
+
+
+def test_figures_of_a_subgroup_by_hand() -> None:
+    table = detected(people()).set_index(["factor", "group"])
+    far, near = table.loc[("distance", "far")], table.loc[("distance", "near")]
+    assert far[["both", "x_only", "y_only", "neither"]].tolist() == [3, 9, 0, 0]
+    assert (far["x"], far["y"], far["difference"]) == (1, 0.25, 0.75)
+    assert 0 < far["low"] < 0.75 < far["high"] < 1
+    assert far["p"] == 2 / 2**9
+    assert (far["effect"], far["effect_name"]) == (np.inf, "odds ratio")
+    assert near["difference"] == 0
+    assert np.isnan(near["p"])
+    assert "too few encounters tell the two apart for a test: 0" in near["note"]
+
+
+def test_holm_corrects_over_the_subgroups_that_have_a_p_value() -> None:
+    table = detected(people())
+    assert np.isnan(table["p_holm"].iloc[0])
+    known = table["p"].iloc[1:].dropna()
+    least = known.idxmin()
+    assert len(known) >= 3
+    assert table.loc[least, "p_holm"] == pytest.approx(len(known) * known[least])
+
+
+def test_swapping_x_and_y_turns_the_signs() -> None:
+    dataset, params = crowd(), Params()
+    there = detected(compare(dataset, params, x="x", y="y"))
+    back = detected(compare(dataset, params, x="y", y="x"))
+    assert back["difference"].tolist() == (-there["difference"]).tolist()
+    assert back["p"].equals(there["p"])
+    assert back["x_only"].equals(there["y_only"])
+
+
+def test_near_is_twice_as_high_as_a_box_that_counts_half() -> None:
+    # the far ones are 15 px high: with 7.6 px at the step they are just far, with 7.4 all are near,
+    # and what does not divide the encounters is left out
+    assert parts(people(midpoint=7.6, spread=1))["distance", "near"] == 12
+    assert "distance" not in {factor for factor, _ in parts(people(midpoint=7.4, spread=1))}
+
+
+def test_distant_encounters_are_in_no_subgroup() -> None:
+    result = people(midpoint=30, spread=1)
+    assert result.venn.distant == 12
+    assert all(one.is_member.sum() <= 12 for one in find_subgroups(result))
+    assert detected(result)["n"].iloc[0] == 12
+
+
+def test_unknown_occlusion_is_no_factor() -> None:
+    truth = [at(frame, 50, track=1, recording=r) for r in range(12) for frame in range(3)]
+    result = result_of(make_dataset(truth, truth, truth, places=[Place(range(3))] * 12))
+    assert "occlusion" not in {one.factor for one in find_subgroups(result)}
+
+
+def test_tags_of_recordings_are_subgroups_and_may_overlap() -> None:
+    tags = [("night", "rain")] * 6 + [("night",)] * 6 + [("day",)] * 12
+    result = result_of(tagged(crowd(), tags), proximity="height")
+    found = {group: n for (factor, group), n in parts(result).items() if factor == "tag"}
+    assert found == {"day": 12, "night": 12, "rain": 6}
+
+
+def test_without_encounters_there_is_one_row_without_figures() -> None:
+    table = detected(result_of(make_dataset(n_frames=3)))
+    assert table[["factor", "n"]].to_numpy().tolist() == [["all", 0]]
+    assert table[["x", "y", "difference", "low", "high", "p", "p_holm"]].isna().all().all()
+    assert table["note"].iloc[0] != ""

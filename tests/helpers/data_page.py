@@ -1,0 +1,106 @@
+"""The Data page, driven without a browser, and files to send to it."""
+
+from __future__ import annotations
+
+import asyncio
+from pathlib import Path
+
+from inputs import drive, write
+from places import ROOT
+from streamlit.testing.v1 import AppTest
+
+from ui.session.uploads import PICTURES, receive
+
+PAGE = f"""
+import runpy
+from ui.session import state
+from ui.shell import live_params, sidebar
+state.begin_run()
+wrong = live_params.read()
+runpy.run_path({str(ROOT / "pages" / "data.py")!r})
+sidebar.draw(wrong)
+"""
+PNG = b"\x89PNG\r\n\x1a\n" + bytes(100)
+
+
+def opened() -> AppTest:
+    page = AppTest.from_string(PAGE, default_timeout=60)
+    return checked(page.run())
+
+
+def checked(page: AppTest) -> AppTest:
+    assert [error.message for error in page.exception] == []
+    return page
+
+
+def press(page: AppTest, key: str) -> AppTest:
+    return checked(page.button(key=key).click().run())
+
+
+def texts(page: AppTest) -> str:
+    """All that is said in words, markup taken away."""
+    kinds = (page.markdown, page.caption, page.error, page.warning, page.info, page.success,
+             page.header)  # fmt: skip
+    return "\n".join(one.value for kind in kinds for one in kind).replace("\\", "")
+
+
+def send(page: AppTest, key: str, *files: tuple[str, bytes]) -> None:
+    page.file_uploader(key=key).set_value([(*file, "application/octet-stream") for file in files])
+
+
+def send_drive(page: AppTest, folder: Path, *systems: str) -> None:
+    drive(folder)
+    send(page, "upload_truth", ("truth.csv", (folder / "truth.csv").read_bytes()))
+    for number, name in enumerate(systems):
+        send(page, f"upload_system_{number}", (name, (folder / name).read_bytes()))
+
+
+def answer(page: AppTest, place: str = "upload", **values: float) -> None:
+    """Fill in what the page asks for: width, height, fps."""
+    for name, value in values.items():
+        (field,) = [
+            one for one in page.number_input if (one.key or "").startswith(f"{name}_{place}")
+        ]
+        field.set_value(value)
+
+
+def opened_drive(folder: Path, *systems: str) -> AppTest:
+    page = opened()
+    send_drive(page, folder, *systems)
+    press(page, "open_upload")
+    answer(page, width=640, height=480, fps=20.0)
+    return press(page, "open_upload")
+
+
+def space_of(page: AppTest):
+    return page.session_state["workspace"]
+
+
+def late_drive(folder: Path) -> tuple[bytes, bytes]:
+    """Truth of three pedestrians walking across, and detections that are 3 frames late."""
+    truth, late = ["frame,x,y,w,h,track"], ["frame,x,y,w,h,score"]
+    for frame in range(60):
+        for track in range(3):
+            x = 20 + 150 * track + 4 * frame
+            truth.append(f"{frame},{x},100,20,60,{track}")
+            late.append(f"{frame + 3},{x},100,20,60,0.9")
+    paths = write(folder / "t.csv", *truth), write(folder / "l.csv", *late)
+    return paths[0].read_bytes(), paths[1].read_bytes()
+
+
+def send_video(page: AppTest, name: str, n_bytes: int | None = None) -> None:
+    """As the upload route does it; only the first bytes where their number is given."""
+
+    async def content():
+        yield (ROOT / "sample_data" / "odd_pose.mp4").read_bytes()[:n_bytes]
+
+    asyncio.run(receive(space_of(page), PICTURES, name, content()))
+
+
+def late_page(folder: Path) -> AppTest:
+    """The form with one recording and a system, not sent yet."""
+    page = opened()
+    truth, late = late_drive(folder)
+    send(page, "upload_truth", ("night.csv", truth))
+    send(page, "upload_system_0", ("late.csv", late))
+    return page

@@ -1,0 +1,94 @@
+"""What is said of files that no reader takes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from nvcore.errors import FormatError, UnknownFormatError
+from nvcore.inputs.readers import detect_format
+from nvcore.inputs.readers.base import Role, SourceFile
+from nvcore.inputs.readers.parse import unknown
+
+COCO_RESULTS = '[{"image_id": 1, "category_id": 1, "bbox": [1, 2, 3, 4], "score": 0.5}]'
+
+
+def refusal(folder: Path, content: bytes | str, role: Role = "truth") -> str:
+    """What is said of a file of this content."""
+    path = folder / "a.file"
+    path.write_bytes(content.encode() if isinstance(content, str) else content)
+    with pytest.raises(UnknownFormatError) as refused:
+        detect_format([SourceFile(path, "a.file")], role)
+    return str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("content", "kind"),
+    [
+        (b"\x89PNG\r\n\x1a\n\x00", "a PNG picture"),
+        (b"\xff\xd8\xff\xe0\x00", "a JPEG picture"),
+        (b"\x00\x00\x00\x20ftypisom", "an MP4 video"),
+        (b"RIFF\x10\x00\x00\x00AVI LIST", "an AVI video"),
+        (b"PK\x03\x04\x14\x00", "a ZIP archive (or a spreadsheet): unpack it, or save it as CSV"),
+        ("frame,x,y,w,h\n".encode("utf-16"), "UTF-16 text: save it as UTF-8"),
+        (b"\x01\x02\x00\x03", "a binary file"),
+    ],
+)
+def test_a_binary_file_is_named_and_its_bytes_are_not_printed(tmp_path, content, kind):
+    assert refusal(tmp_path, content) == f"a.file: expected ground truth, found {kind}"
+
+
+def test_json_of_another_kind_is_told_by_its_keys(tmp_path):
+    said = refusal(tmp_path, '{"version": "5.0", "shapes": []}')
+    assert 'a JSON object with the keys "version", "shapes"; expected a COCO object' in said
+    assert "'images', 'annotations' and 'categories'" in said
+
+
+def test_a_json_list_of_another_kind_is_told_by_the_keys_of_its_first_object(tmp_path):
+    said = refusal(tmp_path, '[{"label": "person", "box": [1, 2]}]', "detections")
+    assert 'a JSON list of objects with the keys "label", "box"; expected a list of COCO' in said
+
+
+@pytest.mark.parametrize(
+    ("content", "kind"),
+    [
+        ("{}", "a JSON object without keys"),
+        ("[1]", "without objects"),
+    ],
+)
+def test_json_without_keys_is_told_too(tmp_path, content, kind):
+    assert kind in refusal(tmp_path, content)
+
+
+def test_of_many_keys_the_first_eight_are_named(tmp_path):
+    keys = ", ".join(f'"k{number}": 0' for number in range(11))
+    assert '"k7" and 3 more; expected' in refusal(tmp_path, f"{{{keys}}}")
+
+
+def test_a_large_json_file_is_not_parsed_for_its_keys(tmp_path, monkeypatch):
+    monkeypatch.setattr(unknown, "_MAX_JSON_BYTES", 5)
+    assert "JSON of another kind; expected" in refusal(tmp_path, '{"version": "5.0"}')
+
+
+def test_text_that_begins_as_json_and_is_none_is_an_error_with_its_line(tmp_path):
+    path = tmp_path / "a.json"
+    path.write_text('{"version": 1,\n "shapes": [}')
+    with pytest.raises(FormatError, match=r"a\.json, line 2: expected JSON"):
+        detect_format([SourceFile(path, "a.json")], "truth")
+
+
+def test_xml_of_another_kind_is_told_by_its_root(tmp_path):
+    said = refusal(tmp_path, '<?xml version="1.0"?>\n<!-- <a> -->\n<svg width="1"/>')
+    assert "it is XML with the root <svg>; expected <annotations> (CVAT)" in said
+
+
+def test_results_given_as_ground_truth_are_called_so(tmp_path):
+    said = refusal(tmp_path, COCO_RESULTS)
+    assert "expected ground truth, found COCO results, which holds the detections of" in said
+
+
+def test_ground_truth_given_as_results_is_called_so(tmp_path):
+    said = refusal(tmp_path, "% bbGt version=3\nperson 1 2 20 50 0 0 0 0 0 0 0\n", "detections")
+    assert "expected the detections of a system, found " in said
+    assert said.endswith("which holds ground truth")

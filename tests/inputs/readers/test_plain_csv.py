@@ -1,0 +1,267 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from places import DATA
+
+from nvcore.errors import FormatError, InputError
+from nvcore.inputs.readers import csv
+from nvcore.inputs.readers.base import Reading, ReadOptions, SourceFile
+from nvcore.schema import NO_TRACK, UNKNOWN_OCCLUSION
+
+FOLDER = DATA / "csv"
+
+
+def read_golden(name: str, **options: object) -> Reading:
+    return csv.read([SourceFile(FOLDER / name, name)], ReadOptions(**options))
+
+
+@pytest.fixture
+def read_text(tmp_path: Path):
+    def read_one(text: str | bytes, name: str = "drive.csv", **options: object) -> Reading:
+        path = tmp_path / "table.csv"
+        path.write_bytes(text if isinstance(text, bytes) else text.encode())
+        return csv.read([SourceFile(path, name)], ReadOptions(**options))
+
+    return read_one
+
+
+def test_all_columns_are_read():
+    boxes = read_golden("truth.csv").boxes
+    columns = ["recording", "frame", "x", "y", "w", "h", "track", "ignore", "occlusion", "line"]
+    assert boxes[columns].to_numpy().tolist() == [
+        ["urban", 9, 282, 205, 20, 43, 1, False, 0, 2],
+        ["urban", 9, 241.5, 205, 37, 42, NO_TRACK, True, 2, 3],
+        ["urban", 29, 392, 208, 19, 44, 1, False, UNKNOWN_OCCLUSION, 4],
+        ["rural", 0, 10, 20, 5, 12, 7, False, 1, 5],
+    ]
+    assert boxes["distance_m"].fillna(-1).tolist() == [31.5, -1, 28, -1]
+
+
+def test_recordings_are_those_of_the_column():
+    assert read_golden("truth.csv").recordings["name"].tolist() == ["urban", "rural"]
+
+
+def test_without_recording_column_the_file_is_the_recording(read_text):
+    reading = read_text("frame,x,y,w,h\n1,2,3,4,5\n", name="night/gt.csv")
+    assert reading.boxes["recording"].tolist() == ["night"]
+    assert reading.recordings["name"].tolist() == ["night"]
+
+
+def test_a_file_with_a_header_only_is_a_recording_without_boxes(read_text):
+    # peers 36
+    reading = read_text("frame,x,y,w,h,score\n", role="detections")
+    assert reading.boxes.empty
+    assert reading.recordings["name"].tolist() == ["drive"]
+
+
+def test_an_empty_file_is_an_error_that_says_what_is_expected(read_text):
+    with pytest.raises(FormatError, match=r"drive.csv: the file is empty; expected a header line"):
+        read_text(" \n")
+
+
+@pytest.mark.parametrize(
+    "header",
+    [
+        "video_frame,x,y,w,h",
+        "frame_id,left,top,width,height",
+        "Frame Number,BB Left,BB-Top,bb.width,bb_height",
+        'frame;"x";y;w;h',
+        " frame\tx\ty\tw\th ",
+        "\ufeffframe,x,y,w,h\r",
+    ],
+)
+def test_columns_have_synonyms_and_delimiters_are_told(read_text, header):
+    delimiter = max(",;\t", key=header.count)
+    boxes = read_text(header + "\n" + delimiter.join(["7", "1", "2", "3", "4"]) + "\n").boxes
+    assert boxes[["frame", "x", "y", "w", "h"]].to_numpy().tolist() == [[7, 1, 2, 3, 4]]
+
+
+def test_score_synonym_is_read_for_detections(read_text):
+    boxes = read_text("frame,x,y,w,h,Confidence\n1,2,3,4,5,0.25\n", role="detections").boxes
+    assert boxes["score"].tolist() == [0.25]
+
+
+def test_pictures_name_tells_recording_and_frame_and_corners_become_sizes():
+    reading = read_golden("corners.csv")
+    columns = ["recording", "frame", "x", "y", "w", "h", "ignore"]
+    assert reading.boxes[columns].to_numpy().tolist() == [
+        ["set06/V000", 19, 10.5, 20, 5, 12, False],
+        ["set06/V000", 39, 100, 200, 30, 60, True],
+    ]
+
+
+def test_everything_that_was_converted_is_told():
+    conversion = read_golden("corners.csv").conversion
+    for fact in (
+        "columns left unused: width, height", "decimal commas", "corners to width and height",
+        "recordings and frame numbers from the pictures' names",
+        "person counted; cyclist ignored; car left out",
+    ):  # fmt: skip
+        assert fact in conversion
+
+
+def test_classes_option_names_what_counts():
+    boxes = read_golden("corners.csv", classes=("cyclist",)).boxes
+    assert boxes["ignore"].tolist() == [True, False]
+    with pytest.raises(FormatError, match="no class 'tram'; found person, cyclist, car"):
+        read_golden("corners.csv", classes=("tram",))
+
+
+def test_detections_of_a_cyclist_are_left_out():
+    assert len(read_golden("corners.csv", role="detections").boxes) == 1
+
+
+def test_extra_columns_are_told_and_left_unused(read_text):
+    reading = read_text("frame,image_name,x,y,w,h,speed\n1,a7.png,2,3,4,5,9\n")
+    assert "columns left unused: image_name, speed" in reading.conversion
+    assert reading.boxes["frame"].tolist() == [1]
+
+
+def test_without_declared_base_frame_numbers_are_kept(read_text):
+    reading = read_text("frame,x,y,w,h\n1,2,3,4,5\n")
+    assert reading.boxes["frame"].tolist() == [1]
+    assert "frame numbers as they are" in reading.conversion
+
+
+def test_a_declared_base_of_one_makes_the_first_frame_zero(read_text):
+    reading = read_text("frame,x,y,w,h\n1,2,3,4,5\n", frame_base=1)
+    assert reading.boxes["frame"].tolist() == [0]
+    assert "frame numbers from 1-based to 0-based" in reading.conversion
+
+
+def test_a_declared_base_of_zero_changes_nothing(read_text):
+    assert read_text("frame,x,y,w,h\n0,2,3,4,5\n", frame_base=0).boxes["frame"].tolist() == [0]
+
+
+def test_a_frame_below_the_declared_base_is_an_error(read_text):
+    with pytest.raises(FormatError, match="line 3: expected frame numbers from 1 on"):
+        read_text("frame,x,y,w,h\n1,2,3,4,5\n0,2,3,4,5\n", frame_base=1)
+
+
+def test_text_track_ids_are_numbered_after_the_largest_number_of_their_recording(read_text):
+    rows = ["b,ped_7", "a,3", "a,ped_7", "a,ped_2", "a,ped_7", "a,", "b,ped_9"]
+    lines = [f"1,2,3,4,5,{row}" for row in rows]
+    reading = read_text("frame,x,y,w,h,recording,id\n" + "\n".join(lines) + "\n")
+    assert reading.boxes["track"].tolist() == [0, 3, 4, 5, 4, NO_TRACK, 1]
+    assert "numbered by first appearance" in reading.conversion
+
+
+def test_track_ids_too_large_for_a_float_stay_different(read_text):
+    text = "frame,x,y,w,h,id\n1,2,3,4,5,9007199254740993\n1,2,3,4,5,9007199254740992\n"
+    assert read_text(text).boxes["track"].tolist() == [0, 1]
+
+
+def test_negative_track_ids_are_none(read_text):
+    text = "frame,x,y,w,h,id\n1,2,3,4,5,-1\n1,2,3,4,5,2.0\n"
+    assert read_text(text).boxes["track"].tolist() == [NO_TRACK, 2]
+
+
+def test_empty_coordinates_are_passed_on_as_nan(read_text):
+    boxes = read_text("frame,x,y,w,h\n1,,3,nan,5\n").boxes
+    assert boxes[["x", "w"]].isna().to_numpy().tolist() == [[True, True]]
+
+
+def test_lines_are_counted_over_empty_ones(read_text):
+    assert read_text("frame,x,y,w,h\n\n1,2,3,4,5\n\n2,2,3,4,5\n").boxes["line"].tolist() == [3, 5]
+
+
+def test_an_apostrophe_against_spreadsheets_is_taken_off(read_text):
+    boxes = read_text("frame,x,y,w,h,recording\n1,2,3,4,5,'=cmd\n1,2,3,4,5,'a'\n").boxes
+    assert boxes["recording"].tolist() == ["=cmd", "'a'"]
+
+
+def test_odd_occlusion_levels_are_reported(read_text):
+    reading = read_text("frame,x,y,w,h,occlusion\n1,2,3,4,5,3\n")
+    (finding,) = reading.findings
+    assert (finding.code, finding.count, finding.example) == ("unknown-occlusion", 1, "line 2: 3")
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("frame,x,y,w\n", "line 1: .*found frame, x, y, w; missing: h"),
+        ("x,y,w,h\n", "missing: frame"),
+        ("frame,w,h\n", "missing: x, y"),
+        ("1,2,3,4,5\n", "expected a header line"),
+        ("frame,x,y,w,h\n1,2,3,4,5\n1,2,3,4\n", "line 3: expected 5 fields .* found 4"),
+        ("frame,x,y,w,h\n\n1,2,wide,4,5\n", "line 3: expected a number as y, found 'wide'"),
+        ("frame,x,y,w,h\n1,1_0,3,4,5\n", "line 2: expected a number as x, found '1_0'"),
+        ("frame,x,y,w,h\n1.5,2,3,4,5\n", "line 2: expected a whole number as frame, found 1.5"),
+        ("frame,x,y,w,h\n,2,3,4,5\n", "line 2: expected a whole number as frame"),
+        ("frame,x,y,w,h,ignore\n1,2,3,4,5,maybe\n", "line 2: expected 0, 1, true or false"),
+        ("frame,x,y,w,h,recording\n1,2,3,4,5,\n", "line 2: expected the name of a recording"),
+        ("file,x,y,w,h\nI7.png,2,3,4,5\nleft.png,2,3,4,5\n", "line 3: expected a frame number"),
+        ('frame,x,y,w,h\n1,2,3,4,"5\n', "drive.csv"),
+        ("x" * 200_000 + "\n", "expected a header line"),
+        (b"frame,x,y,w,h\n\xff\xfe\n", "line 2: expected UTF-8 text"),
+    ],
+)  # fmt: skip
+def test_a_fault_is_named_with_its_line(read_text, text, message):
+    with pytest.raises(FormatError, match=message):
+        read_text(text)
+
+
+def test_files_with_a_recording_column_may_share_recordings():
+    sources = [SourceFile(FOLDER / "truth.csv", name) for name in ("a/one.csv", "b/two.csv")]
+    reading = csv.read(sources, ReadOptions())
+    assert reading.boxes["file"].tolist() == [0] * 4 + [1] * 4
+    assert reading.recordings["name"].tolist() == ["urban", "rural"]
+
+
+def test_files_are_recordings_of_their_names(tmp_path):
+    path = tmp_path / "x.csv"
+    path.write_text("frame,x,y,w,h\n1,2,3,4,5\n", encoding="utf-8")
+    names = ["urban.csv", "rural.csv"]
+    reading = csv.read([SourceFile(path, name) for name in names], ReadOptions())
+    assert reading.boxes["recording"].tolist() == ["urban", "rural"]
+    with pytest.raises(InputError, match="one file per recording"):
+        csv.read([SourceFile(path, name) for name in ("a/gt.csv", "a/gt.csv")], ReadOptions())
+
+
+def test_own_headers_are_recognised_and_other_texts_are_not():
+    for name in ("truth.csv", "corners.csv"):
+        text = (FOLDER / name).read_text(encoding="utf-8")
+        assert csv.recognise(name, text, "truth")
+        assert csv.recognise(name, text, "detections")
+    for text in ("", "1,2,3,4,5,6,1\n", "0 1 Pedestrian 0 0", "% bbGt version=3\n", "<a/>", "[]"):
+        assert not csv.recognise("a.csv", text, "truth")
+
+
+@pytest.mark.realdata
+def test_the_night_video_is_read(realdata):
+    names = ["kaist_night_video/gt.csv", "kaist_night_video/detections/MLPD.csv"]
+    truth = csv.read([SourceFile(realdata / names[0], names[0])], ReadOptions())
+    assert truth.boxes["recording"].unique().tolist() == ["kaist_night_video"]
+    assert truth.boxes["frame"].iloc[0] == 9
+    known = ReadOptions(role="detections", recordings=("kaist_night_video",))
+    system = csv.read([SourceFile(realdata / names[1], names[1])], known)
+    assert system.boxes["score"].iloc[0] == pytest.approx(0.40471590)
+    assert system.boxes["recording"].unique().tolist() == ["kaist_night_video"]
+
+
+def test_classes_are_sorted_over_all_files_not_file_by_file(tmp_path):
+    files = []
+    for kind in ("person", "cyclist"):
+        path = tmp_path / f"{kind}.csv"
+        path.write_text(f"frame,x,y,w,h,class\n1,2,3,4,5,{kind}\n", encoding="utf-8")
+        files.append(SourceFile(path, path.name))
+    reading = csv.read(files, ReadOptions())
+    assert reading.boxes["ignore"].tolist() == [False, True]
+    assert "person counted; cyclist ignored" in reading.conversion
+
+
+def test_a_single_class_of_lookalikes_does_not_count(read_text):
+    text = "frame,x,y,w,h,class\n1,2,3,4,5,crowd\n"
+    with pytest.raises(FormatError, match=r"no category is called person.*found crowd; name the"):
+        read_text(text)
+    assert "class 7 throughout: counted" in read_text(text.replace("crowd", "7")).conversion
+
+
+def test_a_score_column_in_the_truth_looks_like_swapped_files(tmp_path: Path):
+    path = tmp_path / "truth.csv"
+    path.write_text("frame,x,y,w,h,score\n1,2,3,4,5,0.5\n")
+    for role, expected in (("truth", ["truth-with-scores"]), ("detections", [])):
+        reading = csv.read([SourceFile(path, path.name)], ReadOptions(role=role))
+        assert [one.code for one in reading.findings] == expected

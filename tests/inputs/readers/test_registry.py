@@ -1,0 +1,133 @@
+"""Every golden file is recognised as its own format, and no row of it is lost."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from places import DATA
+
+from nvcore.cli.options import FORMAT_NAMES
+from nvcore.errors import InputError, UnknownFormatError
+from nvcore.inputs.load import load
+from nvcore.inputs.readers import FORMATS, MAX_LOOKS, detect_format, format_named
+from nvcore.inputs.readers.base import ReadOptions, Role, SourceFile
+from nvcore.inputs.session import Session, Source, SystemSource
+
+GOLDEN: list[tuple[str, Role, str]] = [
+    ("bbgt/set06/V000/I00019.txt", "truth", "bbgt"),
+    ("bbgt/set06/V000/I00039.txt", "truth", "bbgt"),
+    ("bbgt/set06/V000/I00059.txt", "truth", "bbgt"),
+    ("coco/kaist.json", "truth", "coco"),
+    ("coco/flir.json", "truth", "coco"),
+    ("coco/results.json", "detections", "coco-results"),
+    ("coco/flir_results.json", "detections", "coco-results"),
+    ("csv/truth.csv", "truth", "csv"),
+    ("csv/corners.csv", "truth", "csv"),
+    ("cvat_images/annotations.xml", "truth", "cvat-images"),
+    ("cvat_video/annotations.xml", "truth", "cvat-video"),
+    ("kaist_results/MBNet_result.txt", "detections", "kaist-results"),
+    ("kaist_results/set06/V000.txt", "detections", "kaist-results"),
+    ("kitti_detections/ab3dmot.txt", "detections", "kitti-detections"),
+    ("kitti_detections/corners.txt", "detections", "kitti-detections"),
+    ("kitti_object/label_2/000007.txt", "truth", "kitti-object"),
+    ("kitti_tracking/0016.txt", "truth", "kitti-tracking"),
+    ("mot/MOT16-02/gt/gt.txt", "truth", "mot"),
+    ("mot/MOT16-02/det/det.txt", "detections", "mot"),
+    ("voc/drive1/000007.xml", "truth", "voc"),
+    ("voc/drive1/000008.xml", "truth", "voc"),
+    ("yolo/drive1/000001.txt", "truth", "yolo"),
+    ("yolo/drive1/000003.txt", "truth", "yolo"),
+]
+EMPTY = {"kitti_object/label_2/000008.txt", "yolo/drive1/000002.txt"}
+ASIDE = {"mot/MOT16-02/seqinfo.ini"}
+
+
+def source(name: str) -> SourceFile:
+    return SourceFile(DATA / name, name)
+
+
+def test_every_golden_file_is_listed_here():
+    files = {path.relative_to(DATA).as_posix() for path in DATA.rglob("*") if path.is_file()}
+    assert files == {name for name, *_ in GOLDEN} | EMPTY | ASIDE
+
+
+@pytest.mark.parametrize(("name", "role", "expected"), GOLDEN)
+def test_a_golden_file_is_recognised_as_its_own_format(name: str, role: Role, expected: str):
+    assert detect_format([source(name)], role).name == expected
+
+
+@pytest.mark.parametrize(("name", "role", "expected"), GOLDEN)
+def test_no_other_format_claims_a_golden_file(name: str, role: Role, expected: str):
+    head = (DATA / name).read_text(encoding="utf-8")
+    claims = [one.name for one in FORMATS if role in one.roles and one.recognise(name, head, role)]
+    assert claims == [expected]
+
+
+def test_the_format_is_told_from_the_first_file_that_is_not_empty():
+    files = [source("kitti_object/label_2/000008.txt"), source("kitti_object/label_2/000007.txt")]
+    assert detect_format(files, "truth").name == "kitti-object"
+
+
+def test_empty_files_tell_no_format():
+    with pytest.raises(UnknownFormatError, match=r"000002\.txt: .* first 50 files are empty; name"):
+        detect_format([source("yolo/drive1/000002.txt")] * (MAX_LOOKS + 1), "truth")
+
+
+def test_no_file_tells_no_format():
+    with pytest.raises(UnknownFormatError, match="cannot be told"):
+        detect_format([], "truth")
+
+
+def test_an_unknown_content_is_quoted_and_the_readable_formats_listed(tmp_path: Path):
+    path = tmp_path / "a.txt"
+    path.write_text("once upon a time")
+    with pytest.raises(UnknownFormatError, match=r"a\.txt: .*'once upon a time'.*one of .*mot"):
+        detect_format([SourceFile(path, "a.txt")], "truth")
+
+
+def test_a_file_that_cannot_be_opened_is_an_input_error(tmp_path: Path):
+    with pytest.raises(InputError, match=r"a\.txt: cannot be opened"):
+        detect_format([SourceFile(tmp_path / "a.txt", "a.txt")], "truth")
+
+
+@pytest.mark.parametrize("name", [one.name for one in FORMATS])
+def test_a_format_is_found_by_its_name(name: str):
+    assert format_named(name).name == name
+
+
+def test_an_unknown_name_lists_the_formats():
+    with pytest.raises(UnknownFormatError, match=r"no format 'vbb'; the formats are bbgt, coco,"):
+        format_named("vbb")
+
+
+def test_the_command_line_s_help_names_every_format():
+    assert sorted(one.name for one in FORMATS) == sorted(FORMAT_NAMES)
+
+
+@pytest.mark.parametrize(("name", "role", "format_name"), GOLDEN)
+def test_every_row_of_a_golden_file_is_placed_or_left_out(name: str, role: Role, format_name: str):
+    truth = Source((name,), format=format_name)
+    images = None
+    if role == "detections":
+        truth = Source(("coco/kaist.json",))
+        if name == "coco/flir_results.json":
+            truth = Source(("coco/flir.json",))
+        images = detect_format([source(truth.path[0])], "truth").read(
+            [source(truth.path[0])], ReadOptions()
+        )
+    options = ReadOptions(
+        role=role,
+        size=(640, 480),
+        recordings=() if images is None else tuple(images.recordings["name"]),
+        images=None if images is None else images.images,
+    )
+    rows = len(format_named(format_name).read([source(name)], options).boxes)
+    system = SystemSource((name,), format=format_name) if role == "detections" else None
+    systems = () if system is None else (system,)
+    # one frame only: nearly all rows lose their place
+    dataset = load(Session(DATA, truth, systems, size=(640, 480), fps=20.0, frames="0:0"))
+    subject = "truth" if system is None else dataset.systems[0]
+    placed = dataset.truth if system is None else dataset.system(subject)
+    lost = (dataset.left_out["subject"] == subject).sum()
+    assert len(placed) + lost == rows

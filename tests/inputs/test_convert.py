@@ -1,0 +1,242 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from nvcore.errors import InputError, UnknownFormatError
+from nvcore.inputs.convert import write
+from nvcore.inputs.readers import csv, mot
+from nvcore.inputs.readers.base import (
+    Reading,
+    ReadOptions,
+    SourceFile,
+    reading_boxes,
+    recording_row,
+    recordings_table,
+)
+from nvcore.inputs.readers.coco.results import read as read_coco_results
+from nvcore.inputs.readers.coco.truth import read as read_coco
+
+PLACE = ["recording", "frame", "x", "y", "w", "h"]
+
+
+def truth(**columns: object) -> Reading:
+    boxes = reading_boxes(
+        3,
+        **{
+            "recording": ["urban", "urban", "=rural"],
+            "frame": [9, 29, 0],
+            "x": [282.0, 1 / 3, -4.5],
+            "y": [205.0, 205.1, 20.0],
+            "w": [20.0, 37.0, 5.0],
+            "h": [43.0, 42.0, 12.0],
+            "track": [1, -1, 7],
+            "ignore": [False, True, False],
+            "distance_m": [31.5, np.nan, 8.0],
+            "occlusion": [0, 2, -1],
+            **columns,
+        },
+    )
+    rows = [recording_row("urban", width=640, height=512, fps=20), recording_row("=rural")]
+    return Reading(boxes, recordings_table(rows), "")
+
+
+def detections(**columns: object) -> Reading:
+    boxes = reading_boxes(
+        2,
+        **{
+            "recording": ["urban", "=rural"], "frame": [9, 0], "x": [1.25, 2.0], "y": [3.0, 4.0],
+            "w": [5.0, 6.0], "h": [7.0, 8.0], "score": [0.5, -3.25], "track": [-1, 4], **columns,
+        },
+    )  # fmt: skip
+    rows = [recording_row("urban"), recording_row("=rural")]
+    return Reading(boxes, recordings_table(rows), "")
+
+
+def one_recording(reading: Reading) -> Reading:
+    boxes = reading.boxes.assign(recording="urban")
+    return Reading(boxes, reading.recordings.head(1), "")
+
+
+def without_origin(boxes: pd.DataFrame) -> pd.DataFrame:
+    return boxes.drop(columns=["file", "line"])
+
+
+def test_truth_comes_back_from_csv_exactly(tmp_path):
+    path = tmp_path / "truth.csv"
+    assert write(truth(), "csv", path, role="truth") == [path]
+    back = csv.read([SourceFile(path, "truth.csv")], ReadOptions())
+    pd.testing.assert_frame_equal(
+        without_origin(back.boxes), without_origin(truth().boxes), check_exact=True
+    )
+
+
+def test_detections_come_back_from_csv_exactly(tmp_path):
+    path = tmp_path / "x.csv"
+    write(detections(), "csv", path, role="detections")
+    back = csv.read([SourceFile(path, "x.csv")], ReadOptions(role="detections"))
+    pd.testing.assert_frame_equal(
+        without_origin(back.boxes), without_origin(detections().boxes), check_exact=True
+    )
+
+
+def test_csv_has_the_documented_columns_and_neutralised_names(tmp_path):
+    path = tmp_path / "truth.csv"
+    write(truth(), "csv", path, role="truth")
+    lines = path.read_text(encoding="utf-8").splitlines()
+    assert lines[0] == "recording,frame,x,y,w,h,track,ignore,distance_m,occlusion"
+    assert lines[3] == "'=rural,0,-4.5,20,5,12,7,0,8,"
+
+
+def test_truth_comes_back_from_coco_exactly(tmp_path):
+    path = tmp_path / "truth.json"
+    write(truth(), "coco", path, role="truth")
+    back = read_coco([SourceFile(path, "truth.json")], ReadOptions())
+    pd.testing.assert_frame_equal(
+        without_origin(back.boxes), without_origin(truth().boxes), check_exact=True
+    )
+    urban = back.recordings.set_index("name").loc["urban"]
+    assert urban[["width", "height", "fps"]].tolist() == [640, 512, 20]
+    assert back.findings == ()
+
+
+def test_frames_without_boxes_come_back_from_coco(tmp_path):
+    images = pd.DataFrame({"recording": "urban", "frame": [9, 19, 29], "image_id": [0, 1, 2]})
+    reading = one_recording(truth(frame=[9, 29, 29]))
+    reading = Reading(reading.boxes, reading.recordings, "", images=images)
+    path = tmp_path / "truth.json"
+    write(reading, "coco", path, role="truth")
+    back = read_coco([SourceFile(path, "truth.json")], ReadOptions())
+    pd.testing.assert_frame_equal(
+        back.images[["recording", "frame", "image_id"]], images, check_dtype=False
+    )
+
+
+def test_coco_annotation_ids_start_at_one(tmp_path):
+    # peers 34: pycocotools takes id 0 for "no match"
+    path = tmp_path / "truth.json"
+    write(truth(), "coco", path, role="truth")
+    document = json.loads(path.read_text(encoding="utf-8"))
+    assert [row["id"] for row in document["annotations"]] == [1, 2, 3]
+
+
+def test_coco_results_name_the_truths_images(tmp_path):
+    images = pd.DataFrame({"recording": ["=rural", "urban"], "frame": [0, 9], "image_id": [0, 12]})
+    path = tmp_path / "x.json"
+    write(detections(), "coco", path, role="detections", images=images)
+    rows = json.loads(path.read_text(encoding="utf-8"))
+    assert rows[0] == {
+        "image_id": 12, "category_id": 1, "bbox": [1.25, 3.0, 5.0, 7.0], "score": 0.5,
+    }  # fmt: skip
+    options = ReadOptions(role="detections", images=images)
+    back = read_coco_results([SourceFile(path, "x.json")], options)
+    pd.testing.assert_frame_equal(
+        without_origin(back.boxes), without_origin(detections().boxes), check_exact=True
+    )
+
+
+def test_coco_results_without_image_list_name_recording_and_frame(tmp_path):
+    path = tmp_path / "x.json"
+    write(detections(), "coco", path, role="detections")
+    back = read_coco_results([SourceFile(path, "x.json")], ReadOptions(role="detections"))
+    assert back.boxes[PLACE].to_numpy().tolist() == detections().boxes[PLACE].to_numpy().tolist()
+
+
+def test_a_box_outside_the_image_list_cannot_be_named_in_coco(tmp_path):
+    images = pd.DataFrame({"recording": ["urban"], "frame": [9], "image_id": [1]})
+    with pytest.raises(InputError, match=r"1 boxes are in frames .* first in frame 0 of =rural"):
+        write(detections(), "coco", tmp_path / "x.json", role="detections", images=images)
+
+
+def test_coco_cannot_hold_a_box_without_coordinates(tmp_path):
+    reading = truth(x=[1.0, np.nan, 2.0])
+    with pytest.raises(InputError, match="there are 1, the first in frame 29 of urban"):
+        write(reading, "coco", tmp_path / "x.json", role="truth")
+
+
+def test_no_detections_give_an_empty_coco_list(tmp_path):
+    path = tmp_path / "x.json"
+    empty = Reading(reading_boxes(0), recordings_table([]), "")
+    write(empty, "coco", path, role="detections")
+    assert json.loads(path.read_text(encoding="utf-8")) == []
+
+
+def test_mot_truth_is_one_based_with_ignored_rows_at_confidence_zero(tmp_path):
+    path = tmp_path / "gt.txt"
+    write(one_recording(truth(x=[282.0, 0.5, -4.5])), "mot", path, role="truth")
+    assert path.read_text(encoding="utf-8").splitlines() == [
+        "9,1,283,206,20,43,1,1,1",
+        "29,-1,1.5,206.1,37,42,0,1,0.4",
+        "0,7,-3.5,21,5,12,1,1,-1",
+    ]
+
+
+def test_mot_detections_have_their_score_and_no_id(tmp_path):
+    path = tmp_path / "det.txt"
+    write(one_recording(detections()), "mot", path, role="detections")
+    assert path.read_text(encoding="utf-8").splitlines() == [
+        "9,-1,2.25,4,5,7,0.5,-1,-1,-1",
+        "0,4,3,5,6,8,-3.25,-1,-1,-1",
+    ]
+
+
+def test_mot_detections_without_scores_have_minus_one(tmp_path):
+    path = tmp_path / "det.txt"
+    write(one_recording(detections(score=np.nan)), "mot", path, role="detections")
+    lines = path.read_text(encoding="utf-8").splitlines()
+    assert [line.split(",")[6] for line in lines] == ["-1", "-1"]
+
+
+def test_a_missing_mot_score_among_others_is_nan(tmp_path):
+    path = tmp_path / "det.txt"
+    write(one_recording(detections(score=[-0.5, np.nan])), "mot", path, role="detections")
+    back = mot.read([SourceFile(path, "urban.txt")], ReadOptions(role="detections"))
+    assert back.boxes["score"].isna().tolist() == [False, True]
+
+
+def test_truth_comes_back_from_mot(tmp_path):
+    path = tmp_path / "gt.txt"
+    reading = one_recording(truth())
+    write(reading, "mot", path, role="truth")
+    back = mot.read([SourceFile(path, "urban/gt.txt")], ReadOptions()).boxes
+    columns = ["frame", "track", "ignore", "occlusion"]
+    pd.testing.assert_frame_equal(back[columns], reading.boxes[columns])
+    np.testing.assert_allclose(back[["x", "y", "w", "h"]], reading.boxes[["x", "y", "w", "h"]])
+
+
+def test_several_recordings_become_mot_files_with_harmless_names(tmp_path):
+    reading = truth(recording=["set06/V000", "../V000", "set06_V000"])
+    rows = [recording_row(name) for name in reading.boxes["recording"]]
+    reading = Reading(reading.boxes, recordings_table(rows), "")
+    paths = write(reading, "mot", tmp_path / "out", role="truth")
+    names = ["set06_V000.txt", "_V000.txt", "set06_V000_2.txt"]
+    assert paths == [tmp_path / "out" / name for name in names]
+    assert [len(path.read_text(encoding="utf-8").splitlines()) for path in paths] == [1, 1, 1]
+
+
+def test_an_unknown_format_is_an_error_that_lists_the_known(tmp_path):
+    with pytest.raises(UnknownFormatError, match="csv, coco, mot"):
+        write(truth(), "voc", tmp_path / "x", role="truth")
+
+
+def test_a_path_that_cannot_be_written_is_an_error(tmp_path):
+    with pytest.raises(InputError, match="cannot be written"):
+        write(truth(), "csv", tmp_path, role="truth")
+
+
+@pytest.mark.realdata
+@pytest.mark.parametrize("format_name", ["csv", "coco"])
+def test_kaists_truth_comes_back(realdata: Path, tmp_path, format_name):
+    name = "kaist/KAIST_annotation.json"
+    reading = read_coco([SourceFile(realdata / name, name)], ReadOptions())
+    path = tmp_path / "copy"
+    write(reading, format_name, path, role="truth")
+    read = csv.read if format_name == "csv" else read_coco
+    back = read([SourceFile(path, "copy")], ReadOptions())
+    pd.testing.assert_frame_equal(
+        without_origin(back.boxes), without_origin(reading.boxes), check_exact=True
+    )

@@ -1,0 +1,128 @@
+"""Which frames are evaluated."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from inputs import write
+
+from nvcore.errors import FormatError, InputError, MissingFactError
+from nvcore.inputs.evaluated_frames import MIN_SAMPLED, infer_frames, nth, parse_frames
+from nvcore.inputs.session import is_frame_range
+
+HERE = Path()
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("0:3", [0, 1, 2, 3]),
+        ("9:49:20", [9, 29, 49]),
+        ("9:48:20", [9, 29]),
+        ("-2:0", [-2, -1, 0]),
+        (" 5 : 5 ", [5]),
+    ],
+)
+def test_a_range_includes_its_last_frame(text: str, expected: list[int]):
+    assert parse_frames(text, HERE).tolist() == expected
+
+
+@pytest.mark.parametrize("text", ["3:0", "0:3:0"])
+def test_a_range_without_frames_says_what_is_expected(text: str):
+    with pytest.raises(InputError, match=f"frames '{text}': expected first:last"):
+        parse_frames(text, HERE)
+
+
+def test_a_range_longer_than_any_recording_is_refused():
+    with pytest.raises(InputError, match="expected at most 10000000 frames"):
+        parse_frames("0:100000000000", HERE)
+
+
+def test_a_file_gives_its_numbers_sorted_and_once(tmp_path: Path):
+    write(tmp_path / "frames.txt", "29", "", " 9 ", "29")
+    assert parse_frames("frames.txt", tmp_path).tolist() == [9, 29]
+
+
+def test_a_byte_order_mark_before_a_frame_list_is_no_number(tmp_path: Path):
+    (tmp_path / "frames.txt").write_bytes(b"\xef\xbb\xbf9\r\n29\r\n")
+    assert parse_frames("frames.txt", tmp_path).tolist() == [9, 29]
+
+
+@pytest.mark.parametrize("line", ["nine", "9.5", "9 10", "9" * 5000])
+def test_a_line_that_is_no_frame_number_is_named(tmp_path: Path, line: str):
+    write(tmp_path / "frames.txt", "9", line)
+    with pytest.raises(FormatError, match=r"frames\.txt, line 2: expected a frame number, found"):
+        parse_frames("frames.txt", tmp_path)
+
+
+def test_an_empty_frame_list_is_named(tmp_path: Path):
+    write(tmp_path / "frames.txt", "")
+    with pytest.raises(InputError, match=r"frames\.txt: holds no frame number"):
+        parse_frames("frames.txt", tmp_path)
+
+
+def test_a_missing_frame_list_says_what_may_be_given(tmp_path: Path):
+    with pytest.raises(InputError, match=r"no\.txt: .*first:last.*\(No such file or directory\)"):
+        parse_frames("no.txt", tmp_path)
+
+
+@pytest.mark.parametrize("name", ["a\0b", "a" * 5000])
+def test_a_name_that_no_file_can_have_is_an_input_error(name: str):
+    with pytest.raises(InputError, match="cannot be read as a frame list"):
+        parse_frames(name, HERE)
+
+
+def test_a_picture_is_no_frame_list(tmp_path: Path):
+    (tmp_path / "a.png").write_bytes(b"\x89PNG\r\n\x1a\n")
+    with pytest.raises(InputError, match="not UTF-8 text"):
+        parse_frames("a.png", tmp_path)
+
+
+def test_every_frame_from_the_first_to_the_last_annotated_one_is_evaluated():
+    frames, reason = infer_frames(np.array([3, 4, 7]))
+    assert frames.tolist() == [3, 4, 5, 6, 7]
+    assert reason == "every frame from the first to the last annotated, 3 to 7"
+
+
+def test_annotation_of_every_20th_frame_is_evaluated_at_that_step():
+    # KAIST: I00019, I00039, ...; one of them without a pedestrian
+    annotated = np.delete(np.arange(19, 300, 20), 5)
+    frames, reason = infer_frames(annotated)
+    assert frames.tolist() == list(range(19, 300, 20))
+    assert reason.startswith("every 20th frame from 19 to 299: annotation is sampled")
+
+
+def test_too_few_annotated_frames_are_not_taken_for_sampling():
+    frames, _ = infer_frames(np.arange(MIN_SAMPLED - 1) * 20)
+    assert len(frames) == (MIN_SAMPLED - 2) * 20 + 1
+
+
+def test_a_frame_number_gone_astray_does_not_fill_the_memory():
+    with pytest.raises(
+        MissingFactError, match=r"reaches from frame 1 to 900000000000000.*--frames"
+    ):
+        infer_frames(np.array([1, 900_000_000_000_000]))
+
+
+@given(st.sets(st.integers(0, 2000), min_size=1, max_size=60))
+def test_every_annotated_frame_is_evaluated(annotated: set[int]):
+    frames, _ = infer_frames(np.array(sorted(annotated)))
+    assert annotated <= set(frames.tolist())
+    assert (frames[0], frames[-1]) == (min(annotated), max(annotated))
+
+
+@pytest.mark.parametrize("text", ["frames.txt", "0:", "1:2:3:4", "0:x", "1" * 20 + ":2"])
+def test_other_texts_are_names_of_files(text: str):
+    assert not is_frame_range(text)
+
+
+@pytest.mark.parametrize(
+    ("step", "text"),
+    [(2, "2nd"), (3, "3rd"), (4, "4th"), (12, "12th"), (21, "21st"), (112, "112th")],
+)
+def test_a_step_is_told_as_an_ordinal_number(step: int, text: str):
+    assert nth(step) == text

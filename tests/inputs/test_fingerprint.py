@@ -1,0 +1,68 @@
+"""What a dataset's fingerprint depends on, and inputs that change."""
+
+from __future__ import annotations
+
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from inputs import drive, facts_of, session_of, write
+
+from nvcore.inputs.load import load
+from nvcore.inputs.session import Session, Source, SystemSource
+from nvcore.params import Params
+
+
+def copied(source: Path, target: Path) -> Session:
+    shutil.copytree(source, target)
+    return session_of(target)
+
+
+def fingerprint(session: Session) -> str:
+    return load(session).fingerprint
+
+
+def test_the_fingerprint_does_not_depend_on_where_the_files_lie(tmp_path: Path):
+    first = session_of(drive(tmp_path / "a"))
+    assert fingerprint(copied(tmp_path / "a", tmp_path / "elsewhere" / "b")) == fingerprint(first)
+
+
+def test_the_fingerprint_changes_with_one_byte_of_the_input(tmp_path: Path):
+    before = fingerprint(session_of(drive(tmp_path)))
+    text = (tmp_path / "nir.csv").read_text()
+    write(tmp_path / "nir.csv", text.rstrip()[:-1] + "6")
+    assert fingerprint(session_of(tmp_path)) != before
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"size": (641, 480)}, {"fps": 21.0}, {"frames": "0:18"},
+        {"truth": Source(("truth.csv",), classes=("person",))},
+        {"systems": (SystemSource(("fir.csv",), offset_frames=1), SystemSource(("nir.csv",)))},
+        {"systems": (SystemSource(("fir.csv",), scale=(1, 2)), SystemSource(("nir.csv",)))},
+        {"recordings": (facts_of("urban", horizon=200.0),)},
+    ],
+)  # fmt: skip
+def test_the_fingerprint_changes_with_every_setting_of_the_reading(tmp_path: Path, change: dict):
+    session = session_of(drive(tmp_path))
+    assert fingerprint(replace(session, **change)) != fingerprint(session)
+
+
+def test_the_fingerprint_does_not_change_with_live_parameters(tmp_path: Path):
+    session = session_of(drive(tmp_path))
+    changed = replace(
+        session,
+        params=Params(alpha=0.5),
+        systems=(SystemSource(("fir.csv",), threshold=0.7), session.systems[1]),
+    )
+    assert fingerprint(changed) == fingerprint(session)
+
+
+def test_a_changed_input_is_a_finding(tmp_path: Path):
+    session = replace(session_of(drive(tmp_path)), hashes={"truth": "0" * 64, "gone": "1"})
+    found = load(session).findings
+    assert [(one.code, one.subject, one.file[-9:]) for one in found] == [
+        ("input-changed", "truth", "truth.csv")
+    ]

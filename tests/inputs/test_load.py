@@ -1,0 +1,341 @@
+"""From a session to a dataset: recordings, their facts, and the frames that are evaluated."""
+
+from __future__ import annotations
+
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from inputs import (
+    DETECTIONS,
+    TRUTH,
+    boxes_of,
+    drive,
+    facts_of,
+    mot_layout,
+    one_box,
+    session_of,
+    write,
+)
+from places import DATA
+
+from nvcore.dataset import Dataset
+from nvcore.errors import InputError, MissingFactError
+from nvcore.inputs.load import load, read_source
+from nvcore.inputs.session import Session, Source, SystemSource
+
+
+def mot_session(folder: Path, truth: str, system: str) -> Session:
+    return Session(folder, Source((truth,)), (SystemSource((system,)),))
+
+
+def names(dataset: Dataset) -> list[str]:
+    return dataset.recordings["name"].tolist()
+
+
+# one recording or several
+
+
+def test_single_files_of_different_names_are_the_same_recording(tmp_path: Path):
+    write(tmp_path / "night" / "annotated.csv", TRUTH, "0,1,1,5,10,1")
+    write(tmp_path / "out" / "thermal.csv", DETECTIONS, "0,1,1,5,10,0.5")
+    dataset = load(session_of(tmp_path, "night/annotated.csv", "out/thermal.csv"))
+    assert names(dataset) == ["annotated"]
+    assert (len(dataset.system("thermal")), len(dataset.left_out)) == (1, 0)
+
+
+def test_the_assumption_that_single_recordings_are_the_same_is_reported(tmp_path: Path):
+    write(tmp_path / "truth.csv", "recording," + TRUTH, "urban,0,1,1,5,10,1")
+    write(tmp_path / "fir.csv", "recording," + DETECTIONS, "city,0,1,1,5,10,0.5")
+    conversion = load(session_of(tmp_path, "truth.csv", "fir.csv")).inputs["conversion"]
+    assert "recording 'city' taken for the truth's only recording 'urban'" in conversion[1]
+
+
+def test_mot_layout_gives_one_recording_per_folder(tmp_path: Path):
+    dataset = load(mot_session(mot_layout(tmp_path), ".", "."))
+    assert names(dataset) == ["A", "B"]
+    assert len(dataset.left_out) == 0
+
+
+def test_globs_give_the_same_as_the_folder(tmp_path: Path):
+    mot_layout(tmp_path)
+    by_folder = load(mot_session(tmp_path, ".", "."))
+    by_glob = load(mot_session(tmp_path, "*/gt/gt.txt", "*/det/det.txt"))
+    assert by_glob.boxes.equals(by_folder.boxes)
+    assert by_glob.frames.equals(by_folder.frames)
+
+
+def test_a_list_of_files_gives_their_recordings(tmp_path: Path):
+    mot_layout(tmp_path, ("A", "B", "C"))
+    truth = Source(("A/gt/gt.txt", "C/gt/gt.txt"))
+    detections = SystemSource(("A/det/det.txt", "C/det/det.txt"))
+    dataset = load(Session(tmp_path, truth, (detections,)))
+    assert names(dataset) == ["A", "C"]
+    assert len(dataset.system("det")) == 8
+
+
+def test_one_file_per_picture_below_folders_gives_recordings_by_folder(tmp_path: Path):
+    for name in ("set06/V000/I00019", "set06/V000/I00039", "set09/V000/I00019"):
+        write(tmp_path / "gt" / f"{name}.txt", "% bbGt version=3",
+              "person 10 20 20 50 0 0 0 0 0 0 0")  # fmt: skip
+    write(tmp_path / "fir.csv", "recording," + DETECTIONS, "set06/V000,19,10,20,20,50,0.5")
+    dataset = load(session_of(tmp_path, "gt", "fir.csv"))
+    assert names(dataset) == ["set06/V000", "set09/V000"]
+    assert dataset.frames["frame"].tolist() == [19, 39, 19]
+
+
+def test_two_systems_of_one_name_are_told_apart(tmp_path: Path):
+    one_box(tmp_path, "0,1,1,5,10,0.5")
+    dataset = load(session_of(tmp_path, "truth.csv", "fir.csv", "fir.csv"))
+    assert dataset.systems == ("fir", "fir (2)")
+
+
+def test_systems_in_files_of_one_name_are_called_by_their_folders(tmp_path: Path):
+    one_box(tmp_path)
+    for folder in ("faster", "tracker"):
+        write(tmp_path / folder / "out.csv", DETECTIONS, "0,1,1,5,10,0.5")
+    dataset = load(session_of(tmp_path, "truth.csv", "faster/out.csv", "tracker/out.csv"))
+    assert dataset.systems == ("faster", "tracker")
+
+
+def test_a_system_without_detections_has_all_frames(tmp_path: Path):
+    dataset = load(session_of(one_box(tmp_path), "truth.csv", "fir.csv"))
+    assert (len(dataset.system("fir")), len(dataset.frames)) == (0, 10)
+
+
+def test_a_truth_without_a_recording_is_an_input_error(tmp_path: Path):
+    write(tmp_path / "truth.csv", "recording," + TRUTH)
+    write(tmp_path / "fir.csv", DETECTIONS)
+    with pytest.raises(InputError, match="the ground truth holds no"):
+        load(session_of(tmp_path, "truth.csv", "fir.csv"))
+
+
+# size and frame rate
+
+
+def test_size_and_frame_rate_come_from_seqinfo(tmp_path: Path):
+    row = load(mot_session(mot_layout(tmp_path), ".", ".")).recordings.iloc[0]
+    assert (row["width"], row["height"], row["fps"]) == (640, 480, 10)
+
+
+def test_a_flag_goes_before_the_data(tmp_path: Path):
+    session = mot_session(mot_layout(tmp_path), ".", ".")
+    row = load(replace(session, size=(1280, 960), fps=25.0)).recordings.iloc[0]
+    assert (row["width"], row["height"], row["fps"]) == (1280, 960, 25)
+
+
+def test_what_a_session_says_of_a_recording_goes_before_its_defaults(tmp_path: Path):
+    session = replace(
+        mot_session(mot_layout(tmp_path), ".", "."),
+        fps=25.0,
+        recordings=(facts_of("B", fps=30.0, width=320, height=240, horizon=100.0),),
+    )
+    table = load(session).recordings
+    assert table["fps"].tolist() == [25, 30]
+    assert table["width"].tolist() == [640, 320]
+    assert table["horizon"].tolist()[1] == 100
+    assert np.isnan(table["horizon"][0])
+
+
+def test_the_only_recording_of_session_and_truth_is_the_same(tmp_path: Path):
+    session = session_of(
+        one_box(tmp_path), "truth.csv", "fir.csv", fps=None,
+        recordings=(facts_of("night", fps=12.5, frames="0:3"),),
+    )  # fmt: skip
+    dataset = load(session)
+    assert dataset.recordings["fps"].tolist() == [12.5]
+    assert dataset.frames["frame"].tolist() == [0, 1, 2, 3]
+
+
+def test_the_session_names_the_only_recording_and_no_box_is_lost(tmp_path: Path):
+    folder = one_box(tmp_path, "0,1,1,5,10,0.5")
+    dataset = load(session_of(folder, "truth.csv", "fir.csv", recordings=(facts_of("PETS09"),)))
+    assert names(dataset) == ["PETS09"]
+    assert (len(dataset.truth), len(dataset.system("fir")), len(dataset.left_out)) == (10, 1, 0)
+
+
+def test_a_recording_does_not_get_the_name_of_another_that_a_system_holds(tmp_path: Path):
+    write(tmp_path / "truth.csv", "recording," + TRUTH, "day,0,1,1,5,10,1")
+    write(tmp_path / "fir.csv", "recording," + DETECTIONS, "day,0,1,1,5,10,0.5",
+          "dusk,0,1,1,5,10,0.5")  # fmt: skip
+    dataset = load(session_of(tmp_path, "truth.csv", "fir.csv", recordings=(facts_of("dusk"),)))
+    assert len(dataset.system("fir")) == 1
+
+
+@pytest.mark.parametrize(
+    ("unknown", "words"),
+    [
+        (
+            ("size",),
+            "image size of .* is not in the data; give --size WIDTHxHEIGHT, or width",
+        ),
+        (("fps",), "frame rate of .* is not in the data; give --fps FPS, or fps in the session"),
+        (
+            ("size", "fps"),
+            "size and frame rate of .* are not .* give --size .* and --fps FPS",
+        ),
+    ],
+)
+def test_an_error_names_all_unknown_facts_and_their_flags(tmp_path: Path, unknown, words: str):
+    with pytest.raises(MissingFactError, match=words) as caught:
+        load(session_of(one_box(tmp_path), "truth.csv", "fir.csv", **dict.fromkeys(unknown)))
+    assert caught.value.facts == unknown
+
+
+def test_an_unknown_fact_of_several_recordings_says_of_how_many(tmp_path: Path):
+    with pytest.raises(MissingFactError, match=r"recording 'urban' .* \(nor those of 1 more\)"):
+        load(session_of(drive(tmp_path), fps=None))
+
+
+def yolo(folder: Path) -> Path:
+    for name in ("gt", "out"):
+        shutil.copytree(DATA / "yolo", folder / name)
+    return folder
+
+
+def test_the_size_of_a_session_s_recordings_serves_formats_with_relative_boxes(tmp_path: Path):
+    facts = facts_of("drive1", width=640, height=480, fps=20.0)
+    session = session_of(yolo(tmp_path), "gt", "out", size=None, fps=None, recordings=(facts,))
+    assert boxes_of(load(session), 0)[0] == [240, 120, 160, 240]
+
+
+def test_the_size_of_the_truth_serves_detections_with_relative_boxes(tmp_path: Path):
+    yolo(tmp_path)
+    shutil.rmtree(tmp_path / "gt")
+    shutil.copytree(DATA / "voc", tmp_path / "gt")
+    dataset = load(session_of(tmp_path, "gt", "out", size=None))
+    assert boxes_of(dataset, 0)[0] == [100, 50, 20, 40]
+    assert "out" in dataset.systems
+
+
+# evaluated frames
+
+
+def test_seqinfo_lists_frames_without_truth(tmp_path: Path):
+    dataset = load(mot_session(mot_layout(tmp_path, ("A",)), ".", "."))
+    assert dataset.frames["frame"].tolist() == [1, 2, 3, 4, 5]
+    assert "those that the ground truth lists (5 in all)" in dataset.notes[0]
+
+
+def test_coco_s_image_list_is_the_frame_list(tmp_path: Path):
+    session = session_of(DATA / "coco", "kaist.json", "results.json")
+    dataset = load(session)
+    assert names(dataset) == ["set06/V000", "set09/V000"]
+    assert dataset.frames["frame"].tolist() == [19, 39, 19]
+
+
+def test_sampled_annotation_is_evaluated_at_its_step(tmp_path: Path):
+    write(tmp_path / "truth.csv", TRUTH, *(f"{f},1,1,5,10,1" for f in range(9, 200, 20)))
+    write(tmp_path / "fir.csv", DETECTIONS, "9,1,1,5,10,0.5", "10,1,1,5,10,0.5")
+    dataset = load(session_of(tmp_path, "truth.csv", "fir.csv"))
+    assert dataset.frames["frame"].tolist() == list(range(9, 200, 20))
+    assert "every 20th frame from 9 to 189: annotation is sampled at that step" in dataset.notes[0]
+
+
+def test_given_frames_go_before_those_of_the_data(tmp_path: Path):
+    session = replace(mot_session(mot_layout(tmp_path), ".", "."), frames="2:4:2")
+    dataset = load(session)
+    assert dataset.frames["frame"].tolist() == [2, 4, 2, 4]
+    assert "as given for all recordings (4 in all)" in dataset.notes[0]
+
+
+def test_a_recording_s_own_frames_go_before_those_given_for_all(tmp_path: Path):
+    write(tmp_path / "b.txt", "5")
+    session = replace(
+        mot_session(mot_layout(tmp_path), ".", "."),
+        frames="1:2",
+        recordings=(facts_of("B", frames="b.txt"),),
+    )
+    dataset = load(session)
+    assert dataset.frames["frame"].tolist() == [1, 2, 5]
+    assert dataset.notes == (
+        "evaluated frames of A: as given for all recordings (2 in all)",
+        "evaluated frames of B: as the session says (1 in all)",
+    )
+
+
+def test_a_recording_without_truth_counts_where_its_frames_are_given(tmp_path: Path):
+    one = facts_of("empty", frames="0:4")
+    dataset = load(replace(session_of(drive(tmp_path)), recordings=(one,)))
+    assert names(dataset) == ["urban", "rural", "empty"]
+    assert len(dataset.frames) == 45
+
+
+def test_a_recording_of_which_no_frame_is_known_is_left_out_and_told(tmp_path: Path):
+    dataset = load(replace(session_of(drive(tmp_path)), recordings=(facts_of("empty"),)))
+    assert names(dataset) == ["urban", "rural"]
+    assert any("empty: no frame is known; recording left out" in note for note in dataset.notes)
+
+
+def test_no_frame_at_all_asks_for_frames(tmp_path: Path):
+    write(tmp_path / "truth.csv", TRUTH)
+    write(tmp_path / "fir.csv", DETECTIONS, "0,1,1,5,10,0.5")
+    with pytest.raises(MissingFactError, match=r"truth\.csv: no frame is evaluated.*--frames"):
+        load(session_of(tmp_path, "truth.csv", "fir.csv"))
+
+
+def test_progress_names_each_step(tmp_path: Path):
+    told: list[str] = []
+    load(session_of(drive(tmp_path)), progress=told.append)
+    assert told == ["reading the ground truth", "reading fir", "reading nir",
+                    "placing boxes in frames"]  # fmt: skip
+
+
+def test_one_source_can_be_read_by_itself():
+    reading = read_source(Source(("kaist.json",)), role="truth", folder=DATA / "coco")
+    assert len(reading.boxes) == 3
+
+
+@pytest.mark.parametrize(
+    ("format_name", "car", "pedestrian"),
+    [
+        ("mot", "{f},7,10,20,30,60,1,3,1", "{f},1,10,20,30,60,1,1,1"),
+        (
+            "kitti-tracking",
+            "{f} 7 Car 0 0 0 10 20 40 80 1 1 1 0 0 20 0",
+            "{f} 1 Pedestrian 0 0 0 10 20 40 80 1 1 1 0 0 20 0",
+        ),
+    ],
+)
+def test_frames_with_other_classes_only_are_annotated_frames(
+    tmp_path: Path, format_name: str, car: str, pedestrian: str
+):
+    rows = [car.format(f=f) for f in (1, 2, 3)] + [pedestrian.format(f=f) for f in (5, 6)]
+    one_box(tmp_path)
+    write(tmp_path / "drive.txt", *rows, car.format(f=9))
+    dataset = load(session_of(tmp_path, "drive.txt", "fir.csv"))
+    assert dataset.inputs["format"].iloc[0] == format_name
+    assert dataset.frames["frame"].tolist() == list(range(1, 10))
+
+
+def test_frames_with_other_classes_only_are_annotated_frames_of_a_csv(tmp_path: Path):
+    one_box(tmp_path)
+    rows = ("1,1,1,9,9,car", "4,1,1,9,9,person")
+    write(tmp_path / "drive.csv", "frame,x,y,w,h,class", *rows)
+    dataset = load(session_of(tmp_path, "drive.csv", "fir.csv"))
+    assert dataset.frames["frame"].tolist() == [1, 2, 3, 4]
+
+
+def test_a_given_size_and_rate_that_contradict_the_data_are_reported(tmp_path: Path):
+    mot_layout(tmp_path / "truth")
+    session = replace(
+        session_of(tmp_path, "truth", SystemSource(("truth/*/gt/gt.txt",), name="x")),
+        size=(11, 12),
+        fps=99.0,
+    )
+    findings = {one.message: one for one in load(session).findings if "given" in one.message}
+    assert len(findings) == 2
+    assert {one.code for one in findings.values()} == {"contradicted-fact"}
+    assert {one.count for one in findings.values()} == {2}
+    assert any("frame rate given (99) is not that of the data" in text for text in findings)
+
+
+def test_a_given_size_that_the_data_say_as_well_is_not_reported(tmp_path: Path):
+    mot_layout(tmp_path / "truth")
+    plain = session_of(tmp_path, "truth", SystemSource(("truth/*/gt/gt.txt",), name="x"))
+    own = load(replace(plain, size=None, fps=None)).recordings
+    size = (int(own["width"][0]), int(own["height"][0]))
+    dataset = load(replace(plain, size=size, fps=float(own["fps"][0])))
+    assert "contradicted-fact" not in {one.code for one in dataset.findings}

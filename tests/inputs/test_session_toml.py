@@ -1,0 +1,272 @@
+"""Session files: what they say, what they may not say, and that writing them loses nothing."""
+
+from __future__ import annotations
+
+import math
+import re
+import tomllib
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from inputs import write
+
+from nvcore.errors import SessionError
+from nvcore.inputs.session import RecordingFacts, Session, Source, SystemSource
+from nvcore.inputs.session_toml import read_session, write_session
+from nvcore.params import Params
+from nvcore.protocols import OWN, PROTOCOLS, Protocol
+
+MINIMAL = ('[truth]\npath = "gt.csv"', '[[system]]\npath = "fir.csv"')
+FULL = Session(
+    folder=Path("/drives"),
+    truth=Source(("gt/a.csv", "gt/b*.csv"), "csv", ("person", "child"), 0, 1),
+    systems=(
+        SystemSource(
+            ("fir.csv",), "csv", ("7",), 1, 0, name="FIR", threshold=0.25, offset_frames=-3,
+            offset_px=(1.5, -2.0), scale=(2.0, 0.5),
+        ),
+        SystemSource(("nir.csv",), name="NIR", scale=(1.25, 1.25)),
+    ),
+    recordings=(
+        RecordingFacts(
+            "urban", 640.0, 480.0, 20.0, "frames.txt", 236.5, "urban.mp4", 3, ("night", "wet road")
+        ),
+        RecordingFacts("rural", frames="0:299:20"),
+    ),
+    size=(1280, 960),
+    fps=12.5,
+    frames="lists/all.txt",
+    x="NIR",
+    y="FIR",
+    params=Params(alpha=0.7, midpoint=30.0, proximity="horizon", threshold_y=-0.5),
+    protocol=Protocol(
+        OWN, height_px=(40.0, math.inf), occlusion=(0, 1), border_px=(1.0, 2.0, 3.0, 4.5),
+        aspect=(0.5, 4.0), tags=("night",), expand=1.5,
+    ),
+    hashes={"truth": "ab", "FIR": "cd", "odd \"name\"\n": "ef"},
+)  # fmt: skip
+
+
+def read(folder: Path, *parts: str) -> Session:
+    return read_session(write(folder / "session.toml", *parts))
+
+
+def written(session: Session, folder: Path) -> Session:
+    text = write_session(session, version="1", fingerprint="2")
+    return read_session(write(folder / "session.toml", text))
+
+
+def test_a_minimal_session_takes_everything_else_from_the_data(tmp_path: Path):
+    session = read(tmp_path, *MINIMAL)
+    assert session == Session(tmp_path, Source(("gt.csv",)), (SystemSource(("fir.csv",)),))
+
+
+def test_every_key_is_read(tmp_path: Path):
+    session = read(
+        tmp_path,
+        '[defaults]\nsize = "640x480"\nfps = 20\nframes = "0:9"',
+        '[[recording]]\nname = "urban"\nwidth = 320\nheight = 240\nfps = 12.5\nframes = "0:4"\n'
+        'horizon = 120\npictures = "urban.mp4"\nfirst_picture = 2330\ntags = ["night"]',
+        '[truth]\npath = ["a.csv", "b.csv"]\nformat = "csv"\nclasses = ["person"]\n'
+        "frame_base = 0\nbox_base = 1",
+        '[[system]]\nname = "FIR"\npath = "fir.csv"\nthreshold = 0.5\noffset_frames = 2\n'
+        "offset_px = [1, -2.5]\nscale = 2",
+        '[[system]]\npath = "nir.csv"\nscale = [2, 0.5]',
+        '[compare]\nx = "FIR"\ny = "NIR"',
+        '[parameters]\nalpha = 0.5\nmatch = "lateral"',
+        '[protocol]\nname = "near"\ntags = ["night"]',
+        '[written]\nversion = "0"\nsha256 = {truth = "ab"}',
+    )
+    first, second = session.systems
+    assert (session.size, session.fps, session.frames) == ((640, 480), 20.0, "0:9")
+    assert session.protocol == replace(PROTOCOLS["near"], tags=("night",))
+    assert session.recordings == (
+        RecordingFacts("urban", 320.0, 240.0, 12.5, "0:4", 120.0, "urban.mp4", 2330, ("night",)),
+    )
+    assert session.truth == Source(("a.csv", "b.csv"), "csv", ("person",), 0, 1)
+    assert (first.name, first.threshold, first.offset_frames) == ("FIR", 0.5, 2)
+    assert (first.offset_px, first.scale, second.scale) == ((1.0, -2.5), (2.0, 2.0), (2.0, 0.5))
+    assert (session.x, session.y, session.hashes) == ("FIR", "NIR", {"truth": "ab"})
+    assert session.params == Params(alpha=0.5, match="lateral")
+
+
+def test_what_is_written_reads_back_as_the_same_session(tmp_path: Path):
+    again = written(FULL, tmp_path)
+    paths = [one.path for one in (again.truth, *again.systems)]
+    assert paths == [("/drives/gt/a.csv", "/drives/gt/b*.csv"), ("/drives/fir.csv",),
+                     ("/drives/nir.csv",)]  # fmt: skip
+    assert again.frames == "/drives/lists/all.txt"
+    assert again.recordings[0].frames == "/drives/frames.txt"
+    assert again.recordings[0].pictures == "/drives/urban.mp4"
+    relative = replace(
+        again,
+        folder=FULL.folder,
+        truth=replace(again.truth, path=FULL.truth.path),
+        systems=tuple(
+            replace(a, path=b.path) for a, b in zip(again.systems, FULL.systems, strict=True)
+        ),
+        frames=FULL.frames,
+        recordings=FULL.recordings,
+    )
+    assert relative == FULL
+
+
+def test_writing_again_what_was_read_gives_the_same_text(tmp_path: Path):
+    first = write_session(FULL, version="1", fingerprint="2")
+    again = write_session(written(FULL, tmp_path / "far" / "away"), version="1", fingerprint="2")
+    assert again == first
+
+
+def test_a_glob_below_a_folder_with_brackets_still_means_the_same(tmp_path: Path):
+    folder = tmp_path / "drive[1]"
+    write(folder / "a.csv", "x")
+    session = Session(folder, Source(("*.csv",)), (SystemSource(("a.csv",)),))
+    path = written(session, tmp_path).truth.path[0]
+    assert path == f"{tmp_path.as_posix()}/drive[[]1]/*.csv"
+
+
+@given(st.floats(0, 1), st.text(st.characters(codec="utf-8"), min_size=1))
+def test_any_threshold_and_any_name_survive(threshold: float, name: str):
+    system = SystemSource(("a.csv",), name=name, threshold=threshold)
+    text = write_session(
+        Session(Path("/d"), Source(("t.csv",)), (system,)), version="1", fingerprint="2"
+    )
+    table = tomllib.loads(text)["system"][0]
+    assert (table["name"], table["threshold"]) == (name, threshold)
+
+
+def test_the_written_session_holds_version_and_fingerprint():
+    text = write_session(FULL, version="1.2.3", fingerprint="f00")
+    assert tomllib.loads(text)["written"] == {
+        "version": "1.2.3", "fingerprint": "f00", "sha256": dict(FULL.hashes),
+    }  # fmt: skip
+
+
+SYSTEM = '[[system]]\npath = "fir.csv"\n'
+RECORDING = '[[recording]]\nname = "a"\n'
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("hello = ", "is not TOML"),
+        ("a = " + "[" * 5000, "is not TOML"),
+        ("[truths]", "the session has no key 'truths'; its keys are compare, defaults"),
+        ("truth = 1  # [truth]", "expected [truth] to be a table"),
+        ("system = 1  # [[syste", "expected [[system]] to be a list of tables"),
+        ("[defaults]\nsize = '640'", "[defaults]: expected a size such as 640x480, got '640'"),
+        ("[defaults]\nsize = 640", "[defaults]: expected size to be a text, found 640"),
+        ("[defaults]\nfps = '20'", "[defaults]: expected fps to be a number, found '20'"),
+        ("[defaults]\nfps = 0", "fps: expected a positive number, found 0"),
+        ("[defaults]\nfps = inf", "fps: expected a positive number, found inf"),
+        (
+            "[defaults]\nheight = 1",
+            "[defaults] has no key 'height'; its keys are fps, frames, size",
+        ),
+        ("[compare]\nz = 'a'", "[compare] has no key 'z'; its keys are x, y"),
+        ("[compare]\nx = 1", "[compare]: expected x to be a text, found 1"),
+        ("[parameters]\nalfa = 1", "[parameters]: there is no parameter 'alfa'"),
+        ("[parameters]\nalpha = 2", "[parameters]: alpha: expected 0 to 1, got 2"),
+        ("[protocol]\nname = 'best'", "[protocol]: there is no protocol 'best'; there are: all"),
+        ("[protocol]\nheight = 50", "[protocol]: there is no filter 'height'; the keys are name"),
+        ("[protocol]\nheight_px = 50", "[protocol]: height_px: expected two numbers, such as"),
+        ("[protocol]\nexpand = 0.5", "[protocol]: expand: expected 1 or more, got 0.5"),
+        ("protocol = 1  # [protocol]", "expected [protocol] to be a table"),
+        ("[written]\nsha256 = 1", "[written]: expected sha256 to be a table of texts"),
+        ("[written]\nsha256 = {a = 1}", "[written]: expected sha256 to be a table of texts"),
+        ("[[recording]]\nwidth = 1", "[[recording]]: expected a name"),
+        (RECORDING + "wide = 1", "[[recording]] has no key 'wide'"),
+        (RECORDING + "fps = true", "[[recording]]: expected fps to be a number, found True"),
+        (RECORDING + "width = -1", "[[recording]]: width: expected a positive number, found -1"),
+        (RECORDING + "horizon = nan", "[[recording]]: horizon: expected a finite number"),
+        (RECORDING + "first_picture = 1.5", "expected first_picture to be a whole number"),
+        (RECORDING + f"first_picture = {10**16}", "first_picture: expected a frame number"),
+        (RECORDING + "frames = 5", "[[recording]]: expected frames to be a text, found 5"),
+        (RECORDING * 2, "the session: expected one [[recording]] named 'a', found several"),
+        (SYSTEM + "scores = 1", "[[system]] has no key 'scores'"),
+        (SYSTEM + "scale = 0", "[[system]]: scale: expected a positive number, found 0"),
+        (SYSTEM + "scale = [1, 2, 3]", "[[system]]: expected scale to be two numbers"),
+        (SYSTEM + "scale = 'a'", "[[system]]: expected scale to be two numbers, found 'a'"),
+        (SYSTEM + "offset_px = 3", "[[system]]: expected offset_px to be two numbers, found 3"),
+        (SYSTEM + "offset_px = [1, inf]", "offset_px: expected a finite number, found inf"),
+        (SYSTEM + "offset_frames = 1.5", "expected offset_frames to be a whole number, found 1.5"),
+        (SYSTEM + "offset_frames = 99999999", "offset_frames: expected at most 1000000, found"),
+        (SYSTEM + "threshold = nan", "[[system]]: threshold: expected a number, found nan"),
+        (SYSTEM + "frame_base = 2", "[[system]]: expected frame_base to be 0 or 1, found 2"),
+        (SYSTEM + "frame_base = true", "expected frame_base to be a whole number, found True"),
+        (SYSTEM + "classes = 'person'", "[[system]]: expected classes to be a list of texts"),
+        (SYSTEM + "classes = []", "[[system]]: classes: expected names or numbers of classes"),
+        ("[[system]]\npath = []", "[[system]]: expected path to be a text or a list of texts"),
+        ("[[system]]\npath = ''", "[[system]]: path: expected a file, folder or glob"),
+    ],
+)
+def test_what_cannot_be_done_is_told_with_its_table_and_key(tmp_path: Path, text: str, words: str):
+    with pytest.raises(SessionError, match=re.escape(words)) as caught:
+        read(tmp_path, text, *(part for part in MINIMAL if part[:7] not in text))
+    assert caught.value.file == str(tmp_path / "session.toml")
+
+
+@pytest.mark.parametrize("part", MINIMAL)
+def test_a_session_needs_truth_and_a_system(tmp_path: Path, part: str):
+    with pytest.raises(SessionError, match=r"expected a \[truth\] table and at least one \[\[sys"):
+        read(tmp_path, part)
+
+
+def test_a_missing_session_file_is_named(tmp_path: Path):
+    with pytest.raises(SessionError, match=r"no\.toml: cannot be opened \(No such file"):
+        read_session(tmp_path / "no.toml")
+
+
+def test_a_video_is_no_session(tmp_path: Path):
+    (tmp_path / "a.mp4").write_bytes(b"\x00\x00\x00\x18ftyp\xff\xfe")
+    with pytest.raises(SessionError, match=r"a\.mp4: is not TOML"):
+        read_session(tmp_path / "a.mp4")
+
+
+def test_a_name_that_is_not_utf8_is_refused():
+    with pytest.raises(SessionError, match=r"name: expected UTF-8 text, found '\\udcff'"):
+        SystemSource(("a",), name="\udcff")
+
+
+@pytest.mark.parametrize(
+    ("facts", "expected"),
+    [
+        ({"size": (640, 480)}, (640, 480)),
+        (
+            {"recordings": (RecordingFacts("a", 320, 240), RecordingFacts("b", 320, 240))},
+            (320, 240),
+        ),
+        ({"recordings": (RecordingFacts("a", 320, 240), RecordingFacts("b"))}, None),
+        ({"recordings": (RecordingFacts("a"),)}, None),
+        ({}, None),
+    ],
+)
+def test_the_common_size_is_that_of_all_recordings(facts: dict, expected: tuple | None):
+    session = Session(Path(), Source(("t",)), (SystemSource(("s",)),), **facts)
+    assert session.common_size == expected
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        ("[[recording]]", 'name = "a"', r'pictures = "night\u0000.mp4"', *MINIMAL),
+        ("[[recording]]", 'name = "a"', r'frames = "night\u0000.txt"', *MINIMAL),
+        ("[defaults]", r'frames = "night\u0000.txt"', *MINIMAL),
+        ("[truth]", r'path = ["a.csv", "night\u0000.csv"]', MINIMAL[1]),
+    ],
+)
+def test_a_path_that_no_file_can_have_is_refused(tmp_path: Path, lines: tuple[str, ...]):
+    with pytest.raises(SessionError, match="expected a path, found one with a NUL") as caught:
+        read_session(write(tmp_path / "s.toml", *lines))
+    assert str(caught.value).isprintable()
+
+
+def test_the_paths_of_a_session_are_inputs_frame_lists_and_pictures():
+    facts = RecordingFacts("a", frames="a.txt", pictures="a.mp4")
+    session = Session(
+        Path(), Source(("t.csv",)), (SystemSource(("x.csv", "y/*.csv")),), (facts,), frames="0:9"
+    )
+    assert list(session.paths()) == ["t.csv", "x.csv", "y/*.csv", "a.txt", "a.mp4"]

@@ -1,0 +1,120 @@
+"""docs/metrics.md says what the code does: its tables and its examples."""
+
+from __future__ import annotations
+
+import doctest
+import math
+import re
+from dataclasses import fields
+
+import numpy as np
+import pytest
+from places import ROOT
+
+from nvcore.inputs.evaluated_frames import MIN_SAMPLED
+from nvcore.inputs.readers.meaning.occlusion import PARTIAL_OCCLUSION
+from nvcore.metrics.kernels import ABSORB_SHARE
+from nvcore.metrics.linking import LINK_GAP, LINK_IOU
+from nvcore.params import MIDPOINT_SHARE, SPREAD_SHARE, Params
+from nvcore.schema import Category, MissClass
+
+PAGE = (ROOT / "docs" / "metrics.md").read_text(encoding="utf-8")
+
+
+def section(title: str) -> str:
+    """Text below a heading, up to the next heading of any level."""
+    found = re.search(rf"^#+ {re.escape(title)}\n(.*?)(?=^#+ |\Z)", PAGE, re.DOTALL | re.MULTILINE)
+    assert found is not None, f"no section {title!r}"
+    return found[1]
+
+
+def rows_of(title: str) -> list[list[str]]:
+    """Cells of the first table of a section, without its header."""
+    lines = [line for line in section(title).splitlines() if line.startswith("|")]
+    return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines[2:]]
+
+
+def documented_params() -> dict[str, list[str]]:
+    return {row[0].strip("`"): row[1:] for row in rows_of("Parameters")}
+
+
+def expected_default(value: object) -> str:
+    if value is None:
+        return "none"
+    return value if isinstance(value, str) else f"{value:g}"
+
+
+def expected_range(metadata: dict) -> str:
+    if metadata["choices"] is not None:
+        return ", ".join(metadata["choices"])
+    if np.isinf(metadata["low"]) and np.isinf(metadata["high"]):
+        return "any"
+    least = "more than " if metadata["above_low"] else ""
+    return f"{least}{metadata['low']:g} to {metadata['high']:g}"
+
+
+def test_every_parameter_has_a_row_in_the_order_of_the_code():
+    assert list(documented_params()) == [spec.name for spec in fields(Params)]
+
+
+@pytest.mark.parametrize("spec", fields(Params), ids=lambda spec: spec.name)
+def test_the_row_of_a_parameter_has_its_default_range_and_unit(spec):
+    default, span, unit, meaning = documented_params()[spec.name]
+    assert default == expected_default(spec.default)
+    assert span == expected_range(spec.metadata)
+    assert unit == (spec.metadata["unit"] or "–")
+    assert meaning.endswith(".")
+
+
+@pytest.mark.parametrize(
+    ("name", "share"), [("midpoint", MIDPOINT_SHARE), ("spread", SPREAD_SHARE)]
+)
+def test_the_shares_of_the_image_height_are_those_of_the_code(name, share):
+    assert f"{100 * share:g} % of the image height" in documented_params()[name][3]
+
+
+def test_the_fixed_numbers_are_those_of_the_code():
+    values = [float(row[1]) for row in rows_of("Fixed numbers")]
+    relevant_k = 0.5  # written out in the kernel of the encounters
+    code = [relevant_k, ABSORB_SHARE, LINK_IOU, LINK_GAP, MIN_SAMPLED, PARTIAL_OCCLUSION]
+    assert values == code
+
+
+def test_the_table_of_proximity_weights_is_right():
+    lines = [line for line in section("Proximity weight k").splitlines() if line.startswith("|")]
+    heights, weights = (
+        [float(cell) for cell in line.strip("|").split("|")[1:]]
+        for line in lines
+        if re.match(r"\| (height, px|k) \|", line)
+    )
+    midpoint, spread = MIDPOINT_SHARE * 480, SPREAD_SHARE * 480
+    assert weights == [round(1 / (1 + math.exp((midpoint - h) / spread)), 3) for h in heights]
+
+
+def test_the_table_of_single_misses_is_right():
+    rows = rows_of("The formula")
+    assert [row[0] for row in rows] == ["30 px", "48 px", "96 px"]
+    for height, *cells in rows:
+        k = 1 / (1 + math.exp((48 - float(height.removesuffix(" px"))) / 9.6))
+        borders = (320, 160, 32)
+        assert [float(cell) for cell in cells] == [
+            round(1 - 0.9 * k * border / 320, 3) for border in borders
+        ]
+
+
+def test_the_categories_are_those_of_the_code():
+    assert [row[0].strip("`") for row in rows_of("Categories and dominance")] == list(Category)
+
+
+def test_the_miss_classes_stand_in_the_order_of_the_code():
+    assert [row[0].strip("`") for row in rows_of("Miss classes")] == list(MissClass)
+
+
+def test_the_python_examples_run_as_shown():
+    blocks = re.findall(r"^```python\n(.*?)^```", PAGE, re.DOTALL | re.MULTILINE)
+    assert len(blocks) >= 7
+    # one run: later examples use the helper of the first
+    examples = doctest.DocTestParser().get_doctest("\n".join(blocks), {}, "metrics.md", None, 0)
+    report: list[str] = []
+    failed = doctest.DocTestRunner(verbose=False).run(examples, out=report.append).failed
+    assert not failed, "".join(report)

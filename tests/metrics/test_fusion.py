@@ -1,0 +1,146 @@
+from __future__ import annotations
+
+import numpy as np
+from builders import Box, Place, at, make_dataset, result_of
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scenes import Scene, draw_scene
+
+from nvcore.comparison import Result, SystemResult, compare
+from nvcore.dataset import Dataset
+from nvcore.metrics.fusion import fuse
+from nvcore.params import Params
+
+
+def fused(dataset: Dataset, *, iou: float = 0.5) -> Dataset:
+    x, y = dataset.system("x"), dataset.system("y")
+    return fuse(dataset, "x", "y", np.ones(len(x), bool), np.ones(len(y), bool), iou=iou)
+
+
+def lefts(dataset: Dataset) -> tuple[list[float], list[float]]:
+    """Left edges of `X or Y` and of `X and Y`."""
+    either, both = (dataset.system(name) for name in dataset.systems)
+    return either.x.tolist(), both.x.tolist()
+
+
+def test_a_pair_stands_once_by_xs_box_and_unpaired_boxes_of_both_stay() -> None:
+    dataset = make_dataset(
+        x=[(0, 0, 0, 10, 10), (0, 30, 0, 10, 10)], y=[(0, 60, 0, 10, 10), (0, 2, 0, 10, 10)]
+    )
+    assert lefts(fused(dataset)) == ([0, 30, 60], [0])
+
+
+def test_pairs_need_the_iou_of_a_match() -> None:
+    dataset = make_dataset(x=[(0, 0, 0, 10, 10)], y=[(0, 4, 0, 10, 10)])  # 6 / 14
+    assert lefts(fused(dataset)) == ([0, 4], [])
+    assert lefts(fused(dataset, iou=0.4)) == ([0], [0])
+
+
+def test_boxes_of_different_frames_are_not_paired() -> None:
+    dataset = make_dataset(x=[(0, 0, 0, 10, 10)], y=[(1, 0, 0, 10, 10)])
+    assert lefts(fused(dataset)) == ([0, 0], [])
+
+
+def test_fused_systems_have_no_scores_and_names_that_say_what_they_are() -> None:
+    dataset = fused(make_dataset(x=[Box(0, 0, 0, 9, 9, score=1)], y=[Box(0, 0, 0, 9, 9, score=7)]))
+    assert dataset.systems == ("x or y", "x and y")
+    assert np.isnan(dataset.boxes["score"]).all()
+
+
+def test_recordings_frames_and_truth_stay_as_they_are() -> None:
+    places = [Place([0, 5, 9], fps=7), Place([]), Place([3], width=640)]
+    dataset = make_dataset([at(5, 50, track=1)], [at(5, 50)], places=places)
+    other = fused(dataset)
+    assert other.frames.equals(dataset.frames)
+    assert other.recordings.equals(dataset.recordings)
+    assert other.truth.track.tolist() == [1]
+    assert other.fingerprint == dataset.fingerprint
+
+
+def test_only_what_passes_its_own_threshold_is_fused() -> None:
+    dataset = make_dataset(x=[at(0, 20, score=0.4), at(0, 50, score=0.6)], y=[at(0, 20, score=9)])
+    fusion = result_of(dataset, threshold_x=0.5, threshold_y=8).fusion
+    assert lefts(fusion.dataset) == ([49, 19], [])
+
+
+def test_fused_systems_are_not_thresholded_again() -> None:
+    dataset = make_dataset(x=[at(0, 50, score=0.6)], y=[at(0, 50, score=9)])
+    fusion = result_of(dataset, threshold_x=0.5, threshold_y=8).fusion
+    assert fusion.x.threshold is None
+    assert fusion.params.threshold_y is None
+    assert fusion.x.n_det.tolist() == fusion.y.n_det.tolist() == [1]
+
+
+def test_fused_systems_are_analysed_with_the_same_parameters() -> None:
+    dataset = make_dataset([at(0, 50, track=1)], [at(0, 60)], [at(0, 50)])
+    fusion = result_of(dataset, alpha=0.5, low=0.3).fusion
+    assert (fusion.params.alpha, fusion.params.low) == (0.5, 0.3)
+    assert fusion.params.proximity == "none"
+    assert fusion.x.similarity.tolist() == [0.9]  # the false alarm of X
+    assert fusion.y.similarity.tolist() == [0.5]  # nothing that both saw
+
+
+def test_an_encounter_that_either_detects_is_detected_by_x_or_y() -> None:
+    truth = [at(0, 20, track=1), at(0, 50, track=2), at(0, 80, track=3)]
+    fusion = result_of(make_dataset(truth, [at(0, 20), at(0, 50)], [at(0, 50)])).fusion
+    assert fusion.x.encounters["is_detected"].tolist() == [True, True, False]
+    assert fusion.y.encounters["is_detected"].tolist() == [False, True, False]
+
+
+def assert_same(one: SystemResult, other: SystemResult) -> None:
+    assert one.n_det.tolist() == other.n_det.tolist()
+    assert one.similarity.tolist() == other.similarity.tolist()
+    assert one.encounters.equals(other.encounters)
+    assert one.events.equals(other.events)
+    assert one.episodes.equals(other.episodes)
+    assert repr(one.false_alarm_summary) == repr(other.false_alarm_summary)
+
+
+def without_scores(seed: int) -> Scene:
+    """A scene whose detections have no scores that fusion could lose."""
+    scene = draw_scene(seed)
+    scene.x, scene.y = ([b._replace(score=np.nan) for b in s] for s in (scene.x, scene.y))
+    return scene
+
+
+SEEDS = st.integers(0, 2**32 - 1)
+few = settings(max_examples=25, deadline=None, derandomize=True)
+
+
+@few
+@given(SEEDS)
+def test_x_or_x_and_x_and_x_are_x(seed: int) -> None:
+    result = compare(without_scores(seed).dataset(), x="x", y="x")
+    assert_same(result.fusion.x, result.x)
+    assert_same(result.fusion.y, result.x)
+
+
+@few
+@given(SEEDS)
+def test_with_an_empty_y_x_or_y_is_x_and_x_and_y_is_empty(seed: int) -> None:
+    scene = without_scores(seed)
+    scene.y = []
+    result = compare(scene.dataset())
+    assert_same(result.fusion.x, result.x)
+    assert_same(result.fusion.y, result.y)
+    assert result.fusion.y.n_det.sum() == 0
+
+
+@few
+@given(SEEDS, st.sampled_from([None, 0.4]))
+def test_x_or_y_and_x_and_y_hold_together_what_x_and_y_hold(
+    seed: int, threshold: float | None
+) -> None:
+    result = compare(
+        draw_scene(seed).dataset(), Params(threshold_x=threshold, threshold_y=threshold)
+    )
+    kept = [int((one.matches.state > 0).sum()) for one in (result.x, result.y)]
+    either, both = (len(result.fusion.dataset.system(n)) for n in result.fusion.dataset.systems)
+    assert either + both == sum(kept)
+    assert both <= min(kept)
+
+
+def test_empty_systems_fuse_to_empty_ones() -> None:
+    result: Result = result_of(make_dataset([at(0, 50, track=1)]))
+    assert lefts(result.fusion.dataset) == ([], [])
+    assert result.fusion.venn.neither == 1

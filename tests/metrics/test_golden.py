@@ -1,0 +1,130 @@
+"""Figures of an independent implementation (see README there) on real recordings, to 1e-6."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from nvcore.comparison import Result, SystemResult, compare
+from nvcore.inputs.load import effective_params, load
+from nvcore.inputs.session import Session, Source, SystemSource
+from nvcore.params import params_from
+
+pytestmark = pytest.mark.realdata
+
+SETS = [
+    (name, kind)
+    for name in ("TUD-Campus", "TUD-Stadtmitte", "PETS09-S2L1")
+    for kind in ("default", "rural")
+]
+
+
+class Case:
+    """One reference set: its summary, its traces and our result."""
+
+    def __init__(self, name: str, folder: Path, realdata: Path):
+        self.summary: dict[str, Any] = json.loads((folder / "summary.json").read_text())
+        self.frames = pd.read_csv(folder / "frames.csv")
+        settings = self.summary["parameters"]
+        settings["saliency_aggregate"] = settings.pop("aggregate")
+        thresholds = settings.pop("threshold_x"), settings.pop("threshold_y")
+        files = f"{name}/det_frcnn/det.txt", f"{name}/res_devkit/{name}.txt"
+        session = Session(
+            folder=realdata / "mot15",
+            truth=Source((f"{name}/gt/gt.txt",)),
+            systems=tuple(
+                SystemSource((file,), threshold=threshold)
+                for file, threshold in zip(files, thresholds, strict=True)
+            ),
+            params=params_from({k: v for k, v in settings.items() if v is not None}),
+        )
+        dataset = load(session)
+        self.result: Result = compare(dataset, effective_params(session, dataset))
+
+    def systems(self) -> list[tuple[str, SystemResult]]:
+        return [("x", self.result.x), ("y", self.result.y)]
+
+    def tracks(self, system: SystemResult) -> np.ndarray:
+        rows = system.salient_row
+        return np.where(rows >= 0, self.result.tracks.track[rows], -1)
+
+
+@pytest.fixture(scope="module", params=SETS, ids="/".join)
+def case(request: pytest.FixtureRequest, golden: Path, realdata: Path) -> Case:
+    name, kind = request.param
+    return Case(name, golden / name / kind, realdata)
+
+
+def test_the_evaluated_frames_and_their_truth_agree(case: Case) -> None:
+    frames = case.result.dataset.frames
+    assert frames["frame"].tolist() == case.frames["frame"].tolist()
+    assert frames["time_s"].to_numpy() == pytest.approx(case.frames["time_s"].to_numpy(), abs=1e-6)
+    assert case.result.n_truth.tolist() == case.frames["n_truth"].tolist()
+
+
+@pytest.mark.parametrize("trace", ["d_miss", "d_false", "similarity"])
+def test_the_traces_agree(case: Case, trace: str) -> None:
+    for letter, system in case.systems():
+        ours = system.similarity if trace == "similarity" else getattr(system.distances, trace)
+        theirs = case.frames[f"{trace}_{letter}"].to_numpy()
+        assert ours == pytest.approx(theirs, abs=1e-6)
+
+
+@pytest.mark.parametrize("count", ["n_det", "matched", "false_alarms"])
+def test_the_counts_of_every_frame_agree(case: Case, count: str) -> None:
+    for letter, system in case.systems():
+        assert getattr(system, count).tolist() == case.frames[f"{count}_{letter}"].tolist()
+
+
+def test_the_most_salient_pedestrians_agree(case: Case) -> None:
+    for letter, system in case.systems():
+        expected = case.frames[f"salient_track_{letter}"].fillna(-1).astype(int)
+        assert case.tracks(system).tolist() == expected.tolist()
+
+
+def test_the_saliency_events_agree(case: Case) -> None:
+    frame = case.result.dataset.frames["frame"].to_numpy()
+    for letter, system in case.systems():
+        expected = pd.DataFrame(case.summary[letter]["events"])
+        events = system.events
+        assert events["track"].tolist() == expected["track"].tolist()
+        assert frame[events["first_row"]].tolist() == expected["first"].tolist()
+        assert frame[events["last_row"]].tolist() == expected["last"].tolist()
+        for ours, theirs in (("duration_s", "duration_s"), ("recency", "recency"),
+                             ("saliency_s", "saliency")):  # fmt: skip
+            assert events[ours].to_numpy() == pytest.approx(expected[theirs].to_numpy(), abs=1e-6)
+        assert system.saliency_s == pytest.approx(case.summary[letter]["saliency"], abs=1e-6)
+
+
+def test_the_encounters_agree(case: Case) -> None:
+    encounters = case.result.encounters
+    frame = case.result.dataset.frames["frame"].to_numpy()
+    for letter, system in case.systems():
+        expected = pd.DataFrame(case.summary[letter]["encounters"])
+        judged = system.encounters
+        assert encounters.track.tolist() == expected["track"].tolist()
+        assert frame[encounters.first_row].tolist() == expected["first"].tolist()
+        assert frame[encounters.last_row].tolist() == expected["last"].tolist()
+        pairs = {"n_relevant": "relevant", "matched": "matched", "is_detected": "detected"}
+        for ours, theirs in {**pairs, "miss_class": "miss_class"}.items():
+            assert judged[ours].tolist() == expected[theirs].tolist()
+        assert (judged["n_relevant"] == 0).tolist() == expected["distant"].tolist()
+        for name in ("coverage", "lag_s", "gap_s", "tail_s"):
+            theirs = expected[name].to_numpy(dtype=float)
+            assert judged[name].to_numpy() == pytest.approx(theirs, abs=1e-6, nan_ok=True)
+
+
+def test_the_venn_counts_agree(case: Case) -> None:
+    assert case.result.venn.counts() == case.summary["venn"]
+
+
+def test_the_mean_and_the_minimum_of_similarity_agree(case: Case) -> None:
+    for letter, system in case.systems():
+        expected = case.summary[letter]
+        assert system.summary.mean == pytest.approx(expected["mean_similarity"], abs=1e-6)
+        assert system.summary.minimum == pytest.approx(expected["min_similarity"], abs=1e-6)

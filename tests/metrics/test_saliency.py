@@ -1,0 +1,145 @@
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from builders import Box, Place, at, make_dataset, result_of
+
+from nvcore.comparison import SystemResult
+from nvcore.metrics.saliency import EVENT_COLUMNS, aggregate_saliency, recency_weight
+from nvcore.params import Params
+
+
+def recency(tau: float) -> float:
+    return 1 / (1 + math.exp(-(tau - 0.5) / 0.1))
+
+
+def missed(
+    frames: list[int], *, centre: float = 50, track: int = 1, seen: range = range(10)
+) -> tuple[list[Box], list[Box]]:
+    """One pedestrian, in the frames `seen`, detected in all of them but `frames`."""
+    truth = [at(f, centre, track=track) for f in seen]
+    return truth, [at(f, centre) for f in seen if f not in frames]
+
+
+def score(
+    frames: list[int], *, size: dict[str, float] | None = None, **params: object
+) -> SystemResult:
+    truth, x = missed(frames)
+    return result_of(make_dataset(truth, x, **(size or {})), **params).x  # type: ignore[arg-type]
+
+
+def test_an_event_by_hand() -> None:
+    events = score([3, 4, 5]).events
+    assert list(events) == list(EVENT_COLUMNS)
+    (event,) = events.to_dict("records")
+    assert (event["track"], event["first_row"], event["last_row"]) == (1, 3, 5)
+    assert event["duration_s"] == pytest.approx(0.3)
+    assert event["tau"] == pytest.approx(0.6)
+    assert event["recency"] == pytest.approx(recency(0.6))
+    assert event["saliency_s"] == pytest.approx(0.3 * recency(0.6))
+
+
+def test_tau_is_1_at_the_end_of_the_last_frame() -> None:
+    assert score([9]).events["tau"].tolist() == [1]
+
+
+def test_the_same_miss_is_more_salient_later() -> None:
+    early, late = score([0, 1]), score([8, 9])
+    assert early.events["duration_s"].tolist() == late.events["duration_s"].tolist()
+    assert late.saliency_s > early.saliency_s
+
+
+def test_durations_go_by_time_steps_in_sampled_recordings() -> None:
+    truth = [at(f, 50, track=1) for f in (0, 1, 5, 6)]
+    dataset = make_dataset(truth, [at(0, 50), at(6, 50)], frames=[0, 1, 5, 6])
+    (event,) = result_of(dataset).x.events.to_dict("records")
+    assert event["duration_s"] == pytest.approx(0.5)  # 0.4 s and 0.1 s
+    assert event["tau"] == pytest.approx(6 / 7)
+
+
+def test_max_takes_the_most_salient_event_and_sum_all() -> None:
+    values = score([1, 2, 7]).events["saliency_s"].tolist()
+    assert values == pytest.approx([0.2 * recency(0.3), 0.1 * recency(0.8)])
+    assert score([1, 2, 7]).saliency_s == pytest.approx(max(values))
+    assert score([1, 2, 7], saliency_aggregate="sum").saliency_s == pytest.approx(sum(values))
+
+
+def test_without_a_miss_there_is_no_event_and_no_saliency() -> None:
+    x = score([])
+    assert x.events.empty
+    assert x.saliency_s == 0
+    assert aggregate_saliency(np.empty(0), aggregate="sum") == 0
+
+
+def test_within_the_encounter_tau_counts_from_its_first_to_its_last_frame() -> None:
+    truth, x = missed([4, 5], seen=range(4, 8))
+    dataset = make_dataset(truth, x, n_frames=20)
+    assert result_of(dataset).x.events["tau"].tolist() == [0.3]
+    scoped = result_of(dataset, saliency_scope="encounter").x.events
+    assert scoped["tau"].tolist() == [0.5]
+    assert scoped["saliency_s"].tolist() == pytest.approx([0.2 * 0.5])
+
+
+@pytest.mark.parametrize(("offset", "n_events"), [(2.5, 0), (2.6, 1)])
+def test_a_distance_of_exactly_the_tolerance_is_no_miss(offset: float, n_events: int) -> None:
+    dataset = make_dataset([at(0, 50, track=1)], [at(0, 50 + offset)])
+    x = result_of(dataset).x
+    assert x.distances.d_miss[0] == pytest.approx(offset)
+    assert len(x.events) == n_events
+
+
+def test_without_tolerance_any_distance_qualifies_but_none_does_not() -> None:
+    noisy = make_dataset([at(0, 50, track=1)], [at(0, 50.25)])
+    assert len(result_of(noisy, tolerance=0).x.events) == 1
+    exact = make_dataset([at(0, 50, track=1)], [at(0, 50)])
+    assert result_of(exact, tolerance=0).x.events.empty
+
+
+def test_a_tie_goes_to_the_nearer_pedestrian() -> None:
+    # 20 px x k = 1/2 and 10 px x k = 1
+    truth = [at(0, 20, h=50, track=1), at(0, 90, h=1000, foot=1000, track=2)]
+    x = result_of(make_dataset(truth), proximity="height", midpoint=50, spread=1e-3).x
+    assert x.distances.d_miss[0] == 10
+    assert x.events["track"].tolist() == [2]
+
+
+def test_a_tie_of_equally_near_pedestrians_goes_to_the_smaller_track() -> None:
+    truth = [at(0, 70, track=5), at(0, 30, track=3), at(0, 70, track=4)]
+    assert result_of(make_dataset(truth)).x.events["track"].tolist() == [3]
+
+
+def test_another_pedestrian_begins_another_event() -> None:
+    truth = [at(f, c, track=t) for f in range(4) for t, c in ((1, 50), (2, 30))]
+    x = [at(f, 50) for f in (2, 3)]
+    events = result_of(make_dataset(truth, x)).x.events
+    assert events["track"].tolist() == [1, 2]
+    assert events["last_row"].tolist() == [1, 3]
+
+
+def test_a_frame_without_a_qualifying_pedestrian_ends_the_event() -> None:
+    assert score([2, 4]).events["first_row"].tolist() == [2, 4]
+
+
+def test_an_event_does_not_go_on_in_the_next_recording() -> None:
+    truth = [at(f, 50, track=1, recording=r) for r in (0, 1) for f in range(2)]
+    events = result_of(make_dataset(truth, places=[Place([0, 1]), Place([0, 1], fps=5)])).x.events
+    assert events["recording"].tolist() == [0, 1]
+    assert events["duration_s"].tolist() == pytest.approx([0.2, 0.4])
+    assert events["tau"].tolist() == [1, 1]
+
+
+def test_a_recording_of_one_frame_can_hold_an_event() -> None:
+    (event,) = result_of(make_dataset([at(0, 50, track=1)], fps=25)).x.events.to_dict("records")
+    assert event["duration_s"] == 0.04
+    assert event["tau"] == 1
+
+
+def test_an_ignored_pedestrian_is_no_miss() -> None:
+    assert result_of(make_dataset([at(0, 50, track=1, ignore=True)])).x.events.empty
+
+
+def test_recency_is_half_at_its_midpoint_and_cannot_overflow() -> None:
+    params = Params(recency_midpoint=0.3, recency_spread=1e-9)
+    assert recency_weight(np.array([0.0, 0.3, 1.0]), params).tolist() == [0, 0.5, 1]

@@ -1,0 +1,236 @@
+"""Pictures as files: order, depth, sizes, and what is refused before it is decoded."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from picture_files import encoded, number_in, numbered, png_that_claims, write_picture, write_zip
+
+from nvcore.errors import MediaError
+from nvcore.pictures import is_below, open_pictures
+from nvcore.pictures.header import image_size
+from nvcore.pictures.images import decode_image, natural_order, numbers_of
+
+GREY = (np.arange(48 * 64) % 251).astype(np.uint8).reshape(48, 64)
+
+
+@pytest.mark.parametrize("ending", [".png", ".bmp", ".tif", ".jpg"])
+def test_a_folder_is_read_in_natural_order(tmp_path: Path, ending: str):
+    for number in (10, 9, 100, 1):
+        write_picture(tmp_path / f"I{number}{ending}", numbered(number))
+    pictures = open_pictures(tmp_path)
+    assert [number_in(pictures.read(index)) for index in range(4)] == [1, 9, 10, 100]
+    assert (pictures.width, pictures.height, pictures.numbers.tolist()) == (64, 48, [1, 9, 10, 100])
+
+
+def test_a_folder_with_one_subfolder_of_pictures_is_that_subfolder(tmp_path: Path):
+    write_picture(tmp_path / "img1" / "000001.png", numbered(1))
+    (tmp_path / "gt").mkdir()
+    (tmp_path / "gt" / "gt.txt").write_text("1,2,3")
+    write_picture(tmp_path / ".thumbnails" / "000001.png", numbered(9))
+    assert number_in(open_pictures(tmp_path).read(0)) == 1
+
+
+def test_several_folders_of_pictures_are_named_and_one_can_be_chosen(tmp_path: Path):
+    write_picture(tmp_path / "lwir" / "1.png", numbered(1))
+    write_picture(tmp_path / "visible" / "1.png", numbered(2))
+    with pytest.raises(MediaError, match=r"pictures in 2 folders \(lwir, visible\); give the"):
+        open_pictures(tmp_path)
+    assert number_in(open_pictures(tmp_path, inside="visible").read(0)) == 2
+    with pytest.raises(MediaError, match=r"holds no PNG, JPEG, TIFF or BMP in '\.\./x'"):
+        open_pictures(tmp_path, inside="../x")
+
+
+def test_a_list_of_files_and_a_single_file_are_pictures(tmp_path: Path):
+    paths = [write_picture(tmp_path / f"{number}.png", numbered(number)) for number in (12, 5)]
+    several, single = open_pictures(paths), open_pictures(paths[:1])
+    assert [number_in(several.read(index)) for index in (0, 1)] == [5, 12]
+    assert (single.n, number_in(single.read(0))) == (1, 12)
+
+
+def test_an_archive_is_read_without_unpacking(tmp_path: Path):
+    members = {f"seq/{number}.png": encoded(numbered(number)) for number in (2, 11)}
+    path = write_zip(tmp_path / "a.zip", {**members, "__MACOSX/seq/._2.png": b"x", "notes": b"y"})
+    pictures = open_pictures(path)
+    assert [number_in(pictures.read(index)) for index in (0, 1)] == [2, 11]
+    assert sorted(one.name for one in tmp_path.iterdir()) == ["a.zip"]
+
+
+@pytest.mark.parametrize("ending", [".png", ".tiff"])
+def test_16_bit_grey_levels_come_unchanged(tmp_path: Path, ending: str):
+    values = np.arange(48 * 64, dtype=np.uint16).reshape(48, 64) + 6743
+    picture = open_pictures(write_picture(tmp_path / f"a{ending}", values)).read(0)
+    assert picture.dtype == np.uint16
+    np.testing.assert_array_equal(picture, values)
+
+
+def test_colours_come_as_red_green_blue(tmp_path: Path):
+    blue_green_red = np.full((4, 5, 3), (10, 20, 30), np.uint8)
+    for content in (encoded(blue_green_red), encoded(np.dstack([blue_green_red, GREY[:4, :5]]))):
+        assert decode_image(content, "a.png")[0, 0].tolist() == [30, 20, 10]
+
+
+def test_temperatures_in_a_tiff_become_16_bit():
+    values = np.array([[-10.5, 0.0], [float("nan"), 31.5]], np.float32)
+    picture = decode_image(encoded(values, ".tiff"), "a.tiff")
+    assert picture.tolist() == [[0, 16383], [16383, 65535]]
+
+
+@pytest.mark.parametrize("ending", [".png", ".bmp", ".tif", ".jpg"])
+def test_the_size_is_told_from_the_header(ending: str):
+    assert image_size(encoded(GREY, ending), "a") == (64, 48)
+
+
+@pytest.mark.parametrize(("width", "height"), [(10_001, 10_000), (2**31 - 1, 1), (2**31, 2**31)])
+def test_absurd_sizes_are_refused_before_decoding(tmp_path: Path, width: int, height: int):
+    (tmp_path / "a.png").write_bytes(png_that_claims(width, height))
+    with pytest.raises(MediaError, match=rf"a\.png: states a size of {width} x {height} px; at"):
+        open_pictures(tmp_path)
+
+
+def test_an_absurd_bitmap_and_tiff_are_refused_before_decoding():
+    bitmap, tiff = bytearray(encoded(GREY, ".bmp")), bytearray(encoded(GREY, ".tif"))
+    bitmap[18:26] = (60_000).to_bytes(4, "little") * 2
+    at = int.from_bytes(tiff[4:8], "little")
+    tags = {bytes(tiff[at + 2 + 12 * n : at + 4 + 12 * n]): at + 2 + 12 * n for n in range(20)}
+    for tag in (b"\x00\x01", b"\x01\x01"):
+        tiff[tags[tag] + 8 : tags[tag] + 10] = (60_000).to_bytes(2, "little")
+    for content in (bitmap, tiff):
+        with pytest.raises(MediaError, match="states a size of 60000 x 60000 px"):
+            decode_image(bytes(content), "a")
+
+
+@pytest.mark.parametrize("ending", [".png", ".jpg", ".tif"])
+@pytest.mark.parametrize("share", [0.02, 0.5, 0.9])
+def test_a_picture_that_is_cut_off_is_an_error(ending: str, share: float):
+    noise = np.random.default_rng(1).integers(0, 255, (48, 64), dtype=np.uint8)
+    content = encoded(noise, ending)
+    with pytest.raises(MediaError, match=r"a\.x: the picture (is damaged|cannot be decoded)"):
+        decode_image(content[: max(16, int(len(content) * share))], "a.x")
+
+
+def test_a_damaged_picture_is_named_and_the_others_are_read(tmp_path: Path):
+    for number in (1, 2, 3):
+        write_picture(tmp_path / f"{number}.png", numbered(number))
+    (tmp_path / "2.png").write_bytes(b"\x89PNG\r\n\x1a\n")
+    pictures = open_pictures(tmp_path)
+    with pytest.raises(MediaError, match=r"2\.png: the picture is damaged or cut off"):
+        pictures.read(1)
+    assert number_in(pictures.read(2)) == 3
+
+
+def test_a_picture_that_vanished_is_an_error(tmp_path: Path):
+    paths = [write_picture(tmp_path / f"{number}.png", numbered(number)) for number in (1, 2)]
+    pictures = open_pictures(tmp_path)
+    paths[1].unlink()
+    with pytest.raises(MediaError, match=r"2\.png: cannot be read \(No such file"):
+        pictures.read(1)
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (b"frame,x,y\n1,2,3\n", "is text, not pictures; expected a video"),
+        (b"", "is empty"),
+        (b"GIF89a" + bytes(40), "is a GIF picture, not pictures"),
+        (b"%PDF-1.7", "is a PDF document, not pictures"),
+        (b"BM, the maker of pictures", "is text, not pictures"),
+    ],
+)
+def test_what_holds_no_pictures_says_what_it_is(tmp_path: Path, content: bytes, words: str):
+    (tmp_path / "a.png").write_bytes(content)
+    with pytest.raises(MediaError, match=rf"a\.png: {words}"):
+        open_pictures(tmp_path / "a.png")
+
+
+def test_an_empty_folder_a_missing_one_and_no_files_are_errors(tmp_path: Path):
+    with pytest.raises(MediaError, match="holds no PNG, JPEG, TIFF or BMP"):
+        open_pictures(tmp_path)
+    with pytest.raises(MediaError, match="x: there is no such file or folder"):
+        open_pictures(tmp_path / "x")
+    with pytest.raises(MediaError, match="there are no pictures"):
+        open_pictures([])
+
+
+def test_numbers_come_from_the_end_of_all_names_or_of_none():
+    assert numbers_of(["set06_V000_I00019.png", "b/000007.jpg"]).tolist() == [19, 7]
+    assert numbers_of(["000007.jpg", "last.jpg"]) is None
+    assert numbers_of(["a/1.png", "b/01.png"]) is None
+
+
+def test_natural_order_takes_numbers_of_any_length():
+    names = ["9" * 5000, "1" + "0" * 5000, "007", "8"]
+    assert sorted(names, key=natural_order) == ["007", "8", "9" * 5000, "1" + "0" * 5000]
+
+
+def test_a_link_out_of_the_folder_is_noticed(tmp_path: Path):
+    inside, outside = tmp_path / "in", tmp_path / "out"
+    write_picture(inside / "pictures" / "1.png", numbered(1))
+    write_picture(outside / "2.png", numbered(2))
+    assert is_below(inside / "pictures", inside)
+    assert not is_below(inside / ".." / "out", inside)
+    (inside / "pictures" / "2.png").symlink_to(outside / "2.png")
+    assert not is_below(inside / "pictures", inside)
+
+
+def test_a_name_longer_than_any_file_has_lies_where_it_would_lie(tmp_path: Path):
+    assert is_below(tmp_path / ("a" * 300), tmp_path)
+    assert not is_below(tmp_path / ".." / ("a" * 300), tmp_path)
+    assert not is_below(tmp_path / "a\0b", tmp_path)
+
+
+def test_a_name_longer_than_any_file_has_is_told(tmp_path: Path):
+    with pytest.raises(MediaError, match=r"cannot be opened .*too long"):
+        open_pictures(tmp_path / ("a" * 300))
+
+
+def test_16_pictures_stay_in_memory(tmp_path: Path):
+    paths = [write_picture(tmp_path / f"{number}.png", numbered(number)) for number in range(20)]
+    pictures = open_pictures(tmp_path)
+    for index in range(20):
+        pictures.read(index)
+    for path in paths:
+        path.unlink()
+    assert [number_in(pictures.read(index)) for index in range(4, 20)] == list(range(4, 20))
+    with pytest.raises(MediaError, match="cannot be read"):
+        pictures.read(3)
+
+
+@pytest.mark.realdata
+def test_a_radiometric_tiff_keeps_its_values(realdata: Path):
+    picture = open_pictures(realdata / "thermal/thermal16/example_radiometric.tiff").read(0)
+    assert (picture.dtype, int(picture.min()), int(picture.max())) == (np.uint16, 6743, 7077)
+
+
+@pytest.mark.realdata
+def test_real_thermal_pictures_are_read_as_opencv_reads_them(realdata: Path):
+    folder = realdata / "thermal/kaist"
+    pictures = open_pictures(folder)
+    names = sorted((path.name for path in folder.glob("*.png")), key=natural_order)
+    assert pictures.n == len(names) == 14
+    for index in (0, 13):
+        expected = cv2.cvtColor(cv2.imread(str(folder / names[index])), cv2.COLOR_BGR2RGB)
+        found = pictures.read(index)
+        np.testing.assert_array_equal(found if found.ndim == 3 else found[..., None], expected)
+
+
+def test_a_closed_archive_lets_go_of_its_file(tmp_path: Path):
+    pictures = open_pictures(write_zip(tmp_path / "a.zip", {"1.png": encoded(numbered(1))}))
+    pictures.close()
+    with pytest.raises(MediaError, match="is damaged, or no ZIP archive"):
+        pictures.read(0)
+
+
+def test_an_archive_without_pictures_or_with_a_bad_first_one_is_refused(tmp_path: Path):
+    with pytest.raises(MediaError, match=r"a\.zip: holds no PNG, JPEG, TIFF or BMP"):
+        open_pictures(write_zip(tmp_path / "a.zip", {"gt.txt": b"1"}))
+    with pytest.raises(MediaError, match=r"1\.png: is no PNG, JPEG, TIFF or BMP"):
+        open_pictures(write_zip(tmp_path / "b.zip", {"1.png": b"1"}))
+
+
+def test_a_picture_without_pixels_is_refused():
+    with pytest.raises(MediaError, match="states a size of 0 x 5 px; it is damaged"):
+        decode_image(png_that_claims(0, 5), "a.png")

@@ -1,0 +1,115 @@
+"""Which picture shows which frame, and how that is told."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from picture_files import numbered, write_numbered_video, write_picture
+
+from nvcore.pictures import Pictures, open_pictures, picture_index, size_note
+
+
+def folder_of(folder: Path, names: list[str]) -> Pictures:
+    for name in names:
+        write_picture(folder / f"{name}.png", numbered(1))
+    return open_pictures(folder)
+
+
+def index_of(frames: list[int], pictures: Pictures, first: int | None = None) -> tuple[list, str]:
+    index, note = picture_index(np.array(frames, dtype=np.int64), pictures, first)
+    assert index.dtype == np.int64
+    return index.tolist(), note
+
+
+def test_picture_i_of_a_video_shows_frame_i(tmp_path: Path):
+    video = open_pictures(write_numbered_video(tmp_path / "a.mp4", n=5))
+    index, note = index_of([0, 2, 4], video)
+    assert (index, note) == ([0, 2, 4], "Picture i shows frame i, both counted from 0.")
+
+
+def test_frames_beyond_the_end_of_a_video_have_no_picture_and_are_counted(tmp_path: Path):
+    video = open_pictures(write_numbered_video(tmp_path / "a.mp4", n=5))
+    index, note = index_of([-1, 3, 4, 5, 9], video)
+    assert index == [-1, 3, 4, -1, -1]
+    assert note.endswith("3 of 5 listed frames have no picture (5 pictures in a.mp4).")
+
+
+def test_frames_from_one_to_the_number_of_pictures_count_from_one(tmp_path: Path):
+    video = open_pictures(write_numbered_video(tmp_path / "a.mp4", n=5))
+    index, note = index_of([1, 2, 5], video)
+    assert index == [0, 1, 4]
+    assert note.endswith("the frames count from 1.")
+
+
+def test_the_frame_of_the_first_picture_goes_before_every_rule(tmp_path: Path):
+    video = open_pictures(write_numbered_video(tmp_path / "a.mp4", n=5))
+    index, note = index_of([2330, 2332, 2340], video, 2330)
+    assert index == [0, 2, -1]
+    assert note.startswith("The first picture shows frame 2330, as given. 1 of 3 listed")
+    pictures = folder_of(tmp_path / "b", ["000001", "000002"])
+    assert index_of([0, 1], pictures, 1)[0] == [-1, 0]
+
+
+def test_numbers_in_names_are_frames_where_all_frames_are_among_them(tmp_path: Path):
+    pictures = folder_of(tmp_path, ["I00019", "I00039", "I00059"])
+    index, note = index_of([19, 59], pictures)
+    assert (index, note) == ([0, 2], "The number in a picture's name is the frame.")
+
+
+def test_names_that_count_from_one_are_noticed(tmp_path: Path):
+    pictures = folder_of(tmp_path, ["000001", "000002", "000003"])
+    index, note = index_of([0, 1, 2], pictures)
+    assert index == [0, 1, 2]
+    assert note == (
+        "The number in a picture's name, less one, is the frame (names that count from 1)."
+    )
+
+
+def test_where_both_ways_of_counting_fit_the_note_says_so(tmp_path: Path):
+    pictures = folder_of(tmp_path, ["1", "2", "3", "4"])
+    index, note = index_of([1, 2, 3], pictures)
+    assert index == [0, 1, 2]
+    assert "less one would do as well" in note
+
+
+def test_missing_picture_files_leave_frames_without_pictures(tmp_path: Path):
+    pictures = folder_of(tmp_path, ["10", "12", "13"])
+    index, note = index_of([10, 11, 12, 13], pictures)
+    assert index == [0, -1, 1, 2]
+    assert "1 of 4 listed frames have no picture (3 pictures" in note
+
+
+@pytest.mark.parametrize("names", [["501", "502", "503"], ["a", "b", "c"]])
+def test_names_that_do_not_fit_give_way_to_the_order(tmp_path: Path, names: list[str]):
+    pictures = folder_of(tmp_path, names)
+    assert index_of([0, 20, 40], pictures) == (
+        [0, 1, 2], "The pictures in their order show the listed frames.",
+    )  # fmt: skip
+    index, note = index_of([0, 2], pictures)
+    assert (index, note) == ([0, 2], "The pictures in their order show frame 0, 1, 2 and so on.")
+
+
+def test_a_recording_without_frames_has_no_pictures(tmp_path: Path):
+    assert index_of([], folder_of(tmp_path, ["1"]))[0] == []
+
+
+def test_what_is_wrong_with_a_video_is_in_the_note(tmp_path: Path):
+    path = write_numbered_video(tmp_path / "a.avi", "mjpeg", pixels="yuvj420p")
+    path.write_bytes(path.read_bytes()[:40_000])
+    video = open_pictures(path)
+    note = index_of(list(range(100)), video)[1]
+    assert f"{100 - video.n} of 100 listed frames have no picture ({video.n} pictures in" in note
+    assert f"a.avi: the video is cut off or damaged; {video.n} of 100 pictures can be" in note
+
+
+def test_pictures_of_another_size_are_told(tmp_path: Path):
+    pictures = folder_of(tmp_path, ["1"])
+    assert size_note(pictures, 64, 48) == ""
+    assert size_note(pictures, 640, 480) == (
+        "The pictures are 64 x 48 px, the recording is 640 x 480 px: boxes are drawn scaled."
+    )
+    assert "by 0.1 across and 0.2 down; check that they belong together" in size_note(
+        pictures, 640, 240
+    )

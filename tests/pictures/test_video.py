@@ -1,0 +1,226 @@
+"""Random access to videos is exact; what is no video, or only a part of one, is said."""
+
+from __future__ import annotations
+
+import random
+import struct
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import av
+import numpy as np
+import pytest
+from picture_files import HEIGHT, WIDTH, number_in, write_numbered_video
+from places import ROOT
+
+from nvcore.errors import MediaError
+from nvcore.pictures import open_pictures, png
+from nvcore.pictures.video import Video
+
+UNEVEN = np.cumsum([1 + number * 7 % 5 for number in range(100)]).tolist()
+KINDS = {
+    "long.mp4": {"g": "250", "bf": "3"},
+    "open_gop.mp4": {"x264-params": "open-gop=1:keyint=12:bframes=3:scenecut=0"},
+    "uneven.mp4": {"times": UNEVEN, "g": "50", "bf": "3"},
+    "uneven.mkv": {"times": UNEVEN, "g": "30", "bf": "2"},
+    "reordered.avi": {"g": "25", "bf": "3"},
+    "mjpeg.avi": {"codec": "mjpeg", "pixels": "yuvj420p"},
+    "mpeg4.avi": {"codec": "mpeg4", "g": "25", "bf": "2"},
+    "h264.ts": {"container": "mpegts", "g": "25", "bf": "3"},
+    "mpeg2.mpg": {"codec": "mpeg2video", "container": "mpeg", "g": "12", "bf": "2"},
+    "vp9.webm": {"codec": "libvpx-vp9", "g": "25"},
+}
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_any_picture_is_the_one_asked_for(tmp_path: Path, name: str):
+    video = open_pictures(write_numbered_video(tmp_path / name, **KINDS[name]))
+    asked = [*random.Random(3).choices(range(100), k=100), *range(100), *range(99, -1, -1)]
+    wrong = [index for index in asked if number_in(video.read(index)) != index]
+    assert (video.n, video.width, video.height, wrong) == (100, WIDTH, HEIGHT, [])
+
+
+def test_pictures_shown_last_survive_closing_and_reading_again(tmp_path: Path):
+    video = Video(write_numbered_video(tmp_path / "a.mp4"))
+    video.close()
+    assert number_in(video.read(99)) == 99
+
+
+def test_a_video_states_its_frame_rate_and_a_picture_none(tmp_path: Path):
+    video = open_pictures(ROOT / "sample_data" / "odd_pose.mp4")
+    (tmp_path / "a.png").write_bytes(png(video.read(0)))
+    assert (video.fps, open_pictures(tmp_path / "a.png").fps) == (20, None)
+
+
+def test_several_threads_read_the_right_pictures(tmp_path: Path):
+    video = Video(write_numbered_video(tmp_path / "a.mp4", g="20"))
+    asked = random.Random(1).choices(range(100), k=200)
+    with ThreadPoolExecutor(4) as pool:
+        found = list(pool.map(lambda index: number_in(video.read(index)), asked))
+    assert found == asked
+
+
+def test_a_picture_cannot_be_changed_by_who_reads_it(tmp_path: Path):
+    picture = Video(write_numbered_video(tmp_path / "a.mp4", n=2)).read(1)
+    with pytest.raises(ValueError, match="read-only"):
+        picture[0, 0] = 1
+
+
+def test_grey_pictures_of_16_bit_keep_their_depth(tmp_path: Path):
+    path = tmp_path / "a.mkv"
+    with av.open(str(path), "w") as output:
+        stream = output.add_stream("ffv1", rate=20)
+        stream.width, stream.height, stream.pix_fmt = WIDTH, HEIGHT, "gray16le"
+        values = np.arange(WIDTH * HEIGHT, dtype=np.uint16).reshape(HEIGHT, WIDTH) + 6743
+        output.mux(stream.encode(av.VideoFrame.from_ndarray(values, format="gray16le")))
+        output.mux(stream.encode(None))
+    picture = Video(path).read(0)
+    assert picture.dtype == np.uint16
+    np.testing.assert_array_equal(picture, values)
+
+
+@pytest.mark.parametrize("index", [-1, 5])
+def test_a_picture_beyond_the_last_is_an_error(tmp_path: Path, index: int):
+    video = Video(write_numbered_video(tmp_path / "a.mp4", n=5))
+    with pytest.raises(MediaError, match=rf"a\.mp4: there is no picture {index}; there are 5"):
+        video.read(index)
+
+
+def cut(path: Path, share: float) -> Path:
+    content = path.read_bytes()
+    path.write_bytes(content[: int(len(content) * share)])
+    return path
+
+
+@pytest.mark.parametrize("share", [0.65, 0.74])
+@pytest.mark.parametrize(
+    "name", ["long.mp4", "mpeg4.avi", "reordered.avi", "uneven.mkv", "h264.ts", "mpeg2.mpg"]
+)
+def test_what_is_left_of_a_cut_video_is_numbered_rightly(tmp_path: Path, name: str, share: float):
+    options = {**KINDS[name], **({"movflags": "+faststart"} if name.endswith("mp4") else {})}
+    path = tmp_path / name
+    write_video_with_options(path, options)
+    video = Video(cut(path, share))
+    wrong, n_lost = [], 0
+    for index in range(video.n):
+        try:
+            found = number_in(video.read(index))
+        except MediaError:
+            n_lost += 1
+        else:
+            wrong += [] if found == index else [(index, found)]
+    assert not wrong
+    assert 5 < video.n < 100
+    assert n_lost < video.n / 2
+
+
+def write_video_with_options(path: Path, options: dict) -> None:
+    flags = {key: value for key, value in options.items() if key == "movflags"}
+    rest = {key: value for key, value in options.items() if key != "movflags"}
+    write_numbered_video(path, **rest)
+    if flags:
+        remux(path, flags)
+
+
+def remux(path: Path, options: dict[str, str]) -> None:
+    """The same pictures in a container written with other options."""
+    copy = path.with_stem("copy")
+    with av.open(str(path)) as old, av.open(str(copy), "w", options=options) as new:
+        stream = new.add_stream_from_template(old.streams.video[0])
+        for packet in old.demux(old.streams.video[0]):
+            if packet.dts is not None:
+                packet.stream = stream
+                new.mux(packet)
+    copy.replace(path)
+
+
+def test_a_cut_video_says_how_many_pictures_can_be_read(tmp_path: Path):
+    path = write_numbered_video(tmp_path / "a.mp4", bf="0")
+    remux(path, {"movflags": "+faststart"})
+    video = Video(cut(path, 0.6))
+    assert video.note == (f"the video is cut off or damaged; {video.n} of 100 pictures can be read")
+
+
+def test_a_video_without_its_table_of_contents_is_refused(tmp_path: Path):
+    path = cut(write_numbered_video(tmp_path / "a.mp4"), 0.5)
+    with pytest.raises(MediaError, match=r"a\.mp4: is damaged or no such video; copy or convert"):
+        open_pictures(path)
+
+
+def test_damage_in_the_middle_costs_only_the_pictures_there(tmp_path: Path):
+    path = write_numbered_video(tmp_path / "a.avi", "mjpeg", pixels="yuvj420p")
+    content = bytearray(path.read_bytes())
+    starts = [at for at in range(len(content)) if content[at : at + 3] == b"\xff\xd8\xff"]
+    content[starts[50] : starts[51] - 8] = bytes(starts[51] - 8 - starts[50])
+    path.write_bytes(content)
+    video = Video(path)
+    with pytest.raises(MediaError, match="picture 50 cannot be decoded: the video is damaged"):
+        video.read(50)
+    assert [number_in(video.read(index)) for index in (49, 51, 99)] == [49, 51, 99]
+
+
+PLAYLIST = "#EXTM3U\n#EXT-X-TARGETDURATION:10\n#EXTINF:10,\n{}\n#EXT-X-ENDLIST\n"
+CONCAT = "ffconcat version 1.0\nfile {}\n"
+
+
+@pytest.mark.parametrize("script", [PLAYLIST, CONCAT, "[playlist]\nFile1={}\n", "<MPD>{}</MPD>"])
+def test_a_script_named_like_a_video_reads_no_other_file(tmp_path: Path, script: str):
+    secret = write_numbered_video(tmp_path / "secret.mp4", n=3)
+    path = tmp_path / "a.mp4"
+    path.write_text(script.format(secret))
+    with pytest.raises(MediaError, match=r"a\.mp4: is text, not pictures; expected a video"):
+        open_pictures(path)
+    with pytest.raises(MediaError, match=r"a\.mp4: is no video that can be read, whatever its"):
+        Video(path)
+
+
+def test_a_name_that_looks_like_a_protocol_is_only_a_name(tmp_path: Path, monkeypatch):
+    write_numbered_video(tmp_path / "concat:b.mp4", n=3, container="mp4")
+    monkeypatch.chdir(tmp_path)
+    assert open_pictures(Path("concat:b.mp4")).n == 3
+
+
+def test_a_container_of_sound_only_is_refused(tmp_path: Path):
+    path = tmp_path / "a.mp4"
+    with av.open(str(path), "w") as output:
+        stream = output.add_stream("aac", rate=8000, layout="mono")
+        frame = av.AudioFrame.from_ndarray(np.zeros((1, 1024), np.float32), "fltp", "mono")
+        frame.sample_rate = 8000
+        output.mux(stream.encode(frame))
+        output.mux(stream.encode(None))
+    with pytest.raises(MediaError, match=r"a\.mp4: holds no pictures, only sound or data"):
+        open_pictures(path)
+
+
+def test_a_video_that_states_an_absurd_size_is_refused_unread(tmp_path: Path):
+    path = write_numbered_video(tmp_path / "a.avi", "mjpeg", n=2, pixels="yuvj420p")
+    content = bytearray(path.read_bytes())
+    starts = [at for at in range(len(content)) if content[at : at + 4] == b"\xff\xc0\x00\x11"]
+    assert len(starts) == 2
+    for at in starts:
+        struct.pack_into(">2H", content, at + 5, 60_000, 60_000)
+    path.write_bytes(content)
+    with pytest.raises(MediaError, match=r"a\.avi: (is|its first picture|states)"):
+        open_pictures(path)
+
+
+@pytest.mark.realdata
+@pytest.mark.parametrize(
+    ("name", "n", "size"),
+    [
+        ("videos/vtest.avi", 795, (768, 576)),
+        ("kaist_night_video/set09_V000_I02330-I03499_lwir.mp4", 1170, (640, 512)),
+    ],
+)
+def test_a_real_video_gives_the_same_pictures_in_any_order(
+    realdata: Path, name: str, n: int, size: tuple[int, int]
+):
+    video = Video(realdata / name)
+    asked = random.Random(5).sample(range(n), 20)
+    at_random = {index: video.read(index).copy() for index in asked}
+    assert (video.n, (video.width, video.height), video.note) == (n, size, "")
+    with av.open(str(realdata / name)) as container:
+        for index, frame in enumerate(container.decode(video=0)):
+            if index in at_random:
+                np.testing.assert_array_equal(at_random[index], frame.to_ndarray(format="rgb24"))
+    assert index == n - 1

@@ -1,0 +1,302 @@
+"""Stability maps: a verdict turns where it must, and nothing is computed twice or in vain."""
+
+from __future__ import annotations
+
+from concurrent.futures import CancelledError, ThreadPoolExecutor
+from threading import Event
+from typing import Any, get_args
+
+import numpy as np
+import pytest
+from builders import Box, Place, at, make_dataset, result_of
+from scenes import draw_scene
+
+from nvcore.comparison import Result, compare
+from nvcore.errors import InputError, ParameterError
+from nvcore.params import Params
+from nvcore.stability import scores
+from nvcore.stability.axes import Plane
+from nvcore.stability.map import map_stability
+from nvcore.stability.scores import Criterion
+
+CRITERIA: tuple[Criterion, ...] = get_args(Criterion)
+
+
+def turning() -> Result:
+    """X - Y = 0.5 - 1.5 alpha.
+
+    The pedestrian stands in the middle (50 of 100 px). X sees nobody: M = 1 - alpha. Y sees him
+    and somebody at 25 px: M = 1 - (1 - alpha) * 25 / 50.
+    """
+    return result_of(make_dataset([at(0, 50)], [], [at(0, 50, score=0.9), at(0, 25, score=0.4)]))
+
+
+def test_the_verdict_turns_where_the_means_cross() -> None:
+    found = map_stability(turning(), "alpha-midpoint", "similarity")
+    assert [axis.name for axis in found.axes] == ["alpha"]  # without proximity: no midpoint
+    assert found.difference == pytest.approx(0.5 - 1.5 * np.linspace(0, 1, 41))
+    assert (found.verdict, found.share_held) == ("y", 1.0)
+    (stretch,) = found.stretches
+    assert (stretch.low, stretch.high) == (pytest.approx(0.35), 1.0)
+    assert stretch.turns_below == pytest.approx(1 / 3)
+    assert np.isnan(stretch.turns_above)
+
+
+def test_the_nearest_overturning_setting_is_named_with_its_distance() -> None:
+    overturn = map_stability(turning(), "alpha-midpoint", "similarity").overturn
+    assert overturn is not None
+    assert overturn.settings == {"alpha": pytest.approx(1 / 3)}
+    assert (overturn.winner, overturn.difference) == ("x", 0)
+    assert overturn.distance == pytest.approx((0.9 - 1 / 3) / 0.5)  # plausible: 0.5 to 1
+    assert not overturn.is_plausible
+
+
+def test_an_analysed_setting_between_the_points_has_a_point_of_its_own() -> None:
+    result = compare(turning().dataset, Params(proximity="none", alpha=0.31))
+    found = map_stability(result, "alpha-midpoint", "similarity")
+    assert found.axes[0].values[found.present_cell] == 0.31
+    assert len(found.axes[0]) == 42
+    assert found.verdict == "x"
+    assert found.share_held == 0
+    assert found.overturn is not None
+    assert found.overturn.settings == {"alpha": pytest.approx(1 / 3)}
+    assert found.plausible_overturn is not None
+    assert found.plausible_overturn.settings == {"alpha": 0.5}
+
+
+def tied() -> Result:
+    """With alpha 1 even up to edge weight 0.5, then Y is better.
+
+    X does not see a pedestrian at 10 px: D = 10 + 40 * edge weight. Y's box lies 30 px off, so D
+    is the same, but 30 at most.
+    """
+    data = make_dataset([at(0, 10)], [], [at(0, 40)])
+    return result_of(data, alpha=1.0)
+
+
+def test_a_tie_holds_as_long_as_nobody_is_better() -> None:
+    found = map_stability(tied(), "edge-weight", "similarity")
+    assert found.winner.tolist() == ["even"] * 21 + ["y"] * 20
+    assert found.verdict == "even"
+    # 0 stands for half a step, 0.5 for one: 20.5 of 40 steps
+    assert found.share_held == pytest.approx(20.5 / 40)
+    assert found.overturn == found.end
+    assert found.overturn is not None
+    assert found.overturn.settings == {"edge_weight": pytest.approx(0.525)}
+    assert found.overturn.winner == "y"
+
+
+def test_a_system_that_is_always_better_is_never_overturned() -> None:
+    result = result_of(make_dataset([at(0, 50)], [at(0, 50)], []))
+    found = map_stability(result, "edge-weight", "similarity")
+    assert set(found.winner) == {"x"}
+    assert (found.share_held, found.overturn, found.end) == (1.0, None, None)
+
+
+def test_a_tie_ends_a_verdict_without_overturning_it() -> None:
+    # false alarms only, and Y has none: even at alpha 0
+    result = result_of(make_dataset([at(0, 50)], [at(0, 50)], []))
+    found = map_stability(result, "alpha-midpoint", "similarity")
+    assert found.winner.tolist() == ["even"] + ["x"] * 40
+    assert found.overturn is None
+    assert found.end is not None
+    assert (found.end.settings, found.end.winner) == ({"alpha": 0.0}, "even")
+
+
+def pedestrians(scores: list[float]) -> list[Box]:
+    """One box for each score, each in a frame of its own."""
+    return [at(i, 50, score=score, track=i) for i, score in enumerate(scores)]
+
+
+def test_encounters_by_threshold_are_counted_as_by_hand() -> None:
+    # X keeps 4, 3, 2, 1 pedestrians at 0.2, 0.4, 0.6, 0.8; Y 4, 4, 4, 1
+    x, y = [0.2, 0.4, 0.6, 0.8], [0.6, 0.6, 0.6, 0.8]
+    alarms = [at(4, 50, score=0.2), at(4, 50, score=0.8)]
+    data = make_dataset(
+        pedestrians(x), [*pedestrians(x), *alarms], [*pedestrians(y), *alarms], n_frames=5
+    )
+    found = map_stability(result_of(data), "thresholds", "encounters", n_points=4)
+    for axis in found.axes:
+        assert axis.values.tolist() == [0.2, 0.4, 0.6, 0.8]  # the very scores, not a bit more
+    n_x, n_y = np.array([4, 3, 2, 1]), np.array([4, 4, 4, 1])
+    assert found.difference.tolist() == (n_x[:, None] - n_y[None, :]).tolist()
+    assert (found.verdict, found.present_cell) == ("even", 0)
+
+
+def test_a_detection_without_a_score_takes_what_a_threshold_sets_free() -> None:
+    # one matching does not serve all thresholds here: at 0.5 the second box of X is a match
+    x = [at(0, 50, score=0.3), at(0, 50), at(1, 5, score=0.7)]
+    data = make_dataset([at(0, 50, track=1)], x, [], n_frames=2)
+    found = map_stability(result_of(data), "thresholds", "encounters", n_points=3)
+    assert found.difference.tolist() == [1, 1, 1]
+
+
+def test_a_system_without_scores_has_no_threshold_to_move() -> None:
+    data = make_dataset([at(0, 50)], [at(0, 50, score=0.5), at(0, 20, score=0.7)], [at(0, 50)])
+    found = map_stability(result_of(data), "thresholds", "similarity", n_points=3)
+    assert [axis.name for axis in found.axes] == ["threshold_x"]
+    with pytest.raises(InputError, match="neither system has scores that differ"):
+        map_stability(result_of(make_dataset([at(0, 50)], [at(0, 50)], [])), "thresholds")
+
+
+def test_the_share_is_that_of_random_plausible_settings() -> None:
+    result = compare(draw_scene(44).dataset(), Params(midpoint=40.0))
+    found = map_stability(result, "alpha-midpoint", "similarity", n_points=9)
+    rng = np.random.default_rng(1)
+    drawn = [rng.uniform(*axis.plausible, 50_000) for axis in found.axes]
+    at_cell = tuple(
+        np.abs(axis.values[:, None] - values).argmin(axis=0)
+        for axis, values in zip(found.axes, drawn, strict=True)
+    )
+    share = float((found.winner[at_cell] == found.verdict).mean())
+    assert 0 < share < 1
+    assert found.share_held == pytest.approx(share, abs=0.01)
+
+
+def test_recordings_of_different_height_have_no_single_midpoint() -> None:
+    truth = [at(0, 50, recording=0), at(0, 50, recording=1)]
+    places = [Place([0], height=100), Place([0], height=300)]
+    data = make_dataset(truth, [truth[0]], [], places=places)
+    found = map_stability(compare(data, Params()), "alpha-midpoint", "similarity", n_points=11)
+    assert found.axes[1].present == (10, 30)
+    assert found.present_cell is None
+    assert found.stretches == ()
+    assert found.axes[1].distance(np.array([9.0, 10, 20, 30, 40])) == pytest.approx(
+        [1 / 39, 0, 0, 0, 10 / 39]  # plausible: 6 to 45 px
+    )
+    assert found.verdict == "x"  # from the comparison itself
+
+
+@pytest.mark.parametrize("criterion", CRITERIA)
+def test_without_frames_nothing_is_defined(criterion: Criterion) -> None:
+    found = map_stability(result_of(make_dataset(n_frames=0)), "edge-weight", criterion, n_points=3)
+    assert np.isnan(found.difference).all()
+    assert set(found.winner) == {"undefined"} == {found.verdict}
+    assert np.isnan(found.share_held)
+    assert found.overturn is None
+    assert found.stretches == ()
+
+
+def test_encounters_are_undefined_where_none_is_near() -> None:
+    data = make_dataset([at(0, 50, h=12.0)], [at(0, 50, h=12.0)], [])  # 100 px high picture
+    found = map_stability(compare(data, Params()), "alpha-midpoint", "encounters", n_points=24)
+    is_near = found.axes[1].values <= 12
+    assert is_near.any()
+    assert not is_near.all()
+    assert (found.difference[:, is_near] == 1).all()
+    assert np.isnan(found.difference[:, ~is_near]).all()
+
+
+def test_only_what_a_setting_changes_is_repeated(monkeypatch: pytest.MonkeyPatch) -> None:
+    calls: list[str] = []
+    for name in ("match_boxes", "find_nearest", "weigh_proximity", "measure_sets"):
+        original = getattr(scores, name)
+        monkeypatch.setattr(
+            scores, name,
+            lambda *a, _f=original, _n=name, **k: calls.append(_n) or _f(*a, **k),
+        )  # fmt: skip
+    truth = [at(i, 50, h=float(10 + i), track=i) for i in range(4)]
+    x, y = ([box._replace(score=0.1 * box.frame + s) for box in truth] for s in (0.1, 0.5))
+    result = compare(make_dataset(truth, x, y), Params(threshold_x=0.2))
+
+    def counts(plane: Plane, criterion: Criterion) -> dict[str, int]:
+        calls.clear()
+        map_stability(result, plane, criterion, n_points=4)
+        return {name: calls.count(name) for name in set(calls)}
+
+    # 4 midpoints and the analysed one, for the truth once, for each system once
+    assert counts("alpha-midpoint", "similarity") == {"weigh_proximity": 15, "measure_sets": 10}
+    assert counts("alpha-midpoint", "encounters") == {"weigh_proximity": 5}
+    assert counts("edge-weight-alpha", "similarity") == {"measure_sets": 8}
+    assert counts("matching", "similarity") == {}  # no ignore region: the sets stay
+    assert counts("matching", "encounters") == {"match_boxes": 2 * (5 + 1)}
+    found = counts("thresholds", "encounters")
+    assert found == {"match_boxes": 1}  # X is cut by its threshold; Y is matched in full already
+
+
+def test_threads_give_the_same_map() -> None:
+    result = compare(draw_scene(44).dataset(), Params())
+    alone = map_stability(result, "thresholds", "saliency", n_points=9)
+    with ThreadPoolExecutor(3) as pool:
+        together = map_stability(result, "thresholds", "saliency", n_points=9, executor=pool)
+    assert np.array_equal(alone.difference, together.difference, equal_nan=True)
+
+
+@pytest.mark.parametrize("n_threads", [0, 2])
+def test_progress_counts_every_step_once(n_threads: int) -> None:
+    told: list[tuple[int, int]] = []
+    result = tied()
+
+    def draw(executor: ThreadPoolExecutor | None) -> None:
+        map_stability(
+            result, "edge-weight", n_points=7, executor=executor,
+            progress=lambda done, total: told.append((done, total)),
+        )  # fmt: skip
+
+    if n_threads:
+        with ThreadPoolExecutor(n_threads) as pool:
+            draw(pool)
+    else:
+        draw(None)
+    assert told == [(i, 7) for i in range(1, 8)]
+
+
+@pytest.mark.parametrize("n_threads", [0, 1])
+def test_a_cancelled_map_stops_between_steps(
+    n_threads: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    stop, is_let_go, started = Event(), Event(), []
+    from nvcore.stability.map import score_setting as original
+
+    def score(*arguments: Any) -> Any:
+        started.append(arguments[2])
+        if n_threads and len(started) > 2:
+            is_let_go.wait(10)  # the second step runs until the wish to stop was heard
+        return original(*arguments)
+
+    def progress(done: int, total: int) -> None:
+        if done == 2:
+            stop.set()
+
+    monkeypatch.setattr("nvcore.stability.map.score_setting", score)
+    pool = ThreadPoolExecutor(n_threads) if n_threads else None
+    with pytest.raises(CancelledError):
+        map_stability(
+            tied(), "edge-weight", executor=pool, progress=progress, is_cancelled=stop.is_set
+        )
+    is_let_go.set()
+    if pool is not None:
+        pool.shutdown()
+    assert 2 <= len(started) <= 3  # of 41
+
+
+def test_a_map_cancelled_beforehand_does_nothing() -> None:
+    told: list[int] = []
+    with pytest.raises(CancelledError):
+        map_stability(
+            tied(), "edge-weight", progress=lambda done, _: told.append(done),
+            is_cancelled=lambda: True,
+        )  # fmt: skip
+    assert told == []
+
+
+def test_an_error_of_a_step_ends_the_map(monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(*arguments: Any) -> Any:
+        raise ValueError("broken step")
+
+    monkeypatch.setattr("nvcore.stability.map.score_setting", broken)
+    with ThreadPoolExecutor(2) as pool, pytest.raises(ValueError, match="broken step"):
+        map_stability(tied(), "edge-weight", executor=pool)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ({"plane": "alpha"}, "plane: expected one of alpha-midpoint"),
+        ({"plane": "matching", "criterion": "f1"}, "criterion: expected one of similarity"),
+        ({"plane": "edge-weight", "n_points": 2}, "n_points: expected at least 3, got 2"),
+    ],
+)
+def test_a_map_that_does_not_exist_is_refused(arguments: dict[str, Any], said: str) -> None:
+    with pytest.raises(ParameterError, match=said):
+        map_stability(tied(), **arguments)

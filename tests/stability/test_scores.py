@@ -1,0 +1,121 @@
+"""Every cell of a stability map is a comparison of its own, with the settings of that cell."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, get_args
+
+import numpy as np
+import pytest
+from scenes import draw_scene
+
+from nvcore.comparison import Result, compare
+from nvcore.inputs.load import effective_params, load
+from nvcore.inputs.session import Session, Source, SystemSource
+from nvcore.params import Params
+from nvcore.stability.axes import Plane
+from nvcore.stability.map import StabilityMap, map_stability
+from nvcore.stability.scores import Criterion
+
+PLANES: tuple[Plane, ...] = get_args(Plane)
+CRITERIA: tuple[Criterion, ...] = get_args(Criterion)
+
+
+def difference_of(result: Result, criterion: Criterion) -> float:
+    """What a cell should hold, from the comparison at that setting; NaN where undefined."""
+    if criterion == "similarity":
+        return result.x.summary.mean - result.y.summary.mean
+    if criterion == "saliency":
+        return result.y.saliency_s - result.x.saliency_s
+    near = result.category[result.category != "distant"]
+    counts = int((near == "x_only").sum()) - int((near == "y_only").sum())
+    return float(counts) if len(near) else np.nan
+
+
+def assert_cells_are_comparisons(found: StabilityMap, result: Result, cells: np.ndarray) -> None:
+    names = (result.x.name, result.y.name)
+    for cell in cells:
+        params = replace(result.params, **found.settings(int(cell)))
+        there = compare(result.dataset, params, x=names[0], y=names[1])
+        assert found.difference.ravel()[cell] == pytest.approx(
+            difference_of(there, found.criterion), abs=1e-12, nan_ok=True
+        ), (found.plane, found.criterion, found.settings(int(cell)))
+
+
+SETTINGS: list[dict[str, Any]] = [
+    {},
+    {"threshold_x": 0.35, "match": "lateral", "saliency_aggregate": "sum", "iou": 0.45},
+    {"proximity": "distance", "saliency_scope": "encounter", "distance": "ground"},
+    {"proximity": "horizon", "threshold_y": 0.5, "alpha": 0.33, "edge_weight": 0.2},
+    {"proximity": "none", "coverage": 0.3, "tolerance": 0.01},
+    {"midpoint": 31.4, "spread": 9.0, "threshold_x": 2.0},
+]
+
+
+@pytest.mark.parametrize("plane", PLANES)
+@pytest.mark.parametrize("number", range(len(SETTINGS)))
+def test_every_cell_is_the_comparison_at_its_setting(plane: Plane, number: int) -> None:
+    # scenes have ignore regions, missing scores, pictures of different sizes, tracks given twice
+    rng = np.random.default_rng(number)
+    result = compare(draw_scene(40 + number).dataset(), Params(**SETTINGS[number]))
+    for criterion in CRITERIA:
+        found = map_stability(result, plane, criterion, n_points=4)
+        cells = rng.choice(found.difference.size, 4, replace=False)
+        assert_cells_are_comparisons(found, result, cells)
+
+
+def test_one_matching_gives_every_threshold_where_all_detections_have_scores() -> None:
+    scene = draw_scene(7, is_grid=True)
+    scene.x = [box._replace(score=0.3 if np.isnan(box.score) else box.score) for box in scene.x]
+    result = compare(scene.dataset(), Params(threshold_x=0.5))
+    for criterion in CRITERIA:
+        found = map_stability(result, "thresholds", criterion, n_points=4)
+        assert_cells_are_comparisons(found, result, np.arange(found.difference.size))
+
+
+def mot15(realdata: Path) -> Result:
+    """Two recordings of different size; the tracker has no scores."""
+    names = ("TUD-Campus", "PETS09-S2L1")
+    session = Session(
+        folder=realdata / "mot15",
+        truth=Source(tuple(f"{name}/gt/gt.txt" for name in names)),
+        systems=(
+            SystemSource(tuple(f"{name}/det_frcnn/det.txt" for name in names), threshold=0.6),
+            SystemSource(tuple(f"{name}/res_devkit/{name}.txt" for name in names)),
+        ),
+    )
+    dataset = load(session)
+    return compare(dataset, effective_params(session, dataset))
+
+
+def night(realdata: Path) -> Result:
+    """KAIST's drive at night; two detectors with scores, and ignore regions."""
+    session = Session(
+        folder=realdata / "kaist_night_video",
+        truth=Source(("gt.csv",)),
+        systems=tuple(
+            SystemSource((f"detections/{name}.csv",)) for name in ("TCDet-thermal", "MLPD")
+        ),
+        size=(640, 512),
+        fps=20.0,
+    )
+    return compare(load(session), Params(threshold_y=0.2))
+
+
+@pytest.mark.realdata
+@pytest.mark.parametrize("recording", [mot15, night])
+def test_every_cell_is_the_comparison_on_real_recordings(recording: Any, realdata: Path) -> None:
+    rng = np.random.default_rng(0)
+    result = recording(realdata)
+    with ThreadPoolExecutor(2) as pool:
+        for plane in PLANES:
+            for criterion in CRITERIA:
+                found = map_stability(result, plane, criterion, n_points=9, executor=pool)
+                cells = rng.choice(found.difference.size, 2, replace=False)
+                assert_cells_are_comparisons(found, result, cells)
+                if found.present_cell is not None:
+                    assert found.difference.ravel()[found.present_cell] == pytest.approx(
+                        difference_of(result, criterion), abs=1e-12
+                    )

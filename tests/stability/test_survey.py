@@ -1,0 +1,175 @@
+"""All maps in one table, and every map in words and in a figure whatever the data are."""
+
+from __future__ import annotations
+
+from concurrent.futures import CancelledError
+from typing import get_args
+
+import numpy as np
+import pandas as pd
+import pytest
+from builders import Place, at, make_dataset, result_of
+from scenes import draw_scene
+
+from nvcore.comparison import Result, compare
+from nvcore.evidence.table import evidence_table
+from nvcore.figures.stability import stability_map
+from nvcore.params import Params
+from nvcore.stability.axes import Plane
+from nvcore.stability.map import map_stability
+from nvcore.stability.scores import Criterion
+from nvcore.stability.survey import SURVEYED, Surveyed, held_text, survey_stability, survey_table
+from nvcore.stability.words import CRITERIA, describe_chance, describe_stability, share_text
+
+ONE = [at(0, 50, score=0.5), at(0, 20, score=0.2)]
+CASES: dict[str, Result] = {
+    "no frames": result_of(make_dataset(n_frames=0)),
+    "no boxes": result_of(make_dataset(n_frames=3)),
+    "one frame": result_of(make_dataset([at(0, 50)], ONE, ONE)),
+    "no scores": result_of(make_dataset([at(0, 50)], [at(0, 50)], [])),
+    "scores of one only": result_of(make_dataset([at(0, 50)], ONE, [at(0, 50)])),
+    "all distant": compare(make_dataset([at(0, 50, h=1.0)], ONE, []), Params()),
+    "two heights": compare(
+        make_dataset(
+            [at(0, 50, recording=0), at(0, 50, recording=1)], ONE, ONE,
+            places=[Place([0], height=100), Place([0], height=300)],
+        ),
+        Params(),
+    ),
+    "threshold above all": result_of(make_dataset([at(0, 50)], ONE, ONE), threshold_x=2.0),
+    "scene": compare(draw_scene(44).dataset(), Params()),
+}  # fmt: skip
+WITHOUT_THRESHOLDS = {"no frames", "no boxes", "no scores"}
+AS_ANALYSED = "as analysed"
+OVERTURNING = "nearest that overturns it"
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_every_map_is_told_and_drawn(case: str) -> None:
+    result = CASES[case]
+    evidence = evidence_table(result)
+    for plane in get_args(Plane):
+        if plane == "thresholds" and case in WITHOUT_THRESHOLDS:
+            continue
+        for criterion in get_args(Criterion):
+            found = map_stability(result, plane, criterion, n_points=5)
+            chance = describe_chance(found, evidence)
+            sentences = (*describe_stability(found), *filter(None, [chance]))
+            assert sentences[0].startswith("As analysed")
+            assert all(one.endswith(".") and "  " not in one for one in sentences)
+            drawn = stability_map(found, theme="dark").to_plotly_json()
+            text = str(drawn["layout"])
+            if not np.isfinite(found.difference).any():
+                assert "The comparison is undefined here" in text
+                continue
+            assert f"Who is better by {CRITERIA[criterion]}" in text
+            held = f"holds in {share_text(found.share_held)} of the plausible range"
+            assert (held in text) == np.isfinite(found.share_held)
+            marked = {one["name"] for one in drawn["data"]} & {AS_ANALYSED, OVERTURNING}
+            expected = {AS_ANALYSED: np.isfinite(found.present_difference),
+                        OVERTURNING: found.overturn is not None}  # fmt: skip
+            assert marked == {name for name, is_there in expected.items() if is_there}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_every_map_has_a_row(case: str) -> None:
+    table = survey_table(survey_stability(CASES[case]))
+    assert len(table) == len(SURVEYED) * len(get_args(Criterion))
+    assert (table[["verdict", "share", "nearest"]] != "").all(axis=None)
+    no_map = table["share"] == "no such map"
+    assert set(table.loc[no_map, "plane"]) == (
+        {"thresholds"} if case in WITHOUT_THRESHOLDS else set()
+    )
+
+
+def test_the_row_says_what_the_map_says() -> None:
+    # X - Y = 0.5 - 1.5 alpha
+    data = make_dataset([at(0, 50)], [], [at(0, 50, score=0.9), at(0, 25, score=0.4)])
+    table = survey_table(survey_stability(result_of(data))).set_index(["plane", "criterion"])
+    row = table.loc[("alpha-midpoint", "similarity")]
+    assert row["settings"] == "Alpha and what counts as near"
+    assert row["by"] == "mean similarity"
+    assert row["verdict"] == "Y has the higher mean similarity, by 0.8500"
+    assert row["share"] == "all"
+    assert row["nearest"].startswith("alpha 0.3333, where it turns to X, outside the plausible")
+    assert table.loc[("edge-weight-alpha", "encounters"), "share"] == "does not depend on them"
+
+
+def test_a_verdict_is_undefined_where_its_map_is() -> None:
+    surveyed = survey_stability(CASES["all distant"])
+    assert {held_text(one) for one in surveyed if one.criterion == "encounters"} == {"undefined"}
+    near = compare(make_dataset([at(0, 50, h=5.0)], [at(0, 50, h=5.0)], []), Params(midpoint=4.0))
+    found = map_stability(near, "alpha-midpoint", "encounters")  # 100 px high picture
+    assert held_text(Surveyed("alpha-midpoint", "encounters", found)) == "undefined there"
+
+
+def test_progress_runs_over_all_maps() -> None:
+    told: list[tuple[int, int]] = []
+    survey_stability(CASES["one frame"], progress=lambda done, of: told.append((done, of)))
+    assert told == sorted(told)
+    assert told[-1][0] == told[-1][1]
+
+
+def test_the_survey_can_be_stopped() -> None:
+    with pytest.raises(CancelledError):
+        survey_stability(CASES["one frame"], is_cancelled=lambda: True)
+
+
+def evidence(**of_figures: tuple[float, float]) -> pd.DataFrame:
+    """Difference and corrected p by figure."""
+    return pd.DataFrame([
+        {"figure": figure, "difference": difference, "p_holm": p, "n": 12, "note": "too few; x",
+         "unit": "encounters" if figure == "encounters_detected" else "blocks"}
+        for figure, (difference, p) in of_figures.items()
+    ])  # fmt: skip
+
+
+def better_x(criterion: Criterion) -> str:
+    """What is said of chance, for a comparison in which X is better by everything."""
+    return describe_chance(
+        map_stability(CASES["no scores"], "edge-weight", criterion),
+        evidence(**{
+            "similarity": {"mean_similarity": (0.1, 0.58)},
+            "encounters": {"encounters_detected": (1.0, 0.01),
+                           "encounters_detected_by_unit": (1.0, 0.3)},
+            "saliency": {"saliency": (-0.1, 0.04)},
+        }[criterion]),
+    )  # fmt: skip
+
+
+def test_a_difference_that_may_be_chance_is_told_to() -> None:
+    assert better_x("similarity") == (
+        "This difference is not shown to be more than chance (p = 0.58, corrected for all figures "
+        "tested; by 12 blocks of time, which say nothing of other recordings): a verdict that "
+        "holds at other settings is no evidence against chance."
+    )
+
+
+def test_a_difference_beyond_chance_is_told_to_be_no_more() -> None:
+    result = compare(make_dataset([at(0, 50)], [at(0, 50)], []), Params(proximity="none"))
+    found = map_stability(result, "edge-weight", "saliency")
+    assert describe_chance(found, evidence(saliency=(-0.1, 0.04))) == (
+        "The difference in the mean saliency of the recordings is more than chance (p = 0.04, "
+        "corrected for all figures tested; by 12 blocks of time, which say nothing of other "
+        "recordings)."
+    )
+    other = describe_chance(found, evidence(saliency=(0.1, 0.04)))
+    assert "of the recordings, which speaks for Y, is more than chance" in other
+
+
+def test_encounters_that_are_alike_within_recordings_count_by_the_larger_p() -> None:
+    assert "not shown to be more than chance (p = 0.3, " in better_x("encounters")
+
+
+def test_what_cannot_be_tested_says_why() -> None:
+    found = map_stability(CASES["no scores"], "edge-weight", "similarity")
+    assert describe_chance(found, evidence(mean_similarity=(0.1, float("nan")))) == (
+        "Whether this difference is more than chance cannot be tested here (too few): a verdict "
+        "that holds at other settings is no evidence against chance."
+    )
+
+
+def test_a_tie_has_no_evidence() -> None:
+    found = map_stability(CASES["one frame"], "edge-weight", "similarity")
+    assert found.verdict == "even"
+    assert describe_chance(found, evidence(mean_similarity=(0.0, 1.0))) == ""

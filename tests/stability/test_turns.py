@@ -1,0 +1,211 @@
+"""Turns of a stability map: what is told of one map agrees with itself."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from builders import at, make_dataset, result_of
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from nvcore.stability.axes import Axis
+from nvcore.stability.map import StabilityMap, map_stability
+from nvcore.stability.scores import Criterion
+from nvcore.stability.turns import winners
+from nvcore.stability.words import describe_stability
+
+NAMES = ("alpha", "midpoint", "iou")
+CRITERIA: tuple[Criterion, ...] = ("similarity", "encounters", "saliency")
+few = settings(max_examples=100, deadline=None, derandomize=True)
+
+
+def make_axis(name: str, values: list[float], plausible: tuple[int, int], present: int) -> Axis:
+    """Plausible between two of the values, analysed at one of them."""
+    grid = np.array(values)
+    ends = (values[plausible[0]], values[plausible[1]])
+    return Axis(name, name, "", grid, ends, "a reason", (values[present], values[present]), name)
+
+
+def make_map(axes: tuple[Axis, ...], difference: np.ndarray, criterion: Criterion) -> StabilityMap:
+    at_present = tuple(axis.present_index for axis in axes)
+    return StabilityMap(
+        "alpha-midpoint", criterion, axes, difference, winners(difference),
+        float(difference[at_present]), (True,) * len(axes),
+    )  # fmt: skip
+
+
+def plain_map(difference: list[list[float]], present: tuple[int, int]) -> StabilityMap:
+    """Axes 0, 1, 2, ... on which everything is plausible."""
+    field = np.array(difference)
+    axes = tuple(
+        make_axis(name, [float(i) for i in range(n)], (0, n - 1), at)
+        for name, n, at in zip(NAMES, field.shape, present, strict=False)
+    )
+    return make_map(axes, field, "similarity")
+
+
+@st.composite
+def axes(draw: st.DrawFn, name: str) -> Axis:
+    steps = draw(st.lists(st.integers(1, 9), min_size=3, max_size=7))
+    values = np.cumsum(steps).astype(float).tolist()
+    place = st.integers(0, len(values) - 1)
+    low, high = sorted(draw(st.lists(place, min_size=2, max_size=2, unique=True)))
+    return make_axis(name, values, (low, high), draw(place))
+
+
+@st.composite
+def maps(draw: st.DrawFn) -> StabilityMap:
+    names = draw(st.permutations(NAMES))[: draw(st.integers(1, 2))]
+    found = tuple(draw(axes(name)) for name in names)
+    size = int(np.prod([len(axis) for axis in found]))
+    cells = st.sampled_from([-2.0, -0.5, 0.0, 0.25, 1.0, 3.0, np.nan])
+    field = np.array(draw(st.lists(cells, min_size=size, max_size=size)))
+    field = field.reshape([len(axis) for axis in found])
+    return make_map(found, field, draw(st.sampled_from(CRITERIA)))
+
+
+@few
+@given(maps())
+def test_no_turn_along_an_axis_is_nearer_than_the_nearest(found: StabilityMap) -> None:
+    other = {"x": ["y"], "y": ["x"], "even": ["x", "y"], "undefined": []}[found.verdict]
+    for stretch in found.stretches:
+        axis = found.axes[stretch.axis]
+        ends = ((stretch.turns_below, stretch.below), (stretch.turns_above, stretch.above))
+        for turn, winner in ends:
+            if winner not in other:
+                continue
+            assert found.overturn is not None
+            assert found.overturn.distance <= axis.distance(np.array(turn)) + 1e-8
+
+
+@few
+@given(maps())
+def test_no_cell_that_overturns_is_nearer_than_the_nearest(found: StabilityMap) -> None:
+    other = {"x": ["y"], "y": ["x"], "even": ["x", "y"], "undefined": []}[found.verdict]
+    cells = np.argwhere(np.isin(found.winner.astype(str), other))
+    assert (found.overturn is None) == (len(cells) == 0)
+    for cell in cells:
+        apart = [
+            abs(axis.values[i] - axis.present[0]) / (axis.plausible[1] - axis.plausible[0])
+            for axis, i in zip(found.axes, cell, strict=True)
+        ]
+        assert found.overturn.distance <= np.hypot.reduce(apart) + 1e-8
+
+
+@few
+@given(maps())
+def test_inside_or_outside_is_that_of_the_numbers_told(found: StabilityMap) -> None:
+    for turn in (*found.overturns, found.plausible_overturn, found.end):
+        if turn is None:
+            continue
+        inside = [
+            axis.plausible[0] - 1e-6 <= value <= axis.plausible[1] + 1e-6
+            for axis, value in zip(found.axes, turn.at, strict=True)
+        ]
+        assert turn.is_plausible == all(inside)
+        assert turn.settings == dict(zip([axis.name for axis in found.axes], turn.at, strict=True))
+
+
+@few
+@given(maps())
+def test_a_share_of_all_goes_with_no_turn_inside_and_less_with_one(found: StabilityMap) -> None:
+    if found.verdict == "undefined" or np.isnan(found.share_held):
+        return
+    ends_inside = [
+        winner not in (found.verdict, "undefined")
+        and all(axis.is_plausible(axis.values[i]) for axis, i in zip(found.axes, at, strict=True))
+        for at, winner in np.ndenumerate(found.winner)
+    ]
+    assert (found.share_held > 1 - 1e-9) == (not any(ends_inside))
+    if found.plausible_overturn is not None:
+        assert found.share_held < 1 - 1e-9
+        assert found.overturn.distance <= found.plausible_overturn.distance + 1e-8
+
+
+@few
+@given(maps())
+def test_the_sentences_give_the_nearest_number_of_the_map(found: StabilityMap) -> None:
+    said = " ".join(describe_stability(found))
+    assert ("overturns this: " in said or "ends the tie: " in said) == bool(found.overturns)
+    assert ("within the plausible range" in said) == (
+        found.plausible_overturn is not None and found.plausible_overturn != found.overturn
+    )
+    assert ("also better in" in said) == (len(found.overturns) > 1)
+
+
+def test_the_zero_between_two_points_is_nearer_than_the_point_beyond() -> None:
+    # along the second axis from 3 to -1: zero at 3/4 of the way
+    turn = plain_map([[9, 9, 9], [9, 3, -1], [9, 9, 9]], (1, 1)).overturn
+    assert turn is not None
+    assert turn.at == (1.0, 1.75)
+    assert (turn.winner, turn.difference) == ("y", 0)
+    assert turn.distance == pytest.approx(0.75 / 2)
+
+
+def test_a_tie_at_one_point_of_a_continuous_setting_is_where_it_turns() -> None:
+    found = plain_map([[9, 3, 0, -2], [9, 9, 9, 9]], (0, 1))
+    assert found.overturn is not None
+    assert (found.overturn.at, found.overturn.winner) == ((0.0, 2.0), "y")
+    assert found.stretches[1].turns_above == 2
+    assert found.stretches[1].above == "y"
+
+
+def test_an_oblique_turn_is_nearer_than_both_along_the_axes() -> None:
+    found = plain_map([[8, 8, 8, -8], [8, 8, -1, -8], [8, -8, -8, -8], [-8, -8, -8, -8]], (0, 0))
+    assert [stretch.turns_above for stretch in found.stretches] == [2.5, 2.5]
+    assert found.overturn is not None
+    assert found.overturn.at == (1.5, 1.0)
+    assert found.overturn.distance == pytest.approx(np.hypot(1.5, 1) / 3)
+
+
+def test_where_the_difference_makes_steps_the_point_beyond_is_told() -> None:
+    found = replace(plain_map([[9, 9], [3, -1]], (1, 0)), criterion="encounters")
+    assert found.overturn is not None
+    assert (found.overturn.at, found.overturn.difference) == ((1.0, 1.0), -1)
+
+
+def test_every_separate_part_of_the_map_is_told() -> None:
+    found = plain_map([[-1, 1, 1, 1, 1], [1, 1, 1, 1, 1], [1, 1, 1, 1, -3]], (1, 3))
+    assert [turn.cell for turn in found.overturns] == [14, 0]
+    said = describe_stability(found)[-1]
+    assert said.startswith("Y is also better in another part of this map, nearest: alpha 0")
+    assert "where it turns to Y, inside the plausible range and" in said
+
+
+def test_parts_that_touch_at_a_corner_are_one() -> None:
+    found = plain_map([[1, 1, 1], [1, -1, 1], [1, 1, -1]], (0, 0))
+    assert len(found.overturns) == 1
+
+
+def test_turns_of_a_comparison_agree_with_the_sentences() -> None:
+    # X - Y = 0.5 - 1.5 alpha: exactly 1/3, whatever the number of points
+    data = make_dataset([at(0, 50)], [], [at(0, 50, score=0.9), at(0, 25, score=0.4)])
+    for n_points in (3, 10, 41):
+        found = map_stability(result_of(data), "alpha-midpoint", "similarity", n_points=n_points)
+        (stretch,) = found.stretches
+        assert found.overturn is not None
+        assert found.overturn.at == (pytest.approx(1 / 3),)
+        assert stretch.turns_below == pytest.approx(found.overturn.at[0])
+        assert stretch.below == "x"
+
+
+def test_a_turn_among_the_recordings_own_values_is_no_distance_away() -> None:
+    found = plain_map([[3, 1, -1, 3]] * 2, (0, 0))
+    own = replace(found.axes[1], present=(0.0, 3.0))
+    found = replace(found, axes=(found.axes[0], own))
+    assert found.overturn is not None
+    assert found.overturn.distance == 0
+    assert describe_stability(found)[-1].endswith(
+        "inside the plausible range and among the recordings' own values."
+    )
+
+
+def test_a_tie_that_ends_on_several_sides_names_no_winner_for_all_of_them() -> None:
+    found = plain_map([[0, 0, 2, 0, -2, 0, -1], [0] * 7], (0, 0))
+    *_, nearest, others = describe_stability(found)
+    assert "ends the tie: alpha 0 and midpoint 2 (X ahead by 2.0000)" in nearest
+    assert others.startswith(
+        "X or Y is also better in 2 other parts of this map, nearest: alpha 0 and midpoint 4 (Y"
+    )

@@ -1,0 +1,221 @@
+"""Rating sessions: orders that are balanced, ratings that outlive everything."""
+
+import signal
+import sqlite3
+import subprocess
+import sys
+from collections import Counter
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
+from itertools import pairwise
+
+import pytest
+
+from nvcore.csv_text import to_csv_bytes
+from nvcore.errors import InputError
+from nvcore.studies.ratings.reading import read_ratings
+from nvcore.studies.ratings.store import RatingStore, counterbalanced
+
+CLIPS = (("A", "FIR"), ("B", "FIR"), ("A", "NIR"), ("B", "NIR"))
+
+
+@pytest.fixture
+def store(tmp_path):
+    return RatingStore(tmp_path / "new" / "ratings.sqlite")
+
+
+@pytest.mark.parametrize("n", [1, 2, 3, 4, 5, 8, 9])
+def test_orders_are_balanced(n):
+    rows = [counterbalanced(n, i).tolist() for i in range(n if n % 2 == 0 else 2 * n)]
+    assert all(sorted(row) == list(range(n)) for row in rows)
+    places = Counter((place, clip) for row in rows for place, clip in enumerate(row))
+    assert set(places.values()) == {len(rows) // n}
+    follows = Counter(pair for row in rows for pair in pairwise(row))
+    assert len(follows) == n * (n - 1)
+    assert len(set(follows.values())) <= 1
+
+
+def test_each_participant_keeps_their_own_order(store):
+    study = store.begin("print", CLIPS)
+    orders = [store.order(study, name) for name in ("P1", "P2", "P3", "P4")]
+    assert sorted(orders[0]) == [0, 1, 2, 3]
+    assert len({tuple(order) for order in orders}) == 4
+    assert store.order(study, " P2 ") == orders[1]
+
+
+def test_a_rating_is_there_after_the_program_is_killed(tmp_path):
+    path = tmp_path / "ratings.sqlite"
+    code = f"""
+import os, signal
+from pathlib import Path
+from nvcore.ratings.store import RatingStore
+store = RatingStore(Path({str(path)!r}))
+study = store.begin("print", {CLIPS!r})
+clip = store.order(study, "P1")[0]
+store.rate(study, "P1", clip, 6)
+print(study.token, clip, flush=True)
+os.kill(os.getpid(), signal.SIGKILL)
+"""
+    ended = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=False
+    )
+    assert ended.returncode == -signal.SIGKILL, ended.stderr
+    token, clip = ended.stdout.split()
+    store = RatingStore(path)
+    study = store.study(token)
+    assert study is not None
+    assert study.clips == CLIPS
+    assert store.rated(study, "P1") == {int(clip): 6}
+
+
+def test_the_table_is_what_a_file_of_it_gives(store, tmp_path):
+    study = store.begin("print", CLIPS)
+    for name in ("P2", "P1"):
+        store.order(study, name)
+        for clip in (2, 0):
+            store.rate(study, name, clip, 1 + clip)
+    store.rate(study, "P1", 0, 7)  # thought again
+    table = store.ratings(study)
+    shown = table[["participant", "clip", "system", "rating"]]
+    assert shown.to_numpy().tolist() == [
+        ["P2", "A", "FIR", 1.0], ["P2", "A", "NIR", 3.0],
+        ["P1", "A", "FIR", 7.0], ["P1", "A", "NIR", 3.0],
+    ]  # fmt: skip
+    path = tmp_path / "ratings.csv"
+    path.write_bytes(to_csv_bytes(table))
+    assert read_ratings(path).equals(shown)
+
+
+def test_studies_do_not_see_each_other(store):
+    one, other = store.begin("print", CLIPS), store.begin("print", CLIPS)
+    store.order(one, "P1")
+    store.rate(one, "P1", 0, 3)
+    assert len(store.ratings(one)) == 1
+    assert len(store.ratings(other)) == 0
+    assert store.study("x' OR '1'='1") is None
+
+
+def test_many_join_and_rate_at_once(store):
+    study = store.begin("print", CLIPS)
+
+    def rate_all(number):
+        for clip in store.order(study, f"P{number}"):
+            store.rate(study, f"P{number}", clip, 1 + clip)
+
+    with ThreadPoolExecutor(8) as pool:
+        list(pool.map(rate_all, range(8)))
+    assert len(store.ratings(study)) == 32
+
+
+@pytest.mark.parametrize(
+    ("clip", "rating", "words"), [(4, 3, "clip 5"), (0, 8, "1 to 7"), (0, 0, "given 0")]
+)
+def test_what_is_not_on_the_scale_is_refused(store, clip, rating, words):
+    study = store.begin("print", CLIPS)
+    store.order(study, "P1")
+    with pytest.raises(InputError, match=words):
+        store.rate(study, "P1", clip, rating)
+    assert store.rated(study, "P1") == {}
+
+
+def test_strangers_empty_names_and_empty_studies_are_refused(store):
+    study = store.begin("print", CLIPS)
+    with pytest.raises(InputError, match="has not joined"):
+        store.rate(study, "nobody", 0, 3)
+    with pytest.raises(InputError, match="1 to 64"):
+        store.order(study, "  ")
+    with pytest.raises(InputError, match="each once"):
+        store.begin("print", [])
+    with pytest.raises(InputError, match="must rise"):
+        store.begin("print", CLIPS, low=7, high=7)
+
+
+def test_the_file_is_nobody_elses(store, tmp_path):
+    assert (tmp_path / "new").stat().st_mode & 0o077 == 0
+
+
+def test_the_conductors_name_is_not_the_participants(store):
+    study = store.begin("print", CLIPS, thresholds={"FIR": 0.4, "NIR": None})
+    assert store.study(study.token) == store.conducted(study.conductor) == study
+    assert store.conducted(study.token) is None
+    assert store.study(study.conductor) is None
+
+
+def test_progress_counts_who_has_rated_nothing_too(store):
+    study, other = store.begin("print", CLIPS), store.begin("print", CLIPS)
+    for name in ("Zoe", "Ann"):
+        store.order(study, name)
+    store.order(other, "Bob")
+    store.rate(study, "Ann", 2, 3)
+    assert store.participants(study).to_numpy().tolist() == [["Zoe", 0], ["Ann", 1]]
+
+
+def test_a_file_that_is_no_database_is_told(tmp_path):
+    path = tmp_path / "ratings.sqlite"
+    path.write_bytes(b"something else entirely " * 100)
+    with pytest.raises(InputError, match="file of the ratings cannot be used"):
+        RatingStore(path)
+    assert path.read_bytes().startswith(b"something else")
+    with pytest.raises(InputError, match="folder of the ratings cannot be made"):
+        RatingStore(path / "below" / "ratings.sqlite")
+
+
+def test_an_empty_table_has_the_columns_and_kinds_of_a_full_one(store):
+    empty = store.ratings(study := store.begin("print", CLIPS))
+    store.order(study, "P1")
+    store.rate(study, "P1", 0, 3)
+    assert len(empty) == 0
+    assert empty.dtypes.to_dict() == store.ratings(study).dtypes.to_dict()
+
+
+def test_a_changed_rating_tells_the_first_one_and_plays_add_up(store):
+    study = store.begin("print", CLIPS)
+    store.order(study, "P1")
+    for rating, n_plays in ((5, 2), (5, None), (3, 1), (4, 0)):
+        store.rate(study, "P1", 0, rating, n_plays=n_plays)
+    store.rate(study, "P1", 1, 6)
+    kept = store.ratings(study)
+    assert kept["rating"].tolist() == [4, 6]
+    assert kept["first_rating"].to_list()[0] == 5
+    assert kept["n_plays"].to_list()[0] == 3
+    assert kept[["n_plays", "first_rating"]].isna().to_numpy()[1].all()
+
+
+def test_names_in_other_capitals_are_one_participant(store):
+    study = store.begin("print", CLIPS)
+    order = store.order(study, "Anna")
+    assert store.order(study, "Bob") != order
+    assert store.order(study, " ANNA ") == order
+    store.rate(study, "anna", 2, 4)
+    assert store.rated(study, "aNNa") == {2: 4}
+    assert store.participants(study).to_numpy().tolist() == [["Anna", 1], ["Bob", 0]]
+
+
+def test_the_same_name_joining_at_once_is_one_participant(store):
+    study = store.begin("print", CLIPS)
+    with ThreadPoolExecutor(8) as pool:
+        names = ["Anna", "anna", "ANNA", "aNna"]
+        orders = list(pool.map(lambda name: store.order(study, name), names))
+    assert orders == [orders[0]] * 4
+    assert len(store.participants(study)) == 1
+
+
+def test_a_file_of_an_earlier_version_is_gone_on_with(store, tmp_path):
+    study = store.begin("print", CLIPS)
+    for name in ("Anna", "Bob"):
+        store.order(study, name)
+        store.rate(study, name, 0, 3)
+    path = tmp_path / "new" / "ratings.sqlite"
+    with closing(sqlite3.connect(path)) as base, base:
+        for column in ("n_plays", "first_rating"):
+            base.execute(f"ALTER TABLE rating DROP COLUMN {column}")
+        for table in ("participant", "rating"):  # two spellings, which were two people then
+            column = "name" if table == "participant" else "participant"
+            base.execute(f"UPDATE {table} SET {column} = 'anna' WHERE {column} = 'Bob'")
+    again = RatingStore(path)
+    again.rate(study, "anna", 0, 5, n_plays=1)
+    kept = again.ratings(study)
+    assert kept["participant"].tolist() == ["Anna", "anna"]
+    assert kept["rating"].tolist() == [3, 5]
+    assert kept["n_plays"].isna().tolist() == [True, False]
+    assert RatingStore(path).ratings(study).equals(kept)

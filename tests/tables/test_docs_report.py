@@ -1,0 +1,198 @@
+"""docs/report.md describes the files of a report as they are.
+
+``python tests/test_docs_report.py`` writes the tables of the page anew.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import re
+import tomllib
+from typing import Any
+
+import pandas as pd
+import pytest
+from inputs import drive, session_of
+from places import ROOT
+
+from nvcore.comparison import compare
+from nvcore.findings import Finding, Severity
+from nvcore.inputs.load import load
+from nvcore.report.files import export_files
+from nvcore.schema import CATEGORY_TEXT, MISS_CLASS_TEXT
+from nvcore.tables.columns import REPORT_COLUMNS, Column, Kind
+from nvcore.tables.summary_columns import SUMMARY_KEYS, SYSTEM_KEYS
+
+PAGE = ROOT / "docs" / "report.md"
+SECTION = re.compile(r"^(#+) (.*?)\n(.*?)(?=^#+ |\Z)", re.DOTALL | re.MULTILINE)
+TABLE = re.compile(r"(?:^\|.*\n)+", re.MULTILINE)
+COLUMNS = {**REPORT_COLUMNS, "summary.json": SUMMARY_KEYS, "Each system": SYSTEM_KEYS}
+VALUES = {"The column category": CATEGORY_TEXT, "The column miss_class": MISS_CLASS_TEXT}
+SYSTEMS = ("x", "y", "fusion.x_or_y", "fusion.x_and_y")
+FINDINGS = (
+    Finding(Severity.ERROR, "no-area", "truth", 3, "What.", "Do.", "gt.txt", "line 4"),
+    Finding(Severity.NOTE, "constant-score", "fir", 1, "What.", "Do."),
+)
+
+
+@pytest.fixture(scope="module")
+def report(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
+    """The files of a small comparison: FIR sees both pedestrians, NIR only one."""
+    session = session_of(drive(tmp_path_factory.mktemp("drive")))
+    truth = session.folder / "truth.csv"
+    # a box of 2 px: a distant pedestrian
+    truth.write_text(truth.read_text(encoding="utf-8") + "rural,3,50,200,1,2,9\n", encoding="utf-8")
+    files = export_files(compare(load(session), session.params), session, FINDINGS)
+    return {name: make() for name, make in files.items()}
+
+
+def table_of(report: dict[str, bytes], file: str) -> pd.DataFrame:
+    """The file's cells as text."""
+    return pd.read_csv(io.BytesIO(report[file]), dtype=str, keep_default_na=False)
+
+
+def shown(column: Column, *, name: str = "") -> str:
+    cells = (
+        name or f"`{column.name}`",
+        column.unit or "–",
+        column.kind.value,
+        column.better or "–",
+        column.meaning,
+        column.empty or "never",
+    )
+    return "| " + " | ".join(cells) + " |\n"
+
+
+def expected_table(title: str) -> str:
+    """The section's table; the columns of X and Y in one row, as their sentences are the same."""
+    if title in VALUES:
+        head = "| Value | Meaning |\n|---|---|\n"
+        return head + "".join(f"| `{one}` | {text} |\n" for one, text in VALUES[title].items())
+    is_json = title not in REPORT_COLUMNS
+    text = f"| {'Key' if is_json else 'Column'} | Unit | Type | Better | Meaning | "
+    text += f"{'Null' if is_json else 'Empty'} |\n|---|---|---|---|---|---|\n"
+    names = {column.name for column in COLUMNS[title]}
+    for column in COLUMNS[title]:
+        stem, _, letter = column.name.rpartition("_")
+        if letter == "x" and f"{stem}_y" in names and not is_json:
+            text += shown(column, name=f"`{stem}_x`, `{stem}_y`")
+        elif not (letter == "y" and f"{stem}_x" in names and not is_json):
+            text += shown(column)
+    return text
+
+
+def written_anew() -> str:
+    """The page with the tables of today."""
+
+    def section(found: re.Match[str]) -> str:
+        hashes, title, body = found.groups()
+        if title in COLUMNS or title in VALUES:
+            body = TABLE.sub(lambda _: expected_table(title), body, count=1)
+        return f"{hashes} {title}\n{body}"
+
+    return SECTION.sub(section, PAGE.read_text(encoding="utf-8"))
+
+
+def flat(content: dict[str, Any], before: str = "") -> list[str]:
+    """Keys in order, nested ones with dots; the parameters and the systems as one key each."""
+    keys: list[str] = []
+    for key, value in content.items():
+        name = f"{before}{key}"
+        is_branch = isinstance(value, dict) and name not in ("parameters", *SYSTEMS)
+        keys += flat(value, f"{name}.") if is_branch else [name]
+    return keys
+
+
+@pytest.mark.parametrize("title", [*COLUMNS, *VALUES])
+def test_the_page_has_the_table_of_the_code(title: str):
+    bodies = {found[2]: found[3] for found in SECTION.finditer(PAGE.read_text(encoding="utf-8"))}
+    assert TABLE.findall(bodies[title])[0] == expected_table(title)
+
+
+def test_every_file_of_a_report_has_its_section_in_order(report):
+    page = PAGE.read_text(encoding="utf-8")
+    assert re.findall(r"^## (\w+\.\w+)$", page, re.MULTILINE) == list(report)
+
+
+@pytest.mark.parametrize("file", REPORT_COLUMNS)
+def test_a_file_has_exactly_the_documented_columns(report, file: str):
+    assert list(table_of(report, file)) == [column.name for column in REPORT_COLUMNS[file]]
+
+
+@pytest.mark.parametrize("file", REPORT_COLUMNS)
+def test_only_columns_documented_so_have_empty_cells(report, file: str):
+    table = table_of(report, file)
+    assert len(table)
+    may_be_empty = {column.name for column in REPORT_COLUMNS[file] if column.empty}
+    assert {name for name in table if (table[name] == "").any()} <= may_be_empty
+
+
+@pytest.mark.parametrize("file", REPORT_COLUMNS)
+def test_the_cells_are_of_the_documented_type(report, file: str):
+    patterns = {
+        Kind.TEXT: r".+",
+        Kind.INTEGER: r"-?\d+",
+        Kind.NUMBER: r"-?\d+(\.\d+)?(e[-+]?\d+)?",
+        Kind.TRUTH_VALUE: r"[01]",
+    }
+    table = table_of(report, file)
+    for column in REPORT_COLUMNS[file]:
+        cells = table[column.name]
+        assert cells[cells != ""].str.fullmatch(patterns[column.kind]).all(), column.name
+
+
+def test_the_summary_has_exactly_the_documented_keys(report):
+    assert flat(json.loads(report["summary.json"])) == [key.name for key in SUMMARY_KEYS]
+
+
+@pytest.mark.parametrize("place", SYSTEMS)
+def test_each_system_of_the_summary_has_exactly_the_documented_keys(report, place: str):
+    system = json.loads(report["summary.json"])
+    for key in place.split("."):
+        system = system[key]
+    assert flat(system) == [key.name for key in SYSTEM_KEYS]
+
+
+def test_only_keys_documented_so_are_null(report):
+    content = json.loads(report["summary.json"])
+    system = pd.json_normalize(content["fusion"]["x_and_y"]).iloc[0]
+    null = {name for name, value in system.items() if value is None}
+    assert null <= {key.name for key in SYSTEM_KEYS if key.empty}
+    assert {"threshold", "mean_episode_s"} <= null
+
+
+def test_the_summary_tells_which_systems_x_and_y_are(report):
+    content = json.loads(report["summary.json"])
+    assert (content["x"]["name"], content["y"]["name"]) == ("fir", "nir")
+    assert [one["name"] for one in tomllib.loads(report["session.toml"].decode())["system"]] == [
+        "fir", "nir",
+    ]  # fmt: skip
+
+
+def test_a_distant_encounter_has_no_miss_class_and_a_found_one_has_none(report):
+    table = table_of(report, "encounters.csv").set_index(["recording", "track"])
+    assert table.loc[("rural", "9"), ["category", "miss_class_x"]].tolist() == ["distant", ""]
+    assert table.loc[("rural", "1"), ["category", "miss_class_x"]].tolist() == ["x_only", "none"]
+
+
+def test_pandas_keeps_the_miss_class_none_apart_from_an_empty_cell(report):
+    table = pd.read_csv(io.BytesIO(report["encounters.csv"])).set_index(["recording", "track"])
+    assert table["miss_class_x"].isna().tolist() == [False, False, True]
+
+
+def test_the_shown_columns_of_systems_are_all_of_x_before_all_of_y():
+    for columns in REPORT_COLUMNS.values():
+        letters = [one.name[-1] for one in columns if one.name.endswith(("_x", "_y"))]
+        assert letters == sorted(letters)
+
+
+@pytest.mark.parametrize("column", [one for columns in COLUMNS.values() for one in columns])
+def test_a_column_is_described_by_a_sentence(column: Column):
+    assert column.meaning.endswith(".")
+    assert column.better in ("", "high", "low")
+    assert "|" not in column.meaning + column.empty
+
+
+if __name__ == "__main__":
+    PAGE.write_text(written_anew(), encoding="utf-8")

@@ -1,0 +1,198 @@
+"""The worst moments, why they are as bad, and the way from miss to miss."""
+
+from __future__ import annotations
+
+import pandas as pd
+import pytest
+from builders import Box, Place, at, make_dataset, result_of
+
+from nvcore.comparison import Result
+from nvcore.tables.moments import MOMENT_COLUMNS, next_misses, worst_moments
+
+
+def of_kind(result: Result, kind: str, *, n: int = 5) -> pd.DataFrame:
+    table = worst_moments(result, n=n)
+    return table[table["kind"] == kind]
+
+
+def middle(frames: range | list[int], **more: object) -> list[Box]:
+    return [at(f, 50, **more) for f in frames]
+
+
+@pytest.fixture(scope="module")
+def y_blind() -> Result:
+    """Ten frames at 10 fps, track 7 in the middle: X sees it always, Y not in frames 2..5."""
+    y = middle([0, 1, 6, 7, 8, 9])
+    return result_of(make_dataset(middle(range(10), track=7), middle(range(10)), y))
+
+
+def test_a_low_interval_tells_where_and_how_bad_it_is(y_blind: Result):
+    (row,) = of_kind(y_blind, "y").to_dict("records")
+    # similarity 0.1 in 4 frames of 0.1 s, low below 0.9
+    assert row["severity_s"] == pytest.approx(0.32)
+    assert row["duration_s"] == pytest.approx(0.4)
+    assert [row[name] for name in ("recording", "first_frame", "last_frame", "row", "frame")] == [
+        "r0", 2, 5, 2, 2,
+    ]  # fmt: skip
+    assert (row["time_s"], row["similarity_x"], row["track"]) == (0.2, 1, 7)
+    assert row["similarity_y"] == pytest.approx(0.1)
+
+
+def test_a_difference_is_summed_over_time(y_blind: Result):
+    (row,) = of_kind(y_blind, "x_better").to_dict("records")
+    assert row["severity_s"] == pytest.approx(0.9 * 0.4)
+    assert (row["first_frame"], row["last_frame"]) == (2, 5)
+
+
+def test_a_system_that_is_never_worse_has_no_moments(y_blind: Result):
+    assert worst_moments(y_blind)["kind"].tolist() == ["y", "x_better"]
+
+
+def test_the_reason_names_the_pedestrian_and_who_finds_it(y_blind: Result):
+    table = worst_moments(y_blind)
+    assert set(table["reason"]) == {
+        "Y misses pedestrian 7 (up to 50 px tall) for 0.40 s; X finds it."
+    }
+
+
+def test_the_reason_says_when_both_miss_the_pedestrian():
+    result = result_of(make_dataset(middle(range(20), track=3)))
+    assert of_kind(result, "x")["reason"].tolist() == [
+        "X misses pedestrian 3 (up to 50 px tall) for 2.0 s; Y misses it, too."
+    ]
+
+
+def test_of_two_that_miss_somebody_the_better_one_is_nearer_to_them():
+    truth = middle(range(10), track=3)
+    x, y = ([at(f, c) for f in range(10)] for c in (60, 95))  # 10 px and 45 px off
+    (better,) = of_kind(result_of(make_dataset(truth, x, y)), "x_better").to_dict("records")
+    assert better["reason"].endswith(
+        "X misses it, too, but its nearest detection is closer "
+        "(up to 10 px away; the other: 45 px)."
+    )
+    (low, *_) = of_kind(result_of(make_dataset(truth, x, y)), "y").to_dict("records")
+    assert low["reason"].endswith("X misses it, too.")
+
+
+def test_a_miss_of_a_part_of_the_interval_is_told_with_the_whole():
+    truth = [*middle(range(3), track=1), *[at(f, 20, track=2) for f in range(3, 6)]]
+    result = result_of(make_dataset(truth))
+    (row,) = of_kind(result, "x").to_dict("records")
+    assert (row["first_frame"], row["last_frame"]) == (0, 5)
+    assert "pedestrian 1 (up to 50 px tall) for 0.30 s of 0.60 s" in row["reason"]
+
+
+def test_a_miss_is_told_for_the_interval_not_for_the_time_before():
+    # missed from the first frame on, with the weight of a far one before frame 4
+    truth = [at(f, 50, track=1, h=50 if f >= 4 else 1) for f in range(8)]
+    result = result_of(make_dataset(truth), proximity="height")
+    (row,) = of_kind(result, "x").to_dict("records")
+    assert row["first_frame"] == 4
+    assert "for 0.40 s;" in row["reason"]
+
+
+def test_the_reason_is_the_one_of_most_of_the_interval_not_of_its_worst_frame():
+    # track 2 in the middle for 1 frame, track 1 a little aside for 5
+    truth = [at(0, 50, track=2), *[at(f, 40, track=1) for f in range(1, 6)]]
+    (row,) = of_kind(result_of(make_dataset(truth)), "x").to_dict("records")
+    assert (row["row"], row["track"]) == (0, 1)
+
+
+def test_the_reason_says_for_how_long_the_other_finds_whom_one_misses():
+    truth = middle(range(4), track=1)
+    result = result_of(make_dataset(truth, y=middle([1])))
+    assert of_kind(result, "x")["reason"].tolist() == [
+        "X misses pedestrian 1 (up to 50 px tall) for 0.40 s; Y finds it for 0.10 s of that time."
+    ]
+
+
+def test_a_track_that_stands_twice_in_a_frame_is_found_with_one_of_its_boxes():
+    truth = [at(0, 50, track=1), at(0, 20, track=1), at(1, 50, track=1)]
+    (row,) = of_kind(result_of(make_dataset(truth, [at(0, 20)])), "x").to_dict("records")
+    assert "for 0.10 s of 0.20 s" in row["reason"]
+
+
+def test_a_moment_of_false_alarms_says_for_how_long():
+    x = [at(f, 50) for f in (1, 2, 3)]
+    result = result_of(make_dataset(x=x, n_frames=6), low=0.95)
+    (row,) = of_kind(result, "x").to_dict("records")
+    assert row["reason"] == "X has false alarms for 0.30 s."
+    assert pd.isna(row["track"])
+
+
+def test_false_alarms_of_one_frame_are_counted():
+    result = result_of(make_dataset(x=[at(0, 50), at(0, 40), at(1, 40)]), alpha=0.5)
+    assert of_kind(result, "x")["reason"].tolist() == [
+        "X has false alarms for 0.20 s (up to 2 at once)."
+    ]
+
+
+def test_boxes_that_match_and_stand_apart_are_no_misses():
+    truth, x = [at(0, 50, w=40, track=1)], [at(0, 60, w=40)]  # IoU 0.6, 10 px apart
+    assert of_kind(result_of(make_dataset(truth, x)), "x")["reason"].tolist() == [
+        "X's nearest detection is up to 10 px from pedestrian 1 (up to 50 px tall)."
+    ]
+    assert of_kind(result_of(make_dataset(truth, x), alpha=0.1), "x")["reason"].tolist() == [
+        "X has detections up to 10 px from the nearest pedestrian."
+    ]
+
+
+def test_the_reason_of_a_difference_is_what_makes_the_difference():
+    # both miss track 1; Y's false alarm makes the difference
+    result = result_of(make_dataset([at(0, 20, track=1)], y=[at(0, 70)]), alpha=0.6)
+    assert of_kind(result, "y")["reason"].iloc[0].startswith("Y misses pedestrian 1")
+    assert of_kind(result, "x_better")["reason"].iloc[0].startswith("Y has false alarms")
+
+
+def test_differences_of_less_than_a_hundredth_are_noise():
+    result = result_of(make_dataset(middle([0], w=40, track=1), [at(0, 50, w=40)],
+                                  [at(0, 50.4, w=40)]))  # fmt: skip
+    assert result.y.similarity[0] == pytest.approx(0.992)
+    assert worst_moments(result).empty
+
+
+def test_both_signs_of_the_difference_are_told():
+    truth = middle(range(4), track=1)
+    result = result_of(make_dataset(truth, middle([0, 1, 3]), middle([2, 3])))
+    assert of_kind(result, "x_better")[["first_frame", "last_frame"]].to_numpy().tolist() == [
+        [0, 1]
+    ]
+    assert of_kind(result, "y_better")["frame"].tolist() == [2]
+
+
+def test_the_n_worst_come_first_and_recordings_are_kept_apart():
+    # r0 ends and r1 starts with a miss: 2 and 3 frames; another one of 1 frame
+    truth = [*middle(range(5), track=1), *middle(range(5), track=1, recording=1)]
+    x = [*middle([0, 2]), *middle([3, 4], recording=1)]
+    places = [Place(range(5)), Place(range(5))]
+    result = result_of(make_dataset(truth, x, places=places))
+    table = of_kind(result, "x", n=2)
+    assert table["recording"].tolist() == ["r1", "r0"]
+    assert table["recording_index"].tolist() == [1, 0]
+    assert table["row"].tolist() == [5, 3]
+    assert table["severity_s"].tolist() == pytest.approx([0.24, 0.16])
+
+
+def test_without_any_low_frame_the_table_has_its_columns_and_no_rows():
+    table = worst_moments(result_of(make_dataset(n_frames=3)))
+    assert list(table) == list(MOMENT_COLUMNS)
+    assert len(table) == 0
+    assert str(table["track"].dtype) == "Int64"
+
+
+def test_no_frames_no_moments():
+    assert worst_moments(result_of(make_dataset(frames=[]))).empty
+
+
+def test_the_way_from_miss_to_miss_visits_those_of_both_systems(y_blind: Result):
+    assert next_misses(y_blind, 0).tolist() == [2]
+    truth = middle(range(6), track=1)
+    result = result_of(make_dataset(truth, middle([0, 1, 3, 5]), middle([0, 3, 5])))
+    assert next_misses(result, 0).tolist() == [1, 2, 4]
+
+
+def test_misses_are_rows_within_their_recording():
+    truth = [at(2, 50, track=1, recording=1)]
+    result = result_of(make_dataset(truth, places=[Place(range(7)), Place(range(4))]))
+    assert next_misses(result, 0).tolist() == []
+    assert next_misses(result, 1).tolist() == [2]

@@ -1,0 +1,65 @@
+"""What is remembered of chosen files, and for how long."""
+
+from __future__ import annotations
+
+import gc
+import weakref
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from inputs import write
+
+from nvcore.inputs.load import read_source
+from nvcore.inputs.readers.base import Reading
+from nvcore.inputs.session import Source
+from ui.data import file_check
+from ui.data.file_check import Look, look_at
+
+TRUTH = ("frame,x,y,w,h", "1,2,3,40,90", "2,2,3,40,90")
+
+
+@pytest.fixture
+def look(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], Look]:
+    """Looks at one file of ground truth under a key, with nothing remembered before."""
+    monkeypatch.setattr(file_check.st, "session_state", {})
+    write(tmp_path / "t.csv", *TRUTH)
+    return lambda key: look_at(key, lambda: Source(("t.csv",)), role="truth", folder=tmp_path)
+
+
+def test_the_boxes_of_a_look_are_let_go_of(
+    look: Callable[[str], Look], monkeypatch: pytest.MonkeyPatch
+):
+    tables: list[weakref.ref[np.ndarray]] = []
+
+    def read(*args: object, **options: object) -> Reading:
+        found = read_source(*args, **options)  # type: ignore[arg-type]
+        x = np.full(1_000, 2.0)
+        tables.append(weakref.ref(x))
+        boxes = pd.DataFrame(
+            {"frame": np.ones(len(x), np.int64), "ignore": False, "x": x}, copy=False
+        )
+        annotated = pd.DataFrame({"recording": "t", "frame": boxes["frame"]})
+        return Reading(boxes, found.recordings, "", annotated=annotated)
+
+    monkeypatch.setattr(file_check, "read_source", read)
+    found = look("mine")
+    gc.collect()
+    assert found.told.startswith("plain CSV: 1,000 boxes")
+    assert len(tables) == 1
+    assert tables[0]() is None
+    assert found.reading is not None
+    assert found.reading.annotated is None
+
+
+def test_the_look_that_was_not_used_for_longest_goes_first(
+    look: Callable[[str], Look], monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr(file_check, "MOST_KEPT", 2)
+    truth, first = look("truth"), look("first")
+    assert look("truth") is truth
+    look("second")
+    assert look("truth") is truth
+    assert look("first") is not first

@@ -1,0 +1,266 @@
+"""The Encounters page, driven without a browser."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+from places import ROOT
+from streamlit.testing.v1 import AppTest
+
+from nvcore.inputs.session import Session
+from pages import checked, session, texts
+from ui.encounters import figures, table
+from ui.encounters.filters import Filters
+from ui.encounters.picture import cut_out
+from ui.session import state
+from ui.widgets import table_columns
+
+PAGE = f"""
+import runpy
+from ui.session import state
+state.begin_run()
+runpy.run_path({str(ROOT / "pages" / "encounters.py")!r})
+"""
+
+
+def opened(*, handed: str | None = None, **link: str) -> AppTest:
+    page = AppTest.from_string(PAGE, default_timeout=60)
+    for name, value in link.items():
+        page.query_params[name] = value
+    if handed is not None:
+        page.session_state["category"] = handed
+    return checked(page.run())
+
+
+def listed(page: AppTest) -> pd.DataFrame:
+    return page.dataframe[0].value
+
+
+def widget(page: AppTest, kind: str, label: str):
+    (found,) = [one for one in getattr(page, kind) if one.label == label]
+    return found
+
+
+def choose(page: AppTest, row: int) -> AppTest:
+    dataset = page.session_state["workspace"].dataset
+    page.session_state[table.CHOSEN] = (dataset.fingerprint, row)
+    return checked(page.run())
+
+
+def test_all_encounters_of_the_sample_are_listed():
+    page = opened()
+    assert "**46** of 46 encounters" in texts(page)
+    assert len(listed(page)) == 46
+    assert page.button(key="encounters_clear").disabled
+
+
+def test_every_figure_of_the_encounters_is_in_the_table():
+    rows = listed(opened())
+    assert {"lag_s_y", "gap_s_x", "tail_s_x", "peak_k", "aspect_z", "occluded_share"} <= {*rows}
+
+
+@pytest.mark.parametrize("way", [{"handed": "x_only"}, {"category": "x_only"}])
+def test_a_click_in_the_venn_diagram_or_a_link_presets_the_category(way: dict[str, str]):
+    page = opened(**way)
+    assert set(listed(page)["category"]) == {"only X"}
+    assert "**8** of 46" in texts(page)
+    assert page.query_params["category"] == "x_only"
+
+
+def test_a_preset_category_can_be_changed():
+    page = opened(category="x_only")
+    page.button_group[0].set_value(["y_only"])
+    assert set(listed(checked(page.run()))["category"]) == {"only Y"}
+    assert page.query_params["category"] == "y_only"
+
+
+def test_an_unknown_category_in_a_link_is_told():
+    page = opened(category="x_only,<b>")
+    assert "unknown categories (<b>)" in texts(page)
+    assert set(listed(page)["category"]) == {"only X"}
+
+
+def test_encounters_can_be_chosen_by_miss_class_and_recording():
+    page = opened()
+    widget(page, "multiselect", "Miss class of Y").set_value(["late"])
+    widget(page, "multiselect", "Recording").set_value(["urban_crossing"])
+    rows = listed(checked(page.run()))
+    assert set(rows["miss_class_y"]) == {"late"}
+    assert set(rows["recording"]) == {"urban_crossing"}
+
+
+def test_filters_are_cleared_at_once():
+    page = opened(category="neither")
+    widget(page, "slider", "Largest height (px)").set_value((100.0, 338.0))
+    assert len(listed(checked(page.run()))) < 46
+    checked(page.button(key="encounters_clear").click().run())
+    assert len(listed(page)) == 46
+    assert "category" not in page.query_params
+
+
+def test_filters_that_leave_nothing_say_what_to_do():
+    page = opened(category="distant")
+    widget(page, "multiselect", "Miss class of X").set_value(["late"])
+    assert "No encounter passes the filters" in texts(checked(page.run()))
+
+
+def test_a_chosen_encounter_is_told_and_opens_at_its_first_missed_frame(
+    monkeypatch: pytest.MonkeyPatch,
+):
+    shown: list[int] = []
+    monkeypatch.setattr(table, "open_row", shown.append)
+    page = choose(opened(), 2)
+    assert "Pedestrian 3 in urban_crossing" in texts(page)
+    assert "Only X detected the pedestrian" in texts(page)
+    assert "Frame 40 at 2.00 s, where Y first misses the pedestrian" in texts(page)
+    assert page.table[0].value.loc["Matched"].tolist() == [
+        "51 of 51 frames (100%)", "8 of 51 frames (16%)",
+    ]  # fmt: skip
+    checked(page.button(key="encounters_show").click().run())
+    assert shown == [40]
+
+
+def test_no_table_has_an_empty_heading():
+    page = choose(opened(), 2)
+    assert page.table[0].value.index.name == "Figure"
+    pairs = [one.value for one in page.dataframe if "Y never" in one.value]
+    assert [one.index.name for one in pairs] == ["Miss class"]
+
+
+def test_each_system_s_first_miss_can_be_opened(monkeypatch: pytest.MonkeyPatch):
+    shown: list[int] = []
+    monkeypatch.setattr(table, "open_row", shown.append)
+    page = choose(opened(), 0)
+    checked(page.button(key="encounters_show_x").click().run())
+    assert shown == [75]
+
+
+def test_a_distant_encounter_has_dashes():
+    page = choose(opened(), 4)
+    assert "never came near enough" in texts(page)
+    assert page.table[0].value["X"].tolist() == ["–"] * 5
+
+
+def test_an_encounter_chosen_in_other_data_is_forgotten():
+    page = opened()
+    page.session_state[table.CHOSEN] = ("other data", 0)
+    assert "Click a row of the table" in texts(checked(page.run()))
+
+
+def test_a_pair_of_miss_classes_is_listed_by_a_click(monkeypatch: pytest.MonkeyPatch):
+    page = opened()
+    chosen: list[tuple[str | None, str | None]] = []
+    monkeypatch.setattr(figures, "set_classes", lambda x, y: chosen.append((x, y)))
+    result = page.session_state["workspace"].result
+    monkeypatch.setattr(state, "result", lambda: result)
+    for cell in ((5, "Y lost early"), (6, "Y late"), (0, "Y all")):
+        monkeypatch.setattr(figures, "clicked_cell", lambda _, cell=cell: cell)
+        figures._choose_pair()
+    assert chosen == [("none", "lost_early"), (None, "late"), ("never", None)]
+
+
+def test_exclusivity_and_fusion_are_put_into_words():
+    text = texts(opened())
+    assert "X does not detect 8 and Y does not detect 11" in text
+    assert "“X or Y” detects 35 of 38 encounters, 5 more than X alone" in text
+
+
+def test_a_fusion_of_many_boxes_waits_to_be_asked_for(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(figures, "MANY_BOXES", 1000)
+    page = opened()
+    assert "X or Y” detects" not in texts(page)
+    checked(page.toggle(key="encounters_fuse").set_value(True).run())
+    assert "X or Y” detects" in texts(page)
+
+
+def with_session(session: Session, monkeypatch: pytest.MonkeyPatch) -> AppTest:
+    monkeypatch.setattr(state, "read_session", lambda _: session)
+    return opened()
+
+
+def test_one_system_alone_is_sent_to_the_data_page(tmp_path, monkeypatch):
+    page = with_session(session(tmp_path, "fir.csv"), monkeypatch)
+    assert "Only one system is open" in texts(page)
+
+
+def test_without_pedestrians_there_is_nobody_to_miss(tmp_path, monkeypatch):
+    empty = session(tmp_path, "fir.csv", "nir.csv")
+    ignored = "recording,frame,x,y,w,h,track,ignore\nurban,0,100,200,40,100,1,1\n"
+    (tmp_path / "truth.csv").write_text(ignored, encoding="utf-8")
+    assert "nobody to miss" in texts(with_session(empty, monkeypatch))
+
+
+def test_without_pictures_the_boxes_are_drawn_all_the_same(tmp_path, monkeypatch):
+    page = with_session(session(tmp_path, "fir.csv", "nir.csv"), monkeypatch)
+    assert "**2** of 2" in texts(page)
+    assert "Pedestrian 1 in urban" in texts(choose(page, 0))
+
+
+def test_of_very_many_encounters_the_first_are_listed(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(table, "MOST_ROWS", 20)
+    monkeypatch.setattr(table_columns, "MOST_ROWS", 20)
+    page = opened()
+    assert len(listed(page)) == 20
+    assert "The first 20 of 46 are listed" in texts(page)
+
+
+SIX = pd.DataFrame(
+    {
+        "category": ["both", "both", "x_only", "y_only", "neither", "distant"],
+        "miss_class_x": ["none", "late", "none", "late", "never", None],
+        "miss_class_y": ["none", "none", "never", "none", "never", None],
+        "recording": ["a", "a", "a", "b", "b", "b"],
+        "lateral_position": [-0.5, 0, 0.5, 0, 0, 0],
+        "peak_height": [50.0, 60, 70, 80, 90, 10],
+        "aspect_z": [0, 1, 2, -3, 0, np.nan],
+    }
+)
+
+
+def test_missed_pedestrians_come_first_and_distant_ones_last_each_the_nearest_on_top():
+    late = SIX.assign(peak_height=[95.0, 60, 70, 80, 90, 200])
+    assert table.by_weight(late).index.tolist() == [4, 3, 2, 1, 0, 5]
+
+
+def test_the_table_opens_on_the_nearest_missed_pedestrians_and_says_so():
+    page = opened()
+    assert listed(page)["category"].head(3).isin(["only X", "only Y", "neither"]).all()
+    assert set(listed(page)["category"].tail(6)) == {"distant"}
+    assert "the tallest, so the nearest, are on top" in texts(page)
+
+
+def test_a_few_columns_are_shown_until_all_are_asked_for():
+    page = opened()
+    assert list(page.dataframe[0].proto.column_order) == list(table.FIRST_COLUMNS)
+    checked(page.toggle(key="encounters_columns").set_value(True).run())
+    assert list(page.dataframe[0].proto.column_order) == []
+
+
+@pytest.mark.parametrize(
+    ("filters", "rows"),
+    [
+        (Filters(), [0, 1, 2, 3, 4, 5]),
+        (Filters(categories=["both", "neither"]), [0, 1, 4]),
+        (Filters(classes_x=["late"]), [1, 3]),
+        (Filters(classes_x=["late"], classes_y=["none"], recordings=["b"]), [3]),
+        (Filters(position=(0, 1)), [1, 2, 3, 4, 5]),
+        (Filters(height_px=(60, 80)), [1, 2, 3]),
+        (Filters(pose_z=(-3, 0)), [0, 3, 4]),
+    ],
+)
+def test_filters_are_joined_and_keep_the_index(filters: Filters, rows: list[int]):
+    assert filters.keep(SIX).index.tolist() == rows
+
+
+def test_a_cut_out_lies_around_the_pedestrian_and_within_the_picture():
+    picture = np.arange(100 * 200).reshape(100, 200)
+    middle = cut_out(picture, np.array([95, 40, 10, 20]))
+    assert middle.shape == (44, 70)
+    assert middle[22, 35] == picture[50, 100]
+    corner = cut_out(picture, np.array([190, 90, 10, 20]))
+    assert (corner[-1, -1], corner.shape) == (picture[-1, -1], (44, 70))
+
+
+def test_a_tall_pedestrian_takes_the_whole_picture():
+    assert cut_out(np.zeros((100, 120)), np.array([10, 0, 40, 100])).shape == (100, 120)

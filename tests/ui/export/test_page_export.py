@@ -1,0 +1,304 @@
+"""The Export page, driven without a browser."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from pathlib import Path
+
+import av
+import numpy as np
+import pytest
+from export_page import ROOT, checked, downloads, job_of, opened, opened_drive, opened_folder
+from inputs import drive
+from streamlit.testing.v1 import AppTest
+
+from nvcore.comparison import Result
+from nvcore.errors import MediaError
+from nvcore.overlay.annotate import annotate
+from nvcore.overlay.draw import Canvas
+from ui.export.frame import file_stem, nearest_row
+from ui.export.link import link
+from ui.export.video import JOB, LONGEST_S, Interval, chosen_interval, start_job, why_not
+from ui.jobs.background import FileJob, JobState, Progress, new_path, while_open
+
+PATIENCE_S = 20.0
+
+
+def texts(page: AppTest) -> str:
+    kinds = (page.markdown, page.caption, page.error, page.warning, page.info, page.header)
+    return "\n".join(one.value for kind in kinds for one in kind).replace("\\", "")
+
+
+def the_link(page: AppTest) -> str:
+    return page.code[0].value
+
+
+def test_every_file_of_the_report_can_be_downloaded():
+    assert downloads(opened()) == [
+        "All files (ZIP)", "frames.csv", "encounters.csv", "events.csv", "intervals.csv",
+        "recordings.csv", "significance.csv", "subgroups.csv", "findings.csv", "summary.json",
+        "session.toml", "Picture (PNG)",
+    ]  # fmt: skip
+
+
+def test_files_say_how_many_rows_they_have():
+    assert "3,000 evaluated frames" in texts(opened())
+
+
+def test_columns_of_x_and_y_share_a_row():
+    page = opened()
+    assert "`similarity_x`, `similarity_y` | 0 to 1" in texts(page)
+    checked(page.button_group(key="export_columns").set_value("encounters.csv").run())
+    assert "`miss_class_x`, `miss_class_y`" in texts(page)
+
+
+def test_the_page_names_the_inputs_without_their_folders():
+    assert "beside its inputs: truth.csv, fir.csv, nir.csv." in texts(opened())
+
+
+def test_with_one_system_the_page_says_what_to_do(tmp_path: Path):
+    page = opened_drive(tmp_path, ("fir", "fir.csv"))
+    assert "A comparison needs two" in texts(page)
+    assert downloads(page) == []
+
+
+def test_errors_of_the_audit_are_in_the_findings(tmp_path: Path):
+    drive(tmp_path)
+    with (tmp_path / "truth.csv").open("a") as stream:
+        stream.write("urban,3,300,200,40,100,1\n")
+    page = opened_folder(tmp_path)
+    (line,) = [one.value for one in page.markdown if "findings of the audit" in one.value]
+    assert int(line.split()[0]) >= 1
+    assert str(tmp_path) not in texts(page)
+
+
+def test_without_pictures_boxes_are_drawn_on_a_blank(tmp_path: Path):
+    page = opened_drive(tmp_path)
+    assert "no pictures" in texts(page)
+    assert "Picture (PNG)" in downloads(page)
+
+
+def test_hostile_names_are_shown_as_text(tmp_path: Path):
+    drive(tmp_path)
+    for name in ("truth", "fir", "nir"):
+        path = tmp_path / f"{name}.csv"
+        path.write_text(path.read_text().replace("urban", "<b>[x](http://y)"))
+    page = opened_folder(tmp_path, ("f", "fir.csv"), ("n", "nir.csv"))
+    shown = "\n".join(one.value for one in (*page.caption, *page.markdown))
+    assert "<b>" not in shown.replace("\\<b\\>", "")
+
+
+def test_the_picture_of_a_frame_is_that_of_the_timeline(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    shown = []
+
+    def drawn(result: Result, pictures: object, index: int, row: int, **options: object) -> Canvas:
+        shown.append(index)
+        return annotate(result, pictures, index, row, **options)
+
+    monkeypatch.setattr("ui.export.frame.annotate", drawn)
+    page = opened(recording="rural_child", frame="120")
+    space = page.session_state["workspace"]
+    place, _ = page.session_state["place"]
+    space.picture_rows = {**space.picture_rows, place: space.picture_rows[place] - 7}
+    checked(page.run())
+    assert shown == [120, 113]
+
+
+def test_a_video_has_the_pictures_of_the_timeline(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    page = opened()
+    space = page.session_state["workspace"]
+    given = []
+
+    def written(*_: object, indices: np.ndarray, **__: object) -> bool:
+        given.append(indices)
+        return True
+
+    monkeypatch.setattr("ui.export.video.write_video", written)
+    start_job(
+        space, space.result, 3, Interval(0, 10, 20), tmp_path / "v.mp4", "v.mp4",
+        stretch=(0.0, 100.0), labels=False,
+    ).join()  # fmt: skip
+    assert given[0] is space.picture_rows[3]
+
+
+def test_the_link_keeps_recording_and_frame():
+    page = opened(recording="rural_child", frame="120")
+    assert the_link(page).endswith("/timeline?recording=rural_child&frame=120")
+    assert "for everybody" in texts(page)
+
+
+def test_a_link_to_uploads_says_what_it_cannot_do(tmp_path: Path):
+    page = opened_drive(tmp_path)
+    assert "belong to this browser tab alone" in texts(page)
+    assert str(tmp_path) not in the_link(page)
+
+
+def test_the_link_can_open_the_overview():
+    page = opened(recording="rural_child", frame="120")
+    checked(page.button_group(key="export_place").set_value("").run())
+    assert "/timeline" not in the_link(page)
+
+
+def test_names_in_a_link_are_quoted():
+    assert link("https://h/export", "timeline", {"recording": "a b&c"}) == (
+        "https://h/timeline?recording=a+b%26c"
+    )
+
+
+def test_a_frame_number_is_gone_to():
+    page = opened(recording="rural_child", frame="120")
+    (field,) = [one for one in page.number_input if one.label == "Frame"]
+    checked(field.set_value(130).run())
+    assert page.query_params["frame"] == "130"
+
+
+@pytest.mark.parametrize(("wanted", "found"), [(21, 2), (19, 0), (38, 2), (900, 2), (-5, 0)])
+def test_a_step_to_a_frame_that_is_not_evaluated_goes_to_the_next(wanted: int, found: int):
+    assert nearest_row(np.array([0, 20, 40]), wanted, 1) == found
+
+
+def test_file_names_hold_no_slashes():
+    assert file_stem("../a b/c") == "a_b_c"
+    assert file_stem("///") == "recording"
+
+
+def test_an_interval_has_both_its_ends():
+    times = np.arange(100) / 20
+    assert chosen_interval(times, 1.0, 2.0, 1.0, 20) == Interval(20, 41, pytest.approx(20))
+
+
+def test_sparse_frames_play_as_slowly_as_they_were_taken():
+    assert chosen_interval(np.array([0.0, 2.0, 4.0]), 0, 4, 1.0, 20).fps == 0.5
+
+
+def test_a_slower_speed_makes_a_longer_video():
+    times = np.arange(100) / 20
+    assert chosen_interval(times, 0, 4.95, 0.5, 20).length_s == pytest.approx(10)
+
+
+def test_a_single_frame_is_shown_for_a_frame_period():
+    assert chosen_interval(np.array([0.0]), 0, 0, 1.0, 25) == Interval(0, 1, 25)
+
+
+def test_a_video_may_be_two_minutes_long():
+    assert LONGEST_S == 120
+    assert why_not(Interval(0, 2400, 20)) == ""
+    assert "at most 120 s" in why_not(Interval(0, 2401, 20))
+
+
+def test_an_interval_without_frames_is_told():
+    assert "choose a later end" in why_not(chosen_interval(np.arange(3) / 1, 2, 1, 1.0, 1))
+
+
+def test_an_interval_that_is_too_long_cannot_be_made(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr("ui.export.video.LONGEST_S", 5.0)
+    page = opened()
+    assert "at most 5 s" in texts(page)
+    assert page.button(key="make_video").disabled
+
+
+def test_a_video_is_made_in_the_background_and_offered():
+    page = opened(recording="rural_child", frame="0")
+    for field in page.number_input:
+        if field.label == "To (s)":
+            field.set_value(0.45)
+    checked(page.run())
+    checked(page.button(key="make_video").click().run())
+    job = job_of(page, JOB)
+    job.join()
+    checked(page.run())
+    assert job.state is JobState.DONE
+    assert downloads(page)[-1] == "rural_child-0-9.mp4"
+    with av.open(str(job.path)) as video:
+        assert sum(1 for _ in video.decode(video=0)) == 10
+        assert '"fingerprint"' in video.metadata["comment"]
+        assert str(ROOT) not in str(video.metadata)
+
+
+def put_video(page: AppTest, write: Callable[[Progress], bool]) -> FileJob:
+    """A video in the page's workspace that `write` writes."""
+    space = page.session_state["workspace"]
+    job = FileJob(new_path(space, ".mp4"), "night.mp4", write, while_open(space))
+    space.put_job(JOB, job)
+    return job
+
+
+def buttons(page: AppTest) -> list[str]:
+    return [button.label for button in page.button]
+
+
+def test_opening_something_else_takes_the_video_away(tmp_path: Path):
+    may_go_on = threading.Event()
+
+    def write(progress: Progress) -> bool:
+        assert may_go_on.wait(PATIENCE_S)
+        return progress(1.0)
+
+    page = opened_drive(tmp_path)
+    job = put_video(page, write)
+    assert "Cancel" in buttons(checked(page.run()))
+    del page.session_state["is_open"]
+    checked(page.run())
+    assert job_of(page, JOB) is None
+    assert "Cancel" not in buttons(page)
+    may_go_on.set()
+    job.join()
+    assert job.state is JobState.CANCELLED
+
+
+def test_a_cancelled_video_is_told_of():
+    page = opened()
+    put_video(page, lambda _: False).join()
+    assert [one.value for one in checked(page.run()).info] == ["Cancelled. No video was made."]
+
+
+def test_a_video_that_fails_says_why_without_markup():
+    def fail(_: Progress) -> bool:
+        raise MediaError("no *room*")
+
+    page = opened()
+    put_video(page, fail).join()
+    checked(page.run())
+    assert [one.value for one in page.error] == [r"no \*room\*"]
+
+
+def test_while_it_is_cancelled_the_video_says_so():
+    is_halfway, may_go_on = threading.Event(), threading.Event()
+
+    def write(progress: Progress) -> bool:
+        progress(0.5)
+        is_halfway.set()
+        assert may_go_on.wait(PATIENCE_S)
+        return progress(1.0)
+
+    page = opened()
+    job = put_video(page, write)
+    assert is_halfway.wait(PATIENCE_S)
+    assert progress_of(checked(page.run())) == [r"Making night\.mp4: 50%"]
+    checked(page.button(key="video_cancel").click().run())
+    assert progress_of(page) == ["Cancelling"]
+    assert page.button(key="video_cancel").disabled
+    may_go_on.set()
+    job.join()
+    assert job.state is JobState.CANCELLED
+
+
+def progress_of(page: AppTest) -> list[str]:
+    return [one.proto.text for one in page.get("progress")]
+
+
+def test_a_video_ends_with_its_session(tmp_path: Path):
+    page = opened()
+    space = page.session_state["workspace"]
+    interval = Interval(0, 300, 20)
+    job = start_job(
+        space, space.result, 0, interval, tmp_path / "v.mp4", "v.mp4", stretch=(0.0, 100.0),
+        labels=False,
+    )  # fmt: skip
+    space.close()
+    job.join()
+    assert job.state is JobState.CANCELLED
+    assert not (tmp_path / "v.mp4").exists()

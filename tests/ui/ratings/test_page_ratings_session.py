@@ -1,0 +1,328 @@
+"""Rating sessions on the Ratings page, driven without a browser."""
+
+from __future__ import annotations
+
+import sqlite3
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+from ratings_page import checked, keys, metrics, only, opened, table, warnings, words
+from streamlit.testing.v1 import AppTest
+
+from nvcore.inputs.session_toml import read_session
+from nvcore.studies.ratings.store import RatingStore, Study
+from ui.ratings import links, participant, source
+from ui.session import state
+from ui.widgets import viewer
+
+
+@pytest.fixture(autouse=True)
+def store(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> RatingStore:
+    monkeypatch.setenv("NVCORE_RATINGS", str(tmp_path / "kept" / "ratings.sqlite"))
+    return RatingStore(tmp_path / "kept" / "ratings.sqlite")
+
+
+def begun(page: AppTest, store: RatingStore, *recordings: str, whose: str = "both") -> Study:
+    """Begin a rating session."""
+    checked(page.button_group(key="ratings_part").set_value("Rating session").run())
+    page.multiselect(key="rating_recordings").set_value(list(recordings))
+    page.button_group(key="rating_whose").set_value(whose)
+    checked(page.button(key="rating_start").click().run())
+    study = store.conducted(only(page, "conduct"))
+    assert study is not None
+    return study
+
+
+def test_a_rating_session_has_an_address_for_each_side(store: RatingStore):
+    page = opened()
+    checked(page.slider(key="threshold_x").set_value(0.7).run())
+    study = begun(page, store, "odd_pose", "rural_child", whose="NIR")
+    addresses = [one.value for one in page.code]
+    assert addresses[0].endswith(f"?study={study.token}")
+    assert addresses[1].endswith(f"?conduct={study.conductor}")
+    assert study.clips == (("rural_child", "NIR"), ("odd_pose", "NIR"))
+    assert study.thresholds == {"FIR": 0.7, "NIR": 0.5}
+    assert metrics(page)["ratings so far"] == "0"
+
+
+def test_no_recording_begins_no_session():
+    page = opened()
+    page.button_group(key="ratings_part").set_value("Rating session").run()
+    page.multiselect(key="rating_recordings").set_value([]).run()
+    checked(page.button(key="rating_start").click().run())
+    assert "needs 1 to 500 clips" in words(page)
+
+
+def test_a_participant_sees_clips_only_and_every_rating_is_kept(
+    store: RatingStore, monkeypatch: pytest.MonkeyPatch
+):
+    shown: list[tuple[int, str]] = []
+    is_seen = False
+
+    def seen(**of):
+        shown.append((of["recording"], of["only"]))
+        assert of["names"] == ("", "")
+        return of["n_rows"] - 1 if is_seen else 0
+
+    monkeypatch.setattr(participant, "viewer", seen)
+    study = begun(opened(), store, "odd_pose", "rural_child")
+    page = opened(study=study.token)
+    assert not page.sidebar.slider
+    assert "FIR" not in words(page)
+    page.text_input(key="rating_name").set_value(" Ann ")
+    checked(page.button[0].click().run())
+    assert only(page, "participant") == "Ann"
+    assert not page.button  # before the end of the clip there is nothing to press
+    is_seen = True
+    order = store.order(study, "Ann")
+    for number, clip in enumerate(order):
+        assert f"Clip {number + 1} of 4" in words(page.run())
+        page = checked(opened(study=study.token, participant="Ann"))  # as after a crash
+        recording, system = study.clips[clip]
+        names = [one.name for one in read_session(state.SAMPLE).recordings]
+        assert shown[-1] == (names.index(recording), "x" if system == "FIR" else "y")
+        checked(page.button(key=f"rating_{clip}_{number + 2}").click().run())
+        assert store.rated(study, "Ann")[clip] == number + 2
+    assert page.title[0].value == "Thank you"
+
+
+def test_a_participants_boxes_have_the_thresholds_of_the_session(
+    store: RatingStore, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr(participant, "viewer", lambda **_: 0)
+    page = opened()
+    checked(page.slider(key="threshold_y").set_value(0.83).run())
+    study = begun(page, store, "odd_pose")
+    person = opened(study=study.token, participant="Ann")
+    assert person.session_state["params"].threshold_y == 0.83
+
+
+def test_the_conductor_comes_back_to_progress_and_results(store: RatingStore):
+    study = begun(opened(), store, "odd_pose", "rural_child", "rural_road")
+    for name, shift in (("Ann", 0), ("Bob", 1)):
+        store.order(study, name)
+        for clip in range(6 - shift):
+            store.rate(study, name, clip, 1 + clip)
+    page = opened(conduct=study.conductor)
+    assert metrics(page) == {
+        "participants": "2", "have rated all clips": "1", "ratings so far": "11",
+    }  # fmt: skip
+    assert table(page, "n_rated")["n_rated"].tolist() == [6, 5]
+    checked(page.button_group(key="ratings_part").set_value("Results").run())
+    checked(page.button_group(key="ratings_source_4").set_value(source.SESSION).run())
+    assert metrics(page)["ratings missing"] == "1"
+    assert metrics(page)["clips"] == "6"
+
+
+def test_a_participant_does_not_see_the_ratings(store: RatingStore):
+    study = begun(opened(), store, "odd_pose")
+    page = opened(conduct=study.token)
+    assert "there is no rating session of the name in the address" in words(page)
+    assert not page.code
+
+
+def test_strangers_see_no_session():
+    page = opened(conduct="AAAAAAAAAAAAAAAAAAAAAA")
+    assert "there is no rating session of the name in the address" in words(page)
+    assert not page.code
+    assert "leads to no rating session" in words(opened(study="AAAAAAAAAAAAAAAAAAAAAA"))
+
+
+def test_a_participant_with_another_comparison_open_is_told(store: RatingStore):
+    study = store.begin("of another dataset", [("night", "FIR")])
+    page = opened(study=study.token)
+    assert "about another comparison than the one that is open" in words(page)
+    assert page.sidebar.slider  # so that it can be opened
+    assert "study" not in page.query_params
+
+
+def test_the_rating_session_goes_on_once_its_comparison_is_open(
+    store: RatingStore, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr(participant, "viewer", lambda **_: 0)
+    study = begun(opened(), store, "odd_pose")
+    change = "UPDATE study SET fingerprint = ?"
+    with closing(sqlite3.connect(tmp_path / "kept" / "ratings.sqlite")) as base, base:
+        base.execute(change, ("of another dataset",))
+    page = opened(study=study.token, participant="Ann")
+    with closing(sqlite3.connect(tmp_path / "kept" / "ratings.sqlite")) as base, base:
+        base.execute(change, (study.fingerprint,))
+    checked(page.run())
+    checked(page.button(key="rating_go_on").click().run())
+    assert "Clip 1 of 2" in words(page)
+    assert only(page, "participant") == "Ann"
+
+
+def test_the_conductors_screen_can_be_handed_over_and_taken_back(
+    store: RatingStore, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr(participant, "viewer", lambda **of: of["n_rows"] - 1)
+    page = opened()
+    checked(page.slider(key="alpha").set_value(0.4).run())
+    study = begun(page, store, "odd_pose", whose="FIR")
+    checked(page.button(key="rating_here").click().run())
+    page.text_input(key="rating_name").set_value("Ann")
+    checked(page.button[0].click().run())
+    checked(page.button(key="rating_0_3").click().run())
+    checked(page.button(key="rating_next").click().run())
+    assert "participant" not in page.query_params
+    checked(page.button(key="rating_back").click().run())
+    assert only(page, "conduct") == study.conductor
+    assert metrics(page)["have rated all clips"] == "1"
+    assert page.slider(key="alpha").value == 0.4
+    stranger = opened(study=study.token, participant="Ann")
+    assert keys(stranger) == ["rating_change", "rating_next"]
+
+
+def test_a_session_that_is_closed_opens_again_by_its_link(store: RatingStore):
+    page = opened()
+    study = begun(page, store, "odd_pose")
+    checked(page.button(key="rating_close").click().run())
+    assert not page.code
+    assert "conduct" not in page.query_params
+    assert opened(conduct=study.conductor).code
+
+
+def test_an_unusable_file_of_ratings_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    (tmp_path / "no.sqlite").write_bytes(b"this is no database, whatever its name says" * 40)
+    monkeypatch.setenv("NVCORE_RATINGS", str(tmp_path / "no.sqlite"))
+    page = opened()
+    page.button_group(key="ratings_part").set_value("Rating session").run()
+    checked(page.button(key="rating_start").click().run())
+    assert "the file of the ratings cannot be used" in words(page)
+
+
+def test_a_participant_with_one_system_open_is_told(
+    store: RatingStore, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    rows = "".join(f"night,{frame},300,200,40,120,1\n" for frame in range(9))
+    for name, last in (("truth", "track"), ("one", "score")):
+        (tmp_path / f"{name}.csv").write_text(f"recording,frame,x,y,w,h,{last}\n{rows}")
+    (tmp_path / "session.toml").write_text(
+        '[defaults]\nsize = "640x480"\nfps = 10\nframes = "0:8"\n[truth]\npath = "truth.csv"\n'
+        '[[system]]\nname = "one"\npath = "one.csv"\n'
+    )
+    monkeypatch.setattr(state, "SAMPLE", tmp_path / "session.toml")
+    study = store.begin("of another dataset", [("night", "FIR")])
+    told = words(opened(study=study.token))
+    assert "about another comparison than the one that is open" in told
+    assert "A comparison needs two" in told
+
+
+def rating_here(
+    page: AppTest, store: RatingStore, name: str, monkeypatch: pytest.MonkeyPatch
+) -> Study:
+    """Begin a session of two clips, and let somebody rate on this screen, who sees every end."""
+    monkeypatch.setattr(participant, "viewer", lambda **of: of["n_rows"] - 1)
+    study = begun(page, store, "odd_pose")
+    checked(page.button(key="rating_here").click().run())
+    join(page, name)
+    return study
+
+
+def join(page: AppTest, name: str) -> None:
+    page.text_input(key="rating_name").set_value(name)
+    checked(next(one for one in page.button if one.label == "Begin").click().run())
+
+
+def test_the_last_rating_can_be_changed_which_is_recorded(
+    store: RatingStore, monkeypatch: pytest.MonkeyPatch
+):
+    page = opened()
+    study = rating_here(page, store, "Ann", monkeypatch)
+    assert "rating_change" not in keys(page)  # nothing is rated yet
+    checked(page.button(key="rating_0_5").click().run())
+    checked(page.button(key="rating_change").click().run())
+    assert "You gave it 5" in words(page).replace("**", "")
+    checked(page.button(key="rating_0_2").click().run())
+    assert "Clip 2 of 2" in words(page)
+    checked(page.button(key="rating_1_6").click().run())
+    assert page.title[0].value == "Thank you"
+    checked(page.button(key="rating_change").click().run())
+    checked(page.button(key="rating_keep").click().run())
+    assert page.title[0].value == "Thank you"
+    kept = store.ratings(study)
+    assert kept["rating"].tolist() == [2, 6]
+    assert kept["first_rating"].to_list()[0] == 5
+    assert kept["first_rating"].isna().tolist() == [False, True]
+
+
+def test_how_often_a_clip_was_played_is_kept(store: RatingStore, monkeypatch: pytest.MonkeyPatch):
+    asked = []
+    monkeypatch.setattr(participant, "n_plays_in", lambda key: asked.append(key) or 3)
+    page = opened()
+    study = rating_here(page, store, "Ann", monkeypatch)
+    checked(page.button(key="rating_0_5").click().run())
+    assert asked == ["clip_0_of_Ann"]
+    assert store.ratings(study)["n_plays"].tolist() == [3]
+
+
+@pytest.mark.parametrize(
+    ("told", "n_plays"),
+    [({"settled": {"row": 9, "n_plays": 2}}, 2), ({"settled": {"row": 9}}, None),
+     ({"settled": None}, None), ({"settled": {"n_plays": "many"}}, None), (None, None)],
+)  # fmt: skip
+def test_plays_are_those_that_the_browser_tells(
+    told: object, n_plays: int | None, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr(viewer.st, "session_state", {"clip": told})
+    assert viewer.n_plays_in("clip") == n_plays
+
+
+def test_a_name_in_other_capitals_is_the_same_participant_if_they_say_so(
+    store: RatingStore, monkeypatch: pytest.MonkeyPatch
+):
+    page = opened()
+    study = rating_here(page, store, "Anna", monkeypatch)
+    checked(page.button(key="rating_0_5").click().run())
+    checked(page.button(key="rating_1_5").click().run())
+    checked(page.button(key="rating_next").click().run())
+    join(page, " anna")
+    assert "anna has rated 2 of 2 clips already" in words(page)
+    assert "participant" not in page.query_params
+    checked(page.button(key="rating_known").click().run())
+    assert page.title[0].value == "Thank you"
+    assert store.participants(study)["participant"].tolist() == ["Anna"]
+
+
+def test_thresholds_of_the_clips_are_the_conductors_only_while_somebody_rates(
+    store: RatingStore, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr(participant, "viewer", lambda **_: 0)
+    page = opened()
+    study = begun(page, store, "odd_pose")
+    checked(page.slider(key="threshold_x").set_value(0.7).run())
+    checked(page.button(key="rating_here").click().run())
+    assert page.session_state["params"].threshold_x == study.thresholds["FIR"] == 0.5
+    checked(page.button(key="rating_back").click().run())
+    assert page.session_state["params"].threshold_x == 0.7
+
+
+def test_ratings_of_clips_with_other_thresholds_are_told_and_can_be_mended(store: RatingStore):
+    page = opened()
+    study = begun(page, store, "odd_pose")
+    store.order(study, "Ann")
+    store.rate(study, "Ann", 0, 3)
+    checked(page.slider(key="threshold_x").set_value(0.7).run())
+    checked(page.button_group(key="ratings_part").set_value("Results").run())
+    checked(page.button_group(key="ratings_source_4").set_value(source.SESSION).run())
+    assert "X FIR: clips at 0.5, now 0.7." in warnings(page)
+    checked(page.button(key="ratings_thresholds").click().run())
+    assert page.slider(key="threshold_x").value == 0.5
+    assert "clips at" not in warnings(page)
+    assert "ratings_thresholds" not in keys(page)
+
+
+@pytest.mark.parametrize(
+    ("address", "is_told"),
+    [("http://localhost:8501/ratings", True), ("http://127.0.0.1/ratings", True),
+     ("http://[::1]:8501/ratings", True), ("http://lab-3:8501/ratings", False)],
+)  # fmt: skip
+def test_an_address_of_this_computer_only_is_told(
+    address: str, is_told: bool, store: RatingStore, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr(links, "links", lambda _: (f"{address}?study=a", address))
+    page = opened()
+    begun(page, store, "odd_pose")
+    assert ("--server.address 0.0.0.0" in warnings(page)) is is_told

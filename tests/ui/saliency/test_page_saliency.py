@@ -1,0 +1,99 @@
+"""The Saliency page, driven without a browser."""
+
+from __future__ import annotations
+
+import pandas as pd
+import pytest
+from places import ROOT
+from streamlit.testing.v1 import AppTest
+
+from pages import checked, session, texts
+from ui.saliency import events, figures
+from ui.session import state
+
+PAGE = f"""
+import runpy
+from ui.session import state
+state.begin_run()
+runpy.run_path({str(ROOT / "pages" / "saliency.py")!r})
+"""
+
+
+def opened() -> AppTest:
+    return checked(AppTest.from_string(PAGE, default_timeout=60).run())
+
+
+def listed(page: AppTest) -> pd.DataFrame:
+    return page.dataframe[0].value
+
+
+def test_the_number_of_each_system_is_taken_apart():
+    page = opened()
+    assert [one.value for one in page.metric] == ["3.81 s", "3.39 s"]
+    assert "5.00 s × 0.76 = 3.81 s" in texts(page)
+    assert "The most salient: pedestrian 2 in winter_frost" in texts(page)
+
+
+def test_events_of_both_systems_are_listed_the_most_salient_first():
+    table = listed(opened())
+    assert len(table) == 92 + 107
+    assert set(table["system"]) == {"X", "Y"}
+    assert table["saliency_s"].is_monotonic_decreasing
+
+
+def test_events_of_one_system_alone_can_be_listed():
+    page = opened()
+    page.button_group[0].set_value("Y")
+    assert len(listed(checked(page.run()))) == 107
+
+
+def test_a_click_on_a_recording_leaves_its_events_only():
+    page = opened()
+    page.session_state[figures.WANTED] = 0
+    table = listed(checked(page.run()))
+    assert set(table["recording"]) == {"urban_crossing"}
+    (chosen,) = [one for one in page.selectbox if one.label == "Recording"]
+    assert chosen.value == 0
+
+
+def test_the_first_row_of_every_listed_event_is_known():
+    page = opened()
+    result = page.session_state["workspace"].result
+    shown_events, first_row = events._events(result, 3, "y")
+    frames = result.dataset.frames.iloc[first_row]
+    assert frames["frame"].tolist() == shown_events["first_frame"].tolist()
+    assert set(frames["recording"]) == {3}
+
+
+def test_a_click_on_an_event_opens_its_frame(monkeypatch: pytest.MonkeyPatch):
+    shown: list[int] = []
+    monkeypatch.setattr(events, "open_row", shown.append)
+    page = opened()
+    page.session_state[figures.OPEN] = 123
+    checked(page.run())
+    checked(page.run())
+    assert shown == [123]
+
+
+def test_the_most_salient_event_of_a_system_opens_by_a_button(monkeypatch: pytest.MonkeyPatch):
+    shown: list[int] = []
+    monkeypatch.setattr(figures, "open_row", shown.append)
+    page = opened()
+    checked(page.button(key="saliency_show_x").click().run())
+    result = page.session_state["workspace"].result
+    worst = result.x.events["saliency_s"].idxmax()
+    assert shown == [result.x.events["first_row"][worst]]
+
+
+def test_one_system_alone_is_sent_to_the_data_page(tmp_path, monkeypatch):
+    monkeypatch.setattr(state, "read_session", lambda _: session(tmp_path, "fir.csv"))
+    assert "Only one system is open" in texts(opened())
+
+
+def test_without_a_miss_there_is_no_event(tmp_path, monkeypatch):
+    alike = session(tmp_path, "fir.csv", "fir2.csv")
+    (tmp_path / "fir2.csv").write_bytes((tmp_path / "fir.csv").read_bytes())
+    monkeypatch.setattr(state, "read_session", lambda _: alike)
+    page = opened()
+    assert [one.value for one in page.metric] == ["0.00 s", "0.00 s"]
+    assert "No event here" in texts(page)

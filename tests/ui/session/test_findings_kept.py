@@ -1,0 +1,35 @@
+"""The audit's findings, which the dashboard keeps in parts, are those of the whole audit."""
+
+from dataclasses import replace
+
+from streamlit.testing.v1 import AppTest
+
+from nvcore.audit import audit
+from nvcore.inputs.load import compared_systems, effective_params, load
+from nvcore.inputs.session_toml import read_session
+from ui.session.state import SAMPLE
+
+SCRIPT = """
+import streamlit as st
+from ui.session import state
+from ui.shell import live_params
+state.begin_run()
+live_params.read()
+st.session_state["found"] = state.findings()
+st.session_state["inputs"] = id(state.workspace().keep("audit_inputs", (), lambda: None))
+"""
+
+
+def test_findings_follow_the_threshold_and_those_of_the_files_are_made_once():
+    session = read_session(SAMPLE)
+    dataset = load(session)
+    params, (x, y) = effective_params(session, dataset), compared_systems(session, dataset)
+    app = AppTest.from_string(SCRIPT, default_timeout=60).run()
+    assert app.session_state["found"] == audit(dataset, params, x=x, y=y)
+    inputs = app.session_state["inputs"]
+    app.session_state["threshold_x"] = 2.0  # above every score
+    app.run()
+    assert not app.exception
+    assert app.session_state["found"] == audit(dataset, replace(params, threshold_x=2.0), x=x, y=y)
+    assert "threshold-keeps-nothing" in {one.code for one in app.session_state["found"]}
+    assert app.session_state["inputs"] == inputs

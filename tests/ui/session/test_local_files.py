@@ -1,0 +1,76 @@
+"""Local browsing: off unless asked for, and never outside its root."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from inputs import write
+
+from nvcore.errors import InputError
+from ui.session.local_files import Entry, LocalRoot, local_root
+
+
+@pytest.fixture
+def root(tmp_path: Path) -> LocalRoot:
+    for name in ("root/b.csv", "root/.secret", "root/night/a.csv", "private/p.csv"):
+        write(tmp_path / name, "1")
+    return LocalRoot(tmp_path / "root")
+
+
+def test_it_is_off_unless_asked_for():
+    assert local_root([], {}) is None
+
+
+@pytest.mark.parametrize(
+    "flag", [["--local-root", "{}"], ["--local-root={}"], ["-x", "--local-root", "{}"]]
+)
+def test_a_flag_names_the_root(tmp_path: Path, flag: list[str]):
+    found = local_root([part.format(tmp_path) for part in flag], {"NVCORE_LOCAL_ROOT": "/"})
+    assert found is not None
+    assert found.folder == tmp_path.resolve()
+
+
+def test_the_environment_names_the_root(tmp_path: Path):
+    found = local_root([], {"NVCORE_LOCAL_ROOT": str(tmp_path)})
+    assert found is not None
+    assert found.folder == tmp_path.resolve()
+
+
+def test_a_root_that_is_no_folder_is_told():
+    with pytest.raises(InputError, match="--local-root: there is no such folder"):
+        local_root(["--local-root", "/nowhere/night"], {})
+
+
+def test_a_flag_without_a_folder_opens_nothing():
+    assert local_root(["--local-root"], {}) is None
+
+
+def test_entries_are_named_relative_to_the_root_folders_first(root: LocalRoot):
+    assert root.entries() == [Entry("night", True), Entry("b.csv", False)]
+    assert root.entries("night") == [Entry("night/a.csv", False)]
+
+
+@pytest.mark.parametrize(
+    "path", ["..", "../private", "night/../../private", "/etc", "../private/p.csv", "nothing"]
+)
+def test_what_is_outside_is_as_if_it_were_not_there(root: LocalRoot, path: str):
+    with pytest.raises(InputError, match="there is no such file or folder"):
+        root.find(path)
+
+
+def test_links_that_lead_out_are_not_listed(root: LocalRoot):
+    (root.folder / "out").symlink_to(root.folder.parent / "private")
+    assert "out" not in [entry.path for entry in root.entries()]
+    with pytest.raises(InputError, match="there is no such"):
+        root.find("out/p.csv")
+
+
+def test_a_link_that_stays_inside_is_listed(root: LocalRoot):
+    (root.folder / "again").symlink_to(root.folder / "night")
+    assert Entry("again", True) in root.entries()
+
+
+def test_a_file_is_no_folder_to_look_into(root: LocalRoot):
+    with pytest.raises(InputError, match="cannot be opened"):
+        root.entries("b.csv")

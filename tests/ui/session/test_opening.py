@@ -1,0 +1,283 @@
+"""Sessions made from what people chose: found by name, kept inside, corrected on top."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from builders import at, make_dataset
+from inputs import write
+
+from nvcore.errors import SessionError
+from nvcore.findings import Finding, Severity
+from nvcore.inputs.session import RecordingFacts, Session, Source, SystemSource
+from nvcore.params import Params
+from ui.session.opening import (
+    check_confined,
+    checked_frames,
+    corrected,
+    corrections_up_to,
+    facts_of,
+    guess_pictures,
+    public_text,
+    uploaded_session,
+    with_recordings,
+    with_systems,
+)
+
+
+def session(folder: Path = Path("/data"), **parts: object) -> Session:
+    systems = (SystemSource(("a.csv",), name="x"), SystemSource(("b.csv",), name="y"))
+    return Session(folder, Source(("t.csv",)), systems, **parts)
+
+
+def finding(subject: str = "x", **suggestion: float) -> Finding:
+    return Finding(
+        Severity.WARNING,
+        "offset",
+        subject,
+        1,
+        "moved",
+        "move",
+        suggestion=tuple(suggestion.items()),
+    )
+
+
+@pytest.fixture
+def dataset():
+    return make_dataset(truth=[at(0, 50)], n_frames=2)
+
+
+def test_an_offset_is_added_to_the_one_that_is_there(dataset):
+    x, y = session().systems
+    start = replace(session(), systems=(replace(x, offset_frames=-1), y))
+    changed = corrected(start, dataset, [finding(offset_frames=-2.0)])
+    assert [system.offset_frames for system in changed.systems] == [-3, 0]
+
+
+def test_a_scale_found_later_multiplies_scale_and_offset(dataset):
+    first = corrected(
+        session(), dataset, [finding(scale=2.0), finding(offset_x_px=3, offset_y_px=4)]
+    )
+    both = corrected(first, dataset, [finding(scale_x=1.5, scale_y=1.0)])
+    assert both.systems[0].scale == (3.0, 2.0)
+    assert both.systems[0].offset_px == (4.5, 4.0)
+
+
+def test_a_correction_takes_those_before_it_for_the_same_system_along():
+    scale, other, pixel = finding(scale=2), finding("y", scale=3), finding(offset_x_px=1)
+    later = finding(offset_frames=1)
+    assert corrections_up_to([scale, other, pixel, later], pixel) == [scale, pixel]
+
+
+def test_a_threshold_stays_with_its_system(dataset):
+    params = Params(threshold_x=0.3, threshold_y=0.6)
+    changed, thresholds = with_systems(session(), dataset, params, x="y", y="x")
+    assert thresholds == {"threshold_x": 0.6, "threshold_y": 0.3}
+    assert [system.threshold for system in changed.systems] == [0.3, 0.6]
+
+
+def test_facts_of_one_recording_leave_the_others_alone():
+    start = session(recordings=(RecordingFacts("a", fps=10), RecordingFacts("b", fps=20)))
+    changed = with_recordings(start, ["a", "b"], {"b": {"pictures": "b.mp4"}})
+    assert changed.recordings == (
+        RecordingFacts("a", fps=10), RecordingFacts("b", fps=20, pictures="b.mp4"),
+    )  # fmt: skip
+
+
+def test_the_only_recordings_facts_count_whatever_their_name():
+    start = session(recordings=(RecordingFacts("drive", fps=10),))
+    assert facts_of(start, ["r0"], "r0").fps == 10
+    changed = with_recordings(start, ["r0"], {"r0": {"pictures": "v.mp4"}})
+    assert changed.recordings == (RecordingFacts("r0", fps=10, pictures="v.mp4"),)
+
+
+@pytest.mark.parametrize(
+    ("names", "sources", "expected"),
+    [
+        (["a"], ["vtest.avi"], {"a": "vtest.avi"}),
+        (["a", "b"], ["vtest.avi"], {}),
+        (["night_1", "night_10"], ["night_10.mp4", "night_1.mp4"],
+         {"night_1": "night_1.mp4", "night_10": "night_10.mp4"}),
+        (["set06/V000"], ["set06_V000_visible.zip", "other.zip"],
+         {"set06/V000": "set06_V000_visible.zip"}),
+        (["a", "b"], ["xa.mp4", "ya.mp4"], {}),
+    ],
+)  # fmt: skip
+def test_pictures_find_their_recording_by_name(names, sources, expected):
+    assert guess_pictures(names, sources) == expected
+
+
+@pytest.mark.parametrize("text", ["/etc/passwd", "frames.txt", "1", "a:b"])
+def test_frames_of_a_form_are_a_range_and_no_file(text: str):
+    with pytest.raises(SessionError, match="expected FIRST:LAST"):
+        checked_frames(text)
+
+
+def test_no_frames_are_no_frame_list():
+    assert checked_frames("  ") is None
+    assert checked_frames(" 0:9 ") == "0:9"
+
+
+TOML = """
+[[recording]]
+name = "A"
+frames = "/home/me/frames.txt"
+pictures = "/home/me/video/A.mp4"
+[truth]
+path = "/home/me/mot/A/gt/gt.txt"
+[[system]]
+path = ["runs/B/det.txt", "runs/A/det.txt"]
+[[system]]
+path = "nir*.csv"
+"""
+
+
+def upload(folder: Path) -> list[str]:
+    names = ["frames.txt", "mot/A/gt/gt.txt", "mot/B/gt/gt.txt", "A/det.txt", "B/det.txt",
+             "nir_1.csv", "nir_2.csv"]  # fmt: skip
+    for name in names:
+        write(folder / name, "1")
+    return names
+
+
+def test_a_session_file_finds_its_files_by_the_ends_of_their_paths(tmp_path: Path):
+    found = uploaded_session(TOML.encode(), tmp_path, upload(tmp_path), tmp_path / "pictures")
+    assert found.folder == tmp_path
+    assert found.truth.path == ("mot/A/gt/gt.txt",)
+    assert [system.path for system in found.systems] == [
+        ("B/det.txt", "A/det.txt"), ("nir_1.csv", "nir_2.csv"),
+    ]  # fmt: skip
+    assert found.recordings == (RecordingFacts("A", frames="frames.txt"),)
+
+
+def test_uploaded_pictures_are_found_by_their_name(tmp_path: Path):
+    folder, pictures = tmp_path / "upload-1", tmp_path / "pictures"
+    write(pictures / "A.mp4", "video")
+    folder.mkdir()
+    found = uploaded_session(TOML.encode(), folder, upload(folder), pictures)
+    assert found.recordings[0].pictures == "../pictures/A.mp4"
+
+
+def test_files_in_an_archive_are_found_in_its_folder(tmp_path: Path):
+    upload(tmp_path)
+    rest = ["frames.txt", "A", "B", "nir_1.csv"]
+    found = uploaded_session(TOML.encode(), tmp_path, ["mot", *rest], tmp_path / "p")
+    assert found.truth.path == ("mot/A/gt/gt.txt",)
+
+
+@pytest.mark.parametrize(
+    "path", ["/etc/passwd", "../../../etc/passwd", "/etc/*.conf", "..", "/", "c:\\windows\\win.ini"]
+)
+def test_a_session_file_never_reaches_files_that_were_not_sent(tmp_path: Path, path: str):
+    text = TOML.replace("/home/me/mot/A/gt/gt.txt", path.replace("\\", "\\\\"))
+    with pytest.raises(SessionError, match="which was not sent"):
+        uploaded_session(text.encode(), tmp_path, upload(tmp_path), tmp_path / "pictures")
+
+
+def test_a_name_that_several_files_have_is_not_guessed(tmp_path: Path):
+    text = TOML.replace("mot/A/gt/gt.txt", "gt.txt")
+    with pytest.raises(SessionError, match="2 of the files sent have that name"):
+        uploaded_session(text.encode(), tmp_path, upload(tmp_path), tmp_path / "pictures")
+
+
+@pytest.fixture
+def root(tmp_path: Path) -> Path:
+    for name in ("root/t.csv", "root/a.csv", "root/b.csv", "root/sub/c.csv", "private/p.csv"):
+        write(tmp_path / name, "1")
+    return tmp_path / "root"
+
+
+def refusal(one: Session, root: Path) -> str:
+    """Why a session may not be read; empty: it may."""
+    try:
+        check_confined(one, root)
+    except SessionError as error:
+        return str(error)
+    return ""
+
+
+def test_a_session_inside_the_folder_is_allowed(root: Path):
+    assert refusal(session(root, frames="0:9"), root) == ""
+    assert refusal(replace(session(root), truth=Source(("*.csv", "sub"))), root) == ""
+
+
+@pytest.mark.parametrize(
+    "path", ["/etc/passwd", "../private/p.csv", "../private/*.csv", "*/../../private/p.csv",
+             "sub/../../private", "..", "/etc/**"],
+)  # fmt: skip
+def test_a_session_that_leaves_the_folder_is_refused(root: Path, path: str):
+    with pytest.raises(SessionError, match="outside the folder"):
+        check_confined(replace(session(root), truth=Source((path,))), root)
+
+
+@pytest.mark.parametrize("facts", [{"frames": "../private/p.csv"}, {"pictures": "../private"}])
+def test_frame_lists_and_pictures_stay_in_the_folder_as_well(root: Path, facts: dict[str, str]):
+    with pytest.raises(SessionError, match="outside the folder"):
+        check_confined(session(root, recordings=(RecordingFacts("r", **facts),)), root)
+
+
+@pytest.mark.parametrize("path", ["link.csv", "sub", "*.csv"])
+def test_links_that_lead_out_are_refused(root: Path, path: str):
+    (root / "link.csv").symlink_to(root.parent / "private" / "p.csv")
+    (root / "sub" / "deep").symlink_to(root.parent / "private")
+    with pytest.raises(SessionError, match="outside the folder"):
+        check_confined(replace(session(root), truth=Source((path,))), root)
+
+
+@pytest.mark.parametrize(
+    ("text", "shown"),
+    [
+        ("/srv/up/s1/upload-2/truth/annotations/data/t.csv, line 3: x", "truth/t.csv, line 3: x"),
+        ("upload-2/truth/t.csv: x", "truth/t.csv: x"),
+        ("annotations/data/t.csv: x", "t.csv: x"),
+        ("/srv/up/s1/upload-2: not TOML", "the folder: not TOML"),
+        ("a ratio of 1/2", "a ratio of 1/2"),
+    ],
+)
+def test_messages_lose_the_folders_of_the_machine(text: str, shown: str):
+    assert public_text(text, [Path("/srv/up/s1/upload-2"), Path("/srv/up/s1")]) == shown
+
+
+@pytest.mark.parametrize(
+    ("text", "shown"),
+    [
+        ("/srv/night_07/t.csv: x", "/srv/night_07/t.csv: x"),
+        ("/srv/night.bak: x", "/srv/night.bak: x"),
+        ("/data/srv/night/t.csv: x", "/data/srv/night/t.csv: x"),
+        ("nothing in /srv/night.", "nothing in the folder."),
+        ("'/srv/night'", "'the folder'"),
+        ("a ratio of 1/2 or srv", "a ratio of 1/2 or srv"),
+    ],
+)
+def test_a_folder_ends_where_its_name_ends(text: str, shown: str):
+    assert public_text(text, [Path("/srv/night")]) == shown
+
+
+@pytest.mark.parametrize("folder", ["/", "."])
+def test_a_folder_that_holds_everything_changes_no_message(folder: str):
+    text = "night/t.csv, line 3: expected 1/2. See ./notes or /etc."
+    assert public_text(text, [Path(folder)]) == text
+
+
+LONG = "a" * 300
+"""Longer than the name of a file may be."""
+
+
+def test_a_long_name_of_pictures_is_none_that_were_sent(tmp_path: Path):
+    text = TOML.replace("A.mp4", LONG)
+    found = uploaded_session(text.encode(), tmp_path, upload(tmp_path), tmp_path / "pictures")
+    assert found.recordings[0].pictures is None
+
+
+@pytest.mark.parametrize("name", [LONG, f"{LONG}[1]", f"../root/{LONG}"])
+def test_a_long_name_inside_the_folder_is_left_to_those_who_open_it(root: Path, name: str):
+    assert refusal(replace(session(root), truth=Source((name,))), root) == ""
+    pictures = session(root, recordings=(RecordingFacts("r", pictures=name),))
+    assert refusal(pictures, root) == ""
+
+
+def test_the_uploaded_session_file_itself_does_not_stay(tmp_path: Path):
+    uploaded_session(TOML.encode(), tmp_path, upload(tmp_path), tmp_path / "pictures")
+    assert not (tmp_path / "session.toml").exists()

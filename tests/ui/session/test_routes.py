@@ -1,0 +1,228 @@
+"""Routes: frames, boxes and uploads for the holder of a living session's token, and no one else."""
+
+from __future__ import annotations
+
+import gc
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from asgi import ask, put
+from builders import at, make_dataset, result_of
+
+from nvcore.errors import MediaError
+from nvcore.tables.box_states import pack_boxes
+from ui.session.routes import ROWS_PER_CHUNK, address, routes_below
+from ui.session.workspace import Compared, Workspace
+
+PNG = b"\x89PNG\r\n\x1a\n" + bytes(100)
+N_ROWS = ROWS_PER_CHUNK + 2
+
+
+class Grey:
+    """Pictures of one grey each: 40 times their index."""
+
+    name, n, width, height, numbers, note = "grey", 3, 16, 8, None, ""
+
+    def read(self, index: int) -> np.ndarray:
+        if index == 2:
+            raise MediaError("picture 2 cannot be decoded", file=self.name)
+        return np.full((8, 16), 40 * index, np.uint8)
+
+    def close(self) -> None:
+        """Nothing to let go of."""
+
+
+@pytest.fixture
+def space(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Workspace:
+    monkeypatch.setenv("NVCORE_UPLOAD_DIR", str(tmp_path))
+    space = Workspace()
+    space.dataset = make_dataset(truth=[at(3, 50)], x=[at(3, 50)], n_frames=N_ROWS)
+    space.compared = Compared(result_of(space.dataset), "v1")
+    space.pictures = {0: Grey()}
+    space.picture_rows = {0: np.array([-1, 0, 1, 2])}
+    return space
+
+
+def frame(space: Workspace, row: object, query: str = "", recording: object = 0):
+    return ask(f"{address(space)}/frame/{recording}/{row}.jpg{query}")
+
+
+def test_a_row_gives_the_picture_that_shows_it(space: Workspace):
+    answer = frame(space, 2)
+    assert (answer.status, answer.headers["content-type"]) == (200, "image/jpeg")
+    picture = cv2.imdecode(np.frombuffer(answer.body, np.uint8), cv2.IMREAD_GRAYSCALE)
+    assert picture.shape == (8, 16)
+    assert abs(float(picture.mean()) - 40) < 3
+
+
+def test_pictures_are_kept_by_the_browser_alone_and_taken_for_nothing_else(space: Workspace):
+    headers = frame(space, 1).headers
+    assert headers["cache-control"] == "private, max-age=3600"
+    assert headers["x-content-type-options"] == "nosniff"
+    assert headers["cross-origin-resource-policy"] == "same-origin"
+
+
+@pytest.mark.parametrize(
+    ("row", "recording"),
+    [(0, 0), (4, 0), (10**30, 0), ("9" * 5000, 0), ("-1", 0), ("x", 0), (1, 1), (1, "9" * 40)],
+)
+def test_a_row_without_a_picture_is_not_found(space: Workspace, row: object, recording: object):
+    answer = frame(space, row, recording=recording)
+    assert answer.status == 404
+    assert answer.headers["content-type"].startswith("text/plain")
+
+
+def test_a_picture_that_cannot_be_decoded_is_told_in_words(space: Workspace):
+    answer = frame(space, 3)
+    assert (answer.status, answer.text) == (404, "picture 2 cannot be decoded")
+
+
+@pytest.mark.parametrize("query", ["?lo=1&hi=99", "?lo=0", "?hi=100"])
+def test_a_stretch_is_applied(space: Workspace, query: str):
+    assert frame(space, 1, query).status == 200
+
+
+@pytest.mark.parametrize("query", ["?lo=60&hi=40", "?lo=nan", "?hi=inf", "?lo=-1", "?hi=x"])
+def test_a_stretch_that_makes_no_sense_is_refused(space: Workspace, query: str):
+    assert frame(space, 1, query).status == 400
+
+
+@pytest.mark.parametrize("rest", ["frame/0/1.jpg", "boxes/0/0"])
+def test_another_token_finds_nothing(space: Workspace, rest: str):
+    assert ask(f"/nv/guess/{rest}").status == 404
+    assert ask(f"{address(space)}/{rest}").status == 200
+
+
+@pytest.mark.parametrize("rest", ["frame/0/1.jpg", "boxes/0/0"])
+def test_the_token_of_an_ended_session_finds_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, rest: str
+):
+    monkeypatch.setenv("NVCORE_UPLOAD_DIR", str(tmp_path))
+    space = Workspace()
+    start = address(space)
+    space.close()
+    del space
+    gc.collect()
+    assert ask(f"{start}/{rest}").status == 404
+
+
+def test_one_session_does_not_get_anothers_boxes(space: Workspace):
+    other = Workspace()
+    other.dataset = make_dataset(truth=[at(0, 10)], n_frames=1)
+    other.compared = Compared(result_of(other.dataset), "v1")
+    mine, theirs = (ask(f"{address(one)}/boxes/0/0").body for one in (space, other))
+    assert theirs == pack_boxes(other.result, 0, 1)
+    assert mine != theirs
+
+
+def test_boxes_come_in_chunks_of_rows(space: Workspace):
+    assert space.result is not None
+    first, last = (ask(f"{address(space)}/boxes/0/{chunk}").body for chunk in (0, 1))
+    assert first == pack_boxes(space.result, 0, ROWS_PER_CHUNK)
+    assert last == pack_boxes(space.result, ROWS_PER_CHUNK, N_ROWS)
+
+
+@pytest.mark.parametrize("place", ["0/2", "1/0", "0/99999999999999999999", "x/0"])
+def test_boxes_of_frames_that_are_not_there_are_not_found(space: Workspace, place: str):
+    assert ask(f"{address(space)}/boxes/{place}").status == 404
+
+
+def test_boxes_of_the_newest_analysis_are_kept_under_its_version_only(space: Workspace):
+    kept = ask(f"{address(space)}/boxes/0/0?v={space.version}")
+    other = ask(f"{address(space)}/boxes/0/0?v=old")
+    assert kept.headers["cache-control"] == "private, max-age=3600"
+    assert other.headers["cache-control"] == "no-store"
+
+
+def test_before_an_analysis_there_are_no_boxes(space: Workspace):
+    space.compared = None
+    assert ask(f"{address(space)}/boxes/0/0").status == 404
+
+
+def test_a_sent_picture_is_stored(space: Workspace):
+    answer = put(f"{address(space)}/upload/pictures?name=..%2Fnight%2001.png", PNG)
+    assert answer.status == 201
+    assert (space.folder / "pictures" / "images" / "night 01.png").read_bytes() == PNG
+    assert answer.headers["cache-control"] == "no-store"
+
+
+def test_the_answer_to_an_upload_holds_no_path_of_the_machine(space: Workspace):
+    answer = put(f"{address(space)}/upload/pictures?name=a.png", PNG)
+    assert str(space.folder) not in answer.text
+
+
+@pytest.mark.parametrize("slot", ["annotations", "..", "truth"])
+def test_only_pictures_are_taken(space: Workspace, slot: str):
+    assert put(f"{address(space)}/upload/{slot}?name=a.png", PNG).status == 404
+
+
+def test_nothing_is_taken_for_an_unknown_token(space: Workspace):
+    assert put("/nv/guess/upload/pictures?name=a.png", PNG).status == 404
+
+
+@pytest.mark.parametrize("origin", ["https://evil.example", "null", "http://testserver.evil"])
+def test_nothing_is_taken_from_another_origin(space: Workspace, origin: str):
+    answer = put(f"{address(space)}/upload/pictures?name=a.png", PNG, origin=origin)
+    assert answer.status == 403
+    assert space.stored == {}
+
+
+def test_a_cross_site_request_is_refused(space: Workspace):
+    answer = put(
+        f"{address(space)}/upload/pictures?name=a.png", PNG, **{"sec-fetch-site": "cross-site"}
+    )
+    assert answer.status == 403
+
+
+def test_the_apps_own_page_may_send(space: Workspace):
+    answer = put(
+        f"{address(space)}/upload/pictures?name=a.png", PNG,
+        origin="http://testserver", **{"sec-fetch-site": "same-origin"},
+    )  # fmt: skip
+    assert answer.status == 201
+
+
+def test_a_wrong_content_is_told_with_its_status(space: Workspace):
+    answer = put(f"{address(space)}/upload/pictures?name=a.png", b"frame,x,y\n")
+    assert (answer.status, answer.headers["content-type"]) == (415, "text/plain; charset=utf-8")
+
+
+def test_a_stated_size_beyond_the_cap_is_refused_at_once(space: Workspace):
+    answer = ask(
+        f"{address(space)}/upload/pictures?name=a.png",
+        method="PUT", headers={"content-length": str(1 << 50)}, breaks_off=True,
+    )  # fmt: skip
+    assert answer.status == 413
+
+
+def test_an_upload_that_breaks_off_leaves_nothing(space: Workspace):
+    answer = ask(
+        f"{address(space)}/upload/pictures?name=a.png",
+        method="PUT", chunks=[PNG], breaks_off=True,
+    )  # fmt: skip
+    assert answer.status == 400
+    assert [path for path in space.folder.rglob("*") if path.is_file()] == []
+
+
+@pytest.mark.parametrize("method", ["POST", "DELETE"])
+def test_other_methods_are_not_allowed(space: Workspace, method: str):
+    assert ask(f"{address(space)}/upload/pictures", method=method).status == 405
+
+
+def test_addresses_begin_with_the_apps_base_path(space: Workspace):
+    assert address(space, "/apps/night/") == f"/apps/night/nv/{space.token}"
+
+
+@pytest.mark.parametrize("base", ["apps/night", "/apps/night/"])
+def test_routes_lie_below_the_apps_base_path(base: str):
+    assert {route.path.split("{")[0] for route in routes_below(base)} == {
+        "/apps/night/overview", "/apps/night/nv/",
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("query", ["", "?alpha=0.4&recording=a%20b"])
+def test_the_overview_s_own_name_leads_to_where_the_app_opens(query: str):
+    answer = ask(f"/overview{query}")
+    assert (answer.status, answer.headers["location"]) == (307, f"./{query}")

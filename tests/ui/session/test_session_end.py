@@ -1,0 +1,111 @@
+"""A workspace is closed once its browser has been away for longer than it may."""
+
+from __future__ import annotations
+
+import time
+
+import pytest
+
+from ui.session import ending
+from ui.session.ending import GRACE_S, end_with_session, sweep, watch
+
+
+class Thing:
+    is_closed = False
+
+    def close(self) -> None:
+        self.is_closed = True
+
+
+class Stuck:
+    def close(self) -> None:
+        raise OSError("disk gone")
+
+
+class Browser:
+    is_here = True
+
+    def __call__(self) -> bool:
+        return self.is_here
+
+
+@pytest.fixture(autouse=True)
+def watched(monkeypatch: pytest.MonkeyPatch) -> list:
+    found: list = []
+    monkeypatch.setattr(ending, "_watched", found)
+    return found
+
+
+@pytest.fixture
+def now_s() -> float:
+    return time.monotonic()
+
+
+def test_it_stays_while_the_browser_is_here(now_s: float):
+    thing = Thing()
+    watch(thing, Browser())
+    sweep(now_s + 10 * GRACE_S)
+    assert not thing.is_closed
+
+
+def test_a_browser_that_comes_back_in_time_finds_it(now_s: float):
+    thing, browser = Thing(), Browser()
+    watch(thing, browser)
+    browser.is_here = False
+    sweep(now_s + 0.8 * GRACE_S)
+    browser.is_here = True
+    sweep(now_s + 0.9 * GRACE_S)
+    browser.is_here = False
+    sweep(now_s + 1.5 * GRACE_S)
+    assert not thing.is_closed
+
+
+def test_it_is_closed_once_when_the_browser_stays_away(now_s: float, watched: list):
+    thing, browser = Thing(), Browser()
+    watch(thing, browser)
+    browser.is_here = False
+    sweep(now_s + 1.1 * GRACE_S)
+    assert thing.is_closed
+    assert watched == []
+
+
+def test_what_cannot_be_closed_is_told_once_and_keeps_nothing_else_open(
+    now_s: float, watched: list, caplog: pytest.LogCaptureFixture
+):
+    stuck, thing, browser = Stuck(), Thing(), Browser()
+    watch(stuck, browser)
+    watch(thing, browser)
+    browser.is_here = False
+    sweep(now_s + 1.1 * GRACE_S)
+    sweep(now_s + 1.2 * GRACE_S)
+    assert thing.is_closed
+    assert watched == []
+    assert [record.getMessage() for record in caplog.records] == [
+        "what a session left could not be removed: disk gone"
+    ]
+
+
+def test_what_is_gone_already_is_forgotten(now_s: float, watched: list):
+    watch(Thing(), Browser())
+    sweep(now_s)
+    assert watched == []
+
+
+def test_outside_a_session_nothing_is_watched(watched: list):
+    end_with_session(Thing())
+    assert watched == []
+
+
+def test_the_grace_is_longer_than_streamlit_keeps_a_session():
+    assert GRACE_S > 120
+
+
+def test_what_another_session_has_taken_over_stays(now_s: float):
+    thing, browser = Thing(), Browser()
+    watch(thing, lambda: False)
+    watch(thing, browser)
+    sweep(now_s + 2 * GRACE_S)
+    assert not thing.is_closed
+    browser.is_here = False
+    sweep(now_s + 4 * GRACE_S)
+    assert thing.is_closed

@@ -1,0 +1,345 @@
+"""Uploads: harmless names, content checked, limits kept, archives taken apart with care."""
+
+from __future__ import annotations
+
+import asyncio
+import io
+import stat
+import zipfile
+from collections.abc import AsyncIterator
+from http import HTTPStatus
+from pathlib import Path
+
+import pytest
+from starlette.requests import ClientDisconnect
+
+from nvcore.errors import MediaError
+from nvcore.inputs.readers.meaning.names import NEUTRAL
+from nvcore.inputs.session import Session, Source
+from ui.session import uploads
+from ui.session.uploads import (
+    ANNOTATION_FOLDERS,
+    PICTURES,
+    UploadError,
+    free_name,
+    kind_of,
+    new_upload,
+    receive,
+    remove_pictures,
+    safe_name,
+    store_annotations,
+)
+from ui.session.workspace import Workspace
+
+PNG = b"\x89PNG\r\n\x1a\n" + bytes(100)
+
+
+class Sent:
+    """A file that came with a form."""
+
+    def __init__(self, name: str, content: bytes = b"1,2,3\n"):
+        self.name = name
+        self.content = content
+
+    def getbuffer(self) -> memoryview:
+        return memoryview(self.content)
+
+
+def packed(members: dict[str, bytes]) -> bytes:
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, text in members.items():
+            archive.writestr(name, text)
+    return content.getvalue()
+
+
+def packed_plain(members: dict[str, bytes]) -> bytes:
+    """Not compressed, so that the content can be found and changed."""
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w") as archive:
+        for name, text in members.items():
+            archive.writestr(name, text)
+    return content.getvalue()
+
+
+@pytest.fixture
+def space(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Workspace:
+    monkeypatch.setenv("NVCORE_UPLOAD_DIR", str(tmp_path))
+    return Workspace()
+
+
+def send(space: Workspace, name: str, *chunks: bytes, n_bytes: int | None = None):
+    async def content() -> AsyncIterator[bytes]:
+        for chunk in chunks:
+            yield chunk
+
+    return asyncio.run(receive(space, PICTURES, name, content(), n_bytes=n_bytes))
+
+
+def files_in(folder: Path) -> list[str]:
+    return sorted(p.relative_to(folder).as_posix() for p in folder.rglob("*") if p.is_file())
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("truth.csv", "truth.csv"),
+        ("../../etc/passwd", "passwd"),
+        ("C:\\Users\\me\\gt.txt", "gt.txt"),
+        ("/etc/shadow", "shadow"),
+        ("..", "file"),
+        (".", "file"),
+        ("", "file"),
+        (".hidden.csv", "hidden.csv"),
+        ("a\x00b\nc.csv", "a_b_c.csv"),
+        ("night\u202edrive.csv", "night_drive.csv"),
+        ("lone \udc80.csv", "lone _.csv"),
+        ("Straße 07.csv", "Straße 07.csv"),
+        ("<script>.csv", "_script_.csv"),
+    ],
+)
+def test_a_name_becomes_a_harmless_base_name(name: str, expected: str):
+    assert safe_name(name) == expected
+
+
+def test_a_long_name_is_cut_and_keeps_its_ending():
+    name = safe_name("ä" * 500 + ".csv")
+    assert len(name.encode()) <= uploads.MAX_NAME_BYTES
+    assert name.endswith("ä.csv")
+
+
+def test_a_name_that_is_taken_gets_a_number():
+    assert free_name("gt.txt", ["gt.txt", "GT-2.txt"]) == "gt-3.txt"
+
+
+def test_annotation_folders_are_taken_for_no_recording():
+    assert set(ANNOTATION_FOLDERS.parts) <= NEUTRAL
+
+
+@pytest.mark.parametrize(
+    ("head", "kind"),
+    [
+        (PNG, "image"),
+        (b"\xff\xd8\xff\xe0", "image"),
+        (b"II*\x00", "image"),
+        (b"\x00\x00\x00\x20ftypisom", "video"),
+        (b"RIFF\x00\x00\x00\x00AVI LIST", "video"),
+        (b"\x1aE\xdf\xa3", "video"),
+        ((b"G" + bytes(187)) * 3, "video"),
+        (b"PK\x03\x04", "zip"),
+        (b"#EXTM3U\nfile:///etc/passwd", None),
+        (b"ffconcat version 1.0", None),
+        (b"<svg onload=alert(1)>", None),
+        (b"", None),
+    ],
+)
+def test_the_kind_of_a_file_is_told_from_its_content(head: bytes, kind: str | None):
+    assert kind_of(head) == kind
+
+
+def test_a_picture_lands_in_the_sessions_folder_byte_by_byte(space: Workspace):
+    stored = send(space, "a/../frame_0001.png", PNG[:50], PNG[50:])
+    assert stored.name == "frame_0001.png"
+    assert (space.folder / stored.place).read_bytes() == PNG
+    assert space.used_bytes == len(PNG)
+
+
+def test_a_large_file_comes_through_in_pieces(space: Workspace):
+    chunk = bytes(300_000)
+    stored = send(space, "a.png", PNG, *[chunk] * 10)
+    assert stored.n_bytes == len(PNG) + 3_000_000
+    assert (space.folder / stored.place).stat().st_size == stored.n_bytes
+
+
+def test_a_text_named_like_a_video_is_refused(space: Workspace):
+    with pytest.raises(UploadError, match="neither a video") as caught:
+        send(space, "drive.mp4", b"#EXTM3U\nfile:///etc/passwd\n")
+    assert caught.value.status == HTTPStatus.UNSUPPORTED_MEDIA_TYPE
+    assert files_in(space.folder) == []
+
+
+def test_a_file_beyond_the_cap_is_refused_before_it_is_read(
+    space: Workspace, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr(uploads, "MAX_FILE_BYTES", 100)
+    with pytest.raises(UploadError, match="larger than") as caught:
+        send(space, "a.png", n_bytes=101)
+    assert caught.value.status == HTTPStatus.REQUEST_ENTITY_TOO_LARGE
+
+
+def test_a_file_that_hides_its_size_is_refused_at_the_cap(
+    space: Workspace, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr(uploads, "MAX_FILE_BYTES", 250)
+    monkeypatch.setattr(uploads, "WRITE_BYTES", 100)
+    with pytest.raises(UploadError, match="larger than"):
+        send(space, "a.png", PNG, bytes(100), bytes(100))
+    assert files_in(space.folder) == []
+    assert space.used_bytes == 0
+
+
+def test_a_session_has_a_quota(space: Workspace, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(uploads, "MAX_SESSION_BYTES", 150)
+    send(space, "a.png", PNG)
+    with pytest.raises(UploadError, match="in all; remove uploads"):
+        send(space, "b.png", PNG)
+    assert files_in(space.folder) == ["pictures/images/a.png"]
+
+
+def test_removed_pictures_make_room(space: Workspace, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(uploads, "MAX_SESSION_BYTES", 150)
+    send(space, "a.png", PNG)
+    remove_pictures(space, ["a.png", "unknown.png"])
+    send(space, "b.png", PNG)
+    assert files_in(space.folder) == ["pictures/images/b.png"]
+
+
+def test_a_full_disk_is_told(space: Workspace, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(uploads, "SPARE_BYTES", 1 << 62)
+    with pytest.raises(UploadError, match="no room left") as caught:
+        send(space, "a.png", PNG)
+    assert caught.value.status == HTTPStatus.INSUFFICIENT_STORAGE
+
+
+def test_an_upload_that_is_shorter_than_stated_is_dropped(space: Workspace):
+    with pytest.raises(UploadError, match="broke off"):
+        send(space, "a.png", PNG, n_bytes=len(PNG) + 1)
+    assert files_in(space.folder) == []
+
+
+def test_an_upload_that_breaks_off_is_dropped(space: Workspace):
+    async def content() -> AsyncIterator[bytes]:
+        yield PNG
+        raise ClientDisconnect
+
+    with pytest.raises(UploadError, match="broke off"):
+        asyncio.run(receive(space, PICTURES, "a.png", content()))
+    assert files_in(space.folder) == []
+    assert space.used_bytes == 0
+
+
+def test_two_pictures_of_one_name_are_both_kept(space: Workspace):
+    first, second = send(space, "a.png", PNG), send(space, "a.png", PNG)
+    assert (first.name, second.name) == ("a.png", "a-2.png")
+
+
+def test_annotations_keep_their_names_below_the_folder_of_their_source(space: Workspace):
+    folder = new_upload(space)
+    paths = store_annotations(space, folder, "truth", [Sent("../set00_V000.csv", b"x")])
+    assert paths == ("truth/annotations/data/set00_V000.csv",)
+    assert (folder / paths[0]).read_bytes() == b"x"
+
+
+def test_annotations_of_one_name_get_a_number(space: Workspace):
+    folder = new_upload(space)
+    paths = store_annotations(space, folder, "truth", [Sent("gt.txt"), Sent("gt.txt")])
+    assert [Path(path).name for path in paths] == ["gt.txt", "gt-2.txt"]
+
+
+def test_an_archive_is_unpacked_and_its_folders_stay(space: Workspace):
+    folder = new_upload(space)
+    content = packed({"mot/A/gt/gt.txt": b"1", "mot/B/gt/gt.txt": b"2"})
+    (path,) = store_annotations(space, folder, "truth", [Sent("mot15.zip", content)])
+    assert files_in(folder / path) == ["A/gt/gt.txt", "B/gt/gt.txt"]
+
+
+def test_the_archive_of_one_recording_keeps_the_recordings_name(space: Workspace):
+    folder = new_upload(space)
+    content = packed({"TUD-Campus/gt/gt.txt": b"1"})
+    (path,) = store_annotations(space, folder, "truth", [Sent("truth.zip", content)])
+    assert Path(path).name == "TUD-Campus"
+
+
+@pytest.mark.parametrize("member", ["../evil.csv", "/evil.csv", "a/../../evil.csv", "..\\evil.csv"])
+def test_an_archive_member_outside_is_refused(space: Workspace, member: str):
+    folder = new_upload(space)
+    with pytest.raises(MediaError, match="outside the archive's folder"):
+        store_annotations(space, folder, "truth", [Sent("a.zip", packed({member: b"1"}))])
+    assert not list(space.folder.rglob("evil.csv"))
+
+
+def test_a_link_in_an_archive_is_refused(space: Workspace):
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w") as archive:
+        link = zipfile.ZipInfo("truth.csv")
+        link.external_attr = (stat.S_IFLNK | 0o777) << 16
+        archive.writestr(link, "/etc/passwd")
+    with pytest.raises(MediaError, match="is a link"):
+        store_annotations(space, new_upload(space), "truth", [Sent("a.zip", content.getvalue())])
+
+
+def test_a_zip_bomb_is_refused(space: Workspace):
+    content = packed({"truth.csv": bytes(100 << 20)})
+    with pytest.raises(MediaError, match="times its size"):
+        store_annotations(space, new_upload(space), "truth", [Sent("a.zip", content)])
+    assert not list(space.folder.rglob("truth.csv"))
+
+
+def test_an_archive_beyond_the_quota_is_refused(space: Workspace, monkeypatch: pytest.MonkeyPatch):
+    content = packed({"truth.csv": bytes(range(256)) * 40})
+    monkeypatch.setattr(uploads, "MAX_SESSION_BYTES", 5000)
+    with pytest.raises(MediaError, match="at most"):
+        store_annotations(space, new_upload(space), "truth", [Sent("a.zip", content)])
+
+
+def test_a_new_form_removes_the_files_of_those_that_did_not_open(space: Workspace):
+    old = new_upload(space)
+    store_annotations(space, old, "truth", [Sent("a.csv", b"12345")])
+    assert space.used_bytes == 5
+    new_upload(space)
+    assert not old.exists()
+    assert space.used_bytes == 0
+
+
+@pytest.mark.parametrize(
+    "content",
+    [b"PK\x03\x04" + bytes(500), packed({"a.csv": b"1" * 90, "../b.csv": b"1"})],
+    ids=["damaged", "leaves its folder"],
+)
+def test_nothing_stays_of_an_archive_that_is_refused(space: Workspace, content: bytes):
+    folder = new_upload(space)
+    files = [Sent("a.csv", b"12345"), Sent("b.zip", content)]
+    with pytest.raises(MediaError):
+        store_annotations(space, folder, "truth", files)
+    assert files_in(folder) == ["truth/annotations/data/a.csv"]
+    assert space.used_bytes == 5
+    new_upload(space)
+    assert space.used_bytes == 0
+
+
+def test_nothing_stays_of_an_archive_that_breaks_while_it_is_unpacked(space: Workspace):
+    members = {"mot/a.csv": bytes(range(256)), "mot/b.csv": b"no checksum of mine"}
+    content = packed_plain(members).replace(b"no checksum", b"NO CHECKSUM")
+    folder = new_upload(space)
+    with pytest.raises(MediaError):
+        store_annotations(space, folder, "truth", [Sent("b.zip", content)])
+    assert files_in(folder) == []
+    assert space.used_bytes == 0
+
+
+def test_what_was_not_counted_makes_no_room(space: Workspace):
+    folder = new_upload(space)
+    store_annotations(space, folder, "truth", [Sent("a.zip", packed({"a.csv": b"1" * 90}))])
+    assert space.used_bytes == 90
+    (folder / "made-by-the-app.toml").write_bytes(bytes(500))
+    new_upload(space)
+    assert space.used_bytes == 0
+
+
+def test_the_files_of_the_open_comparison_stay_counted(space: Workspace):
+    folder = new_upload(space)
+    paths = store_annotations(space, folder, "truth", [Sent("a.csv", b"12345")])
+    space.session = Session(folder, Source(paths), ())
+    new_upload(space)
+    assert space.used_bytes == 5
+    space.session = None
+    new_upload(space)
+    assert space.used_bytes == 0
+
+
+def test_a_form_over_the_cap_is_refused_with_the_name_of_the_file(
+    space: Workspace, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr(uploads, "MAX_SESSION_BYTES", 5)
+    with pytest.raises(UploadError, match=r"^gt\.txt: A session takes"):
+        store_annotations(space, new_upload(space), "truth", [Sent("gt.txt", b"1,2,3,4\n")])

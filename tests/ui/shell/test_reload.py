@@ -1,0 +1,286 @@
+"""What was open in a tab is given back to it, and to nobody who does not know its name."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from types import ModuleType
+from typing import Any
+
+import pandas as pd
+import pytest
+from places import ROOT
+from streamlit.testing.v1 import AppTest
+
+from nvcore.dataset import Dataset
+from nvcore.inputs.load import effective_params
+from nvcore.inputs.session import Session
+from ui.export import html
+from ui.jobs.background import JobState
+from ui.ratings import fit
+from ui.session import state
+from ui.session.address import changed_parameters
+from ui.session.workspace import Workspace
+from ui.stability import verdict_map
+
+SCRIPT = """
+import streamlit as st
+from ui.session import state
+from ui.shell import live_params
+if token := st.session_state.pop("claims", None):
+    state.take_back(token)
+state.begin_run()
+live_params.read()
+"""
+PAGE = """
+import runpy
+runpy.run_path({path!r})
+"""
+PATIENCE_S = 20.0
+
+
+@pytest.fixture(autouse=True)
+def no_browser(monkeypatch: pytest.MonkeyPatch) -> None:
+    # without a browser every session passes for one whose page is there
+    monkeypatch.setattr(state, "is_in_use", lambda _: False)
+
+
+def page(name: str = "", **query: str) -> AppTest:
+    """The script of every page, and the page of that name."""
+    drawn = PAGE.format(path=str(ROOT / "pages" / f"{name}.py")) if name else ""
+    app = AppTest.from_string(SCRIPT + drawn, default_timeout=60)
+    for key, value in query.items():
+        app.query_params[key] = value
+    app.run()
+    assert not app.exception
+    return app
+
+
+def claiming(app: AppTest, token: str) -> Workspace:
+    app.session_state["claims"] = token
+    app.run()
+    assert not app.exception
+    return app.session_state["workspace"]
+
+
+def test_a_new_session_goes_on_with_the_workspace_and_its_address():
+    before = page().session_state["workspace"]
+    after = page(recording="winter_frost", frame="12", alpha="0.25")
+    assert claiming(after, before.token) is before
+    assert after.session_state["place"] == (9, 12)
+    assert after.session_state["params"].alpha == 0.25
+
+
+def test_an_unknown_name_or_a_closed_workspace_gives_nothing():
+    app = page()
+    own = app.session_state["workspace"]
+    assert claiming(app, "x" * 32) is own
+    other = Workspace()
+    assert claiming(app, other.token) is own  # nothing is open in it
+
+
+def test_a_workspace_that_another_page_uses_is_not_shared(monkeypatch: pytest.MonkeyPatch):
+    before = page().session_state["workspace"]
+    monkeypatch.setattr(state, "is_in_use", lambda one: one is before)
+    app = page()
+    own = app.session_state["workspace"]
+    assert claiming(app, before.token) is own
+
+
+class Gate:
+    """Lets a function wait, in the background, until the test says that it may go on."""
+
+    def __init__(self, real: Callable[..., Any]) -> None:
+        self.real = real
+        self.is_reached, self.is_open = threading.Event(), threading.Event()
+
+    def __call__(self, *given: Any, **more: Any) -> Any:
+        self.is_reached.set()
+        assert self.is_open.wait(PATIENCE_S)
+        return self.real(*given, **more)
+
+
+@pytest.fixture
+def gated(monkeypatch: pytest.MonkeyPatch) -> Callable[[ModuleType, str], Gate]:
+    """Makes a module do its work in the background, where this function of it waits."""
+
+    def gate(module: ModuleType, function: str) -> Gate:
+        monkeypatch.setattr(module, "AT_ONCE", 0)
+        found = Gate(getattr(module, function))
+        monkeypatch.setattr(module, function, found)
+        return found
+
+    return gate
+
+
+def press(app: AppTest, key: str) -> AppTest:
+    app.button(key=key).click().run()
+    assert not app.exception
+    return app
+
+
+def reloaded(before: AppTest, name: str) -> AppTest:
+    """The page in a new session, which has claimed what was open."""
+    after = page(name)
+    claiming(after, before.session_state["workspace"].token)
+    return after
+
+
+def keys(app: AppTest) -> list[str | None]:
+    return [button.key for button in app.button]
+
+
+def ended(app: AppTest, kind: str) -> AppTest:
+    """The page once its job has ended."""
+    app.session_state["workspace"].job(kind).join()
+    app.run()
+    assert not app.exception
+    return app
+
+
+def test_a_map_goes_on_after_a_reload_of_its_page(gated):
+    gate = gated(verdict_map, "map_stability")
+    before = page("stability")
+    before.button_group(key="stability_criterion").set_value("encounters").run()
+    press(before, "stability_start")
+    assert gate.is_reached.wait(PATIENCE_S)
+    job = before.session_state["workspace"].job(verdict_map.JOB)
+    after = reloaded(before, "stability")
+    assert after.session_state["workspace"].job(verdict_map.JOB) is job
+    assert after.button_group(key="stability_criterion").value == "encounters"
+    assert "stability_cancel" in keys(after)
+    gate.is_open.set()
+    told = [one.value for one in ended(after, verdict_map.JOB).markdown]
+    assert any("As analysed, X detects more encounters" in one for one in told)
+
+
+def test_after_a_reload_a_map_can_be_cancelled(gated):
+    gate = gated(verdict_map, "map_stability")
+    before = press(page("stability"), "stability_start")
+    assert gate.is_reached.wait(PATIENCE_S)
+    after = press(reloaded(before, "stability"), "stability_cancel")
+    gate.is_open.set()
+    ended(after, verdict_map.JOB)
+    assert [one.value for one in after.info] == ["Cancelled. No map was made."]
+    assert "stability_start" in keys(after)
+
+
+def test_a_fit_goes_on_after_a_reload_of_its_page(gated):
+    gate = gated(fit, "fit_saliency")
+    before = press(page("ratings"), "rating_fit")
+    assert gate.is_reached.wait(PATIENCE_S)
+    after = reloaded(before, "ratings")
+    assert "rating_fit_cancel" in keys(after)
+    gate.is_open.set()
+    assert "rating_fit_take" in keys(ended(after, fit.JOB))
+
+
+def test_a_report_goes_on_after_a_reload_of_its_page(gated):
+    gate = gated(html, "write_html_report")
+    before = page("export")
+    before.toggle(key="html_stability").set_value(True).run()
+    press(before, "make_html")
+    assert gate.is_reached.wait(PATIENCE_S)
+    after = reloaded(before, "export")
+    assert after.toggle(key="html_stability").value is True
+    assert after.button(key="make_html").disabled
+    assert "html_cancel" in keys(after)
+    gate.is_open.set()
+    ended(after, html.JOB)
+    assert html.NAME in [one.proto.label for one in after.get("download_button")]
+    assert not any("other settings" in one.value for one in after.warning)
+
+
+def test_opening_ends_the_jobs_before_it_closes_their_pictures():
+    order: list[str] = []
+
+    class Noted:
+        def discard(self) -> None:
+            order.append("job")
+
+        def close(self) -> None:
+            order.append("pictures")
+
+    app = page()
+    space = app.session_state["workspace"]
+    space.put_job("noted", Noted())
+    space.pictures = {0: Noted()}
+    space.dataset = None  # the next run opens the sample again
+    assert not app.run().exception
+    assert order == ["job", "pictures"]
+
+
+def test_the_protocol_is_still_chosen_after_a_reload():
+    before = page("detection")
+    before.selectbox(key="protocol").set_value("reasonable").run()
+    names = before.multiselect(key="protocol_recordings").options[:2]
+    before.multiselect(key="protocol_recordings").set_value(names).run()
+    after = reloaded(before, "detection")
+    assert after.selectbox(key="protocol").value == "reasonable"
+    assert after.multiselect(key="protocol_recordings").value == names
+    live = after.session_state["workspace"].session.protocol
+    assert (live.name, live.recordings) == ("reasonable", tuple(names))
+
+
+def test_own_filters_are_still_there_after_a_reload():
+    before = page("detection")
+    before.selectbox(key="protocol").set_value("own filters").run()
+    before.number_input(key="own_low").set_value(100.0).run()
+    after = reloaded(before, "detection")
+    assert after.selectbox(key="protocol").value == "own filters"
+    assert after.number_input(key="own_low").value == 100.0
+    assert after.session_state["workspace"].session.protocol.height_px[0] == 100.0
+
+
+def test_fitted_settings_are_still_marked_after_a_reload():
+    before = page("ratings")
+    before.button(key="rating_fit").click().run()
+    before.button(key="rating_fit_take").click().run()
+    start = effective_params(*opened(before))
+    query = changed_parameters(before.session_state["params"], start)
+    after = page("ratings", **query)
+    assert not fitted(after)  # a fresh tab by the same address has no fit
+    claiming(after, before.session_state["workspace"].token)
+    assert fitted(after)
+    after.button(key="rating_fit_back").click().run()
+    assert not fitted(after.run())
+    assert after.session_state["params"] == start
+
+
+def opened(app: AppTest) -> tuple[Session, Dataset]:
+    space = app.session_state["workspace"]
+    return space.session, space.dataset
+
+
+def fitted(app: AppTest) -> bool:
+    return any("**fitted to these ratings**" in one.value for one in app.warning)
+
+
+def test_typed_ratings_are_still_there_after_a_reload():
+    before = typing(page("ratings"))
+    before.text_input(key="ratings_typed_name").set_value("Anna")
+    next(one for one in before.button if "Add a row" in one.label).click().run()
+    after = typing(page("ratings"))
+    assert shown(after).empty
+    claiming(after, before.session_state["workspace"].token)
+    assert shown(after)["participant"].unique().tolist() == ["Anna"]
+    assert len(shown(after)) == 20
+
+
+def typing(app: AppTest) -> AppTest:
+    return app.button_group(key="ratings_source_4").set_value("Typed in").run()
+
+
+def shown(app: AppTest) -> pd.DataFrame:
+    return next(one.value for one in app.dataframe if "participant" in one.value)
+
+
+def test_a_workspace_that_nobody_comes_back_to_ends_its_jobs(gated):
+    gate = gated(verdict_map, "map_stability")
+    space = press(page("stability"), "stability_start").session_state["workspace"]
+    assert gate.is_reached.wait(PATIENCE_S)
+    job = space.job(verdict_map.JOB)
+    space.close()  # as `ui.session.ending` does it
+    gate.is_open.set()
+    job.join()
+    assert job.state is JobState.CANCELLED

@@ -1,0 +1,67 @@
+"""Headings, formats and help texts of the tables that the pages show."""
+
+from __future__ import annotations
+
+import pandas as pd
+import pytest
+
+from nvcore.tables.columns import REPORT_COLUMNS
+from ui.widgets.table_columns import as_shown, column_config, heading, rows_told, table_height
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("recording", "Recording"),
+        ("lag_s_x", "X lag (s)"),
+        ("miss_class_y", "Y miss class"),
+        ("lead_time_s", "Lead of X (s)"),
+        ("first_frame", "First frame"),
+    ],
+)
+def test_headings_are_words(name: str, words: str):
+    assert heading(name) == words
+
+
+@pytest.mark.parametrize("file", ["encounters.csv", "events.csv"])
+def test_every_column_has_its_own_heading_and_a_help_text(file: str):
+    config = column_config(file)
+    assert list(config) == [column.name for column in REPORT_COLUMNS[file]]
+    labels = [one["label"] for one in config.values()]
+    assert len(set(labels)) == len(labels)
+    assert not [label for label in labels if "_" in label]
+    assert all(one["help"] for one in config.values())
+
+
+def test_a_help_text_says_which_way_is_better_and_when_a_cell_is_empty():
+    text = column_config("encounters.csv")["lag_s_x"]["help"]
+    assert "Lower is better" in text
+    assert "Empty: distant encounter, or no relevant frame matched" in text
+
+
+def test_shares_are_shown_in_percent_and_classes_in_words():
+    table = pd.DataFrame(
+        {
+            "category": ["x_only", "distant"],
+            "coverage_x": [0.25, float("nan")],
+            "miss_class_y": ["lost_early", None],
+            "lag_s_x": [0.5, 0.5],
+        }
+    )
+    shown = as_shown(table)
+    assert shown["category"].tolist() == ["only X", "distant"]
+    assert shown["coverage_x"].iloc[0] == 25
+    assert shown["miss_class_y"].iloc[0] == "lost early"
+    assert shown["miss_class_y"].isna().tolist() == [False, True]
+    assert shown["lag_s_x"].tolist() == [0.5, 0.5]
+    assert table["coverage_x"].iloc[0] == 0.25
+
+
+def test_a_table_grows_up_to_ten_rows():
+    assert table_height(0) == table_height(1) < table_height(10) == table_height(5000)
+
+
+def test_a_table_that_is_cut_short_says_so():
+    assert rows_told(5000, "first") == ""
+    told = rows_told(12345, "most salient")
+    assert told == "The most salient 5,000 of 12,345 are listed; Export has them all."

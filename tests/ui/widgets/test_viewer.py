@@ -1,0 +1,154 @@
+"""What the viewer sends to the browser, and which of its answers count."""
+
+from __future__ import annotations
+
+import base64
+
+import numpy as np
+import pytest
+
+from nvcore.metrics.kernels import ABSORBED, FALSE_ALARM, MATCHED
+from nvcore.tables.box_states import (
+    BIT_IGNORE,
+    BIT_MATCHED_X,
+    BIT_MATCHED_Y,
+    BIT_RELEVANT,
+    BIT_SALIENT_X,
+    BIT_SALIENT_Y,
+)
+from ui.widgets.viewer import FOLDER, settled_row
+from ui.widgets.viewer.packing import (
+    MOST_BUCKETS,
+    decimate_minima,
+    find_runs,
+    find_spans,
+    pack,
+    pack_frames,
+    pack_times,
+)
+
+
+def unpack(text: str, dtype: str) -> list[float]:
+    return np.frombuffer(base64.b64decode(text), f"<{dtype}").tolist()
+
+
+def frames_of(starts: np.ndarray, firsts: np.ndarray, steps: np.ndarray, n: int) -> list[int]:
+    """What the browser makes of the runs."""
+    stops = [*starts[1:], n]
+    return [
+        int(first + step * (row - start))
+        for start, stop, first, step in zip(starts, stops, firsts, steps, strict=True)
+        for row in range(start, stop)
+    ]
+
+
+def test_numbers_are_packed_little_endian():
+    assert base64.b64decode(pack([1, 256], "i4")) == b"\1\0\0\0\0\1\0\0"
+
+
+def test_regular_frames_are_one_run():
+    starts, firsts, steps = find_runs(np.array([9, 29, 49, 69]))
+    assert (starts.tolist(), firsts.tolist(), steps.tolist()) == ([0], [9], [20])
+
+
+@pytest.mark.parametrize(
+    "frames", [[5], [1, 2], [0, 1, 2, 10, 11, 12], [1, 5, 6, 100, 200, 300, 301], [3, 9, 27]]
+)
+def test_runs_give_back_the_frame_numbers(frames):
+    runs = find_runs(np.array(frames))
+    assert frames_of(*runs, len(frames)) == frames
+
+
+def test_no_frames_are_no_runs():
+    assert unpack(pack_frames(np.array([], dtype=np.int64))["starts"], "i4") == []
+
+
+def test_spans_hold_the_rows_of_a_mask():
+    mask = np.array([True, True, False, True, False, False, True])
+    assert find_spans(mask).tolist() == [[0, 2], [3, 4], [6, 7]]
+
+
+def test_an_empty_mask_has_no_spans():
+    assert find_spans(np.zeros(3, dtype=bool)).tolist() == []
+
+
+def test_times_that_follow_from_the_frame_number_are_one_offset():
+    frames = np.array([100, 101, 140])
+    assert pack_times(frames / 20 - 5, frames, 20.0) == {"offset": pytest.approx(-5)}
+
+
+def test_irregular_times_are_sent_row_by_row():
+    sent = pack_times(np.array([0.0, 0.05, 0.2]), np.array([0, 1, 2]), 20.0)
+    assert unpack(sent["every_row"], "f8") == [0.0, 0.05, 0.2]
+
+
+def test_times_without_a_frame_rate_are_sent_row_by_row():
+    assert "every_row" in pack_times(np.array([0.0, 1.0]), np.array([0, 1]), float("nan"))
+
+
+def test_a_short_trace_is_sent_as_it_is():
+    trace, bucket_rows = decimate_minima(np.array([0.5, np.nan, 0.25]), 3)
+    assert bucket_rows == 1
+    np.testing.assert_array_equal(trace, np.array([0.5, np.nan, 0.25], dtype=np.float32))
+
+
+def test_a_long_trace_keeps_every_dip():
+    similarity = np.ones(MOST_BUCKETS * 3 + 1)
+    similarity[4000] = 0.25
+    trace, bucket_rows = decimate_minima(similarity, len(similarity))
+    assert len(trace) <= MOST_BUCKETS
+    assert trace[4000 // bucket_rows] == 0.25
+    assert np.count_nonzero(trace < 1) == 1
+
+
+def test_a_bucket_is_undefined_only_where_all_its_rows_are():
+    similarity = np.full(MOST_BUCKETS * 2, np.nan)
+    similarity[1] = 0.5
+    trace, _ = decimate_minima(similarity, len(similarity))
+    assert trace[0] == 0.5
+    assert np.isnan(trace[1:]).all()
+
+
+def test_a_settled_row_counts():
+    settled = {"recording": 2, "row": 7, "nonce": 3}
+    assert settled_row(settled, recording=2, n_rows=10, seek=(1, 3)) == 7
+
+
+@pytest.mark.parametrize(
+    "settled",
+    [
+        None,
+        {"recording": 1, "row": 7, "nonce": 3},
+        {"recording": 2, "row": 7, "nonce": 2},
+        {"recording": 2, "row": 10, "nonce": 3},
+        {"recording": 2, "row": -1, "nonce": 3},
+        {"recording": 2, "row": "7", "nonce": 3},
+        "7",
+    ],
+    ids=["nothing", "other recording", "before the seek", "beyond", "negative", "text", "no table"],
+)
+def test_without_a_settled_row_the_wish_stands(settled):
+    assert settled_row(settled, recording=2, n_rows=10, seek=(1, 3)) == 1
+
+
+def test_a_wish_beyond_the_end_is_the_last_row():
+    assert settled_row(None, recording=0, n_rows=10, seek=(99, 0)) == 9
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("ignore", BIT_IGNORE),
+        ("matched_x", BIT_MATCHED_X),
+        ("matched_y", BIT_MATCHED_Y),
+        ("relevant", BIT_RELEVANT),
+        ("salient_x", BIT_SALIENT_X),
+        ("salient_y", BIT_SALIENT_Y),
+        ("matched", MATCHED),
+        ("false_alarm", FALSE_ALARM),
+        ("absorbed", ABSORBED),
+    ],
+)
+def test_the_script_reads_the_states_that_the_library_packs(name, value):
+    script = (FOLDER / "boxes.js").read_text(encoding="utf-8")
+    assert f" {name}: {value}," in script.replace(" }", ", }")

@@ -1,0 +1,97 @@
+"""Data page: open the sample, an upload, a session file, or files of the local folder."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+import streamlit as st
+
+from nvcore.errors import InputError, NvcoreError
+from nvcore.inputs.session import Session
+from nvcore.inputs.session_toml import read_session
+from ui.data import local, upload
+from ui.data.inputs import sent_pictures
+from ui.data.missing_inputs import Facts, draw_facts, forget_facts
+from ui.data.opening import draw_trouble, forget_trouble, try_to_open
+from ui.session import state
+from ui.session.local_files import LocalRoot, local_root
+from ui.session.opening import uploaded_session
+from ui.session.uploads import PICTURES, SentFile, new_upload, store_annotations
+from ui.widgets.text import plain
+
+SAMPLE_TEXT = (
+    "Ten short night drives made by a program: pedestrians at the kerb, a child running, a "
+    "cyclist, glare, frost. A far infrared and a near infrared camera see them, each with the "
+    "weaknesses such cameras have. With pictures."
+)
+
+
+def draw() -> None:
+    """The tabs."""
+    st.header("Open another comparison")
+    root, trouble = _root()
+    titles = ["Sample", "Upload", "Session file", *(["Local folder"] if root else [])]
+    if trouble:
+        st.warning(plain(trouble), icon=":material/warning:")
+    tabs = st.tabs(titles)
+    with tabs[0]:
+        _draw_sample()
+    with tabs[1]:
+        upload.draw()
+    with tabs[2]:
+        draw_session_form()
+    if root is not None:
+        with tabs[3]:
+            local.draw(root)
+
+
+def _root() -> tuple[LocalRoot | None, str]:
+    try:
+        return local_root(), ""
+    except NvcoreError as error:
+        return None, str(error)
+
+
+def _draw_sample() -> None:
+    st.markdown(SAMPLE_TEXT)
+    draw_trouble("sample")
+    if st.button("Open the sample recordings", key="open_sample"):
+        try_to_open(lambda: read_session(state.SAMPLE), label=state.SAMPLE_LABEL, place="sample")
+
+
+PLACE: Final = "session_file"
+
+
+def draw_session_form() -> None:
+    """The form; its button opens the session."""
+    st.caption(
+        "A session file (TOML) names ground truth, systems, thresholds, corrections and settings. "
+        "Send it with the files it names: they are found by their names, wherever they lay before. "
+        "Pictures that were sent under Upload are found as well."
+    )
+    file = st.file_uploader("Session file", type=["toml"], key="session_file", on_change=_changed)
+    others = st.file_uploader(
+        "The files that it names, or a ZIP archive of their folder", accept_multiple_files=True,
+        key="session_files", on_change=_changed,
+    )  # fmt: skip
+    facts = draw_facts(PLACE, sent_pictures(state.workspace()).values())
+    draw_trouble(PLACE)
+    if st.button("Open this session", key="open_session_file", type="primary"):
+        label = "" if file is None else file.name
+        try_to_open(lambda: _session(file, others, facts), label=label, place=PLACE)
+
+
+def _changed() -> None:
+    forget_trouble(PLACE)
+    forget_facts(PLACE)
+
+
+def _session(file: SentFile | None, others: Sequence[SentFile], facts: Facts) -> Session:
+    if file is None:
+        raise InputError("Choose the session file first.")
+    space = state.workspace()
+    folder = new_upload(space)
+    paths = store_annotations(space, folder, "files", others)
+    content = bytes(file.getbuffer())
+    return facts.added_to(uploaded_session(content, folder, paths, space.folder / PICTURES))

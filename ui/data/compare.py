@@ -1,0 +1,258 @@
+"""Data page: which two systems are X and Y, and at which thresholds."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Final
+
+import pandas as pd
+import streamlit as st
+
+from nvcore.dataset import Dataset
+from nvcore.detection.operating_point import (
+    OperatingPoint,
+    false_alarm_curve,
+    operating_point,
+    same_operating_point,
+    score_histogram,
+)
+from nvcore.figures.inputs import false_alarm_plot, score_plot
+from nvcore.figures.style import CONFIG
+from nvcore.params import Params
+from ui.session import state
+from ui.session.opening import with_systems
+from ui.shell.messages import sampling_note
+from ui.widgets.text import docs_link, number, plain
+
+TOLD: Final = "same_point_told"
+"""Which system was moved, to be told in this run."""
+MOST_KEPT: Final = 32
+"""Curves and points that are kept for all sessions."""
+
+
+def draw() -> None:
+    """Choice of X and Y, then one column for each."""
+    st.header("Compare")
+    _draw_choice()
+    x, y = state.systems()
+    if y is None:
+        st.info(
+            "There is one system only. Open a comparison with two systems to compare them.",
+            icon=":material/info:",
+        )
+    else:
+        _draw_same_point(x, y)
+    st.caption(
+        "False alarms here are single detections that match nobody, counted in every frame. What a "
+        "driver would notice is on the Overview: false-alert episodes, false alarms linked over "
+        f"frames ({docs_link('more', 'false-alarms')})."
+    )
+    columns = st.columns(2)
+    for column, letter, name in zip(columns, "xy", (x, y), strict=True):
+        if name is not None:
+            with column:
+                _draw_system(letter, name)
+
+
+def _draw_choice() -> None:
+    space = state.workspace()
+    dataset = space.dataset
+    assert dataset is not None
+    names = list(dataset.systems)
+    x, y = state.systems()
+    if y is None:
+        return
+    left, middle, right = st.columns([5, 2, 5], vertical_alignment="bottom")
+    # the widgets show what is open, however it was changed
+    st.session_state["choice_x"], st.session_state["choice_y"] = x, y
+    left.selectbox("System X", names, key="choice_x", on_change=_choose, args=("x",))
+    middle.button(
+        "Swap", icon=":material/swap_horiz:", on_click=_swap, width="stretch", key="swap_systems"
+    )
+    right.selectbox("System Y", names, key="choice_y", on_change=_choose, args=("y",))
+
+
+def _choose(letter: str) -> None:
+    """X or Y was chosen; chosen for both, the other place gets what was here before."""
+    x, y = state.systems()
+    chosen = st.session_state[f"choice_{letter}"]
+    if letter == "x":
+        _compare(chosen, x if chosen == y else y)
+    else:
+        _compare(y if chosen == x and y is not None else x, chosen)
+
+
+def _swap() -> None:
+    x, y = state.systems()
+    assert y is not None
+    _compare(y, x)
+
+
+def _compare(x: str, y: str | None) -> None:
+    space = state.workspace()
+    assert space.session is not None
+    assert space.dataset is not None
+    space.session, thresholds = with_systems(space.session, space.dataset, state.params(), x=x, y=y)
+    space.forget()
+    for letter, name in (("x", x), ("y", y)):
+        if name is not None:
+            state.set_threshold(letter, thresholds[f"threshold_{letter}"])
+
+
+def _draw_system(letter: str, name: str) -> None:
+    dataset = state.workspace().dataset
+    assert dataset is not None
+    params, theme = state.params(), state.theme()
+    field = f"threshold_{letter}"
+    threshold: float | None = getattr(params, field)
+    st.markdown(f"**{letter.upper()}: {plain(name)}**")
+    if state.score_span(name) is None:
+        st.caption("The detections of this system have no scores that differ: every one counts.")
+    else:
+        key = f"data_{field}"
+        st.session_state[key] = threshold
+        st.number_input(
+            f"Score threshold of {letter.upper()}", key=key, value=None, step=0.01, format="%.4g",
+            placeholder="every detection counts", on_change=_take_threshold, args=(letter,),
+            help="Detections with a lower score are left out. Empty: every detection counts.",
+        )  # fmt: skip
+    point = _point(dataset, name, params, threshold)
+    n_all = len(dataset.system(name))
+    kept, alarms = st.columns(2)
+    kept.metric("Detections kept", f"{point.n_kept:,} of {n_all:,}")
+    alarms.metric(
+        "False alarms per minute",
+        number(point.false_alarms_per_minute, ".1f"),
+        help="Detections that match nobody, per minute of the recordings.",
+    )
+    alarms.caption(
+        f"{number(point.false_alarms_per_frame, '.3g')} per frame; {point.n_false_alarms:,} in all"
+    )
+    if note := sampling_note(dataset.frame_columns):
+        alarms.caption(note)
+    if state.score_span(name) is not None:
+        st.plotly_chart(
+            score_plot(
+                score_histogram(dataset, name),
+                letter=letter, name=name, threshold=threshold, theme=theme,
+            ),
+            theme=None, config=CONFIG, key=f"scores_{letter}",
+        )  # fmt: skip
+        st.plotly_chart(
+            false_alarm_plot(
+                _curve(dataset, name, params),
+                letter=letter, name=name, threshold=threshold, theme=theme,
+            ),
+            theme=None, config=CONFIG, key=f"alarms_{letter}",
+        )  # fmt: skip
+
+
+def _take_threshold(letter: str) -> None:
+    state.set_threshold(letter, st.session_state[f"data_threshold_{letter}"])
+
+
+def _draw_same_point(x: str, y: str) -> None:
+    """The button that moves one system to the other's false alarms: Y, or X where Y cannot be."""
+    can_move = {"x": state.score_span(x) is not None, "y": state.score_span(y) is not None}
+    moved, fixed = ("y", "x") if can_move["y"] or not can_move["x"] else ("x", "y")
+    needs_threshold = can_move[fixed] and getattr(state.params(), f"threshold_{fixed}") is None
+    st.button(
+        "Same operating point",
+        disabled=needs_threshold or not can_move[moved],
+        key="same_point",
+        icon=":material/balance:",
+        on_click=_take_same_point,
+        args=(x, y, moved),
+        help=f"Sets the threshold of {moved.upper()} so that it has as many false alarms per frame "
+        f"as {fixed.upper()} has now. Without it a system that reports more of everything "
+        "looks better.",
+    )
+    if not can_move[moved]:
+        st.caption("Neither system has scores that differ: there is no threshold to move.")
+    elif needs_threshold:
+        st.caption(
+            f"First set a score threshold of {fixed.upper()}: the one at which it would be used. "
+            "As long as every detection counts, its false alarms say nothing."
+        )
+    elif moved == "x":
+        st.caption(
+            "Y has no scores that differ, so its threshold cannot be moved: X is moved to Y's "
+            "false alarms instead."
+        )
+    if (told := st.session_state.pop(TOLD, None)) is not None:
+        st.caption(plain(_same_point_text(x, y, told)))
+
+
+def _same_point_text(x: str, y: str, moved: str) -> str:
+    """What the thresholds that are in force now give."""
+    dataset, params = state.workspace().dataset, state.params()
+    assert dataset is not None
+    points = {
+        "X": _point(dataset, x, params, params.threshold_x),
+        "Y": _point(dataset, y, params, params.threshold_y),
+    }
+    one, other = ("X", "Y") if moved == "x" else ("Y", "X")
+    limit = (
+        f"every detection of {one} counts"
+        if points[one].threshold is None
+        else f"{one} has the threshold {points[one].threshold:g}"
+    )
+    return (
+        f"{one} was moved. Now {limit}: "
+        f"{number(points[one].false_alarms_per_frame, '.3g')} false alarms per frame, {other} has "
+        f"{number(points[other].false_alarms_per_frame, '.3g')}."
+    )
+
+
+def _take_same_point(x: str, y: str, moved: str) -> None:
+    dataset, params = state.workspace().dataset, state.params()
+    assert dataset is not None
+    if moved == "y":
+        found = same_operating_point(dataset, params, x, y)
+    else:  # the library moves the second of the two
+        found = same_operating_point(
+            dataset, replace(params, threshold_x=params.threshold_y, threshold_y=None), y, x
+        )
+    state.set_threshold(moved, found.threshold_y)
+    st.session_state[TOLD] = moved
+
+
+def _curve(dataset: Dataset, system: str, params: Params) -> pd.DataFrame:
+    return _kept_curve(dataset.fingerprint, system, _matching(params), dataset, params)
+
+
+def _point(
+    dataset: Dataset, system: str, params: Params, threshold: float | None
+) -> OperatingPoint:
+    return _kept_point(dataset.fingerprint, system, _matching(params), threshold, dataset, params)
+
+
+def _matching(params: Params) -> tuple[str, float, float]:
+    """The settings that say when a detection matches."""
+    return params.match, params.iou, params.lateral_tolerance
+
+
+# the fingerprint stands for the tables, which Streamlit would compare by a sample of their rows
+
+
+@st.cache_resource(max_entries=MOST_KEPT, show_spinner="Counting false alarms")
+def _kept_curve(
+    fingerprint: str,  # noqa: ARG001
+    system: str,
+    matching: tuple[str, float, float],  # noqa: ARG001
+    _dataset: Dataset,
+    _params: Params,
+) -> pd.DataFrame:
+    return false_alarm_curve(_dataset, system, _params)
+
+
+@st.cache_resource(max_entries=MOST_KEPT, show_spinner="Counting false alarms")
+def _kept_point(
+    fingerprint: str,  # noqa: ARG001
+    system: str,
+    matching: tuple[str, float, float],  # noqa: ARG001
+    threshold: float | None,
+    _dataset: Dataset,
+    _params: Params,
+) -> OperatingPoint:
+    return operating_point(_dataset, system, _params, threshold=threshold)

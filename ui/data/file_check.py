@@ -1,0 +1,173 @@
+"""Data page: what chosen files turn out to be, told before anything is opened."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Iterable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Final
+
+import streamlit as st
+
+from nvcore.errors import MissingFactError, NvcoreError
+from nvcore.inputs.files import find_files
+from nvcore.inputs.load import read_source
+from nvcore.inputs.readers.base import Reading, Role
+from nvcore.inputs.session import Source
+from ui.shell.messages import without_paths
+from ui.widgets.text import plain
+
+_KEPT: Final = "data_looks"
+MOST_KEPT: Final = 40
+"""Sources that are remembered, so that files are read once and not at every click."""
+
+
+_RATE: Final[dict[Role, frozenset[str]]] = {"truth": frozenset({"fps"}), "detections": frozenset()}
+
+
+@dataclass(frozen=True, eq=False)
+class Look:
+    """What one source holds, read by itself; each look is a thing of its own, also as a key.
+
+    Attributes
+    ----------
+    trouble
+        Why it cannot be used; empty: it can.
+    lacking
+        Facts that its files do not say, of ``size`` and ``fps``.
+    format
+        Name of the format (`nvcore.inputs.readers.base.Format.name`); empty: not told.
+    told
+        Format, and how many boxes in which frames.
+    first_frame
+        Lowest frame number; None without boxes.
+    reading
+        Its recordings and images; the boxes are let go of.
+    """
+
+    trouble: str = ""
+    lacking: frozenset[str] = frozenset()
+    format: str = ""
+    told: str = ""
+    first_frame: int | None = None
+    reading: Reading | None = None
+
+    @property
+    def recordings(self) -> list[str]:
+        """Names of the recordings; none where the files could not be read."""
+        return [] if self.reading is None else self.reading.recordings["name"].tolist()
+
+
+def look_at(
+    key: Hashable,
+    source: Callable[[], Source],
+    *,
+    role: Role,
+    folder: Path,
+    truth: Look | None = None,
+) -> Look:
+    """Read a source by itself; once for each key.
+
+    Parameters
+    ----------
+    key
+        Stands for the content of the files and for how they are read.
+    source
+        Makes the source, whose paths start from `folder`; its errors are the look's trouble.
+    truth
+        What the ground truth is, for detections.
+    """
+    looks: dict[Hashable, Look] = st.session_state.setdefault(_KEPT, {})
+    known = None if truth is None else truth.reading
+    of_both = (key, None if known is None else truth)  # without a reading it tells nothing
+    found = looks.pop(of_both, None)
+    if found is None:
+        with st.spinner("Reading the files"):
+            found = _look(source, role, folder, known)
+    looks[of_both] = found  # at the end: the longest unused goes first
+    while len(looks) > MOST_KEPT:
+        del looks[next(iter(looks))]
+    return found
+
+
+def _look(source: Callable[[], Source], role: Role, folder: Path, known: Reading | None) -> Look:
+    name = ""
+    try:
+        made = source()
+        chosen = find_files(made, folder, role)[1]
+        name, title = chosen.name, chosen.title
+        if role == "detections" and known is None:  # some need to know the ground truth
+            return Look(format=name, told=title)
+        reading = read_source(made, role=role, folder=folder, size=_size(known), truth=known)
+    except MissingFactError as error:
+        if not error.facts:
+            return Look(trouble=without_paths(error))
+        # what needs the size to be read never holds a frame rate
+        return Look(lacking=frozenset(error.facts) | _RATE[role], format=name)
+    except NvcoreError as error:
+        return Look(trouble=without_paths(error))
+    frames = reading.boxes["frame"]
+    lacking = _lacking(reading) if role == "truth" else frozenset()
+    told, first = f"{title}: {len(frames):,} boxes", None
+    if len(frames):
+        told += f" in frames {frames.min()} to {frames.max()}"
+        first = int(frames.min())
+    if n_ignored := int(reading.boxes["ignore"].sum()):
+        told += f", {n_ignored:,} of them to be ignored"
+    return Look("", lacking, name, told, first, _light(reading))
+
+
+def _light(reading: Reading) -> Reading:
+    """The reading without its boxes; copied, as a part would keep the whole table in memory."""
+    images = None if reading.images is None else reading.images.copy()
+    return replace(reading, boxes=reading.boxes.iloc[:0].copy(), images=images, annotated=None)
+
+
+def _lacking(reading: Reading) -> frozenset[str]:
+    table = reading.recordings
+    is_unknown = {"size": table[["width", "height"]].isna(), "fps": table[["fps"]].isna()}
+    return frozenset(fact for fact, unknown in is_unknown.items() if unknown.to_numpy().any())
+
+
+def _size(truth: Reading | None) -> tuple[int, int] | None:
+    """The size that the ground truth states for all recordings."""
+    if truth is None:
+        return None
+    sizes = truth.recordings[["width", "height"]].dropna().drop_duplicates().to_numpy()
+    if len(sizes) != 1:
+        return None
+    return int(sizes[0, 0]), int(sizes[0, 1])
+
+
+def draw_look(look: Look | None, truth: Look | None = None) -> None:
+    """What a field's files are, or why they cannot be used."""
+    if look is None:
+        return
+    if look.trouble:
+        st.error(plain(look.trouble), icon=":material/error:")
+    elif look.told:
+        st.caption(f"Read as {plain(look.told)}.")
+    firsts = (look.first_frame, None if truth is None else truth.first_frame)
+    if set(firsts) == {0, 1}:
+        st.caption(
+            f"Begins with frame {firsts[0]}, the ground truth with frame {firsts[1]}. Should both "
+            "be the same picture: for CSV choose the first frame's number under “How to read”; "
+            "otherwise the audit proposes a correction after opening."
+        )
+
+
+def unusable(looks: Iterable[tuple[str, Look | None]]) -> str:
+    """What stops an opening, in words; empty: nothing.
+
+    Parameters
+    ----------
+    looks
+        Of each field, by the name it has on the page.
+    """
+    titles = [title for title, look in looks if look is not None and look.trouble]
+    if not titles:
+        return ""
+    return (
+        f"The files of {' and '.join(titles)} cannot be used: the reason stands at "
+        f"{'its field' if len(titles) == 1 else 'their fields'}."
+    )

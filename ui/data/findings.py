@@ -1,0 +1,108 @@
+"""Data page: what the audit found, worst first, with corrections to apply."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Final
+
+import streamlit as st
+
+from nvcore.findings import Finding, Severity, worst_first
+from ui.data.opening import try_to_open
+from ui.session import state
+from ui.session.opening import corrected, corrections_up_to
+from ui.shell.messages import without_paths
+from ui.widgets.text import plain
+
+BADGES: Final = {
+    Severity.ERROR: ":red-badge[:material/error: Error]",
+    Severity.WARNING: ":orange-badge[:material/warning: Warning]",
+    Severity.NOTE: ":gray-badge[:material/info: Remark]",
+}
+KINDS: Final = {
+    Severity.ERROR: ("error that makes figures wrong", "errors that make figures wrong"),
+    Severity.WARNING: ("warning that may change figures", "warnings that may change figures"),
+    Severity.NOTE: ("remark to look at", "remarks to look at"),
+}
+MOST_SHOWN: Final = 4
+"""Findings that stand open; the rest is folded."""
+
+
+def draw() -> None:
+    """What is open, and all findings about it."""
+    findings = worst_first(state.findings())
+    label, n = state.workspace().label, len(state.recording_names())
+    st.header(f"Open now: {plain(label)} ({n:,} recording{'s' if n > 1 else ''})")
+    st.subheader("What to mind before trusting the figures")
+    if not findings:
+        st.success(
+            f"The audit of {plain(label)} found nothing to mind.", icon=":material/check_circle:"
+        )
+        return
+    urgent = [one for one in findings if one.severity is not Severity.NOTE]
+    if urgent:
+        st.caption(_counts(findings))
+    for number, finding in enumerate(urgent[:MOST_SHOWN]):
+        _draw_one(findings, finding, number)
+    rest = [*urgent[MOST_SHOWN:], *(one for one in findings if one.severity is Severity.NOTE)]
+    if rest:
+        title = f"{'And ' if urgent else ''}{_counts(rest)}"
+        with st.expander(title, expanded=not urgent):
+            for number, finding in enumerate(rest, start=MOST_SHOWN):
+                _draw_one(findings, finding, number)
+
+
+def _counts(findings: Sequence[Finding]) -> str:
+    """How many there are of each severity, and what that means for the figures."""
+    words = []
+    for severity, (one, several) in KINDS.items():
+        n = sum(finding.severity is severity for finding in findings)
+        if n:
+            words.append(f"{n} {one if n == 1 else several}")
+    return ", ".join(words)
+
+
+def _draw_one(findings: Sequence[Finding], finding: Finding, number: int) -> None:
+    with st.container(border=True):
+        st.markdown(
+            f"{BADGES[finding.severity]} **{_subject(finding.subject)}** "
+            f"{plain(without_paths(finding.message))}"
+        )
+        where = ", ".join(part for part in (without_paths(finding.file), finding.example) if part)
+        if where:
+            st.caption(f"First seen in {plain(where)}")
+        st.markdown(f"*What to do:* {plain(without_paths(finding.advice))}")
+        if finding.suggestion and finding.subject in _systems():
+            _draw_correction(findings, finding, number)
+
+
+def _subject(subject: str) -> str:
+    if subject == "truth":
+        return "Truth:"
+    x, y = state.systems()
+    letter = {x: "X, ", y: "Y, "}.get(subject, "")
+    return f"{letter}{plain(subject)}:"
+
+
+def _systems() -> tuple[str, ...]:
+    dataset = state.workspace().dataset
+    return () if dataset is None else dataset.systems
+
+
+def _draw_correction(findings: Sequence[Finding], finding: Finding, number: int) -> None:
+    chain = corrections_up_to(findings, finding)
+    words = ", ".join(f"{name} {value:g}" for one in chain for name, value in one.suggestion)
+    is_wanted = st.button(
+        "Apply to the session",
+        key=f"apply_{number}",
+        icon=":material/build:",
+        help=f"Corrects the boxes of this system when they are read: {words}. The files stay as "
+        "they are; a saved session holds the correction.",
+    )
+    if is_wanted:
+        space = state.workspace()
+        assert space.session is not None
+        assert space.dataset is not None
+        session = corrected(space.session, space.dataset, chain)
+        try_to_open(replace(session, params=state.params()), label=space.label)

@@ -1,0 +1,99 @@
+"""Data page: the list of evaluated frames, where only some frames of a recording were looked at."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+import streamlit as st
+
+from nvcore.errors import NvcoreError
+from nvcore.inputs.evaluated_frames import parse_frames
+from ui.session import state
+from ui.shell.messages import without_paths
+from ui.widgets.text import plain
+
+FRAMES_LABEL: Final = "Evaluated frames (list, one number a line)"
+FRAMES_HELP: Final = (
+    "Only for a single recording of which some frames were annotated, and where the ground truth "
+    "does not tell which: a text file with the numbers of these frames. Without it every frame "
+    "from the first to the last annotated one is evaluated, or every n-th where they lie regularly."
+)
+MOST_BYTES: Final = 100 << 20
+"""Ten million frames with numbers of eight digits."""
+
+
+@dataclass(frozen=True)
+class FrameList:
+    """A list of evaluated frames.
+
+    Attributes
+    ----------
+    path
+        As a session names it; None: there is none, or it cannot be used.
+    told
+        What it holds.
+    trouble
+        Why it cannot be used.
+    """
+
+    path: str | None = None
+    told: str = ""
+    trouble: str = ""
+
+    @property
+    def stops(self) -> str:
+        """Why nothing is opened yet; empty: nothing stands against it."""
+        if not self.trouble:
+            return ""
+        return "The list of evaluated frames cannot be used: the reason stands at its field."
+
+
+def look_at_list(path: str, folder: Path) -> FrameList:
+    """Read a list; once for the file as it is.
+
+    Parameters
+    ----------
+    path
+        As a session in `folder` names it.
+    """
+    file = folder / path
+    try:
+        status = file.stat()
+    except OSError as error:
+        return FrameList(trouble=f"cannot be opened ({error.strerror})")
+    if not file.is_file() or status.st_size > MOST_BYTES:
+        return FrameList(trouble="expected a text file with one frame number a line")
+    key = (str(file), status.st_mtime_ns, status.st_size)
+    return state.workspace().keep("frame_list", key, lambda: _look(path, folder))
+
+
+def _look(path: str, folder: Path) -> FrameList:
+    try:
+        frames = parse_frames(path, folder)
+    except NvcoreError as error:
+        return FrameList(trouble=without_paths(error))
+    steps = np.diff(frames)
+    told = f"{len(frames):,} frames, {frames[0]} to {frames[-1]}"
+    if len(steps) and steps[0] > 1 and (steps == steps[0]).all():
+        told += f", {steps[0]} apart"
+    return FrameList(path, told)
+
+
+def draw_frame_list(found: FrameList, recordings: Sequence[str]) -> FrameList:
+    """What the list holds, or why it cannot be used with these recordings of the ground truth."""
+    if not found.trouble and len(recordings) > 1:
+        found = replace(
+            found,
+            path=None,
+            trouble=f"is of one recording, and the ground truth has {len(recordings):,}: give the "
+            "list of each recording in a session file, as frames under its [[recording]]",
+        )
+    if found.trouble:
+        st.error(plain(found.trouble), icon=":material/error:")
+    else:
+        st.caption(f"Read as {plain(found.told)}.")
+    return found

@@ -1,0 +1,167 @@
+"""Data page: what was read, with which conversion; recordings and their pictures."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path, PurePosixPath
+from typing import Final
+
+import pandas as pd
+import streamlit as st
+
+from nvcore.dataset import Dataset
+from nvcore.inputs.session import Session
+from nvcore.tables.inputs import inputs_table, left_out_table
+from ui.data.opening import draw_trouble, try_to_open
+from ui.session import state
+from ui.session.opening import facts_of, relative_path, with_recordings
+from ui.session.workspace import Stored, Workspace
+from ui.shell.messages import without_paths
+from ui.widgets.text import plain
+
+_OLD_NAME: Final = re.compile(
+    r"\b(the (?:only|truth's only) recording),? (?:'(?:[^'\\]|\\.)*'|\"(?:[^\"\\]|\\.)*\")"
+)
+NONE: Final = "no pictures"
+MOST_IN_TABLE: Final = 12
+"""Recordings that are shown without scrolling."""
+IMAGES: Final = "single pictures sent"
+
+
+def draw() -> None:
+    """Inputs, recordings and notes of the open comparison."""
+    space = state.workspace()
+    dataset = space.dataset
+    assert dataset is not None
+    st.subheader("What was read")
+    st.table(_inputs(dataset), width="stretch", hide_index=True)
+    left_out = left_out_table(dataset)
+    if not left_out.empty:
+        told = "; ".join(
+            f"{one.subject}: {one.n_rows:,} {one.reason}" for one in left_out.itertuples()
+        )
+        st.caption(f"Rows that could not be placed: {plain(told)}.")
+    recordings = _recordings(space, dataset)
+    if len(recordings) > MOST_IN_TABLE:
+        st.dataframe(recordings, hide_index=True, width="stretch")
+    else:  # shows long texts in full, but takes them for Markdown
+        st.table(recordings.map(plain), width="stretch", hide_index=True)
+    for note in dataset.notes:
+        st.caption(plain(note[:1].upper() + note[1:]))
+    draw_trouble("session")
+    with st.expander("Pictures of the recordings"):
+        _draw_pictures(space)
+
+
+def _inputs(dataset: Dataset) -> pd.DataFrame:
+    """One row per source; the texts are Markdown that shows names as they are."""
+    x, y = state.systems()
+    rows = []
+    n_ignored = int(dataset.truth.ignore.sum())
+    n_counted = len(dataset.truth) - n_ignored
+    ignored = f": {n_counted:,} pedestrians, {n_ignored:,} to be ignored" if n_ignored else ""
+    for source in inputs_table(dataset).itertuples():
+        letter = {x: "X: ", y: "Y: "}.get(source.subject, "")
+        more = f" and {source.n_files - 1:,} more" if source.n_files > 1 else ""
+        rows.append(
+            {
+                "Source": f"{letter}{plain(source.subject)}" if source.Index else "Truth",
+                "Files": f"{plain(without_paths(source.first_file))}{more}",
+                "Format": plain(source.format),
+                "Boxes": f"{source.n_boxes:,}{'' if source.Index else ignored}",
+                "Read as": plain(_without_old_name(source.conversion)),
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def _without_old_name(conversion: str) -> str:
+    """The text without what the file calls the only recording: its name stands in the next table.
+
+    Examples
+    --------
+    >>> _without_old_name("the only file taken for the only recording, 'gt'; pixels as they are")
+    'the only file taken for the only recording; pixels as they are'
+    """
+    return _OLD_NAME.sub(r"\1", conversion)
+
+
+def _recordings(space: Workspace, dataset: Dataset) -> pd.DataFrame:
+    table, first = dataset.recordings, dataset.frame_columns.first
+    n_rows = len(table)
+    return pd.DataFrame(
+        {
+            "Recording": table["name"],
+            "Size (px)": [
+                f"{w:g} × {h:g}" for w, h in zip(table["width"], table["height"], strict=True)
+            ],
+            "Frames per second": [f"{fps:g}" for fps in table["fps"]],
+            "Evaluated frames": first[1:] - first[:-1],
+            "Pictures": [_pictures_text(space, recording) for recording in range(n_rows)],
+        }
+    )
+
+
+def _pictures_text(space: Workspace, recording: int) -> str:
+    note = space.picture_notes.get(recording, "")
+    pictures = space.pictures.get(recording)
+    if pictures is None:
+        return note or NONE
+    return ": ".join(part for part in (pictures.name, note) if part)
+
+
+def _draw_pictures(space: Workspace) -> None:
+    session = space.session
+    assert session is not None
+    names = state.recording_names()
+    name = names[0]
+    if len(names) > 1:
+        name = st.selectbox("Recording", names, key="pictures_recording")
+    facts = facts_of(session, names, name)
+    choices = picture_choices(space, session, facts.pictures)
+    shown = [NONE, *choices]
+    now = next((label for label, path in choices.items() if path == facts.pictures), NONE)
+    with st.form(f"pictures_{names.index(name)}", border=False):
+        left, right = st.columns([2, 1])
+        chosen = left.selectbox(
+            "Pictures", shown, index=shown.index(now),
+            help="Send pictures under “Open another comparison”, Upload; they appear here.",
+        )  # fmt: skip
+        first_picture = right.number_input(
+            "Frame number of the first picture", value=facts.first_picture, step=1,
+            placeholder="as guessed",
+            help="Only where boxes and pictures do not belong together: the number, as in the "
+            "truth, of the frame that the first picture shows. Empty: told from the file names.",
+        )  # fmt: skip
+        is_wanted = st.form_submit_button("Use these pictures")
+    if is_wanted:
+        first = None if first_picture is None else int(first_picture)
+        change = {"pictures": choices.get(chosen), "first_picture": first}
+        changed = with_recordings(session, names, {name: change})
+        try_to_open(replace(changed, params=state.params()), label=space.label)
+
+
+def picture_choices(
+    space: Workspace, session: Session, current: str | None
+) -> dict[str, str | None]:
+    """What can show a recording: its own pictures and what was sent; paths by label."""
+    choices: dict[str, str | None] = {}
+    if current is not None:
+        choices[PurePosixPath(current).name] = current
+    for label, path in sent_pictures(space).items():
+        relative = relative_path(path, session.folder)
+        if relative != current:
+            choices[label if label not in choices else f"{label} (sent)"] = relative
+    return choices
+
+
+def sent_pictures(space: Workspace) -> dict[str, Path]:
+    """Videos, archives and the folder of single pictures that were sent, by label."""
+    stored: Sequence[Stored] = list(space.stored.values())
+    found = {one.name: space.folder / one.place for one in stored if one.kind != "image"}
+    images = [one for one in stored if one.kind == "image"]
+    if images:
+        found[f"{IMAGES} ({len(images):,})"] = (space.folder / images[0].place).parent
+    return found

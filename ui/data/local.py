@@ -1,0 +1,266 @@
+"""Data page: open files below the folder that the app was started with."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import streamlit as st
+
+from nvcore.errors import InputError, NvcoreError
+from nvcore.inputs.files import find_files
+from nvcore.inputs.readers.base import Role
+from nvcore.inputs.session import Session, Source, SystemSource
+from nvcore.inputs.session_toml import read_session
+from ui.data.file_check import Look, draw_look, look_at, unusable
+from ui.data.frames import FRAMES_HELP, FRAMES_LABEL, FrameList, draw_frame_list, look_at_list
+from ui.data.missing_inputs import Facts, draw_facts, forget_facts
+from ui.data.names import draw_recording, draw_system_name, proposed_names, with_recording_name
+from ui.data.opening import draw_trouble, forget_trouble, try_to_open
+from ui.data.pictures import ChosenPictures, draw_checked
+from ui.session.local_files import Entry, LocalRoot
+from ui.session.opening import check_confined, guess_pictures, recording_names, with_recordings
+from ui.shell.messages import without_paths
+from ui.widgets.text import plain
+
+PLACE: Final = "local"
+SESSION: Final = "local_session"
+TOP: Final = "(top folder)"
+UP: Final = ".."
+ROLES: Final = {
+    "local_truth": "Ground truth",
+    "local_x": "System X",
+    "local_y": "System Y",
+    "local_frames": FRAMES_LABEL,
+    "local_pictures": "Pictures (not needed for the figures)",
+}
+SYSTEMS: Final = ("local_x", "local_y")
+SOURCES: Final = ("local_truth", *SYSTEMS)
+
+
+@dataclass(frozen=True)
+class _Form:
+    """All that is to be opened."""
+
+    chosen: dict[str, list[str]]
+    names: list[str]
+    recording: str
+    frames: FrameList
+    pictures: ChosenPictures
+    facts: Facts
+    unusable: str
+
+
+def draw(root: LocalRoot) -> None:
+    """A folder to look into, and what to take from it."""
+    here = st.session_state.setdefault("local_folder", "")
+    try:
+        entries = root.entries(here)
+    except InputError as error:
+        st.warning(plain(str(error)), icon=":material/warning:")
+        here, entries = "", root.entries()
+        st.session_state["local_folder"] = here
+    _draw_folder(here, entries)
+    _draw_session(root, entries)
+    st.markdown("**Or choose files and folders**, here and in other folders:")
+    form = _draw_form(root, entries)
+    if st.button("Open these files", key="open_local", type="primary"):
+        try_to_open(
+            lambda: _session(root, form),
+            label=f"Files in {here}" if here else "Local files",
+            place=PLACE,
+        )
+
+
+def _draw_form(root: LocalRoot, entries: list[Entry]) -> _Form:
+    chosen: dict[str, list[str]] = {}
+    looks: list[Look | None] = []
+    name_fields = []
+    for key in SOURCES:
+        left, right = st.columns([1, 3])
+        with right:
+            chosen[key] = _draw_role(key, entries)
+            truth = looks[0] if looks else None
+            look = _look(root, chosen[key], truth, role="detections" if looks else "truth")
+            draw_look(look, truth)
+        name_fields.append(left)
+        looks.append(look)
+    recordings = [] if looks[0] is None else looks[0].recordings
+    frames = _draw_frame_list(root, entries, recordings)
+    chosen["local_pictures"] = _draw_role("local_pictures", entries)
+    places, gone = _find(root, chosen["local_pictures"])
+    with name_fields[0]:
+        recording = draw_recording(recordings, places, place=PLACE, changed=_changed)
+    proposed = proposed_names([chosen[key] for key in SYSTEMS], chosen["local_truth"], recordings)
+    names = []
+    for number, (key, name) in enumerate(zip(SYSTEMS, proposed, strict=True), start=1):
+        with name_fields[number]:
+            title = ROLES[key].replace("S", "s")
+            names.append(draw_system_name(title, name, number, key=f"{key}_name", changed=_changed))
+    pictures = draw_checked(PLACE, places, recordings, gone)
+    lacking = {fact for look in looks if look is not None for fact in look.lacking}
+    told_format = "" if looks[0] is None else looks[0].format
+    facts = draw_facts(PLACE, pictures.usable.values(), lacking, told_format)
+    draw_trouble(PLACE)
+    titles = ["the ground truth", *(f"system {key[-1].upper()}" for key in SYSTEMS)]
+    wrong = unusable(zip(titles, looks, strict=True))
+    return _Form(chosen, names, recording, frames, pictures, facts, wrong)
+
+
+def _draw_frame_list(root: LocalRoot, entries: list[Entry], recordings: Sequence[str]) -> FrameList:
+    files = [entry for entry in entries if not entry.is_folder]
+    chosen = _draw_role("local_frames", files, most=1, help_text=FRAMES_HELP)
+    if not chosen:
+        return FrameList()
+    try:
+        root.find(chosen[0])
+    except InputError as error:
+        return draw_frame_list(FrameList(trouble=str(error)), recordings)
+    return draw_frame_list(look_at_list(chosen[0], root.folder), recordings)
+
+
+def _find(root: LocalRoot, paths: Sequence[str]) -> tuple[dict[str, Path], list[str]]:
+    """Where the paths lead, and what is wrong with those that lead nowhere any more."""
+    found, gone = {}, []
+    for path in paths:
+        try:
+            found[path] = root.find(path)
+        except InputError as error:
+            gone.append(str(error))
+    return found, gone
+
+
+def _look(
+    root: LocalRoot, paths: Sequence[str], truth: Look | None, *, role: Role = "truth"
+) -> Look | None:
+    """What the chosen paths hold, read only if they stay below the root."""
+    if not paths:
+        return None
+
+    source = Source(path=tuple(paths))
+    try:
+        for path in paths:
+            root.find(path)
+        check_confined(Session(root.folder, source, ()), root.folder)
+        files, _ = find_files(source, root.folder, role)
+    except NvcoreError as error:
+        return Look(trouble=without_paths(error))
+    key = (*paths, role, _state_of(root, [file.path for file in files]))
+    return look_at(key, lambda: source, role=role, folder=root.folder, truth=truth)
+
+
+def _state_of(root: LocalRoot, files: Sequence[Path]) -> tuple[tuple[str, int, int], ...]:
+    """Changes when a file does: a folder stays as it is when a file in it is mended.
+
+    Read along with them: seqinfo.ini beside MOTChallenge's files or up to two folders above.
+    """
+    folders = {folder for file in files for folder in file.parents[:3]}
+    beside = [folder / "seqinfo.ini" for folder in sorted(folders)]
+    found = []
+    for file in (*files, *(one for one in beside if one.is_relative_to(root.folder))):
+        try:
+            status = file.stat()
+        except OSError:  # told when it is read
+            continue
+        found.append((str(file), status.st_mtime_ns, status.st_size))
+    return tuple(found)
+
+
+def _draw_folder(here: str, entries: list[Entry]) -> None:
+    folders = [entry.path for entry in entries if entry.is_folder]
+    st.selectbox(
+        f"Folder: {plain(here) or TOP}",
+        [*([UP] if here else []), *folders],
+        index=None,
+        key="local_next",
+        placeholder=f"{len(folders)} folders, {len(entries) - len(folders)} files; go to a folder",
+        format_func=lambda path: "one up" if path == UP else path.rpartition("/")[2] + "/",
+        on_change=_go,
+    )
+
+
+def _go() -> None:
+    here, chosen = st.session_state["local_folder"], st.session_state["local_next"]
+    if chosen is not None:
+        st.session_state["local_folder"] = here.rpartition("/")[0] if chosen == UP else chosen
+        _session_changed()
+    st.session_state["local_next"] = None
+
+
+def _draw_session(root: LocalRoot, entries: list[Entry]) -> None:
+    files = [entry.path for entry in entries if entry.path.lower().endswith(".toml")]
+    if not files:
+        return
+    left, right = st.columns([4, 1], vertical_alignment="bottom")
+    file = left.selectbox(
+        "Session file", files, format_func=_last, key="local_session", on_change=_session_changed
+    )
+    is_wanted = right.button("Open session", key="open_local_session", width="stretch")
+    facts = draw_facts(SESSION, [])
+    draw_trouble(SESSION)
+    if is_wanted:
+        try_to_open(lambda: _session_file(root, file, facts), label=_last(file), place=SESSION)
+
+
+def _session_changed() -> None:
+    forget_trouble(SESSION)
+    forget_facts(SESSION)
+
+
+def _draw_role(
+    key: str, entries: list[Entry], *, most: int | None = None, help_text: str | None = None
+) -> list[str]:
+    """Files and folders of one role; what was chosen in other folders stays chosen."""
+    before: list[str] = st.session_state.get(key, [])
+    options = [*before, *(entry.path for entry in entries if entry.path not in before)]
+    return st.multiselect(
+        ROLES[key], options, key=key, on_change=_changed, max_selections=most, help=help_text
+    )
+
+
+def _changed() -> None:
+    forget_trouble(PLACE)
+    forget_facts(PLACE)
+
+
+def _last(path: str) -> str:
+    return path.rpartition("/")[2]
+
+
+def _session_file(root: LocalRoot, path: str, facts: Facts) -> Session:
+    session = facts.added_to(read_session(root.find(path)))
+    check_confined(session, root.folder)
+    return session
+
+
+def _session(root: LocalRoot, form: _Form) -> Session:
+    chosen = form.chosen
+    if not chosen["local_truth"]:
+        raise InputError("Choose the ground truth first: the boxes that both systems should find.")
+    systems = [
+        (chosen[key], name) for key, name in zip(SYSTEMS, form.names, strict=True) if chosen[key]
+    ]
+    if not systems:
+        raise InputError("Choose the detections of at least one system.")
+    for wrong in (form.unusable, form.frames.stops, form.pictures.stops):
+        if wrong:
+            raise InputError(wrong)
+    session = form.facts.session(
+        frame_list=form.frames.path,
+        folder=root.folder,
+        truth=Source(path=tuple(chosen["local_truth"])),
+        systems=tuple(SystemSource(path=tuple(paths), name=name) for paths, name in systems),
+    )
+    check_confined(session, root.folder)
+    if form.pictures.usable or form.recording:
+        names = recording_names(session)
+        files = {Path(path).name: path for path in form.pictures.usable}
+        whose = guess_pictures(names, files)
+        changes = {name: {"pictures": files[label]} for name, label in whose.items()}
+        session = with_recording_name(
+            with_recordings(session, names, changes), names, form.recording
+        )
+        check_confined(session, root.folder)
+    return session

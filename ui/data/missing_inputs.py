@@ -1,0 +1,279 @@
+"""Data page: questions about inputs, asked only where the files do not answer them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Iterable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Final
+
+import streamlit as st
+
+from nvcore.errors import MediaError
+from nvcore.inputs.readers import FORMATS
+from nvcore.inputs.readers.base import Role
+from nvcore.inputs.session import Session
+from nvcore.pictures.open import open_pictures
+from ui.data.opening import FACTS, trouble_of
+from ui.session.opening import checked_frames
+
+_LOOKS: Final = "picture_looks"
+MOST_LOOKS: Final = 256
+"""Pictures that are remembered: a long video takes time to open."""
+MAX_SIZE_PX: Final = 100_000
+MAX_FPS: Final = 10_000.0
+AUTOMATIC: Final = "told from the content"
+FRAME_BASES: Final = {"as usual for the format": None, "the first frame is 0": 0,
+                      "the first frame is 1": 1}  # fmt: skip
+BOX_BASES: Final = {"as usual for the format": None, "the first pixel is 0": 0,
+                    "the first pixel is 1": 1}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Facts:
+    """What a person says of all recordings; None: the files tell."""
+
+    size: tuple[int, int] | None = None
+    fps: float | None = None
+    frames: str | None = None
+
+    def session(self, *, frame_list: str | None = None, **parts: Any) -> Session:
+        """A session with these facts.
+
+        Parameters
+        ----------
+        frame_list
+            Path of a list of evaluated frames, which goes before a range.
+        parts
+            What else is in it.
+
+        Raises
+        ------
+        SessionError
+            If the frames are no range.
+        """
+        frames = frame_list or checked_frames(self.frames or "")
+        return Session(size=self.size, fps=self.fps, frames=frames, **parts)
+
+    def added_to(self, session: Session) -> Session:
+        """A session that was read from a file, with these facts; what is not given stays.
+
+        Raises
+        ------
+        SessionError
+            If the frames are no range.
+        """
+        given = {
+            "size": self.size, "fps": self.fps, "frames": checked_frames(self.frames or ""),
+        }  # fmt: skip
+        return replace(session, **{k: v for k, v in given.items() if v is not None})
+
+
+@dataclass(frozen=True)
+class Usual:
+    """What most recordings in a format have.
+
+    Attributes
+    ----------
+    size
+        (width, height) px.
+    fps
+        Frames per second; None: they are single pictures.
+    name
+        What recordings of that format are called.
+    others
+        Which other sizes there are.
+    """
+
+    size: tuple[int, int]
+    fps: float | None
+    name: str
+    others: str
+
+
+_OF_KITTI: Final = ("KITTI", "1224 × 370, 1238 × 374 or 1241 × 376")
+USUAL: Final = {
+    "kitti-tracking": Usual((1242, 375), 10.0, *_OF_KITTI),
+    "kitti-object": Usual((1242, 375), None, *_OF_KITTI),
+}
+"""By the name of the format."""
+
+
+def draw_facts(
+    place: str, pictures: Iterable[Path], lacking: Iterable[str] = (), format_name: str = ""
+) -> Facts:
+    """Fields for what the files do not say; none if nothing.
+
+    Parameters
+    ----------
+    place
+        Part of the page; see `ui.data.opening`.
+    pictures
+        Pictures of the recordings, whose size and frame rate are proposed.
+    lacking
+        What the files are known not to say; what they left open when they were last opened is
+        asked as well.
+    format_name
+        Format of the ground truth, whose usual facts are proposed where pictures tell none.
+    """
+    trouble = trouble_of(place)
+    asked = st.session_state.setdefault(f"asked_{place}", set())
+    asked |= set(() if trouble is None else trouble.facts)
+    asked = asked | set(lacking)
+    pictures, usual = list(pictures), USUAL.get(format_name)
+    facts: dict[str, Any] = {}
+    if asked:
+        words = " and ".join(FACTS[fact] for fact in FACTS if fact in asked)
+        st.markdown(f"**Not in the files: {words}**")
+    if "size" in asked:
+        facts["size"] = _draw_size(place, picture_size(pictures), usual)
+    if "fps" in asked:
+        facts["fps"] = _draw_rate(place, picture_rate(pictures), usual)
+    if "frames" in asked:
+        facts["frames"] = st.text_input(
+            "Evaluated frames", placeholder="0:299", key=f"frames_{place}",
+            help="FIRST:LAST or FIRST:LAST:STEP, by the frame numbers of the truth.",
+        )  # fmt: skip
+    return Facts(**facts)
+
+
+def _draw_size(
+    place: str, of_pictures: tuple[int, int] | None, usual: Usual | None
+) -> tuple[int, int] | None:
+    of_format = None if usual is None else usual.size
+    if of_format is not None and _is_typed(f"width_{place}", of_format[0]):
+        of_pictures = None
+    proposed = of_pictures or of_format
+    if _is_typed(f"width_{place}", None):
+        proposed = None
+    width, height = proposed or (None, None)
+    left, right = st.columns(2)
+    wide = left.number_input(
+        "Width of the pictures (px)", 1, MAX_SIZE_PX, value=width, step=1,
+        key=f"width_{place}_{width}", placeholder="such as 640",
+    )  # fmt: skip
+    high = right.number_input(
+        "Height of the pictures (px)", 1, MAX_SIZE_PX, value=height, step=1,
+        key=f"height_{place}_{height}", placeholder="such as 480",
+    )  # fmt: skip
+    if proposed is not None and of_pictures is not None:
+        st.caption("The size of the pictures given; boxes have to be in the same pixels.")
+    elif proposed is not None and usual is not None:
+        st.caption(f"The usual size in {usual.name}; some of its recordings have {usual.others}.")
+    return None if wide is None or high is None else (int(wide), int(high))
+
+
+def _is_typed(name: str, proposed: float | None) -> bool:
+    """Whether a person changed what was proposed: that stays, whatever is proposed later."""
+    return st.session_state.get(f"{name}_{proposed}") not in (None, proposed)
+
+
+def _draw_rate(place: str, of_pictures: float | None, usual: Usual | None) -> float | None:
+    of_format = None if usual is None else usual.fps
+    if of_format is not None and _is_typed(f"fps_{place}", of_format):
+        of_pictures = None
+    proposed = of_pictures or of_format
+    if _is_typed(f"fps_{place}", None):
+        proposed = None
+    rate = st.number_input(
+        "Frames per second", 0.01, MAX_FPS, value=proposed, step=1.0,
+        key=f"fps_{place}_{proposed}", placeholder="such as 20", format="%.6g",
+        help="How many frame numbers make a second: of the numbering in the files, even if only "
+        "every tenth frame is annotated. A video is proposed with the rate at which it plays, "
+        "which may differ from that of the camera.",
+    )  # fmt: skip
+    if proposed is not None and of_pictures is None and usual is not None:
+        st.caption(f"The usual rate in {usual.name}.")
+    elif proposed is not None:
+        st.caption(
+            "The rate at which the video plays; change it if the camera took the frames at "
+            "another one. Times, lead times and rates per minute depend on it."
+        )
+    return None if rate is None else float(rate)
+
+
+def forget_facts(place: str) -> None:
+    """Ask nothing from now on, until files leave something open again."""
+    st.session_state.pop(f"asked_{place}", None)
+
+
+def draw_reading(role: Role, key: str, changed: Callable[[], None]) -> dict[str, Any]:
+    """Fields of `nvcore.inputs.session.Source` that hardly ever have to be given."""
+    titles = {one.title: one.name for one in FORMATS if role in one.roles}
+    title = st.selectbox("Format", [AUTOMATIC, *titles], key=f"format_{key}", on_change=changed)
+    frame_base = st.selectbox(
+        "Frame numbers", list(FRAME_BASES), key=f"frame_base_{key}", on_change=changed
+    )
+    box_base = st.selectbox(
+        "Coordinates", list(BOX_BASES), key=f"box_base_{key}", on_change=changed
+    )
+    classes = st.text_input(
+        "Classes that are pedestrians", key=f"classes_{key}", on_change=changed,
+        placeholder="as usual for the format", help="Names or numbers, with commas between them.",
+    )  # fmt: skip
+    given = tuple(name.strip() for name in classes.split(",") if name.strip())
+    return {
+        "format": titles.get(title),
+        "frame_base": FRAME_BASES[frame_base],
+        "box_base": BOX_BASES[box_base],
+        "classes": given or None,
+    }
+
+
+def picture_size(paths: Iterable[Path]) -> tuple[int, int] | None:
+    """Size of the first pictures that can be opened."""
+    return next((one.size for one in map(look_at_pictures, paths) if one.size), None)
+
+
+def picture_rate(paths: Iterable[Path]) -> float | None:
+    """Frame rate of the first pictures that state one, within what can be given."""
+    rates = (one.fps for one in map(look_at_pictures, paths))
+    return next((rate for rate in rates if rate is not None and 0.01 <= rate <= MAX_FPS), None)
+
+
+@dataclass(frozen=True)
+class PictureLook:
+    """What pictures turn out to be.
+
+    Attributes
+    ----------
+    size
+        (width, height) px; None: they cannot be opened.
+    fps
+        Frame rate that they state, 1/s.
+    trouble
+        Why they cannot be opened.
+    """
+
+    size: tuple[int, int] | None = None
+    fps: float | None = None
+    trouble: str = ""
+
+
+def look_at_pictures(path: Path) -> PictureLook:
+    """Open pictures to see what they are; once in a session for the file as it is.
+
+    A folder with trouble is opened again: it stays as it is when a picture in it is mended.
+    """
+    try:
+        status = path.stat()
+    except OSError as error:
+        return PictureLook(trouble=f"cannot be opened ({error.strerror})")
+    looks: dict[Hashable, PictureLook] = st.session_state.setdefault(_LOOKS, {})
+    key = (path, status.st_mtime_ns, status.st_size)
+    found = looks.pop(key, None) or _look_at_pictures(path)
+    if not (found.trouble and path.is_dir()):
+        looks[key] = found  # at the end: the longest unused goes first
+        while len(looks) > MOST_LOOKS:
+            del looks[next(iter(looks))]
+    return found
+
+
+def _look_at_pictures(path: Path) -> PictureLook:
+    try:
+        pictures = open_pictures(path)
+    except MediaError as error:
+        return PictureLook(trouble=error.message)
+    found = PictureLook((int(pictures.width), int(pictures.height)), pictures.fps)
+    pictures.close()
+    return found

@@ -1,0 +1,93 @@
+"""Data page: fields for the names of systems and recordings, filled in with what files tell."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
+from pathlib import PurePosixPath
+
+import streamlit as st
+
+from nvcore.inputs.files import system_names
+from nvcore.inputs.readers.meaning.names import NEUTRAL
+from nvcore.inputs.session import RecordingFacts, Session, Source
+
+
+def proposed_names(
+    systems: Sequence[Sequence[str]], truth: Sequence[str], recordings: Sequence[str]
+) -> list[str]:
+    """Names of systems as their paths tell; a system whose path tells nothing is numbered.
+
+    Parameters
+    ----------
+    systems
+        Paths of each system as people know them; empty: none chosen yet.
+    truth
+        Paths of the ground truth: what they are called is no system's name.
+    recordings
+        Names of its recordings, for the same reason.
+
+    Examples
+    --------
+    >>> proposed_names([["RRC/0016.txt"], ["PointRCNN/0016.txt"]], [], ["0016"])
+    ['RRC', 'PointRCNN']
+    >>> proposed_names([["0016.txt"], ["0016.txt"]], ["0016.txt"], ["0016"])
+    ['System 1', 'System 2']
+    """
+    taken = [*recordings, *(PurePosixPath(path).stem for path in truth)]
+    numbered = [
+        Source((f"System {number}/{paths[0]}",))
+        for number, paths in enumerate(systems, start=1)
+        if paths
+    ]
+    told = iter(system_names(numbered, taken))
+    return [next(told) if paths else "" for paths in systems]
+
+
+def draw_name(label: str, proposed: str, *, key: str, changed: Callable[[], None]) -> str:
+    """A field that follows what the files tell until a person types a name."""
+    told = f"told_{key}"
+    if st.session_state.get(key, "") in ("", st.session_state.get(told, "")):
+        st.session_state[key] = proposed
+    st.session_state[told] = proposed
+    typed = st.text_input(label, key=key, on_change=changed, placeholder="told by the files")
+    return (typed or "").strip() or proposed
+
+
+def draw_system_name(
+    title: str, proposed: str, number: int, *, key: str, changed: Callable[[], None]
+) -> str:
+    """The field for the name of a system; says so where the files tell none."""
+    name = draw_name(f"Name of {title}", proposed, key=key, changed=changed)
+    if name == proposed == f"System {number}":
+        st.caption("The files' names do not tell which system this is: type its name.")
+    return name
+
+
+def draw_recording(
+    recordings: Sequence[str],
+    pictures: Iterable[str],
+    *,
+    place: str,
+    changed: Callable[[], None],
+) -> str:
+    """The field for the name of the only recording; empty where there is not a single one.
+
+    Where its file is only called ``gt`` or the like, the pictures propose the name.
+    """
+    if len(recordings) != 1:
+        return ""
+    proposed, labels = recordings[0], list(pictures)
+    if proposed.lower() in NEUTRAL and len(labels) == 1:
+        proposed = PurePosixPath(labels[0]).stem
+    return draw_name(
+        "Name of the recording", proposed, key=f"recording_name_{place}", changed=changed
+    )
+
+
+def with_recording_name(session: Session, recordings: Sequence[str], name: str) -> Session:
+    """The session that calls the only recording so."""
+    if len(recordings) != 1 or not name or name == recordings[0]:
+        return session
+    facts = next(iter(session.recordings), RecordingFacts(name))
+    return replace(session, recordings=(replace(facts, name=name),))

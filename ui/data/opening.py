@@ -1,0 +1,173 @@
+"""Data page: open a comparison, and say in a banner why it cannot be opened."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final
+
+import streamlit as st
+
+from nvcore.errors import MissingFactError, NvcoreError
+from nvcore.inputs.session import Session
+from ui.session import state
+from ui.shell.messages import without_paths
+from ui.shell.navigate import ask_for_page
+from ui.widgets.text import plain
+
+_KEY: Final = "data_trouble"
+_OPENED: Final = "data_opened"
+_SHOWN: Final = "data_opened_shown"
+_SEE: Final = "see_opened"
+SESSION: Final = "session"
+"""The part of the page that changes what is open, rather than opening something else."""
+FACTS: Final = {
+    "size": "the image size",
+    "fps": "the frame rate",
+    "frames": "which frames are evaluated",
+}
+"""Facts of `MissingFactError` in words."""
+_TO_TOP = st.components.v2.component(
+    "nvcore_to_top",
+    js="""
+    export default function () {
+      document.querySelector('[data-testid="stMain"]')?.scrollTo({ top: 0 });
+    }
+    """,
+)
+"""Shows the top of the page: whoever opens something is far below it."""
+
+
+@dataclass(frozen=True)
+class Trouble:
+    """Why something could not be opened, what it was called, and which facts would help."""
+
+    text: str
+    label: str
+    facts: tuple[str, ...] = ()
+
+
+def try_to_open(
+    session: Session | Callable[[], Session], *, label: str, place: str = SESSION
+) -> None:
+    """Open a session; if that fails, the run starts again and `draw_trouble` says why.
+
+    Parameters
+    ----------
+    session
+        The session, or what makes it.
+    label
+        What it is called on the pages.
+    place
+        Part of the page that the trouble is shown in.
+    """
+    st.session_state.pop(_key(place), None)
+    st.session_state[_OPENED] = place, label, state.workspace().n_opened
+    try:
+        state.open_session(session() if callable(session) else session, label=label)
+    except MissingFactError as error:
+        trouble = Trouble(_question(error.facts) or without_paths(error), label, error.facts)
+    except NvcoreError as error:
+        trouble = Trouble(without_paths(error), label)
+    # only reached when it failed: what opens starts the run again
+    st.session_state[_key(place)] = trouble
+    st.rerun()
+
+
+def trouble_of(place: str) -> Trouble | None:
+    """What went wrong in this part of the page; None: nothing."""
+    found: Trouble | None = st.session_state.get(_key(place))
+    return found
+
+
+def forget_trouble(place: str) -> None:
+    """To be called when the choice that made trouble has changed."""
+    st.session_state.pop(_key(place), None)
+
+
+def _opened() -> tuple[str, str] | None:
+    """Part of the page in which something was opened since, and what it is called."""
+    place, label, n_before = st.session_state.get(_OPENED, ("", "", 0))
+    is_open = place and state.workspace().n_opened > n_before
+    return (place, label) if is_open else None
+
+
+def draw_outcome() -> None:
+    """At the top of the page: what was opened, or could not be and is not what the page shows."""
+    keys = [key for key in st.session_state if str(key).startswith(f"{_KEY}_")]
+    opened = _opened()
+    if opened is not None:
+        for key in keys:
+            del st.session_state[key]
+        if opened[0] != SESSION:
+            _draw_opened(opened[1])
+        return
+    for key in keys:
+        trouble: Trouble = st.session_state[key]
+        st.error(
+            f"**Not opened: {plain(trouble.label) or 'nothing chosen'}.** {plain(trouble.text)}\n\n"
+            f"Still open, and what this page is about: {plain(state.workspace().label)}.",
+            icon=":material/error:",
+        )
+
+
+def _draw_opened(label: str) -> None:
+    """The next step, for as long as one stays on the page."""
+    n_opened = state.workspace().n_opened
+    is_first = st.session_state.get(_SHOWN) != n_opened
+    if not is_first and _SEE not in st.session_state:  # values of another page's widgets go
+        del st.session_state[_OPENED]
+        return
+    st.session_state[_SHOWN] = n_opened
+    st.success(
+        f"**Opened: {plain(label)}.** Below: what to mind and what was read.{_on_thresholds()}",
+        icon=":material/check_circle:",
+    )
+    st.button(
+        "Next: see the comparison", type="primary", icon=":material/arrow_forward:", key=_SEE,
+        on_click=ask_for_page, args=("overview",),
+    )  # fmt: skip
+    _TO_TOP(key="to_top", data={"opened": n_opened}, height=1)
+
+
+def draw_trouble(place: str) -> None:
+    """The banner that says why something could not be opened, or once that it was changed."""
+    opened_in, label = _opened() or ("", "")
+    if opened_in == place == SESSION:
+        del st.session_state[_OPENED]
+        st.success(
+            f"Changed, and opened again: {plain(label)}. What to mind stands above.",
+            icon=":material/check_circle:",
+        )
+    trouble = trouble_of(place)
+    if trouble is not None:
+        is_question = bool(trouble.facts)
+        icon = ":material/help:" if is_question else ":material/error:"
+        (st.warning if is_question else st.error)(plain(trouble.text), icon=icon)
+
+
+def _on_thresholds() -> str:
+    """That thresholds are still to be chosen, where there are scores."""
+    settings = state.params()
+    limits = (settings.threshold_x, settings.threshold_y)
+    is_open = any(
+        limit is None and state.score_span(name) is not None
+        for name, limit in zip(state.systems(), limits, strict=True)
+        if name is not None
+    )
+    if not is_open:
+        return ""
+    return (
+        " Every detection counts, however low its score, until thresholds are set under “Compare”, "
+        "at the end of this page."
+    )
+
+
+def _question(facts: tuple[str, ...]) -> str:
+    """What is asked, without the command line's flags."""
+    words = " and ".join(FACTS[fact] for fact in facts if fact in FACTS)
+    return f"The files do not say {words}. Fill in the fields for it." if words else ""
+
+
+def _key(place: str) -> str:
+    return f"{_KEY}_{place}"

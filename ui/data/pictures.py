@@ -1,0 +1,81 @@
+"""Data page: pictures that cannot be used are told at their field, and never left out silently."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import streamlit as st
+
+from ui.data.missing_inputs import look_at_pictures
+from ui.session.opening import guess_pictures
+from ui.widgets.text import plain
+
+
+@dataclass(frozen=True)
+class ChosenPictures:
+    """Pictures of a form.
+
+    Attributes
+    ----------
+    usable
+        Those that can be opened, by label.
+    stops
+        Why nothing is opened yet: some were refused, and nobody said to go on without them.
+    """
+
+    usable: Mapping[str, Path]
+    stops: str = ""
+
+
+def draw_checked(
+    place: str, chosen: Mapping[str, Path], recordings: Sequence[str], refused: Sequence[str] = ()
+) -> ChosenPictures:
+    """What is wrong with the pictures of a form, and whether to go on without those.
+
+    Parameters
+    ----------
+    place
+        Part of the page; see `ui.data.opening`.
+    chosen
+        Pictures by label.
+    recordings
+        Recordings of the ground truth, as far as known.
+    refused
+        Files that were not even taken, and why.
+    """
+    looks = {label: look_at_pictures(path) for label, path in chosen.items()}
+    usable = {label: path for label, path in chosen.items() if not looks[label].trouble}
+    troubles = [
+        *refused,
+        *(f"{label}: {look.trouble}" for label, look in looks.items() if look.trouble),
+    ]
+    _draw_unmatched(usable, recordings)
+    if not troubles:
+        return ChosenPictures(usable)
+    told = "\n".join(f"- {plain(one)}" for one in troubles)
+    st.error(f"These pictures were refused:\n{told}", icon=":material/error:")
+    goes_on = st.checkbox(
+        "Go on without the refused pictures", key=f"without_{place}_{hash(tuple(troubles))}",
+        help="Pictures are not needed for the figures: boxes are then drawn on an empty frame.",
+    )  # fmt: skip
+    if goes_on:
+        return ChosenPictures(usable)
+    return ChosenPictures(
+        usable,
+        "Some pictures were refused; the reason stands at their field. Remove them and choose "
+        "others, or tick “Go on without the refused pictures” there.",
+    )
+
+
+def _draw_unmatched(usable: Mapping[str, Path], recordings: Sequence[str]) -> None:
+    if not recordings or not usable:
+        return
+    whose = guess_pictures(recordings, usable)
+    left = [label for label in usable if label not in whose.values()]
+    if left:
+        st.caption(
+            f"Of no recording by their names: {plain(', '.join(left))}. After opening, choose "
+            "whose they are under “Pictures of the recordings”."
+        )

@@ -1,0 +1,290 @@
+"""Data page: send ground truth, systems and pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import streamlit as st
+from streamlit.delta_generator import DeltaGenerator
+from streamlit.runtime.uploaded_file_manager import UploadedFile
+
+from nvcore.errors import InputError, NvcoreError
+from nvcore.inputs.session import Session, Source, SystemSource
+from ui.data.file_check import Look, draw_look, look_at, unusable
+from ui.data.frames import FRAMES_HELP, FRAMES_LABEL, FrameList, draw_frame_list, look_at_list
+from ui.data.inputs import sent_pictures
+from ui.data.missing_inputs import Facts, draw_facts, draw_reading, forget_facts
+from ui.data.names import draw_recording, draw_system_name, proposed_names, with_recording_name
+from ui.data.opening import draw_trouble, forget_trouble, try_to_open
+from ui.data.pictures import ChosenPictures, draw_checked
+from ui.session import state
+from ui.session.opening import guess_pictures, recording_names, relative_path, with_recordings
+from ui.session.uploads import ANNOTATION_FOLDERS, new_upload, remove_pictures, store_annotations
+from ui.session.workspace import Workspace
+from ui.shell.messages import without_paths
+from ui.widgets.text import plain
+from ui.widgets.upload import upload_pictures
+
+PLACE: Final = "upload"
+LABEL: Final = "Uploaded files"
+MOST_SYSTEMS: Final = 20
+_STORED: Final = "upload_stored"
+FILES_HELP: Final = (
+    "One file, one file for each recording, or a ZIP archive. Any format that the command line "
+    "reads. Where all files have the same name (MOTChallenge's gt.txt), send the folders as a ZIP "
+    "archive: the recordings are named after them."
+)
+
+
+@dataclass(frozen=True)
+class _Chosen:
+    """What the form says of one source, and where on the page more is said of it."""
+
+    title: str
+    slot: str
+    files: list[UploadedFile]
+    reading: dict[str, Any]
+    below: DeltaGenerator
+    beside: DeltaGenerator
+
+    @property
+    def ids(self) -> tuple[str, ...]:
+        """Stand for the content of the files."""
+        return tuple(file.file_id for file in self.files)
+
+
+@dataclass(frozen=True)
+class _Stored:
+    """The files of the form on disk: paths relative to their folder, or what is wrong, by slot."""
+
+    ids: tuple[tuple[str, ...], ...]
+    folder: Path
+    paths: Mapping[str, tuple[str, ...]]
+    troubles: Mapping[str, str]
+
+    def source(self, chosen: _Chosen) -> Source:
+        """The files of a field.
+
+        Raises
+        ------
+        InputError
+            If they could not be stored.
+        """
+        if chosen.slot in self.troubles:
+            raise InputError(self.troubles[chosen.slot])
+        return Source(path=self.paths[chosen.slot], **chosen.reading)
+
+    def known_paths(self, chosen: _Chosen) -> list[str]:
+        """Paths as the sender knows them: what is put before them here is left out."""
+        n_own = 1 + len(ANNOTATION_FOLDERS.parts)
+        return ["/".join(path.split("/")[n_own:]) for path in self.paths.get(chosen.slot, ())]
+
+
+@dataclass(frozen=True)
+class _Form:
+    """All that is to be opened."""
+
+    truth: _Chosen
+    systems: list[_Chosen]
+    names: list[str]
+    recording: str
+    stored: _Stored
+    frames: FrameList
+    pictures: ChosenPictures
+    facts: Facts
+    unusable: str
+
+
+def draw() -> None:
+    """The form; its button opens the comparison."""
+    space = state.workspace()
+    st.caption(
+        "Files stay on this server only while this browser tab is open; nobody else sees them."
+    )
+    truth, systems, listed = _draw_truth(), _draw_systems(), _draw_frame_list()
+    with st.container():  # for spinners: what comes below keeps its place, and its uploads
+        stored = _store(space, [truth, *systems, listed])
+        truth_look = _look(stored, truth, None)
+        looks = [_look(stored, system, truth_look) for system in systems]
+    recordings = [] if truth_look is None else truth_look.recordings
+    with truth.below:
+        draw_look(truth_look)
+    with truth.beside:
+        recording = draw_recording(recordings, sent_pictures(space), place=PLACE, changed=_changed)
+    names = _draw_names(stored, truth, systems, recordings)
+    for system, look in zip(systems, looks, strict=True):
+        with system.below:
+            draw_look(look, truth_look)
+    with listed.below:
+        frames = _look_at_list(stored, listed, recordings)
+    pictures = _draw_pictures(space, recordings)
+    every = [truth_look, *looks]
+    lacking = {fact for look in every if look is not None for fact in look.lacking}
+    told_format = "" if truth_look is None else truth_look.format
+    facts = draw_facts(PLACE, pictures.usable.values(), lacking, told_format)
+    draw_trouble(PLACE)
+    wrong = unusable(zip([one.title for one in (truth, *systems)], every, strict=True))
+    form = _Form(truth, systems, names, recording, stored, frames, pictures, facts, wrong)
+    if st.button("Open these files", key="open_upload", type="primary"):
+        try_to_open(lambda: _session(form), label=LABEL, place=PLACE)
+
+
+def _changed() -> None:
+    forget_trouble(PLACE)
+    forget_facts(PLACE)
+
+
+def _draw_truth() -> _Chosen:
+    left, right = st.columns([1, 3])
+    files = right.file_uploader(
+        "Ground truth", accept_multiple_files=True, key="upload_truth", help=FILES_HELP,
+        on_change=_changed,
+    )  # fmt: skip
+    below = right.container()
+    with right.expander("How to read the ground truth"):
+        reading = draw_reading("truth", "upload_truth", _changed)
+    return _Chosen("the ground truth", "truth", files, reading, below, left)
+
+
+def _draw_systems() -> list[_Chosen]:
+    n_systems = st.session_state.setdefault("upload_systems", 2)
+    found = []
+    for number in range(n_systems):
+        left, right = st.columns([1, 3])
+        files = right.file_uploader(
+            f"Detections of system {_numbered(number)}", accept_multiple_files=True,
+            key=f"upload_system_{number}", help=FILES_HELP, on_change=_changed,
+        )  # fmt: skip
+        below = right.container()
+        with right.expander(f"How to read system {number + 1}"):
+            reading = draw_reading("detections", f"upload_system_{number}", _changed)
+        title = f"system {_numbered(number)}"
+        found.append(_Chosen(title, f"system-{number + 1}", files, reading, below, left))
+    st.button(
+        "Add a system", icon=":material/add:", key="add_system", on_click=_add_system,
+        disabled=n_systems >= MOST_SYSTEMS,
+    )  # fmt: skip
+    return found
+
+
+def _draw_frame_list() -> _Chosen:
+    _, right = st.columns([1, 3])
+    file = right.file_uploader(
+        FRAMES_LABEL, key="upload_frames", help=FRAMES_HELP, on_change=_changed
+    )
+    files = [] if file is None else [file]
+    return _Chosen("the evaluated frames", "frames", files, {}, right.container(), right)
+
+
+def _look_at_list(stored: _Stored, listed: _Chosen, recordings: Sequence[str]) -> FrameList:
+    if not listed.files:
+        return FrameList()
+    if listed.slot in stored.troubles:
+        return draw_frame_list(FrameList(trouble=stored.troubles[listed.slot]), recordings)
+    (path,) = stored.paths[listed.slot]
+    return draw_frame_list(look_at_list(path, stored.folder), recordings)
+
+
+def _numbered(number: int) -> str:
+    return f"{number + 1}{({0: ' (X)', 1: ' (Y)'}).get(number, '')}"
+
+
+def _draw_names(
+    stored: _Stored, truth: _Chosen, systems: Sequence[_Chosen], recordings: Sequence[str]
+) -> list[str]:
+    proposed = proposed_names(
+        [stored.known_paths(one) for one in systems], stored.known_paths(truth), recordings
+    )
+    names = []
+    for number, (system, name) in enumerate(zip(systems, proposed, strict=True)):
+        key = f"upload_name_{number}"
+        with system.beside:
+            names.append(
+                draw_system_name(system.title, name, number + 1, key=key, changed=_changed)
+            )
+    return names
+
+
+def _add_system() -> None:
+    st.session_state["upload_systems"] += 1
+
+
+def _draw_pictures(space: Workspace, recordings: Sequence[str]) -> ChosenPictures:
+    st.markdown("Pictures (not needed for the figures)")
+    refused = upload_pictures(space, key="upload_pictures")
+    sent = sent_pictures(space)
+    if sent:
+        left, right = st.columns([4, 1], vertical_alignment="center")
+        left.caption(f"Here: {plain(', '.join(sent))}")
+        right.button("Remove all", key="remove_pictures", on_click=_remove_all, args=(space,),
+                     width="stretch")  # fmt: skip
+    return draw_checked(PLACE, sent, recordings, refused)
+
+
+def _remove_all(space: Workspace) -> None:
+    remove_pictures(space, list(space.stored))
+
+
+def _store(space: Workspace, fields: Sequence[_Chosen]) -> _Stored:
+    """The files on disk; written again only where other files were chosen."""
+    ids = tuple(field.ids for field in fields)
+    before: _Stored | None = st.session_state.get(_STORED)
+    is_same = before is not None and before.ids == ids and before.folder.is_dir()
+    if before is not None and is_same and not before.troubles:  # there may be room by now
+        return before
+    if not any(ids):
+        return _Stored(ids, space.folder, {}, {})
+    folder = new_upload(space)
+    paths, troubles = {}, {}
+    with st.spinner("Storing the files"):
+        for field in fields:
+            if not field.files:
+                continue
+            try:
+                paths[field.slot] = store_annotations(space, folder, field.slot, field.files)
+            except NvcoreError as error:
+                troubles[field.slot] = without_paths(error)
+    stored = st.session_state[_STORED] = _Stored(ids, folder, paths, troubles)
+    return stored
+
+
+def _look(stored: _Stored, chosen: _Chosen, truth: Look | None) -> Look | None:
+    if not chosen.files:
+        return None
+    role = "truth" if chosen.slot == "truth" else "detections"
+    key = (chosen.ids, repr(chosen.reading), stored.troubles.get(chosen.slot), role)
+    return look_at(key, lambda: stored.source(chosen), role=role, folder=stored.folder, truth=truth)
+
+
+def _session(form: _Form) -> Session:
+    given = [(one, name) for one, name in zip(form.systems, form.names, strict=True) if one.files]
+    if not form.truth.files:
+        raise InputError("Choose the ground truth first: the boxes that both systems should find.")
+    if not given:
+        raise InputError("Choose the detections of at least one system.")
+    for wrong in (form.unusable, form.frames.stops, form.pictures.stops):
+        if wrong:
+            raise InputError(wrong)
+    stored = form.stored
+    session = form.facts.session(
+        frame_list=form.frames.path,
+        folder=stored.folder,
+        truth=stored.source(form.truth),
+        systems=tuple(
+            SystemSource(path=stored.paths[one.slot], name=name or None, **one.reading)
+            for one, name in given
+        ),
+    )
+    if not form.pictures.usable and not form.recording:
+        return session
+    with st.spinner("Reading the ground truth"):
+        names = recording_names(session)
+    whose = guess_pictures(names, form.pictures.usable)
+    changes = {
+        name: {"pictures": relative_path(form.pictures.usable[label], stored.folder)}
+        for name, label in whose.items()
+    }
+    return with_recording_name(with_recordings(session, names, changes), names, form.recording)

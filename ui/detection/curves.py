@@ -1,0 +1,197 @@
+"""Detection page: the curves with the operating points, and the figures in a table."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+import pandas as pd
+import streamlit as st
+
+from nvcore.comparison import Result
+from nvcore.detection.curve_summary import SUMMARY_ROWS, CurveSummary, summarise_curve
+from nvcore.detection.curves import DetectionCurve, detection_curve
+from nvcore.detection.miss_rate import explain_few
+from nvcore.detection.windows import WindowGrid, scale_steps, windows_per_image
+from nvcore.errors import ParameterError
+from nvcore.figures.detection import CurveKind, curve_plot, legend_figure
+from nvcore.figures.style import CONFIG
+from nvcore.protocols import Protocol
+from nvcore.wording import ARROWS, count_text, difference, number
+from ui.detection.protocol import filtered
+from ui.session import state
+from ui.session.evidence import matching_rule, miss_rate_evidence
+from ui.widgets.clicks import is_new_click
+from ui.widgets.text import docs_link, plain
+
+KIND_WORDS: Final[dict[CurveKind, str]] = {
+    "miss_rate": "Miss rate",
+    "precision_recall": "Precision and recall",
+    "roc": "ROC per image",
+    "roc_windows": "ROC per window",
+    "f1": "F1",
+}
+EXPLAINED: Final[dict[CurveKind, str]] = {
+    "miss_rate": "Lower is better. The log-average miss rate (LAMR) is the geometric mean of the "
+    "miss rates at nine references from 0.01 to 1 false positives per image.",
+    "precision_recall": "Higher is better. Recall: share of the pedestrians detected. Precision: "
+    "share of the detections that are right.",
+    "roc": "Higher is better: the share of pedestrians detected against false positives per image.",
+    "roc_windows": "As per image, but over the windows that a sliding-window detector looks at.",
+    "f1": "Higher is better: the harmonic mean of precision and recall at every threshold.",
+}
+COUNTS: Final = {"whole": "whole windows, exactly", "area": "by the area formula"}
+MOST_SCALES: Final = 200
+
+
+def draw(result: Result, protocol: Protocol) -> None:
+    """The curves of X and Y under a protocol, and their figures."""
+    curves = [_curve(result, system.name, protocol) for _, system in result.sides]
+    thresholds = [system.threshold for _, system in result.sides]
+    summaries = [
+        summarise_curve(curve, threshold)
+        for curve, threshold in zip(curves, thresholds, strict=True)
+    ]
+    kind: CurveKind = st.segmented_control(
+        "Curve", list(KIND_WORDS), default="miss_rate", required=True, key="curve_kind",
+        format_func=KIND_WORDS.__getitem__, label_visibility="collapsed", persist_state="session",
+    )  # fmt: skip
+    windows = _windows(result, protocol) if kind == "roc_windows" else None
+    figure = curve_plot(
+        curves, thresholds, kind, theme=state.theme(), windows_per_image=windows,
+        summaries=[legend_figure(one, kind) for one in summaries],
+    )  # fmt: skip
+    chosen = st.plotly_chart(
+        figure, theme=None, config=CONFIG, key=f"curves_{kind}", on_select="rerun",
+        selection_mode="points",
+    )  # fmt: skip
+    st.caption(f"{EXPLAINED[kind]} Click a curve to count from that score on.")
+    if kind == "miss_rate":
+        _draw_notes(summaries)
+    points = chosen["selection"]["points"]
+    if points and is_new_click("curves", points):
+        letter, threshold = points[0]["customdata"]
+        if threshold is not None:  # a point without scores
+            state.set_threshold(letter, float(threshold))
+            st.rerun()
+    _draw_table(summaries)
+    if kind != "miss_rate":
+        _draw_notes(summaries)
+    told = [explain_few(curves[0].n_truth), *(note for one in summaries for note in one.notes)]
+    _draw_evidence(result, [one for one in told if one])
+
+
+def _draw_notes(summaries: list[CurveSummary]) -> None:
+    """What the log-average miss rates do not tell by themselves."""
+    for letter, one in zip("XY", summaries, strict=True):
+        if one.notes:
+            said = "; ".join(one.notes)
+            st.caption(plain(f"Log-average miss rate of {letter}: {said}."))
+
+
+def _draw_evidence(result: Result, told: list[str]) -> None:
+    """Whether the difference in the log-average miss rate is more than chance."""
+    found = miss_rate_evidence(result)
+    if np.isnan(found.difference):  # the table above says why
+        return
+    words = "Difference of the log-average miss rates, X less Y:"
+    parts = [f"{words} {100 * found.difference:+.2f} pp"]
+    if np.isfinite(found.low):
+        parts.append(f"95 % interval {100 * found.low:+.2f} to {100 * found.high:+.2f} pp")
+    elif np.isfinite(found.p):
+        parts.append("no interval (see below)")
+    if np.isfinite(found.p):
+        parts.append(f"p = {found.p:.2g}, not corrected for other figures")
+    said = f"{', '.join(parts)} ({count_text(found.n, found.unit.removesuffix('s'))})."
+    st.markdown(plain(said))
+    notes = [note for note in found.note.split("; ") if note and not note.endswith(tuple(told))]
+    for note in notes:
+        st.caption(plain(f"{note[0].upper()}{note[1:]}."))
+    link = docs_link("Significance", "significance", doc="significance")
+    st.caption(f"{plain(found.method)} ({link})." if found.method else f"See {link}.")
+
+
+def _curve(result: Result, system: str, protocol: Protocol) -> DetectionCurve:
+    rule = matching_rule(result)
+    return state.workspace().keep(
+        "curves", (system, protocol, rule),
+        lambda: detection_curve(result.dataset, system, rule, protocol), most=8,
+    )  # fmt: skip
+
+
+def _windows(result: Result, protocol: Protocol) -> float | None:
+    """Windows per image: as given, or counted from the window's size, stride and scales."""
+    given, width, height, stride, scales, way = st.columns([1.3, 1, 1, 1, 1.6, 1.4])
+    number_given: int | None = given.number_input(
+        "Windows per image", 1, None, None, key="windows_given", persist_state="session",
+        placeholder="count them", help="As your detector reports it; empty: counted.",
+    )  # fmt: skip
+    size = [
+        float(place.number_input(label, 1, 2000, value, key=f"window_{label}",
+                                 persist_state="session"))
+        for place, label, value in ((width, "Width (px)", 32), (height, "Height (px)", 64),
+                                    (stride, "Stride (px)", 4))
+    ]  # fmt: skip
+    steps = scales.text_input(
+        "Scales: first, last, step", "1, 2, 0.1", key="window_scales", persist_state="session",
+        help="By which the picture is shrunk.",
+    )  # fmt: skip
+    count = way.selectbox(
+        "Counted", list(COUNTS), format_func=COUNTS.__getitem__, key="window_count",
+        persist_state="session",
+    )  # fmt: skip
+    if number_given:
+        return float(number_given)
+    try:
+        first, last, step = (float(part) for part in steps.split(","))
+        if step > 0 and (last - first) / step > MOST_SCALES:
+            st.warning(f"These are more than {MOST_SCALES} scales: choose a larger step.")
+            return None
+        grid = WindowGrid(*size[:2], stride=size[2], scales=scale_steps(first, last, step),
+                          count=count)  # fmt: skip
+    except ValueError:
+        st.warning("Scales are three numbers, such as 1, 2, 0.1: first, last and step.")
+        return None
+    except ParameterError as error:
+        st.warning(plain(f"Scales: {error}."))
+        return None
+    found = windows_per_image(result.dataset, filtered(result.dataset, protocol).is_counted, grid)
+    if found > 0:
+        st.caption(f"{found:,.0f} windows per image.")
+        return found
+    pictures = result.dataset.recordings[["width", "height"]].max()
+    st.warning(
+        f"No window of {grid.width:g} x {grid.height:g} px has a place to slide in: the largest "
+        f"picture is {pictures['width']:g} x {pictures['height']:g} px."
+    )
+    return None
+
+
+def _draw_table(summaries: list[CurveSummary]) -> None:
+    x, y = summaries
+    rows = [
+        (label + ARROWS[better], number(getattr(x, name), form), number(getattr(y, name), form),
+         difference(getattr(x, name), getattr(y, name), form))
+        for name, label, better, form in SUMMARY_ROWS
+    ]  # fmt: skip
+    right = {"alignment": "right", "width": 90}
+    st.header("In figures")
+    st.dataframe(
+        pd.DataFrame(rows, columns=["figure", "X", "Y", "X - Y"]), hide_index=True,
+        key="curve_figures", height="content", row_height=30,
+        column_config={
+            "figure": st.column_config.TextColumn(width=380),
+            **{name: st.column_config.TextColumn(**right) for name in ("X", "Y", "X - Y")},
+        },
+    )  # fmt: skip
+    for letter, one in zip("XY", summaries, strict=True):
+        if one.why_undefined is not None:
+            why = plain(one.why_undefined)
+            st.caption(f"{letter} has no averages and no areas ({why}).")
+    st.caption(
+        "Absorbed: neither right nor wrong, as they lie on pedestrians or regions that are ignored."
+    )
+    st.caption(
+        "↑ higher is better, ↓ lower is better "
+        f"({docs_link('how each is computed', 'areas', doc='detection')})."
+    )

@@ -1,0 +1,197 @@
+"""Detection page: which pedestrians and recordings count."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any, Final
+
+import streamlit as st
+
+from nvcore.dataset import Dataset
+from nvcore.detection.filtered_truth import FilteredTruth, filter_truth, known_tags
+from nvcore.detection.miss_rate import explain_few
+from nvcore.protocols import OCCLUSION_WORDS, OWN, PROTOCOLS, Protocol, protocol_from
+from nvcore.wording import count_text
+from ui.session import state
+from ui.widgets.text import plain
+
+OF_SESSION: Final = "filters of the session"
+SIDES: Final = ("left", "top", "right", "bottom")
+
+
+def choose(dataset: Dataset) -> Protocol:
+    """The chosen protocol, with what its filters leave out told below."""
+    start = _start()
+    left, middle, right = st.columns([1, 1, 1], vertical_alignment="top")
+    name = left.selectbox(
+        "Protocol", [*([OF_SESSION] if start.name == OWN else []), *PROTOCOLS, OWN],
+        key="protocol", persist_state="session",
+        help="Which pedestrians count. The others are ignored: no miss, and no false positive for "
+        "who detects them. One set of pedestrians serves both systems. The Overview and the "
+        "reports use the same. Own filters start as those of the protocol chosen before.",
+    )  # fmt: skip
+    tags = sorted({*known_tags(dataset), *start.tags})
+    tagged: list[str] = []
+    if tags:
+        tagged = middle.multiselect(
+            "Recordings tagged", tags, key="protocol_tags", placeholder="all recordings",
+            persist_state="session", help="Recordings that have all of these tags count.",
+        )  # fmt: skip
+    names = list(dict.fromkeys([*state.recording_names(), *start.recordings]))
+    chosen: list[str] = []
+    if len(names) > 1:
+        chosen = (right if tags else middle).multiselect(
+            "Recordings", names, key="protocol_recordings", placeholder="all recordings",
+            persist_state="session", help="Only these count, such as those at night.",
+        )  # fmt: skip
+    if name == OWN and st.session_state.get("protocol_shown") != OWN:
+        _start_own(state.protocol())
+    st.session_state["protocol_shown"] = name
+    if name == OF_SESSION:
+        filters = start
+    else:
+        filters = _own_filters(dataset) if name == OWN else PROTOCOLS[name]
+    filters = replace(filters, tags=tuple(tagged), recordings=tuple(chosen))
+    protocol = protocol_from(filters.given())
+    state.set_protocol(protocol)
+    said = "; ".join(protocol.filters)
+    st.caption(
+        plain(f"{protocol.text} {'Filters: ' + said + '.' if said else 'No filter.'}".strip())
+    )
+    _draw_left_out(filtered(dataset, protocol))
+    return protocol
+
+
+def _start() -> Protocol:
+    """The protocol that the open session began with.
+
+    The fields show the one in use where they do not know it yet: after opening, and after a
+    reload, when a new browser session takes back a workspace with a choice made before.
+    """
+    space = state.workspace()
+    known: tuple[int, Protocol] | None = space.noted.get("protocol_start")
+    if known is None or known[0] != space.n_opened:
+        known = space.noted["protocol_start"] = space.n_opened, state.protocol()
+    start = known[1]
+    shown_of = space.token, space.n_opened
+    if st.session_state.get("protocol_shown_of") == shown_of:
+        return start
+    live = state.protocol()
+    is_start = replace(live, tags=start.tags, recordings=start.recordings) == start
+    st.session_state.update(
+        protocol_shown_of=shown_of, protocol_shown=None,
+        protocol=OF_SESSION if live.name == OWN and is_start else live.name,
+        protocol_tags=list(live.tags), protocol_recordings=list(live.recordings),
+    )  # fmt: skip
+    return start
+
+
+def filtered(dataset: Dataset, protocol: Protocol) -> FilteredTruth:
+    """The ground truth under a protocol, kept while it is shown."""
+    return state.workspace().keep(
+        "protocol_truth", protocol, lambda: filter_truth(dataset, protocol), most=2
+    )
+
+
+def _start_own(before: Protocol) -> None:
+    """Let the fields of the own filters begin with those of another protocol."""
+    margins = before.border_px or (None,) * 4
+    st.session_state.update(
+        own_low=before.height_px[0] or None, own_high=_limit(before.height_px[1]),
+        own_occlusion=list(before.occlusion), own_border=margins[0],
+        own_slim=before.aspect[0] or None, own_tall=_limit(before.aspect[1]),
+        own_expand=before.expand, own_has_sides=len(set(margins)) > 1,
+        **{f"own_border_{side}": margin for side, margin in zip(SIDES, margins, strict=True)},
+    )  # fmt: skip
+
+
+def _limit(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def _own_filters(dataset: Dataset) -> Protocol:
+    """The filters one by one; those in use where two of them contradict each other."""
+    height = float(dataset.recordings["height"].max())
+    first, second, third, fourth = st.columns(4)
+    low = _number(first, "Lowest height (px)", "own_low", 0.0, step=5.0)
+    high = _number(
+        first, "Highest height (px)", "own_high", 0.0, step=5.0,
+        placeholder=f"any ({height:g} is the picture)",
+    )  # fmt: skip
+    levels = second.pills(
+        "Occlusion", range(3), selection_mode="multi", key="own_occlusion",
+        format_func=OCCLUSION_WORDS.__getitem__, persist_state="session",
+        help="Pedestrians whose occlusion is unknown count as not occluded. None chosen: all "
+        "levels count.",
+    )  # fmt: skip
+    border = _margins(third)
+    expand = _number(
+        third, "Detections beyond the heights", "own_expand", 1.0, step=0.05,
+        placeholder="all",
+        help="With 1.25, detections lower than the lowest height / 1.25 or higher than the "
+        "highest x 1.25 are left out before matching: no false positives. Empty: all take part.",
+    )  # fmt: skip
+    slim = _number(fourth, "Lowest height / width", "own_slim", 0.0, step=0.1)
+    tall = _number(fourth, "Highest height / width", "own_tall", 0.0, step=0.1)
+    heights, aspect = (low or 0.0, _or_any(high)), (slim or 0.0, _or_any(tall))
+    wrong = [place for place, (least, most) in ((first, heights), (fourth, aspect)) if least > most]
+    for place in wrong:
+        place.error("The lowest is above the highest: the filters stay as they were.")
+    if wrong:
+        return state.protocol()
+    return Protocol(
+        name=OWN, height_px=heights, occlusion=tuple(sorted(levels)) or (0, 1, 2),
+        border_px=border, aspect=aspect, expand=expand,
+    )  # fmt: skip
+
+
+def _margins(place: Any) -> tuple[float, float, float, float] | None:
+    """One margin for all sides, or four where the protocol before has different ones."""
+    told = "The whole box must lie so far inside the picture; with 0, up to its edge. Empty: "
+    if not st.session_state.get("own_has_sides", False):
+        one = _number(
+            place, "Margin at the border (px)", "own_border", 0.0, step=1.0,
+            placeholder="none", help=f"{told}anywhere.",
+        )  # fmt: skip
+        return None if one is None else (one, one, one, one)
+    margins = [
+        _number(
+            column, f"Margin {side} (px)", f"own_border_{side}", 0.0, step=1.0,
+            placeholder="0", help=f"{told}0; all four empty: anywhere.",
+        )
+        for column, side in zip(st.columns(4), SIDES, strict=True)
+    ]  # fmt: skip
+    if all(margin is None for margin in margins):
+        return None
+    left, top, right, bottom = (margin or 0.0 for margin in margins)
+    return left, top, right, bottom
+
+
+def _or_any(high: float | None) -> float:
+    return math.inf if high is None else high
+
+
+def _number(place: Any, label: str, key: str, low: float,
+            placeholder: str = "any", **more: Any) -> float | None:  # fmt: skip
+    number: float | None = place.number_input(
+        label, low, None, None, key=key, placeholder=placeholder, persist_state="session", **more
+    )
+    return number
+
+
+def _draw_left_out(truth: FilteredTruth) -> None:
+    words = (
+        f"{count_text(truth.n_truth, 'pedestrian')} in {count_text(truth.n_images, 'image')} "
+        f"count; {truth.left_out or 'none is ignored'}"
+    )
+    asks_occlusion = set(truth.protocol.occlusion) != {0, 1, 2}
+    if asks_occlusion and truth.n_unknown_occlusion:
+        words += (
+            f". The occlusion of {truth.n_unknown_occlusion:,} is unknown: they count as not "
+            "occluded"
+        )
+    st.caption(f"{words}.")
+    few = explain_few(truth.n_truth)
+    if few:
+        st.warning(f"{few[0].upper()}{few[1:]}.", icon=":material/warning:")

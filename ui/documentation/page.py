@@ -1,0 +1,163 @@
+"""Metrics page: the pages of the documentation, with links that work inside the app."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Final
+
+import streamlit as st
+
+from ui.session import state
+
+FOLDER: Final = state.ROOT / "docs"
+PAGES: Final = {
+    "metrics": "Metrics", "detection": "Detection curves", "significance": "Significance",
+    "validation": "Validation",
+    "ratings": "Ratings", "report": "Report files", "formats": "Formats",
+}  # fmt: skip
+_HEADING: Final = re.compile(r"(#{1,6}) +(.*)")
+_LINK: Final = re.compile(r"\[((?:[^\]\[]|\[[^\]]*\])*)\]\(([^)\s]+)\)")
+_CODE: Final = re.compile(r"(`+)(?:.*?[^`])?\1(?!`)", re.DOTALL)
+_FENCE: Final = "```"
+# A browser goes to the section of the address once, when its heading comes; on a slow machine more
+# comes above it later. Until the reader does something the heading is kept in sight.
+_KEEP_IN_SIGHT: Final = """
+const PATIENCE_MS = 10000;
+let done = null;
+export default function () {
+  const name = decodeURIComponent(location.hash.slice(1));
+  if (!name || done === location.href) return;
+  done = location.href;
+  const until = Date.now() + PATIENCE_MS;
+  const timer = setInterval(look, 100);
+  const acts = ["wheel", "keydown", "pointerdown", "touchstart"];
+  const stop = () => {
+    clearInterval(timer);
+    acts.forEach((act) => removeEventListener(act, stop, true));
+  };
+  acts.forEach((act) => addEventListener(act, stop, true));
+  function look() {
+    const heading = document.getElementById(name);
+    const top = heading?.getBoundingClientRect().top;
+    if (heading && (top < 0 || top > innerHeight / 2)) heading.scrollIntoView();
+    if (Date.now() > until || location.href !== done) stop();
+  }
+}
+"""
+_SIGHT: Final = st.components.v2.component("nvcore_section", js=_KEEP_IN_SIGHT)
+
+
+@dataclass(frozen=True)
+class Section:
+    """A heading and what follows it, up to the next one.
+
+    Attributes
+    ----------
+    level
+        1 is the title of the page.
+    title
+        Markdown.
+    anchor
+        As other renderers of Markdown make it, so that links between the pages hold.
+    body
+        Markdown.
+    """
+
+    level: int
+    title: str
+    anchor: str
+    body: str
+
+
+def draw() -> None:
+    """The page that the address names, at the section that it names."""
+    st.title("Documentation")
+    asked = st.query_params.get("doc")
+    name = st.segmented_control(
+        "Page", list(PAGES), default=asked if asked in PAGES else "metrics", required=True,
+        format_func=PAGES.__getitem__, key="chosen_doc", label_visibility="collapsed",
+    )  # fmt: skip
+    if name != (asked or "metrics"):
+        st.query_params["doc"] = name
+    for section in sections_of(name):
+        if section.level == 2:
+            st.header(section.title, anchor=section.anchor)
+        elif section.level > 2:
+            st.subheader(section.title, anchor=section.anchor)
+        st.markdown(section.body)
+    _SIGHT(key="section", height=1)
+
+
+@st.cache_data(show_spinner=False)
+def sections_of(name: str) -> list[Section]:
+    """Sections of a page, with links as the app needs them."""
+    return split_sections((FOLDER / f"{name}.md").read_text(encoding="utf-8"), name)
+
+
+def split_sections(text: str, name: str) -> list[Section]:
+    """A Markdown text cut at its headings; anchors of equal titles are numbered."""
+    found: list[Section] = []
+    level, title, lines = 1, "", []
+    used: dict[str, int] = {}
+    is_code = False
+
+    def end() -> None:
+        anchor = anchor_of(title)
+        n_before = used.get(anchor, 0)
+        used[anchor] = n_before + 1
+        own = f"{anchor}-{n_before}" if n_before else anchor
+        body = in_app_links("\n".join(lines).strip(), name)
+        found.append(Section(level, title, own, body))
+
+    for line in text.splitlines():
+        heading = None if is_code else _HEADING.fullmatch(line)
+        is_code ^= line.startswith(_FENCE)
+        if heading is None:
+            lines.append(line)
+            continue
+        if title or "".join(lines).strip():
+            end()
+        level, title, lines = len(heading[1]), heading[2].strip(), []
+    end()
+    return found
+
+
+def anchor_of(title: str) -> str:
+    """Anchor of a heading as the usual renderers of Markdown make it.
+
+    Examples
+    --------
+    >>> anchor_of("The column `miss_class`")
+    'the-column-miss_class'
+    >>> anchor_of("frames.csv")
+    'framescsv'
+    """
+    return re.sub(r"[^\w\- ]", "", title.lower()).strip().replace(" ", "-")
+
+
+def in_app_links(text: str, name: str) -> str:
+    """The text with links to the app's own pages; links to other files become plain text."""
+    kept: list[str] = []
+    at = 0
+    for code in _CODE.finditer(text):  # brackets in code are no links
+        kept += [text[at : code.start()], code[0]]
+        at = code.end()
+    kept.append(text[at:])
+    held = {f"\0{i}\0": part for i, part in enumerate(kept) if i % 2}
+    joined = "".join(f"\0{i}\0" if i % 2 else part for i, part in enumerate(kept))
+    linked = _LINK.sub(lambda link: _linked(link[1], link[2], name), joined)
+    return re.sub("\0\\d+\0", lambda place: held[place[0]], linked)
+
+
+def _linked(label: str, target: str, name: str) -> str:
+    path, _, anchor = target.partition("#")
+    if re.match(r"[a-z][a-z0-9+.-]*:", target):
+        return f"[{label}]({target})"
+    page = path.removesuffix(".md") if path else name
+    if page not in PAGES:
+        return label
+    label = PAGES[page] if label == path else label
+    if page == name and anchor:
+        return f"[{label}](#{anchor})"
+    return f"[{label}](?doc={page}{'#' if anchor else ''}{anchor})"

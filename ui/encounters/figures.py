@@ -1,0 +1,140 @@
+"""Encounters page: how encounters are missed, whether by both, and what a fusion would bring."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import pandas as pd
+import streamlit as st
+
+from nvcore.comparison import Result
+from nvcore.figures.encounters import LABELS, fusion_plot, lead_time_plot, miss_classes_plot
+from nvcore.figures.style import CONFIG
+from nvcore.report.words import describe_fusion, describe_misses
+from nvcore.tables.miss_classes import ALL_CLASSES, fusion_table, miss_class_totals
+from ui.encounters.filters import set_classes
+from ui.session import state
+from ui.widgets.clicks import clicked_cell, clicked_point
+from ui.widgets.table_columns import class_words
+from ui.widgets.text import UNDEFINED, docs_link
+
+TABLE_PX: Final = 800
+MANY_BOXES: Final = 300_000
+"""Boxes of all sources from which a fusion takes so long that it waits to be asked for."""
+
+
+def draw_classes(result: Result, encounters: pd.DataFrame) -> None:
+    """Miss classes and lead time of the encounters that pass the filters.
+
+    Parameters
+    ----------
+    encounters
+        Rows of `nvcore.tables.result.encounters_table` that pass the filters.
+    """
+    names, theme = (result.x.name, result.y.name), state.theme()
+    left, right = st.columns(2, gap="medium")
+    with left:
+        st.plotly_chart(
+            miss_classes_plot(encounters, names, theme=theme), theme=None, config=CONFIG,
+            key="encounters_classes", selection_mode="points", on_select=_choose_class,
+        )  # fmt: skip
+        st.caption("Click a bar to list its encounters.")
+    with right:
+        st.plotly_chart(
+            lead_time_plot(encounters, theme=theme), theme=None, config=CONFIG,
+            key="encounters_lead",
+        )  # fmt: skip
+        st.caption(
+            f"{docs_link('Lead time', 'lead-time')}: how much earlier X matches a pedestrian than "
+            "Y, counted from the moment it is near enough to matter."
+        )
+
+
+def _choose_class() -> None:
+    clicked = clicked_point("encounters_classes")
+    if clicked is not None:
+        kind, curve = clicked
+        set_classes(*((kind, None) if curve == 0 else (None, kind)))
+
+
+def draw_exclusivity(result: Result) -> None:
+    """Whether both miss the same pedestrians: in words, and class against class."""
+    st.header("Do X and Y miss the same pedestrians?")
+    st.markdown("\n".join(f"- {one}" for one in describe_misses(result)))
+    st.caption(
+        f"{docs_link('Jaccard index', 'exclusivity')}: share of all misses that both have, 0 to "
+        "1. Phi: how much the misses of X and Y go together, -1 to 1, 0 if not at all. McNemar's "
+        "p: how often chance alone gives so uneven a split. The filters have no effect here."
+    )
+    st.markdown("**Miss class of X (rows) against that of Y (columns)**")
+    st.dataframe(
+        _class_table(result), key="encounters_pairs", selection_mode="single-cell",
+        on_select=_choose_pair, width=TABLE_PX,
+    )  # fmt: skip
+    st.caption("Click a count to list these encounters.")
+
+
+def _class_table(result: Result) -> pd.DataFrame:
+    counts = miss_class_totals(result)
+    names = [f"X {_class_name(kind)}" for kind in counts.index]
+    counts.index = pd.Index(names, name="Miss class")
+    return counts.rename(columns={kind: f"Y {_class_name(kind)}" for kind in counts})
+
+
+def _class_name(kind: str) -> str:
+    return kind if kind == ALL_CLASSES else class_words(kind) or UNDEFINED
+
+
+def _choose_pair() -> None:
+    clicked = clicked_cell("encounters_pairs")
+    result = state.result()
+    if clicked is None or result is None:
+        return
+    row, heading = clicked
+    kinds = list(miss_class_totals(result).index)
+    y = next((kind for kind in kinds if f"Y {_class_name(kind)}" == heading), ALL_CLASSES)
+    x = kinds[row]
+    set_classes(*(None if kind == ALL_CLASSES else kind for kind in (x, y)))
+
+
+def draw_fusion(result: Result) -> None:
+    """What ``X or Y`` and ``X and Y`` would gain and cost."""
+    st.header("What would a fusion bring?")
+    st.caption(
+        f"{docs_link('Fusion', 'fusion')}: \u201cX or Y\u201d shows what either detects, \u201cX "
+        "and Y\u201d what both detect. A false-alert episode is a run of false alarms that a "
+        "driver would notice as one. The filters have no effect here."
+    )
+    if len(result.dataset.boxes) >= MANY_BOXES and not st.toggle(
+        "Work it out", key="encounters_fuse", persist_state="session",
+        help="With so many boxes this takes a few seconds after every change of a parameter.",
+    ):  # fmt: skip
+        return
+    with st.spinner("Fusing the systems"):
+        fusion = fusion_table(result)
+    left, right = st.columns(2, gap="medium")
+    with left:
+        st.plotly_chart(
+            fusion_plot(fusion, theme=state.theme()), theme=None, config=CONFIG,
+            key="encounters_fusion",
+        )  # fmt: skip
+    with right:
+        st.markdown("\n".join(f"- {one}" for one in describe_fusion(fusion)))
+        st.dataframe(
+            _fusion_shown(fusion), hide_index=True, placeholder=UNDEFINED,
+            column_config={
+                "Episodes per hour": st.column_config.NumberColumn(format="%.0f"),
+                "Mean similarity": st.column_config.NumberColumn(format="%.3f"),
+            },
+        )  # fmt: skip
+
+
+def _fusion_shown(fusion: pd.DataFrame) -> pd.DataFrame:
+    return pd.DataFrame(
+        {
+            "System": [LABELS[kind] for kind in fusion["system"]],
+            "Encounters": fusion["encounters_detected"],
+            "Episodes per hour": fusion["episodes_per_hour"],
+            "Mean similarity": fusion["mean_similarity"],
+        }
+    )

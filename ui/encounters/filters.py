@@ -1,0 +1,180 @@
+"""Encounters page: which encounters are listed and drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import pandas as pd
+import streamlit as st
+
+from nvcore.schema import CATEGORY_TEXT, MISS_CLASS_TEXT, Category, MissClass
+from ui.session import state
+from ui.widgets.table_columns import category_words, class_words
+from ui.widgets.text import plain
+
+CATEGORIES: Final = tuple(kind.value for kind in Category)
+CLASSES: Final = tuple(kind.value for kind in MissClass)
+LINK: Final = "category"
+"""Name of the category in the page's address, and in the state that other pages hand over."""
+
+
+@dataclass(frozen=True)
+class Filters:
+    """Which encounters to keep; empty, or None for a range: all.
+
+    Attributes
+    ----------
+    categories, classes_x, classes_y, recordings
+        Values of `category`, `miss_class_x`, `miss_class_y`, `recording`.
+    position, height_px, pose_z
+        Least and largest `lateral_position`, `peak_height`, `aspect_z`.
+    """
+
+    categories: Sequence[str] = ()
+    classes_x: Sequence[str] = ()
+    classes_y: Sequence[str] = ()
+    recordings: Sequence[str] = ()
+    position: tuple[float, float] | None = None
+    height_px: tuple[float, float] | None = None
+    pose_z: tuple[float, float] | None = None
+
+    def keep(self, encounters: pd.DataFrame) -> pd.DataFrame:
+        """Rows of `nvcore.tables.result.encounters_table` that pass, with their index."""
+        passes = np.ones(len(encounters), dtype=bool)
+        for column, chosen in (
+            ("category", self.categories), ("miss_class_x", self.classes_x),
+            ("miss_class_y", self.classes_y), ("recording", self.recordings),
+        ):  # fmt: skip
+            if chosen:
+                passes &= encounters[column].isin(list(chosen)).to_numpy()
+        for column, span in (
+            ("lateral_position", self.position), ("peak_height", self.height_px),
+            ("aspect_z", self.pose_z),
+        ):  # fmt: skip
+            if span is not None:
+                passes &= encounters[column].between(*span).to_numpy()
+        return encounters[passes]
+
+
+def key(name: str) -> str:
+    """Key of a filter's widget; another dataset has other recordings and ranges."""
+    dataset = state.workspace().dataset
+    assert dataset is not None
+    return f"encounters_{name}_{dataset.fingerprint[:12]}"
+
+
+def draw(encounters: pd.DataFrame) -> pd.DataFrame:
+    """Draw the filters; returns the encounters that pass."""
+    wrong = _take_category()
+    kept = _draw_widgets(encounters).keep(encounters)
+    _write_category(st.session_state[key("category")])
+    # on the left: the table's own tools come up on the right
+    told, clear, _ = st.columns([2, 1.4, 3], vertical_alignment="center")
+    told.markdown(f"**{len(kept):,}** of {len(encounters):,} encounters")
+    clear.button(
+        "Clear filters", key="encounters_clear", on_click=clear_filters, type="tertiary",
+        icon=":material/filter_alt_off:", disabled=len(kept) == len(encounters), width="stretch",
+    )  # fmt: skip
+    if wrong:
+        st.warning(f"The address asks for unknown categories ({plain(wrong)}); they are left out.")
+    return kept
+
+
+def set_classes(x: str | None, y: str | None) -> None:
+    """List the encounters of these miss classes only; None: of all. For callbacks."""
+    clear_filters()
+    for name, chosen in (("class_x", x), ("class_y", y)):
+        st.session_state[key(name)] = [] if chosen is None else [chosen]
+    st.toast("The table above lists the encounters that you clicked.", icon=":material/filter_alt:")
+
+
+def clear_filters() -> None:
+    """List all encounters. For callbacks."""
+    for name in ("category", "class_x", "class_y", "recording"):
+        st.session_state[key(name)] = []
+    for name in ("position", "height", "pose"):
+        st.session_state.pop(key(name), None)
+
+
+def _take_category() -> str:
+    """Preset the category by what another page or the address asks for; returns what is wrong."""
+    widget, handed = key("category"), st.session_state.pop(LINK, None)
+    link = st.query_params.get(LINK)
+    if handed is not None:
+        asked = [handed] if isinstance(handed, str) else list(handed)
+    elif link is not None and link != st.session_state.get("encounters_link"):
+        asked = link.split(",")
+    else:
+        return ""
+    st.session_state[widget] = [one for one in CATEGORIES if one in asked]
+    return ", ".join(one for one in asked if one not in CATEGORIES)
+
+
+def _write_category(chosen: Sequence[str]) -> None:
+    """Keep the address in step, so that it can be passed on."""
+    link = ",".join(chosen)
+    st.session_state["encounters_link"] = link
+    if link:
+        st.query_params[LINK] = link
+    else:
+        st.query_params.pop(LINK, None)
+
+
+def _draw_widgets(encounters: pd.DataFrame) -> Filters:
+    categories = st.pills(
+        "Detected by", CATEGORIES, selection_mode="multi", format_func=category_words,
+        key=key("category"), persist_state="session",
+        help=" ".join(f"*{category_words(kind)}*: {CATEGORY_TEXT[kind]}" for kind in Category),
+    )  # fmt: skip
+    left, middle, right = st.columns(3)
+    meaning = "  \n".join(f"*{class_words(kind)}*: {MISS_CLASS_TEXT[kind]}" for kind in MissClass)
+    classes_x, classes_y = (
+        column.multiselect(
+            f"Miss class of {letter.upper()}", CLASSES, format_func=class_words, placeholder="any",
+            key=key(f"class_{letter}"), persist_state="session", help=meaning,
+        )
+        for column, letter in ((left, "x"), (middle, "y"))
+    )  # fmt: skip
+    recordings = right.multiselect(
+        "Recording", state.recording_names(), placeholder="all", key=key("recording"),
+        persist_state="session",
+    )  # fmt: skip
+    position = _range(
+        left, "Position in the picture", "position", np.array([-1.0, 1.0]), 0.05,
+        "Mean sideways position: -1 left edge, 0 middle, 1 right edge.",
+    )  # fmt: skip
+    height_px = _range(
+        middle, "Largest height (px)", "height", encounters["peak_height"].to_numpy(), 1.0,
+        "Height of the pedestrian where it is tallest: how near it came.",
+    )  # fmt: skip
+    pose_z = _range(
+        right, "Pose z-score", "pose", encounters["aspect_z"].to_numpy(dtype=float), 0.1,
+        "How unusual the mean height over width is among all encounters: below -2 uncommonly wide "
+        "(sitting, cycling, pushing a pram), above 2 uncommonly narrow.",
+    )  # fmt: skip
+    return Filters(categories, classes_x, classes_y, recordings, position, height_px, pose_z)
+
+
+def _range(
+    place: st.delta_generator.DeltaGenerator,
+    label: str,
+    name: str,
+    values: np.ndarray,
+    step: float,
+    text: str,
+) -> tuple[float, float] | None:
+    """A slider with two handles; None while both stand at the ends."""
+    values = values[np.isfinite(values)]
+    if not len(values):
+        return None
+    low = float(np.round(np.floor(values.min() / step) * step, 6))
+    high = float(np.round(max(np.ceil(values.max() / step) * step, low + step), 6))
+    form = "%.0f" if step >= 1 else "%.2f" if step < 0.1 else "%.1f"
+    chosen: tuple[float, float] = place.slider(
+        label, low, high, (low, high), step, form, key=key(name), help=text,
+        persist_state="session",
+    )  # fmt: skip
+    return None if chosen == (low, high) else chosen

@@ -1,0 +1,197 @@
+"""Encounters page: the table, and the encounter that was chosen in it."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any, Final
+
+import numpy as np
+import pandas as pd
+import streamlit as st
+
+from nvcore.comparison import Result
+from nvcore.figures.encounters import position_map
+from nvcore.figures.style import CONFIG
+from nvcore.schema import CATEGORY_TEXT, Category, MissClass
+from nvcore.tables.moments import encounter_moments
+from ui.encounters import picture
+from ui.session import state
+from ui.shell.navigate import open_row
+from ui.widgets.clicks import clicked_point, clicked_row
+from ui.widgets.table_columns import (
+    MOST_ROWS,
+    as_shown,
+    class_words,
+    column_config,
+    rows_told,
+    table_height,
+)
+from ui.widgets.text import UNDEFINED, number, plain
+
+FIRST_COLUMNS: Final = (
+    "recording", "track", "category", "miss_class_x", "miss_class_y", "coverage_x", "coverage_y",
+    "lead_time_s", "peak_height", "lateral_position",
+)  # fmt: skip
+"""What most people look for, as many as stand side by side in a small window."""
+ORDER: Final = (
+    "First come the pedestrians that a system does not detect, then those that it detects late or "
+    "loses, then those without failure; distant ones are last. In each of these groups the "
+    "tallest, so the nearest, are on top. Click a heading to sort by it."
+)
+CHOSEN: Final = "encounters_chosen"
+
+
+def draw(result: Result, encounters: pd.DataFrame) -> None:
+    """The table, then the map beside the chosen encounter.
+
+    Parameters
+    ----------
+    encounters
+        Rows of `nvcore.tables.result.encounters_table` that pass the filters, with their index.
+    """
+    if encounters.empty:
+        st.info("No encounter passes the filters: widen or clear them.", icon=":material/info:")
+        return
+    _draw_table(encounters)
+    left, right = st.columns([3, 2], gap="medium")
+    with left:
+        _draw_map(encounters)
+    with right:
+        _draw_chosen(result, encounters)
+
+
+def _draw_table(encounters: pd.DataFrame) -> None:
+    rest = [name for name in encounters if name not in FIRST_COLUMNS]
+    shown = as_shown(by_weight(encounters)[[*FIRST_COLUMNS, *rest]].head(MOST_ROWS))
+    left, right = st.columns([5, 1], vertical_alignment="bottom")
+    left.caption(ORDER)
+    has_all = right.toggle(
+        "All columns", key="encounters_columns", persist_state="session",
+        help="Also lag, gap, tail, frames, pose and more, to the right.",
+    )  # fmt: skip
+    # other rows, other table: a selection must not slip to another pedestrian
+    key = f"encounters_table_{hash(tuple(shown.index))}"
+    st.dataframe(
+        shown, hide_index=True, column_config=column_config("encounters.csv"),
+        height=table_height(len(shown)), placeholder=UNDEFINED, key=key,
+        column_order=None if has_all else FIRST_COLUMNS,
+        selection_mode=("single-row", "single-cell"),
+        on_select=partial(_choose_row, key, shown.index),
+    )  # fmt: skip
+    if told := rows_told(len(encounters), "first"):
+        st.caption(f"{told} The filters choose among all.")
+
+
+def by_weight(encounters: pd.DataFrame) -> pd.DataFrame:
+    """The rows in the order of `ORDER`, with their index."""
+    classes = encounters[["miss_class_x", "miss_class_y"]]
+    is_failure = (classes.notna() & (classes != MissClass.NONE)).any(axis=1)
+    group = np.select(
+        [
+            encounters["category"] == Category.DISTANT,
+            encounters["category"] != Category.BOTH,
+            is_failure,
+        ],
+        [3, 0, 1], 2,
+    )  # fmt: skip
+    height = encounters["peak_height"].to_numpy(dtype=float)
+    return encounters.iloc[np.lexsort((-height, group))]
+
+
+def _choose_row(key: str, index: pd.Index) -> None:
+    row = clicked_row(key)
+    if row is not None:
+        _choose(int(index[row]))
+
+
+def _draw_map(encounters: pd.DataFrame) -> None:
+    st.plotly_chart(
+        position_map(encounters, theme=state.theme()), theme=None, config=CONFIG,
+        key="encounters_map", selection_mode="points", on_select=_choose_point,
+    )  # fmt: skip
+
+
+def _choose_point() -> None:
+    clicked = clicked_point("encounters_map")
+    if clicked is not None:
+        _choose(int(clicked[0]))
+
+
+def _choose(encounter: int) -> None:
+    """Remember an encounter by its row, for the data that are open."""
+    st.session_state[CHOSEN] = (_fingerprint(), encounter)
+
+
+def _fingerprint() -> str:
+    dataset = state.workspace().dataset
+    assert dataset is not None
+    return dataset.fingerprint
+
+
+def _draw_chosen(result: Result, encounters: pd.DataFrame) -> None:
+    fingerprint, chosen = st.session_state.get(CHOSEN, ("", -1))
+    if fingerprint != _fingerprint() or chosen not in encounters.index:
+        st.info(
+            "Click a row of the table or a mark on the map to see the encounter here and open it "
+            "in the Timeline.",
+            icon=":material/touch_app:",
+        )
+        return
+    row = encounters.loc[chosen]
+    st.header(f"Pedestrian {row['track']} in {plain(row['recording'])}")
+    st.markdown(CATEGORY_TEXT[Category(row["category"])])
+    moments = encounter_moments(result).iloc[chosen]
+    picture.draw(result, chosen, int(moments["shown_row"]))
+    _draw_ways(result, moments)
+    st.table(_both(row))
+    st.caption(
+        f"Up to {row['peak_height']:.0f} px tall (k {row['peak_k']:.2f}); mean position "
+        f"{row['lateral_position']:+.2f} (-1 left edge, 1 right edge); pose z-score "
+        f"{number(row['aspect_z'], '+.1f')}; frames {row['first_frame']} to {row['last_frame']}."
+    )
+
+
+def _both(row: pd.Series[Any]) -> pd.DataFrame:
+    """How X and Y did with one encounter, side by side, as text."""
+    columns = {}
+    for letter in "xy":
+        matched, coverage = row[f"matched_{letter}"], row[f"coverage_{letter}"]
+        share = f"{matched} of {row['n_relevant']} frames"
+        columns[letter.upper()] = {
+            "Miss class": class_words(row[f"miss_class_{letter}"]) or UNDEFINED,
+            "Matched": f"{share} ({coverage:.0%})" if row["n_relevant"] else UNDEFINED,
+            "Lag": _seconds(row[f"lag_s_{letter}"]),
+            "Longest gap": _seconds(row[f"gap_s_{letter}"]),
+            "Tail": _seconds(row[f"tail_s_{letter}"]),
+        }
+    return pd.DataFrame(columns).rename_axis("Figure")
+
+
+def _seconds(value: float) -> str:
+    shown = number(value, ".2f")
+    return shown if shown == UNDEFINED else f"{shown} s"
+
+
+def _draw_ways(result: Result, moments: pd.Series[Any]) -> None:
+    """Buttons to the frames that are worth seeing."""
+    frames = result.dataset.frames
+    shown = int(moments["shown_row"])
+    by = {letter: int(moments[f"missed_row_{letter}"]) for letter in "xy"}
+    first = [letter.upper() for letter, row in by.items() if row == shown]
+    if st.button(
+        "Show in timeline", key="encounters_show", type="primary", icon=":material/movie:",
+        width="stretch",
+    ):  # fmt: skip
+        open_row(shown)
+    why = f"where {' and '.join(first)} first miss{'es' if len(first) == 1 else ''} the pedestrian"
+    st.caption(
+        f"Frame {frames['frame'].iloc[shown]} at {frames['time_s'].iloc[shown]:.2f} s"
+        f"{', ' + why if first else ', where the encounter begins to count'}."
+    )
+    later = {letter: row for letter, row in by.items() if row > shown}
+    for letter, row in later.items():
+        if st.button(
+            f"Show where {letter.upper()} first misses (frame {frames['frame'].iloc[row]})",
+            key=f"encounters_show_{letter}", width="stretch",
+        ):  # fmt: skip
+            open_row(row)

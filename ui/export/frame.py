@@ -1,0 +1,104 @@
+"""Export page: which frame, and that frame as a picture."""
+
+from __future__ import annotations
+
+import re
+from typing import Final
+
+import numpy as np
+import streamlit as st
+
+from nvcore.comparison import Result
+from nvcore.overlay.annotate import annotate, frame_png
+from ui.session import state
+from ui.session.pictures import picture_of
+from ui.widgets.recording import recording_choice
+
+LAYERS: Final = {"truth": "Truth", "x": "X", "y": "Y"}
+
+
+def choose_frame(result: Result) -> bool:
+    """Recording and frame of everything below; whether there is a frame at all."""
+    st.header("Frame as picture")
+    if not len(result.dataset.frames):
+        st.info("There is no evaluated frame. Check the frame list on the Data page.")
+        return False
+    recording_choice()
+    recording, row = state.recording(), state.row()
+    numbers = numbers_of(result, recording)
+    wanted = st.number_input(
+        "Frame", int(numbers[0]), int(numbers[-1]), int(numbers[row]), 1,
+        key=f"export_frame_{recording}_{numbers[row]}", width=200,
+        help="The frame of the Timeline page. Frames that are not evaluated give the nearest.",
+    )  # fmt: skip
+    if wanted != numbers[row]:
+        state.go_to(recording, nearest_row(numbers, wanted, row))
+        st.rerun()
+    return True
+
+
+@st.fragment
+def draw(result: Result) -> None:
+    """The current frame with its boxes, and its download."""
+    recording, row = state.recording(), state.row_in_all()
+    left, right = st.columns([3, 1])
+    with right:
+        layers = st.pills(
+            "Boxes of", list(LAYERS), selection_mode="multi", default=list(LAYERS),
+            format_func=LAYERS.__getitem__, key="export_layers",
+        )  # fmt: skip
+        labels = st.toggle("Track ids and scores", key="export_labels")
+        caption = st.toggle("Figures below the picture", value=True, key="export_caption")
+    lo, hi = state.stretch()
+    pictures, index = picture_of(state.workspace(), recording, state.row())
+    picture = annotate(
+        result, pictures, index, row, lo=lo, hi=hi, layers=layers, labels=labels, caption=caption
+    )
+    name, frame = state.recording_names()[recording], int(result.dataset.frame_columns.frame[row])
+    drawn = ", ".join(LAYERS[one] for one in layers) or "nobody"
+    left.image(
+        picture, caption=f"Frame {frame}, as it will be saved", width="stretch",
+        alt=f"Frame {frame} of {name} with the boxes of {drawn}",
+    )  # fmt: skip
+    right.download_button(
+        "Picture (PNG)", lambda: frame_png(picture, result),
+        f"{file_stem(name)}-frame-{frame}.png", "image/png", on_click="ignore", width="stretch",
+        icon=":material/image:", key="export_png",
+    )  # fmt: skip
+    right.caption(
+        "Parameters, version and fingerprint of the inputs are inside the file. The grey values "
+        "are stretched as on the Timeline page."
+    )
+
+
+def numbers_of(result: Result, recording: int) -> np.ndarray:
+    """Numbers of the evaluated frames of a recording."""
+    frames = result.dataset.frame_columns
+    return frames.frame[frames.first[recording] : frames.first[recording + 1]]
+
+
+def nearest_row(numbers: np.ndarray, wanted: int, row: int) -> int:
+    """Row of the evaluated frame for a number, one further at least: steps must not stick.
+
+    Examples
+    --------
+    >>> nearest_row(np.array([0, 20, 40]), 21, 1)
+    2
+    >>> nearest_row(np.array([0, 20, 40]), 38, 0)
+    2
+    """
+    nearest = int(np.abs(numbers - wanted).argmin())
+    if nearest == row:
+        nearest += 1 if wanted > numbers[row] else -1
+    return min(max(nearest, 0), len(numbers) - 1)
+
+
+def file_stem(name: str) -> str:
+    """A recording's name as part of a file name.
+
+    Examples
+    --------
+    >>> file_stem("set06/V000")
+    'set06_V000'
+    """
+    return re.sub(r"[^\w.-]+", "_", name).strip("._")[:60] or "recording"

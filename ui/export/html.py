@@ -1,0 +1,123 @@
+"""Export page: the whole comparison as one HTML file, made in the background."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Final
+
+import streamlit as st
+
+from nvcore.comparison import Result
+from nvcore.findings import Finding
+from nvcore.inputs.session import Session
+from nvcore.params import Params
+from nvcore.protocols import Protocol
+from nvcore.report.html import RecordingPictures, write_html_report
+from nvcore.report.html.evidence_sections import AT_ONCE
+from ui.export.session import public_findings
+from ui.jobs.background import FileJob, JobState, Progress, new_path, while_open
+from ui.jobs.progress import draw_file, draw_job, start_as_made
+from ui.session import state
+from ui.session.workspace import Workspace
+from ui.shell.messages import without_paths
+from ui.widgets.text import plain
+
+NAME: Final = "nvcore-report.html"
+JOB: Final = "html"
+
+
+@dataclass(frozen=True)
+class ReportKey:
+    """What a report is made from.
+
+    Attributes
+    ----------
+    protocol
+        Of the detection figures.
+    with_map
+        Whether the stability maps are computed; None: as for few frames.
+    """
+
+    version: str
+    params: Params
+    systems: tuple[str, str | None]
+    protocol: Protocol
+    with_map: bool | None
+
+
+def draw(result: Result) -> None:
+    """What is in it, the button, and how far it is."""
+    st.header("Report to hand on")
+    st.markdown(
+        "One HTML file with verdict, figures, evidence frames, tables, all parameters and hashes "
+        "of the inputs. It opens in any browser without network, and prints to PDF."
+    )
+    job: FileJob | None = state.workspace().job(JOB)
+    protocol = state.protocol()
+    st.caption(
+        f"Protocol of the detection figures: {plain(protocol.title)}, as on the Detection page."
+    )
+    key = ReportKey(
+        state.workspace().version, result.params, state.systems(), protocol,
+        _ask_for_map(result, job),
+    )  # fmt: skip
+    if st.button("Make the report", icon=":material/description:", key="make_html",
+                 disabled=job is not None and job.is_busy):  # fmt: skip
+        _start(result, key)
+        st.rerun()
+    if job is None:
+        return
+    if draw_job(job, JOB, thing="report", doing="Making the report") is not JobState.DONE:
+        return
+    size = draw_file(job, JOB)
+    if job.key == key:
+        st.caption(f"{size} It stays here until the next one.")
+    else:
+        st.warning(f"{size} It was made with other settings: make it again for those of now.")
+
+
+def _ask_for_map(result: Result, job: FileJob | None) -> bool | None:
+    """Whether with the stability maps; None where so few frames are there that they always are."""
+    if len(result.dataset.frames) <= AT_ONCE:
+        return None
+    if job is not None:
+        start_as_made(job, JOB, html_stability=bool(job.key.with_map))
+    return st.toggle(
+        "With the stability maps", key="html_stability", persist_state="session",
+        help="With so many frames they take some seconds to some minutes.",
+    )  # fmt: skip
+
+
+def _start(result: Result, key: ReportKey) -> None:
+    space = state.workspace()
+    assert space.session is not None
+    space.drop_job(JOB)
+    pictures = RecordingPictures(dict(space.pictures), dict(space.picture_rows), state.stretch())
+    findings = public_findings(state.findings(), without_paths)
+    path = new_path(space, ".html")
+    job = start_job(space, key, shown_result(result), space.session, findings, path, pictures)
+    space.put_job(JOB, job)
+
+
+def shown_result(result: Result) -> Result:
+    """The result with files named without the folders of the machine."""
+    inputs = result.dataset.inputs
+    named = inputs.assign(file=[without_paths(name) for name in inputs["file"]])
+    notes = tuple(without_paths(note) for note in result.dataset.notes)
+    return replace(result, dataset=replace(result.dataset, inputs=named, notes=notes))
+
+
+def start_job(
+    space: Workspace, key: ReportKey, result: Result, session: Session,
+    findings: tuple[Finding, ...], path: Path, pictures: RecordingPictures,
+) -> FileJob:  # fmt: skip
+    """Start writing; it ends with the session, and when the session opens something else."""
+
+    def write(progress: Progress) -> bool:
+        return write_html_report(
+            result, session, findings, path, pictures=pictures,
+            stability=key.with_map, progress=lambda share, _what: progress(share),
+        )  # fmt: skip
+
+    return FileJob(path, NAME, write, while_open(space), key=key)

@@ -1,0 +1,67 @@
+"""Export page: an address that opens the app as it is now."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Final
+from urllib.parse import urlencode
+
+import streamlit as st
+
+from nvcore.inputs.session_toml import read_session
+from ui.session import state
+
+PLACES: Final = {"timeline": "Timeline, at the current frame", "": "Overview"}
+PAGE: Final = "export"
+NO_STATE: Final = ("doc", "category")
+"""What pages keep in their address that is of no use elsewhere."""
+
+COMPLETE: Final = (
+    "It opens the sample recordings with these parameters, for everybody who can open this app."
+)
+INCOMPLETE: Final = (
+    "It keeps parameters, recording and frame, but not the files that are open now: they belong to "
+    "this browser tab alone, and a new tab starts with the sample recordings. To let somebody else "
+    "see this comparison, send `session.toml` with its input files."
+)
+
+
+def draw() -> None:
+    """The link, to be copied, and what it cannot do."""
+    st.header("Link")
+    place = st.segmented_control(
+        "It opens the", list(PLACES), default="timeline", format_func=PLACES.__getitem__,
+        required=True, key="export_place",
+    )  # fmt: skip
+    params = state.link_to(state.recording(), state.row()) if place else dict(st.query_params)
+    st.code(link(st.context.url or "", place, params), language=None, wrap_lines=True)
+    st.caption(COMPLETE if _is_sample() else INCOMPLETE)
+
+
+def link(here: str, page: str, params: dict[str, str]) -> str:
+    """Address of a page of the app.
+
+    Parameters
+    ----------
+    here
+        Address of the Export page.
+    page
+        Path of the other page.
+    params
+        What the address holds after the question mark.
+
+    Examples
+    --------
+    >>> link("http://localhost:8501/nv/export", "timeline", {"alpha": "0.5", "doc": "report"})
+    'http://localhost:8501/nv/timeline?alpha=0.5'
+    """
+    start = here.rstrip("/").removesuffix(f"/{PAGE}")
+    kept = {name: value for name, value in params.items() if name not in NO_STATE}
+    return f"{start}/{page}" + (f"?{urlencode(kept)}" if kept else "")
+
+
+def _is_sample() -> bool:
+    """Whether the sample is open as it comes: systems and corrections are in no address."""
+    return state.workspace().session == replace(
+        read_session(state.SAMPLE), protocol=state.protocol()
+    )

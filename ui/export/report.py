@@ -1,0 +1,134 @@
+"""Export page: the files of a report, one by one and as a zip, and the session file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import streamlit as st
+
+from nvcore.comparison import Result
+from nvcore.findings import Finding
+from nvcore.inputs.session import Session
+from nvcore.report.files import export_files, report_zip
+from nvcore.tables.columns import REPORT_COLUMNS, Column
+from ui.export.session import inputs_beside, portable_session, public_findings
+from ui.session import state
+from ui.session.opening import live_session
+from ui.shell.messages import without_paths
+from ui.widgets.text import UNDEFINED, docs_link, plain
+
+WHAT: Final = {
+    "frames.csv": "evaluated frames: counts, distances and similarity of each",
+    "encounters.csv": "encounters: who detected the pedestrian, how each system failed, when",
+    "events.csv": "saliency events of X and Y",
+    "intervals.csv": "low-similarity intervals of X and Y",
+    "recordings.csv": "recordings, with all aggregates",
+    "significance.csv": "figures with interval and p of their difference",
+    "subgroups.csv": "groups of encounters, such as near and far",
+    "findings.csv": "findings of the audit of the inputs",
+    "summary.json": "All aggregates over all recordings, parameters and version",
+    "session.toml": "The session: what to run to get the same report again",
+}
+TERMS: Final = (
+    f"{docs_link('Similarity', 'similarity')} (0 to 1, 1 is best) says how near what a system "
+    f"shows is to what is there. An {docs_link('encounter', 'encounters')} is one pedestrian, from "
+    "the first to the last annotated frame. In a "
+    f"{docs_link('saliency event', 'saliency')} one missed pedestrian stands out."
+)
+MIME: Final = {"csv": "text/csv", "json": "application/json", "toml": "application/toml"}
+MOST_NAMED: Final = 12
+"""Inputs that are named one by one."""
+
+
+@dataclass(frozen=True)
+class _Report:
+    """What goes into the files."""
+
+    session: Session
+    findings: tuple[Finding, ...]
+
+
+def draw(result: Result) -> None:
+    """Downloads of everything, of single files, and what their columns mean."""
+    report = _report(result)
+    st.header("Report")
+    st.markdown(
+        "The files that `nvcore compare --out` writes, with the parameters in the sidebar. "
+        "[What they hold](metrics?doc=report)."
+    )
+    st.download_button(
+        "All files (ZIP)", lambda: report_zip(result, report.session, report.findings),
+        "nvcore-report.zip", "application/zip", on_click="ignore", type="primary",
+        icon=":material/folder_zip:", key="export_zip",
+    )  # fmt: skip
+    _draw_files(result, report)
+    st.markdown(TERMS)
+    with st.expander("What the columns mean"):
+        _draw_columns()
+    _draw_session_note(report.session)
+
+
+def _report(result: Result) -> _Report:
+    space = state.workspace()
+    assert space.session is not None
+    x, y = state.systems()
+    session = live_session(space.session, result.dataset, result.params, x=x, y=y)
+    is_upload = session.folder.is_relative_to(space.folder)
+    portable = portable_session(session, is_upload=is_upload, recordings=state.recording_names())
+    return _Report(portable, public_findings(state.findings(), without_paths))
+
+
+def _draw_files(result: Result, report: _Report) -> None:
+    counts = {
+        "frames.csv": len(result.dataset.frames),
+        "encounters.csv": len(result.encounters),
+        "events.csv": len(result.x.events) + len(result.y.events),
+        "intervals.csv": len(result.x.intervals) + len(result.y.intervals),
+        "recordings.csv": len(result.dataset.recordings),
+        "findings.csv": len(report.findings),
+    }
+    for name, make in export_files(result, report.session, report.findings).items():
+        button, text = st.columns([1, 4], vertical_alignment="center")
+        button.download_button(
+            name, make, name, MIME[name.rpartition(".")[2]], on_click="ignore", width="stretch",
+            icon=":material/download:", key=f"export_{name}",
+        )  # fmt: skip
+        text.markdown(f"{counts[name]:,} {WHAT[name]}" if name in counts else WHAT[name])
+
+
+def _draw_columns() -> None:
+    file = st.segmented_control(
+        "File", list(REPORT_COLUMNS), default="frames.csv", required=True, key="export_columns",
+        label_visibility="collapsed",
+    )  # fmt: skip
+    rows = ["| Column | Unit | Meaning | Empty |", "|---|---|---|---|"]
+    for names, column in _joined(REPORT_COLUMNS[file]):
+        empty = column.empty or "never"
+        rows.append(f"| {names} | {column.unit or UNDEFINED} | {column.meaning} | {empty} |")
+    st.markdown("\n".join(rows))
+
+
+def _joined(columns: tuple[Column, ...]) -> list[tuple[str, Column]]:
+    """Columns with their names as Markdown; those of X and of Y in one row."""
+    known = {column.name for column in columns}
+    found = []
+    for column in columns:
+        of_y = column.name[:-1] + "y"
+        if column.name.endswith("_x") and of_y in known:
+            found.append((f"`{column.name}`, `{of_y}`", column))
+        elif not (column.name.endswith("_y") and column.name[:-1] + "x" in known):
+            found.append((f"`{column.name}`", column))
+    return found
+
+
+def _draw_session_note(session: Session) -> None:
+    named = inputs_beside(session)
+    more = len(named) - MOST_NAMED
+    shown = ", ".join(plain(name) for name in named[:MOST_NAMED])
+    st.caption(
+        f"To get the same report again, put `session.toml` beside its inputs: {shown}"
+        + (f" and {more} more" if more > 0 else "")
+        + ". Then run `nvcore compare session.toml --out again`, or open it on the Data page "
+        "together with these files. It names no folder of this computer."
+    )

@@ -1,0 +1,232 @@
+"""Work in the background while its page stays alive: progress, cancel, end with the session."""
+
+from __future__ import annotations
+
+import secrets
+import threading
+import weakref
+from collections.abc import Callable
+from concurrent.futures import CancelledError
+from enum import Enum, auto
+from pathlib import Path
+from typing import Any, Final, Generic, TypeVar
+
+from nvcore.errors import NvcoreError
+from ui.session.workspace import Workspace
+
+MOST_AT_ONCE: Final = 2
+"""Jobs that all sessions together run at a time; further ones wait."""
+WAIT_S: Final = 0.2
+
+Found = TypeVar("Found")
+Progress = Callable[[float], bool]
+"""Told the share that is done; says whether to go on."""
+
+_slots = threading.BoundedSemaphore(MOST_AT_ONCE)
+
+
+def while_open(space: Workspace) -> Callable[[], bool]:
+    """Whether the session still has open what it has open now, for `BackgroundJob`.
+
+    It does not hold the workspace: a thread that did would keep the session's files alive.
+    """
+    session, dataset = weakref.ref(space), weakref.ref(space.dataset)
+
+    def is_wanted() -> bool:
+        here = session()
+        return here is not None and here.dataset is not None and here.dataset is dataset()
+
+    return is_wanted
+
+
+class JobState(Enum):
+    """How far a job has come."""
+
+    WAITING = auto()
+    RUNNING = auto()
+    DONE = auto()
+    CANCELLED = auto()
+    FAILED = auto()
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether it has not ended yet."""
+        return self in (JobState.WAITING, JobState.RUNNING)
+
+
+class BackgroundJob:
+    """One piece of work; starts at once, or when another has ended.
+
+    Attributes
+    ----------
+    key
+        What it is made from, for a page to compare with what it shows; None: it does not matter.
+    share
+        What is done, 0..1.
+    error
+        Why it failed, in words.
+    is_wanted
+        Whether the session still shows what the work is for.
+    """
+
+    def __init__(
+        self,
+        work: Callable[[Progress], bool],
+        is_wanted: Callable[[], bool],
+        *,
+        key: Any = None,
+    ):
+        """Start.
+
+        Parameters
+        ----------
+        work
+            Says whether it was finished; `CancelledError` says that it was not. It must not hold
+            the session's workspace, which would then never end.
+        is_wanted
+            False once the session has ended or shows something else: the job then ends, too.
+        """
+        self.key = key
+        self.share, self.error = 0.0, ""
+        self.state = JobState.WAITING
+        self.is_wanted = is_wanted
+        self._stop, self._ending = threading.Event(), threading.Lock()
+        self._thread = threading.Thread(
+            target=self._run, args=(work,), name=type(self).__name__, daemon=True
+        )
+        self._thread.start()
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether it has not ended yet."""
+        return self.state.is_busy
+
+    @property
+    def is_stopping(self) -> bool:
+        """Whether it was cancelled and has not come to its next step yet."""
+        return self.is_busy and self._stop.is_set()
+
+    def cancel(self) -> None:
+        """Stop at the next step; nothing is left of the work. What is done already stays."""
+        self._stop.set()
+
+    def discard(self) -> None:
+        """Stop at the next step; nothing is left, also if it is done already."""
+        self.cancel()
+        with self._ending:
+            if not self.is_busy:
+                self._remove()
+
+    def join(self) -> None:
+        """Wait until nothing more will happen."""
+        self._thread.join()
+
+    def _goes_on(self) -> bool:
+        return not self._stop.is_set() and self.is_wanted()
+
+    def _progress(self, share: float) -> bool:
+        self.share = share
+        return self._goes_on()
+
+    def _remove(self) -> None:
+        """Remove what the work left; to be overridden by jobs that leave something."""
+
+    def _run(self, work: Callable[[Progress], bool]) -> None:
+        while not _slots.acquire(timeout=WAIT_S):
+            if not self._goes_on():
+                self.state = JobState.CANCELLED
+                return
+        state = JobState.FAILED  # unless it comes to an end
+        try:
+            self.state = JobState.RUNNING
+            is_done = self._goes_on() and work(self._progress)
+            state = JobState.DONE if is_done else JobState.CANCELLED
+        except CancelledError:
+            state = JobState.CANCELLED
+        except NvcoreError as error:
+            self.error = str(error)
+        finally:
+            with self._ending:
+                is_late = state is JobState.DONE and self._stop.is_set()
+                self.state = JobState.CANCELLED if is_late else state
+                if self.state is not JobState.DONE:
+                    self._remove()
+            _slots.release()
+
+
+class Computation(BackgroundJob, Generic[Found]):
+    """Something that is computed in the background."""
+
+    def __init__(
+        self,
+        compute: Callable[[Computation[Found]], Found],
+        is_wanted: Callable[[], bool],
+        *,
+        key: Any = None,
+    ):
+        """Start; `compute` calls `tell` after its steps. See `BackgroundJob`."""
+        self._found: Found | None = None
+
+        def work(_: Progress) -> bool:
+            self._found = compute(self)
+            return True
+
+        super().__init__(work, is_wanted, key=key)
+
+    @property
+    def found(self) -> Found | None:
+        """What was computed; None before that is done."""
+        return self._found if self.state is JobState.DONE else None
+
+    def tell(self, done: int, of: int) -> None:
+        """Say how many of the steps are done.
+
+        Raises
+        ------
+        concurrent.futures.CancelledError
+            If there should be no further one.
+        """
+        if not self._progress(done / of):
+            raise CancelledError
+
+    def has_to_stop(self) -> bool:
+        """Whether there should be no further step."""
+        return not self._goes_on()
+
+
+FOLDER: Final = "exports"
+
+
+def new_path(space: Workspace, suffix: str) -> Path:
+    """Where the workspace has room for such a file; it is there no longer than the workspace."""
+    folder = space.folder / FOLDER
+    folder.mkdir(mode=0o700, exist_ok=True)
+    return folder / f"{secrets.token_hex(8)}{suffix}"
+
+
+class FileJob(BackgroundJob):
+    """One file.
+
+    Attributes
+    ----------
+    path
+        Where it is written; there is a file only once the job is done.
+    name
+        File name for the download.
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        name: str,
+        write: Callable[[Progress], bool],
+        is_wanted: Callable[[], bool],
+        *,
+        key: Any = None,
+    ):
+        """Start to write; see `BackgroundJob`."""
+        self.path, self.name = path, name
+        super().__init__(write, is_wanted, key=key)
+
+    def _remove(self) -> None:
+        self.path.unlink(missing_ok=True)

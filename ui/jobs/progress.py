@@ -1,0 +1,74 @@
+"""How far a job in the background is, how it ended, and its file: the same on every page."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import streamlit as st
+
+from ui.jobs.background import BackgroundJob, FileJob, JobState
+from ui.widgets.text import plain
+
+POLL_S: Final = 0.4
+MIME: Final = {".html": "text/html", ".mp4": "video/mp4"}
+
+
+def start_as_made(job: BackgroundJob, kind: str, **choices: object) -> None:
+    """Give the widgets of these keys the values of the job, before they are drawn.
+
+    Only when the session sees the job for the first time: after a reload of the page the session
+    is new, its widgets have lost their values, and the job goes on.
+    """
+    if st.session_state.get(f"{kind}_job_seen") != job.key:
+        st.session_state[f"{kind}_job_seen"] = job.key
+        for key, value in choices.items():
+            st.session_state[key] = value
+
+
+def draw_job(job: BackgroundJob, kind: str, *, thing: str, doing: str) -> JobState:
+    """Progress with a button to cancel, or why there is nothing; how far the job was.
+
+    Parameters
+    ----------
+    kind
+        Of the job in the workspace.
+    thing
+        What is made, as a sentence calls it: "report".
+    doing
+        What is going on, as a sentence begins: "Making the report".
+    """
+    at = job.state  # once: it may end meanwhile
+    if at.is_busy:
+        _draw_progress(job, kind, doing)
+    elif at is JobState.CANCELLED:
+        st.info(f"Cancelled. No {thing} was made.", icon=":material/info:")
+    elif at is JobState.FAILED:
+        st.error(plain(job.error) or f"The {thing} could not be made.", icon=":material/error:")
+    return at
+
+
+@st.fragment(run_every=POLL_S)
+def _draw_progress(job: BackgroundJob, kind: str, doing: str) -> None:
+    if not job.is_busy:
+        st.rerun()
+    if job.is_stopping:
+        words = "Cancelling"
+    elif job.state is JobState.WAITING:
+        words = "Waiting for other work on this server"
+    else:
+        words = f"{plain(doing)}: {job.share:.0%}"
+    st.progress(job.share, words)
+    st.button(
+        "Cancel", icon=":material/close:", key=f"{kind}_cancel", on_click=job.cancel,
+        disabled=job.is_stopping,
+    )  # fmt: skip
+
+
+def draw_file(job: FileJob, kind: str) -> str:
+    """The button that downloads the file of a job that is done; its size, in words."""
+    path = job.path  # the callable must not hold the job, which holds the pictures
+    st.download_button(
+        job.name, lambda: path.open("rb"), job.name, MIME[path.suffix], on_click="ignore",
+        icon=":material/download:", type="primary", key=f"{kind}_download",
+    )  # fmt: skip
+    return f"{path.stat().st_size / 1e6:.1f} MB."

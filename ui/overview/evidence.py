@@ -1,0 +1,121 @@
+"""Overview page: whether the differences are more than chance, and where they lie."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Mapping
+from typing import Any, Final
+
+import numpy as np
+import pandas as pd
+import streamlit as st
+
+from nvcore.comparison import Result
+from nvcore.evidence.measures import ODDS_RATIO
+from nvcore.evidence.paired_tests import SIGNIFICANT
+from nvcore.evidence.subgroup_table import BY_UNIT, FIGURES, NOT_OF_PEDESTRIANS, subgroup_table
+from nvcore.evidence.table import FORMS
+from nvcore.figures.forest import subgroup_forest
+from nvcore.figures.style import CONFIG
+from nvcore.wording import ARROWS, difference, number
+from ui.session import state
+from ui.widgets.text import UNDEFINED, docs_link, plain
+
+TIMES: Final = " ×"
+
+
+def draw(result: Result, evidence: pd.DataFrame) -> None:
+    """The table of evidence, and the same by groups of encounters."""
+    st.header("Is the difference real?")
+    st.dataframe(
+        shown_evidence(evidence), hide_index=True, key="evidence", height="content", row_height=30,
+        column_config={
+            "figure": st.column_config.TextColumn(width=310),
+            **{
+                name: st.column_config.TextColumn(width=width, alignment="right")
+                for name, width in (
+                    ("X", 70), ("Y", 70), ("X - Y", 85), ("95 % interval", 160), ("p", 70),
+                    ("p (Holm)", 75), ("effect", 95),
+                )
+            },
+        },
+    )  # fmt: skip
+    notes = dict.fromkeys(note for row in evidence["note"] if row for note in row.split("; "))
+    has_blocks = (evidence["unit"] == "blocks").any()
+    units = "stretches of these recordings" if has_blocks else "recordings"
+    for note in notes:
+        st.caption(plain(f"{UNDEFINED} {note[0].upper()}{note[1:]}."))
+    st.caption(
+        "Both systems saw the same pedestrians, so differences are judged in pairs: how far they "
+        f"would vary with other {units} (interval), and how often chance alone would "
+        f"make them as large (p; at most {SIGNIFICANT} is called more than chance). p (Holm) "
+        "allows for all the rows being looked at together. effect: size of the difference, "
+        "Cohen's d_z or, with ×, the odds ratio "
+        f"({docs_link('Significance', 'significance', doc='significance')})."
+    )
+    with st.expander("How it was computed"):
+        for label, method in zip(evidence["label"], evidence["method"], strict=True):
+            if method:
+                st.markdown(f"- {plain(label)}: {plain(method)}")
+    _draw_subgroups(result, evidence)
+
+
+@st.fragment
+def _draw_subgroups(result: Result, evidence: pd.DataFrame) -> None:
+    """One figure for groups of encounters; which one is chosen here."""
+    labels = dict(zip(evidence["figure"], evidence["label"], strict=True))
+    names = [one for one in FIGURES if one in labels]
+    figure = st.selectbox(
+        "Figure by group", names, index=names.index(BY_UNIT) if result.is_short else 0,
+        format_func=labels.__getitem__, key="subgroup_figure", width=420, persist_state="session",
+    )  # fmt: skip
+    protocol = state.protocol()
+
+    def make() -> pd.DataFrame:
+        with st.spinner("Comparing the groups"):
+            return subgroup_table(result, [figure], protocol=protocol)
+
+    key = (result.params, result.x.name, result.y.name, protocol, figure)
+    table = state.workspace().keep("subgroups", key, make, most=len(FIGURES))
+    st.plotly_chart(
+        subgroup_forest(table, theme=state.theme()), theme=None, config=CONFIG, key="subgroups"
+    )
+    if figure in NOT_OF_PEDESTRIANS:
+        st.caption(
+            f"{UNDEFINED} Near, far, centre, edge, occlusion, pose: {NOT_OF_PEDESTRIANS[figure]}. "
+            "Only groups of recordings have this figure, by the tags that a session file gives."
+        )
+    st.caption(
+        "Groups are made by the ground truth alone. Near: the largest box is at least twice as "
+        "high as one that counts half. Centre: the middle half of the picture. Occluded: in half "
+        "of the frames or more. Wide, narrow: height by width is a standard deviation or more "
+        "from the mean. Distant encounters, which do not count, are in none. Many groups give "
+        "some large differences by chance: p is corrected for all groups of this figure "
+        f"({docs_link('Groups', 'groups', doc='significance')})."
+    )
+
+
+def _has_odds_ratio(row: Mapping[Hashable, Any]) -> bool:
+    return row["effect_name"] == ODDS_RATIO and bool(np.isfinite(row["effect"]))
+
+
+def shown_evidence(evidence: pd.DataFrame) -> pd.DataFrame:
+    """The table of evidence as text; a dash where nothing can be given."""
+    rows = []
+    for row in evidence.to_dict("records"):
+        form = FORMS[row["figure"]]
+        low, high = (difference(row[end], 0, form) for end in ("low", "high"))
+        rows.append(
+            (
+                row["label"] + ARROWS[row["better"]],
+                number(row["x"], form),
+                number(row["y"], form),
+                difference(row["x"], row["y"], form),
+                f"{low} to {high}" if np.isfinite(row["low"]) else UNDEFINED,
+                number(row["p"], ".2g"),
+                number(row["p_holm"], ".2g"),
+                number(row["effect"], ".2f") + (TIMES if _has_odds_ratio(row) else ""),
+            )
+        )
+    return pd.DataFrame(
+        rows, columns=["figure", "X", "Y", "X - Y", "95 % interval", "p", "p (Holm)", "effect"]
+    )

@@ -1,0 +1,125 @@
+"""Overview page: the verdict, the scorecard, and the recordings side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import pandas as pd
+import streamlit as st
+
+from nvcore.comparison import Result
+from nvcore.figures.paired import recordings_plot
+from nvcore.figures.style import CONFIG
+from nvcore.findings import Finding, Severity
+from nvcore.report.verdict import verdict
+from nvcore.tables.result import recordings_table
+from nvcore.tables.scorecard import ScoreRow, class_rows, score_rows
+from nvcore.wording import ARROWS, count_text, difference, number
+from ui.session import state
+from ui.shell.messages import sampling_note
+from ui.shell.navigate import open_frame, open_page
+from ui.widgets.clicks import is_new_click
+from ui.widgets.text import docs_link, plain
+
+
+def verdict_box(result: Result, findings: Sequence[Finding], evidence: pd.DataFrame) -> None:
+    """What the figures support, and what it depends on."""
+    sentences = verdict(result, findings, evidence=evidence)
+    grave = [one for one in findings if one.severity is not Severity.NOTE]
+    with st.container(border=True, key="verdict"):
+        st.markdown(f"## {plain(sentences[0])}")
+        if len(sentences) > 1:
+            st.markdown(plain(" ".join(sentences[1 : len(sentences) - bool(grave)])))
+        if grave:
+            st.warning(plain(sentences[-1]), icon=":material/warning:")
+            if st.button("See the findings on the Data page"):
+                open_page("data")
+    st.caption(_extent(result))
+    if note := sampling_note(result.dataset.frame_columns):
+        st.caption(note)
+
+
+def _extent(result: Result) -> str:
+    venn = result.venn
+    return (
+        f"{count_text(len(result.dataset.recordings), 'recording')}, "
+        f"{count_text(len(result.dataset.frames), 'frame')}, "
+        f"{result.duration_s:,.1f} s. An encounter is one pedestrian from first to last annotated "
+        f"frame; {venn.n_near:,} came near enough to count, {venn.distant:,} stayed distant. A "
+        f"system detects it by matching it in at least {result.params.coverage:.0%} of the frames "
+        "in which it is near. p, where given: how often so uneven a split would come by chance if "
+        f"both were equally good (exact McNemar test) ({docs_link('Metrics', 'encounters')})."
+    )
+
+
+def scorecard(result: Result) -> None:
+    """Every figure of X beside that of Y, the difference, and which way is better."""
+    st.header("Scorecard")
+    st.dataframe(
+        _shown(score_rows(result)), hide_index=True, key="scorecard", height="content",
+        column_config=_columns("figure"), row_height=30,
+    )  # fmt: skip
+    st.caption(
+        "↑ higher is better, ↓ lower is better. Similarity, per frame, 1 is best: how well "
+        "detections fit the pedestrians, near ones first. Saliency, in seconds, 0 is best: "
+        "how long the most salient misses last, in full only when they are late "
+        f"({docs_link('Metrics', 'similarity')}). {_rule(result)}"
+    )
+    with st.expander(f"How the {result.venn.n_near:,} encounters went"):
+        st.dataframe(
+            _shown(class_rows(result)), hide_index=True, key="classes", height="content",
+            column_config=_columns("miss class"), row_height=30,
+        )  # fmt: skip
+
+
+def _rule(result: Result) -> str:
+    """When a detection matches, and what it is when it does not."""
+    params = result.params
+    how = (
+        f"whom it overlaps by an IoU of {params.iou:g} or more"
+        if params.match == "iou"
+        else f"at whose sideways position it stands, to {params.lateral_tolerance:.0%} of the width"
+    )
+    return (
+        f"A detection matches a pedestrian {how}; a looser box is a false alarm, and the "
+        "pedestrian is missed (Advanced)."
+    )
+
+
+def _shown(rows: Sequence[ScoreRow]) -> pd.DataFrame:
+    """As text: the figures have formats of their own."""
+    return pd.DataFrame(
+        [
+            (
+                "    " * row.level + row.label + ARROWS[row.better],
+                number(row.x, row.form),
+                number(row.y, row.form),
+                difference(row.x, row.y, row.form),
+            )
+            for row in rows
+        ],
+        columns=["figure", "X", "Y", "X - Y"],
+    )
+
+
+def _columns(first: str) -> dict[str, object]:
+    right = {"alignment": "right", "width": 70}
+    return {
+        "figure": st.column_config.TextColumn(first, width=250),
+        "X": st.column_config.TextColumn("X", **right),
+        "Y": st.column_config.TextColumn("Y", **right),
+        "X - Y": st.column_config.TextColumn("X - Y", **right),
+    }
+
+
+def by_recording(result: Result) -> None:
+    """Mean similarity of each recording as paired points; a click opens it."""
+    st.header("By recording")
+    table = recordings_table(result)
+    chosen = st.plotly_chart(
+        recordings_plot(table, (result.x.name, result.y.name), theme=state.theme()),
+        theme=None, config=CONFIG, key="by_recording", on_select="rerun", selection_mode="points",
+    )  # fmt: skip
+    points = chosen["selection"]["points"]
+    if points and is_new_click("by_recording", points):
+        open_frame(int(points[0]["customdata"]), 0)

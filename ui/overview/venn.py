@@ -1,0 +1,44 @@
+"""Overview page: the Venn diagram; a click on a region opens its encounters."""
+
+from __future__ import annotations
+
+import streamlit as st
+
+from nvcore.comparison import Result
+from nvcore.figures.style import CONFIG
+from nvcore.figures.venn import venn_figure
+from ui.session import state
+from ui.shell.navigate import open_page
+from ui.widgets.clicks import is_new_click
+
+
+def draw(result: Result) -> None:
+    """The diagram, and the same by buttons for those who do not click in pictures."""
+    st.header("Who detects whom")
+    chosen = st.plotly_chart(
+        venn_figure(result.venn, (result.x.name, result.y.name), theme=state.theme()),
+        theme=None, config=CONFIG, key="venn", on_select="rerun", selection_mode="points",
+        alt=_in_words(result),
+    )  # fmt: skip
+    points = chosen["selection"]["points"]
+    if points and is_new_click("venn", points):
+        _open(str(points[0]["customdata"]))
+    st.caption("Click a region to see its encounters.")
+    counts = result.venn.counts()
+    columns = st.columns(4)
+    for column, (category, words) in zip(columns, WORDS.items(), strict=True):
+        if column.button(f"{words} {counts[category]}", key=f"open_{category}", width="stretch"):
+            _open(category)
+
+
+WORDS = {"both": "Both", "x_only": "Only X", "y_only": "Only Y", "neither": "Neither"}
+
+
+def _in_words(result: Result) -> str:
+    counts = result.venn.counts()
+    return "Encounters detected: " + ", ".join(f"{WORDS[c]} {counts[c]}" for c in WORDS)
+
+
+def _open(category: str) -> None:
+    state.choose_category(category)
+    open_page("encounters")

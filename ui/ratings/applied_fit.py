@@ -1,0 +1,141 @@
+"""Which fitted settings were taken, and whether they are in use with the ratings they are from."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+import numpy as np
+import pandas as pd
+
+from nvcore.comparison import Result
+from nvcore.params import Params
+from nvcore.studies.ratings.fit import Fit
+from nvcore.studies.ratings.reading import folded
+from ui.ratings.source import Given
+from ui.session import state
+from ui.shell import live_params
+
+KEPT: Final = "rating_fits_taken"
+MOST: Final = 8
+
+
+@dataclass(frozen=True)
+class Taken:
+    """Fitted settings that somebody has taken.
+
+    Attributes
+    ----------
+    fitted, before
+        The parameters that the fit changed, and their values before, by name.
+    fingerprint
+        Of the dataset.
+    seen
+        The ratings that it was fitted to, of `_who_rates_what`.
+    is_simulated
+        Whether nobody was asked for those.
+    """
+
+    fitted: dict[str, Any]
+    before: dict[str, Any]
+    fingerprint: str
+    seen: np.ndarray
+    is_simulated: bool
+
+    def is_in_use(self, params: Params) -> bool:
+        """Whether all that was fitted has the fitted values, whatever else has moved."""
+        return all(_is_same(getattr(params, name), one) for name, one in self.fitted.items())
+
+    def share_seen(self, given: Given) -> float:
+        """The share of these ratings that it was fitted to, 0 to 1; whatever their values."""
+        return float(np.mean(np.isin(_who_rates_what(given), self.seen)))
+
+    def is_of(self, fit: Fit) -> bool:
+        """Whether these are the settings of that fit."""
+        return self.fitted == fit.changed
+
+    def settings_before(self, params: Params) -> Params:
+        """The live parameters with the values before the fit."""
+        return replace(params, **self.before)
+
+
+def _who_rates_what(given: Given) -> np.ndarray:
+    """A number for each rating, the same for the same participant, clip and system; uint64.
+
+    Not of the rating itself: who rates a clip otherwise the second time is no new evidence.
+    """
+    rated = given.ratings.dropna(subset="rating")
+    of = pd.DataFrame(
+        {
+            "participant": rated["participant"].map(folded),
+            "clip": rated["clip"],
+            "system": rated["system"].where(rated["system"] != "", given.system),
+        }
+    )
+    return pd.util.hash_pandas_object(of.astype(str), index=False).to_numpy()
+
+
+def _is_same(live: Any, fitted: Any) -> bool:
+    if isinstance(live, float) and isinstance(fitted, float):
+        return math.isclose(live, fitted, rel_tol=1e-9)
+    return bool(live == fitted)
+
+
+def _kept(result: Result) -> list[Taken]:
+    """What was taken and is in use now, the newest first."""
+    return [
+        one
+        for one in _all()
+        if one.fingerprint == result.dataset.fingerprint and one.is_in_use(result.params)
+    ]
+
+
+def in_use(result: Result, given: Given) -> Taken | None:
+    """The fit in use that has seen most of these ratings; None if none has seen any of them."""
+    most = max(_kept(result), key=lambda one: one.share_seen(given), default=None)
+    return most if most is not None and most.share_seen(given) > 0 else None
+
+
+def of_simulated(result: Result, given: Given) -> bool:
+    """Whether the settings in use were fitted to simulated ratings, and these are not."""
+    return not given.is_simulated and any(one.is_simulated for one in _kept(result))
+
+
+def take(fit: Fit, start: Params, given: Given, fingerprint: str, taken: Taken | None) -> None:
+    """Move the sidebar to the settings of the fit.
+
+    Parameters
+    ----------
+    fit, start
+        The fit, and the settings that it was compared with.
+    taken
+        The fit that is in use now, whose values go where `fit` has none.
+    """
+    before = {name: getattr(start, name) for name in fit.changed}
+    one = Taken(fit.changed, before, fingerprint, _who_rates_what(given), given.is_simulated)
+    state.workspace().noted[KEPT] = [one, *_others(taken)][:MOST]
+    _set({**(taken.before if taken else {}), **fit.changed})
+
+
+def give_back(taken: Taken) -> None:
+    """Move the sidebar to the settings before the fit."""
+    state.workspace().noted[KEPT] = _others(taken)
+    _set(taken.before)
+
+
+def _all() -> list[Taken]:
+    found: list[Taken] = state.workspace().noted.get(KEPT, [])
+    return found
+
+
+def _others(taken: Taken | None) -> list[Taken]:
+    return [one for one in _all() if one is not taken]
+
+
+def _set(values: dict[str, Any]) -> None:
+    shown = {
+        name: live_params.default_of_height(name) if one is None else one
+        for name, one in values.items()
+    }
+    state.set_params(**shown)

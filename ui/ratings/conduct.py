@@ -1,0 +1,140 @@
+"""Ratings page, for who conducts a rating session: begin, hand out the link, see the progress."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import streamlit as st
+
+from nvcore.comparison import Result
+from nvcore.csv_text import to_csv_bytes
+from nvcore.errors import InputError
+from nvcore.studies.ratings.store import Study
+from nvcore.wording import count_text
+from ui.ratings import links, participant
+from ui.ratings.links import CONDUCT
+from ui.ratings.participant import ENDS
+from ui.session import state
+from ui.widgets.text import plain
+
+RESULTS: Final = "Results"
+SESSION: Final = "Rating session"
+PART: Final = "ratings_part"
+NEWS_S: Final = 5.0
+"""How often the progress is looked up."""
+
+
+def choose_part() -> str:
+    """The part of the page; a conductor's link opens the rating session."""
+    if CONDUCT in st.query_params:
+        st.session_state.setdefault(PART, SESSION)
+    part: str = st.segmented_control(
+        "Part", [RESULTS, SESSION], default=RESULTS, required=True, key=PART,
+        persist_state="session", label_visibility="collapsed",
+    )  # fmt: skip
+    return part
+
+
+def draw(result: Result) -> None:
+    """The rating session that is open, else the form that begins one."""
+    try:
+        study = links.conducted()
+    except InputError as error:
+        st.error(plain(str(error)))
+        study = None
+    if study is None:
+        _begin(result)
+    else:
+        _conduct(study)
+
+
+def _begin(result: Result) -> None:
+    dataset = result.dataset
+    names = state.recording_names()
+    both = [result.x.name, result.y.name]
+    st.header("Start a rating session")
+    st.caption(
+        "Every participant sees every clip once, in an order of their own that is balanced over "
+        "the participants, without the names of the systems and without the ground truth, and "
+        f"rates it from 1 ({ENDS[0]}) to 7 ({ENDS[1]}). The score thresholds in use now decide "
+        "which boxes are shown."
+    )
+    chosen = st.multiselect("Recordings", names, default=names, key="rating_recordings")
+    whose = st.segmented_control(
+        "Whose boxes", [*both, "both"], default="both", required=True, key="rating_whose",
+        format_func=lambda one: "Both" if one == "both" else
+        f"{'X' if one == result.x.name else 'Y'} {one}",
+    )  # fmt: skip
+    systems = both if whose == "both" else [whose]
+    clips = [(name, system) for system in systems for name in names if name in chosen]
+    st.caption(f"{count_text(len(clips), 'clip')}.")
+    if st.button("Start a rating session", type="primary", key="rating_start"):
+        try:
+            study = links.store().begin(
+                dataset.fingerprint, clips, thresholds=links.shown_thresholds()
+            )
+        except InputError as error:
+            st.error(plain(str(error)))
+            return
+        links.conduct(study)
+        st.rerun()
+
+
+def _conduct(study: Study) -> None:
+    st.header("The rating session")
+    for_participants, for_conductor = links.links(study)
+    st.markdown("Participants open this address on their screen:")
+    st.code(for_participants, language=None, wrap_lines=True)
+    if links.is_local(for_participants):
+        st.warning(
+            "This address works **on this computer only**. For other screens start the app with "
+            "`--server.address 0.0.0.0`, open it by this computer's name or IP address instead of "
+            "localhost, and come back with the second address below: both then begin with that "
+            "name.", icon=":material/wifi_off:",
+        )  # fmt: skip
+    st.markdown("With this one **you** come back to progress and results. Keep it to yourself:")
+    st.code(for_conductor, language=None, wrap_lines=True)
+    if state.workspace().label != state.SAMPLE_LABEL:
+        st.caption(
+            "A participant's browser must have the same files open: open them there on the Data "
+            "page first, or let them rate on this screen."
+        )
+    with st.container(horizontal=True):
+        if st.button("Rate on this screen", key="rating_here", icon=":material/play_circle:"):
+            participant.enter(study.token)
+        if st.button("Close, and start another", key="rating_close", type="tertiary"):
+            links.close()
+            st.rerun()
+    _draw_progress(study)
+
+
+@st.fragment(run_every=NEWS_S)
+def _draw_progress(study: Study) -> None:
+    st.header("Progress")
+    store = links.store()
+    people = store.participants(study)
+    n_ratings, n_clips = int(people["n_rated"].sum()), len(study.clips)
+    n_done = int((people["n_rated"] == n_clips).sum())
+    columns = st.columns(3)
+    columns[0].metric("participants", f"{len(people):,}")
+    columns[1].metric("have rated all clips", f"{n_done:,}")
+    columns[2].metric("ratings so far", f"{n_ratings:,}")
+    if len(people):
+        st.dataframe(
+            people, hide_index=True, key="rating_progress",
+            column_config={
+                "participant": st.column_config.TextColumn("Participant"),
+                "n_rated": st.column_config.ProgressColumn(
+                    f"Rated, of {n_clips}", min_value=0, max_value=n_clips, format="%d"
+                ),
+            },
+        )  # fmt: skip
+    else:
+        st.caption("Nobody has joined yet. This is looked up every five seconds.")
+    if n_ratings:
+        st.caption(f'Whether they agree is told under "{RESULTS}", with ratings from "{SESSION}".')
+        st.download_button(
+            "Ratings (CSV)", data=lambda: to_csv_bytes(store.ratings(study)), on_click="ignore",
+            file_name="ratings.csv", mime="text/csv", icon=":material/download:",
+            key="rating_export",
+        )  # fmt: skip

@@ -1,0 +1,206 @@
+"""Ratings page: saliency's parameters fitted to the ratings, and what that is worth."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import numpy as np
+import pandas as pd
+import streamlit as st
+
+from nvcore.comparison import Result, compare
+from nvcore.errors import InputError
+from nvcore.params import Params
+from nvcore.studies.ratings.fit import Fit, fit_saliency
+from nvcore.wording import count_text
+from ui.jobs.background import Computation, JobState, while_open
+from ui.jobs.progress import draw_job
+from ui.ratings import applied_fit
+from ui.ratings.applied_fit import Taken
+from ui.ratings.source import Given
+from ui.session import state
+from ui.shell import live_params
+from ui.shell.sidebar import CHOICES, LABELS
+from ui.widgets.text import docs_link, plain
+
+AT_ONCE: Final = 20_000
+"""Frames up to which a fit takes seconds: it is made while the page waits."""
+JOB: Final = "rating_fit"
+MOST_FITS: Final = 4
+SIMULATED: Final = "Fitted to **simulated ratings**: nobody was asked."
+
+
+def draw(
+    result: Result, clips: pd.DataFrame, ratings_key: object, given: Given, taken: Taken | None
+) -> None:
+    """The button that fits, and what the fit found.
+
+    Parameters
+    ----------
+    ratings_key
+        Differs where the ratings do.
+    taken
+        The fit in use that has seen some of these ratings: then all is told against the settings
+        before it.
+    """
+    st.header("Fit saliency to these ratings")
+    st.caption(
+        "Tries tolerance, recency, height sigmoid and aggregate in many combinations, and takes "
+        "those settings that put most pairs of clips in the order in which people put them "
+        f"({docs_link('how it is judged', 'the-fit', doc='ratings')})."
+    )
+    start = result.params if taken is None else taken.settings_before(result.params)
+    found: Any = state.workspace().known("rating_fit", key := _key(result, start, ratings_key))
+    if found is None:
+        found = _ask(result, start, clips, key)
+    if found is not None:
+        with st.container(border=True, key="rating_fit_found"):
+            _draw_worth(found, "settings in use" if taken is None else "settings before")
+            _draw_settings(result, found, start, given, taken)
+    elif taken is not None:
+        _draw_in_use(taken)
+
+
+def _key(result: Result, start: Params, ratings_key: object) -> Any:
+    return ratings_key, result.x.name, result.y.name, start
+
+
+def _with(result: Result, settings: Params) -> Result:
+    """The comparison with these settings."""
+    if settings == result.params:
+        return result
+    x, y = result.x.name, result.y.name
+    return compare(result.dataset, settings, x=x, y=y, previous=result)
+
+
+def _keep(key: Any, found: Fit) -> Fit:
+    return state.workspace().keep("rating_fit", key, lambda: found, most=MOST_FITS)
+
+
+def _ask(result: Result, start: Params, clips: pd.DataFrame, key: Any) -> Fit | None:
+    """The button, or the progress of the fit; the fit where it was made at once."""
+    job: Computation[Fit] | None = state.workspace().job(JOB)
+    if job is not None and job.key == key:
+        at = draw_job(job, JOB, thing="fit", doing="Fitting")
+        if at.is_busy:
+            return None
+        if at is JobState.DONE and job.found is not None:
+            return _keep(key, job.found)
+    if not st.button("Fit saliency to these ratings", key="rating_fit", icon=":material/tune:"):
+        return None
+    if len(result.dataset.frames) > AT_ONCE:
+        _begin(result, start, clips, key)
+        st.rerun()
+    bar = st.progress(0.0, "Fitting")
+    try:
+        found = fit_saliency(
+            _with(result, start), clips,
+            progress=lambda done, of: bar.progress(done / of, "Fitting"),
+        )  # fmt: skip
+    except InputError as error:
+        st.info(plain(str(error)))
+        return None
+    finally:
+        bar.empty()
+    return _keep(key, found)
+
+
+def _begin(result: Result, start: Params, clips: pd.DataFrame, key: Any) -> None:
+    def compute(job: Computation[Fit]) -> Fit:
+        return fit_saliency(_with(result, start), clips, progress=job.tell)
+
+    space = state.workspace()
+    space.put_job(JOB, Computation(compute, while_open(space), key=key))
+
+
+def _draw_worth(found: Fit, start: str) -> None:
+    """The shares of pairs, by settings that are called `start` and by the fit."""
+    st.markdown("**Share of the pairs of clips in the order in which people put them**")
+    columns = st.columns(3)
+    columns[0].metric(start, f"{found.share_default:.0%}")
+    columns[1].metric("fit, on recordings left out", f"{found.share_fitted:.0%}")
+    columns[2].metric("fit, on what it has seen", f"{found.share_training:.0%}")
+    if found.reason:
+        columns[1].caption(f"No interval: {plain(found.reason)}.")
+    else:
+        columns[1].caption(f"95 %: {found.low:.0%} to {found.high:.0%}")
+    st.caption(
+        f"{count_text(found.n_pairs, 'pair')} of {count_text(found.n_clips, 'clip')}, "
+        f"{found.n_settings:,} combinations tried; 50% is chance. **The second figure is the "
+        "result**: each pair is judged by a fit that has seen neither of its recordings. The "
+        "third is too good by construction."
+    )
+    if found.changed:
+        st.markdown(_gain(found, start))
+
+
+def _gain(found: Fit, start: str) -> str:
+    """What the fit gains on recordings it has not seen, and whether that may be chance."""
+    gain = found.share_fitted - found.share_default
+    if gain <= 0:
+        return (
+            f"On recordings that it has not seen, the fit is **no better than the {start}**: these "
+            "ratings give no reason to change them."
+        )
+    told = f"Against the {start}, the fit gains {100 * gain:.0f} points"
+    if not np.isfinite(found.gain_low):
+        return f"{told}. Whether that is more than chance cannot be told."
+    interval = (
+        f"{told} (95 %: {_points(found.gain_low)} to {_points(found.gain_high)}, from resampling "
+        f"the {found.n_recordings} recordings)"
+    )
+    if found.gain_low > 0:
+        return f"{interval}."
+    return f"{interval}: **that may be chance**."
+
+
+def _points(share: float) -> str:
+    return f"{100 * share:+.0f}".replace("-", "\u2212").replace("+0", "0")
+
+
+def _draw_settings(
+    result: Result, found: Fit, start: Params, given: Given, taken: Taken | None
+) -> None:
+    """What the fit changes, and the button that takes it or gives it back."""
+    if found.changed:
+        st.markdown("\n".join(f"- {line}" for line in _changes(found, start)))
+    else:
+        st.markdown("The settings in use are the best of those tried.")
+    if taken is not None:
+        _draw_in_use(taken)
+    if not found.changed or (taken is not None and taken.is_of(found)):
+        return
+    st.button(
+        "Take these settings", key="rating_fit_take", type="primary", on_click=applied_fit.take,
+        args=(found, start, given, result.dataset.fingerprint, taken),
+    )  # fmt: skip
+    if given.is_simulated:
+        st.caption(SIMULATED)
+
+
+def _draw_in_use(taken: Taken) -> None:
+    """That fitted settings are in use, with the way back."""
+    with st.container(horizontal=True, vertical_alignment="center"):
+        of_whom = f" {SIMULATED}" if taken.is_simulated else ""
+        st.markdown(f":material/check: **In use**.{of_whom}")
+        st.button(
+            "Go back to the settings before", key="rating_fit_back", icon=":material/undo:",
+            on_click=applied_fit.give_back, args=(taken,),
+        )  # fmt: skip
+
+
+def _changes(found: Fit, start: Params) -> list[str]:
+    """The parameters that the fit changes, as the sidebar calls them."""
+    return [
+        f"{plain(LABELS[name])}: {_shown(_value(start, name))} → **{_shown(value)}**"
+        for name, value in found.changed.items()
+    ]
+
+
+def _value(settings: Params, name: str) -> Any:
+    value = getattr(settings, name)
+    return live_params.default_of_height(name) if value is None else value
+
+
+def _shown(value: Any) -> str:
+    return plain(CHOICES.get(value, value) if isinstance(value, str) else f"{value:g}")

@@ -1,0 +1,262 @@
+"""What a participant of a rating session sees: one clip after the other, and the scale."""
+
+from __future__ import annotations
+
+from typing import Final, Literal
+
+import numpy as np
+import streamlit as st
+
+from nvcore.comparison import Result
+from nvcore.errors import InputError
+from nvcore.studies.ratings.store import MOST_NAME, RatingStore, Study
+from ui.ratings import links
+from ui.ratings.links import PARTICIPANT, STUDY
+from ui.session import state
+from ui.session.viewer_arguments import viewed
+from ui.shell.navigate import open_page
+from ui.widgets.text import plain
+from ui.widgets.viewer import n_plays_in, viewer
+
+ENDS: Final = ("not annoying at all", "very annoying")
+"""Of the scale (paper, figure 9)."""
+HEIGHT_PX: Final = 640
+WAITING: Final = "rating_waiting"
+KNOWN: Final = "rating_known_name"
+CHANGING: Final = "rating_changing"
+BEFORE: Final = "rating_thresholds_before"
+"""Thresholds of who conducts, while somebody rates on that screen."""
+Letter = Literal["x", "y"]
+
+
+def draw() -> None:
+    """The page for somebody who takes part: nothing else of the app is in sight."""
+    token = st.query_params[STUDY]
+    store = links.store()
+    study = store.study(token)
+    if study is None:
+        st.title("Rate clips")
+        st.error("This link leads to no rating session. Ask for it again.")
+        return
+    result = state.result()
+    if result is None or not _is_open(study):
+        st.session_state[WAITING] = token, st.query_params.get(PARTICIPANT)
+        st.query_params.clear()
+        st.rerun()
+    st.session_state.pop(WAITING, None)
+    _show_its_boxes(study)
+    name = st.query_params.get(PARTICIPANT, "")
+    if not name.strip() or len(name.strip()) > MOST_NAME:
+        _welcome(study, store)
+        return
+    order = store.order(study, name)
+    rated = store.rated(study, name)
+    left = [clip for clip in order if clip not in rated]
+    done = [clip for clip in order if clip in rated]
+    if done and st.session_state.get(CHANGING, False):
+        _change(result, study, store, name, done[-1])
+    elif left:
+        _clip(result, study, store, name, left)
+    else:
+        _thanks(study)
+
+
+def draw_waiting() -> None:
+    """For whom a participant's link was opened while another comparison is open."""
+    if WAITING not in st.session_state:
+        return
+    token, name = st.session_state[WAITING]
+    study = links.store().study(token)
+    if study is None:
+        del st.session_state[WAITING]
+        return
+    if not _is_open(study):
+        st.warning(
+            "The rating session of this link is about another comparison than the one that is "
+            "open. Open its files on the Data page, with the same systems as X and Y, then come "
+            "back to this page: it goes on from there. Ratings that were given are kept.",
+            icon=":material/folder_open:",
+        )
+        if st.button("Open the Data page", type="primary", key="rating_open_data"):
+            open_page("data")
+        return
+    st.info("The comparison of the rating session is open now.")
+    if st.button("Go on with the rating session", type="primary", key="rating_go_on"):
+        enter(token, name)
+
+
+def enter(token: str, name: str | None = None) -> None:
+    """Show the rating session to a participant, on this screen."""
+    st.query_params.clear()
+    st.query_params[STUDY] = token
+    if name:
+        st.query_params[PARTICIPANT] = name
+    st.rerun()
+
+
+def _is_open(study: Study) -> bool:
+    """Whether what is open has the clips of the study."""
+    dataset = state.workspace().dataset
+    assert dataset is not None
+    named = {system for _, system in study.clips}
+    return dataset.fingerprint == study.fingerprint and named <= set(state.systems())
+
+
+def _show_its_boxes(study: Study) -> None:
+    """Take the study's thresholds: everybody sees the same boxes."""
+    apart = links.thresholds_apart(study)
+    if not apart:
+        return
+    if links.is_own(study):
+        mine = st.session_state.setdefault(BEFORE, {})
+        for name, (_, live) in apart.items():
+            mine.setdefault(name, live)
+    links.set_thresholds({name: shown for name, (shown, _) in apart.items()})
+    st.rerun()
+
+
+def _welcome(study: Study, store: RatingStore) -> None:
+    st.title("Rate clips")
+    n = len(study.clips)
+    st.markdown(
+        f"You will see **{n} short clip{'s' if n != 1 else ''}** of drives. A system that "
+        "looks out for pedestrians draws a box around everyone it finds.\n\n"
+        "Imagine that you drive with this system. After each clip, say **how annoying** its "
+        f"mistakes are, from {study.low} ({ENDS[0]}) to {study.high} ({ENDS[1]}). There is no "
+        "right or wrong answer. Every rating is kept at once: you may stop at any time and go on "
+        "later with the same name."
+    )
+    with st.form("rating_join", border=False):
+        name = st.text_input(
+            "Your name, or the code that you were given", key="rating_name", max_chars=MOST_NAME,
+            autocomplete="off", width=420,
+        )  # fmt: skip
+        is_sent = st.form_submit_button("Begin", type="primary")
+    if is_sent:
+        st.session_state[KNOWN] = ""
+        given = (name or "").strip()
+        if store.rated(study, given):
+            st.session_state[KNOWN] = given
+        else:
+            _join(study, store, given)
+    if known := st.session_state.get(KNOWN, ""):
+        st.info(
+            f"{plain(known)} has rated {len(store.rated(study, known))} of {n} clips already. If "
+            "that was somebody else, choose another name."
+        )
+        if st.button(f"I am {plain(known)}: go on", key="rating_known"):
+            st.session_state[KNOWN] = ""
+            _join(study, store, known)
+    _back(study)
+
+
+def _join(study: Study, store: RatingStore, name: str) -> None:
+    try:
+        store.order(study, name)
+    except InputError as error:
+        st.error(plain(str(error)))
+    else:
+        st.query_params[PARTICIPANT] = name
+        st.rerun()
+
+
+def _clip(result: Result, study: Study, store: RatingStore, name: str, left: list[int]) -> None:
+    clip, n = left[0], len(study.clips)
+    number = n - len(left) + 1
+    st.markdown(f"# Clip {number} of {n}")
+    st.progress((number - 1) / n)
+    if not _played(result, study, clip, f"clip_{clip}_of_{name}"):
+        st.caption("Watch the clip to its end; then say how annoying it was.")
+    else:
+        _ask(study, store, name, clip, f"clip_{clip}_of_{name}")
+    if number > 1:
+        _offer_change()
+
+
+def _offer_change() -> None:
+    if st.button(
+        "Change my last rating", key="rating_change", type="tertiary", icon=":material/undo:"
+    ):
+        st.session_state[CHANGING] = True
+        st.rerun()
+
+
+def _change(result: Result, study: Study, store: RatingStore, name: str, clip: int) -> None:
+    """The clip that was rated last, once more; it may be rated without being watched again."""
+    rating, key = store.rated(study, name)[clip], f"again_{clip}_of_{name}"
+    st.markdown("# Your last clip")
+    st.markdown(f"You gave it **{rating}**. You may watch it again, and give another rating.")
+    _played(result, study, clip, key)
+    _ask(study, store, name, clip, key)
+    if st.button(f"Keep {rating}", key="rating_keep", icon=":material/arrow_forward:"):
+        st.session_state[CHANGING] = False
+        st.rerun()
+
+
+def _ask(study: Study, store: RatingStore, name: str, clip: int, key: str) -> None:
+    with st.container(key="rating_scale"):
+        st.markdown("**How annoying would it be to drive with this system?**")
+        chosen = _scale(study, clip)
+    if chosen is not None:
+        store.rate(study, name, clip, chosen, n_plays=n_plays_in(key))
+        st.session_state[CHANGING] = False
+        st.rerun()
+
+
+def _scale(study: Study, clip: int) -> int | None:
+    """The buttons of the scale; the value of the one that was pressed."""
+    values = range(study.low, study.high + 1)
+    chosen = None
+    for value, column in zip(values, st.columns(len(values)), strict=True):
+        if column.button(str(value), key=f"rating_{clip}_{value}", width="stretch"):
+            chosen = value
+    left, right = st.columns(2)
+    left.caption(f"{study.low} = {ENDS[0]}")
+    right.caption(f"{study.high} = {ENDS[1]}", text_alignment="right")
+    return chosen
+
+
+def _played(result: Result, study: Study, clip: int, key: str) -> bool:
+    """Show the clip; whether it was seen to its end."""
+    name, system = study.clips[clip]
+    recording = state.recording_names().index(name)
+    letter: Letter = "x" if system == result.x.name else "y"
+    first, last = result.dataset.frame_columns.first[recording : recording + 2].tolist()
+    lo, hi = state.STRETCH
+    nothing = np.full(last - first, np.nan)
+    row = viewer(
+        **viewed(result, recording),
+        traces={"x": nothing, "y": nothing},
+        low=0.0,
+        intervals=((), ()),
+        misses=(),
+        names=("", ""),
+        seek=(0, 0),
+        lo=lo,
+        hi=hi,
+        height_px=HEIGHT_PX,
+        key=key,
+        only=letter,
+    )
+    return row is None or row == last - first - 1
+
+
+def _thanks(study: Study) -> None:
+    st.title("Thank you")
+    st.success(f"All {len(study.clips)} clips are rated, and your ratings are kept.")
+    _offer_change()
+    if st.button("Next participant", key="rating_next"):
+        del st.query_params[PARTICIPANT]
+        st.rerun()
+    _back(study)
+
+
+def _back(study: Study) -> None:
+    """The way back for who conducts on this very screen."""
+    if links.is_own(study) and st.button(
+        "Back to the results", key="rating_back", type="tertiary", icon=":material/arrow_back:"
+    ):
+        st.query_params.clear()
+        links.conduct(study)
+        links.set_thresholds(st.session_state.pop(BEFORE, {}))
+        st.rerun()

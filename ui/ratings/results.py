@@ -1,0 +1,255 @@
+"""Ratings page, results: whether people agree, and whether saliency agrees with them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+import pandas as pd
+import streamlit as st
+
+from nvcore.comparison import Result
+from nvcore.csv_text import to_csv_bytes
+from nvcore.errors import InputError
+from nvcore.figures.ratings import participants_plot, rating_plot
+from nvcore.figures.style import CONFIG
+from nvcore.studies.ratings.agreement import Agreement, measure_agreement, rank_ratings
+from nvcore.studies.ratings.validation import (
+    Correlation,
+    clip_saliency,
+    correlate,
+    join_clips,
+    split_known,
+)
+from nvcore.wording import count_text
+from ui.ratings import applied_fit, fit, source
+from ui.ratings.applied_fit import Taken
+from ui.ratings.source import Given
+from ui.session import state
+from ui.widgets.table_columns import table_height
+from ui.widgets.text import UNDEFINED, docs_link, number, plain
+
+STRONG: Final = 0.7
+MODERATE: Final = 0.4
+MOST_KEPT: Final = 8
+MOST_NAMED: Final = 8
+HOW: Final = docs_link("how", "saliency-against-mean-rank", doc="ratings")
+
+
+def draw(result: Result) -> None:
+    """Ratings, agreement, saliency against the mean rank, and the fit."""
+    given = source.choose(result)
+    if given is None:
+        return
+    saliency = clip_saliency(result)
+    try:
+        ratings, unknown = split_known(given.ratings, saliency, system=given.system)
+    except InputError as error:
+        st.error(plain(str(error)))
+        return
+    _draw_unknown(ratings, unknown)
+    digest = given.digest()
+    left_out = _people(ratings, digest)
+    kept = ratings[~ratings["participant"].isin(left_out)]
+    ranks = rank_ratings(kept)
+    if ranks.empty:
+        st.info("Nobody is left." if left_out else "No clip of this comparison is rated.")
+        return
+    clips = join_clips(ranks, saliency)
+    given = replace(given, ratings=kept)
+    taken = applied_fit.in_use(result, given)
+    st.header("Does saliency say what people say?")
+    _cautions(result, given, len(ranks), taken)
+    _against_saliency(result, clips)
+    fit.draw(result, clips, (digest, tuple(left_out)), given, taken)
+    _downloads(kept, ranks)
+
+
+def _draw_unknown(ratings: pd.DataFrame, unknown: pd.DataFrame) -> None:
+    """Which rated clips, and whose ratings, are of no clip in this comparison."""
+    if unknown.empty:
+        return
+    clips = unknown[["clip", "system"]].drop_duplicates()
+    told = [f"{clip} ({system})" for clip, system in clips.head(MOST_NAMED).to_numpy()]
+    more = ", ..." if len(clips) > MOST_NAMED else ""
+    gone = sorted(set(unknown["participant"]) - set(ratings["participant"]))
+    who = f" Nothing is left of {plain(', '.join(gone[:MOST_NAMED]))}." if gone else ""
+    st.warning(
+        f"{count_text(len(clips), 'rated clip')} not in this comparison, left out of all figures "
+        f"with {count_text(len(unknown), 'rating')}: {plain(', '.join(told))}{more}.{who}",
+        icon=":material/link_off:",
+    )
+
+
+def _agreement(ratings: pd.DataFrame, key: object) -> Agreement:
+    return state.workspace().keep(
+        "rating_agreement", key, lambda: measure_agreement(rank_ratings(ratings)), most=MOST_KEPT
+    )
+
+
+def _people(ratings: pd.DataFrame, digest: int) -> list[str]:
+    """How far people agree; the participants who are left out."""
+    st.header("Do people agree?")
+    everybody = _agreement(ratings, (digest, ()))
+    people = everybody.participants
+    left_out = st.multiselect(
+        "Leave out participants", people["participant"].tolist(), key="ratings_left_out",
+        placeholder="nobody is left out",
+        help="Who took the scale the wrong way round, or did not watch. Everybody who is left out "
+        "is told here and in no figure below.",
+    )  # fmt: skip
+    kept = everybody
+    if left_out:
+        others = ratings[~ratings["participant"].isin(left_out)]
+        kept = _agreement(others, (digest, tuple(left_out)))
+        st.warning(
+            f"{count_text(len(left_out), 'participant')} left out by hand: "
+            f"{plain(', '.join(left_out))}. All figures are without them.",
+            icon=":material/person_off:",
+        )
+    columns = st.columns(4)
+    columns[0].metric("Kendall's W", number(kept.w, ".2f"), help=kept.method)
+    columns[1].metric("participants", f"{kept.n_participants:,}")
+    columns[2].metric("clips", f"{kept.n_clips:,}")
+    columns[3].metric("ratings missing", f"{kept.n_missing:,}")
+    if np.isfinite(kept.w) and not kept.is_more_than_chance:
+        st.warning(plain(_concordance(kept)), icon=":material/warning:")
+    else:
+        st.markdown(plain(_concordance(kept)))
+    odd = people.loc[people["is_outlier"] & ~people["participant"].isin(left_out), "participant"]
+    if len(odd):
+        names = plain(", ".join(odd.head(MOST_NAMED)))
+        st.caption(
+            f"{names}: ranks the clips another way than the others do. Look why before you leave "
+            "anybody out."
+        )
+    st.plotly_chart(
+        participants_plot(everybody, theme=state.theme()), theme=None, config=CONFIG,
+        key="rating_participants",
+    )  # fmt: skip
+    return left_out
+
+
+def _concordance(found: Agreement) -> str:
+    """Kendall's W in plain words."""
+    if not np.isfinite(found.w):
+        return f"{UNDEFINED}: {found.method}."
+    p = "p < 0.001" if found.p < 0.001 else f"p = {found.p:.3f}"
+    if not found.is_more_than_chance:
+        return (
+            f"The participants do not agree more than by chance ({p}): their mean ranks mean "
+            f"little. Ranks by chance have a W of {1 / found.n_participants:.2f} on average with "
+            f"{found.n_participants} participants."
+        )
+    degree = (
+        "strongly and" if found.w >= STRONG else
+        "moderately and" if found.w >= MODERATE else "little, but"
+    )  # fmt: skip
+    return (
+        f"The participants agree {degree} more than by chance ({p}): W is 0 for no agreement on "
+        "which clips are more annoying, and 1 for the same ranks."
+    )
+
+
+def _cautions(result: Result, given: Given, n_people: int, taken: Taken | None) -> None:
+    """What keeps plot and correlations from being evidence."""
+    if taken is not None:
+        st.warning(_training(taken.share_seen(given)), icon=":material/warning:")
+    if applied_fit.of_simulated(result, given):
+        st.warning(
+            "The settings in use were fitted to **simulated ratings**.",
+            icon=":material/science:",
+        )
+    if n_people == 1:
+        st.warning(
+            "These are the ratings of **one participant**. The figures say how saliency follows "
+            "that person; intervals and p say nothing about people.", icon=":material/person:",
+        )  # fmt: skip
+
+
+def _training(share: float) -> str:
+    """That the fit has seen so large a share of the ratings, 0 to 1."""
+    if share == 1:
+        return (
+            "These settings were **fitted to these ratings**: plot and correlations are training "
+            "figures, no evidence."
+        )
+    percent = min(max(round(100 * share), 1), 99)
+    return (
+        f"The fit behind these settings has **seen {percent} % of these ratings** (same "
+        "participant, clip and system): plot and correlations are partly training figures, no "
+        "evidence."
+    )
+
+
+def _against_saliency(result: Result, clips: pd.DataFrame) -> None:
+    names = (result.x.name, result.y.name)
+    with st.spinner("Correlating"):
+        found = state.workspace().keep(
+            "rating_correlations",
+            clips[["mean_rank", "saliency_s"]].to_numpy().tobytes(),
+            lambda: correlate(clips["saliency_s"].to_numpy(), clips["mean_rank"].to_numpy()),
+            most=MOST_KEPT,
+        )
+    st.plotly_chart(
+        rating_plot(clips, found, names, theme=state.theme()), theme=None, config=CONFIG,
+        key="rating_plot",
+    )  # fmt: skip
+    st.dataframe(_correlations(found), hide_index=True, key="rating_correlations", row_height=32)
+    st.caption(
+        "1: the more annoying people find a clip, the higher its saliency; 0: no connection. "
+        "Intervals are from resampling the clips. Intervals and p take the clips as independent; "
+        "two clips of one recording are not, so the intervals are somewhat too narrow and p "
+        f"somewhat too small ({HOW})."
+    )
+    with st.expander("Mean rank of each clip", key="rating_clips_open"):
+        st.dataframe(
+            clips.sort_values("mean_rank", ascending=False, kind="stable"), hide_index=True,
+            key="rating_clips", height=table_height(len(clips)),
+            column_config={
+                "clip": st.column_config.TextColumn("Recording"),
+                "system": st.column_config.TextColumn("Boxes of"),
+                "mean_rank": st.column_config.NumberColumn(
+                    "Mean rank", format="%.1f", help="1 is the least annoying clip."
+                ),
+                "n_ratings": st.column_config.NumberColumn("Ratings"),
+                "saliency_s": st.column_config.NumberColumn("Saliency (s)", format="%.2f"),
+            },
+        )  # fmt: skip
+
+
+def _correlations(found: list[Correlation]) -> pd.DataFrame:
+    """The coefficients as text; undefined ones with the reason."""
+    table = pd.DataFrame(
+        {
+            "coefficient": [one.name for one in found],
+            "value": [number(one.value, ".2f") for one in found],
+            "95 % interval": [
+                f"{one.low:.2f} to {one.high:.2f}" if np.isfinite(one.low) else UNDEFINED
+                for one in found
+            ],
+            "p": [UNDEFINED if not np.isfinite(one.p) else f"{one.p:.2g}" for one in found],
+            "why there is none": [one.note for one in found],
+        }
+    )
+    return table if any(one.note for one in found) else table.iloc[:, :-1]
+
+
+def _downloads(ratings: pd.DataFrame, ranks: pd.DataFrame) -> None:
+    st.header("Files")
+    with st.container(horizontal=True):
+        st.download_button(
+            "Ratings (CSV)", data=lambda: to_csv_bytes(ratings), file_name="ratings.csv",
+            mime="text/csv", on_click="ignore", icon=":material/download:", key="ratings_csv",
+        )  # fmt: skip
+        st.download_button(
+            "Ranks (CSV)", data=lambda: to_csv_bytes(_long(ranks)), file_name="ranks.csv",
+            mime="text/csv", on_click="ignore", icon=":material/download:", key="ranks_csv",
+        )  # fmt: skip
+
+
+def _long(ranks: pd.DataFrame) -> pd.DataFrame:
+    """One row for each participant and clip."""
+    table = ranks.melt(ignore_index=False, value_name="rank").reset_index()
+    return table[["participant", "clip", "system", "rank"]]

@@ -1,0 +1,146 @@
+"""Where the ratings come from: simulated, a file, typed in, a rating session."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+import pandas as pd
+import streamlit as st
+
+from nvcore.comparison import Result
+from nvcore.errors import InputError
+from nvcore.studies.ratings.reading import RATINGS_FILE, parse_ratings, read_ratings
+from ui.ratings import links, typed
+from ui.session import state
+from ui.widgets.text import plain
+
+SIMULATED: Final = "Simulated"
+FILE: Final = "CSV file"
+TYPED: Final = "Typed in"
+SESSION: Final = "Rating session"
+MOST_MB: Final = 5
+
+
+@dataclass(frozen=True)
+class Given:
+    """Ratings to look at.
+
+    Attributes
+    ----------
+    ratings
+        Of `nvcore.studies.ratings.reading`.
+    system
+        Whose boxes were shown where the ratings do not say; empty: they say it.
+    is_simulated
+        Whether nobody was asked.
+    """
+
+    ratings: pd.DataFrame
+    system: str
+    is_simulated: bool
+
+    def rows(self) -> np.ndarray:
+        """A number for each rating, which is the same for the same rating; uint64."""
+        said = self.ratings["system"].where(self.ratings["system"] != "", self.system)
+        of: list[str] = ["participant", "clip", "system", "rating"]
+        table = self.ratings.assign(system=said)[of].dropna(subset="rating")
+        return pd.util.hash_pandas_object(table.astype(str), index=False).to_numpy()
+
+    def digest(self) -> int:
+        """A number that differs where the ratings do."""
+        return hash(self.rows().tobytes())
+
+
+def choose(result: Result) -> Given | None:
+    """The ratings that are chosen; None while there are none."""
+    sources = [FILE, TYPED, SESSION]
+    if state.workspace().label == state.SAMPLE_LABEL and _simulated_file().exists():
+        sources.insert(0, SIMULATED)
+    source = st.segmented_control(
+        "Ratings from", sources, default=sources[0], required=True,
+        key=f"ratings_source_{len(sources)}", persist_state="session",
+    )  # fmt: skip
+    try:
+        ratings = READERS[source](result)
+    except InputError as error:
+        st.error(plain(str(error)))
+        return None
+    if ratings is None or ratings["rating"].notna().sum() == 0:
+        if ratings is not None:
+            st.info("There is no rating yet.")
+        return None
+    if (ratings["system"] != "").all():
+        return Given(ratings, "", source == SIMULATED)
+    names = (result.x.name, result.y.name)
+    system = st.radio(
+        "The ratings do not say whose boxes were shown. It was", names, key="ratings_system",
+        format_func=lambda one: f"{'X' if one == names[0] else 'Y'} {one}", horizontal=True,
+    )  # fmt: skip
+    return Given(ratings, system, source == SIMULATED)
+
+
+def _simulated(_: Result) -> pd.DataFrame:
+    st.warning(
+        "These ratings are **simulated: nobody was asked**. They show what this page does, and say "
+        "nothing about saliency.", icon=":material/science:",
+    )  # fmt: skip
+    return read_ratings(_simulated_file())
+
+
+def _simulated_file() -> Path:
+    return state.SAMPLE.parent / RATINGS_FILE
+
+
+def _file(_: Result) -> pd.DataFrame | None:
+    sent = st.file_uploader(
+        "Ratings (CSV with the columns participant, clip, rating, and system if both were shown)",
+        type=["csv", "txt"], key="ratings_file", max_upload_size=MOST_MB,
+        help="The clip is the name of a recording, the system that of X or Y. A higher rating is "
+        "more annoying; only the order counts, so any scale will do. An empty rating is missing.",
+    )  # fmt: skip
+    return None if sent is None else parse_ratings(sent.getvalue(), name=sent.name)
+
+
+def _session(result: Result) -> pd.DataFrame | None:
+    study = links.conducted()
+    if study is None:
+        st.info('None is open. Start one under "Rating session", or open the conductor\'s link.')
+        return None
+    if study.fingerprint != result.dataset.fingerprint:
+        st.warning("These ratings are of another comparison than the one that is open.")
+    elif apart := links.thresholds_apart(study):
+        _draw_apart(result, apart)
+    return links.store().ratings(study)
+
+
+def _draw_apart(result: Result, apart: dict[str, tuple[float | None, float | None]]) -> None:
+    """A warning that the clips showed other boxes than saliency is computed from."""
+    told = [
+        f"{'X' if name == result.x.name else 'Y'} {plain(name)}: clips at "
+        f"{_threshold(shown)}, now {_threshold(live)}"
+        for name, (shown, live) in apart.items()
+    ]
+    st.warning(
+        "The clips showed **other boxes than those compared below**: the score thresholds have "
+        f"moved since. {'; '.join(told)}.", icon=":material/warning:",
+    )  # fmt: skip
+    st.button(
+        "Set the thresholds of the clips", key="ratings_thresholds", icon=":material/undo:",
+        on_click=links.set_thresholds,
+        args=({name: shown for name, (shown, _) in apart.items()},),
+    )  # fmt: skip
+
+
+def _threshold(value: float | None) -> str:
+    return "every detection" if value is None else plain(f"{value:.4g}")
+
+
+READERS: Final = {
+    SIMULATED: _simulated,
+    FILE: _file,
+    TYPED: typed.typed,
+    SESSION: _session,
+}

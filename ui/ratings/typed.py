@@ -1,0 +1,151 @@
+"""Ratings page: ratings that are typed in, in a table with a row for each clip of a participant."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import pandas as pd
+import streamlit as st
+
+from nvcore.comparison import Result
+from nvcore.studies.ratings.reading import check_ratings, folded
+from nvcore.studies.ratings.store import MOST_NAME
+from nvcore.wording import count_text
+from ui.session import state
+from ui.widgets.text import plain
+
+COLUMNS: Final = ("participant", "clip", "system", "rating")
+EDITOR: Final = "ratings_typed"
+START: Final = "ratings_typed_start"
+LAST: Final = "ratings_typed_last"
+DRAWN: Final = "ratings_typed_drawn"
+DRAWN_OF: Final = "ratings_typed_drawn_of"
+MOST_TOLD: Final = 5
+
+
+def typed(result: Result) -> pd.DataFrame | None:
+    """The ratings in the table; None while it is empty.
+
+    Raises
+    ------
+    InputError
+        If a participant rates a clip twice.
+    """
+    _ask_for_rows(result)
+    token = state.workspace().token
+    if st.session_state.setdefault(DRAWN_OF, token) != token:  # taken back after a reload
+        st.session_state[DRAWN_OF] = token
+        _draw_anew()
+    key = f"{EDITOR}_{st.session_state.setdefault(DRAWN, 0)}"
+    if key not in st.session_state:  # drawn anew: with what was typed before
+        st.session_state[START] = _before()
+    table = st.data_editor(
+        st.session_state[START], num_rows="dynamic", hide_index=True, key=key, height=280,
+        column_config={
+            "participant": st.column_config.TextColumn("Participant", max_chars=MOST_NAME),
+            "clip": st.column_config.SelectboxColumn("Clip", options=state.recording_names()),
+            "system": st.column_config.SelectboxColumn(
+                "Boxes of", options=[result.x.name, result.y.name]
+            ),
+            "rating": st.column_config.NumberColumn("Rating (higher = more annoying)"),
+        },
+    )  # fmt: skip
+    state.workspace().noted[LAST] = table.reset_index(drop=True)
+    if table.dropna(how="all").empty:
+        return None
+    return _complete(table)
+
+
+def _before() -> pd.DataFrame:
+    empty = pd.DataFrame({name: pd.Series(dtype=object) for name in COLUMNS})
+    before: pd.DataFrame = state.workspace().noted.get(LAST, empty.astype({"rating": float}))
+    return before
+
+
+def _draw_anew() -> None:
+    """Let there be a table of its own, in which nothing is typed yet."""
+    st.session_state[DRAWN] = st.session_state.get(DRAWN, 0) + 1
+
+
+def _ask_for_rows(result: Result) -> None:
+    """A name, and the button that gives that participant a row for each clip."""
+    with st.form("ratings_add", border=False):
+        name_at, button_at = st.columns([2, 3], vertical_alignment="bottom")
+        name = name_at.text_input(
+            "Participant", value="A01", max_chars=MOST_NAME, key="ratings_typed_name",
+            autocomplete="off",
+        )  # fmt: skip
+        n = 2 * len(state.recording_names())
+        is_sent = button_at.form_submit_button(
+            f"Add a row for each of the {n:,} clips", icon=":material/playlist_add:"
+        )
+    if not is_sent:
+        return
+    before = _before()
+    known = {
+        folded(str(person)): str(person) for person in reversed(before["participant"].dropna())
+    }
+    person = known.get(folded(name or ""), (name or "").strip())
+    if not person:
+        st.info("A participant needs a name or a code.")
+        return
+    rows = _missing_rows(before, person, result)
+    if rows.empty:
+        st.info(f"{plain(person)} has a row for each clip already.")
+        return
+    both = pd.concat([before, rows], ignore_index=True) if len(before) else rows
+    state.workspace().noted[LAST] = both
+    _draw_anew()
+
+
+def _missing_rows(before: pd.DataFrame, person: str, result: Result) -> pd.DataFrame:
+    """Rows of the participant for the clips that have none yet."""
+    clips = [(name, one) for one in (result.x.name, result.y.name) for name in
+             state.recording_names()]  # fmt: skip
+    mine = before[before["participant"] == person]
+    has_row = set(zip(mine["clip"], mine["system"], strict=True))
+    lacking = [clip for clip in clips if clip not in has_row]
+    return pd.DataFrame(
+        {
+            "participant": person,
+            "clip": [clip for clip, _ in lacking],
+            "system": [system for _, system in lacking],
+            "rating": float("nan"),
+        }
+    )
+
+
+def _complete(table: pd.DataFrame) -> pd.DataFrame:
+    """The rows that say who rates which clip, as text that was checked; the others are told."""
+    numbered = table.reset_index(drop=True)
+    numbered = numbered.set_axis(numbered.index + 1).dropna(how="all")
+    needed = ["participant", "clip"]
+    if numbered["system"].notna().any():  # else the page asks whose boxes they were
+        needed.append("system")
+    blank = numbered[needed].map(lambda one: pd.isna(one) or not str(one).strip())
+    is_short = blank.any(axis=1)
+    if is_short.any():
+        words = {"participant": "no participant", "clip": "no clip", "system": "whose boxes?"}
+        told = [
+            f"row {number} ({', '.join(words[name] for name in needed if row[name])})"
+            for number, row in blank[is_short].head(MOST_TOLD).iterrows()
+        ]
+        more = ", ..." if is_short.sum() > MOST_TOLD else ""
+        st.warning(
+            f"{count_text(int(is_short.sum()), 'incomplete row')} left out: "
+            f"{plain(', '.join(told))}{more}.", icon=":material/edit:",
+        )  # fmt: skip
+    kept = numbered[~is_short]
+    n_unrated = int(kept["rating"].isna().sum())
+    if 0 < n_unrated < len(kept):
+        st.caption(f"{count_text(n_unrated, 'row')} without a rating yet.")
+    if n_unrated < len(kept):
+        st.caption(
+            'It lasts as long as this browser tab: before you close that, download it under "Files"'
+            " at the end of this page."
+        )
+    rating = kept["rating"].map(lambda one: "" if pd.isna(one) else f"{one:.15g}")
+    text = kept.astype(object).where(kept.notna(), "").astype(str).assign(rating=rating)
+    return check_ratings(
+        text.reset_index(drop=True), name="the table above", lines=kept.index.to_numpy()
+    )

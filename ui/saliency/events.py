@@ -1,0 +1,96 @@
+"""Saliency page: which recording is shown, and the table of events."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Final
+
+import pandas as pd
+import streamlit as st
+
+from nvcore.comparison import Result
+from nvcore.tables.columns import column_names
+from nvcore.tables.result import located_events
+from ui.saliency.figures import OPEN, WANTED
+from ui.session import state
+from ui.shell.navigate import open_row
+from ui.widgets.clicks import clicked_row
+from ui.widgets.table_columns import MOST_ROWS, as_shown, column_config, rows_told, table_height
+from ui.widgets.text import UNDEFINED
+
+BOTH: Final = "both"
+
+
+def open_asked() -> None:
+    """Open the frame that a click in a figure or the table asked for, if one did."""
+    row = st.session_state.pop(OPEN, None)
+    if row is not None:
+        open_row(row)
+
+
+def choose_recording() -> int | None:
+    """The recording whose events are shown; None: all. Drawn only where there are several."""
+    names = state.recording_names()
+    if len(names) == 1:
+        return None
+    dataset = state.workspace().dataset
+    assert dataset is not None
+    key = f"saliency_recording_{dataset.fingerprint[:12]}"
+    wanted = st.session_state.pop(WANTED, None)
+    if wanted is not None:
+        st.session_state[key] = wanted
+    chosen: int | None = st.selectbox(
+        "Recording", range(len(names)), index=None, format_func=names.__getitem__, key=key,
+        placeholder="all recordings", persist_state="session", width=360,
+    )  # fmt: skip
+    return chosen
+
+
+def draw_table(result: Result, recording: int | None) -> None:
+    """All events, the most salient first; a click on one opens its first frame.
+
+    Parameters
+    ----------
+    recording
+        Row of the recordings table; None: all of them.
+    """
+    letter = st.segmented_control(
+        "Events of", [BOTH, "X", "Y"], default=BOTH, required=True, key="saliency_system",
+        persist_state="session",
+    )  # fmt: skip
+    events, first_row = _events(result, recording, None if letter == BOTH else letter.lower())
+    if events.empty:
+        st.info("No event here: nobody is missed by more than the tolerance.")
+        return
+    n_events = len(events)
+    events, first_row = events.head(MOST_ROWS), first_row[:MOST_ROWS]
+    key = f"saliency_events_{hash(tuple(first_row))}"
+    st.dataframe(
+        as_shown(events.assign(system=events["system"].str.upper())), hide_index=True,
+        column_config=column_config("events.csv"), height=table_height(len(events)), key=key,
+        placeholder=UNDEFINED, selection_mode=("single-row", "single-cell"),
+        on_select=partial(_ask_for_row, key, first_row),
+    )  # fmt: skip
+    st.caption(
+        "Click an event here or in a figure to open its first frame in the Timeline. "
+        + rows_told(n_events, "most salient")
+    )
+
+
+def _events(
+    result: Result, recording: int | None, letter: str | None
+) -> tuple[pd.DataFrame, list[int]]:
+    """Rows of events.csv that are shown, and the frame row where each begins."""
+    events = located_events(result)
+    if recording is not None:
+        events = events[events["recording_row"] == recording]
+    if letter is not None:
+        events = events[events["system"] == letter]
+    events = events.sort_values("saliency_s", ascending=False, kind="stable")
+    return events[column_names("events.csv")], events["first_row"].tolist()
+
+
+def _ask_for_row(key: str, first_row: list[int]) -> None:
+    row = clicked_row(key)
+    if row is not None:
+        st.session_state[OPEN] = first_row[row]

@@ -1,0 +1,91 @@
+"""Saliency page: the number taken apart, the events on the recency curve, X against Y."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Final
+
+import plotly.graph_objects as go
+import streamlit as st
+
+from nvcore.comparison import Result
+from nvcore.figures.saliency import parts_plot, recency_plot, saliency_by_recording
+from nvcore.figures.style import CONFIG
+from nvcore.report.words import describe_saliency
+from nvcore.tables.result import recordings_table, worst_events
+from ui.session import state
+from ui.shell.navigate import open_row
+from ui.widgets.clicks import clicked_point
+from ui.widgets.text import plain
+
+OPEN: Final = "saliency_open"
+"""Frame row that a click asked for."""
+WANTED: Final = "saliency_wanted"
+"""Recording that a click asked for."""
+
+
+def draw_numbers(result: Result) -> None:
+    """Saliency of X and Y over all recordings, and how each comes about."""
+    kind = "largest event" if result.params.saliency_aggregate == "max" else "sum of all events"
+    for column, (letter, system), said in zip(
+        st.columns(2, gap="medium"), result.sides, describe_saliency(result), strict=True
+    ):
+        column.metric(f"Saliency of {letter.upper()}, {kind}", f"{system.saliency_s:.2f} s")
+        column.markdown(said)
+        if not system.events.empty:
+            with column:
+                _draw_way(result, letter)
+
+
+def _draw_way(result: Result, letter: str) -> None:
+    """Button to the most salient event of a system."""
+    worst = worst_events(result, letter, n=1).iloc[0]
+    st.caption(f"The most salient: pedestrian {worst['track']} in {plain(worst['recording'])}.")
+    if st.button("Show in timeline", key=f"saliency_show_{letter}", icon=":material/movie:"):
+        open_row(int(worst["first_row"]))
+
+
+def draw_events(result: Result, recording: int | None) -> None:
+    """The events on the recency curve, and the largest ones taken apart.
+
+    Parameters
+    ----------
+    recording
+        Row of the recordings table; None: all of them.
+    """
+    theme = state.theme()
+    left, right = st.columns(2, gap="medium")
+    with left:
+        _chart(recency_plot(result, theme=theme, recording=recording), "saliency_curve")
+    with right:
+        _chart(parts_plot(result, theme=theme, recording=recording), "saliency_parts")
+
+
+def draw_recordings(result: Result) -> None:
+    """X against Y per recording; a click chooses the recording."""
+    names = (result.x.name, result.y.name)
+    table = recordings_table(result)
+    st.plotly_chart(
+        saliency_by_recording(table, names, theme=state.theme()), theme=None, config=CONFIG,
+        key="saliency_recordings", selection_mode="points", on_select=_choose_recording,
+    )  # fmt: skip
+    st.caption("Click a recording to see only its events below.")
+
+
+def _chart(figure: go.Figure, key: str) -> None:
+    st.plotly_chart(
+        figure, theme=None, config=CONFIG, key=key, selection_mode="points",
+        on_select=partial(_ask_for_row, key),
+    )  # fmt: skip
+
+
+def _ask_for_row(key: str) -> None:
+    clicked = clicked_point(key)
+    if clicked is not None:
+        st.session_state[OPEN] = int(clicked[0])
+
+
+def _choose_recording() -> None:
+    clicked = clicked_point("saliency_recordings")
+    if clicked is not None:
+        st.session_state[WANTED] = int(clicked[0])

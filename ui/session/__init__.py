@@ -1,0 +1,1 @@
+"""What one browser session has open: workspace, uploads, routes, address."""

@@ -1,0 +1,53 @@
+"""Whether the differences are more than chance, kept while nothing that it depends on changes."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from nvcore.comparison import Result
+from nvcore.evidence.measures import Evidence
+from nvcore.evidence.miss_rate import judge_miss_rate
+from nvcore.evidence.table import evidence_table
+from nvcore.evidence.units import Units, find_units
+from nvcore.params import Params
+from ui.session import state
+
+
+def matching_rule(result: Result) -> Params:
+    """What matching depends on; nothing else matters for curves."""
+    params = result.params
+    return Params(match=params.match, iou=params.iou, lateral_tolerance=params.lateral_tolerance)
+
+
+def measure_evidence() -> pd.DataFrame | None:
+    """The figures of X and Y with their evidence; None where there is only one system."""
+    result = state.result()
+    if result is None:
+        return None
+    protocol = state.protocol()
+
+    def make() -> pd.DataFrame:
+        units = find_units(result)
+        return evidence_table(
+            result, protocol, units=units, miss_rate=_kept_miss_rate(result, units)
+        )
+
+    key = (result.params, result.x.name, result.y.name, protocol)
+    return state.workspace().keep("evidence", key, make)
+
+
+def miss_rate_evidence(result: Result) -> Evidence:
+    """Difference of the log-average miss rate under the protocol in use."""
+    return _kept_miss_rate(result, find_units(result))
+
+
+def _kept_miss_rate(result: Result, units: Units) -> Evidence:
+    """No slider but those of matching changes it, unless it changes the blocks of time."""
+    protocol = state.protocol()
+    key = (
+        result.x.name, result.y.name, matching_rule(result), protocol,
+        units.unit_of_frame.tobytes(),
+    )  # fmt: skip
+    return state.workspace().keep(
+        "miss_rate_evidence", key, lambda: judge_miss_rate(result, units, protocol), most=4
+    )

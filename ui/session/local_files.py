@@ -1,0 +1,118 @@
+"""Files of the machine that the app runs on: only below one folder, and only where asked for.
+
+Either ``streamlit run app.py -- --local-root DIR`` or ``NVCORE_LOCAL_ROOT=DIR`` names it.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from nvcore.errors import InputError
+from nvcore.wording import one_line
+
+ENVIRONMENT: Final = "NVCORE_LOCAL_ROOT"
+FLAG: Final = "--local-root"
+MOST_ENTRIES: Final = 2000
+"""Entries of one folder that are listed."""
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A file or folder below the root.
+
+    Attributes
+    ----------
+    path
+        Relative to the root, with ``/`` between its parts.
+    is_folder
+        Whether it is a folder.
+    """
+
+    path: str
+    is_folder: bool
+
+
+class LocalRoot:
+    """The folder that may be looked at; nothing outside, links followed, is told or read."""
+
+    def __init__(self, folder: Path):
+        """Take the folder.
+
+        Raises
+        ------
+        InputError
+            If there is no such folder.
+        """
+        self.folder = Path(os.path.realpath(folder))
+        if not self.folder.is_dir():
+            raise InputError(f"{FLAG}: there is no such folder", file=folder.name)
+
+    def find(self, path: str) -> Path:
+        """Where a path below the root leads.
+
+        Raises
+        ------
+        InputError
+            If it leaves the root, or leads nowhere.
+        """
+        text = path.replace("\0", "")
+        found = Path(os.path.realpath(self.folder / text.lstrip("/")))
+        if not found.is_relative_to(self.folder) or not found.exists():
+            # one message for both: nobody learns what is outside
+            raise InputError("there is no such file or folder", file=one_line(path))
+        return found
+
+    def entries(self, path: str = "") -> list[Entry]:
+        """What a folder below the root holds, folders first; hidden files are left out.
+
+        Raises
+        ------
+        InputError
+            If there is no such folder, or it may not be looked into.
+        """
+        folder = self.find(path)
+        try:
+            with os.scandir(folder) as found:
+                names = sorted(one.name for one in found if not one.name.startswith("."))
+        except OSError as error:
+            raise InputError(f"cannot be opened ({error.strerror})", file=one_line(path)) from error
+        listed = []
+        for name in names[:MOST_ENTRIES]:
+            real = Path(os.path.realpath(folder / name))
+            if real.is_relative_to(self.folder) and _is_utf8(name):
+                shown = f"{path.strip('/')}/{name}".lstrip("/")
+                listed.append(Entry(shown, real.is_dir()))
+        return sorted(listed, key=lambda entry: not entry.is_folder)
+
+
+def _is_utf8(name: str) -> bool:
+    try:
+        name.encode()
+    except UnicodeEncodeError:
+        return False
+    return True
+
+
+def local_root(
+    arguments: Sequence[str] | None = None, environment: Mapping[str, str] | None = None
+) -> LocalRoot | None:
+    """The folder that the app was started with; None: files of the machine are out of reach.
+
+    Raises
+    ------
+    InputError
+        If there is no such folder.
+    """
+    arguments = sys.argv[1:] if arguments is None else arguments
+    environment = os.environ if environment is None else environment
+    given = environment.get(ENVIRONMENT, "")
+    for at, argument in enumerate(arguments):
+        name, equals, value = argument.partition("=")
+        if name == FLAG:
+            given = value if equals else "".join(arguments[at + 1 : at + 2])
+    return LocalRoot(Path(given)) if given else None

@@ -1,0 +1,353 @@
+"""From what a person chose to the `Session` that describes it.
+
+Paths in a session name files of the machine. What strangers send never decides which: the paths
+of an uploaded session file are looked up by name among the files that came with it, and those of
+a session under the local root are checked to stay there.
+"""
+
+from __future__ import annotations
+
+import glob
+import os
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from fnmatch import fnmatchcase
+from pathlib import Path, PurePosixPath
+from typing import Final, TypeVar
+
+from nvcore.dataset import Dataset
+from nvcore.errors import SessionError
+from nvcore.findings import Finding
+from nvcore.inputs.files import NAME_PARTS
+from nvcore.inputs.load import compared_systems, read_source
+from nvcore.inputs.session import RecordingFacts, Session, Source, SystemSource, is_frame_range
+from nvcore.inputs.session_toml import read_session
+from nvcore.params import Params
+from nvcore.pictures.open import is_below
+from ui.session.uploads import ANNOTATION_FOLDERS
+
+SHOWN_FOLDERS: Final = NAME_PARTS - 1
+"""Folders before a file's name that readers show at the most."""
+
+AnySource = TypeVar("AnySource", Source, SystemSource)
+
+
+def checked_frames(text: str) -> str | None:
+    """The frame list that a form gives; empty: none.
+
+    Raises
+    ------
+    SessionError
+        If it is no range: a form must not name files of the machine.
+    """
+    if not text.strip():
+        return None
+    if not is_frame_range(text):
+        raise SessionError(
+            f"evaluated frames: expected FIRST:LAST or FIRST:LAST:STEP, got {text!r}"
+        )
+    return text.strip()
+
+
+def recording_names(session: Session) -> list[str]:
+    """Names of the recordings in the ground truth, which is read for it.
+
+    Raises
+    ------
+    InputError
+        If it cannot be used.
+    """
+    truth = read_source(
+        session.truth, role="truth", folder=session.folder, size=session.common_size
+    )
+    names: list[str] = truth.recordings["name"].tolist()
+    return names
+
+
+def uploaded_session(content: bytes, folder: Path, files: Sequence[str], pictures: Path) -> Session:
+    """The session that an uploaded session file describes, with the files that came with it.
+
+    Parameters
+    ----------
+    content
+        The session file.
+    folder
+        Where the files lie.
+    files
+        Paths of files and folders below `folder`, relative to it.
+    pictures
+        Folder of uploaded pictures; a recording whose pictures are not there has none.
+
+    Raises
+    ------
+    SessionError
+        If it cannot be read, or names a file that was not sent.
+    """
+    place = folder / "session.toml"
+    place.write_bytes(content)
+    try:
+        session = read_session(place)
+    finally:
+        place.unlink()  # what it says is in the session; it would be of no upload's size
+    sent = _Sent(folder, files)
+    frames = None if session.frames is None else sent.frames(session.frames)
+    return replace(
+        session,
+        folder=folder,
+        truth=sent.source(session.truth),
+        systems=tuple(sent.source(system) for system in session.systems),
+        recordings=tuple(
+            replace(
+                facts,
+                frames=None if facts.frames is None else sent.frames(facts.frames),
+                pictures=_uploaded_pictures(facts.pictures, pictures, folder),
+            )
+            for facts in session.recordings
+        ),
+        frames=frames,
+    )
+
+
+class _Sent:
+    """Finds what a session file names among the files that came with it."""
+
+    def __init__(self, folder: Path, files: Sequence[str]):
+        self.paths: list[PurePosixPath] = []
+        for name in files:
+            path = folder / name
+            inside = sorted(path.rglob("*")) if path.is_dir() else []
+            self.paths += [
+                PurePosixPath(one.relative_to(folder).as_posix()) for one in (path, *inside)
+            ]
+
+    def source(self, source: AnySource) -> AnySource:
+        paths = [str(found) for text in source.path for found in self.find(text)]
+        return replace(source, path=tuple(paths))
+
+    def frames(self, text: str) -> str:
+        return text if is_frame_range(text) else str(self.find(text)[0])
+
+    def find(self, text: str) -> list[PurePosixPath]:
+        """The file or folder that shares the most parts at the end of its path; all of a glob."""
+        wanted = PurePosixPath(text.replace("\\", "/"))
+        shared = {path: _shared_end(path, wanted) for path in self.paths}
+        most = max(shared.values(), default=0)
+        found = [path for path, n_parts in shared.items() if n_parts == most] if most else []
+        if not found and glob.has_magic(wanted.name):
+            return [p for p in self.paths if fnmatchcase(p.name, wanted.name)] or self._none(wanted)
+        if len(found) > 1:
+            raise SessionError(
+                f"names {wanted.name!r}, and {len(found)} of the files sent have that name; send "
+                "them as a ZIP archive with their folders"
+            )
+        return found or self._none(wanted)
+
+    def _none(self, wanted: PurePosixPath) -> list[PurePosixPath]:
+        raise SessionError(
+            f"names {wanted.name!r}, which was not sent; choose it together with the session file"
+        )
+
+
+def _shared_end(a: PurePosixPath, b: PurePosixPath) -> int:
+    n_parts = 0
+    for one, other in zip(reversed(a.parts), reversed(b.parts), strict=False):
+        if one != other:
+            break
+        n_parts += 1
+    return n_parts
+
+
+def _uploaded_pictures(text: str | None, pictures: Path, folder: Path) -> str | None:
+    name = None if text is None else PurePosixPath(text.replace("\\", "/")).name
+    if not name or name == ".." or not os.path.exists(pictures / name):  # noqa: PTH110  # any name
+        return None
+    return relative_path(pictures / name, folder)
+
+
+def relative_path(path: Path, folder: Path) -> str:
+    """The path as a session in that folder names it."""
+    return Path(os.path.relpath(path, folder)).as_posix()
+
+
+def check_confined(session: Session, root: Path) -> None:
+    """Refuse a session that would read anything outside a folder, links followed.
+
+    Raises
+    ------
+    SessionError
+        If one of its paths leaves the folder.
+    """
+    real_root = os.path.realpath(root)
+    for text in session.paths():
+        path = session.folder / text
+        # os.path: Path.exists refuses names that are too long; that is told when they are opened
+        if glob.has_magic(text) and not os.path.exists(path):  # noqa: PTH110
+            start = Path(*_before_magic(path.parts))
+            # looked at first: matching a pattern outside would already tell what is there
+            is_inside = Path(os.path.realpath(start)).is_relative_to(real_root) and all(
+                is_below(session.folder / name, root)
+                for name in glob.glob(text, root_dir=session.folder, recursive=True)  # noqa: PTH207
+            )
+        else:
+            is_inside = is_below(path, root)
+        if not is_inside:
+            raise SessionError(
+                f"names {PurePosixPath(text).name!r}, which lies outside the folder that the app "
+                "may read; put it there, or start the app with a folder that holds all files"
+            )
+
+
+def _before_magic(parts: Sequence[str]) -> list[str]:
+    """The parts of a path before the first that is a pattern."""
+    kept: list[str] = []
+    for part in parts:
+        if glob.has_magic(part):
+            break
+        kept.append(part)
+    return kept
+
+
+def guess_pictures(names: Sequence[str], sources: Iterable[str]) -> dict[str, str]:
+    """Which pictures are whose, told from their names: those of the recording, or the only ones.
+
+    Examples
+    --------
+    >>> guess_pictures(["night_07", "night_08"], ["night_08.mp4", "extra.mp4"])
+    {'night_08': 'night_08.mp4'}
+    >>> guess_pictures(["PETS09-S2L1"], ["vtest.avi"])
+    {'PETS09-S2L1': 'vtest.avi'}
+    """
+    sources = list(sources)
+    if len(names) == len(sources) == 1:
+        return {names[0]: sources[0]}
+    stems = {source: PurePosixPath(source).stem.casefold() for source in sources}
+    found = {}
+    for name in names:
+        wanted = name.replace("/", "_").casefold()
+        same = [source for source, stem in stems.items() if stem == wanted]
+        within = [source for source, stem in stems.items() if wanted in stem]
+        best = same or within
+        if len(best) == 1:
+            found[name] = best[0]
+    return found
+
+
+def with_recordings(
+    session: Session, names: Sequence[str], changes: Mapping[str, Mapping[str, object]]
+) -> Session:
+    """The session with other facts of some recordings.
+
+    Parameters
+    ----------
+    names
+        The recordings of the data.
+    changes
+        Fields of `RecordingFacts` by the name of the recording.
+    """
+    facts = {one.name: one for one in session.recordings}
+    if len(names) == len(facts) == 1 and names[0] not in facts:
+        # the only one's facts count whatever name they have
+        facts = {names[0]: replace(session.recordings[0], name=names[0])}
+    for name, change in changes.items():
+        facts[name] = replace(facts.get(name, RecordingFacts(name)), **change)  # type: ignore[arg-type]
+    return replace(session, recordings=tuple(facts.values()))
+
+
+def facts_of(session: Session, names: Sequence[str], name: str) -> RecordingFacts:
+    """What the session says of a recording of the data."""
+    for facts in with_recordings(session, names, {name: {}}).recordings:
+        if facts.name == name:
+            return facts
+    raise AssertionError(name)
+
+
+def corrections_up_to(findings: Iterable[Finding], finding: Finding) -> list[Finding]:
+    """The corrections of a system up to this one: each was found after those before it."""
+    found = []
+    for one in findings:
+        if one.subject == finding.subject and one.suggestion:
+            found.append(one)
+        if one is finding:
+            break
+    return found
+
+
+def corrected(session: Session, dataset: Dataset, findings: Iterable[Finding]) -> Session:
+    """The session with the corrections that findings suggest, on top of its own."""
+    systems = list(session.systems)
+    for finding in findings:
+        at = dataset.systems.index(finding.subject)
+        systems[at] = _corrected(systems[at], dict(finding.suggestion))
+    return replace(session, systems=tuple(systems))
+
+
+def _corrected(system: SystemSource, values: Mapping[str, float]) -> SystemSource:
+    both = values.get("scale", 1.0)
+    sx, sy = values.get("scale_x", both), values.get("scale_y", both)
+    dx, dy = values.get("offset_x_px", 0.0), values.get("offset_y_px", 0.0)
+    (scale_x, scale_y), (x, y) = system.scale, system.offset_px
+    return replace(
+        system,
+        offset_frames=system.offset_frames + round(values.get("offset_frames", 0)),
+        scale=(scale_x * sx, scale_y * sy),
+        # boxes are scaled before they are moved
+        offset_px=(x * sx + dx, y * sy + dy),
+    )
+
+
+def with_systems(
+    session: Session, dataset: Dataset, params: Params, *, x: str, y: str | None
+) -> tuple[Session, dict[str, float | None]]:
+    """The session with these two as X and Y, and their thresholds.
+
+    A threshold belongs to its system: the live ones stay with the systems that were X and Y.
+    """
+    old_x, old_y = compared_systems(session, dataset)
+    live = live_session(session, dataset, params, x=old_x, y=old_y)
+    own: dict[str | None, float | None] = {
+        name: system.threshold for name, system in zip(dataset.systems, live.systems, strict=True)
+    }
+    settings = replace(session.params, threshold_x=None, threshold_y=None)
+    changed = replace(live, params=settings, x=x, y=y)
+    return changed, {"threshold_x": own.get(x), "threshold_y": own.get(y)}
+
+
+def live_session(
+    session: Session, dataset: Dataset, params: Params, *, x: str, y: str | None
+) -> Session:
+    """The session that does what is shown: with the live parameters, thresholds and systems."""
+    # a threshold of None counts every detection; as a parameter it would leave the system's own
+    live = {x: params.threshold_x, y: params.threshold_y}
+    systems = tuple(
+        replace(system, threshold=live.get(name, system.threshold))
+        for name, system in zip(dataset.systems, session.systems, strict=True)
+    )
+    settings = replace(params, threshold_x=None, threshold_y=None)
+    return replace(session, systems=systems, params=settings, x=x, y=y)
+
+
+def public_text(text: object, folders: Iterable[Path]) -> str:
+    """A message without the paths of the machine: what lies below these folders keeps its name.
+
+    Readers show the last parts of a path, so the last parts of the folders go as well.
+
+    Examples
+    --------
+    >>> public_text("/srv/night/truth.csv, line 3: no number", [Path("/srv/night")])
+    'truth.csv, line 3: no number'
+    >>> public_text("srv/night/truth.csv, line 3: no number", [Path("/srv/night")])
+    'truth.csv, line 3: no number'
+    """
+    shown = str(text)
+    for folder in sorted(set(folders), key=lambda one: len(str(one)), reverse=True):
+        parts = folder.relative_to(folder.anchor).parts
+        if not parts:  # "/" and ".": every path would be below it
+            continue
+        whole = rf"(?<![\w.-]){re.escape(str(folder))}"
+        shown = re.sub(rf"{whole}[/\\]+", "", shown)
+        shown = re.sub(rf"{whole}(?![.+@~#%=-]*\w)", "the folder", shown)
+        for n_parts in range(min(SHOWN_FOLDERS, len(parts)), 0, -1):
+            tail = "/".join(parts[-n_parts:])
+            shown = re.sub(rf"(?<![\w/.-]){re.escape(tail)}/", "", shown)
+    return re.sub(rf"(?<![\w.-]){re.escape(str(ANNOTATION_FOLDERS))}/", "", shown)

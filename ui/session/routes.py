@@ -1,0 +1,178 @@
+"""What the browser fetches and sends beside the page: frames, boxes, uploads of pictures.
+
+Routes run outside the session, so a workspace's token in the address is their guard: without the
+token of a living session everything is "not found". No address holds a path of the machine. All
+lie below the app's base path (``server.baseUrlPath``), where it has one.
+
+    GET /overview                                    the page that the app opens on
+    GET /nv/TOKEN/frame/RECORDING/ROW.jpg?lo=&hi=    picture of a row of a recording
+    GET /nv/TOKEN/boxes/RECORDING/CHUNK?v=           boxes of 1024 rows (nvcore.box_states)
+    PUT /nv/TOKEN/upload/SLOT?name=                  one file of pictures, or a video
+"""
+
+from __future__ import annotations
+
+import math
+from http import HTTPStatus
+from typing import Final
+from urllib.parse import urlsplit
+
+import streamlit as st
+from starlette.concurrency import run_in_threadpool
+from starlette.requests import Request
+from starlette.responses import JSONResponse, PlainTextResponse, RedirectResponse, Response
+from starlette.routing import Route
+
+from nvcore.errors import MediaError
+from nvcore.pictures.stretch import jpeg
+from nvcore.tables.box_states import pack_boxes
+from ui.session.uploads import SLOTS, UploadError, receive
+from ui.session.workspace import Workspace, workspace_of
+
+ROWS_PER_CHUNK: Final = 1024
+QUALITY: Final = 85
+MOST_DIGITS: Final = 12
+KEPT: Final = "private, max-age=3600"
+NOT_KEPT: Final = "no-store"
+GUARDS: Final = {
+    "X-Content-Type-Options": "nosniff",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Referrer-Policy": "no-referrer",
+}
+
+
+async def frame(request: Request) -> Response:
+    """The picture that shows a row of a recording, stretched to lie between two percentiles."""
+    space = workspace_of(request.path_params["token"])
+    lo, hi = _percentile(request, "lo", 0.0), _percentile(request, "hi", 100.0)
+    if lo is None or hi is None or lo >= hi:
+        return _text(HTTPStatus.BAD_REQUEST, "lo and hi: expected 0 <= lo < hi <= 100")
+    if space is None:
+        return _not_found("the session has ended; load the page again")
+    recording, row = _index(request, "recording"), _index(request, "row")
+    rows, pictures = space.picture_rows.get(recording), space.pictures.get(recording)
+    if rows is None or pictures is None or row >= len(rows) or rows[row] < 0:
+        return _not_found("no picture for this frame")
+    index = int(rows[row])
+    try:
+        content = await run_in_threadpool(
+            lambda: jpeg(pictures.read(index), lo=lo, hi=hi, quality=QUALITY)
+        )
+    except MediaError as error:
+        return _not_found(error.message)
+    return Response(content, media_type="image/jpeg", headers=_headers(KEPT))
+
+
+async def boxes(request: Request) -> Response:
+    """Boxes of a stretch of rows of a recording, as `pack_boxes` packs them."""
+    space = workspace_of(request.path_params["token"])
+    compared = None if space is None else space.compared
+    if compared is None:
+        return _not_found("the session has ended, or nothing is compared yet")
+    recording, chunk = _index(request, "recording"), _index(request, "chunk")
+    result = compared.result
+    first_rows = result.dataset.frame_columns.first
+    if recording >= len(first_rows) - 1:
+        return _not_found("there is no such recording")
+    begin, end = int(first_rows[recording]), int(first_rows[recording + 1])
+    start = begin + chunk * ROWS_PER_CHUNK
+    if start >= end:
+        return _not_found("there are no such frames")
+    # boxes of a newer analysis than the address says are shown, but not kept under that address
+    kept = KEPT if request.query_params.get("v") == compared.version else NOT_KEPT
+    content = await run_in_threadpool(pack_boxes, result, start, min(start + ROWS_PER_CHUNK, end))
+    return Response(content, media_type="application/octet-stream", headers=_headers(kept))
+
+
+async def upload(request: Request) -> Response:
+    """Take one file of pictures, or a video, into the session's folder, as it comes."""
+    if not _is_same_origin(request):
+        return _text(HTTPStatus.FORBIDDEN, "uploads come from the app's own page only")
+    space = workspace_of(request.path_params["token"])
+    if space is None or request.path_params["slot"] not in SLOTS:
+        return _not_found("the session has ended; load the page again")
+    stated = request.headers.get("content-length", "")
+    n_bytes = int(stated) if stated.isascii() and stated.isdigit() and len(stated) < 19 else None
+    try:
+        stored = await receive(
+            space,
+            request.path_params["slot"],
+            request.query_params.get("name", ""),
+            request.stream(),
+            n_bytes=n_bytes,
+        )
+    except UploadError as error:
+        return _text(error.status, str(error))
+    return JSONResponse(
+        {"name": stored.name, "kind": stored.kind, "bytes": stored.n_bytes},
+        status_code=HTTPStatus.CREATED,
+        headers=_headers(NOT_KEPT),
+    )
+
+
+async def overview(request: Request) -> Response:
+    """The Overview under its own name: Streamlit knows the page that it opens on as ``/`` only."""
+    query = request.url.query
+    # relative, so that it holds behind any path
+    return RedirectResponse(f"./{'?' if query else ''}{query}", headers=_headers(NOT_KEPT))
+
+
+def _prefix(base: str) -> str:
+    base = base.strip("/")
+    return f"/{base}" if base else ""
+
+
+def routes_below(base: str) -> list[Route]:
+    """All routes, for an app that is served below the path `base`; empty: at the top."""
+    start = _prefix(base)
+    return [
+        Route(f"{start}/overview", overview, methods=["GET"]),
+        Route(f"{start}/nv/{{token}}/frame/{{recording}}/{{row}}.jpg", frame, methods=["GET"]),
+        Route(f"{start}/nv/{{token}}/boxes/{{recording}}/{{chunk}}", boxes, methods=["GET"]),
+        Route(f"{start}/nv/{{token}}/upload/{{slot}}", upload, methods=["PUT"]),
+    ]
+
+
+ROUTES: Final = routes_below(st.get_option("server.baseUrlPath") or "")
+"""For ``st.App(routes=...)``, which does not put the base path before them by itself."""
+
+
+def address(space: Workspace, base: str = "") -> str:
+    """Start of the addresses of a workspace's routes, after the app's base path."""
+    return f"{_prefix(base)}/nv/{space.token}"
+
+
+def _index(request: Request, name: str) -> int:
+    """A part of the address that counts from 0; what is none stands for more than there are."""
+    text = request.path_params[name]
+    is_index = text.isascii() and text.isdigit() and len(text) < MOST_DIGITS
+    return int(text) if is_index else 10**MOST_DIGITS
+
+
+def _percentile(request: Request, name: str, default: float) -> float | None:
+    """A query parameter between 0 and 100; None where it is anything else."""
+    try:
+        value = float(request.query_params.get(name, default))
+    except ValueError:
+        return None
+    return value if math.isfinite(value) and 0 <= value <= 100 else None
+
+
+def _is_same_origin(request: Request) -> bool:
+    """Whether the page that sends this is ours; what is no page says nothing of its origin."""
+    if request.headers.get("sec-fetch-site", "same-origin") not in ("same-origin", "none"):
+        return False
+    origin = request.headers.get("origin")
+    return origin is None or urlsplit(origin).netloc == request.headers.get("host", "")
+
+
+def _headers(kept: str) -> dict[str, str]:
+    return {"Cache-Control": kept, **GUARDS}
+
+
+def _text(status: int, text: str) -> Response:
+    return PlainTextResponse(text, status_code=status, headers=_headers(NOT_KEPT))
+
+
+def _not_found(text: str) -> Response:
+    return _text(HTTPStatus.NOT_FOUND, text)

@@ -1,0 +1,394 @@
+"""What is open, with which settings, and what came out: the only keeper of UI state."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable
+from dataclasses import fields, replace
+from functools import partial
+from pathlib import Path
+from typing import Any, Final, Literal
+
+import numpy as np
+import streamlit as st
+
+from nvcore.audit import audit_inputs, audit_pair, audit_system, role_of
+from nvcore.comparison import Result, compare
+from nvcore.dataset import Dataset
+from nvcore.findings import Finding, worst_first
+from nvcore.inputs.load import compared_systems, effective_params, load
+from nvcore.inputs.session import Session
+from nvcore.inputs.session_toml import read_session
+from nvcore.params import Params
+from nvcore.protocols import Protocol
+from ui.session.address import changed_parameters, read_parameters, read_place
+from ui.session.ending import end_with_session, is_in_use
+from ui.session.pictures import Picturing, find_pictures
+from ui.session.workspace import Compared, Workspace, workspace_of
+
+ROOT: Final = Path(__file__).resolve().parents[2]
+SAMPLE: Final = ROOT / "sample_data" / "session.toml"
+SAMPLE_LABEL: Final = "Sample recordings"
+Theme = Literal["light", "dark"]
+
+MOST_THUMBNAILS: Final = 64
+NOT_OF_BOXES: Final = (
+    *("alpha", "low", "window", "coverage", "lag_s", "gap_s"),
+    *("recency_midpoint", "recency_spread", "saliency_aggregate", "saliency_scope"),
+)
+"""Parameters that move no box and change no match nor which miss is the most salient."""
+
+
+OF_AUDIT: Final = (
+    *("threshold_x", "threshold_y", "match", "iou", "lateral_tolerance"),
+    *("proximity", "midpoint", "spread", "midpoint_m", "spread_m", "horizon"),
+)
+"""Parameters that the audit depends on."""
+
+
+def workspace() -> Workspace:
+    """The workspace of this browser session; the first call opens the sample recordings."""
+    found = st.session_state.get("workspace")
+    if found is None:
+        found = st.session_state["workspace"] = Workspace()
+    if found.dataset is None:
+        with st.spinner("Opening the sample recordings"):
+            _open(found, read_session(SAMPLE), SAMPLE_LABEL)
+    return found
+
+
+def open_session(session: Session, *, label: str) -> None:
+    """Open another comparison in this session's workspace, and start its run again.
+
+    Raises
+    ------
+    NvcoreError
+        If an input cannot be used; what was open stays open.
+    """
+    space = workspace()
+    with st.spinner("Reading the files"):
+        _open(space, session, label)
+    st.rerun()  # the widgets of this run are drawn: they take their new values in the next one
+
+
+def take_back(token: str) -> None:
+    """Go on with the workspace of that name, as the address says; not if another page uses it."""
+    found = workspace_of(token)
+    if found is None or found.dataset is None or is_in_use(found):
+        return
+    st.session_state["workspace"] = found
+    end_with_session(found)
+    for name in ("seen_opening", "place", "bad_link"):
+        st.session_state.pop(name, None)
+    st.query_params.from_dict(st.session_state["first_query"])
+
+
+def begin_run() -> None:
+    """To be called before any widget is drawn.
+
+    Any run may be cut off by the next one, also while something is being opened: what belongs to
+    the open comparison is therefore renewed here, by its number.
+    """
+    st.session_state.setdefault("first_query", st.query_params.to_dict())
+    space = workspace()
+    seen: int | None = st.session_state.get("seen_opening")
+    if seen != space.n_opened:
+        _forget_widgets()
+        if seen is not None:  # the first one may be opened by a link
+            st.session_state["place"] = 0, 0
+        st.session_state["seen_opening"] = space.n_opened
+    elif st.session_state.get("wants_reset", False):
+        _forget_widgets()
+        st.session_state["wants_reset"] = False
+    if "place" not in st.session_state:
+        _follow_link()
+    for name, value in st.session_state.pop("new_params", {}).items():
+        st.session_state[name] = value
+
+
+def set_params(**values: Any) -> None:
+    """Give parameters these values in the next run; to be followed by a rerun."""
+    st.session_state["new_params"] = {**st.session_state.get("new_params", {}), **values}
+
+
+def set_threshold(letter: str, threshold: float | None) -> None:
+    """Move the slider of X or Y, at whose left end, the lowest score, every detection counts."""
+    name = systems()["xy".index(letter)]
+    span = None if name is None else score_span(name)
+    if span is not None:
+        at = span[0] if threshold is None else max(threshold, span[0])
+        set_params(**{f"threshold_{letter}": at})
+
+
+def reset_params() -> None:
+    """Give all parameters the values of the open session in the next run."""
+    st.session_state["wants_reset"] = True
+
+
+def score_span(system: str) -> tuple[float, float] | None:
+    """Lowest and highest score of a system; None without scores or with a single one."""
+    space = workspace()
+    assert space.dataset is not None
+    dataset = space.dataset
+    return space.keep("score_span", system, lambda: _score_span(dataset, system), most=20)
+
+
+def _score_span(dataset: Dataset, system: str) -> tuple[float, float] | None:
+    score = dataset.system(system).score
+    score = score[np.isfinite(score)]
+    if not len(score) or score.min() == score.max():
+        return None
+    return float(score.min()), float(score.max())
+
+
+def session_params() -> Params:
+    """The parameters that the open session starts with."""
+    space = workspace()
+    assert space.session is not None
+    assert space.dataset is not None
+    return effective_params(space.session, space.dataset)
+
+
+def params() -> Params:
+    """The live parameters."""
+    found: Params | None = st.session_state.get("params")
+    return session_params() if found is None else found
+
+
+def systems() -> tuple[str, str | None]:
+    """Names of X and Y; Y is None where there is one system only."""
+    space = workspace()
+    assert space.session is not None
+    assert space.dataset is not None
+    return compared_systems(space.session, space.dataset)
+
+
+def result() -> Result | None:
+    """The comparison with the live parameters; None where there is only one system."""
+    space = workspace()
+    assert space.dataset is not None
+    x, y = systems()
+    if y is None:
+        space.compared = None
+        return None
+    settings = params()
+    found = space.keep("result", (settings, x, y), lambda: _analyse(space, settings, x, y))
+    if found is not space.result:
+        key = f"{space.dataset.fingerprint}{of_boxes(settings)!r}{x}\0{y}"
+        space.compared = Compared(found, hashlib.sha256(key.encode()).hexdigest()[:12])
+    return found
+
+
+def _analyse(space: Workspace, settings: Params, x: str, y: str) -> Result:
+    assert space.dataset is not None
+    if space.result is not None:
+        return compare(space.dataset, settings, x=x, y=y, previous=space.result)
+    with st.spinner("Comparing the systems"):
+        return compare(space.dataset, settings, x=x, y=y)
+
+
+def of_boxes(settings: Params) -> Params:
+    """The settings that boxes, their matches and the most salient misses depend on.
+
+    The others as by default: what is drawn of boxes may be kept while only those move.
+    """
+    start = Params()
+    return replace(settings, **{name: getattr(start, name) for name in NOT_OF_BOXES})
+
+
+def findings() -> tuple[Finding, ...]:
+    """What the audit found in the open inputs, worst first."""
+    space = workspace()
+    x, y = systems()
+    settings = params()
+    relevant = replace(Params(), **{name: getattr(settings, name) for name in OF_AUDIT})
+    return space.keep("findings", (relevant, x, y), lambda: _audit(space, relevant, x, y))
+
+
+def _audit(space: Workspace, settings: Params, x: str, y: str | None) -> tuple[Finding, ...]:
+    """In the parts of `nvcore.audit.audit`: a threshold does not change what the files are."""
+    dataset = space.dataset
+    assert dataset is not None
+    with st.spinner("Auditing the inputs"):
+        found = [*space.keep("audit_inputs", (), lambda: audit_inputs(dataset))]
+        for name in dataset.systems:
+            threshold, letter = role_of(name, (x, y), settings)
+            found += space.keep(
+                "audit_system", (name, threshold, letter),
+                partial(audit_system, dataset, name, threshold, letter=letter),
+                most=2 * len(dataset.systems),
+            )  # fmt: skip
+        return worst_first([*found, *audit_pair(dataset, settings, x=x, y=y)])
+
+
+def protocol() -> Protocol:
+    """Which pedestrians count in the detection figures."""
+    space = workspace()
+    assert space.session is not None
+    return space.session.protocol
+
+
+def set_protocol(chosen: Protocol) -> None:
+    """Evaluate detections by this protocol from now on."""
+    space = workspace()
+    assert space.session is not None
+    if space.session.protocol != chosen:
+        space.session = replace(space.session, protocol=chosen)
+
+
+def theme() -> Theme:
+    """Whether the page is shown light or dark."""
+    return "dark" if st.context.theme.type == "dark" else "light"
+
+
+def recording_names() -> list[str]:
+    """Names of the recordings, in their order."""
+    space = workspace()
+    assert space.dataset is not None
+    names: list[str] = space.dataset.recordings["name"].tolist()
+    return names
+
+
+def recording() -> int:
+    """Index of the current recording."""
+    return _place()[0]
+
+
+def row() -> int:
+    """Row of the current frame within the current recording."""
+    return _place()[1]
+
+
+def _place() -> tuple[int, int]:
+    """Recording and row; within what is open, whatever was current before."""
+    chosen, at = st.session_state.get("place", (0, 0))
+    if not 0 <= chosen < len(recording_names()):
+        return 0, 0
+    return chosen, min(at, max(len(_frame_numbers(chosen)) - 1, 0))
+
+
+def go_to(recording_index: int, row_in_recording: int) -> None:
+    """Make this the current frame, in the page's address as well."""
+    settle(recording_index, row_in_recording)
+    st.session_state["seek"] = seek() + 1
+
+
+def settle(recording_index: int, row_in_recording: int) -> None:
+    """Make this the current frame without asking the viewer to go there: it is there."""
+    last = max(len(_frame_numbers(recording_index)) - 1, 0)
+    st.session_state["place"] = recording_index, min(max(row_in_recording, 0), last)
+    write_address()
+
+
+def write_address() -> None:
+    """Put the current frame and the parameters that were changed into the page's address."""
+    wanted = link_to(*_place())
+    for name in [*(spec.name for spec in fields(Params)), "recording", "frame"]:
+        if name in wanted:
+            if st.query_params.get(name) != wanted[name]:
+                st.query_params[name] = wanted[name]
+        else:
+            st.query_params.pop(name, None)
+
+
+def seek() -> int:
+    """Changes whenever somebody else than the viewer chooses the frame."""
+    wishes: int = st.session_state.get("seek", 0)
+    return wishes
+
+
+def place_of(row_in_all: int) -> tuple[int, int]:
+    """Recording and row within it, of a row of the frames table."""
+    space = workspace()
+    assert space.dataset is not None
+    frames = space.dataset.frame_columns
+    recording_index = int(frames.recording[row_in_all])
+    return recording_index, row_in_all - int(frames.first[recording_index])
+
+
+def row_in_all() -> int:
+    """Row of the current frame in the frames table."""
+    space = workspace()
+    assert space.dataset is not None
+    return int(space.dataset.frame_columns.first[recording()]) + row()
+
+
+def link_to(recording_index: int, row_in_recording: int) -> dict[str, str]:
+    """What the address of a page needs to open at this frame with the live parameters."""
+    numbers = _frame_numbers(recording_index)
+    at = {"recording": recording_names()[recording_index]}
+    if len(numbers):
+        at["frame"] = str(int(numbers[row_in_recording]))
+    return at | changed_parameters(params(), session_params())
+
+
+def bad_link() -> str:
+    """What in the address could not be followed, in words; empty if nothing. Told once."""
+    wrong: str = st.session_state.pop("bad_link", "")
+    return wrong
+
+
+def _follow_link() -> None:
+    """Take recording and frame from the address that the session was opened by."""
+    place, wrong = read_place(
+        st.query_params.get("recording"), st.query_params.get("frame"), recording_names(),
+        _frame_numbers,
+    )  # fmt: skip
+    given, impossible = read_parameters(st.query_params.to_dict())
+    st.session_state["new_params"] = given
+    wrong += impossible
+    st.session_state["place"] = place
+    st.session_state["bad_link"] = "; ".join(wrong)
+
+
+def _frame_numbers(recording_index: int) -> np.ndarray:
+    space = workspace()
+    assert space.dataset is not None
+    frames = space.dataset.frame_columns
+    first, last = frames.first[recording_index : recording_index + 2]
+    return frames.frame[first:last]
+
+
+def _open(space: Workspace, session: Session, label: str) -> None:
+    dataset = load(session)
+    pictures: Picturing = find_pictures(session, dataset)
+    space.forget()  # first: nothing should go on to read the pictures
+    space.close_pictures()
+    space.session, space.dataset, space.label = session, dataset, label
+    space.pictures, space.picture_rows = pictures.sources, pictures.indices
+    space.picture_notes = pictures.notes
+    space.n_opened += 1
+
+
+def _forget_widgets() -> None:
+    """Forget the widgets' values, so that they start with those of the open session."""
+    st.session_state.pop("params", None)
+    if st.session_state.get("has_opened", False):
+        for spec in fields(Params):
+            st.session_state.pop(spec.name, None)
+    st.session_state["has_opened"] = True  # the first time the address may set parameters
+
+
+def choose_category(category: str) -> None:
+    """Show the encounters of one Venn category when the Encounters page is next drawn."""
+    st.session_state["category"] = category
+
+
+def thumbnail(row_of_all: int, draw: Callable[[], bytes]) -> bytes:
+    """A drawn picture, kept while nothing that shows in it changes."""
+    space = workspace()
+    key = (space.version, space.pictures_version, stretch(), row_of_all)
+    return space.keep("thumbnails", key, draw, most=MOST_THUMBNAILS)
+
+
+STRETCH: Final = (0.5, 99.8)
+"""Percentiles that pictures are stretched to by default: night drives are dim."""
+LEAST_STRETCH: Final = 0.1
+"""Least distance of the two."""
+
+
+def stretch() -> tuple[float, float]:
+    """Percentiles of the display stretch."""
+    lo, hi = st.session_state.get("stretch", STRETCH)
+    lo = min(float(lo), 100 - LEAST_STRETCH)
+    return lo, max(float(hi), lo + LEAST_STRETCH)

@@ -1,0 +1,348 @@
+"""Files that people send: into the session's own folder, under harmless names, within limits.
+
+    FOLDER/pictures/                  videos and archives of pictures, by the upload route
+    FOLDER/pictures/images/           single pictures
+    FOLDER/upload-N/SLOT/annotations/data/
+                                      ground truth and detections of the N-th form sent
+
+Names from a browser are never joined as they come. A safe base name is kept, since recordings
+are named after their files.
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+import unicodedata
+from collections.abc import AsyncIterable, Iterable, Sequence
+from http import HTTPStatus
+from pathlib import Path, PurePosixPath
+from typing import IO, Final, Protocol
+
+from starlette.concurrency import run_in_threadpool
+from starlette.requests import ClientDisconnect
+
+from nvcore.errors import MediaError, NvcoreError
+from nvcore.pictures.archive import Archive, ArchiveLimits
+from ui.session.workspace import PICTURES, Kind, Stored, Workspace
+
+SLOTS: Final = frozenset({PICTURES})
+"""What the upload route takes; annotations come with a form."""
+MAX_FILE_BYTES: Final = 4 << 30
+"""One file of pictures."""
+MAX_SESSION_BYTES: Final = 8 << 30
+"""All uploads of one session."""
+MAX_FILES: Final = 100_000
+SPARE_BYTES: Final = 1 << 30
+"""What has to stay free on the disk."""
+MAX_UNPACKED_BYTES: Final = 2 << 30
+"""All annotations in one archive."""
+MAX_NAME_BYTES: Final = 120
+WRITE_BYTES: Final = 1 << 20
+HEAD_BYTES: Final = 400
+
+# the readers take these folder names for no recording's (nvcore.readers.naming)
+ANNOTATION_FOLDERS: Final = PurePosixPath("annotations", "data")
+
+
+_MAGIC: Final[tuple[tuple[int, bytes, Kind], ...]] = (
+    (0, b"\x89PNG\r\n\x1a\n", "image"),
+    (0, b"\xff\xd8\xff", "image"),
+    (0, b"II*\x00", "image"),
+    (0, b"MM\x00*", "image"),
+    (0, b"BM", "image"),
+    (4, b"ftyp", "video"),
+    (8, b"AVI ", "video"),
+    (0, b"\x1aE\xdf\xa3", "video"),
+    (0, b"\x00\x00\x01\xba", "video"),
+    (0, b"PK\x03\x04", "zip"),
+)
+_TRANSPORT_PACKET: Final = 188
+_UNSAFE = re.compile(r'[<>:"/\\|?*\x00-\x1f\x7f]')
+
+
+class UploadError(NvcoreError):
+    """A file is not taken.
+
+    Parameters
+    ----------
+    message
+        Why, and what to do.
+    status
+        Status of the route's answer.
+    """
+
+    def __init__(self, message: str, status: HTTPStatus):
+        self.status = status
+        super().__init__(message)
+
+
+class SentFile(Protocol):
+    """A file that came with a form, such as Streamlit's ``UploadedFile``."""
+
+    name: str
+
+    def getbuffer(self) -> memoryview:
+        """Its content."""
+
+
+def safe_name(name: str) -> str:
+    """Base name without anything that means something to a file system.
+
+    Examples
+    --------
+    >>> safe_name("../../etc/passwd")
+    'passwd'
+    >>> safe_name("..")
+    'file'
+    """
+    base = re.split(r"[/\\]", name)[-1]
+    base = unicodedata.normalize("NFC", base.encode("utf-8", "replace").decode())
+    base = "".join(sign if sign.isprintable() else "_" for sign in _UNSAFE.sub("_", base))
+    base = base.strip(" .")  # a leading dot would hide it
+    stem, dot, suffix = base.rpartition(".")
+    if not dot or len(suffix) > 10:
+        stem, dot, suffix = base, "", ""
+    room = MAX_NAME_BYTES - len((dot + suffix).encode())
+    stem = stem.encode()[:room].decode("utf-8", "ignore").strip(" ")
+    return f"{stem}{dot}{suffix}" if stem else "file"
+
+
+def free_name(name: str, taken: Iterable[str]) -> str:
+    """The name, or the name with the first free number: ``gt.txt``, ``gt-2.txt``."""
+    in_use = {one.casefold() for one in taken}
+    stem, suffix = PurePosixPath(name).stem, PurePosixPath(name).suffix
+    number, found = 1, name
+    while found.casefold() in in_use:
+        number += 1
+        found = f"{stem}-{number}{suffix}"
+    return found
+
+
+def kind_of(head: bytes) -> Kind | None:
+    """What the first bytes of a file say it is; None: neither pictures nor a video."""
+    for offset, magic, kind in _MAGIC:
+        if head.startswith(magic, offset):
+            return kind
+    packets = head[0 : 2 * _TRANSPORT_PACKET + 1 : _TRANSPORT_PACKET]
+    return "video" if packets == b"GGG" else None
+
+
+async def receive(
+    space: Workspace,
+    slot: str,
+    name: str,
+    content: AsyncIterable[bytes],
+    *,
+    n_bytes: int | None = None,
+) -> Stored:
+    """Write a file into the session's folder as it comes in; no more than a chunk is in memory.
+
+    Parameters
+    ----------
+    n_bytes
+        Size as the sender states it, if at all; what really comes is counted anyway.
+
+    Raises
+    ------
+    UploadError
+        If it is too large, there is no room, it is no picture, archive or video, or it breaks off.
+    """
+    assert slot in SLOTS
+    if n_bytes is not None:
+        _check_room(space, n_bytes, so_far=0)
+    folder = space.folder / PICTURES
+    part = _PartialFile(space, folder)
+    try:
+        kept = bytearray()
+        async for chunk in content:
+            kept += chunk
+            if len(kept) >= WRITE_BYTES:
+                await run_in_threadpool(part.write, bytes(kept))
+                kept.clear()
+        await run_in_threadpool(part.write, bytes(kept))
+        if n_bytes is not None and part.n_bytes != n_bytes:
+            raise UploadError("The upload broke off; send it again.", HTTPStatus.BAD_REQUEST)
+        return await run_in_threadpool(part.keep, safe_name(name))
+    except ClientDisconnect as error:
+        raise UploadError("The upload broke off; send it again.", HTTPStatus.BAD_REQUEST) from error
+    except OSError as error:
+        raise UploadError(
+            f"The file could not be stored ({error.strerror}).", HTTPStatus.INSUFFICIENT_STORAGE
+        ) from error
+    finally:
+        part.drop()
+
+
+class _PartialFile:
+    """A file that is being written; `drop` removes it unless it was kept."""
+
+    def __init__(self, space: Workspace, folder: Path):
+        self.space = space
+        self.n_bytes = 0
+        self.kind: Kind | None = None
+        self._file: IO[bytes] | None = None
+        with space.lock:
+            space.n_received += 1
+            self._path = folder / f".{space.n_received}.part"
+
+    def write(self, chunk: bytes) -> None:
+        if self._file is None:
+            self.kind = kind_of(chunk[:HEAD_BYTES])
+            if self.kind is None:
+                raise UploadError(
+                    "This is neither a video (MP4, AVI, MKV, WebM, MPEG), a picture (PNG, JPEG, "
+                    "TIFF, BMP) nor a ZIP archive of pictures, whatever its name says.",
+                    HTTPStatus.UNSUPPORTED_MEDIA_TYPE,
+                )
+            (self._path.parent / "images").mkdir(parents=True, exist_ok=True)
+            self._file = self._path.open("xb")
+        _check_room(self.space, len(chunk), so_far=self.n_bytes)
+        self._file.write(chunk)
+        self.n_bytes += len(chunk)
+        with self.space.lock:
+            self.space.used_bytes += len(chunk)
+
+    def keep(self, name: str) -> Stored:
+        assert self._file is not None
+        assert self.kind is not None
+        self._file.close()
+        with self.space.lock:
+            if len(self.space.stored) >= MAX_FILES:
+                raise UploadError(
+                    f"A session takes {MAX_FILES} files; send pictures as a ZIP archive.",
+                    HTTPStatus.REQUEST_ENTITY_TOO_LARGE,
+                )
+            stored = Stored(free_name(name, self.space.stored), self.kind, self.n_bytes)
+            self._path.rename(self.space.folder / stored.place)
+            self.space.stored[stored.name] = stored
+        self._file = None
+        return stored
+
+    def drop(self) -> None:
+        if self._file is None:
+            return
+        self._file.close()
+        self._path.unlink(missing_ok=True)
+        with self.space.lock:
+            self.space.used_bytes -= self.n_bytes
+
+
+def remove_pictures(space: Workspace, names: Iterable[str]) -> None:
+    """Remove uploaded pictures from the session's folder."""
+    with space.lock:
+        gone = [space.stored.pop(name) for name in list(names) if name in space.stored]
+        space.used_bytes -= sum(stored.n_bytes for stored in gone)
+    for stored in gone:
+        (space.folder / stored.place).unlink(missing_ok=True)
+
+
+def new_upload(space: Workspace) -> Path:
+    """Folder for the annotations of one form; those of earlier forms that are not open go."""
+    is_open = None if space.session is None else space.session.folder
+    for folder in space.folder.glob("upload-*"):
+        if folder != is_open:
+            shutil.rmtree(folder, ignore_errors=True)
+            with space.lock:
+                space.used_bytes -= space.upload_bytes.pop(folder, 0)
+    with space.lock:
+        space.n_received += 1
+        folder = space.folder / f"upload-{space.n_received}"
+    folder.mkdir(mode=0o700)
+    return folder
+
+
+def store_annotations(
+    space: Workspace, folder: Path, slot: str, files: Sequence[SentFile]
+) -> tuple[str, ...]:
+    """Write the files of one source; paths for a session, relative to `folder`.
+
+    A ZIP archive is unpacked into a folder of its name, and the path is that folder: so layouts
+    in which every file is called ``gt.txt`` keep the recordings' names.
+
+    Raises
+    ------
+    UploadError
+        If there is no room.
+    MediaError
+        If an archive is damaged or may not be unpacked; nothing of it stays.
+    """
+    target = folder / slot / ANNOTATION_FOLDERS
+    target.mkdir(parents=True)
+    paths: list[Path] = []
+    for file in files:
+        content = file.getbuffer()
+        try:
+            _check_room(space, len(content), so_far=0)
+        except UploadError as error:
+            raise UploadError(f"{safe_name(file.name)}: {error}", error.status) from error
+        name = free_name(safe_name(file.name), (path.name for path in target.iterdir()))
+        path = target / name
+        try:
+            path.write_bytes(content)
+        except OSError as error:
+            path.unlink(missing_ok=True)
+            raise UploadError(
+                f"{name}: The file could not be stored ({error.strerror}).",
+                HTTPStatus.INSUFFICIENT_STORAGE,
+            ) from error
+        n_bytes = len(content)
+        if path.suffix.lower() == ".zip" and kind_of(bytes(content[:HEAD_BYTES])) == "zip":
+            path, n_bytes = _unpack(space, path)
+        with space.lock:
+            space.used_bytes += n_bytes
+            space.upload_bytes[folder] = space.upload_bytes.get(folder, 0) + n_bytes
+        paths.append(path)
+    return tuple(path.relative_to(folder).as_posix() for path in paths)
+
+
+def _unpack(space: Workspace, packed: Path) -> tuple[Path, int]:
+    """Unpack an archive beside itself and remove it.
+
+    Returns
+    -------
+    The folder in which its content begins, and the bytes of all that was unpacked.
+    """
+    room = min(MAX_UNPACKED_BYTES, _room(space))
+    folder = packed.with_name(free_name(packed.stem, (one.name for one in packed.parent.iterdir())))
+    folder.mkdir()
+    try:
+        with Archive(packed, ArchiveLimits(total_bytes=room)) as archive:
+            written = archive.unpack(folder)
+    except MediaError:
+        shutil.rmtree(folder, ignore_errors=True)
+        raise
+    finally:
+        packed.unlink()
+    n_bytes = sum(path.stat().st_size for path in written)
+    while True:
+        inside = list(folder.iterdir())
+        if len(inside) != 1 or not inside[0].is_dir() or inside[0].name in ("gt", "det"):
+            return folder, n_bytes
+        folder = inside[0]
+
+
+def _room(space: Workspace) -> int:
+    """Bytes that the session may still take."""
+    on_disk = shutil.disk_usage(space.folder).free - SPARE_BYTES
+    return max(min(MAX_SESSION_BYTES - space.used_bytes, on_disk), 0)
+
+
+def _check_room(space: Workspace, n_bytes: int, *, so_far: int) -> None:
+    if so_far + n_bytes > MAX_FILE_BYTES:
+        raise UploadError(
+            f"The file is larger than {MAX_FILE_BYTES / 2**30:g} GiB; send the recordings one by "
+            "one, or a shorter part.",
+            HTTPStatus.REQUEST_ENTITY_TOO_LARGE,
+        )
+    if space.used_bytes + n_bytes > MAX_SESSION_BYTES:
+        raise UploadError(
+            f"A session takes {MAX_SESSION_BYTES / 2**30:g} GiB in all; remove uploads that are "
+            "no longer needed.",
+            HTTPStatus.REQUEST_ENTITY_TOO_LARGE,
+        )
+    if shutil.disk_usage(space.folder).free - n_bytes < SPARE_BYTES:
+        raise UploadError(
+            "There is no room left on the server's disk; tell the one who runs it.",
+            HTTPStatus.INSUFFICIENT_STORAGE,
+        )

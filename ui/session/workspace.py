@@ -1,0 +1,215 @@
+"""What one browser session has open: its comparison, its pictures and its own folder on disk."""
+
+from __future__ import annotations
+
+import secrets
+import shutil
+import threading
+import weakref
+from collections import OrderedDict
+from collections.abc import Callable, Hashable, Mapping
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+from typing import Any, Final, Literal, NamedTuple, Protocol, TypeVar
+
+import numpy as np
+
+from nvcore.comparison import Result
+from nvcore.dataset import Dataset
+from nvcore.inputs.session import Session
+from nvcore.pictures.base import Pictures
+from ui.session.ending import end_with_session
+from ui.session.folders import new_folder
+
+Kept = TypeVar("Kept")
+
+
+PICTURES: Final = "pictures"
+"""Folder of the session's pictures."""
+
+Kind = Literal["video", "zip", "image"]
+
+
+@dataclass(frozen=True)
+class Stored:
+    """One file of pictures that lies in the session's folder.
+
+    Attributes
+    ----------
+    name
+        Its safe name; unique in the session.
+    kind
+        What it is, told from its content.
+    n_bytes
+        Its size.
+    """
+
+    name: str
+    kind: Kind
+    n_bytes: int
+
+    @property
+    def place(self) -> PurePosixPath:
+        """Where it lies in the session's folder."""
+        return PurePosixPath(PICTURES, *(["images"] if self.kind == "image" else []), self.name)
+
+
+class Compared(NamedTuple):
+    """An analysis, and a name for it in addresses; set and read as one."""
+
+    result: Result
+    version: str
+
+
+class Job(Protocol):
+    """Work in the background, of `ui.jobs.background`."""
+
+    def discard(self) -> None:
+        """Stop, and let nothing be left of it."""
+
+
+_workspaces: weakref.WeakValueDictionary[str, Workspace] = weakref.WeakValueDictionary()
+
+
+class Workspace:
+    """One per browser session; lives in ``st.session_state`` and ends with it.
+
+    The frame, box and upload routes find it by its token, which is their only guard: it is known
+    to the session's own browser alone.
+
+    Attributes
+    ----------
+    token
+        Unguessable name of the workspace in URLs.
+    folder
+        Own folder for uploads, mode 0700; gone when the workspace is.
+    session, dataset, label
+        The open comparison and what it is called; None and empty before one is opened.
+    n_opened
+        How many comparisons were opened; whoever keeps something of the open one compares it.
+    compared
+        The newest analysis, which the routes read boxes from, with its version.
+    pictures
+        Picture source by recording index; a recording without pictures is absent.
+    picture_rows
+        Which picture shows each frame of a recording (-1: none), by recording index.
+    picture_notes
+        By which rule, in words, by recording index.
+    stored
+        Uploaded pictures, by name; written by `ui.session.uploads`.
+    used_bytes, n_received
+        Size of all uploads, and how many there have been.
+    upload_bytes
+        What of `used_bytes` belongs to the annotations of a form, by its folder.
+    lock
+        Held while those are changed.
+    noted
+        What a page notes of its user, by a name of its own: outlasts `forget`, unlike what `keep`
+        holds, and a reload, unlike ``st.session_state``.
+    """
+
+    def __init__(self) -> None:
+        self.token = secrets.token_urlsafe(24)
+        self.folder = new_folder()
+        self.session: Session | None = None
+        self.dataset: Dataset | None = None
+        self.label = ""
+        self.n_opened = 0
+        self.compared: Compared | None = None
+        self.pictures: Mapping[int, Pictures] = {}
+        self.picture_rows: Mapping[int, np.ndarray] = {}
+        self.picture_notes: Mapping[int, str] = {}
+        self.lock = threading.Lock()
+        self.stored: dict[str, Stored] = {}
+        self.used_bytes = 0
+        self.upload_bytes: dict[Path, int] = {}
+        self.n_received = 0
+        self.noted: dict[str, Any] = {}
+        self._kept: dict[str, OrderedDict[Hashable, object]] = {}
+        self._jobs: dict[str, Job] = {}
+        self._n_changes = 0
+        self._remove = weakref.finalize(self, shutil.rmtree, self.folder, ignore_errors=True)
+        _workspaces[self.token] = self
+        end_with_session(self)
+
+    @property
+    def result(self) -> Result | None:
+        """The newest analysis."""
+        return None if self.compared is None else self.compared.result
+
+    @property
+    def version(self) -> str:
+        """Changes with every analysis: an address that has it may be kept."""
+        return "" if self.compared is None else self.compared.version
+
+    @property
+    def pictures_version(self) -> str:
+        """Changes with the pictures."""
+        return str(self._n_changes)
+
+    def keep(self, kind: str, key: Hashable, make: Callable[[], Kept], *, most: int = 1) -> Kept:
+        """What was made for this key before, else what `make` makes; it ends with the session.
+
+        Parameters
+        ----------
+        kind
+            Name of a store of its own.
+        most
+            How many the store holds; the longest unused goes first.
+        """
+        store = self._kept.setdefault(kind, OrderedDict())
+        if key not in store:
+            store[key] = make()
+            while len(store) > most:
+                store.popitem(last=False)
+        store.move_to_end(key)
+        found: Kept = store[key]  # type: ignore[assignment]
+        return found
+
+    def known(self, kind: str, key: Hashable) -> object | None:
+        """What `keep` holds for this key; None: nothing."""
+        return self._kept.get(kind, {}).get(key)
+
+    def job(self, kind: str) -> Any:
+        """The newest job of this kind, also one that has ended; None: there was none."""
+        return self._jobs.get(kind)
+
+    def drop_job(self, kind: str) -> None:
+        """Stop the job of this kind, and let go of it and of what it made."""
+        job = self._jobs.pop(kind, None)
+        if job is not None:
+            job.discard()
+
+    def put_job(self, kind: str, job: Job) -> None:
+        """Hold the job until there is a newer one of its kind, or the workspace forgets."""
+        self.drop_job(kind)
+        self._jobs[kind] = job
+
+    def forget(self) -> None:
+        """Let go of what was computed, and stop what is being computed."""
+        for kind in list(self._jobs):
+            self.drop_job(kind)
+        self.compared = None
+        self._kept.clear()
+
+    def close_pictures(self) -> None:
+        """Let go of the picture files; no recording has pictures until new ones are set."""
+        sources = {id(source): source for source in self.pictures.values()}
+        self.pictures, self.picture_rows, self.picture_notes = {}, {}, {}
+        self._n_changes += 1
+        for source in sources.values():
+            source.close()
+
+    def close(self) -> None:
+        """Forget everything and remove the folder; the token is unknown from now on."""
+        _workspaces.pop(self.token, None)
+        self.session = self.dataset = None
+        self.noted.clear()
+        self.forget()  # first: nothing should go on to read the pictures
+        self.close_pictures()
+        self._remove()
+
+
+def workspace_of(token: str) -> Workspace | None:
+    """The workspace with that token; None where the session has ended or never was."""
+    return _workspaces.get(token)

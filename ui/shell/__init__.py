@@ -1,0 +1,1 @@
+"""What every page has: sidebar, navigation, messages."""

@@ -1,0 +1,130 @@
+"""The live parameters, read from the sidebar's widgets before anything is drawn."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import Field, fields
+from typing import Any, Final
+
+import numpy as np
+import streamlit as st
+
+from nvcore.errors import ParameterError
+from nvcore.params import MIDPOINT_SHARE, SPREAD_SHARE, Params, Preset
+from ui.session import state
+
+FIELDS: Final[dict[str, Field[Any]]] = {spec.name: spec for spec in fields(Params)}
+KEPT_NUMBERS: Final = 1e-9
+
+
+def read() -> str:
+    """Make the values of the widgets the live parameters.
+
+    A widget has its new value in Streamlit's state before it is drawn: so the page can be drawn
+    first, and the sidebar, which nobody waits for, after it.
+
+    Returns
+    -------
+    What is wrong with the values, for the sidebar; empty if nothing. The last parameters that
+    worked then stay in use.
+    """
+    values = {name: value_of(name) for name in FIELDS}
+    values |= {name: _of_height(name) for name in ("midpoint", "spread")}
+    values |= {name: _threshold(name) for name in ("threshold_x", "threshold_y")}
+    try:
+        params = Params(**values)
+    except ParameterError as error:
+        return str(error)
+    if _lacks_horizon(params):
+        return "The recordings do not state the row of the horizon: type it above"
+    st.session_state["params"] = params
+    return ""
+
+
+def _lacks_horizon(params: Params) -> bool:
+    space = state.workspace()
+    assert space.dataset is not None
+    is_unknown = params.horizon is None and space.dataset.recordings["horizon"].isna().any()
+    return params.proximity == "horizon" and bool(is_unknown)
+
+
+def value_of(name: str) -> Any:
+    """Value of the widget of a parameter; without one, that of the open session."""
+    if name in st.session_state:
+        return st.session_state[name]
+    return getattr(state.session_params(), name)
+
+
+def keep_hidden(name: str) -> None:
+    """Keep the value of a parameter whose widget is not drawn: Streamlit would forget it."""
+    if name in st.session_state:
+        st.session_state[name] = st.session_state[name]
+
+
+def keep_all_hidden() -> None:
+    """Keep all parameters' values on a page that has no sidebar."""
+    for name in FIELDS:
+        keep_hidden(name)
+
+
+def picture_height() -> float:
+    """Height of the highest pictures, pixels."""
+    space = state.workspace()
+    assert space.dataset is not None
+    return float(space.dataset.recordings["height"].max())
+
+
+def default_of_height(name: str) -> float:
+    """Value at which the slider of the sigmoid's midpoint or spread starts, pixels."""
+    given: float | None = getattr(state.session_params(), name)
+    share = MIDPOINT_SHARE if name == "midpoint" else SPREAD_SHARE
+    return share * picture_height() if given is None else given
+
+
+def _of_height(name: str) -> float | None:
+    given: float | None = getattr(state.session_params(), name)
+    shown: float | None = st.session_state.get(name)
+    if shown is None:
+        return given
+    untouched = given is None and abs(shown - default_of_height(name)) < KEPT_NUMBERS
+    return None if untouched else shown
+
+
+def threshold_scale(letter: str) -> tuple[float, float, float] | None:
+    """Ends and step of the slider over the scores of X or Y; None without different scores.
+
+    Round values lie on its steps.
+    """
+    name = state.systems()[0 if letter == "x" else 1]
+    span = None if name is None else state.score_span(name)
+    if span is None:
+        return None
+    width = span[1] - span[0]
+    step = 0.01 if width <= 2 else float(10.0 ** np.floor(np.log10(width / 100)))
+    return math.floor(span[0] / step) * step, span[1], step
+
+
+def _threshold(name: str) -> float | None:
+    """At the lowest score every detection counts: no threshold.
+
+    Where no slider can be drawn the session's own threshold holds, not one that was set for
+    another system before.
+    """
+    system = state.systems()[0 if name == "threshold_x" else 1]
+    span = None if system is None else state.score_span(system)
+    if span is None:
+        return getattr(state.session_params(), name)  # type: ignore[no-any-return]
+    given: float | None = value_of(name)
+    return None if given is not None and given <= span[0] else given
+
+
+def set_preset(preset: Preset) -> None:
+    """Give the parameters the values of a preset in the next run."""
+    height = picture_height()
+    shown = {"midpoint": MIDPOINT_SHARE * height, "spread": SPREAD_SHARE * height}
+    state.set_params(
+        **{
+            name: shown.get(name) if value is None else value
+            for name, value in preset.values(height).items()
+        }
+    )

@@ -1,0 +1,123 @@
+"""What a visitor sees when a part of a page cannot be drawn: a sentence, no traceback."""
+
+from __future__ import annotations
+
+import logging
+from pathlib import Path
+
+import streamlit as st
+
+from nvcore.comparison import Result
+from nvcore.dataset import FrameColumns
+from nvcore.errors import NvcoreError
+from nvcore.findings import Severity
+from nvcore.inputs.evaluated_frames import nth
+from nvcore.report.verdict import CAVEATS
+from ui.session import local_files, state
+from ui.session.opening import public_text
+from ui.session.workspace import Workspace
+from ui.shell.navigate import open_page
+from ui.widgets.text import plain
+
+SHORT: str = (
+    "Most encounters here are one frame long, as sampled or unlinked annotation makes "
+    "them: they are frames rather than persons. Lag, dropout, lead time and saliency mean "
+    "little; shares of encounters detected are shares of frames."
+)
+
+
+def draw_caution(result: Result, *, is_of_encounters: bool = True) -> None:
+    """Where encounters are mostly single frames, and what the audit warns of: a box for each.
+
+    Parameters
+    ----------
+    is_of_encounters
+        Whether the page is about encounters: curves of boxes do not depend on their length.
+    """
+    if is_of_encounters and result.is_short:
+        st.warning(SHORT, icon=":material/warning:")
+    warned = [
+        CAVEATS[one.code] for one in state.findings()
+        if one.severity is not Severity.NOTE and one.code in CAVEATS
+        and one.code != "short-encounters"
+    ]  # fmt: skip
+    if warned:
+        told = "; ".join(dict.fromkeys(warned))
+        st.warning(
+            f"The audit found: {plain(told)}. Details and remedies are on the page Data.",
+            icon=":material/warning:",
+        )
+
+
+def sampling_note(frames: FrameColumns) -> str:
+    """A sentence for beside a rate per minute or hour; empty where every frame is evaluated."""
+    steps = [round(float(step)) for step in frames.sampling_step]
+    sampled = sorted({step for step in steps if step > 1})
+    if not sampled:
+        return ""
+    which = nth(sampled[0])
+    if len(sampled) > 1:
+        which += f" to {nth(sampled[-1])}"
+    n_sampled = sum(step > 1 for step in steps)
+    where = "" if n_sampled == len(steps) else f" of {n_sampled:,} of {len(steps):,} recordings"
+    return (
+        f"Only every {which} frame{where} is evaluated: per minute and per hour count those frames "
+        "alone."
+    )
+
+
+def one_system_only() -> None:
+    """There is nothing to compare yet."""
+    st.info("Only one system is open. A comparison needs two: add the second one on the Data page.")
+    if st.button("Open the Data page", type="primary"):
+        open_page("data")
+
+
+def without_paths(text: object) -> str:
+    """The text without the paths of the machine; not yet plain."""
+    return public_text(text, _folders())
+
+
+def shown_error(error: BaseException) -> str:
+    """The error as Markdown that shows it as it is, without the paths of the machine.
+
+    Opens nothing, so that it also works where the workspace itself could not be opened.
+    """
+    return plain(without_paths(error))
+
+
+def _folders() -> list[Path]:
+    folders = [state.ROOT]
+    try:
+        root = local_files.local_root()
+    except NvcoreError:  # told where files are chosen
+        root = None
+    if root is not None:
+        folders.append(root.folder)
+    space: Workspace | None = st.session_state.get("workspace")
+    if space is not None:
+        folders += [space.folder, *space.folder.glob("upload-*")]
+        if space.session is not None:
+            folders.append(space.session.folder)
+    return folders
+
+
+_LOG = logging.getLogger("nvcore.ui")
+
+
+def error_banner(error: Exception) -> bool:
+    """Tell what is wrong with the data, or that the program is; True: Streamlit adds nothing.
+
+    Parts of a page that run again by themselves, and what buttons call, end here; the page as a
+    whole has its own place for errors in the data.
+    """
+    if isinstance(error, NvcoreError):
+        st.error(shown_error(error), icon=":material/error:")
+        return True
+    _LOG.error("a page could not be drawn", exc_info=error)
+    st.error(
+        "This page could not be drawn: a fault of the program, not of your data. The other pages "
+        "still work; the terminal that runs the app has the details.",
+        icon=":material/error:",
+    )
+    return True

@@ -1,0 +1,39 @@
+"""From one page to another, at a frame."""
+
+from __future__ import annotations
+
+from typing import Final, NoReturn
+
+import streamlit as st
+
+from ui.session import state
+
+PAGES: Final = state.ROOT / "pages"
+
+
+def open_frame(recording_index: int, row_in_recording: int) -> NoReturn:
+    """Show a frame on the Timeline page."""
+    state.go_to(recording_index, row_in_recording)
+    open_page("timeline")
+
+
+def open_row(row: int) -> NoReturn:
+    """Show a frame, given by its row of the frames table, on the Timeline page."""
+    open_frame(*state.place_of(row))
+
+
+def ask_for_page(name: str) -> None:
+    """Go to a page in the next run: for buttons that are not drawn again."""
+    st.session_state["wanted_page"] = name
+
+
+def follow_wish() -> None:
+    """Go to the page that was asked for, if any."""
+    name = st.session_state.pop("wanted_page", None)
+    if name is not None:
+        open_page(name)
+
+
+def open_page(name: str) -> NoReturn:
+    """Go to a page; recording, frame and parameters stay."""
+    st.switch_page(str(PAGES / f"{name}.py"))

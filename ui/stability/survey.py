@@ -1,0 +1,97 @@
+"""Stability page: on which settings the verdict depends, all maps in one table."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from typing import Final
+
+import pandas as pd
+import streamlit as st
+
+from nvcore.comparison import Result
+from nvcore.params import Params
+from nvcore.stability.survey import SURVEYED, Surveyed, held_text, survey_stability
+from nvcore.stability.words import CRITERIA, PLANES
+from ui.jobs.background import Computation, JobState, while_open
+from ui.jobs.progress import draw_job
+from ui.session import state
+
+AT_ONCE: Final = 5_000
+"""Frames up to which the table is there within a second or so: it is drawn without asking."""
+JOB: Final = "stability_survey"
+THREADS: Final = 2
+MOST: Final = 4
+
+SurveyKey = tuple[str, Params]
+
+
+def draw(result: Result) -> None:
+    """The table, the button that computes it, or how far that is."""
+    st.header("Where does the verdict depend on settings?")
+    surveyed = _found(result)
+    if surveyed is None:
+        return
+    st.dataframe(
+        shown_survey(surveyed), hide_index=True, key="stability_survey_table", height="content",
+        row_height=30,
+    )  # fmt: skip
+    st.caption(
+        "Who is better as analysed, and in which share of the plausible range of these settings "
+        "that holds, all else as in the sidebar. The maps below show where it turns."
+    )
+
+
+def shown_survey(surveyed: tuple[Surveyed, ...]) -> pd.DataFrame:
+    """One row for each choice of settings, one column for each way to be better."""
+    cells = {(one.plane, one.criterion): _cell(one) for one in surveyed}
+    return pd.DataFrame([
+        {"What is varied": PLANES[plane],
+         **{f"by {said}": cells[plane, criterion] for criterion, said in CRITERIA.items()}}
+        for plane in SURVEYED
+    ])  # fmt: skip
+
+
+def _cell(one: Surveyed) -> str:
+    held = held_text(one)
+    if one.found is None or one.found.verdict == "undefined":
+        return held
+    who = "even" if one.found.verdict == "even" else f"{one.found.verdict.upper()} better"
+    return (
+        f"{who}, in {held}" if held in ("all", "none") or held.endswith("%") else f"{who}, {held}"
+    )
+
+
+def _found(result: Result) -> tuple[Surveyed, ...] | None:
+    space = state.workspace()
+    key: SurveyKey = (space.version, result.params)
+    job: Computation[tuple[Surveyed, ...]] | None = space.job(JOB)
+    if job is not None and job.key == key:
+        at = draw_job(job, JOB, thing="table", doing="Trying all settings")
+        if at.is_busy:
+            return None
+        if at is JobState.DONE:
+            return space.keep(JOB, key, lambda: job.found, most=MOST)
+    if len(result.dataset.frames) <= AT_ONCE or space.known(JOB, key) is not None:
+        return space.keep(JOB, key, lambda: _survey(result), most=MOST)
+    st.button(
+        "Try all settings", key=f"{JOB}_start", icon=":material/table_chart:",
+        on_click=_start, args=(result, key),
+    )  # fmt: skip
+    st.caption("It computes all maps: with so many frames up to some minutes.")
+    return None
+
+
+def _survey(result: Result) -> tuple[Surveyed, ...]:
+    with ThreadPoolExecutor(THREADS) as pool:
+        return survey_stability(result, executor=pool)
+
+
+def _start(result: Result, key: SurveyKey) -> None:
+    def compute(job: Computation[tuple[Surveyed, ...]]) -> tuple[Surveyed, ...]:
+        with ThreadPoolExecutor(THREADS) as pool:
+            return survey_stability(
+                result, executor=pool, progress=job.tell, is_cancelled=job.has_to_stop
+            )
+
+    space = state.workspace()
+    space.put_job(JOB, Computation(compute, while_open(space), key=key))

@@ -1,0 +1,73 @@
+"""Timeline page: viewer, time plot and lanes that move together."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import streamlit as st
+
+from nvcore.comparison import Result
+from nvcore.figures.lanes import lanes_figure
+from nvcore.figures.style import CONFIG
+from nvcore.figures.time_plot import similarity_plot
+from ui.session import state
+from ui.timeline import viewer
+from ui.widgets.clicks import is_new_click
+from ui.widgets.text import docs_link
+
+LANES_PX: Final = 640
+"""Height from which on the lanes scroll by themselves."""
+
+
+@st.fragment
+def draw_all(result: Result) -> None:
+    """Everything that shows the current frame; a click in one part moves all."""
+    settled = viewer.settled(result)
+    if settled != state.row():
+        state.settle(state.recording(), settled)
+    cursor = state.row_in_all()
+    left, right = st.columns([3, 1], gap="medium")
+    with st.container():  # first: while a slider moves one waits for the plot
+        _draw_plot(result, cursor)
+    with left:
+        viewer.draw(result)
+    with right:
+        viewer.panel(result, cursor)
+    theme, recording = state.theme(), state.recording()
+    lanes = state.workspace().keep(  # they stay while alpha and the like move
+        "lanes", (state.workspace().version, recording, theme, cursor),
+        lambda: lanes_figure(result, recording, theme=theme, cursor_row=cursor),
+    )  # fmt: skip
+    with st.container(height=LANES_PX if lanes.layout.height > LANES_PX else "content"):
+        _clickable(lanes, "lanes")
+
+
+def _draw_plot(result: Result, cursor: int) -> None:
+    upright = st.toggle(
+        "Time upwards, X left and Y right", key="upright", persist_state="session",
+        help="The plot as in the paper's figure 8: the middle is perfect.",
+    )  # fmt: skip
+    _clickable(
+        similarity_plot(
+            result, state.recording(), theme=state.theme(), cursor_row=cursor,
+            layout="upright" if upright else "time",
+        ),
+        "time_plot",
+    )  # fmt: skip
+    st.caption(
+        "Thin: similarity of each frame, 1 is best. Thick: moving mean. Filled: low intervals. "
+        "Marks above: saliency events. Click to see the frame "
+        f"({docs_link('Metrics', 'similarity')})."
+    )
+
+
+def _clickable(figure: Any, key: str) -> None:
+    chosen = st.plotly_chart(
+        figure, theme=None, config=CONFIG, key=f"{key}_{state.recording()}", on_select="rerun",
+        selection_mode="points",
+    )  # fmt: skip
+    points = chosen["selection"]["points"]
+    if points and is_new_click(key, points):
+        row = int(points[0]["customdata"])
+        state.go_to(*state.place_of(row))
+        st.rerun(scope="fragment")

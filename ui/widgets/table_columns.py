@@ -1,0 +1,134 @@
+"""Columns of the report's tables for `st.dataframe`: headings, formats, help texts."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import pandas as pd
+import streamlit as st
+
+from nvcore.figures.encounters import CLASS_WORDS
+from nvcore.figures.venn import WORDS
+from nvcore.tables.columns import REPORT_COLUMNS, Column, Kind
+
+HEADINGS: Final = {
+    "track": "Pedestrian",
+    "n_relevant": "Relevant frames",
+    "n_frames": "Annotated frames",
+    "miss_class": "miss class",
+    "lag_s": "lag (s)",
+    "gap_s": "gap (s)",
+    "tail_s": "tail (s)",
+    "lead_time_s": "Lead of X (s)",
+    "peak_height": "Height (px)",
+    "lateral_position": "Position",
+    "peak_k": "Largest k",
+    "aspect_ratio": "Height / width",
+    "aspect_z": "Pose z-score",
+    "occluded_share": "Occluded",
+    "start_s": "Start (s)",
+    "duration_s": "Duration (s)",
+    "tau": "Ends at",
+    "saliency_s": "Saliency (s)",
+}
+"""Headings that do not follow from the column's name."""
+
+PERCENT: Final = frozenset({"coverage", "occluded_share", "tau"})
+SIGNED: Final = frozenset({"lead_time_s", "lateral_position", "aspect_z"})
+CATEGORY_WORDS: Final = {kind.value: text for kind, text in WORDS.items()}
+MISS_WORDS: Final = {kind.value: text for kind, text in CLASS_WORDS.items()}
+WIDTHS: Final = {
+    "recording": 124,
+    "track": 80,
+    "category": 72,
+    "miss_class": 90,
+    "coverage": 85,
+    "lead_time_s": 92,
+    "peak_height": 82,
+    "lateral_position": 70,
+}
+"""Of columns that stand side by side in a window of 1280, px; the others are as wide as needed."""
+MOST_ROWS: Final = 5000
+"""Rows of a table that are sent to the browser; more would slow down every change."""
+LINE_PX: Final = 35
+MOST_LINES: Final = 10
+
+
+def heading(name: str) -> str:
+    """Heading of a column, "X lag (s)" for ``lag_s_x``."""
+    base, letter = _split(name)
+    words = HEADINGS.get(base, base.replace("_", " "))
+    return f"{letter.upper()} {words}" if letter else words[0].upper() + words[1:]
+
+
+def column_config(file: str) -> dict[str, Any]:
+    """Settings of all columns of a report's file, for `st.dataframe`."""
+    return {column.name: _config(column) for column in REPORT_COLUMNS[file]}
+
+
+def as_shown(table: pd.DataFrame) -> pd.DataFrame:
+    """Rows of a report's table for `column_config`: shares in percent, categories in words."""
+    shown = {}
+    for name in table:
+        base, _ = _split(str(name))
+        if base in PERCENT:
+            shown[str(name)] = 100 * table[name]
+        elif base in ("category", "miss_class"):
+            shown[str(name)] = table[name].map(
+                MISS_WORDS if base == "miss_class" else CATEGORY_WORDS
+            )
+    return table.assign(**shown)
+
+
+def rows_told(n_rows: int, which: str) -> str:
+    """What is said under a table of which not all rows are listed; empty if all are.
+
+    Parameters
+    ----------
+    which
+        Which rows are listed: "first", "most salient".
+    """
+    if n_rows <= MOST_ROWS:
+        return ""
+    return f"The {which} {MOST_ROWS:,} of {n_rows:,} are listed; Export has them all."
+
+
+def table_height(n_rows: int) -> int:
+    """Height of a table with its heading that shows up to ten rows, px."""
+    return LINE_PX * (min(max(n_rows, 1), MOST_LINES) + 1) + 3
+
+
+def category_words(value: str) -> str:
+    """A Venn category in words."""
+    return CATEGORY_WORDS[value]
+
+
+def class_words(value: object) -> str | None:
+    """A miss class in words; None where there is none."""
+    return MISS_WORDS[value] if isinstance(value, str) else None
+
+
+def _split(name: str) -> tuple[str, str]:
+    is_of_system = name.endswith(("_x", "_y"))
+    return (name[:-2], name[-1]) if is_of_system else (name, "")
+
+
+def _config(column: Column) -> Any:
+    base, _ = _split(column.name)
+    text = column.meaning + (f" Empty: {column.empty}." if column.empty else "")
+    if column.better:
+        text += " Higher is better." if column.better == "high" else " Lower is better."
+    label = heading(column.name)
+    pinned, width = column.name in ("recording", "track"), WIDTHS.get(base)
+    if column.kind is Kind.TRUTH_VALUE:
+        return st.column_config.CheckboxColumn(label, help=text)
+    if column.kind is Kind.TEXT:
+        return st.column_config.TextColumn(label, width=width, help=text, pinned=pinned)
+    if column.kind is Kind.INTEGER:
+        return st.column_config.NumberColumn(
+            label, width=width, help=text, pinned=pinned, format="%d"
+        )
+    if base in PERCENT:
+        return st.column_config.NumberColumn(label, width=width, help=text, format="%.0f %%")
+    form = "%+.2f" if base in SIGNED else "%.0f" if base == "peak_height" else "%.2f"
+    return st.column_config.NumberColumn(label, width=width, help=text, format=form)

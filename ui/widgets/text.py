@@ -1,0 +1,37 @@
+"""Names from files as plain text, and the few phrases that several pages share."""
+
+from __future__ import annotations
+
+import re
+
+from nvcore.wording import UNDEFINED, number, one_line
+
+__all__ = ["UNDEFINED", "docs_link", "number", "plain"]
+
+_MARKUP = re.compile(r"([\\`*_{}\[\]<>()#+\-.!|$~:&^=])")
+
+
+def plain(name: object) -> str:
+    """The name as text for Markdown: no markup, no HTML, no directives, one line.
+
+    Parameters
+    ----------
+    name
+        A name that came from a file or a user.
+    """
+    return _MARKUP.sub(r"\\\1", one_line(str(name)))
+
+
+def docs_link(text: str, anchor: str, *, doc: str = "metrics") -> str:
+    """Markdown of a link to a section of the documentation inside the app, from any page.
+
+    It is relative, so that it also works where the app is served below a path: all pages lie
+    beside each other.
+
+    Examples
+    --------
+    >>> docs_link("Saliency", "saliency")
+    '[Saliency](metrics#saliency)'
+    """
+    page = "" if doc == "metrics" else f"?doc={doc}"
+    return f"[{text}](metrics{page}#{anchor})"

@@ -1,0 +1,46 @@
+"""Sends pictures and videos to the session's folder, with progress, past Streamlit's memory.
+
+A Streamlit component: a field to drop files on or choose them with. Each file goes by PUT to the
+upload route; Python hears when all are there and looks for them in the session's folder.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import streamlit as st
+
+from ui.session.routes import address
+from ui.session.uploads import MAX_FILE_BYTES, PICTURES
+from ui.session.workspace import Workspace
+
+FOLDER = Path(__file__).parent
+MOST_TOLD = 6
+"""Files that were not taken and are told of."""
+
+_COMPONENT = st.components.v2.component(
+    "nvcore_upload",
+    css=(FOLDER / "upload.css").read_text(encoding="utf-8"),
+    js=(FOLDER / "upload.js").read_text(encoding="utf-8"),
+)
+
+
+def upload_pictures(space: Workspace, *, key: str) -> list[str]:
+    """Draw the field; the run starts again when files have arrived in ``space.stored``.
+
+    Returns
+    -------
+    Which of the files last chosen were not taken, and why: one text each, not yet plain.
+    """
+    base = st.get_option("server.baseUrlPath") or ""
+    state = _COMPONENT(
+        data={
+            "url": f"{address(space, base)}/upload/{PICTURES}",
+            "maxBytes": MAX_FILE_BYTES,
+        },
+        key=key,
+        on_arrived_change=lambda: None,
+        on_refused_change=lambda: None,
+    )
+    refused = getattr(state, "refused", None)
+    return [str(one) for one in refused[:MOST_TOLD]] if isinstance(refused, list) else []

@@ -1,0 +1,199 @@
+"""The frame viewer: picture, boxes of truth, X and Y, trace strip and transport.
+
+A Streamlit component whose script is the files `SCRIPTS`, joined. It fetches pictures and boxes
+from the routes itself; Python sends traces and marks, and hears of a row when it has settled.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+import streamlit as st
+
+from nvcore.palette import TRUTH_COLOUR, X_COLOUR, Y_COLOUR
+from ui.widgets.viewer.packing import decimate_minima, find_spans, pack, pack_frames, pack_times
+
+FOLDER = Path(__file__).parent
+SCRIPTS = (
+    *("boxes", "pictures", "recording", "labels", "drawing", "strip", "view"),
+    *("controls", "readout", "playback", "listening", "viewer", "clip", "show"),
+)
+
+
+def _read_script() -> str:
+    # One module: every file but the last only declares functions and classes.
+    return "\n".join((FOLDER / f"{name}.js").read_text(encoding="utf-8") for name in SCRIPTS)
+
+
+_COMPONENT = st.components.v2.component(
+    "nvcore_viewer",
+    css=(FOLDER / "viewer.css").read_text(encoding="utf-8"),
+    js=_read_script(),
+)
+
+
+def viewer(
+    *,
+    token: str,
+    recording: int,
+    n_rows: int,
+    width: float,
+    height: float,
+    fps: float,
+    frames: np.ndarray,
+    times_s: np.ndarray,
+    has_picture: np.ndarray,
+    version: str,
+    traces: Mapping[str, np.ndarray],
+    low: float,
+    intervals: Sequence[Any],
+    misses: Sequence[int] | np.ndarray,
+    names: Sequence[str],
+    seek: tuple[int, int],
+    lo: float,
+    hi: float,
+    theme: Literal["light", "dark"],
+    height_px: int,
+    key: str,
+    picture_version: str = "",
+    only: Literal["x", "y"] | None = None,
+) -> int | None:
+    """Draw the viewer and say which row it has settled on.
+
+    Parameters
+    ----------
+    token : str
+        The session's token, for the routes.
+    recording, n_rows : int
+        Index of the recording and the number of its rows (listed frames).
+    width, height : float
+        Size of the recording, px; pictures of another size are scaled to it.
+    fps : float
+        Frames per second.
+    frames, times_s : array, shape (n_rows,)
+        Frame number and time of every row.
+    has_picture : array of bool, shape (n_rows,)
+        Whether a row has a picture; without any, boxes are drawn on a blank frame.
+    version : str
+        Changes with every analysis: the boxes are then fetched anew.
+    traces : mapping of "x" and "y" to array of float, shape (n_rows,)
+        Similarity, NaN where undefined; decimated here to the lowest value of each bucket.
+    low : float
+        The limit of low similarity.
+    intervals : pair of array-like of int, shape (n, 2)
+        Low-similarity intervals of X and of Y, as rows (first, one past the last).
+    misses : array of int
+        Rows where a miss begins, in rising order (`nvcore.tables.moments.next_misses`).
+    names : pair of str
+        Names of X and Y; shown as text.
+    seek : (int, int)
+        Row to go to, and a number that changes with every wish to go there and with the
+        recording. The viewer starts at the row; later it goes there only when the number is new,
+        so the row may follow what this function returned.
+    lo, hi : float
+        Percentiles of the display stretch.
+    theme : {"light", "dark"}
+        Theme of the page; the picture's ground is always dark.
+    height_px : int
+        Largest height of the picture.
+    key : str
+        Streamlit's key of the component.
+    picture_version : str
+        Changes when the recording gets other pictures: they are then fetched anew.
+    only : {"x", "y"} or None
+        A clip for somebody who rates it: the picture and the boxes of this system alone, in a
+        style that does not tell which it is, played from the first row to the last by one button,
+        without seeking. The browser then never gets `names`; `traces`, `intervals` and `misses`
+        are not shown.
+
+    Returns
+    -------
+    int or None
+        The row within the recording that the user has settled on since the last new `seek`; the
+        row of `seek` where there is none. None for a recording without rows.
+    """
+    minima = {system: decimate_minima(traces[system], n_rows) for system in ("x", "y")}
+    row, nonce = int(seek[0]), int(seek[1])
+    answer = _COMPONENT(
+        key=key,
+        data={
+            "token": token,
+            "base": _route_prefix(),
+            "recording": int(recording),
+            "n_rows": int(n_rows),
+            "width": float(width),
+            "height": float(height),
+            "fps": float(fps) if fps > 0 else None,  # JSON has no NaN
+            "frames": pack_frames(frames),
+            "times": pack_times(times_s, frames, fps),
+            "picture_spans": pack(find_spans(has_picture), "i4"),
+            "version": version,
+            "picture_version": picture_version,
+            "traces": {system: pack(minima[system][0], "f4") for system in ("x", "y")},
+            "bucket_rows": minima["x"][1],
+            "low": float(low),
+            "intervals": {"x": pack(intervals[0], "i4"), "y": pack(intervals[1], "i4")},
+            "misses": pack(misses, "i4"),
+            "names": [] if only else [str(name) for name in names],
+            "seek": [row, nonce],
+            "lo": float(lo),
+            "hi": float(hi),
+            "theme": theme,
+            "colours": _colours(theme),
+            "height_px": int(height_px),
+            "only": only,
+        },
+        default={"settled": None},
+        on_settled_change=_nothing,
+    )
+    if n_rows == 0:
+        return None
+    return settled_row(answer.get("settled"), recording=recording, n_rows=n_rows, seek=(row, nonce))
+
+
+def settled_in(key: str, *, recording: int, n_rows: int, seek: tuple[int, int]) -> int:
+    """What `viewer` of this key is going to return: it is known before it is drawn."""
+    known = st.session_state.get(key) or {}
+    return settled_row(known.get("settled"), recording=recording, n_rows=n_rows, seek=seek)
+
+
+def n_plays_in(key: str) -> int | None:
+    """How often the clip in the `viewer` of this key was played to its end; None: not known."""
+    known = st.session_state.get(key)
+    settled = known.get("settled") if isinstance(known, Mapping) else None
+    n_plays = settled.get("n_plays") if isinstance(settled, Mapping) else None
+    return n_plays if isinstance(n_plays, int) and n_plays >= 0 else None
+
+
+def settled_row(settled: Any, *, recording: int, n_rows: int, seek: tuple[int, int]) -> int:
+    """The row that the browser reports, if it belongs to this recording and this `seek`.
+
+    What it settled on before Python's newest wish, or in another recording, is out of date: then
+    the wish stands.
+    """
+    if isinstance(settled, Mapping):
+        row = settled.get("row")
+        is_current = settled.get("recording") == recording and settled.get("nonce") == seek[1]
+        if is_current and isinstance(row, int) and 0 <= row < n_rows:
+            return row
+    return max(0, min(n_rows - 1, seek[0]))
+
+
+def _colours(theme: Literal["light", "dark"]) -> dict[str, dict[str, str]]:
+    colours = {"x": X_COLOUR, "y": Y_COLOUR, "truth": TRUTH_COLOUR}
+    return {
+        "picture": {name: colour["dark"] for name, colour in colours.items()},
+        "chrome": {name: colour[theme] for name, colour in colours.items()},
+    }
+
+
+def _route_prefix() -> str:
+    prefix = str(st.get_option("server.baseUrlPath") or "").strip("/")
+    return f"/{prefix}" if prefix else ""
+
+
+def _nothing() -> None:
+    """Streamlit wants a callback for every value with a default."""
