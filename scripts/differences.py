@@ -1,0 +1,201 @@
+"""Files of two runs compared to the byte, but for a list of old and new wordings."""
+
+from __future__ import annotations
+
+import csv
+import html
+import io
+import json
+import re
+import tomllib
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from itertools import zip_longest
+from pathlib import Path
+
+NUMBER = re.compile(r"\d+(?:\.\d+)?")
+JSON_STRING = re.compile(r'(?P<string>"(?:[^"\\]|\\.)*")(?P<colon>\s*:)?')
+JSON_BLOCK = re.compile(r'(?<=<script type="application/json">)(.*?)(?=</script>)', re.DOTALL)
+JSON_IN_HTML = str.maketrans({"<": "\\u003c", ">": "\\u003e", "&": "\\u0026"})
+FIXED_COLUMN = "figure"
+"""Column of the reports that programs look rows up by: never reworded."""
+
+EXCERPT = 70
+"""Characters that are shown on either side of the first difference in a line."""
+
+
+class WordingError(ValueError):
+    """An entry of the list of wordings cannot be used."""
+
+
+@dataclass(frozen=True)
+class Wording:
+    """A text of the older program, and what the newer one says in its place."""
+
+    old: str
+    new: str
+
+    def __post_init__(self) -> None:
+        if not re.search(r"[^\W\d]", self.old):
+            raise WordingError(f"{self.old!r}: a wording has a letter at least")
+        if NUMBER.findall(self.old) != NUMBER.findall(self.new):
+            raise WordingError(f"{self.old!r} -> {self.new!r}: a wording keeps its numbers")
+
+
+def read_wordings(path: Path) -> tuple[Wording, ...]:
+    """The list of wordings in a TOML file.
+
+    Raises
+    ------
+    WordingError
+        If an entry has other keys than `old` and `new`, or would change a number.
+    """
+    try:
+        entries = tomllib.loads(path.read_text(encoding="utf-8")).get("wording", [])
+        return tuple(Wording(**entry) for entry in entries)
+    except TypeError as error:
+        raise WordingError(f"{path}: an entry has the keys old and new; {error}") from error
+
+
+@dataclass
+class Rewording:
+    """Texts of the older program in the words of the newer one; counts what was needed."""
+
+    wordings: tuple[Wording, ...] = ()
+    needed: set[Wording] = field(default_factory=set)
+
+    def file(self, name: str, text: str) -> str:
+        """The text of a file, by the kind that its name tells."""
+        kinds = {".csv": self.csv, ".json": self.json, ".html": self.html}
+        return kinds.get(Path(name).suffix, self.text)(text)
+
+    def text(self, text: str, spell: Callable[[str], str] = str) -> str:
+        """Plain text, or text in which a wording is spelled in another way, as in HTML."""
+        for wording in self.wordings:
+            if spell(wording.old) in text:
+                text = text.replace(spell(wording.old), spell(wording.new))
+                self.needed.add(wording)
+        return text
+
+    def csv(self, text: str) -> str:
+        """CSV: its cells, but for the header, numbers and the column that is fixed."""
+        line_end = "\r\n" if "\r\n" in text else "\n"
+        rows = list(csv.reader(io.StringIO(text, newline="")))
+        if _csv_text(rows, line_end) != text or len({len(row) for row in rows}) != 1:
+            return text  # not written as the reports are: to the byte
+        reworded = [
+            [
+                cell if column == FIXED_COLUMN or _is_number(cell) else self.text(cell)
+                for column, cell in zip(rows[0], row, strict=True)
+            ]
+            for row in rows[1:]
+        ]
+        return _csv_text([*rows[:1], *reworded], line_end)
+
+    def json(self, text: str, *, in_html: bool = False) -> str:
+        """JSON: its strings, not its keys."""
+
+        def value(literal: re.Match[str]) -> str:
+            string = json.loads(literal["string"])
+            reworded = self.text(string)
+            if literal["colon"] or reworded == string:
+                return literal[0]
+            written = json.dumps(reworded, ensure_ascii=in_html)
+            return written.translate(JSON_IN_HTML) if in_html else written
+
+        return JSON_STRING.sub(value, text) if self.wordings else text
+
+    def html(self, text: str) -> str:
+        """HTML: its text and attributes, and the JSON of its figures."""
+        parts = JSON_BLOCK.split(text)
+        for index, part in enumerate(parts):
+            if index % 2:
+                parts[index] = self.json(part, in_html=True)
+            else:
+                parts[index] = self.text(part, _in_markup)
+        return "".join(parts)
+
+
+def _csv_text(rows: list[list[str]], line_end: str) -> str:
+    stream = io.StringIO(newline="")
+    csv.writer(stream, lineterminator=line_end).writerows(rows)
+    return stream.getvalue()
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True
+
+
+def _in_markup(text: str) -> str:
+    """As the template engine escapes it."""
+    return html.escape(text).replace("&quot;", "&#34;").replace("&#x27;", "&#39;")
+
+
+def compare_files(name: str, old: bytes, new: bytes, rewording: Rewording) -> str | None:
+    """Where two files differ first, or None if they are the same.
+
+    Parameters
+    ----------
+    name
+        Name of the file; its ending tells what may be reworded.
+    old, new
+        What the older and the newer program wrote.
+    rewording
+        The wordings that may differ.
+    """
+    if old == new:
+        return None
+    try:
+        old_text, new_text = old.decode(), new.decode()
+    except UnicodeDecodeError:
+        index = next(
+            (i for i, (a, b) in enumerate(zip(old, new, strict=False)) if a != b),
+            min(len(old), len(new)),
+        )
+        return f"byte {index} ({len(old)} and {len(new)} bytes)"
+    reworded = rewording.file(name, old_text)
+    return None if reworded == new_text else _first_difference(reworded, new_text)
+
+
+def _first_difference(old: str, new: str) -> str:
+    lines = zip_longest(old.splitlines(keepends=True), new.splitlines(keepends=True))
+    for number, (a, b) in enumerate(lines, start=1):
+        if a != b:
+            return f"line {number}\n  - {_excerpt(a, b)}\n  + {_excerpt(b, a)}"
+    raise AssertionError("the texts differ")
+
+
+def _excerpt(line: str | None, other: str | None) -> str:
+    """A line around the place where it begins to differ from the other one."""
+    if line is None:
+        return "(the file ends)"
+    pairs = enumerate(zip(line, other or "", strict=False))
+    at = next((i for i, (a, b) in pairs if a != b), min(len(line), len(other or "")))
+    low, high = max(at - EXCERPT, 0), at + EXCERPT
+    shown = repr(line[low:high])[1:-1]
+    return ("…" if low else "") + shown + ("…" if high < len(line) else "")
+
+
+def compare_folders(old: Path, new: Path, rewording: Rewording) -> Iterator[tuple[str, str]]:
+    """Files that differ, each with where it does, in the order of their names."""
+    names = {
+        path.relative_to(folder).as_posix()
+        for folder in (old, new)
+        for path in folder.rglob("*")
+        if path.is_file()
+    }
+    for name in sorted(names):
+        sides = old / name, new / name
+        if not sides[0].is_file():
+            yield name, "only the newer program writes it"
+        elif not sides[1].is_file():
+            yield name, "only the older program writes it"
+        else:
+            old_bytes, new_bytes = (side.read_bytes() for side in sides)
+            where = compare_files(name, old_bytes, new_bytes, rewording)
+            if where is not None:
+                yield name, where

@@ -1,0 +1,428 @@
+"""Show that two checkouts of the project give the same results.
+
+    python scripts/same_results.py OLD_CHECKOUT NEW_CHECKOUT
+        [--random N] [--seed S] [--only NAME ...] [--keep DIR]
+
+Each checkout needs its `.venv` (`make run` makes it). Every comparison is run by the command line
+of either checkout, with the default settings, with wrong corrections of X and Y that the audit has
+to notice, and with N random settings. What they write and print is compared to the byte, but for
+the texts listed in `scripts/wordings.toml`. Exit code 0: all the same, 1: something differs, 2: it
+cannot be run.
+
+The real recordings are those in `$NVCORE_REALDATA` (default: `../shared/realdata` beside the newer
+checkout); without them only the sample is compared. `--keep DIR` keeps all that was written; what
+the older checkout wrote is used again while its commit and the commands stay the same.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import random
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+
+from scripts.differences import Rewording, compare_folders, read_wordings
+
+WORDINGS = Path(__file__).with_name("wordings.toml")
+JOBS = 2
+
+Range = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Two systems to compare.
+
+    Attributes
+    ----------
+    name
+        For the table and `--only`.
+    session
+        Session file: text with the folders `{realdata}` and `{sample}`; None: the sample's own.
+    scores_x, scores_y
+        Where random thresholds are drawn.
+    """
+
+    name: str
+    session: str | None
+    scores_x: Range = (0.0, 1.0)
+    scores_y: Range = (0.0, 1.0)
+
+
+def _kaist(x: str, y: str) -> str:
+    """KAIST's test set, 16 recordings by day and night, under its own protocol."""
+    counts = {"set06": 5, "set07": 3, "set08": 3, "set09": 1, "set10": 2, "set11": 2}
+    recordings = [
+        f'[[recording]]\nname = "{name}/V{index:03}"\n'
+        f'tags = ["{"day" if name < "set09" else "night"}"]'
+        for name, count in counts.items()
+        for index in range(count)
+    ]
+    systems = [
+        f'[[system]]\nname = "{name}"\npath = "{{realdata}}/kaist/results/{name}_result.txt"'
+        for name in ("MLPD", "MBNet", "GAFF", "TCDet-thermal", "YOLOv3-visible")
+    ]
+    return "\n".join(
+        [
+            *recordings,
+            "[defaults]\nfps = 20",
+            '[truth]\npath = "{realdata}/kaist/KAIST_annotation.json"',
+            *systems,
+            f'[compare]\nx = "{x}"\ny = "{y}"',
+            '[protocol]\nname = "kaist-reasonable"',
+        ]
+    )
+
+
+MOT15 = """
+[[recording]]
+name = "TUD-Campus"
+pictures = "{realdata}/videos/TUD-Campus.mp4"
+[[recording]]
+name = "TUD-Stadtmitte"
+pictures = "{realdata}/videos/TUD-Stadtmitte.mp4"
+[[recording]]
+name = "PETS09-S2L1"
+pictures = "{realdata}/videos/vtest.avi"
+[[recording]]
+name = "ETH-Sunnyday"
+[truth]
+path = "{realdata}/mot15"
+[[system]]
+name = "Faster R-CNN"
+path = "{realdata}/mot15/*/det_frcnn/det.txt"
+[[system]]
+name = "tracker"
+path = "{realdata}/mot15/*/res_devkit/*.txt"
+"""
+
+KITTI = """
+[[recording]]
+name = "0016"
+size = "1224x370"
+fps = 10
+pictures = "{realdata}/kitti_tracking/images"
+[truth]
+path = "{realdata}/kitti_tracking/label_02/0016.txt"
+[[system]]
+name = "RRC"
+path = "{realdata}/kitti_tracking/rrc_ped/0016.txt"
+[[system]]
+name = "PointRCNN"
+path = "{realdata}/kitti_tracking/pointrcnn_ped/0016.txt"
+[parameters]
+proximity = "distance"
+"""
+
+NIGHT = """
+[[recording]]
+name = "night"
+size = "640x512"
+fps = 20
+pictures = "{realdata}/kaist_night_video/set09_V000_I02330-I03499_lwir.mp4"
+[truth]
+path = "{realdata}/kaist_night_video/gt.csv"
+[[system]]
+name = "TCDet-thermal"
+path = "{realdata}/kaist_night_video/detections/TCDet-thermal.csv"
+[[system]]
+name = "YOLOv3-visible"
+path = "{realdata}/kaist_night_video/detections/YOLOv3-visible.csv"
+"""
+
+COMPARISONS = (
+    Comparison("sample", None),
+    Comparison("mot15", MOT15, scores_x=(0.5, 1.0), scores_y=(-1.0, -1.0)),
+    Comparison("kaist-fusing", _kaist("MLPD", "MBNet")),
+    Comparison("kaist-spectra", _kaist("GAFF", "TCDet-thermal")),
+    Comparison("kitti-0016", KITTI, scores_y=(-0.85, 8.52)),
+    Comparison("night-video", NIGHT),
+)
+
+USUAL: dict[str, Range] = {
+    "midpoint": (10, 200),
+    "spread": (1, 60),
+    "midpoint_m": (5, 80),
+    "spread_m": (1, 20),
+    "horizon": (140, 260),
+    "lag_s": (0, 3),
+    "gap_s": (0, 3),
+    "window": (0, 10),
+    "tolerance": (0, 0.3),
+    "lateral_tolerance": (0, 0.1),
+    "recency_spread": (0.01, 1),
+}
+"""Where random settings are drawn if their whole range would leave little to compare."""
+
+SHARE_SET = 0.4
+"""Share of the parameters that a random setting sets."""
+SHARE_AT_AN_END = 0.1
+"""Share of those that are drawn at an end of what `Params` accepts."""
+
+CORRECTIONS = ("--offset-frames-x", "3", "--offset-px-y=-8,4", "--scale-y", "1.1")
+
+RULES = """\
+frames >= 100
+new_misses == 0
+lamr_y <= 0.10
+lamr_difference >= -0.01
+longest_episode_s_y <= 1 or undefined
+mean_similarity_x > 0.9
+audit_warnings <= 1
+"""
+
+# prints what `Params` accepts and the names of the protocols, in the older checkout
+READ_RANGES = """
+import json
+from dataclasses import fields
+from nvcore.params import Params
+from nvcore.protocols import PROTOCOLS
+keys = ("choices", "low", "high", "above_low")
+ranges = {spec.name: {key: spec.metadata.get(key) for key in keys} for spec in fields(Params)}
+print(json.dumps({"params": ranges, "protocols": list(PROTOCOLS)}))
+"""
+
+
+@dataclass(frozen=True)
+class Task:
+    """A comparison under one setting: commands that both checkouts run."""
+
+    comparison: Comparison
+    setting: str
+    flags: tuple[str, ...]
+    commands: tuple[tuple[str, ...], ...]
+
+
+def random_flags(
+    ranges: dict[str, Any], comparison: Comparison, *, seed: int, index: int
+) -> tuple[str, ...]:
+    """Flags of a random setting: the same for the same seed, comparison and index."""
+    draw = random.Random(f"{seed} {comparison.name} {index}")
+    thresholds = {"threshold_x": comparison.scores_x, "threshold_y": comparison.scores_y}
+    values: dict[str, str] = {}
+    for name, spec in ranges["params"].items():
+        wanted, at_an_end = draw.random() < SHARE_SET, draw.random() < SHARE_AT_AN_END
+        place, choice = draw.random(), draw.choice(spec["choices"] or [""])
+        if name == "horizon":
+            wanted = wanted or values.get("proximity") == "horizon"
+        if not wanted:
+            continue
+        if spec["choices"]:
+            values[name] = choice
+            continue
+        low, high = thresholds.get(name) or (spec["low"], spec["high"])
+        if at_an_end:
+            value = high if spec["above_low"] or place < 0.5 else low
+        else:
+            low, high = USUAL.get(name, (low, high))
+            value = low + (high - low) * (place or 0.5)
+        values[name] = f"{value:.4g}"
+    flags = [f"--{name.replace('_', '-')}={value}" for name, value in values.items()]
+    if draw.random() < SHARE_SET:
+        flags.append(f"--protocol={draw.choice(ranges['protocols'])}")
+    return tuple(flags)
+
+
+def make_tasks(
+    ranges: dict[str, Any],
+    comparisons: Sequence[Comparison],
+    sample: Path,
+    *,
+    count: int,
+    seed: int,
+) -> list[Task]:
+    """Every comparison under every setting, the commands of each."""
+    tasks = []
+    for comparison in comparisons:
+        session = "session.toml" if comparison.session else str(sample / "session.toml")
+        tasks.append(Task(comparison, "default", (), _default_commands(session)))
+        corrected = (
+            ("check", session, *CORRECTIONS),
+            ("compare", session, *CORRECTIONS, "--out", "report"),
+        )
+        tasks.append(Task(comparison, "corrections", CORRECTIONS, corrected))
+        for index in range(1, count + 1):
+            flags = random_flags(ranges, comparison, seed=seed, index=index)
+            commands = _scoring_commands(session, flags)
+            tasks.append(Task(comparison, f"random-{index}", flags, commands))
+    return tasks
+
+
+def _scoring_commands(session: str, flags: Sequence[str]) -> tuple[tuple[str, ...], ...]:
+    gate = ("--rules", "rules.txt", "--list", "--junit", "gate.xml", "--markdown", "gate.md")
+    return (
+        ("compare", session, *flags, "--out", "report"),
+        ("report", session, *flags, "--out", "report.html"),
+        ("gate", session, *flags, *gate),
+    )
+
+
+def _default_commands(session: str) -> tuple[tuple[str, ...], ...]:
+    return (
+        *_scoring_commands(session, ()),
+        ("check", session, "--strict"),
+        ("compare", session, "--json"),
+        ("gate", "report/session.toml", "--rule", "no_such_measure == 0"),
+    )
+
+
+class Runner:
+    """Runs the tasks in both checkouts, in the same folders.
+
+    Parameters
+    ----------
+    old, new
+        The checkouts.
+    folder
+        Where the commands run and what they write stays.
+    realdata
+        Folder of the real recordings.
+    """
+
+    def __init__(self, old: Path, new: Path, folder: Path, realdata: Path) -> None:
+        self.old, self.new, self.folder, self.realdata = old, new, folder, realdata
+        self.old_commit = _clean_commit(old)
+
+    def run(self, task: Task) -> tuple[Path, Path]:
+        """Folders of what the older and the newer checkout wrote."""
+        folder = self.folder / task.comparison.name / task.setting
+        folder.mkdir(parents=True, exist_ok=True)
+        session = (task.comparison.session or "").replace("{realdata}", str(self.realdata))
+        stamp = folder / "old.json"
+        wanted = json.dumps([self.old_commit, str(folder), session, RULES, task.commands])
+        if not (self.old_commit and stamp.is_file() and stamp.read_text() == wanted):
+            stamp.unlink(missing_ok=True)
+            self._run(self.old, task, session, folder / "old")
+            stamp.write_text(wanted)
+        self._run(self.new, task, session, folder / "new")
+        return folder / "old", folder / "new"
+
+    def _run(self, checkout: Path, task: Task, session: str, outputs: Path) -> None:
+        # both run in the folder of this name: paths in what they print are the same
+        work = outputs.with_name("work")
+        for each in (work, outputs):
+            shutil.rmtree(each, ignore_errors=True)
+        work.mkdir()
+        (work / "rules.txt").write_text(RULES, encoding="utf-8")
+        if session:
+            (work / "session.toml").write_text(session, encoding="utf-8")
+        environment = {**os.environ, "COLUMNS": "100"}
+        program = str(checkout / ".venv" / "bin" / "nvcore")
+        for number, command in enumerate(task.commands, start=1):
+            done = subprocess.run(
+                [program, *command], cwd=work, env=environment, capture_output=True, check=False
+            )
+            printed = work / "printed"
+            printed.mkdir(exist_ok=True)
+            stem = f"{number}-{command[0]}"
+            kind = "json" if "--json" in command else "txt"
+            (printed / f"{stem}.stdout.{kind}").write_bytes(done.stdout)
+            (printed / f"{stem}.stderr.txt").write_bytes(done.stderr)
+            (printed / f"{stem}.exit.txt").write_text(f"{done.returncode}\n")
+        work.rename(outputs)
+
+
+def _clean_commit(checkout: Path) -> str | None:
+    """Commit of a checkout without changes of its own, else None."""
+    git = ["git", "-C", str(checkout)]
+    commit, changes = (
+        subprocess.run([*git, *arguments], capture_output=True, text=True, check=False).stdout
+        for arguments in (["rev-parse", "HEAD"], ["status", "--porcelain"])
+    )
+    return commit.strip() or None if not changes.strip() else None
+
+
+def exit_codes(outputs: Path) -> str:
+    """Exit codes of a task's commands, in their order."""
+    paths = sorted((outputs / "printed").glob("*.exit.txt"))
+    return " ".join(path.read_text().strip() for path in paths)
+
+
+def report(task: Task, old: Path, new: Path, rewording: Rewording) -> bool:
+    """Print a task's line of the table and what differs; whether all is the same."""
+    differing = list(compare_folders(old, new, rewording))
+    files = [path for path in new.rglob("*") if path.is_file()]
+    size = sum(path.stat().st_size for path in files)
+    verdict = f"{len(differing)} DIFFER" if differing else "same"
+    print(
+        f"{task.comparison.name:14} {task.setting:12} {len(files):5} {size:12,} "
+        f"{exit_codes(new):12} {verdict:10} {shlex.join(task.flags)}".rstrip(),
+        flush=True,
+    )
+    for name, where in differing:
+        print(f"  {name}: {where}", flush=True)
+    return not differing
+
+
+def main() -> int:
+    """Run the program; its exit code."""
+    options = _parser().parse_args()
+    old, new = options.old.resolve(), options.new.resolve()
+    for checkout in (old, new):
+        if not (checkout / ".venv" / "bin" / "nvcore").is_file():
+            print(f"{checkout}: has no .venv/bin/nvcore; run make run in it once", file=sys.stderr)
+            return 2
+    realdata = Path(os.environ.get("NVCORE_REALDATA", new.parent / "shared" / "realdata")).resolve()
+    chosen = [each for each in COMPARISONS if not options.only or each.name in options.only]
+    if not realdata.is_dir():
+        print(f"no real recordings in {realdata}: the sample only; set NVCORE_REALDATA")
+        chosen = [each for each in chosen if each.session is None]
+    ranges = json.loads(
+        subprocess.run(
+            [old / ".venv" / "bin" / "python", "-c", READ_RANGES],
+            cwd=old, capture_output=True, text=True, check=True,
+        ).stdout
+    )  # fmt: skip
+    tasks = make_tasks(ranges, chosen, old / "sample_data", count=options.random, seed=options.seed)
+    rewording = Rewording(read_wordings(WORDINGS))
+    began = time.monotonic()
+    print(f"{'comparison':14} {'settings':12} files        bytes exit codes   result     flags")
+    with tempfile.TemporaryDirectory(prefix="same_results_") as temporary:
+        folder = Path(options.keep or temporary).resolve()
+        runner = Runner(old, new, folder, realdata)
+        with ThreadPoolExecutor(JOBS) as pool:
+            outputs = pool.map(runner.run, tasks)
+            same = [
+                report(task, *folders, rewording)
+                for task, folders in zip(tasks, outputs, strict=True)
+            ]
+    minutes = (time.monotonic() - began) / 60
+    print(f"{sum(same)} of {len(same)} the same; {minutes:.1f} minutes")
+    for wording in rewording.wordings:
+        if wording not in rewording.needed:
+            print(f"not needed: {wording.old!r} -> {wording.new!r}")
+    return 0 if all(same) else 1
+
+
+def _parser() -> argparse.ArgumentParser:
+    summary, _, rest = (__doc__ or "").partition("\n")
+    parser = argparse.ArgumentParser(
+        description=summary, epilog=rest, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("old", type=Path, metavar="OLD_CHECKOUT")
+    parser.add_argument("new", type=Path, metavar="NEW_CHECKOUT")
+    parser.add_argument("--random", type=int, default=2, metavar="N", help="random settings (2)")
+    parser.add_argument("--seed", type=int, default=1, metavar="S", help="of the settings (1)")
+    parser.add_argument(
+        "--only", nargs="+", metavar="NAME", choices=[each.name for each in COMPARISONS],
+        help="of these comparisons: %(choices)s",
+    )  # fmt: skip
+    parser.add_argument("--keep", type=Path, metavar="DIR", help="keep what is written there")
+    return parser
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,175 @@
+"""Comparison of two runs: what it must notice, and what the list of wordings allows."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from scripts.differences import (
+    Rewording,
+    Wording,
+    WordingError,
+    compare_files,
+    compare_folders,
+    read_wordings,
+)
+from scripts.same_results import COMPARISONS, WORDINGS, make_tasks
+
+SHORTER = Wording("there is no such file", "no such file")
+TABLE = b"figure,label,x\nlamr,log-average miss rate,0.6271\n"
+PAGE = (
+    '<p class="{}">It&#39;s low</p>'
+    '<script type="application/json">{{"title":"It\'s low\\u003cbr\\u003e","y":0.5}}</script>'
+)
+
+RANGES = {
+    "params": {
+        "alpha": {"choices": None, "low": 0, "high": 1, "above_low": False},
+        "spread": {"choices": None, "low": 0, "high": 10_000, "above_low": True},
+        "threshold_x": {"choices": None, "low": -float("inf"), "high": float("inf"),
+                        "above_low": False},
+        "match": {"choices": ["iou", "lateral"]},
+    },
+    "protocols": ["all", "near"],
+}  # fmt: skip
+
+
+def where(name: str, old: bytes, new: bytes, *wordings: Wording) -> str | None:
+    return compare_files(name, old, new, Rewording(wordings))
+
+
+def write(folder: Path, **files: str) -> Path:
+    for stem, text in files.items():
+        path = folder / "report" / f"{stem}.csv"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    return folder
+
+
+def test_a_changed_number_is_shown_with_its_line():
+    difference = where("significance.csv", TABLE, TABLE.replace(b"0.6271", b"0.6272"))
+    assert difference is not None
+    assert difference.startswith("line 2\n")
+    assert "0.6271" in difference
+    assert "0.6272" in difference
+
+
+def test_a_file_that_is_written_by_one_program_only_is_a_difference(tmp_path: Path):
+    old = write(tmp_path / "old", frames="a\n", events="b\n")
+    new = write(tmp_path / "new", frames="a\n", encounters="c\n")
+    assert dict(compare_folders(old, new, Rewording())) == {
+        "report/encounters.csv": "only the newer program writes it",
+        "report/events.csv": "only the older program writes it",
+    }
+
+
+def test_a_wording_that_is_not_listed_is_a_difference():
+    old, new = b"a.csv: there is no such file\n", b"a.csv: no such file\n"
+    assert where("check.txt", old, new) is not None
+    assert where("check.txt", old, new, SHORTER) is None
+
+
+def test_a_listed_wording_hides_no_other_change_of_the_line():
+    old, new = b"a.csv: there is no such file\n", b"b.csv: no such file\n"
+    assert where("check.txt", old, new, SHORTER) is not None
+
+
+def test_a_longer_wording_is_applied_once():
+    longer = Wording("miss", "a miss")
+    assert where("check.txt", b"no miss\n", b"no a miss\n", longer) is None
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        (b"figure,label,x\nmiss,b,1\n", b"figure,label,x\nalarm,b,1\n"),
+        (b"figure,miss,x\na,b,1\n", b"figure,alarm,x\na,b,1\n"),
+        (b'figure,label\na,"b"\n', b"figure,label\na,b\n"),
+        (b"figure,label\na,b\n", b"figure,label\r\na,b\r\n"),
+    ],
+    ids=["column figure", "header", "quoting", "line ends"],
+)
+def test_csv_stays_to_the_byte_in(old: bytes, new: bytes):
+    assert where("a.csv", old, new, Wording("miss", "alarm")) is not None
+
+
+def test_a_number_of_csv_is_no_wording():
+    assert where("a.csv", b"x\ninf\n", b"x\nnone\n", Wording("inf", "none")) is not None
+
+
+def test_cells_of_csv_may_be_reworded():
+    new = TABLE.replace(b"log-average miss rate", b'"miss rate, log-average"')
+    wording = Wording("log-average miss rate", "miss rate, log-average")
+    assert where("a.csv", TABLE, new, wording) is None
+
+
+def test_keys_of_json_stay_and_its_strings_may_be_reworded():
+    old = json.dumps({"miss": "a miss", "n": 1.50}, indent=2).encode()
+    wording = Wording("miss", '"alarm"')
+    assert where("a.json", old, old.replace(b"a miss", b'a \\"alarm\\"'), wording) is None
+    assert where("a.json", old, old.replace(b'"miss"', b'"alarm"'), Wording("miss", "alarm"))
+    assert where("a.json", old, old.replace(b"1.5", b"1.50"), wording) is not None
+
+
+def test_html_is_reworded_in_its_text_and_in_the_json_of_its_figures():
+    old = PAGE.format("low").encode()
+    new = old.replace(b"It&#39;s low", b"It&#39;s &lt; X&#39;s").replace(
+        b"It's low", b"It's \\u003c X's"
+    )
+    assert where("a.html", old, new, Wording("It's low", "It's < X's")) is None
+    assert (
+        where("a.html", old, PAGE.format("high").encode(), Wording("It's low", "It's")) is not None
+    )
+
+
+def test_pictures_are_compared_to_the_byte():
+    assert where("a.png", b"\xff\x00\x01", b"\xff\x00\x02") == "byte 2 (3 and 3 bytes)"
+
+
+def test_wordings_that_were_needed_are_known():
+    rewording = Rewording((SHORTER, Wording("unused", "unneeded")))
+    compare_files("a.txt", b"there is no such file", b"no such file", rewording)
+    assert rewording.needed == {SHORTER}
+
+
+@pytest.mark.parametrize(("old", "new"), [("0.5 of all", "0.6 of all"), ("0.5", "0.5"), ("", "x")])
+def test_a_wording_cannot_change_a_number(old: str, new: str):
+    with pytest.raises(WordingError, match="a wording"):
+        Wording(old, new)
+
+
+def test_an_entry_of_other_keys_is_an_error(tmp_path: Path):
+    path = tmp_path / "wordings.toml"
+    path.write_text('[[wording]]\nold = "miss"\n')
+    with pytest.raises(WordingError, match="the keys old and new"):
+        read_wordings(path)
+
+
+def test_the_list_of_the_project_can_be_read():
+    assert isinstance(read_wordings(WORDINGS), tuple)
+
+
+def test_the_same_seed_gives_the_same_settings():
+    def flags(seed: int) -> list[tuple[str, ...]]:
+        tasks = make_tasks(RANGES, COMPARISONS, Path("sample"), count=3, seed=seed)
+        return [task.flags for task in tasks if task.setting.startswith("random")]
+
+    assert flags(1) == flags(1)
+    assert flags(1) != flags(2)
+    assert len(set(flags(1))) > 1
+
+
+def test_random_settings_are_in_their_ranges():
+    tasks = make_tasks(RANGES, COMPARISONS, Path("sample"), count=60, seed=7)
+    given: dict[str, set[str]] = {}
+    for flag in [flag for task in tasks for flag in task.flags if "=" in flag]:
+        name, _, value = flag.partition("=")
+        given.setdefault(name, set()).add(value)
+    assert given["--match"] == {"iou", "lateral"}
+    assert given["--protocol"] == {"all", "near"}
+    assert {"0", "1"} < given["--alpha"]
+    assert all(0 <= float(value) <= 1 for value in given["--alpha"])
+    assert all(0 < float(value) <= 10_000 for value in given["--spread"])
+    assert all(-1 <= float(value) <= 1 for value in given["--threshold-x"])
