@@ -6,8 +6,8 @@
 Each checkout needs its `.venv` (`make run` makes it). Every comparison is run by the command line
 of either checkout, with the default settings, with wrong corrections of X and Y that the audit has
 to notice, and with N random settings. What they write and print is compared to the byte, but for
-the texts listed in `scripts/wordings.toml`. Exit code 0: all the same, 1: something differs, 2: it
-cannot be run.
+the texts listed in `scripts/wordings.toml`. Exit code 0: all the same, 1: something differs or
+could not be compared, 2: it cannot be run.
 
 The real recordings are those in `$NVCORE_REALDATA` (default: `../shared/realdata` beside the newer
 checkout); without them only the sample is compared. `--keep DIR` keeps all that was written; what
@@ -43,48 +43,40 @@ Range = tuple[float, float]
 
 
 @dataclass(frozen=True)
+class System:
+    """A system of a comparison: the path of its session file, and the range of its scores."""
+
+    path: str
+    scores: Range = (0.0, 1.0)
+
+
+@dataclass(frozen=True)
 class Comparison:
-    """Two systems to compare.
+    """Inputs that are compared.
 
     Attributes
     ----------
     name
         For the table and `--only`.
-    session
-        Session file: text with the folders `{realdata}` and `{sample}`; None: the sample's own.
-    scores_x, scores_y
-        Where random thresholds are drawn.
+    systems
+        Systems by name; the first two are compared, under random settings any two.
+    head
+        The session file without its systems; None: the sample's own session.
     """
 
     name: str
-    session: str | None
-    scores_x: Range = (0.0, 1.0)
-    scores_y: Range = (0.0, 1.0)
+    systems: dict[str, System]
+    head: str | None
 
-
-def _kaist(x: str, y: str) -> str:
-    """KAIST's test set, 16 recordings by day and night, under its own protocol."""
-    counts = {"set06": 5, "set07": 3, "set08": 3, "set09": 1, "set10": 2, "set11": 2}
-    recordings = [
-        f'[[recording]]\nname = "{name}/V{index:03}"\n'
-        f'tags = ["{"day" if name < "set09" else "night"}"]'
-        for name, count in counts.items()
-        for index in range(count)
-    ]
-    systems = [
-        f'[[system]]\nname = "{name}"\npath = "{{realdata}}/kaist/results/{name}_result.txt"'
-        for name in ("MLPD", "MBNet", "GAFF", "TCDet-thermal", "YOLOv3-visible")
-    ]
-    return "\n".join(
-        [
-            *recordings,
-            "[defaults]\nfps = 20",
-            '[truth]\npath = "{realdata}/kaist/KAIST_annotation.json"',
-            *systems,
-            f'[compare]\nx = "{x}"\ny = "{y}"',
-            '[protocol]\nname = "kaist-reasonable"',
+    def session(self, realdata: Path) -> str | None:
+        """Text of the session file; None: the sample's own is used."""
+        if self.head is None:
+            return None
+        tables = [
+            f'[[system]]\nname = "{name}"\npath = "{system.path}"'
+            for name, system in self.systems.items()
         ]
-    )
+        return "\n".join([self.head.strip(), *tables, ""]).replace("{realdata}", str(realdata))
 
 
 MOT15 = """
@@ -101,55 +93,81 @@ pictures = "{realdata}/videos/vtest.avi"
 name = "ETH-Sunnyday"
 [truth]
 path = "{realdata}/mot15"
-[[system]]
-name = "Faster R-CNN"
-path = "{realdata}/mot15/*/det_frcnn/det.txt"
-[[system]]
-name = "tracker"
-path = "{realdata}/mot15/*/res_devkit/*.txt"
 """
+
+# 16 recordings, the sets from set09 by night
+KAIST_SETS = {"set06": 5, "set07": 3, "set08": 3, "set09": 1, "set10": 2, "set11": 2}
+KAIST = "\n".join(
+    [
+        *(
+            f'[[recording]]\nname = "{name}/V{index:03}"\n'
+            f'tags = ["{"day" if name < "set09" else "night"}"]'
+            for name, count in KAIST_SETS.items()
+            for index in range(count)
+        ),
+        '[defaults]\nfps = 20\n[protocol]\nname = "kaist-reasonable"',
+        '[truth]\npath = "{realdata}/kaist/KAIST_annotation.json"',
+    ]
+)
 
 KITTI = """
 [[recording]]
 name = "0016"
-size = "1224x370"
+width = 1224
+height = 370
 fps = 10
 pictures = "{realdata}/kitti_tracking/images"
-[truth]
-path = "{realdata}/kitti_tracking/label_02/0016.txt"
-[[system]]
-name = "RRC"
-path = "{realdata}/kitti_tracking/rrc_ped/0016.txt"
-[[system]]
-name = "PointRCNN"
-path = "{realdata}/kitti_tracking/pointrcnn_ped/0016.txt"
 [parameters]
 proximity = "distance"
+[truth]
+path = "{realdata}/kitti_tracking/label_02/0016.txt"
 """
 
 NIGHT = """
 [[recording]]
 name = "night"
-size = "640x512"
+width = 640
+height = 512
 fps = 20
 pictures = "{realdata}/kaist_night_video/set09_V000_I02330-I03499_lwir.mp4"
 [truth]
 path = "{realdata}/kaist_night_video/gt.csv"
-[[system]]
-name = "TCDet-thermal"
-path = "{realdata}/kaist_night_video/detections/TCDet-thermal.csv"
-[[system]]
-name = "YOLOv3-visible"
-path = "{realdata}/kaist_night_video/detections/YOLOv3-visible.csv"
 """
 
 COMPARISONS = (
-    Comparison("sample", None),
-    Comparison("mot15", MOT15, scores_x=(0.5, 1.0), scores_y=(-1.0, -1.0)),
-    Comparison("kaist-fusing", _kaist("MLPD", "MBNet")),
-    Comparison("kaist-spectra", _kaist("GAFF", "TCDet-thermal")),
-    Comparison("kitti-0016", KITTI, scores_y=(-0.85, 8.52)),
-    Comparison("night-video", NIGHT),
+    Comparison("sample", {"FIR": System("fir.csv"), "NIR": System("nir.csv")}, None),
+    Comparison(
+        "mot15",
+        {
+            "Faster R-CNN": System("{realdata}/mot15/*/det_frcnn/det.txt", (0.5, 1.0)),
+            "tracker": System("{realdata}/mot15/*/res_devkit/*.txt"),
+        },
+        MOT15,
+    ),
+    Comparison(
+        "kaist",
+        {
+            name: System(f"{{realdata}}/kaist/results/{name}_result.txt")
+            for name in ("MLPD", "MBNet", "GAFF", "TCDet-thermal", "YOLOv3-visible")
+        },
+        KAIST,
+    ),
+    Comparison(
+        "kitti-0016",
+        {
+            "RRC": System("{realdata}/kitti_tracking/rrc_ped/0016.txt"),
+            "PointRCNN": System("{realdata}/kitti_tracking/pointrcnn_ped/0016.txt", (-0.9, 8.6)),
+        },
+        KITTI,
+    ),
+    Comparison(
+        "night-video",
+        {
+            name: System(f"{{realdata}}/kaist_night_video/detections/{name}.csv")
+            for name in ("TCDet-thermal", "YOLOv3-visible", "MLPD", "MBNet")
+        },
+        NIGHT,
+    ),
 )
 
 USUAL: dict[str, Range] = {
@@ -211,7 +229,11 @@ def random_flags(
 ) -> tuple[str, ...]:
     """Flags of a random setting: the same for the same seed, comparison and index."""
     draw = random.Random(f"{seed} {comparison.name} {index}")
-    thresholds = {"threshold_x": comparison.scores_x, "threshold_y": comparison.scores_y}
+    x, y = draw.sample(sorted(comparison.systems), 2)
+    thresholds = {
+        f"threshold_{letter}": comparison.systems[name].scores
+        for letter, name in (("x", x), ("y", y))
+    }
     values: dict[str, str] = {}
     for name, spec in ranges["params"].items():
         wanted, at_an_end = draw.random() < SHARE_SET, draw.random() < SHARE_AT_AN_END
@@ -230,7 +252,8 @@ def random_flags(
             low, high = USUAL.get(name, (low, high))
             value = low + (high - low) * (place or 0.5)
         values[name] = f"{value:.4g}"
-    flags = [f"--{name.replace('_', '-')}={value}" for name, value in values.items()]
+    flags = [f"--name-x={x}", f"--name-y={y}"]
+    flags += [f"--{name.replace('_', '-')}={value}" for name, value in values.items()]
     if draw.random() < SHARE_SET:
         flags.append(f"--protocol={draw.choice(ranges['protocols'])}")
     return tuple(flags)
@@ -247,7 +270,7 @@ def make_tasks(
     """Every comparison under every setting, the commands of each."""
     tasks = []
     for comparison in comparisons:
-        session = "session.toml" if comparison.session else str(sample / "session.toml")
+        session = "session.toml" if comparison.head else str(sample / "session.toml")
         tasks.append(Task(comparison, "default", (), _default_commands(session)))
         corrected = (
             ("check", session, *CORRECTIONS),
@@ -300,7 +323,7 @@ class Runner:
         """Folders of what the older and the newer checkout wrote."""
         folder = self.folder / task.comparison.name / task.setting
         folder.mkdir(parents=True, exist_ok=True)
-        session = (task.comparison.session or "").replace("{realdata}", str(self.realdata))
+        session = task.comparison.session(self.realdata)
         stamp = folder / "old.json"
         wanted = json.dumps([self.old_commit, str(folder), session, RULES, task.commands])
         if not (self.old_commit and stamp.is_file() and stamp.read_text() == wanted):
@@ -310,7 +333,7 @@ class Runner:
         self._run(self.new, task, session, folder / "new")
         return folder / "old", folder / "new"
 
-    def _run(self, checkout: Path, task: Task, session: str, outputs: Path) -> None:
+    def _run(self, checkout: Path, task: Task, session: str | None, outputs: Path) -> None:
         # both run in the folder of this name: paths in what they print are the same
         work = outputs.with_name("work")
         for each in (work, outputs):
@@ -351,12 +374,18 @@ def exit_codes(outputs: Path) -> str:
     return " ".join(path.read_text().strip() for path in paths)
 
 
+def is_refused(outputs: Path) -> bool:
+    """Whether the comparison itself could not be made, so that nothing was compared."""
+    return not (outputs / "report" / "summary.json").is_file()
+
+
 def report(task: Task, old: Path, new: Path, rewording: Rewording) -> bool:
     """Print a task's line of the table and what differs; whether all is the same."""
+    refused = is_refused(old)
     differing = list(compare_folders(old, new, rewording))
     files = [path for path in new.rglob("*") if path.is_file()]
     size = sum(path.stat().st_size for path in files)
-    verdict = f"{len(differing)} DIFFER" if differing else "same"
+    verdict = f"{len(differing)} DIFFER" if differing else "REFUSED" if refused else "same"
     print(
         f"{task.comparison.name:14} {task.setting:12} {len(files):5} {size:12,} "
         f"{exit_codes(new):12} {verdict:10} {shlex.join(task.flags)}".rstrip(),
@@ -364,7 +393,7 @@ def report(task: Task, old: Path, new: Path, rewording: Rewording) -> bool:
     )
     for name, where in differing:
         print(f"  {name}: {where}", flush=True)
-    return not differing
+    return not (differing or refused)
 
 
 def main() -> int:
@@ -379,7 +408,7 @@ def main() -> int:
     chosen = [each for each in COMPARISONS if not options.only or each.name in options.only]
     if not realdata.is_dir():
         print(f"no real recordings in {realdata}: the sample only; set NVCORE_REALDATA")
-        chosen = [each for each in chosen if each.session is None]
+        chosen = [each for each in chosen if each.head is None]
     ranges = json.loads(
         subprocess.run(
             [old / ".venv" / "bin" / "python", "-c", READ_RANGES],

@@ -172,4 +172,4 @@ def test_random_settings_are_in_their_ranges():
     assert {"0", "1"} < given["--alpha"]
     assert all(0 <= float(value) <= 1 for value in given["--alpha"])
     assert all(0 < float(value) <= 10_000 for value in given["--spread"])
-    assert all(-1 <= float(value) <= 1 for value in given["--threshold-x"])
+    assert all(-0.9 <= float(value) <= 8.6 for value in given["--threshold-x"])
