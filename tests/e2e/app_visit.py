@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
+from typing import Any
 from urllib.parse import urlsplit
 
+from app_server import PATIENCE_MS
 from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Locator, Page, expect
 
 SIZE = {"width": 1280, "height": 800}
-WAIT_MS = 20_000
 HEADINGS = {"Metrics": "Documentation"}  # of the other pages: as in the navigation
 # Streamlit looks for its server below the page's own path first
 HARMLESS = re.compile(r"/(_stcore/health|_stcore/host-config)$")
@@ -17,12 +18,29 @@ IS_DRAWN = """() => document.querySelector('[data-testid="stApp"]')
   && document.querySelector("h1")
   && !document.querySelector('[data-testid="stSkeleton"], [data-stale="true"]')"""
 
-expect.set_options(timeout=WAIT_MS)
-
 
 def new_person(browser: Browser, theme: str = "light") -> BrowserContext:
     """Windows with cookies and a cache of their own."""
-    return browser.new_context(viewport=SIZE, color_scheme="dark" if theme == "dark" else "light")
+    scheme = "dark" if theme == "dark" else "light"
+    person = browser.new_context(viewport=SIZE, color_scheme=scheme)
+    person.set_default_timeout(PATIENCE_MS)
+    return person
+
+
+# Streamlit hears of a click only once it has added its own listener, which is after the plot is
+# drawn, and a plot is drawn a second time when the page gives it another width.
+LISTENS = """key => {
+  const plot = document.querySelector(`.st-key-${key} .js-plotly-plot`);
+  const layout = plot?._fullLayout;
+  return plot?._ev?._events?.plotly_selected && layout?._size
+    && Math.abs(layout.width - plot.getBoundingClientRect().width) < 1;
+}"""
+
+# A share of the width and of the height of a plot's area.
+SHARE = """(plot, [across, down]) => {
+  const { w, h } = plot._fullLayout._size;
+  return [across * w, down * h];
+}"""
 
 
 class Visit:
@@ -38,7 +56,6 @@ class Visit:
         self.address = address
         self.complaints: list[str] = []
         self.page: Page = context.new_page()
-        self.page.set_default_timeout(WAIT_MS)
         self.page.on("request", lambda request: self._look_at_host(request.url))
         self.page.on("websocket", lambda socket: self._look_at_host(socket.url))
         self.page.on("console", self._look_at_message)
@@ -69,6 +86,28 @@ class Visit:
     def keyed(self, key: str) -> Locator:
         """The widget or container with this key in the script."""
         return self.page.locator(f".st-key-{key}")
+
+    def click_plot(self, key: str, find_place: str, arg: Any = None) -> Any:
+        """Click into a plot.
+
+        Parameters
+        ----------
+        find_place
+            Function of the page, of the plot and `arg`: the place in the plot's area, [x, y] in
+            pixels, and whatever else it knows of it.
+
+        Returns
+        -------
+        What the function returned.
+        """
+        area = self.keyed(key).locator(".nsewdrag").first
+        self.page.wait_for_function(LISTENS, arg=key)
+        self.wait_until_drawn()
+        area.click(trial=True)  # in sight, and no longer moved by what is drawn above it
+        plot = self.keyed(key).locator(".js-plotly-plot")
+        place = plot.evaluate(find_place, arg)
+        area.click(position={"x": place[0], "y": place[1]})
+        return place
 
     def slider(self, name: str) -> Locator:
         return self.page.get_by_role("slider", name=name)

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from app_server import ROOT, open_chromium, serve
+from app_server import PATIENCE_MS, ROOT, open_chromium, serve
 from app_visit import Visit, new_person
 from playwright.sync_api import Browser, BrowserContext, Page
 from viewer_window import painted
@@ -68,6 +68,7 @@ def viewer_address() -> Iterator[str]:
 def viewer_window(browser: Browser) -> Iterator[BrowserContext]:
     """Kept for all tests: with a full cache the page loads faster."""
     context = browser.new_context(viewport={"width": 1280, "height": 900})
+    context.set_default_timeout(PATIENCE_MS)
     yield context
     context.close()
 

@@ -19,11 +19,10 @@ TITLES = (
 )
 THEMES = ("light", "dark")
 
-# Place in the window of the marker of the Venn diagram that lies deepest in a category's region.
-FIND_REGION = """category => {
-  const plot = document.querySelector(".st-key-venn .js-plotly-plot");
-  const trace = plot._fullData[0], layout = plot._fullLayout, area = plot.getBoundingClientRect();
-  const { w, h, l, t } = layout._size;
+# Place in the plot's area of the marker of the Venn diagram that lies deepest in a region.
+FIND_REGION = """(plot, category) => {
+  const trace = plot._fullData[0], layout = plot._fullLayout;
+  const { w, h } = layout._size;
   const all = [...trace.customdata.keys()].map(i => ({
     x: layout.xaxis.l2p(trace.x[i]), y: layout.yaxis.l2p(trace.y[i]),
     isOwn: String(trace.customdata[i]) === category }));
@@ -31,7 +30,7 @@ FIND_REGION = """category => {
   const depth = one => Math.min(one.x, w - one.x, one.y, h - one.y,
     ...others.map(other => Math.hypot(one.x - other.x, one.y - other.y)));
   const deepest = all.filter(one => one.isOwn).reduce((a, b) => depth(a) < depth(b) ? b : a);
-  return [area.left + l + deepest.x, area.top + t + deepest.y];
+  return [deepest.x, deepest.y];
 }"""
 
 
@@ -46,9 +45,7 @@ def test_the_app_opens_on_a_verdict_on_the_sample(visit):
 )
 def test_a_click_on_a_venn_region_lists_its_encounters(visit, category, words, count):
     one = visit()
-    expect(one.keyed("venn").locator(".nsewdrag")).to_be_attached()
-    one.keyed("venn").scroll_into_view_if_needed()
-    one.page.mouse.click(*one.page.evaluate(FIND_REGION, category))
+    one.click_plot("venn", FIND_REGION, category)
     expect(one.heading("Encounters", level=1)).to_be_visible()
     expect(one.page.get_by_text(f"{count} of 46 encounters")).to_be_visible()
     one.query("category", category)

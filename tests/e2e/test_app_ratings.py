@@ -72,7 +72,7 @@ def watch_and_rate(one: Visit, rating: int) -> None:
     expect(scale).to_have_count(0)
     one.page.get_by_role("button", name="Play the clip").click()
     expect(one.viewer).to_have_attribute("data-playing", "true")
-    expect(one.page.get_by_role("button", name="Play again")).to_be_visible(timeout=40_000)
+    expect(one.page.get_by_role("button", name="Play again")).to_be_visible()
     scale.get_by_role("button", name=str(rating), exact=True).click()
 
 
@@ -121,7 +121,7 @@ def test_a_clip_shows_one_systems_boxes_tells_nothing_and_cannot_be_steered(visi
         readings.append(canvas.evaluate(COUNT_COLOURS, COLOURS))
     assert max(neutral for neutral, _, _ in readings) > 100
     assert max(max(x, y) for _, x, y in readings) < 10
-    expect(again).to_be_visible(timeout=40_000)
+    expect(again).to_be_visible()
     told = one.viewer.evaluate("viewer => viewer.outerHTML")
     assert [name for name in ("camera_a", "camera_b", "miss", "Ground truth") if name in told] == []
     again.click()

@@ -6,6 +6,7 @@ import re
 
 import pytest
 from app_server import ROOT
+from app_visit import SHARE
 from playwright.sync_api import Locator, expect
 
 from nvcore.comparison import compare
@@ -28,16 +29,6 @@ def painted_lines(plot: Locator) -> list[str]:
         "all => all.map(one => one.getAttribute('d'))"
     )
     return paths
-
-
-def click_at(plot: Locator, across: float, down: float) -> None:
-    """Click into a plot's area, at a share of its width and height."""
-    area = plot.locator(".nsewdrag").first
-    area.scroll_into_view_if_needed()
-    box = area.bounding_box()
-    assert box is not None
-    area.page.mouse.move(box["x"] + across * box["width"], box["y"] + down * box["height"])
-    area.page.mouse.click(box["x"] + across * box["width"], box["y"] + down * box["height"])
 
 
 @pytest.fixture(scope="module")
@@ -85,7 +76,7 @@ def test_an_alpha_moved_by_key_changes_the_painted_traces(visit):
 def test_a_click_in_the_time_plot_moves_the_frame(visit):
     one = visit(LINK)
     one.shows(57)
-    click_at(one.keyed(f"time_plot_{RECORDING}"), 0.5, 0.5)
+    one.click_plot(f"time_plot_{RECORDING}", SHARE, [0.5, 0.5])
     one.shows(re.compile("^1[45][0-9]$"))
     frame = int(one.viewer.get_attribute("data-frame") or "")
     assert 140 <= frame < 160
@@ -96,7 +87,7 @@ def test_a_click_in_the_time_plot_moves_the_frame(visit):
 def test_a_click_in_a_lane_moves_the_frame(visit):
     one = visit(LINK)
     one.shows(57)
-    click_at(one.keyed(f"lanes_{RECORDING}"), 0.75, 0.3)
+    one.click_plot(f"lanes_{RECORDING}", SHARE, [0.75, 0.3])
     one.shows(re.compile("^2[0-9][0-9]$"))
     frame = int(one.viewer.get_attribute("data-frame") or "")
     assert 200 <= frame < 300

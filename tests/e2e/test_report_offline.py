@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from app_server import PATIENCE_MS
 from inputs import drive, session_of
 from playwright.sync_api import Browser, Page, expect
 
@@ -15,7 +16,6 @@ from nvcore.inputs.load import load
 from nvcore.report.html import write_html_report
 
 HOSTILE = "</script><img src=x onerror=document.title=1>{{ 7*7 }}$x^2$"
-PATIENCE_MS = 30_000
 
 
 @pytest.fixture(scope="module")

@@ -16,7 +16,7 @@ def viewer_of(page: sync_api.Page) -> sync_api.Locator:
 def painted(page: sync_api.Page, row: int) -> int:
     """The row on the canvas, once it is this one or has had the time to be."""
     with suppress(sync_api.TimeoutError):
-        page.wait_for_selector(f'.viewer[data-shown-row="{row}"]', timeout=20_000)
+        page.wait_for_selector(f'.viewer[data-shown-row="{row}"]')
     return int(viewer_of(page).get_attribute("data-shown-row") or -1)
 
 
