@@ -3,6 +3,8 @@
 # make test  lint, types, import contract, all tests with coverage
 # make bench benchmarks against other tools, written to docs/benchmarks.md
 #            (make bench BENCH=--quick: a minute, nothing written)
+# make mutants  small mistakes put into the library: which do the tests not notice?
+#            (half an hour; the table goes to docs/quality.md by hand)
 
 PYTHON ?= python3
 BIN := .venv/bin
@@ -11,7 +13,7 @@ DEVELOP := $(BIN)/.installed-dev
 TOOLS := .venv-bench/tools/.installed
 MOTMETRICS := .venv-bench/motmetrics/.installed
 
-.PHONY: run test bench lint chromium clean
+.PHONY: run test bench mutants lint chromium clean
 
 run: $(LIBRARY)
 	$(BIN)/streamlit run app.py $(if $(LOCAL_ROOT),-- --local-root "$(LOCAL_ROOT)")
@@ -41,6 +43,10 @@ chromium:
 bench: $(DEVELOP) chromium $(TOOLS) $(MOTMETRICS)
 	$(BIN)/python -m bench.run $(BENCH)
 
+mutants: $(DEVELOP)
+	$(BIN)/python -m scripts.mutants map
+	$(BIN)/python -m scripts.mutants run --fresh
+
 # The virtual environment is made and filled once, and again only when a pinned version changes.
 $(LIBRARY): requirements.txt pyproject.toml
 	@echo "Installing into .venv: about a minute, once."
@@ -66,4 +72,4 @@ $(MOTMETRICS): bench/requirements-motmetrics.txt
 	.venv-bench/motmetrics/bin/python -m pip install --quiet --disable-pip-version-check -r $< && touch $@ || true
 
 clean:
-	rm -rf .venv .venv-bench* .coverage .pytest_cache .mypy_cache .ruff_cache build *.egg-info
+	rm -rf .venv .venv-bench* .mutants .coverage .pytest_cache .mypy_cache .ruff_cache build *.egg-info

@@ -1,0 +1,180 @@
+"""Put small mistakes into the library and see which its tests do not notice.
+
+    python -m scripts.mutants map [TESTS ...]      which test runs which line (again for TESTS)
+    python -m scripts.mutants run [--sample 240]   a fixed sample of mutants against those tests
+    python -m scripts.mutants table                the share killed, by folder, as Markdown
+
+Every mutant lives in a copy of the project (.mutants/tree-N), never in the checkout. It meets the
+tests that run its line, quick ones first, until one fails or `--seconds` of them are through; what
+runs over its time counts as killed. Compiled functions run as plain Python. Results are kept in
+.mutants/results.jsonl: a run that was interrupted goes on, `--again` repeats what survived,
+`--fresh` forgets all. Survivors that no test can tell from the original stand in equivalent.toml
+with the reason.
+
+Neither mutmut 3 (no code outside functions, no decorated functions and thus no compiled ones) nor
+cosmic-ray (one command for all mutants, run in the checkout) does this without a program around.
+"""
+
+from __future__ import annotations
+
+import argparse
+import difflib
+import json
+import tomllib
+from collections.abc import Iterable, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from multiprocessing import get_context
+from pathlib import Path
+
+from scripts.mutants.covering import Map, make_map
+from scripts.mutants.operators import Key, Mutant, mutants_of
+from scripts.mutants.trial import ROOT, copy_project, run_tests, start_worker, try_mutant, use_copy
+
+STORE = ROOT / ".mutants"
+RESULTS = STORE / "results.jsonl"
+EQUIVALENT = Path(__file__).with_name("equivalent.toml")
+FOLDERS = ("nvcore/metrics", "nvcore/evidence", "nvcore/detection", "nvcore/inputs")
+WORKERS = 2
+
+
+def pick_sample(folders: Sequence[str], size: int, seed: int) -> dict[str, list[Mutant]]:
+    """As many mutants of every folder, by their hash, so that an edit changes few of them."""
+    share = -(-size // len(folders))
+    sample = {}
+    for folder in folders:
+        place = ROOT / folder
+        files = sorted(place.rglob("*.py")) if place.is_dir() else [place]
+        mutants = [m for file in files for m in mutants_of(ROOT, str(file.relative_to(ROOT)))]
+        sample[folder] = sorted(mutants, key=lambda m: m.order(seed))[:share]
+    return sample
+
+
+def read_results() -> dict[Key, str]:
+    """What noticed each mutant tried so far, empty for a survivor; the last result counts."""
+    lines = RESULTS.read_text("utf-8").splitlines() if RESULTS.exists() else []
+    return {tuple(row["key"]): row["killed_by"] for row in map(json.loads, lines)}
+
+
+def read_equivalents() -> dict[Key, str]:
+    """Reason for each mutant that no test can tell from the original."""
+    listed = tomllib.loads(EQUIVALENT.read_text("utf-8"))["mutant"]
+    return {(m["file"], m["line"], m["mutation"], m.get("nth", 0)): m["reason"] for m in listed}
+
+
+def run(sample: dict[str, list[Mutant]], seconds: float, *, again: bool) -> None:
+    """Try what has no result yet (`again`: and what survived), then show the survivors."""
+    results, equivalents = read_results(), read_equivalents()
+    mutants = [m for of_folder in sample.values() for m in of_folder]
+    to_do = [
+        m for m in mutants
+        if m.key not in results or (again and not results[m.key] and m.key not in equivalents)
+    ]  # fmt: skip
+    mapped = Map(STORE, ROOT)
+    print(f"{len(mutants)} mutants, {len(to_do)} to try", flush=True)
+    fork = get_context("fork")
+    copies = fork.Queue()
+    for number in range(WORKERS):
+        copies.put(copy_project(STORE / f"tree-{number}"))
+    with (
+        RESULTS.open("a", encoding="utf-8") as file,
+        ProcessPoolExecutor(WORKERS, fork, start_worker, (copies,)) as pool,
+    ):
+        jobs = {}
+        for mutant in to_do:
+            rounds = mapped.rounds(mutant, seconds)
+            times = {test: mapped.seconds[test] for tests in rounds for test in tests}
+            jobs[pool.submit(try_mutant, mutant, rounds, times)] = (mutant, len(times))
+        for number, job in enumerate(as_completed(jobs), 1):
+            mutant, n_tests = jobs[job]
+            noticed = results[mutant.key] = job.result()
+            row = {"key": mutant.key, "killed_by": noticed, "n_tests": n_tests}
+            file.write(json.dumps(row) + "\n")
+            file.flush()
+            outcome = f"killed by {noticed}" if noticed else f"SURVIVED {n_tests} tests"
+            where = f"{mutant.path}:{mutant.line} {mutant.mutation}"
+            print(f"{number}/{len(jobs)} {where}: {outcome}", flush=True)
+        check = pool.submit(fail_anyway, [results[m.key] for m in to_do], mapped.seconds)
+        for test in check.result():
+            print(f"Fails without a mutant too, so that its results do not count: {test}")
+    for mutant in mutants:
+        if not results[mutant.key] and mutant.key not in equivalents:
+            print(describe(mutant))
+    print(table(sample))
+
+
+def fail_anyway(killers: Iterable[str], seconds: dict[str, float]) -> list[str]:
+    """Which of the tests that killed mutants fail on the project as it is."""
+    tests = sorted({test for test in killers if test in seconds}, key=seconds.__getitem__)
+    failing = []
+    while tests and (failed := run_tests(tests, {}, 60 + 5 * sum(seconds[t] for t in tests))):
+        failing.append(failed)
+        if failed not in tests:
+            break
+        tests.remove(failed)
+    return failing
+
+
+def describe(mutant: Mutant) -> str:
+    """Its change as a diff, and how it would stand in the list of equivalents."""
+    source = (ROOT / mutant.path).read_text("utf-8")
+    old, new = source.splitlines(), mutant.apply(source).splitlines()
+    lines = difflib.unified_diff(old, new, mutant.path, mutant.path, lineterm="")
+    entry = dict(zip(("file", "line", "mutation", "nth"), mutant.key, strict=True))
+    keys = [f"{key} = {json.dumps(value)}" for key, value in entry.items() if value != 0]
+    return "\n".join(["", *lines, "", "[[mutant]]", *keys])
+
+
+def table(sample: dict[str, list[Mutant]]) -> str:
+    """Markdown: what became of the mutants of each folder."""
+    results, equivalents = read_results(), read_equivalents()
+    everything = [m for of_folder in sample.values() for m in of_folder]
+    rows = [
+        "| folder | mutants | killed | survived | equivalent | share killed |",
+        "|---|--:|--:|--:|--:|--:|",
+    ]
+    for name, mutants in [*sample.items(), ("all", everything)]:
+        tried = [m.key for m in mutants if m.key in results]
+        same = sum(key in equivalents for key in tried)
+        killed = sum(bool(results[key]) and key not in equivalents for key in tried)
+        share = f"{killed / (len(tried) - same):.1%}" if len(tried) > same else "–"
+        survived = len(tried) - killed - same
+        rows.append(f"| {name} | {len(tried)} | {killed} | {survived} | {same} | {share} |")
+    files = {key[0] for key in equivalents if (ROOT / key[0]).exists()}
+    present = {mutant.key for path in files for mutant in mutants_of(ROOT, path)}
+    for key in equivalents:
+        if key not in present or results.get(key):
+            why = "was noticed by a test" if key in present else "is not in the code"
+            rows.append(f"\nListed as equivalent, but {why}: {key}")
+    return "\n".join(rows)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("command", choices=["map", "run", "table"])
+    parser.add_argument("tests", nargs="*", help="files of tests to map again; all without")
+    parser.add_argument("--sample", type=int, default=240, help="mutants (default: 240)")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--folders", nargs="+", default=FOLDERS, help="or files")
+    parser.add_argument("--seconds", type=float, default=60, help="of tests for each mutant")
+    parser.add_argument("--again", action="store_true", help="try the survivors again")
+    parser.add_argument("--fresh", action="store_true", help="try all again")
+    given = parser.parse_args()
+    STORE.mkdir(exist_ok=True)
+    if given.command == "map":
+        copy = copy_project(STORE / "tree-map")
+        use_copy(copy)
+        make_map(STORE, copy, given.tests, WORKERS)
+        return
+    sample = pick_sample(given.folders, given.sample, given.seed)
+    if given.command == "run":
+        if given.fresh:
+            RESULTS.unlink(missing_ok=True)
+        run(sample, given.seconds, again=given.again)
+    else:
+        print(table(sample))
+
+
+if __name__ == "__main__":
+    main()

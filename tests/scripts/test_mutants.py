@@ -1,0 +1,132 @@
+"""The program that puts mistakes into the library: which mistakes, and whether tests notice."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from coverage import CoverageData
+
+from scripts.mutants import trial
+from scripts.mutants.covering import Map, digest
+from scripts.mutants.operators import Mutant, mutants_of
+
+SOURCE = '''\
+"""A module: 1 + 1 in its docstring stays."""
+
+LIMIT: tuple[int, "a < b"] = (7, None)
+
+
+def clamp(value, low=0):
+    """Not below `low`: 2 < 3."""
+    assert low < 10
+    if value <= low and not value % 2:
+        raise ValueError(f"{value} < {low + 1}")
+    return max(value, low)
+'''
+
+
+@pytest.fixture
+def root(tmp_path: Path) -> Path:
+    (tmp_path / "pytest.ini").write_text("[pytest]\n")
+    (tmp_path / "clamping.py").write_text(SOURCE)
+    return tmp_path
+
+
+def find(root: Path, mutation: str) -> Mutant:
+    (mutant,) = (m for m in mutants_of(root, "clamping.py") if m.mutation == mutation)
+    return mutant
+
+
+def test_mutations_spare_texts_annotations_and_assertions(root: Path) -> None:
+    assert [(m.line, m.mutation) for m in mutants_of(root, "clamping.py")] == [
+        (3, "7 -> 8"),
+        (6, "0 -> 1"),
+        (9, "<= -> <"),
+        (9, "<= -> >"),
+        (9, "and -> or"),
+        (9, "not ->"),
+        (9, "% -> /"),
+        (9, "2 -> 3"),
+        (11, "max -> min"),
+        (11, "max(value, low) -> None"),
+    ]
+
+
+def test_a_mutant_is_the_file_with_one_change(root: Path) -> None:
+    mutated = find(root, "and -> or").apply(SOURCE)
+    assert mutated == SOURCE.replace("low and not", "low or not")
+
+
+@pytest.mark.parametrize(
+    ("line", "mutations"),
+    [
+        ("a = (b) not in (c)", ["not in -> in"]),
+        ("a = b[c : d + 1]", ["c ->", "d + 1 ->", "+ -> -", "1 -> 2"]),
+        ("a -= b", ["-= -> +="]),
+        ("a = 'é' + b if c() else -d", ["c() -> not (c())", "- ->"]),
+        ("a = f(b, side='left', strict=True)", ["'left' -> 'right'"]),
+        ("a = [b.min() for b in c if b]", ["min -> max", "b -> not (b)"]),
+    ],
+)
+def test_mutations_of_a_line(tmp_path: Path, line: str, mutations: list[str]) -> None:
+    (tmp_path / "line.py").write_text(line, "utf-8")
+    shown = [mutant.mutation for mutant in mutants_of(tmp_path, "line.py")]
+    assert sorted(shown) == sorted(mutations)
+
+
+def test_an_edit_elsewhere_changes_neither_name_nor_order_of_a_mutant(root: Path) -> None:
+    before = find(root, "max -> min")
+    (root / "clamping.py").write_text(SOURCE.replace("\n\ndef", "\nMORE = 3\n\n\ndef"))
+    after = find(root, "max -> min")
+    assert after.line != before.line
+    assert (after.key, after.order(0)) == (before.key, before.order(0))
+
+
+def test_a_mutant_meets_the_tests_that_run_its_line_those_of_its_module_first(root: Path) -> None:
+    coverage = CoverageData(str(root / "coverage"))
+    for test, lines in {
+        "test_all.py::test_quick": [9, 11],
+        "test_clamping.py::test_slow": [9, 11],
+        "test_clamping.py::test_of_other_lines": [9],
+        "test_other.py::test_elsewhere": [9],
+    }.items():
+        coverage.set_context(f"{test}|run")
+        coverage.add_lines({"clamping.py": lines})
+    coverage.write()
+    seconds = {
+        "test_all.py::test_quick": 0.1,
+        "test_clamping.py::test_slow": 2,
+        "test_clamping.py::test_of_other_lines": 0.1,
+        "test_other.py::test_elsewhere": 0.1,
+        "test_clamping.py::test_that_fails_anyway": None,
+    }
+    (root / "tests.json").write_text(json.dumps(seconds))
+    (root / "sources.json").write_text(json.dumps({"clamping.py": digest(root / "clamping.py")}))
+    mapped = Map(root, root)
+    assert mapped.rounds(find(root, "max -> min"), 60) == [
+        [
+            "test_clamping.py::test_slow",
+            "test_clamping.py::test_of_other_lines",
+            "test_all.py::test_quick",
+        ]
+    ]
+    assert mapped.covering(find(root, "0 -> 1")) == {t for t, s in seconds.items() if s}
+    (root / "clamping.py").write_text(SOURCE + "\n")
+    with pytest.raises(SystemExit, match="run `map` again"):
+        Map(root, root).covering(find(root, "max -> min"))
+
+
+def test_a_mutant_is_noticed_or_survives(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    test = "test_of_clamping.py::test_values_stay_above_the_limit"
+    (root / "test_of_clamping.py").write_text(
+        "import sys; sys.path.insert(0, '.')\n"
+        "from clamping import clamp\n\n"
+        "def test_values_stay_above_the_limit():\n"
+        "    assert clamp(1) == 1\n"
+    )
+    monkeypatch.setattr(trial, "tree", root, raising=False)
+    assert trial.try_mutant(find(root, "max -> min"), [[test]], {test: 1}) == test
+    assert trial.try_mutant(find(root, "<= -> <"), [[test]], {test: 1}) == ""
+    assert (root / "clamping.py").read_text() == SOURCE
