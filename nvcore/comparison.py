@@ -21,7 +21,6 @@ from nvcore.metrics.encounters import (
 )
 from nvcore.metrics.false_alarms import FalseAlarmSummary, find_episodes, summarise_false_alarms
 from nvcore.metrics.fusion import fuse
-from nvcore.metrics.kernels import BELOW
 from nvcore.metrics.linking import TruthTracks, track_truth
 from nvcore.metrics.matching import Matches, count_per_frame, match_boxes
 from nvcore.metrics.proximity import Weights, weigh_proximity
@@ -47,7 +46,7 @@ from nvcore.metrics.venn import (
     measure_exclusivity,
 )
 from nvcore.params import Params
-from nvcore.schema import Category
+from nvcore.schema import Category, DetectionState
 
 T = TypeVar("T")
 
@@ -205,9 +204,13 @@ class Result:
     def fusion(self) -> Result:
         """The fused systems: ``X or Y`` as `x`, ``X and Y`` as `y`."""
         fused = fuse(
-            self.dataset, self.x.name, self.y.name,
-            self.x.matches.state != BELOW, self.y.matches.state != BELOW, iou=self.params.iou,
-        )  # fmt: skip
+            self.dataset,
+            self.x.name,
+            self.y.name,
+            self.x.matches.state != DetectionState.BELOW,
+            self.y.matches.state != DetectionState.BELOW,
+            iou=self.params.iou,
+        )
         return compare(fused, replace(self.params, threshold_x=None, threshold_y=None))
 
 

@@ -6,7 +6,7 @@ takes it from here.
 
 from __future__ import annotations
 
-from enum import StrEnum
+from enum import IntEnum, StrEnum
 from typing import Final
 
 import numpy as np
@@ -111,6 +111,30 @@ MISS_CLASS_TEXT: Final[dict[MissClass, str]] = {
     MissClass.BRIEF: "Detected in too few relevant frames, in none of the other ways.",
     MissClass.NONE: "Detected without a failure worth naming.",
 }
+
+
+class TruthState(IntEnum):
+    """What a system made of a truth box."""
+
+    NOT_JUDGED = 0
+    """The truth ignores it: neither right nor wrong to detect."""
+    MISSED = 1
+    """A pedestrian without a detection."""
+    MATCHED = 2
+    """A pedestrian with a detection."""
+
+
+class DetectionState(IntEnum):
+    """What became of a detection."""
+
+    BELOW = 0
+    """Its score is below the threshold."""
+    MATCHED = 1
+    """Matched to a pedestrian."""
+    FALSE_ALARM = 2
+    """Neither matched nor absorbed."""
+    ABSORBED = 3
+    """On an ignore region: counts for nothing."""
 
 
 def conform(columns: dict[str, object], dtypes: dict[str, str], *, n_rows: int) -> pd.DataFrame:

@@ -11,10 +11,10 @@ import pandas as pd
 from nvcore.dataset import BoxColumns, Dataset, offsets_of
 from nvcore.detection.filtered_truth import FilteredTruth, filter_detections, filter_truth
 from nvcore.errors import ParameterError
-from nvcore.metrics.kernels import ABSORBED, FALSE_ALARM, MATCHED
 from nvcore.metrics.matching import Matches, match_boxes
 from nvcore.params import Params
 from nvcore.protocols import PROTOCOLS, Protocol
+from nvcore.schema import DetectionState
 
 MIXED_POINTS: Final = 25
 """Points of a curve if some detections have no score: each then takes a matching of its own."""
@@ -313,19 +313,19 @@ def _outcomes(
         lateral_tolerance=params.lateral_tolerance,
     )  # fmt: skip
     is_here = truth.is_counted[detections.frame_index]
-    rows = np.flatnonzero(is_here & np.isin(matches.state, (MATCHED, FALSE_ALARM)))
+    rows = np.flatnonzero(is_here & matches.is_counted)
     rows = rows[np.argsort(-detections.score[rows], kind="stable")]
     n_recordings = len(dataset.recordings)
     truth_in = frames.recording[truth.truth.frame_index[truth.counts]]
     return Outcomes(
         score=detections.score[rows],
-        is_match=matches.state[rows] == MATCHED,
+        is_match=matches.state[rows] == DetectionState.MATCHED,
         frame_index=detections.frame_index[rows],
         recording=frames.recording[detections.frame_index[rows]],
         n_truth=np.bincount(truth_in, minlength=n_recordings),
         n_images=np.bincount(frames.recording[truth.is_counted], minlength=n_recordings),
         truth=truth,
-        absorbed_score=detections.score[is_here & (matches.state == ABSORBED)],
+        absorbed_score=detections.score[is_here & (matches.state == DetectionState.ABSORBED)],
     )
 
 

@@ -9,9 +9,9 @@ import numpy as np
 import pandas as pd
 
 from nvcore.dataset import Dataset
-from nvcore.metrics.kernels import BELOW
 from nvcore.metrics.matching import Matches, match_boxes
 from nvcore.params import Params
+from nvcore.schema import DetectionState
 
 CURVE_POINTS: Final = 200
 """Points of a false-alarm curve, at most."""
@@ -76,7 +76,7 @@ def operating_point(
         If there is no such system.
     """
     matches = _match(dataset, system, params, threshold=threshold)
-    n_kept = int(np.count_nonzero(matches.state != BELOW))
+    n_kept = int(np.count_nonzero(matches.state != DetectionState.BELOW))
     n_alarms = int(np.count_nonzero(matches.is_false_alarm))
     per_frame, per_minute = _rates(dataset, np.array([n_alarms]))
     return OperatingPoint(threshold, n_kept, n_alarms, float(per_frame[0]), float(per_minute[0]))

@@ -19,14 +19,7 @@ from typing import Any, Final
 import numpy as np
 from numba import njit
 
-BELOW: Final = 0
-"""Detection state: score below the threshold."""
-MATCHED: Final = 1
-"""Detection state: matched to a pedestrian."""
-FALSE_ALARM: Final = 2
-"""Detection state: neither matched nor absorbed."""
-ABSORBED: Final = 3
-"""Detection state: on an ignore region, counts for nothing."""
+from nvcore.schema import DetectionState
 
 ABSORB_SHARE: Final = 0.5
 """Share of a detection's own area inside an ignore region that makes it count for nothing."""
@@ -74,9 +67,9 @@ def match_frames(
 ):  # fmt: skip
     """Match detections to pedestrians, frame by frame, best score first.
 
-    Writes `state` (int8) and `det_truth` (row of the matched pedestrian or -1) of every detection
-    and `truth_det` (row of the detection or -1) of every pedestrian. A missing score passes every
-    threshold and comes after all others.
+    Writes `state` (`DetectionState`, int8) and `det_truth` (row of the matched pedestrian or -1)
+    of every detection and `truth_det` (row of the detection or -1) of every pedestrian. A missing
+    score passes every threshold and comes after all others.
     """
     order = np.empty(16, np.int64)
     for f in range(lo, hi):
@@ -88,9 +81,9 @@ def match_frames(
         for d in range(d0, d1):
             det_truth[d] = -1
             if score[d] < threshold:
-                state[d] = BELOW
+                state[d] = DetectionState.BELOW
                 continue
-            state[d] = FALSE_ALARM
+            state[d] = DetectionState.FALSE_ALARM
             rank = -np.inf if np.isnan(score[d]) else score[d]
             at = n  # insertion keeps file order among equals
             while at > 0:
@@ -129,7 +122,7 @@ def match_frames(
                     if iou >= min_iou and iou > most:
                         most, best = iou, g
             if best >= 0:
-                state[d] = MATCHED
+                state[d] = DetectionState.MATCHED
                 det_truth[d] = best
                 truth_det[best] = d
                 continue
@@ -138,7 +131,7 @@ def match_frames(
                 if g_ignore[g]:
                     shared = intersection(dx[d], dy[d], dw[d], dh[d], gx[g], gy[g], gw[g], gh[g])
                     if shared > 0.0 and shared >= ABSORB_SHARE * area:
-                        state[d] = ABSORBED
+                        state[d] = DetectionState.ABSORBED
                         break
 
 

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from nvcore.dataset import BoxColumns, FrameColumns
-from nvcore.metrics.kernels import ABSORBED, FALSE_ALARM, MATCHED, match_frames, over_ranges
+from nvcore.metrics.kernels import match_frames, over_ranges
 from nvcore.params import Match
+from nvcore.schema import DetectionState
 
 
 @dataclass(frozen=True)
@@ -18,7 +19,7 @@ class Matches:
     Attributes
     ----------
     state
-        Per detection: BELOW, MATCHED, FALSE_ALARM or ABSORBED of `kernels`; int8, (n_det,).
+        A `DetectionState` per detection; int8, (n_det,).
     det_truth
         Per detection: row of its pedestrian among the truth boxes, -1 none; int64, (n_det,).
     truth_det
@@ -32,19 +33,20 @@ class Matches:
     @property
     def is_counted(self) -> np.ndarray:
         """Detections that belong to S: above the threshold and not absorbed; bool, (n_det,)."""
-        counted: np.ndarray = np.isin(self.state, (MATCHED, FALSE_ALARM))
+        in_s = (DetectionState.MATCHED, DetectionState.FALSE_ALARM)
+        counted: np.ndarray = np.isin(self.state, in_s)
         return counted
 
     @property
     def is_false_alarm(self) -> np.ndarray:
         """Detections that match nobody and are not absorbed; bool, (n_det,)."""
-        alarms: np.ndarray = self.state == FALSE_ALARM
+        alarms: np.ndarray = self.state == DetectionState.FALSE_ALARM
         return alarms
 
     @property
     def n_absorbed(self) -> int:
         """Detections above the threshold on people or regions that the truth ignores."""
-        return int(np.count_nonzero(self.state == ABSORBED))
+        return int(np.count_nonzero(self.state == DetectionState.ABSORBED))
 
     @property
     def is_matched(self) -> np.ndarray:

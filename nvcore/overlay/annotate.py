@@ -7,7 +7,7 @@ import struct
 import zlib
 from collections.abc import Sequence
 from dataclasses import fields
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +22,9 @@ from nvcore.overlay.draw import (
     Y_RGB,
     Canvas,
     Colour,
-    DrawnBoxes,
+    DrawnDetections,
+    DrawnTruth,
+    TruthMark,
     draw_boxes,
     put_text,
     text_width,
@@ -30,15 +32,8 @@ from nvcore.overlay.draw import (
 from nvcore.pictures.base import Picture, Pictures
 from nvcore.pictures.index import picture_index
 from nvcore.pictures.stretch import png, stretch
-from nvcore.schema import NO_TRACK
-from nvcore.tables.box_states import (
-    SOURCE_TRUTH,
-    SOURCE_X,
-    SOURCE_Y,
-    PackedBoxes,
-    pack_boxes,
-    unpack_boxes,
-)
+from nvcore.schema import NO_TRACK, TruthState
+from nvcore.tables.box_states import DetectedBoxes, TruthBoxes, gather_boxes
 from nvcore.wording import one_line
 
 LAYERS: Final = ("truth", "x", "y")
@@ -108,11 +103,9 @@ def annotate(
     frames = result.dataset.frame_columns
     recording = frames.recording[row]
     picture, trouble = frame_picture(pictures, index, lo, hi)
-    drawn = frame_boxes(result, row, layers=layers, labels=labels)
-    canvas = draw_boxes(
-        picture, float(frames.width[recording]), float(frames.height[recording]),
-        truth=drawn["truth"], x=drawn["x"], y=drawn["y"],
-    )  # fmt: skip
+    boxes = drawn_boxes(result, row, layers=layers, labels=labels)
+    width, height = float(frames.width[recording]), float(frames.height[recording])
+    canvas = draw_boxes(picture, width, height, truth=boxes.truth, x=boxes.x, y=boxes.y)
     if picture is None:
         put_text(canvas, trouble, (12, 24), 0.45, _DIM_RGB)
     return np.concatenate([canvas, _caption(result, row, canvas.shape[1])]) if caption else canvas
@@ -130,27 +123,48 @@ def frame_picture(
         return None, "the picture of this frame cannot be decoded"
 
 
-def frame_boxes(
+class DrawnFrame(NamedTuple):
+    """What to draw of truth, X and Y in a frame; None: nothing of this source."""
+
+    truth: DrawnTruth | None
+    x: DrawnDetections | None
+    y: DrawnDetections | None
+
+
+def drawn_boxes(
     result: Result, row: int, *, layers: Sequence[str] = LAYERS, labels: bool = False
-) -> dict[str, DrawnBoxes | None]:
-    """What to draw of truth, X and Y in a frame by name of layer; None: not asked for."""
-    boxes = unpack_boxes(pack_boxes(result, row, row + 1))
-    return {
-        name: _boxes_of(boxes, source, labels=labels) if name in layers else None
-        for name, source in zip(LAYERS, (SOURCE_TRUTH, SOURCE_X, SOURCE_Y), strict=True)
-    }
+) -> DrawnFrame:
+    """What to draw in a frame, of the layers that are asked for."""
+    boxes = gather_boxes(result, row, row + 1)
+    return DrawnFrame(
+        truth=_drawn_truth(boxes.truth, labels=labels) if "truth" in layers else None,
+        x=_drawn_detections(boxes.x, labels=labels) if "x" in layers else None,
+        y=_drawn_detections(boxes.y, labels=labels) if "y" in layers else None,
+    )
 
 
-def _boxes_of(boxes: PackedBoxes, source: int, *, labels: bool) -> DrawnBoxes:
-    rows = boxes.source == source
-    texts: list[str] = []
-    if labels and source == SOURCE_TRUTH:
-        texts = ["" if track == NO_TRACK else f"{track}" for track in boxes.track[rows].tolist()]
-    elif labels:
-        scores = boxes.score[rows].tolist()
-        texts = ["" if np.isnan(score) else f"{score:.2f}" for score in scores]
-    xywh = np.column_stack([boxes.x, boxes.y, boxes.w, boxes.h]).astype(np.float64)
-    return DrawnBoxes(xywh[rows], boxes.state[rows], texts)
+def _drawn_truth(boxes: TruthBoxes, *, labels: bool) -> DrawnTruth:
+    # a loop over the boxes of one frame: they are drawn one by one
+    marks = [
+        TruthMark(TruthState(state_x), TruthState(state_y), *flags)
+        for state_x, state_y, *flags in zip(
+            boxes.state_x.tolist(),
+            boxes.state_y.tolist(),
+            boxes.is_relevant.tolist(),
+            boxes.is_salient_x.tolist(),
+            boxes.is_salient_y.tolist(),
+            strict=True,
+        )
+    ]
+    tracks = boxes.track.tolist() if labels else []
+    names = ["" if track == NO_TRACK else f"{track}" for track in tracks]
+    return DrawnTruth(boxes.xywh.astype(np.float64), marks, names)
+
+
+def _drawn_detections(boxes: DetectedBoxes, *, labels: bool) -> DrawnDetections:
+    scores = boxes.score.tolist() if labels else []
+    texts = ["" if np.isnan(score) else f"{score:.2f}" for score in scores]
+    return DrawnDetections(boxes.xywh.astype(np.float64), boxes.state, texts)
 
 
 def _caption(result: Result, row: int, width: int) -> NDArray[np.uint8]:

@@ -11,24 +11,17 @@ from __future__ import annotations
 import unicodedata
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Final
+from itertools import pairwise
+from typing import Final, NamedTuple
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from nvcore.metrics.kernels import FALSE_ALARM
 from nvcore.overlay.labels import Box, LabelRoom, Place, overlap, tag_places
 from nvcore.palette import TRUTH_COLOUR, X_COLOUR, Y_COLOUR, rgb
 from nvcore.pictures.base import Picture
-from nvcore.tables.box_states import (
-    BIT_IGNORE,
-    BIT_MATCHED_X,
-    BIT_MATCHED_Y,
-    BIT_RELEVANT,
-    BIT_SALIENT_X,
-    BIT_SALIENT_Y,
-)
+from nvcore.schema import DetectionState, TruthState
 
 Colour = tuple[int, int, int]
 Canvas = NDArray[np.uint8]
@@ -72,21 +65,61 @@ _FONT: Final = cv2.FONT_HERSHEY_SIMPLEX
 
 
 @dataclass(frozen=True)
-class DrawnBoxes:
-    """Boxes of one source in one frame.
+class DrawnDetections:
+    """Detections of one system in one frame.
 
     Attributes
     ----------
     xywh
         x, y, w, h in the recording's px; float64, shape (n, 4).
     state
-        As in `nvcore.tables.box_states.PackedBoxes`; uint8, shape (n,).
+        `DetectionState` of each; int8, shape (n,).
+    labels
+        A text for each, or none at all.
+    """
+
+    xywh: NDArray[np.float64]
+    state: NDArray[np.int8]
+    labels: Sequence[str] = ()
+
+
+@dataclass(frozen=True)
+class TruthMark:
+    """What is shown of a truth box: who misses it, and how much that matters."""
+
+    state_x: TruthState
+    state_y: TruthState
+    is_relevant: bool = False
+    is_salient_x: bool = False
+    is_salient_y: bool = False
+
+    @property
+    def is_ignored(self) -> bool:
+        """Whether the truth ignores the box."""
+        return self.state_x == TruthState.NOT_JUDGED
+
+    @property
+    def is_missed(self) -> bool:
+        """Whether X or Y misses the pedestrian."""
+        return TruthState.MISSED in (self.state_x, self.state_y)
+
+
+@dataclass(frozen=True)
+class DrawnTruth:
+    """Truth boxes of one frame.
+
+    Attributes
+    ----------
+    xywh
+        x, y, w, h in the recording's px; float64, shape (n, 4).
+    marks
+        One for each box.
     labels
         A text for each, or none at all.
     """
 
     xywh: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 4)))
-    state: NDArray[np.uint8] = field(default_factory=lambda: np.empty(0, np.uint8))
+    marks: Sequence[TruthMark] = ()
     labels: Sequence[str] = ()
 
 
@@ -102,9 +135,9 @@ def draw_boxes(
     width: float,
     height: float,
     *,
-    truth: DrawnBoxes | None = None,
-    x: DrawnBoxes | None = None,
-    y: DrawnBoxes | None = None,
+    truth: DrawnTruth | None = None,
+    x: DrawnDetections | None = None,
+    y: DrawnDetections | None = None,
     inks: Inks = ON_DARK,
     unit: int | None = None,
 ) -> Canvas:
@@ -138,7 +171,7 @@ def draw_boxes(
             _draw_detections(canvas, boxes, scale, colour, is_dashed=is_dashed, unit=unit)
     if truth is not None:
         _draw_truth(canvas, truth, scale, unit, inks)
-    _draw_labels(canvas, truth or DrawnBoxes(), x, y, scale, unit, inks)
+    _draw_labels(canvas, truth or DrawnTruth(), x, y, scale, unit, inks)
     return canvas
 
 
@@ -166,44 +199,43 @@ def _corners(canvas: Canvas, xywh: NDArray[np.float64], scale: NDArray[np.float6
 
 
 def _draw_detections(
-    canvas: Canvas, boxes: DrawnBoxes, scale: NDArray[np.float64], colour: Colour,
-    *, is_dashed: bool, unit: int,
-) -> None:  # fmt: skip
+    canvas: Canvas,
+    boxes: DrawnDetections,
+    scale: NDArray[np.float64],
+    colour: Colour,
+    *,
+    is_dashed: bool,
+    unit: int,
+) -> None:
     # a loop over the boxes of one frame: drawing is done box by box
     for number, box in enumerate(_corners(canvas, boxes.xywh, scale)):
         _draw_rectangle(canvas, box, colour, 2 * unit, 7.0 * unit if is_dashed else None)
         left, top, right, bottom = box
-        if boxes.state[number] == FALSE_ALARM:
+        if boxes.state[number] == DetectionState.FALSE_ALARM:
             arm = min(8.0 * unit, (right - left) / 2, (bottom - top) / 2)
             across, down = (left + right) / 2, (top + bottom) / 2
             for sign in (-1, 1):
-                _line(canvas, across - arm, down - sign * arm, across + arm, down + sign * arm,
-                      colour, unit)  # fmt: skip
+                start, end = down - sign * arm, down + sign * arm
+                _line(canvas, across - arm, start, across + arm, end, colour, unit)
 
 
 def _draw_truth(
-    canvas: Canvas, boxes: DrawnBoxes, scale: NDArray[np.float64], unit: int, inks: Inks
+    canvas: Canvas, boxes: DrawnTruth, scale: NDArray[np.float64], unit: int, inks: Inks
 ) -> None:
     # a loop over the boxes of one frame
-    for number, box in enumerate(_corners(canvas, boxes.xywh, scale)):
-        state = int(boxes.state[number])
-        dash = 2.0 * unit if state & BIT_IGNORE else None
-        _draw_rectangle(canvas, box, inks.truth, unit, dash)
-        if not state & BIT_IGNORE:
-            _mark_miss(canvas, box, state, unit, inks)
+    for box, mark in zip(_corners(canvas, boxes.xywh, scale), boxes.marks, strict=True):
+        _draw_rectangle(canvas, box, inks.truth, unit, 2.0 * unit if mark.is_ignored else None)
+        if mark.is_missed:
+            _mark_miss(canvas, box, mark, unit, inks)
 
 
-def _mark_miss(canvas: Canvas, box: Box, state: int, unit: int, inks: Inks) -> None:
-    is_missed = (not state & BIT_MATCHED_X, not state & BIT_MATCHED_Y)
-    if not any(is_missed):
-        return
-    left_colour = inks.x if is_missed[0] else inks.y
-    right_colour = inks.y if is_missed[1] else inks.x
+def _mark_miss(canvas: Canvas, box: Box, mark: TruthMark, unit: int, inks: Inks) -> None:
+    left_colour = inks.x if mark.state_x == TruthState.MISSED else inks.y
+    right_colour = inks.y if mark.state_y == TruthState.MISSED else inks.x
     gap = 4.0 * unit
     left, top, right, bottom = box[0] - gap, box[1] - gap, box[2] + gap, box[3] + gap
     arm_x, arm_y = max(4.0 * unit, (right - left) / 3), max(4.0 * unit, (bottom - top) / 5)
-    is_relevant = bool(state & BIT_RELEVANT)
-    thickness = 3 * unit if is_relevant else unit
+    thickness = 3 * unit if mark.is_relevant else unit
     for edge, sign, colour in ((left, 1, left_colour), (right, -1, right_colour)):
         for level, down in ((top, 1), (bottom, -1)):
             _line(canvas, edge, level, edge + sign * arm_x, level, colour, thickness)
@@ -211,9 +243,14 @@ def _mark_miss(canvas: Canvas, box: Box, state: int, unit: int, inks: Inks) -> N
 
 
 def _draw_labels(
-    canvas: Canvas, truth: DrawnBoxes, x: DrawnBoxes | None, y: DrawnBoxes | None,
-    scale: NDArray[np.float64], unit: int, inks: Inks,
-) -> None:  # fmt: skip
+    canvas: Canvas,
+    truth: DrawnTruth,
+    x: DrawnDetections | None,
+    y: DrawnDetections | None,
+    scale: NDArray[np.float64],
+    unit: int,
+    inks: Inks,
+) -> None:
     """Tags of the missed pedestrians, the tallest first; then what else finds room."""
     boxes = _corners(canvas, truth.xywh, scale)
     texts = truth.labels or [""] * len(boxes)
@@ -221,78 +258,86 @@ def _draw_labels(
     grown = {i: (b[0] - gap, b[1] - gap, b[2] + gap, b[3] + gap) for i, b in enumerate(boxes)}
     height, width = canvas.shape[:2]
     missed = {
-        i: box for i, box in grown.items()
-        if _is_tagged(int(truth.state[i])) and overlap(box, (0, 0, width, height))
-    }  # fmt: skip
+        i: grown[i]
+        for i, mark in enumerate(truth.marks)
+        if mark.is_relevant and mark.is_missed and overlap(grown[i], (0, 0, width, height))
+    }
     room = LabelRoom(width, height, list(missed.values()))
     for i in sorted(missed, key=lambda i: missed[i][1] - missed[i][3]):
-        _draw_tag(canvas, room, missed[i], int(truth.state[i]), texts[i], unit, inks)
-    for found, colour, is_upper in ((x, inks.x, True), (y, inks.y, False)):
-        if found is not None and found.labels:
-            for text, box in zip(found.labels, _corners(canvas, found.xywh, scale), strict=True):
-                _draw_label(canvas, room, text, box, colour, unit, inks, is_left=True,
-                            is_upper=is_upper)  # fmt: skip
+        _draw_tag(canvas, room, missed[i], truth.marks[i], texts[i], unit, inks)
+    for system, colour, is_upper in ((x, inks.x, True), (y, inks.y, False)):
+        if system is not None and system.labels:
+            for text, box in zip(system.labels, _corners(canvas, system.xywh, scale), strict=True):
+                side = _Side(is_left=True, is_upper=is_upper)
+                _draw_label(canvas, room, text, box, colour, unit, inks, side)
     for i, (text, box) in enumerate(zip(texts, boxes, strict=True)):
         if i not in missed:
-            _draw_label(canvas, room, text, box, inks.truth, unit, inks, is_left=False,
-                        is_upper=False)  # fmt: skip
-
-
-def _is_tagged(state: int) -> bool:
-    """Whether a truth box counts and is missed by a system."""
-    both = BIT_MATCHED_X | BIT_MATCHED_Y
-    return bool(state & BIT_RELEVANT) and not state & BIT_IGNORE and state & both != both
+            side = _Side(is_left=False, is_upper=False)
+            _draw_label(canvas, room, text, box, inks.truth, unit, inks, side)
 
 
 def _draw_tag(
-    canvas: Canvas, room: LabelRoom, box: Box, state: int, text: str, unit: int, inks: Inks
+    canvas: Canvas, room: LabelRoom, box: Box, mark: TruthMark, text: str, unit: int, inks: Inks
 ) -> None:
     """A filled field for each system that misses, and the label."""
-    marks = [
-        (letter, colour, bool(state & salient))
-        for letter, colour, matched, salient in (
-            ("X", inks.x, BIT_MATCHED_X, BIT_SALIENT_X),
-            ("Y", inks.y, BIT_MATCHED_Y, BIT_SALIENT_Y),
-        ) if not state & matched
-    ]  # fmt: skip
+    chips = [
+        (letter, colour, is_salient)
+        for letter, colour, state, is_salient in (
+            ("X", inks.x, mark.state_x, mark.is_salient_x),
+            ("Y", inks.y, mark.state_y, mark.is_salient_y),
+        )
+        if state == TruthState.MISSED
+    ]
     size = 0.4 * unit
-    width = sum(_chip_width(is_salient, unit) + 2 * unit for _, _, is_salient in marks)
+    width = sum(_chip_width(is_salient, unit) + 2 * unit for _, _, is_salient in chips)
     if text:
         width += text_width(text, size) + 2 * unit
     extent = (float(width), 15.0 * unit)
-    at, top, _, _ = room.must_take(extent, tag_places(box, extent))
+    left, top, _, _ = room.must_take(extent, tag_places(box, extent))
     base = top + 12 * unit
-    for letter, colour, is_salient in marks:
-        _draw_chip(canvas, at, base, letter, colour, is_salient, unit, inks)
-        at += _chip_width(is_salient, unit) + 2 * unit
+    for letter, colour, is_salient in chips:
+        _draw_chip(canvas, (left, base), letter, colour, is_salient, unit, inks)
+        left += _chip_width(is_salient, unit) + 2 * unit
     if text:
-        end = at + text_width(text, size) + unit
-        _draw_plate(canvas, (at - unit, top, end, top + extent[1]), inks)
-        put_text(canvas, text, (at, base), size, inks.truth)
+        right = left + text_width(text, size) + unit
+        _draw_plate(canvas, (left - unit, top, right, top + extent[1]), inks)
+        put_text(canvas, text, (left, base), size, inks.truth)
+
+
+class _Side(NamedTuple):
+    """Where a label stands that has room: left or right of its box, at its top or bottom."""
+
+    is_left: bool
+    is_upper: bool
 
 
 def _draw_label(
-    canvas: Canvas, room: LabelRoom, text: str, box: Box, colour: Colour, unit: int, inks: Inks,
-    *, is_left: bool, is_upper: bool,
-) -> None:  # fmt: skip
+    canvas: Canvas,
+    room: LabelRoom,
+    text: str,
+    box: Box,
+    colour: Colour,
+    unit: int,
+    inks: Inks,
+    side: _Side,
+) -> None:
     """A text beside its box, else above or below it, else not at all."""
     if not text:
         return
     size = 0.4 * unit
     width, height, gap = text_width(text, size), 13.0 * unit, 5.0 * unit
     left, top, right, bottom = box
-    level = top if is_upper else bottom - 10 * unit
-    aligned = left if is_left else right - width
+    level = top if side.is_upper else bottom - 10 * unit
+    aligned = left if side.is_left else right - width
     beside: list[Place] = [(left - gap - width, level), (right + gap, level)]
     upright: list[Place] = [(aligned, top - gap - height), (aligned, bottom + gap)]
-    places = [
-        *(beside if is_left else beside[::-1]), *(upright if is_upper else upright[::-1]),
-    ]  # fmt: skip
-    taken = room.take((width, height), places)
-    if taken is not None:
-        _draw_plate(canvas, taken, inks)
+    places = beside if side.is_left else beside[::-1]
+    places = places + (upright if side.is_upper else upright[::-1])
+    place = room.take((width, height), places)
+    if place is not None:
+        _draw_plate(canvas, place, inks)
         stronger = np.round(_TINT * np.array(colour) + (1 - _TINT) * np.array(inks.contrast))
-        put_text(canvas, text, (taken[0], taken[1] + 10 * unit), size, _colour(stronger))
+        put_text(canvas, text, (place[0], place[1] + 10 * unit), size, _colour(stronger))
 
 
 def _colour(rgb_values: NDArray[np.float64]) -> Colour:
@@ -312,14 +357,19 @@ def _chip_width(is_salient: bool, unit: int) -> int:
 
 
 def _draw_chip(
-    canvas: Canvas, left: float, base: float, letter: str, colour: Colour, is_salient: bool,
-    unit: int, inks: Inks,
-) -> None:  # fmt: skip
-    """A filled field with the letter (and a triangle, if most salient)."""
-    left_px, base_px = round(left), round(base)
-    right_px = left_px + _chip_width(is_salient, unit)
-    cv2.rectangle(canvas, (left_px, base_px - 12 * unit), (right_px, base_px + 3 * unit),
-                  colour, -1)  # fmt: skip
+    canvas: Canvas,
+    place: Place,
+    letter: str,
+    colour: Colour,
+    is_salient: bool,
+    unit: int,
+    inks: Inks,
+) -> None:
+    """A filled field with the letter (most salient: and a triangle), its base line at `place`."""
+    left_px, base_px = round(place[0]), round(place[1])
+    upper_left = (left_px, base_px - 12 * unit)
+    lower_right = (left_px + _chip_width(is_salient, unit), base_px + 3 * unit)
+    cv2.rectangle(canvas, upper_left, lower_right, colour, -1)
     put_text(canvas, letter, (left_px + 3 * unit, base_px), 0.42 * unit, inks.ground)
     if is_salient:
         tip = np.array([[15, -8], [23, -8], [19, -1]]) * unit + [left_px, base_px]
@@ -330,10 +380,8 @@ def _draw_rectangle(
     canvas: Canvas, box: Box, colour: Colour, thickness: int, dash: float | None
 ) -> None:
     left, top, right, bottom = box
-    for start, end in (
-        ((left, top), (right, top)), ((right, top), (right, bottom)),
-        ((right, bottom), (left, bottom)), ((left, bottom), (left, top)),
-    ):  # fmt: skip
+    corners = [(left, top), (right, top), (right, bottom), (left, bottom), (left, top)]
+    for start, end in pairwise(corners):
         length = float(np.hypot(end[0] - start[0], end[1] - start[1]))
         if dash is None or length <= dash:
             _line(canvas, *start, *end, colour, thickness)

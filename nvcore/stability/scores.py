@@ -11,12 +11,12 @@ import numpy as np
 
 from nvcore.comparison import Result, SystemResult
 from nvcore.metrics.encounters import judge_encounters
-from nvcore.metrics.kernels import BELOW
 from nvcore.metrics.matching import Matches, match_boxes
 from nvcore.metrics.proximity import weigh_proximity
 from nvcore.metrics.saliency import aggregate_saliency, find_events, qualify
 from nvcore.metrics.similarity import SetDistances, find_nearest, measure_sets
 from nvcore.params import Params
+from nvcore.schema import DetectionState
 from nvcore.stability.axes import Axis
 
 Criterion = Literal["similarity", "encounters", "saliency"]
@@ -176,7 +176,7 @@ def _above(full: Matches, score: np.ndarray, threshold: float) -> Matches:
     kept = full.truth_det >= 0
     kept &= ~is_below[full.truth_det]
     return Matches(
-        state=np.where(is_below, np.int8(BELOW), full.state),
+        state=np.where(is_below, np.int8(DetectionState.BELOW), full.state),
         det_truth=np.where(is_below, -1, full.det_truth),
         truth_det=np.where(kept, full.truth_det, -1),
     )

@@ -9,8 +9,8 @@ import numpy as np
 import pandas as pd
 
 from nvcore.comparison import Result, SystemResult
-from nvcore.metrics.kernels import ABSORBED
-from nvcore.tables.box_states import FOUND, box_states
+from nvcore.schema import DetectionState, TruthState
+from nvcore.tables.box_states import gather_boxes
 
 PEDESTRIAN_COLUMNS: Final = (
     "track", "height_px", "distance_m", "k", "is_relevant", "found_x", "found_y", "is_salient_x",
@@ -92,7 +92,7 @@ def frame_facts(result: Result, row: int) -> FrameFacts:
     """All about one frame, by its row in the frames table."""
     dataset, frames = result.dataset, result.dataset.frame_columns
     truth = dataset.truth
-    states = box_states(result, row, row + 1)
+    boxes = gather_boxes(result, row, row + 1)
     rows = np.arange(truth.offsets[row], truth.offsets[row + 1])
     table = pd.DataFrame(
         {
@@ -100,11 +100,11 @@ def frame_facts(result: Result, row: int) -> FrameFacts:
             "height_px": truth.h[rows],
             "distance_m": truth.distance_m[rows],
             "k": result.k_truth.k[rows],
-            "is_relevant": states.is_relevant,
-            "found_x": states.state_x == FOUND,
-            "found_y": states.state_y == FOUND,
-            "is_salient_x": states.is_salient_x,
-            "is_salient_y": states.is_salient_y,
+            "is_relevant": boxes.truth.is_relevant,
+            "found_x": boxes.truth.state_x == TruthState.MATCHED,
+            "found_y": boxes.truth.state_y == TruthState.MATCHED,
+            "is_salient_x": boxes.truth.is_salient_x,
+            "is_salient_y": boxes.truth.is_salient_y,
         },
         columns=list(PEDESTRIAN_COLUMNS),
     )[~truth.ignore[rows]]
@@ -118,8 +118,8 @@ def frame_facts(result: Result, row: int) -> FrameFacts:
         time_s=float(dataset.frames["time_s"].iloc[row]),
         n_truth=int(result.n_truth[row]),
         n_ignored=int(np.count_nonzero(truth.ignore[rows])),
-        x=_system_facts(result.x, states.x, row),
-        y=_system_facts(result.y, states.y, row),
+        x=_system_facts(result.x, boxes.x.state, row),
+        y=_system_facts(result.y, boxes.y.state, row),
         pedestrians=table.sort_values("height_px", ascending=False, kind="stable").reset_index(
             drop=True
         ),
@@ -136,5 +136,5 @@ def _system_facts(system: SystemResult, state: np.ndarray, row: int) -> SystemFa
         n_det=int(system.n_det[row]),
         matched=int(system.matched[row]),
         false_alarms=int(system.false_alarms[row]),
-        n_absorbed=int(np.count_nonzero(state == ABSORBED)),
+        n_absorbed=int(np.count_nonzero(state == DetectionState.ABSORBED)),
     )

@@ -84,7 +84,7 @@ def boxes_of(row: int) -> list[Drawn]:
 
 
 def pack_rows(rows: range) -> bytes:
-    """The boxes of these rows in the format of `nvcore.tables.box_states.pack_boxes`."""
+    """The boxes of these rows in the format of `ui.session.packed_boxes`."""
     per_row = [boxes_of(row) for row in rows]
     boxes = [box for found in per_row for box in found]
     offsets = np.concatenate(([0], np.cumsum([len(found) for found in per_row])))

@@ -7,7 +7,7 @@ import pytest
 from builders import NAN, Box, Place, at, make_dataset, result_of
 
 from nvcore.comparison import Result
-from nvcore.metrics.kernels import MATCHED
+from nvcore.schema import DetectionState
 
 
 def walk(
@@ -253,5 +253,5 @@ def test_there_is_no_lead_unless_both_match() -> None:
 def test_matching_in_a_frame_that_is_not_relevant_does_not_detect() -> None:
     truth = [at(0, 50, h=9, track=1), at(1, 50, h=30, track=1)]
     result = result_of(make_dataset(truth, [at(0, 50, h=9)]), proximity="height")
-    assert result.x.matches.state.tolist() == [MATCHED]
+    assert result.x.matches.state.tolist() == [DetectionState.MATCHED]
     assert result.x.encounters["miss_class"].tolist() == ["never"]

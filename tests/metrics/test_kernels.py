@@ -9,10 +9,6 @@ from builders import NAN, Box, Place, at, make_dataset
 from nvcore.dataset import BoxColumns, Dataset
 from nvcore.metrics import kernels
 from nvcore.metrics.kernels import (
-    ABSORBED,
-    BELOW,
-    FALSE_ALARM,
-    MATCHED,
     centre,
     encounter_frames,
     group_rows,
@@ -24,6 +20,9 @@ from nvcore.metrics.kernels import (
     over_ranges,
     pair_frames,
 )
+from nvcore.schema import DetectionState
+
+BELOW, MATCHED, FALSE_ALARM, ABSORBED = DetectionState
 
 
 def all_true(boxes: BoxColumns) -> np.ndarray:

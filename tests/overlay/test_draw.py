@@ -7,24 +7,33 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nvcore.metrics.kernels import FALSE_ALARM, MATCHED
-from nvcore.overlay import DrawnBoxes, draw_boxes
+from nvcore.overlay import DrawnDetections, DrawnTruth, TruthMark, draw_boxes
 from nvcore.overlay.draw import BLANK_RGB, ON_LIGHT, TRUTH_RGB, X_RGB, Y_RGB, canvas_size, drawable
-from nvcore.tables.box_states import (
-    BIT_IGNORE,
-    BIT_MATCHED_X,
-    BIT_MATCHED_Y,
-    BIT_RELEVANT,
-    BIT_SALIENT_X,
-)
+from nvcore.schema import DetectionState, TruthState
 
 BOX = (400.0, 300.0, 100.0, 200.0)
-FOUND = BIT_MATCHED_X | BIT_MATCHED_Y | BIT_RELEVANT
+MATCHED, MISSED, NOT_JUDGED = TruthState.MATCHED, TruthState.MISSED, TruthState.NOT_JUDGED
 
 
-def one(state: int, box: tuple[float, ...] = BOX, label: str = "") -> DrawnBoxes:
-    labels = [label] if label else []
-    return DrawnBoxes(np.array([box]), np.array([state], np.uint8), labels)
+def pedestrian(
+    x: TruthState = MATCHED,
+    y: TruthState = MATCHED,
+    *,
+    box: tuple[float, ...] = BOX,
+    is_relevant: bool = True,
+    is_salient_x: bool = False,
+) -> DrawnTruth:
+    mark = TruthMark(x, y, is_relevant=is_relevant, is_salient_x=is_salient_x)
+    return DrawnTruth(np.array([box]), [mark])
+
+
+def detection(
+    state: DetectionState = DetectionState.MATCHED,
+    *,
+    box: tuple[float, ...] = BOX,
+    label: str = "",
+) -> DrawnDetections:
+    return DrawnDetections(np.array([box]), np.array([state], np.int8), [label] if label else [])
 
 
 def count(canvas: np.ndarray, colour: tuple[int, int, int]) -> int:
@@ -42,38 +51,39 @@ def test_without_a_picture_the_boxes_are_on_a_dark_blank():
 
 
 def test_truth_is_thin_x_twice_as_thick_and_y_dashed():
-    truth = count(drawn(truth=one(FOUND)), TRUTH_RGB)
-    x, y = (count(drawn(**{name: one(MATCHED)}), colour) for name, colour in
+    truth = count(drawn(truth=pedestrian()), TRUTH_RGB)
+    x, y = (count(drawn(**{name: detection()}), colour) for name, colour in
             (("x", X_RGB), ("y", Y_RGB)))  # fmt: skip
-    assert count(drawn(truth=one(FOUND)), X_RGB) == 0
+    assert count(drawn(truth=pedestrian()), X_RGB) == 0
     assert truth == 2 * (100 + 200) - 4
     assert 1.9 * truth < x < 3.1 * truth
     assert 0.4 * x < y < 0.8 * x
 
 
 def test_boxes_stand_where_they_should():
-    canvas = drawn(x=one(MATCHED))
+    canvas = drawn(x=detection())
     rows, columns = np.nonzero(np.any(canvas != BLANK_RGB, axis=2))
     assert (rows.min(), rows.max()) == (pytest.approx(299, abs=2), pytest.approx(500, abs=2))
     assert (columns.min(), columns.max()) == (pytest.approx(399, abs=2), pytest.approx(500, abs=2))
 
 
 def test_a_pedestrian_whom_both_find_has_no_marks():
-    canvas = drawn(truth=one(FOUND))
+    canvas = drawn(truth=pedestrian())
     assert count(canvas, X_RGB) == count(canvas, Y_RGB) == 0
 
 
 @pytest.mark.parametrize(
-    ("matched", "x_marks", "y_marks"),
-    [(BIT_MATCHED_Y, True, False), (BIT_MATCHED_X, False, True), (0, True, True)],
+    ("x", "y"),
+    [(MISSED, MATCHED), (MATCHED, MISSED), (MISSED, MISSED)],
 )
-def test_a_miss_is_marked_in_the_colour_of_who_misses(matched: int, x_marks: bool, y_marks: bool):
-    canvas = drawn(truth=one(BIT_RELEVANT | matched))
-    assert (count(canvas, X_RGB) > 100, count(canvas, Y_RGB) > 100) == (x_marks, y_marks)
+def test_a_miss_is_marked_in_the_colour_of_who_misses(x: TruthState, y: TruthState):
+    canvas = drawn(truth=pedestrian(x, y))
+    has_marks = (count(canvas, X_RGB) > 100, count(canvas, Y_RGB) > 100)
+    assert has_marks == (x == MISSED, y == MISSED)
 
 
 def test_missed_by_both_is_marked_left_for_x_and_right_for_y():
-    canvas = drawn(truth=one(BIT_RELEVANT))[310:490]
+    canvas = drawn(truth=pedestrian(MISSED, MISSED))[310:490]
     left, right = canvas[:, :450], canvas[:, 450:]
     assert count(left, X_RGB) > 50
     assert count(right, Y_RGB) > 50
@@ -82,31 +92,32 @@ def test_missed_by_both_is_marked_left_for_x_and_right_for_y():
 
 def test_a_distant_miss_is_marked_less_than_a_relevant_one():
     distant, relevant = (
-        count(drawn(truth=one(bits | BIT_MATCHED_Y)), X_RGB) for bits in (0, BIT_RELEVANT)
+        count(drawn(truth=pedestrian(MISSED, is_relevant=is_relevant)), X_RGB)
+        for is_relevant in (False, True)
     )
     assert 0 < distant < relevant / 3
 
 
 def test_the_most_salient_miss_has_a_longer_mark():
-    plain = drawn(truth=one(BIT_RELEVANT | BIT_MATCHED_Y))
-    salient = drawn(truth=one(BIT_RELEVANT | BIT_MATCHED_Y | BIT_SALIENT_X))
+    plain = drawn(truth=pedestrian(MISSED))
+    salient = drawn(truth=pedestrian(MISSED, is_salient_x=True))
     assert np.any(plain != salient)
 
 
 def test_an_ignore_region_is_dotted_and_never_a_miss():
-    canvas = drawn(truth=one(BIT_IGNORE))
+    canvas = drawn(truth=pedestrian(NOT_JUDGED, NOT_JUDGED, is_relevant=False))
     assert count(canvas, X_RGB) == count(canvas, Y_RGB) == 0
-    assert 0 < count(canvas, TRUTH_RGB) < count(drawn(truth=one(FOUND)), TRUTH_RGB)
+    assert 0 < count(canvas, TRUTH_RGB) < count(drawn(truth=pedestrian()), TRUTH_RGB)
 
 
 def test_a_false_alarm_is_crossed():
     middle = (slice(380, 420), slice(430, 470))
-    assert count(drawn(x=one(MATCHED))[middle], X_RGB) == 0
-    assert count(drawn(x=one(FALSE_ALARM))[middle], X_RGB) > 10
+    assert count(drawn(x=detection())[middle], X_RGB) == 0
+    assert count(drawn(x=detection(DetectionState.FALSE_ALARM))[middle], X_RGB) > 10
 
 
 def test_a_label_is_written_beside_its_box():
-    plain, labelled = drawn(x=one(MATCHED)), drawn(x=one(MATCHED, label="0.93"))
+    plain, labelled = drawn(x=detection()), drawn(x=detection(label="0.93"))
     rows, columns = np.nonzero(np.any(plain != labelled, axis=2))
     assert columns.max() < 400
     assert rows.min() > 280
@@ -115,7 +126,7 @@ def test_a_label_is_written_beside_its_box():
 def test_a_picture_of_another_size_is_scaled_to_the_recording():
     picture = np.zeros((72, 96), np.uint8)
     picture[:, 48:] = 200
-    canvas = draw_boxes(picture, 960, 720, x=one(MATCHED))
+    canvas = draw_boxes(picture, 960, 720, x=detection())
     assert canvas.shape == (720, 960, 3)
     assert canvas[100, 900].tolist() == [200, 200, 200]
     assert canvas[400, 400].tolist() != [0, 0, 0]
@@ -123,7 +134,7 @@ def test_a_picture_of_another_size_is_scaled_to_the_recording():
 
 def test_the_picture_itself_is_not_drawn_on():
     picture = np.zeros((720, 960, 3), np.uint8)
-    draw_boxes(picture, 960, 720, x=one(MATCHED))
+    draw_boxes(picture, 960, 720, x=detection())
     assert not picture.any()
 
 
@@ -140,7 +151,11 @@ def test_drawings_are_large_enough_and_of_even_size(size: tuple, expected: tuple
     "box", [(-1e9, -1e9, 2e9, 2e9), (1e12, 5, 10, 10), (5, 5, 0, 0), (-50, 700, 100, 100)]
 )
 def test_boxes_far_outside_or_without_area_do_no_harm(box: tuple[float, ...]):
-    canvas = drawn(truth=one(BIT_RELEVANT, box), x=one(FALSE_ALARM, box), y=one(MATCHED, box))
+    canvas = drawn(
+        truth=pedestrian(MISSED, MISSED, box=box),
+        x=detection(DetectionState.FALSE_ALARM, box=box),
+        y=detection(box=box),
+    )
     assert canvas.shape == (720, 960, 3)
 
 
@@ -152,17 +167,19 @@ def test_names_are_drawn_in_the_signs_that_the_font_has(text: str, expected: str
 
 
 def test_on_a_light_ground_everything_has_its_darker_colour():
-    canvas = drawn(truth=one(BIT_RELEVANT), x=one(FALSE_ALARM), inks=ON_LIGHT)
+    canvas = drawn(
+        truth=pedestrian(MISSED, MISSED), x=detection(DetectionState.FALSE_ALARM), inks=ON_LIGHT
+    )
     assert tuple(canvas[5, 5]) == ON_LIGHT.ground
     assert min(count(canvas, colour) for colour in (ON_LIGHT.x, ON_LIGHT.y, ON_LIGHT.truth)) > 50
     assert count(canvas, X_RGB) == count(canvas, Y_RGB) == 0
 
 
 def test_lines_and_labels_grow_with_the_unit():
-    thin, thick = (count(drawn(truth=one(FOUND), unit=unit), TRUTH_RGB) for unit in (1, 3))
+    thin, thick = (count(drawn(truth=pedestrian(), unit=unit), TRUTH_RGB) for unit in (1, 3))
     assert thick > 2.5 * thin
     small, large = (
-        np.any(drawn(x=one(MATCHED, label="0.50"), unit=unit) != drawn(x=one(MATCHED), unit=unit),
+        np.any(drawn(x=detection(label="0.50"), unit=unit) != drawn(x=detection(), unit=unit),
                axis=2).sum() for unit in (1, 3)
     )  # fmt: skip
     assert large > 4 * small > 0  # an area
@@ -172,7 +189,7 @@ def test_lines_and_labels_grow_with_the_unit():
 def test_a_label_is_legible_on_any_picture(grey: int):
     picture = np.full((720, 960), grey, np.uint8)
     named, plain = (
-        draw_boxes(picture, 960, 720, x=one(MATCHED, label=label), unit=2) for label in ("0.50", "")
+        draw_boxes(picture, 960, 720, x=detection(label=label), unit=2) for label in ("0.50", "")
     )
     label = named[np.any(named != plain, axis=2)].astype(float).mean(axis=1)
     assert np.percentile(label, 20) < 70  # its own ground

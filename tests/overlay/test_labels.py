@@ -5,18 +5,25 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nvcore.metrics.kernels import MATCHED
-from nvcore.overlay import DrawnBoxes, draw_boxes
+from nvcore.overlay import DrawnDetections, DrawnTruth, TruthMark, draw_boxes
 from nvcore.overlay.labels import LabelRoom, overlap, tag_places
-from nvcore.tables.box_states import BIT_MATCHED_X, BIT_MATCHED_Y, BIT_RELEVANT
+from nvcore.schema import DetectionState, TruthState
 
 SIZE = (40.0, 15.0)
 LABEL_WIDTH, LABEL_HEIGHT = SIZE
 CROWD = np.array([[300.0 + 22 * i, 300, 20, 60] for i in range(12)])
 
 
-def boxes(xywh: np.ndarray, state: int, labels: list[str]) -> DrawnBoxes:
-    return DrawnBoxes(xywh, np.full(len(xywh), state, np.uint8), labels)
+MISSED_BY_Y = TruthMark(TruthState.MATCHED, TruthState.MISSED, is_relevant=True)
+MATCHED = TruthMark(TruthState.MATCHED, TruthState.MATCHED, is_relevant=True)
+
+
+def pedestrians(xywh: np.ndarray, mark: TruthMark, labels: list[str]) -> DrawnTruth:
+    return DrawnTruth(xywh, [mark] * len(xywh), labels)
+
+
+def matched_detections(xywh: np.ndarray, labels: list[str]) -> DrawnDetections:
+    return DrawnDetections(xywh, np.full(len(xywh), DetectionState.MATCHED, np.int8), labels)
 
 
 def changed(one: np.ndarray, other: np.ndarray) -> np.ndarray:
@@ -56,10 +63,9 @@ def test_the_tags_of_a_crowd_lie_beside_each_other():
 
 def test_in_a_crowd_every_missed_one_keeps_its_label_and_nobody_is_covered():
     names = [str(100 + i) for i in range(len(CROWD))]
-    missed = BIT_RELEVANT | BIT_MATCHED_X
-    bare = draw_boxes(None, 960, 720, truth=boxes(CROWD[:0], missed, []))
-    drawn = draw_boxes(None, 960, 720, truth=boxes(CROWD, missed, names))
-    unnamed = draw_boxes(None, 960, 720, truth=boxes(CROWD, missed, []))
+    bare = draw_boxes(None, 960, 720, truth=pedestrians(CROWD[:0], MISSED_BY_Y, []))
+    drawn = draw_boxes(None, 960, 720, truth=pedestrians(CROWD, MISSED_BY_Y, names))
+    unnamed = draw_boxes(None, 960, 720, truth=pedestrians(CROWD, MISSED_BY_Y, []))
     tags = changed(drawn, unnamed)
     assert tags.any()
     assert not tags[297:363, 297:565].any()  # from the first box to the last
@@ -70,18 +76,17 @@ def test_in_a_crowd_every_missed_one_keeps_its_label_and_nobody_is_covered():
 
 
 def test_labels_of_matched_boxes_are_left_out_where_there_is_no_room():
-    found = BIT_RELEVANT | BIT_MATCHED_X | BIT_MATCHED_Y
-    one = draw_boxes(None, 960, 720, truth=boxes(CROWD[:1], found, ["123"]))
+    one = draw_boxes(None, 960, 720, truth=pedestrians(CROWD[:1], MATCHED, ["123"]))
     same = np.repeat(CROWD[:1], 30, axis=0)
-    many = draw_boxes(None, 960, 720, truth=boxes(same, found, ["123"] * 30))
-    plain = draw_boxes(None, 960, 720, truth=boxes(CROWD[:1], found, []))
+    many = draw_boxes(None, 960, 720, truth=pedestrians(same, MATCHED, ["123"] * 30))
+    plain = draw_boxes(None, 960, 720, truth=pedestrians(CROWD[:1], MATCHED, []))
     assert changed(one, plain).any()
     assert changed(many, plain).sum() <= 4 * changed(one, plain).sum()
 
 
 def test_a_score_at_the_left_edge_is_written_inside_the_picture():
     at_edge = np.array([[2.0, 300, 30, 80]])
-    plain = draw_boxes(None, 960, 720, y=boxes(at_edge, MATCHED, []))
-    named = draw_boxes(None, 960, 720, y=boxes(at_edge, MATCHED, ["0.01"]))
+    plain = draw_boxes(None, 960, 720, y=matched_detections(at_edge, []))
+    named = draw_boxes(None, 960, 720, y=matched_detections(at_edge, ["0.01"]))
     columns = np.nonzero(changed(plain, named).any(axis=0))[0]
     assert columns.min() > 33  # on the right of the box, whole

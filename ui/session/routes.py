@@ -6,7 +6,7 @@ lie below the app's base path (``server.baseUrlPath``), where it has one.
 
     GET /overview                                    the page that the app opens on
     GET /nv/TOKEN/frame/RECORDING/ROW.jpg?lo=&hi=    picture of a row of a recording
-    GET /nv/TOKEN/boxes/RECORDING/CHUNK?v=           boxes of 1024 rows (nvcore.box_states)
+    GET /nv/TOKEN/boxes/RECORDING/CHUNK?v=           boxes of 1024 rows (`packed_boxes`)
     PUT /nv/TOKEN/upload/SLOT?name=                  one file of pictures, or a video
 """
 
@@ -25,7 +25,7 @@ from starlette.routing import Route
 
 from nvcore.errors import MediaError
 from nvcore.pictures.stretch import jpeg
-from nvcore.tables.box_states import pack_boxes
+from ui.session.packed_boxes import pack_boxes
 from ui.session.uploads import SLOTS, UploadError, receive
 from ui.session.workspace import Workspace, workspace_of
 

@@ -16,7 +16,7 @@ from nvcore.errors import MediaError
 from nvcore.inputs.session import Session
 from nvcore.metrics.encounters import RELEVANT_K
 from nvcore.metrics.similarity import salient_detection
-from nvcore.overlay.annotate import frame_boxes, frame_picture
+from nvcore.overlay.annotate import drawn_boxes, frame_picture
 from nvcore.overlay.draw import ON_DARK, ON_LIGHT, Canvas, Inks, canvas_size, draw_boxes
 from nvcore.pictures.base import Pictures
 from nvcore.pictures.index import picture_index
@@ -288,15 +288,14 @@ def photo(result: Result, moment: Moment, pictures: RecordingPictures) -> Photo:
     inks = ON_LIGHT if picture is None else ON_DARK
     n_columns = 2 if is_wide else 1
     unit = max(1, round(canvas_size(width, height)[0] / (n_columns * SHOWN_PX)))
-    boxes = frame_boxes(result, row, labels=True)
+    boxes = drawn_boxes(result, row, labels=True)
     ground = draw_boxes(picture, width, height, inks=inks)
     about = _box_about(result, moment)
     if about is not None:  # below the boxes and their labels
         _encircle(ground, about, width, inks, unit)
     drawn = draw_boxes(
-        ground, width, height, truth=boxes["truth"], x=boxes["x"], y=boxes["y"], inks=inks,
-        unit=unit,
-    )  # fmt: skip
+        ground, width, height, truth=boxes.truth, x=boxes.x, y=boxes.y, inks=inks, unit=unit
+    )
     name = one_line(str(result.dataset.recordings["name"].iloc[recording]))
     time_s = float(result.dataset.frames["time_s"].iloc[row])
     return Photo(

@@ -12,7 +12,7 @@ from asgi import ask, put
 from builders import at, make_dataset, result_of
 
 from nvcore.errors import MediaError
-from nvcore.tables.box_states import pack_boxes
+from ui.session.packed_boxes import pack_boxes
 from ui.session.routes import ROWS_PER_CHUNK, address, routes_below
 from ui.session.workspace import Compared, Workspace
 

@@ -7,8 +7,8 @@ import base64
 import numpy as np
 import pytest
 
-from nvcore.metrics.kernels import ABSORBED, FALSE_ALARM, MATCHED
-from nvcore.tables.box_states import (
+from nvcore.schema import DetectionState
+from ui.session.packed_boxes import (
     BIT_IGNORE,
     BIT_MATCHED_X,
     BIT_MATCHED_Y,
@@ -144,9 +144,9 @@ def test_a_wish_beyond_the_end_is_the_last_row():
         ("relevant", BIT_RELEVANT),
         ("salient_x", BIT_SALIENT_X),
         ("salient_y", BIT_SALIENT_Y),
-        ("matched", MATCHED),
-        ("false_alarm", FALSE_ALARM),
-        ("absorbed", ABSORBED),
+        ("matched", DetectionState.MATCHED),
+        ("false_alarm", DetectionState.FALSE_ALARM),
+        ("absorbed", DetectionState.ABSORBED),
     ],
 )
 def test_the_script_reads_the_states_that_the_library_packs(name, value):

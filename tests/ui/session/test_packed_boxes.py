@@ -1,0 +1,97 @@
+"""The bytes in which the viewer gets the boxes of some frames."""
+
+from __future__ import annotations
+
+import struct
+
+import numpy as np
+import pytest
+from builders import NAN, at, make_dataset, result_of
+
+from nvcore.comparison import Result, compare
+from nvcore.schema import DetectionState
+from ui.session.packed_boxes import (
+    BIT_IGNORE,
+    BIT_MATCHED_X,
+    BIT_MATCHED_Y,
+    BIT_RELEVANT,
+    BIT_SALIENT_X,
+    BIT_SALIENT_Y,
+    SOURCE_TRUTH,
+    SOURCE_X,
+    SOURCE_Y,
+    pack_boxes,
+    unpack_boxes,
+)
+
+
+@pytest.fixture(scope="module")
+def result() -> Result:
+    """Three frames. 0: tracks 1 (both find it) and 2 (only X). 1: nothing. 2: an ignore region."""
+    truth = [at(0, 30, track=1), at(0, 60, track=2), at(2, 50, w=40, ignore=True)]
+    x = [at(0, 30, score=0.9), at(0, 60, score=0.8), at(2, 50, score=0.7), at(2, 90, score=0.6)]
+    y = [at(0, 30, score=0.9), at(0, 60, score=0.1)]
+    return result_of(make_dataset(truth, x, y), threshold_y=0.5)
+
+
+def test_boxes_stand_by_frame_truth_first_without_those_below_the_threshold(result: Result):
+    packed = unpack_boxes(pack_boxes(result, 0, 3))
+    assert packed.offsets.tolist() == [0, 5, 5, 8]
+    T, X, Y = SOURCE_TRUTH, SOURCE_X, SOURCE_Y
+    assert packed.source.tolist() == [T, T, X, X, Y, T, X, X]
+    assert (packed.x + packed.w / 2).tolist() == [30, 60, 30, 60, 30, 50, 50, 90]
+
+
+def test_states_are_bits_of_the_truth_and_states_of_detections(result: Result):
+    matched = DetectionState.MATCHED
+    assert unpack_boxes(pack_boxes(result, 0, 3)).state.tolist() == [
+        BIT_RELEVANT | BIT_MATCHED_X | BIT_MATCHED_Y,
+        BIT_RELEVANT | BIT_MATCHED_X | BIT_SALIENT_Y,
+        *(matched, matched, matched),
+        BIT_IGNORE,
+        DetectionState.ABSORBED,
+        DetectionState.FALSE_ALARM,
+    ]
+
+
+def test_the_most_salient_miss_of_x_has_a_bit_of_its_own():
+    packed = unpack_boxes(pack_boxes(result_of(make_dataset([at(0, 50)], y=[at(0, 50)])), 0, 1))
+    assert packed.state[0] == BIT_RELEVANT | BIT_MATCHED_Y | BIT_SALIENT_X
+
+
+def test_boxes_scores_and_tracks_are_packed(result: Result):
+    packed = unpack_boxes(pack_boxes(result, 0, 1))
+    assert [getattr(packed, name)[0] for name in "xywh"] == [29, 40, 2, 50]
+    assert packed.track.tolist() == [1, 2, -1, -1, -1]
+    assert packed.score.tolist()[2:] == pytest.approx([0.9, 0.8, 0.9])
+    assert np.isnan(packed.score[:2]).all()
+
+
+def test_a_part_of_the_frames_is_packed_alone(result: Result):
+    packed = unpack_boxes(pack_boxes(result, 1, 3))
+    assert packed.offsets.tolist() == [0, 0, 3]
+    assert packed.source.tolist() == [SOURCE_TRUTH, SOURCE_X, SOURCE_X]
+
+
+@pytest.mark.parametrize("rows", [(0, 0), (1, 2), (3, 3)])
+def test_frames_without_boxes_are_packed_as_none(result: Result, rows: tuple[int, int]):
+    packed = unpack_boxes(pack_boxes(result, *rows))
+    assert packed.offsets.tolist() == [0] * (rows[1] - rows[0] + 1)
+    assert len(packed.x) == 0
+
+
+def test_the_bytes_are_little_endian_and_padded_to_four():
+    content = pack_boxes(result_of(make_dataset([at(0, 50, track=3)])), 0, 1)
+    assert content == (
+        struct.pack("<II", 1, 1)  # frames, boxes
+        + struct.pack("<II", 0, 1)  # offsets
+        + struct.pack("<5f", 49, 40, 2, 50, NAN)
+        + struct.pack("<i", 3)
+        + bytes([SOURCE_TRUTH, 0, 0, 0])
+        + bytes([BIT_RELEVANT | BIT_SALIENT_X | BIT_SALIENT_Y, 0, 0, 0])
+    )
+
+
+def test_x_and_y_may_be_one_system():
+    result = compare(make_dataset(x=[at(0, 50)]), x="x", y="x")
+    assert unpack_boxes(pack_boxes(result, 0, 1)).source.tolist() == [SOURCE_X, SOURCE_Y]
