@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from io import BytesIO
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
 import pytest
 from picture_files import encoded, number_in, numbered, png_that_claims, write_picture, write_zip
+from PIL import ExifTags, Image
 
 from nvcore.errors import MediaError
 from nvcore.pictures import is_below, open_pictures
@@ -82,6 +85,44 @@ def test_temperatures_in_a_tiff_become_16_bit():
 @pytest.mark.parametrize("ending", [".png", ".bmp", ".tif", ".jpg"])
 def test_the_size_is_told_from_the_header(ending: str):
     assert image_size(encoded(GREY, ending), "a") == (64, 48)
+
+
+@pytest.mark.parametrize("kind", [np.uint8, np.uint16, np.int16, np.int32, np.float32, np.float64])
+@pytest.mark.parametrize("channels", [1, 3, 4])
+def test_a_tiff_of_any_kind_of_numbers_is_read_at_the_size_it_states(kind: type, channels: int):
+    content = encoded(np.ones((48, 64, channels), kind).squeeze(), ".tif")
+    assert image_size(content, "a") == (64, 48) == decode_image(content, "a").shape[1::-1]
+
+
+def written_by_pillow(ending: str, mode: str, **options: Any) -> bytes:
+    buffer = BytesIO()
+    Image.new(mode, (64, 48)).save(buffer, ending, **options)
+    return buffer.getvalue()
+
+
+ROTATED = Image.Exif()
+ROTATED[ExifTags.Base.Orientation] = 6
+
+
+@pytest.mark.parametrize(
+    ("ending", "mode", "options"),
+    [
+        ("png", "1", {}),
+        ("png", "P", {"transparency": 0}),
+        ("png", "I;16", {}),
+        ("jpeg", "L", {"progressive": True}),
+        ("jpeg", "RGB", {"comment": "a" * 60_000}),
+        ("jpeg", "RGB", {"exif": ROTATED}),  # shown as it lies in the file
+        ("tiff", "I;16B", {}),
+        ("tiff", "RGB", {"compression": "tiff_lzw"}),
+        ("tiff", "L", {"save_all": True, "append_images": [Image.new("L", (5, 5))]}),
+        ("bmp", "1", {}),
+        ("bmp", "RGBA", {}),
+    ],
+)
+def test_sizes_are_those_that_another_program_wrote(ending: str, mode: str, options: dict):
+    content = written_by_pillow(ending, mode, **options)
+    assert image_size(content, "a") == (64, 48) == decode_image(content, "a").shape[1::-1]
 
 
 @pytest.mark.parametrize(("width", "height"), [(10_001, 10_000), (2**31 - 1, 1), (2**31, 2**31)])
