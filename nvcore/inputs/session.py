@@ -75,6 +75,9 @@ class Source:
     box_base: int | None = None
 
     def __post_init__(self) -> None:
+        for name in ("frame_base", "box_base"):
+            if getattr(self, name) not in (None, 0, 1):
+                raise SessionError(f"{name}: expected 0 or 1, found {getattr(self, name)}")
         if not self.path or not all(self.path):
             raise SessionError("path: expected a file, folder or glob, found nothing")
         for text in self.path:

@@ -47,17 +47,26 @@
 
 Paths are relative to the session file. A session written by the program also holds the version
 and the sha256 of every input.
+
+The tables are decoded by hand, by the types of the dataclasses' fields. Tried in its place: msgspec
+refuses unknown keys only for classes of its own, so that every field would be declared twice;
+cattrs turns anything into texts and numbers unless told otherwise for each type; pydantic weighs
+11 MB. Each needs its errors translated into plain words, which is as long as the decoding here.
 """
 
 from __future__ import annotations
 
 import glob
 import os
+import reprlib
 import tomllib
-from collections.abc import Callable
-from dataclasses import fields
+from collections.abc import Collection, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import MISSING, fields
+from difflib import get_close_matches
 from pathlib import Path
-from typing import Any, TypeVar
+from types import UnionType
+from typing import Any, Final, TypeVar, get_args, get_origin, get_type_hints
 
 import tomli_w
 
@@ -75,6 +84,21 @@ from nvcore.protocols import protocol_from
 
 _T = TypeVar("_T")
 
+_TABLES: Final = frozenset(
+    {"recording", "defaults", "truth", "system", "compare", "parameters", "protocol", "written"}
+)
+_DEFAULTS: Final = {"size": str, "fps": float, "frames": str}
+_COMPARE: Final = {"x": str, "y": str}
+_WORDS: Final = {
+    str: "a text",
+    int: "a whole number",
+    float: "a number",
+    tuple[str, ...]: "a list of texts",
+    tuple[float, float]: "two numbers",
+    Mapping[str, str]: "a table of texts",
+}
+"""What is expected, by the type of the field."""
+
 
 def read_session(path: Path) -> Session:
     """Read a session file.
@@ -86,14 +110,23 @@ def read_session(path: Path) -> Session:
     """
     try:
         content = tomllib.loads(path.read_text(encoding="utf-8"))
+        _check_integers(content)
     except OSError as error:
         raise SessionError(f"cannot be opened ({error.strerror})", file=path) from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
+    except (ValueError, RecursionError) as error:  # bad UTF-8, bad TOML, thousands of digits
         raise SessionError(f"is not TOML: {error}", file=path) from error
-    return _Parser(path).session(content)
+    return _Decoder(path).session(content)
 
 
-class _Parser:
+def _check_integers(value: object) -> None:
+    if isinstance(value, dict | list):
+        for part in value.values() if isinstance(value, dict) else value:
+            _check_integers(part)
+    elif isinstance(value, int) and not -(2**63) <= value < 2**63:
+        raise ValueError("an integer of more than 64 bits")
+
+
+class _Decoder:
     """Turns the content of one session file into a `Session`; knows the file for errors."""
 
     def __init__(self, path: Path):
@@ -102,121 +135,93 @@ class _Parser:
     def fail(self, message: str) -> SessionError:
         return SessionError(message, file=self.path)
 
+    @contextmanager
+    def errors_in(self, where: str) -> Iterator[None]:
+        """What a part of a session refuses is an error with the file and the table."""
+        try:
+            yield
+        except (SessionError, ParameterError, ValueError) as error:
+            raise self.fail(f"{where}: {error}") from error
+
     def session(self, content: dict[str, Any]) -> Session:
-        known = {"recording", "defaults", "truth", "system", "compare", "parameters", "protocol"}
-        self.known_keys(content, known | {"written"}, "the session")
-        systems = self.tables(content, "system")
-        if "truth" not in content or not systems:
+        self.check_keys(content, _TABLES, "the session")
+        if "truth" not in content or not self.tables(content, "system"):
             raise self.fail("expected a [truth] table and at least one [[system]]")
-        defaults = self.table(content, "defaults")
-        self.known_keys(defaults, {"size", "fps", "frames"}, "[defaults]")
-        compare = self.table(content, "compare")
-        self.known_keys(compare, {"x", "y"}, "[compare]")
-        written = self.table(content, "written")
-        try:
-            params = params_from(self.table(content, "parameters"))
-        except ParameterError as error:
-            raise self.fail(f"[parameters]: {error}") from error
-        try:
-            protocol = protocol_from(self.table(content, "protocol"))
-        except ParameterError as error:
-            raise self.fail(f"[protocol]: {error}") from error
-        size = self.value(defaults, "size", str, "[defaults]")
-        try:
-            parsed_size = None if size is None else parse_size(size)
-        except ValueError as error:
-            raise self.fail(f"[defaults]: {error}") from error
-        hashes = written.get("sha256", {})
-        if not isinstance(hashes, dict) or not all(isinstance(v, str) for v in hashes.values()):
-            raise self.fail("[written]: expected sha256 to be a table of texts")
-        return self.make(
-            Session,
-            "the session",
-            folder=self.path.resolve().parent,
-            truth=self.make(
-                Source, "[truth]", **self.source(self.table(content, "truth"), "[truth]")
-            ),
-            systems=tuple(self.system(table) for table in systems),
-            recordings=tuple(self.recording(table) for table in self.tables(content, "recording")),
-            size=parsed_size,
-            fps=self.number(defaults, "fps", "[defaults]"),
-            frames=self.value(defaults, "frames", str, "[defaults]"),
-            x=self.value(compare, "x", str, "[compare]"),
-            y=self.value(compare, "y", str, "[compare]"),
-            params=params,
-            protocol=protocol,
-            hashes=hashes,
-        )
+        truth = self.source(Source, self.table(content, "truth"), "[truth]")
+        systems = [
+            self.source(SystemSource, table, "[[system]]")
+            for table in self.tables(content, "system")
+        ]
+        recordings = [
+            self.decode(RecordingFacts, table, "[[recording]]")
+            for table in self.tables(content, "recording")
+        ]
+        defaults = self.values(_DEFAULTS, self.table(content, "defaults"), "[defaults]")
+        with self.errors_in("[defaults]"):
+            defaults |= {"size": parse_size(defaults["size"])} if "size" in defaults else {}
+        compare = self.values(_COMPARE, self.table(content, "compare"), "[compare]")
+        settings, filters = self.table(content, "parameters"), self.table(content, "protocol")
+        with self.errors_in("[parameters]"):
+            params = params_from(settings)
+        with self.errors_in("[protocol]"):
+            protocol = protocol_from(filters)
+        hashes = self.table(content, "written").get("sha256", {})
+        hashes = self.value(Mapping[str, str], hashes, "[written]: sha256")
+        with self.errors_in("the session"):
+            return Session(
+                folder=self.path.resolve().parent,
+                truth=truth,
+                systems=tuple(systems),
+                recordings=tuple(recordings),
+                params=params,
+                protocol=protocol,
+                hashes=hashes,
+                **defaults,
+                **compare,
+            )
 
-    def make(self, kind: Callable[..., _T], where: str, **values: Any) -> _T:
-        """The part of a session; what it refuses is an error with the file and the table."""
-        try:
-            return kind(**values)
-        except SessionError as error:
-            raise self.fail(f"{where}: {error.message}") from error
-
-    def source(
-        self, table: dict[str, Any], where: str, more: frozenset[str] = frozenset()
-    ) -> dict[str, Any]:
-        self.known_keys(
-            table, {"path", "format", "classes", "frame_base", "box_base"} | more, where
-        )
-        path = table.get("path")
-        paths = [path] if isinstance(path, str) else path
-        if not isinstance(paths, list) or not paths or not all(isinstance(p, str) for p in paths):
-            raise self.fail(f"{where}: expected path to be a text or a list of texts")
-        for key in ("frame_base", "box_base"):
-            if self.value(table, key, int, where) not in (None, 0, 1):
-                raise self.fail(f"{where}: expected {key} to be 0 or 1, found {table[key]!r}")
-        return {
-            "path": tuple(paths),
-            "format": self.value(table, "format", str, where),
-            "classes": self.texts(table, "classes", where),
-            "frame_base": table.get("frame_base"),
-            "box_base": table.get("box_base"),
-        }
-
-    def system(self, table: dict[str, Any]) -> SystemSource:
-        where = "[[system]]"
-        more = frozenset({"name", "threshold", "offset_frames", "offset_px", "scale"})
-        scale = table.get("scale", 1.0)
+    def source(self, kind: type[_T], table: dict[str, Any], where: str) -> _T:
+        """A source; a single path and a single scale stand for a list of them."""
+        path, scale = table.get("path"), table.get("scale")
+        if isinstance(path, str):
+            table = {**table, "path": [path]}
         if isinstance(scale, int | float):
-            scale = [scale, scale]
-        return self.make(
-            SystemSource,
-            where,
-            **self.source(table, where, more),
-            name=self.value(table, "name", str, where),
-            threshold=self.number(table, "threshold", where),
-            offset_frames=self.value(table, "offset_frames", int, where) or 0,
-            offset_px=self.pair(table.get("offset_px", [0, 0]), "offset_px", where),
-            scale=self.pair(scale, "scale", where),
-        )
+            table = {**table, "scale": [scale, scale]}
+        return self.decode(kind, table, where)
 
-    def recording(self, table: dict[str, Any]) -> RecordingFacts:
-        where = "[[recording]]"
-        self.known_keys(table, {one.name for one in fields(RecordingFacts)}, where)
-        name = self.value(table, "name", str, where)
-        numbers = {
-            key: self.number(table, key, where) for key in ("width", "height", "fps", "horizon")
+    def decode(self, kind: type[_T], table: dict[str, Any], where: str) -> _T:
+        """A dataclass from the table with its fields."""
+        values = self.values(get_type_hints(kind), table, where)
+        for spec in fields(kind):  # type: ignore[arg-type]
+            if spec.default is MISSING and spec.name not in values:
+                raise self.fail(f"{where}: expected a {spec.name}")
+        with self.errors_in(where):
+            return kind(**values)
+
+    def values(self, types: dict[str, Any], table: dict[str, Any], where: str) -> dict[str, Any]:
+        """The values of a table with these keys, as these types."""
+        self.check_keys(table, types, where)
+        return {
+            key: self.value(types[key], value, f"{where}: {key}") for key, value in table.items()
         }
-        return self.make(
-            RecordingFacts,
-            where,
-            name=name or "",
-            frames=self.value(table, "frames", str, where),
-            pictures=self.value(table, "pictures", str, where),
-            first_picture=self.value(table, "first_picture", int, where),
-            tags=self.texts(table, "tags", where) or (),
-            **numbers,
-        )
 
-    def known_keys(self, table: dict[str, Any], known: set[str], where: str) -> None:
+    def value(self, kind: Any, value: object, where: str) -> Any:
+        """A value as a field of this type holds it."""
+        if get_origin(kind) is UnionType:  # or None, which TOML does not have
+            kind = get_args(kind)[0]
+        try:
+            return _typed(kind, value)
+        except (TypeError, ValueError) as error:
+            words = f"expected {_WORDS[kind]}, found {reprlib.repr(value)}"
+            raise self.fail(f"{where}: {words}") from error
+
+    def check_keys(self, table: dict[str, Any], known: Collection[str], where: str) -> None:
         for key in table:
             if key not in known:
-                raise self.fail(
-                    f"{where} has no key {key!r}; its keys are {', '.join(sorted(known))}"
-                )
+                close = get_close_matches(key, known, 1)
+                hint = f"; did you mean {close[0]!r}? Its" if close else "; its"
+                keys = ", ".join(sorted(known))
+                raise self.fail(f"{where} has no key {key!r}{hint} keys are {keys}")
 
     def table(self, content: dict[str, Any], key: str) -> dict[str, Any]:
         table = content.get(key, {})
@@ -230,37 +235,19 @@ class _Parser:
             raise self.fail(f"expected [[{key}]] to be a list of tables")
         return tables
 
-    def value(self, table: dict[str, Any], key: str, kind: type, where: str) -> Any:
-        value = table.get(key)
-        if value is not None and (not isinstance(value, kind) or isinstance(value, bool)):
-            wanted = {str: "a text", int: "a whole number"}[kind]
-            raise self.fail(f"{where}: expected {key} to be {wanted}, found {value!r}")
-        return value
 
-    def texts(self, table: dict[str, Any], key: str, where: str) -> tuple[str, ...] | None:
-        texts = table.get(key)
-        if texts is None:
-            return None
-        if not isinstance(texts, list) or not all(isinstance(text, str) for text in texts):
-            raise self.fail(f"{where}: expected {key} to be a list of texts")
-        return tuple(texts)
-
-    def pair(self, value: object, key: str, where: str) -> tuple[float, float]:
-        if (
-            not isinstance(value, list)
-            or len(value) != 2
-            or not all(isinstance(v, int | float) and not isinstance(v, bool) for v in value)
-        ):
-            raise self.fail(f"{where}: expected {key} to be two numbers, found {value!r}")
-        return float(value[0]), float(value[1])
-
-    def number(self, table: dict[str, Any], key: str, where: str) -> float | None:
-        value = table.get(key)
-        if value is None:
-            return None
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            raise self.fail(f"{where}: expected {key} to be a number, found {value!r}")
-        return float(value)
+def _typed(kind: Any, value: Any) -> Any:
+    """The value as this type; TypeError or ValueError where it is of another."""
+    origin, parts = get_origin(kind), get_args(kind)
+    if origin is tuple and isinstance(value, list):
+        kinds = parts[:1] * len(value) if parts[-1] is ... else parts
+        return tuple(_typed(part, item) for part, item in zip(kinds, value, strict=True))
+    if origin is Mapping and isinstance(value, dict):
+        return {key: _typed(parts[1], item) for key, item in value.items()}
+    is_number = kind is float and isinstance(value, int | float)
+    if origin or isinstance(value, bool) or not (is_number or isinstance(value, kind)):
+        raise TypeError
+    return kind(value)
 
 
 def write_session(session: Session, *, version: str, fingerprint: str) -> str:

@@ -53,8 +53,8 @@ def test_tables_without_tags_have_none_and_keep_their_fingerprint():
 @pytest.mark.parametrize(
     ("tags", "words"),
     [
-        ('"night"', "expected tags to be a list of texts"),
-        ("[1]", "expected tags to be a list of texts"),
+        ('"night"', "tags: expected a list of texts"),
+        ("[1]", "tags: expected a list of texts"),
         ('["night", "night"]', "tags: expected different words"),
         ('["night", " "]', "tags: expected different words"),
     ],
