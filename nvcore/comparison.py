@@ -1,8 +1,8 @@
-"""The one call that command line and web share: ``analyse(dataset, params) -> Result``."""
+"""The one call that command line and dashboard share: ``compare(dataset, params) -> Result``."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -22,7 +22,7 @@ from nvcore.metrics.encounters import (
 from nvcore.metrics.false_alarms import FalseAlarmSummary, find_episodes, summarise_false_alarms
 from nvcore.metrics.fusion import fuse
 from nvcore.metrics.linking import TruthTracks, track_truth
-from nvcore.metrics.matching import Matches, count_per_frame, match_boxes
+from nvcore.metrics.matching import Matches, count_per_frame, match_system
 from nvcore.metrics.proximity import Weights, weigh_proximity
 from nvcore.metrics.saliency import aggregate_saliency, find_events, qualify
 from nvcore.metrics.similarity import (
@@ -46,20 +46,38 @@ from nvcore.metrics.venn import (
     measure_exclusivity,
 )
 from nvcore.params import Params
+from nvcore.params.metadata import (
+    DISTANCES,
+    ENCOUNTERS,
+    EVENTS,
+    MATCH,
+    NEAREST,
+    PROXIMITY,
+    SALIENT,
+    Stage,
+)
 from nvcore.schema import Category, DetectionState
 
 T = TypeVar("T")
 
 
 class Memo:
-    """Results of the stages by what they depend on; a new parameter set repeats what changed."""
+    """What the stages made, by what it depends on; other settings repeat only what they change."""
 
-    def __init__(self, known: Mapping[tuple[Any, ...], Any]):
+    def __init__(self, params: Params, known: Mapping[tuple[Any, ...], Any]):
+        self._params = params
         self._known = known
         self.used: dict[tuple[Any, ...], Any] = {}
 
-    def get(self, key: tuple[Any, ...], make: Callable[[], T]) -> T:
-        """The stage's result, from before if nothing in `key` has changed."""
+    def get(self, what: Hashable, make: Callable[[], T], *stages: Stage) -> T:
+        """What these stages make: from before if no setting that they depend on has changed.
+
+        Parameters
+        ----------
+        what
+            Names it; with the system and its threshold if it is of one.
+        """
+        key = (what, *self._params.values_for(*stages))
         value = self._known[key] if key in self._known else make()
         self.used[key] = value
         return value
@@ -153,7 +171,7 @@ class Result:
     duration_s
         Recording time of all recordings.
     stages
-        What `analyse` can take over when only some settings change.
+        What `compare` can take over when only some settings change.
     """
 
     dataset: Dataset
@@ -245,47 +263,47 @@ def compare(
 
     Examples
     --------
-    >>> result = analyse(dataset, Params(alpha=0.8))  # doctest: +SKIP
+    >>> result = compare(dataset, Params(alpha=0.8))  # doctest: +SKIP
     >>> result.venn.dominant  # doctest: +SKIP
     """
     params = params or Params()
     names = _pick(dataset, x, y)
     known = previous.stages if previous and previous.dataset is dataset else {}
-    stages = Memo(known)
+    memo = Memo(params, known)
     truth, frames = dataset.truth, dataset.frame_columns
     occlusion = dataset.boxes["occlusion"].to_numpy()[: len(truth)]
-    tracks = stages.get(("tracks",), lambda: track_truth(truth, frames))
-    encounters = stages.get(
-        ("encounters",), lambda: find_encounters(truth, tracks.track, occlusion, frames)
+    tracks = memo.get("tracks", lambda: track_truth(truth, frames))
+    encounters = memo.get(
+        "encounters", lambda: find_encounters(truth, tracks.track, occlusion, frames)
     )
-    n_truth = stages.get(("n_truth",), lambda: count_per_frame(truth, ~truth.ignore))
-    k_truth = stages.get(
-        ("k_truth", *_proximity_key(params)),
-        lambda: weigh_proximity(truth, ~truth.ignore, frames, params),
+    n_truth = memo.get("n_truth", lambda: count_per_frame(truth, ~truth.ignore))
+    k_truth = memo.get(
+        "k_truth", lambda: weigh_proximity(truth, ~truth.ignore, frames, params), PROXIMITY
     )
     shared = (dataset, params, tracks, encounters, k_truth)
     # numpy and the kernels release the lock: the two systems run side by side
     pairs = list(zip(names, (params.threshold_x, params.threshold_y), strict=True))
     with ThreadPoolExecutor(2) as pool:
         jobs = [
-            pool.submit(score_system, name, threshold, *shared, stages) for name, threshold in pairs
+            pool.submit(score_system, name, threshold, *shared, memo) for name, threshold in pairs
         ]
         result_x, result_y = (job.result() for job in jobs)
-    judged_keys = [_judged_key(*pair, params) for pair in pairs]
-    category = stages.get(
-        ("category", *judged_keys),
+    category = memo.get(
+        ("category", *pairs),
         lambda: categorise(
             result_x.encounters["n_relevant"].to_numpy() == 0,
             result_x.encounters["is_detected"].to_numpy(),
             result_y.encounters["is_detected"].to_numpy(),
         ),
+        ENCOUNTERS,
     )
-    venn = stages.get(("venn", *judged_keys), lambda: count_categories(category))
-    boxes = stages.get(
-        ("boxes", *(_match_key(*pair, params) for pair in pairs)),
+    venn = memo.get(("venn", *pairs), lambda: count_categories(category), ENCOUNTERS)
+    boxes = memo.get(
+        ("boxes", *pairs),
         lambda: count_boxes(
             ~truth.ignore, result_x.matches.is_matched, result_y.matches.is_matched
         ),
+        MATCH,
     )
     return Result(
         dataset=dataset,
@@ -301,7 +319,7 @@ def compare(
         exclusivity=measure_exclusivity(venn),
         boxes=boxes,
         duration_s=frames.duration_s,
-        stages=stages.used,
+        stages=memo.used,
     )
 
 
@@ -317,20 +335,6 @@ def _pick(dataset: Dataset, x: str | None, y: str | None) -> tuple[str, str]:
     return x, y
 
 
-def _proximity_key(params: Params) -> tuple[Any, ...]:
-    return (params.proximity, params.midpoint, params.spread, params.midpoint_m,
-            params.spread_m, params.horizon)  # fmt: skip
-
-
-def _match_key(name: str, threshold: float | None, params: Params) -> tuple[Any, ...]:
-    return (name, threshold, params.match, params.iou, params.lateral_tolerance)
-
-
-def _judged_key(name: str, threshold: float | None, params: Params) -> tuple[Any, ...]:
-    return (*_match_key(name, threshold, params), *_proximity_key(params), params.coverage,
-            params.lag_s, params.gap_s)  # fmt: skip
-
-
 def score_system(
     name: str,
     threshold: float | None,
@@ -339,63 +343,65 @@ def score_system(
     tracks: TruthTracks,
     encounters: Encounters,
     k_truth: Weights,
-    stages: Memo,
+    memo: Memo,
 ) -> SystemResult:
     """Everything about one system, without reference to the other."""
     truth, frames, detections = dataset.truth, dataset.frame_columns, dataset.system(name)
-    match_key = _match_key(name, threshold, params)
-    proximity_key = _proximity_key(params)
-    matches = stages.get(
-        ("matches", *match_key),
-        lambda: match_boxes(
-            truth, detections, frames, threshold=threshold, match=params.match, iou=params.iou,
-            lateral_tolerance=params.lateral_tolerance,
-        ),
-    )  # fmt: skip
-    is_counted = stages.get(("is_counted", *match_key), lambda: matches.is_counted)
-    n_det = stages.get(("n_det", *match_key), lambda: count_per_frame(detections, is_counted))
-    matched = stages.get(
-        ("matched", *match_key), lambda: count_per_frame(truth, matches.is_matched)
+
+    def get(what: str, make: Callable[[], T], *stages: Stage) -> T:
+        return memo.get((what, name, threshold), make, *stages)
+
+    matches = get("matches", lambda: match_system(dataset, name, threshold, params), MATCH)
+    is_counted = get("is_counted", lambda: matches.is_counted, MATCH)
+    n_det = get("n_det", lambda: count_per_frame(detections, is_counted), MATCH)
+    matched = get("matched", lambda: count_per_frame(truth, matches.is_matched), MATCH)
+    false_alarms = get("false_alarms", lambda: n_det - matched, MATCH)
+    episodes = get(
+        "episodes", lambda: find_episodes(detections, matches.is_false_alarm, frames), MATCH
     )
-    episodes = stages.get(
-        ("episodes", *match_key),
-        lambda: find_episodes(detections, matches.is_false_alarm, frames),
-    )
-    nearest = stages.get(
-        ("nearest", *match_key, params.distance),
+    nearest = get(
+        "nearest",
         lambda: find_nearest(truth, detections, is_counted, frames, distance=params.distance),
+        NEAREST,
     )
-    weights = stages.get(
-        ("weights", *match_key, *proximity_key),
+    weights = get(
+        "weights",
         lambda: weigh_proximity(detections, is_counted, frames, params),
+        MATCH,
+        PROXIMITY,
     )
-    distances_key = (*match_key, params.distance, *proximity_key, params.edge_weight)
-    distances = stages.get(
-        ("distances", *distances_key),
+    distances = get(
+        "distances",
         lambda: measure_sets(
-            truth, k_truth.k, detections, weights.k, is_counted, nearest, frames,
-            track=tracks.track, edge_weight=params.edge_weight,
+            truth,
+            k_truth.k,
+            detections,
+            weights.k,
+            is_counted,
+            nearest,
+            frames,
+            track=tracks.track,
+            edge_weight=params.edge_weight,
         ),
-    )  # fmt: skip
+        DISTANCES,
+    )
     similarity = trace_similarity(distances, frames, alpha=params.alpha)
-    salient_key = (*distances_key, params.tolerance)
-    salient_row = stages.get(
-        ("salient_row", *salient_key),
-        lambda: qualify(distances, frames, tolerance=params.tolerance),
+    salient_row = get(
+        "salient_row", lambda: qualify(distances, frames, tolerance=params.tolerance), SALIENT
     )
-    events = stages.get(
-        ("events", *salient_key, params.recency_midpoint, params.recency_spread,
-         params.saliency_scope),
+    rows = encounters.first_row, encounters.last_row
+    events = get(
+        "events",
         lambda: find_events(
-            salient_row, encounters.encounter_of, tracks.track,
-            (encounters.first_row, encounters.last_row), frames, params,
+            salient_row, encounters.encounter_of, tracks.track, rows, frames, params
         ),
-    )  # fmt: skip
-    judged = stages.get(
-        ("judged", *_judged_key(name, threshold, params)),
-        lambda: judge_encounters(encounters, k_truth.k, matches.is_matched, frames, params),
+        EVENTS,
     )
-    false_alarms = stages.get(("false_alarms", *match_key), lambda: n_det - matched)
+    judged = get(
+        "judged",
+        lambda: judge_encounters(encounters, k_truth.k, matches.is_matched, frames, params),
+        ENCOUNTERS,
+    )
     return SystemResult(
         name=name,
         threshold=threshold,

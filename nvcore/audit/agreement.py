@@ -11,7 +11,7 @@ from nvcore.audit.cases import Audited, audited_truth, counted, place_of_frame
 from nvcore.dataset import BoxColumns, Dataset
 from nvcore.findings import Finding, Severity
 from nvcore.metrics.kernels import over_ranges, pair_frames
-from nvcore.metrics.matching import Matches, match_boxes
+from nvcore.metrics.matching import Matches, match_system
 from nvcore.params import Params
 
 MIN_BOXES: Final = 20
@@ -100,15 +100,10 @@ MANY_BOXES: Final = 20
 
 def match_pair(dataset: Dataset, x: Audited, y: Audited, params: Params) -> tuple[Matches, Matches]:
     """Matches of X and Y with their thresholds."""
-    truth, frames = dataset.truth, dataset.frame_columns
-    of_x, of_y = (
-        match_boxes(
-            truth, audited.boxes, frames, threshold=threshold, match=params.match,
-            iou=params.iou, lateral_tolerance=params.lateral_tolerance,
-        )
-        for audited, threshold in ((x, params.threshold_x), (y, params.threshold_y))
-    )  # fmt: skip
-    return of_x, of_y
+    return (
+        match_system(dataset, x.name, params.threshold_x, params),
+        match_system(dataset, y.name, params.threshold_y, params),
+    )
 
 
 def find_disagreement(

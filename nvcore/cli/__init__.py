@@ -29,7 +29,7 @@ from nvcore.cli.report import report
 from nvcore.cli.steps import exit_on_findings, files_read, refuse_to_replace
 from nvcore.errors import InputError, NvcoreError
 from nvcore.inputs.session import Session
-from nvcore.params import MATCHING
+from nvcore.params.metadata import THRESHOLD
 from nvcore.tables.columns import REPORT_COLUMNS
 from nvcore.wording import one_line
 
@@ -177,8 +177,8 @@ def _keep_inputs(session: Session, file: Path | None, out: Path | None) -> None:
 @main.command(cls=GroupedCommand)
 @input_options
 @grouped_option(OUTPUT, "--strict", is_flag=True, help="Warnings give exit code 1, too.")
-@grouped_option(MATCHING, "--threshold-x", type=float, help="Audit X at this threshold.")
-@grouped_option(MATCHING, "--threshold-y", type=float, help="Audit Y at this threshold.")
+@grouped_option(THRESHOLD.group, "--threshold-x", type=float, help="Audit X at this threshold.")
+@grouped_option(THRESHOLD.group, "--threshold-y", type=float, help="Audit Y at this threshold.")
 def check(strict: bool, **options: Any) -> None:
     """Audit the inputs without scoring them.
 

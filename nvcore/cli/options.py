@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,7 +20,7 @@ from nvcore.inputs.session import (
     parse_size,
 )
 from nvcore.inputs.session_toml import read_session
-from nvcore.params import Params, params_from
+from nvcore.params import SETTINGS, params_from
 from nvcore.protocols import PROTOCOLS
 
 if TYPE_CHECKING:
@@ -100,18 +100,12 @@ def flag_of(name: str) -> str:
 
 def parameter_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """Flags for all live parameters, made from the fields of `Params`."""
-    for spec in reversed(fields(Params)):
-        meta = spec.metadata
-        # the help of those without a default says what is taken in its place
-        default = "" if spec.default is None else f" Default: {spec.default}"
-        if meta["choices"] is not None:
-            kind: Any = click.Choice(meta["choices"])
-            unit = ""
-        else:
-            kind = float
-            unit = f" {meta['unit']}" if meta["unit"] else ""
-        text = meta["help"] + (f"{default}{unit}." if default else "")
-        option = grouped_option(meta["group"], flag_of(spec.name), spec.name, type=kind, help=text)
+    for name, setting in reversed(SETTINGS.items()):
+        kind: Any = float if setting.words is None else click.Choice(list(setting.words))
+        text = setting.meaning
+        if setting.default is not None:  # else it says what is taken in its place
+            text += f" Default: {setting.default} {setting.unit}".rstrip() + "."
+        option = grouped_option(setting.stage.group, flag_of(name), name, type=kind, help=text)
         command = option(command)
     return command
 
@@ -220,11 +214,7 @@ def session_from(options: dict[str, Any], *, needs_y: bool) -> Session:
     NvcoreError
         If the session file or a value cannot be used.
     """
-    given = {
-        spec.name: options[spec.name]
-        for spec in fields(Params)
-        if options.get(spec.name) is not None
-    }
+    given = {name: options[name] for name in SETTINGS if options.get(name) is not None}
     if options["session_file"] is not None:
         return _from_file(options, given)
     if not options["truth"] or not options["x_paths"] or (needs_y and not options["y_paths"]):

@@ -11,7 +11,7 @@ import pandas as pd
 from nvcore.dataset import BoxColumns, Dataset, offsets_of
 from nvcore.detection.filtered_truth import FilteredTruth, filter_detections, filter_truth
 from nvcore.errors import ParameterError
-from nvcore.metrics.matching import Matches, match_boxes
+from nvcore.metrics.matching import match_boxes
 from nvcore.params import Params
 from nvcore.protocols import PROTOCOLS, Protocol
 from nvcore.schema import DetectionState
@@ -308,10 +308,7 @@ def _outcomes(
     at: float | None = None,
 ) -> Outcomes:
     frames = dataset.frame_columns
-    matches: Matches = match_boxes(
-        truth.truth, detections, frames, threshold=at, match=params.match, iou=params.iou,
-        lateral_tolerance=params.lateral_tolerance,
-    )  # fmt: skip
+    matches = match_boxes(truth.truth, detections, frames, params, threshold=at)
     is_here = truth.is_counted[detections.frame_index]
     rows = np.flatnonzero(is_here & matches.is_counted)
     rows = rows[np.argsort(-detections.score[rows], kind="stable")]

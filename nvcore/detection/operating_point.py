@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from nvcore.dataset import Dataset
-from nvcore.metrics.matching import Matches, match_boxes
+from nvcore.metrics.matching import match_system
 from nvcore.params import Params
 from nvcore.schema import DetectionState
 
@@ -75,7 +75,7 @@ def operating_point(
     InputError
         If there is no such system.
     """
-    matches = _match(dataset, system, params, threshold=threshold)
+    matches = match_system(dataset, system, threshold, params)
     n_kept = int(np.count_nonzero(matches.state != DetectionState.BELOW))
     n_alarms = int(np.count_nonzero(matches.is_false_alarm))
     per_frame, per_minute = _rates(dataset, np.array([n_alarms]))
@@ -113,7 +113,7 @@ def false_alarm_curve(
         chosen = np.linspace(0, len(thresholds) - 1, n_points).round().astype(np.int64)
         thresholds = thresholds[chosen]
     if is_scored.all():
-        matches = _match(dataset, system, params, threshold=None)
+        matches = match_system(dataset, system, None, params)
         n_kept = _count_from(score, thresholds)
         n_alarms = _count_from(score[matches.is_false_alarm], thresholds)
     else:
@@ -144,7 +144,7 @@ def same_operating_point(dataset: Dataset, params: Params, x: str, y: str) -> Sa
 def _threshold_with(dataset: Dataset, system: str, params: Params, n_wanted: int) -> float | None:
     """Threshold that gives the number of false alarms closest to the wanted one; None: all."""
     score = dataset.system(system).score
-    matches = _match(dataset, system, params, threshold=None)
+    matches = match_system(dataset, system, None, params)
     is_scored = ~np.isnan(score)
     if not is_scored.any() or not matches.is_false_alarm.any():
         return None
@@ -213,13 +213,6 @@ def score_histogram(dataset: Dataset, system: str, bins: int = 60) -> pd.DataFra
     return pd.DataFrame({"low": edges[:-1], "high": edges[1:], "n": n}).astype(
         {"low": "float64", "high": "float64", "n": "int64"}
     )
-
-
-def _match(dataset: Dataset, system: str, params: Params, *, threshold: float | None) -> Matches:
-    return match_boxes(
-        dataset.truth, dataset.system(system), dataset.frame_columns, threshold=threshold,
-        match=params.match, iou=params.iou, lateral_tolerance=params.lateral_tolerance,
-    )  # fmt: skip
 
 
 def _count_from(score: np.ndarray, thresholds: np.ndarray) -> np.ndarray:

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nvcore.dataset import BoxColumns, FrameColumns
+from nvcore.dataset import BoxColumns, Dataset, FrameColumns
 from nvcore.metrics.kernels import match_frames, over_ranges
-from nvcore.params import Match
+from nvcore.params import Params
 from nvcore.schema import DetectionState
 
 
@@ -55,15 +55,20 @@ class Matches:
         return matched
 
 
+def match_system(dataset: Dataset, name: str, threshold: float | None, params: Params) -> Matches:
+    """Match all detections of a system; see `match_boxes`."""
+    return match_boxes(
+        dataset.truth, dataset.system(name), dataset.frame_columns, params, threshold=threshold
+    )
+
+
 def match_boxes(
     truth: BoxColumns,
     detections: BoxColumns,
     frames: FrameColumns,
+    params: Params,
     *,
     threshold: float | None = None,
-    match: Match = "iou",
-    iou: float = 0.5,
-    lateral_tolerance: float = 0.02,
 ) -> Matches:
     """Match detections to pedestrians.
 
@@ -78,6 +83,8 @@ def match_boxes(
         Boxes, px, sorted by frame.
     frames
         The listed frames.
+    params
+        Of which `match`, `iou` and `lateral_tolerance` are read.
     threshold
         Detections with a lower score are left out; None: all count. A detection without a score
         passes every threshold: its system has decided by itself.
@@ -94,13 +101,14 @@ def match_boxes(
     det_truth = np.full(len(detections), -1, np.int64)
     truth_det = np.full(len(truth), -1, np.int64)
     over_ranges(
-        match_frames, len(frames),
-        truth.offsets, truth.x, truth.y, truth.w, truth.h, truth.ignore,
-        detections.offsets, detections.x, detections.y, detections.w, detections.h,
-        detections.score, -np.inf if threshold is None else float(threshold),
-        float(iou), match == "lateral", float(lateral_tolerance),
-        frames.recording, frames.width, state, det_truth, truth_det,
-    )  # fmt: skip
+        match_frames,
+        len(frames),
+        *(truth.offsets, truth.x, truth.y, truth.w, truth.h, truth.ignore),
+        *(detections.offsets, detections.x, detections.y, detections.w, detections.h),
+        *(detections.score, -np.inf if threshold is None else float(threshold)),
+        *(float(params.iou), params.match == "lateral", float(params.lateral_tolerance)),
+        *(frames.recording, frames.width, state, det_truth, truth_det),
+    )
     return Matches(state, det_truth, truth_det)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from nvcore.comparison import Result
 from nvcore.detection.operating_point import false_alarm_curve
 from nvcore.errors import InputError, ParameterError
-from nvcore.params import MIDPOINT_SHARE, Match
+from nvcore.params import MIDPOINT_SHARE, SETTINGS
 
 Plane = Literal["alpha-midpoint", "thresholds", "matching", "edge-weight", "edge-weight-alpha"]
 
@@ -32,11 +32,6 @@ linking); above 0.7 the annotators' own boxes of small pedestrians disagree."""
 ALARMS_PLAUSIBLE: Final = (0.01, 1.0)
 """False alarms per frame at thresholds that are used: the range over which pedestrian benchmarks
 average the miss rate (Dollár et al. 2012)."""
-
-MATCH_WORDS: Final[dict[Match, str]] = {
-    "iou": "overlap of the boxes",
-    "lateral": "sideways position",
-}
 
 ALPHA_DRAWN: Final = (0.0, 1.0)
 MIDPOINT_DRAWN: Final = (0.02, 0.25)
@@ -195,37 +190,60 @@ def axes_of(result: Result, plane: Plane, *, n_points: int) -> tuple[Axis, ...]:
 
 def _alpha(result: Result, n_points: int) -> Axis:
     return _numeric(
-        "alpha", "alpha", "", result.params.alpha, n_points, ALPHA_PLAUSIBLE, ALPHA_DRAWN,
-        "a miss counts at least as much as a false alarm", "Misses against false alarms (alpha)",
-    )  # fmt: skip
+        "alpha",
+        "alpha",
+        present=result.params.alpha,
+        n_points=n_points,
+        plausible=ALPHA_PLAUSIBLE,
+        drawn=ALPHA_DRAWN,
+        reason="a miss counts at least as much as a false alarm",
+    )
 
 
 def _edge_weight(result: Result, n_points: int) -> Axis:
     return _numeric(
-        "edge_weight", "traffic context", "", result.params.edge_weight, n_points,
-        EDGE_WEIGHT_PLAUSIBLE, EDGE_WEIGHT_PLAUSIBLE, "from towns to rural roads",
-        "Traffic context (edge weight)",
-    )  # fmt: skip
+        "edge_weight",
+        "traffic context",
+        called="edge weight",
+        present=result.params.edge_weight,
+        n_points=n_points,
+        plausible=EDGE_WEIGHT_PLAUSIBLE,
+        drawn=EDGE_WEIGHT_PLAUSIBLE,
+        reason="from towns to rural roads",
+    )
 
 
 def _iou(result: Result, n_points: int) -> Axis:
     return _numeric(
-        "iou", "IoU", "", result.params.iou, n_points, IOU_PLAUSIBLE, IOU_DRAWN,
-        "below, a match may be someone else; above, annotators' own boxes disagree",
-        "Smallest overlap (IoU)",
-    )  # fmt: skip
+        "iou",
+        "IoU",
+        present=result.params.iou,
+        n_points=n_points,
+        plausible=IOU_PLAUSIBLE,
+        drawn=IOU_DRAWN,
+        reason="below, a match may be someone else; above, annotators' own boxes disagree",
+    )
 
 
 def _match_mode(result: Result) -> Axis:
-    labels = get_args(Match)
+    setting = SETTINGS["match"]
+    assert setting.words is not None
+    labels = tuple(setting.words)
     place = float(labels.index(result.params.match))
     values = np.arange(len(labels), dtype=float)
     values.flags.writeable = False
     return Axis(
-        "match", "matching by", "", values, (0.0, len(labels) - 1.0), "both are in use",
-        (place, place), "A detection matches by", labels,
-        tuple(MATCH_WORDS[one] for one in labels),
-    )  # fmt: skip
+        name="match",
+        title="matching by",
+        unit=setting.unit,
+        values=values,
+        plausible=(0.0, len(labels) - 1.0),
+        reason="both are in use",
+        present=(place, place),
+        label=setting.label,
+        labels=labels,
+        words=tuple(setting.words.values()),
+    )
 
 
 def _midpoint(result: Result, n_points: int) -> Axis | None:
@@ -236,9 +254,15 @@ def _midpoint(result: Result, n_points: int) -> Axis | None:
     presets = "from the preset for rural roads to that for towns"
     if params.proximity == "distance":
         return _numeric(
-            "midpoint_m", "counts half at", "m", params.midpoint_m, n_points,
-            MIDPOINT_M_PLAUSIBLE, MIDPOINT_M_DRAWN, presets, "Counts half at (midpoint)",
-        )  # fmt: skip
+            "midpoint_m",
+            "counts half at",
+            called="midpoint",
+            present=params.midpoint_m,
+            n_points=n_points,
+            plausible=MIDPOINT_M_PLAUSIBLE,
+            drawn=MIDPOINT_M_DRAWN,
+            reason=presets,
+        )
     least, most = float(height.min()), float(height.max())
     present = (MIDPOINT_SHARE * least, MIDPOINT_SHARE * most)
     plausible, drawn = (
@@ -249,10 +273,15 @@ def _midpoint(result: Result, n_points: int) -> Axis | None:
     if least < most:
         share = f"{low} % of the lowest picture's height to {high} % of the tallest's"
     return _numeric(
-        "midpoint", "counts half at", "px",
-        present if params.midpoint is None else params.midpoint, n_points, plausible, drawn,
-        f"{share}, {presets}", "Counts half at (midpoint)",
-    )  # fmt: skip
+        "midpoint",
+        "counts half at",
+        called="midpoint",
+        present=present if params.midpoint is None else params.midpoint,
+        n_points=n_points,
+        plausible=plausible,
+        drawn=drawn,
+        reason=f"{share}, {presets}",
+    )
 
 
 def _threshold(result: Result, letter: Literal["x", "y"], n_points: int) -> Axis | None:
@@ -278,23 +307,27 @@ def _threshold(result: Result, letter: Literal["x", "y"], n_points: int) -> Axis
     if plausible[0] == plausible[1]:
         plausible = (low, high)
         reason = f"all scores: no range of them gives {least:g} to {most:g} false alarms per frame"
-    title = f"threshold of {letter.upper()}"
     return _numeric(
-        f"threshold_{letter}", title, "", present, n_points, plausible, plausible, reason,
-        f"Score {title}",
-    )  # fmt: skip
+        f"threshold_{letter}",
+        f"threshold of {letter.upper()}",
+        present=present,
+        n_points=n_points,
+        plausible=plausible,
+        drawn=plausible,
+        reason=reason,
+    )
 
 
 def _numeric(
     name: str,
     title: str,
-    unit: str,
+    *,
+    called: str = "",
     present: float | tuple[float, float],
     n_points: int,
     plausible: tuple[float, float],
     drawn: tuple[float, float],
     reason: str,
-    label: str,
 ) -> Axis:
     """Values over what is drawn, plausible and present, evenly spaced but for two things.
 
@@ -322,4 +355,6 @@ def _numeric(
         else:
             values = np.sort(np.append(values, place[0]))
     values.flags.writeable = False
-    return Axis(name, title, unit, values, plausible, reason, place, label)
+    setting = SETTINGS[name]
+    label = f"{setting.label} ({called})" if called else setting.label
+    return Axis(name, title, setting.unit, values, plausible, reason, place, label)

@@ -11,11 +11,12 @@ import numpy as np
 
 from nvcore.comparison import Result, SystemResult
 from nvcore.metrics.encounters import judge_encounters
-from nvcore.metrics.matching import Matches, match_boxes
+from nvcore.metrics.matching import Matches, match_system
 from nvcore.metrics.proximity import weigh_proximity
 from nvcore.metrics.saliency import aggregate_saliency, find_events, qualify
 from nvcore.metrics.similarity import SetDistances, find_nearest, measure_sets
-from nvcore.params import Params
+from nvcore.params import Params, settings_for
+from nvcore.params.metadata import ENCOUNTERS, MATCH, PROXIMITY, SALIENCY, SIMILARITY, Stage
 from nvcore.schema import DetectionState
 from nvcore.stability.axes import Axis
 
@@ -23,8 +24,12 @@ Criterion = Literal["similarity", "encounters", "saliency"]
 Letter = Literal["x", "y"]
 LETTERS: Final[tuple[Letter, Letter]] = ("x", "y")
 
-MATCH_NAMES: Final = ("match", "iou", "lateral_tolerance")
-PROXIMITY_NAMES: Final = ("proximity", "midpoint", "spread", "midpoint_m", "spread_m", "horizon")
+STAGE_OF: Final[dict[Criterion, Stage]] = {
+    "similarity": SIMILARITY,
+    "encounters": ENCOUNTERS,
+    "saliency": SALIENCY,
+}
+"""The stage of the comparison that gives each criterion."""
 
 Key = tuple[tuple[str, float | str], ...]
 """Settings by name that differ from the analysed ones; alpha is never among them."""
@@ -45,17 +50,13 @@ class Score:
 
 
 def enters(name: str, criterion: Criterion, letter: Letter, result: Result) -> bool:
-    """Whether a setting can change the criterion's figure of a system."""
-    if name == "alpha":
-        return criterion == "similarity"
-    if name == "edge_weight":
-        return criterion != "encounters"
+    """Whether a setting can change the criterion's measure of a system."""
     if name.startswith("threshold_"):
         return name == f"threshold_{letter}"
-    if name in MATCH_NAMES and criterion != "encounters":
+    if name in settings_for(MATCH) and criterion != "encounters":
         # the sets depend on the matching only by who is absorbed by ignore regions
         return bool(result.dataset.truth.ignore.any())
-    return True
+    return name in settings_for(STAGE_OF[criterion])
 
 
 def keys_of(
@@ -91,7 +92,11 @@ def match_fully(result: Result, names: Sequence[str]) -> dict[Letter, Matches]:
         if f"threshold_{letter}" not in names or np.isnan(score).any():
             continue
         is_full = system.threshold is None
-        full[letter] = system.matches if is_full else _match(result, system, result.params, None)
+        full[letter] = (
+            system.matches
+            if is_full
+            else match_system(result.dataset, system.name, None, result.params)
+        )
     return full
 
 
@@ -119,7 +124,7 @@ def score_setting(
     params = replace(result.params, **changes)
     dataset = result.dataset
     frames = dataset.frame_columns
-    is_weighed_anew = any(name in PROXIMITY_NAMES for name in changes)
+    is_weighed_anew = _is_changed(PROXIMITY, changes)
     k_truth = result.k_truth.k
     if is_weighed_anew:
         k_truth = weigh_proximity(dataset.truth, ~dataset.truth.ignore, frames, params).k
@@ -144,14 +149,9 @@ def _system(result: Result, letter: Letter) -> SystemResult:
     return result.x if letter == "x" else result.y
 
 
-def _match(
-    result: Result, system: SystemResult, params: Params, threshold: float | None
-) -> Matches:
-    dataset = result.dataset
-    return match_boxes(
-        dataset.truth, dataset.system(system.name), dataset.frame_columns, threshold=threshold,
-        match=params.match, iou=params.iou, lateral_tolerance=params.lateral_tolerance,
-    )  # fmt: skip
+def _is_changed(stage: Stage, changes: Mapping[str, Any]) -> bool:
+    """Whether a change moves the result of a stage; thresholds aside."""
+    return not changes.keys().isdisjoint(settings_for(stage))
 
 
 def _matches(
@@ -165,8 +165,9 @@ def _matches(
     if name in changes and letter in full:
         score = result.dataset.system(system.name).score
         return _above(full[letter], score, changes[name])
-    if name in changes or any(one in changes for one in MATCH_NAMES):
-        return _match(result, system, params, changes.get(name, system.threshold))
+    if name in changes or _is_changed(MATCH, changes):
+        threshold = changes.get(name, system.threshold)
+        return match_system(result.dataset, system.name, threshold, params)
     return system.matches
 
 
@@ -200,12 +201,19 @@ def _distances(
     if matches is not system.matches:
         nearest = find_nearest(truth, detections, is_counted, frames, distance=params.distance)
     # saliency looks at misses only: the weights of detections do not enter
-    if criterion == "similarity" and any(name in PROXIMITY_NAMES for name in changes):
+    if criterion == "similarity" and _is_changed(PROXIMITY, changes):
         k = weigh_proximity(detections, is_counted, frames, params).k
     return measure_sets(
-        truth, k_truth, detections, k, is_counted, nearest, frames, track=result.tracks.track,
+        truth,
+        k_truth,
+        detections,
+        k,
+        is_counted,
+        nearest,
+        frames,
+        track=result.tracks.track,
         edge_weight=params.edge_weight,
-    )  # fmt: skip
+    )
 
 
 def _similarity(distances: SetDistances, result: Result) -> Score:
@@ -230,9 +238,10 @@ def _count_detected(result: Result, k_truth: np.ndarray, matches: Matches, param
 
 def _saliency(distances: SetDistances, result: Result, params: Params) -> float:
     frames, encounters = result.dataset.frame_columns, result.encounters
+    salient_row = qualify(distances, frames, tolerance=params.tolerance)
+    rows = encounters.first_row, encounters.last_row
     events = find_events(
-        qualify(distances, frames, tolerance=params.tolerance), encounters.encounter_of,
-        result.tracks.track, (encounters.first_row, encounters.last_row), frames, params,
-    )  # fmt: skip
+        salient_row, encounters.encounter_of, result.tracks.track, rows, frames, params
+    )
     saliency_s = events["saliency_s"].to_numpy()
     return aggregate_saliency(saliency_s, aggregate=params.saliency_aggregate)

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import json
 import tomllib
-from dataclasses import fields
 from pathlib import Path
 
 import pytest
 from inputs import FACTS, drive, flags, mot_layout, nvcore, write
+from other_params import OTHER
 
 from nvcore.cli.options import flag_of
-from nvcore.params import Params
 
 
 @pytest.fixture
@@ -132,20 +131,6 @@ def test_a_changed_input_is_reported(folder: Path, tmp_path: Path):
 
 
 # parameters
-
-OTHER = {
-    "alpha": 0.7, "edge_weight": 0.5, "midpoint": 30.0, "spread": 5.0, "midpoint_m": 20.0,
-    "spread_m": 3.0, "horizon": 150.0, "threshold_x": 0.8, "threshold_y": 0.6, "iou": 0.3,
-    "lateral_tolerance": 0.1, "coverage": 0.9, "lag_s": 0.2, "gap_s": 0.2, "low": 0.8,
-    "window": 0.5, "tolerance": 0.2, "recency_midpoint": 0.7, "recency_spread": 0.2,
-    "distance": "ground", "proximity": "none", "match": "lateral", "saliency_aggregate": "sum",
-    "saliency_scope": "encounter",
-}  # fmt: skip
-"""Another value than the default for every live parameter."""
-
-
-def test_every_live_parameter_has_another_value_here():
-    assert set(OTHER) == {spec.name for spec in fields(Params)}
 
 
 def test_every_live_parameter_is_a_flag_and_stands_in_the_written_session(

@@ -1,17 +1,18 @@
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from builders import Box, at, make_dataset
 
 from nvcore.dataset import Dataset
-from nvcore.metrics.matching import Matches, count_per_frame, match_boxes
+from nvcore.metrics.matching import Matches, count_per_frame, match_system
+from nvcore.params import Params
 
 
-def matches(dataset: Dataset, **settings: object) -> Matches:
-    return match_boxes(
-        dataset.truth, dataset.system("x"), dataset.frame_columns, **settings  # type: ignore[arg-type]
-    )  # fmt: skip
+def matches(dataset: Dataset, *, threshold: float | None = None, **settings: Any) -> Matches:
+    return match_system(dataset, "x", threshold, Params(**settings))
 
 
 def test_an_iou_of_exactly_the_limit_matches() -> None:

@@ -7,7 +7,8 @@ import pytest
 from builders import Place, at, make_dataset, result_of
 
 from nvcore.comparison import compare
-from nvcore.params import PRESETS, Params
+from nvcore.params import Params
+from nvcore.params.presets import PRESETS
 from nvcore.stability.axes import Axis, axes_of
 
 

@@ -189,7 +189,7 @@ def test_encounters_are_undefined_where_none_is_near() -> None:
 
 def test_only_what_a_setting_changes_is_repeated(monkeypatch: pytest.MonkeyPatch) -> None:
     calls: list[str] = []
-    for name in ("match_boxes", "find_nearest", "weigh_proximity", "measure_sets"):
+    for name in ("match_system", "find_nearest", "weigh_proximity", "measure_sets"):
         original = getattr(scores, name)
         monkeypatch.setattr(
             scores, name,
@@ -209,9 +209,9 @@ def test_only_what_a_setting_changes_is_repeated(monkeypatch: pytest.MonkeyPatch
     assert counts("alpha-midpoint", "encounters") == {"weigh_proximity": 5}
     assert counts("edge-weight-alpha", "similarity") == {"measure_sets": 8}
     assert counts("matching", "similarity") == {}  # no ignore region: the sets stay
-    assert counts("matching", "encounters") == {"match_boxes": 2 * (5 + 1)}
+    assert counts("matching", "encounters") == {"match_system": 2 * (5 + 1)}
     found = counts("thresholds", "encounters")
-    assert found == {"match_boxes": 1}  # X is cut by its threshold; Y is matched in full already
+    assert found == {"match_system": 1}  # X is cut by its threshold; Y is matched in full already
 
 
 def test_threads_give_the_same_map() -> None:

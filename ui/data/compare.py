@@ -19,6 +19,7 @@ from nvcore.detection.operating_point import (
 from nvcore.figures.inputs import false_alarm_plot, score_plot
 from nvcore.figures.style import CONFIG
 from nvcore.params import Params
+from nvcore.params.metadata import MATCH
 from ui.session import state
 from ui.session.opening import with_systems
 from ui.shell.messages import sampling_note
@@ -218,18 +219,13 @@ def _take_same_point(x: str, y: str, moved: str) -> None:
 
 
 def _curve(dataset: Dataset, system: str, params: Params) -> pd.DataFrame:
-    return _kept_curve(dataset.fingerprint, system, _matching(params), dataset, params)
+    return _kept_curve(dataset.fingerprint, system, params.only_for(MATCH), dataset)
 
 
 def _point(
     dataset: Dataset, system: str, params: Params, threshold: float | None
 ) -> OperatingPoint:
-    return _kept_point(dataset.fingerprint, system, _matching(params), threshold, dataset, params)
-
-
-def _matching(params: Params) -> tuple[str, float, float]:
-    """The settings that say when a detection matches."""
-    return params.match, params.iou, params.lateral_tolerance
+    return _kept_point(dataset.fingerprint, system, params.only_for(MATCH), threshold, dataset)
 
 
 # the fingerprint stands for the tables, which Streamlit would compare by a sample of their rows
@@ -239,20 +235,18 @@ def _matching(params: Params) -> tuple[str, float, float]:
 def _kept_curve(
     fingerprint: str,  # noqa: ARG001
     system: str,
-    matching: tuple[str, float, float],  # noqa: ARG001
+    matching: Params,
     _dataset: Dataset,
-    _params: Params,
 ) -> pd.DataFrame:
-    return false_alarm_curve(_dataset, system, _params)
+    return false_alarm_curve(_dataset, system, matching)
 
 
 @st.cache_resource(max_entries=MOST_KEPT, show_spinner="Counting false alarms")
 def _kept_point(
     fingerprint: str,  # noqa: ARG001
     system: str,
-    matching: tuple[str, float, float],  # noqa: ARG001
+    matching: Params,
     threshold: float | None,
     _dataset: Dataset,
-    _params: Params,
 ) -> OperatingPoint:
-    return operating_point(_dataset, system, _params, threshold=threshold)
+    return operating_point(_dataset, system, matching, threshold=threshold)

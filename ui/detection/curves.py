@@ -16,11 +16,12 @@ from nvcore.detection.windows import WindowGrid, scale_steps, windows_per_image
 from nvcore.errors import ParameterError
 from nvcore.figures.detection import CurveKind, curve_plot, legend_figure
 from nvcore.figures.style import CONFIG
+from nvcore.params.metadata import MATCH
 from nvcore.protocols import Protocol
 from nvcore.wording import ARROWS, count_text, difference, number
 from ui.detection.protocol import filtered
 from ui.session import state
-from ui.session.evidence import matching_rule, miss_rate_evidence
+from ui.session.evidence import miss_rate_evidence
 from ui.widgets.clicks import is_new_click
 from ui.widgets.text import docs_link, plain
 
@@ -112,11 +113,13 @@ def _draw_evidence(result: Result, told: list[str]) -> None:
 
 
 def _curve(result: Result, system: str, protocol: Protocol) -> DetectionCurve:
-    rule = matching_rule(result)
+    rule = result.params.only_for(MATCH)
     return state.workspace().keep(
-        "curves", (system, protocol, rule),
-        lambda: detection_curve(result.dataset, system, rule, protocol), most=8,
-    )  # fmt: skip
+        "curves",
+        (system, protocol, rule),
+        lambda: detection_curve(result.dataset, system, rule, protocol),
+        most=8,
+    )
 
 
 def _windows(result: Result, protocol: Protocol) -> float | None:

@@ -10,7 +10,7 @@ import streamlit as st
 
 from nvcore.comparison import Result, compare
 from nvcore.errors import InputError
-from nvcore.params import Params
+from nvcore.params import SETTINGS, Params
 from nvcore.studies.ratings.fit import Fit, fit_saliency
 from nvcore.wording import count_text
 from ui.jobs.background import Computation, JobState, while_open
@@ -20,7 +20,6 @@ from ui.ratings.applied_fit import Taken
 from ui.ratings.source import Given
 from ui.session import state
 from ui.shell import live_params
-from ui.shell.sidebar import CHOICES, LABELS
 from ui.widgets.text import docs_link, plain
 
 AT_ONCE: Final = 20_000
@@ -192,7 +191,8 @@ def _draw_in_use(taken: Taken) -> None:
 def _changes(found: Fit, start: Params) -> list[str]:
     """The parameters that the fit changes, as the sidebar calls them."""
     return [
-        f"{plain(LABELS[name])}: {_shown(_value(start, name))} → **{_shown(value)}**"
+        f"{plain(SETTINGS[name].label_with_unit)}: {_shown(name, _value(start, name))} → "
+        f"**{_shown(name, value)}**"
         for name, value in found.changed.items()
     ]
 
@@ -202,5 +202,6 @@ def _value(settings: Params, name: str) -> Any:
     return live_params.default_of_height(name) if value is None else value
 
 
-def _shown(value: Any) -> str:
-    return plain(CHOICES.get(value, value) if isinstance(value, str) else f"{value:g}")
+def _shown(name: str, value: Any) -> str:
+    words = SETTINGS[name].words
+    return plain(f"{value:g}" if words is None else words[value])

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import fields
 
 import numpy as np
 
 from nvcore.errors import ParameterError
-from nvcore.params import Params, params_from
+from nvcore.params import SETTINGS, Params
 
 MAX_DIGITS = 18
 
@@ -50,17 +49,17 @@ def read_parameters(query: Mapping[str, str]) -> tuple[dict[str, float | str], l
     """Parameters of the address, and in words those that have no possible value."""
     given: dict[str, float | str] = {}
     wrong = []
-    for spec in fields(Params):
-        text = query.get(spec.name)
+    for name, setting in SETTINGS.items():
+        text = query.get(name)
         if text is None:
             continue
         try:
-            value = text if spec.metadata["choices"] else _finite(text)
-            params_from({spec.name: value})
+            value = _finite(text) if setting.words is None else text
+            setting.check(name, value)
         except (ParameterError, ValueError):
-            wrong.append(f"its value of {spec.name} is not possible, the default is used")
+            wrong.append(f"its value of {name} is not possible, the default is used")
         else:
-            given[spec.name] = value
+            given[name] = value
     return given, wrong
 
 

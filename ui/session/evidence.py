@@ -9,14 +9,8 @@ from nvcore.evidence.measures import Evidence
 from nvcore.evidence.miss_rate import judge_miss_rate
 from nvcore.evidence.table import evidence_table
 from nvcore.evidence.units import Units, find_units
-from nvcore.params import Params
+from nvcore.params.metadata import MATCH
 from ui.session import state
-
-
-def matching_rule(result: Result) -> Params:
-    """What matching depends on; nothing else matters for curves."""
-    params = result.params
-    return Params(match=params.match, iou=params.iou, lateral_tolerance=params.lateral_tolerance)
 
 
 def measure_evidence() -> pd.DataFrame | None:
@@ -45,9 +39,12 @@ def _kept_miss_rate(result: Result, units: Units) -> Evidence:
     """No slider but those of matching changes it, unless it changes the blocks of time."""
     protocol = state.protocol()
     key = (
-        result.x.name, result.y.name, matching_rule(result), protocol,
+        result.x.name,
+        result.y.name,
+        result.params.only_for(MATCH),
+        protocol,
         units.unit_of_frame.tobytes(),
-    )  # fmt: skip
+    )
     return state.workspace().keep(
         "miss_rate_evidence", key, lambda: judge_miss_rate(result, units, protocol), most=4
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable
-from dataclasses import fields, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any, Final, Literal
@@ -19,7 +19,8 @@ from nvcore.findings import Finding, worst_first
 from nvcore.inputs.load import compared_systems, effective_params, load
 from nvcore.inputs.session import Session
 from nvcore.inputs.session_toml import read_session
-from nvcore.params import Params
+from nvcore.params import SETTINGS, Params
+from nvcore.params.metadata import MATCH, PROXIMITY, SALIENT, THRESHOLD
 from nvcore.protocols import Protocol
 from ui.session.address import changed_parameters, read_parameters, read_place
 from ui.session.ending import end_with_session, is_in_use
@@ -32,18 +33,6 @@ SAMPLE_LABEL: Final = "Sample recordings"
 Theme = Literal["light", "dark"]
 
 MOST_THUMBNAILS: Final = 64
-NOT_OF_BOXES: Final = (
-    *("alpha", "low", "window", "coverage", "lag_s", "gap_s"),
-    *("recency_midpoint", "recency_spread", "saliency_aggregate", "saliency_scope"),
-)
-"""Parameters that move no box and change no match nor which miss is the most salient."""
-
-
-OF_AUDIT: Final = (
-    *("threshold_x", "threshold_y", "match", "iou", "lateral_tolerance"),
-    *("proximity", "midpoint", "spread", "midpoint_m", "spread_m", "horizon"),
-)
-"""Parameters that the audit depends on."""
 
 
 def workspace() -> Workspace:
@@ -192,16 +181,14 @@ def of_boxes(settings: Params) -> Params:
 
     The others as by default: what is drawn of boxes may be kept while only those move.
     """
-    start = Params()
-    return replace(settings, **{name: getattr(start, name) for name in NOT_OF_BOXES})
+    return settings.only_for(THRESHOLD, SALIENT)
 
 
 def findings() -> tuple[Finding, ...]:
     """What the audit found in the open inputs, worst first."""
     space = workspace()
     x, y = systems()
-    settings = params()
-    relevant = replace(Params(), **{name: getattr(settings, name) for name in OF_AUDIT})
+    relevant = params().only_for(THRESHOLD, MATCH, PROXIMITY)
     return space.keep("findings", (relevant, x, y), lambda: _audit(space, relevant, x, y))
 
 
@@ -283,7 +270,7 @@ def settle(recording_index: int, row_in_recording: int) -> None:
 def write_address() -> None:
     """Put the current frame and the parameters that were changed into the page's address."""
     wanted = link_to(*_place())
-    for name in [*(spec.name for spec in fields(Params)), "recording", "frame"]:
+    for name in [*SETTINGS, "recording", "frame"]:
         if name in wanted:
             if st.query_params.get(name) != wanted[name]:
                 st.query_params[name] = wanted[name]
@@ -364,8 +351,8 @@ def _forget_widgets() -> None:
     """Forget the widgets' values, so that they start with those of the open session."""
     st.session_state.pop("params", None)
     if st.session_state.get("has_opened", False):
-        for spec in fields(Params):
-            st.session_state.pop(spec.name, None)
+        for name in SETTINGS:
+            st.session_state.pop(name, None)
     st.session_state["has_opened"] = True  # the first time the address may set parameters
 
 

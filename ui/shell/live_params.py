@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import math
-from dataclasses import Field, fields
 from typing import Any, Final
 
 import numpy as np
 import streamlit as st
 
 from nvcore.errors import ParameterError
-from nvcore.params import MIDPOINT_SHARE, SPREAD_SHARE, Params, Preset
+from nvcore.params import SETTINGS, Params
+from nvcore.params.metadata import THRESHOLD, Setting
+from nvcore.params.presets import Preset
 from ui.session import state
 
-FIELDS: Final[dict[str, Field[Any]]] = {spec.name: spec for spec in fields(Params)}
 KEPT_NUMBERS: Final = 1e-9
 
 
@@ -28,9 +28,7 @@ def read() -> str:
     What is wrong with the values, for the sidebar; empty if nothing. The last parameters that
     worked then stay in use.
     """
-    values = {name: value_of(name) for name in FIELDS}
-    values |= {name: _of_height(name) for name in ("midpoint", "spread")}
-    values |= {name: _threshold(name) for name in ("threshold_x", "threshold_y")}
+    values = {name: _read(name, setting) for name, setting in SETTINGS.items()}
     try:
         params = Params(**values)
     except ParameterError as error:
@@ -39,6 +37,12 @@ def read() -> str:
         return "The recordings do not state the row of the horizon: type it above"
     st.session_state["params"] = params
     return ""
+
+
+def _read(name: str, setting: Setting) -> Any:
+    if setting.stage is THRESHOLD:
+        return _threshold(name)
+    return value_of(name) if setting.height_share is None else _of_height(name)
 
 
 def _lacks_horizon(params: Params) -> bool:
@@ -63,7 +67,7 @@ def keep_hidden(name: str) -> None:
 
 def keep_all_hidden() -> None:
     """Keep all parameters' values on a page that has no sidebar."""
-    for name in FIELDS:
+    for name in SETTINGS:
         keep_hidden(name)
 
 
@@ -77,8 +81,14 @@ def picture_height() -> float:
 def default_of_height(name: str) -> float:
     """Value at which the slider of the sigmoid's midpoint or spread starts, pixels."""
     given: float | None = getattr(state.session_params(), name)
-    share = MIDPOINT_SHARE if name == "midpoint" else SPREAD_SHARE
-    return share * picture_height() if given is None else given
+    return _of_share(name) if given is None else given
+
+
+def _of_share(name: str) -> float:
+    """The default of the sigmoid's midpoint or spread, pixels."""
+    share = SETTINGS[name].height_share
+    assert share is not None
+    return share * picture_height()
 
 
 def _of_height(name: str) -> float | None:
@@ -120,11 +130,8 @@ def _threshold(name: str) -> float | None:
 
 def set_preset(preset: Preset) -> None:
     """Give the parameters the values of a preset in the next run."""
-    height = picture_height()
-    shown = {"midpoint": MIDPOINT_SHARE * height, "spread": SPREAD_SHARE * height}
-    state.set_params(
-        **{
-            name: shown.get(name) if value is None else value
-            for name, value in preset.values(height).items()
-        }
-    )
+    values = preset.values(picture_height())
+    for name, value in values.items():
+        if value is None and SETTINGS[name].height_share is not None:
+            values[name] = _of_share(name)
+    state.set_params(**values)

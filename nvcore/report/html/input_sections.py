@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
-from dataclasses import fields
 from typing import Any, Final
 
 import numpy as np
@@ -18,7 +16,7 @@ from nvcore.inputs.load import source_hashes
 from nvcore.metrics.encounters import RELEVANT_K
 from nvcore.metrics.kernels import ABSORB_SHARE
 from nvcore.metrics.linking import LINK_GAP, LINK_IOU
-from nvcore.params import MIDPOINT_SHARE, SPREAD_SHARE, Params
+from nvcore.params import SETTINGS
 from nvcore.report.html import words
 from nvcore.report.html.blocks import Block, Section, Sentences, Table, table
 from nvcore.tables.inputs import inputs_table, left_out_table
@@ -26,7 +24,11 @@ from nvcore.wording import UNDEFINED, count_text, number
 
 MOST_FILES: Final = 60
 """Input files that are listed one by one; there is a hash of all in any case."""
-FROM_HEIGHT: Final = {"midpoint": MIDPOINT_SHARE, "spread": SPREAD_SHARE}
+FROM_HEIGHT: Final = {
+    name: setting.height_share
+    for name, setting in SETTINGS.items()
+    if setting.height_share is not None
+}
 """Settings that are a share of the picture's height if not set."""
 
 
@@ -137,15 +139,19 @@ def _recordings(result: Result) -> Table:
 def parameters_section(result: Result) -> Section:
     """Every setting with its meaning, and the fixed numbers."""
     rows = []
-    for spec in fields(Params):
-        value, meta = getattr(result.params, spec.name), spec.metadata
-        is_changed = value != spec.default
-        default = _value(spec.default)
-        rows.append((
-            spec.name, _value(value) if value is not None else _taken(result, spec.name),
-            meta["unit"], "changed" if is_changed else "default", default, _range(meta),
-            meta["help"],
-        ))  # fmt: skip
+    for name, setting in SETTINGS.items():
+        value = getattr(result.params, name)
+        rows.append(
+            (
+                name,
+                _value(value) if value is not None else _taken(result, name),
+                setting.unit,
+                "default" if value == setting.default else "changed",
+                _value(setting.default),
+                setting.range_text,
+                setting.meaning,
+            )
+        )
     head = ("Parameter", "Value", "Unit", "Changed", "Default", "Range", "Meaning")
     fixed = (
         ("weight of nearness from which a frame is relevant", f"{RELEVANT_K:g}"),
@@ -176,11 +182,3 @@ def _value(value: Any) -> str:
     if value is None:
         return UNDEFINED
     return f"{value:g}" if isinstance(value, int | float) else str(value)
-
-
-def _range(meta: Any) -> str:
-    if meta["choices"] is not None:
-        return ", ".join(meta["choices"])
-    if math.isinf(meta["high"]):
-        return "any"
-    return f"{'more than ' if meta['above_low'] else ''}{meta['low']:g} to {meta['high']:g}"

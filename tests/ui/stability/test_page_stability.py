@@ -9,12 +9,9 @@ from inputs import write
 from places import ROOT
 from streamlit.testing.v1 import AppTest
 
-from nvcore.stability.axes import MATCH_WORDS, axes_of
-from nvcore.stability.survey import SURVEYED
 from pages import session
 from ui.jobs.background import JobState
 from ui.session import state
-from ui.shell.sidebar import CHOICES, LABELS
 from ui.stability import survey, verdict_map
 
 PATIENCE_S = 20
@@ -87,16 +84,6 @@ def test_the_table_of_many_frames_is_made_on_a_wish(monkeypatch: pytest.MonkeyPa
     assert job.state is JobState.DONE
     table = checked(page.run()).dataframe[0].value
     assert "X better, in 51 %" in table["by mean similarity"].tolist()
-
-
-def test_settings_are_called_as_in_the_sidebar():
-    page = opened()
-    result = page.session_state["workspace"].result
-    sidebar = {name: label.split(" (p")[0].split(" (m")[0] for name, label in LABELS.items()}
-    for plane in SURVEYED:
-        for axis in axes_of(result, plane, n_points=3):
-            assert axis.label.split(" (mid")[0].split(" (edge")[0] == sidebar[axis.name]
-    assert {value: CHOICES[value] for value in MATCH_WORDS} == MATCH_WORDS
 
 
 def test_what_the_audit_warns_of_stands_above_the_map(tmp_path, monkeypatch: pytest.MonkeyPatch):

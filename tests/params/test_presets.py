@@ -6,7 +6,8 @@ from dataclasses import asdict
 
 import pytest
 
-from nvcore.params import PRESETS, Params
+from nvcore.params import Params
+from nvcore.params.presets import PRESETS
 
 
 @pytest.mark.parametrize("preset", PRESETS, ids=lambda preset: preset.name)

@@ -7,32 +7,59 @@ import numpy as np
 import pandas as pd
 import pytest
 from builders import Place, at, make_dataset, result_of
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from other_params import OTHER, WITH
 from scenes import draw_scene
 
 from nvcore.comparison import Result, compare
 from nvcore.dataset import Dataset, dataset_from_tables
 from nvcore.errors import InputError, ParameterError
 from nvcore.metrics import kernels
-from nvcore.params import Params
+from nvcore.params import SETTINGS, Params, settings_for
+from nvcore.params.metadata import (
+    DISTANCES,
+    ENCOUNTERS,
+    EVENTS,
+    LOW,
+    MATCH,
+    NEAREST,
+    PROXIMITY,
+    SALIENCY,
+    SALIENT,
+    SIMILARITY,
+    THRESHOLD,
+    Stage,
+)
 
-CHANGES: dict[str, Any] = {
-    "alpha": 0.3, "distance": "ground", "edge_weight": 0.7, "proximity": "none", "midpoint": 90.0,
-    "spread": 30.0, "midpoint_m": 20.0, "spread_m": 2.0, "horizon": 100.0, "threshold_x": 0.5,
-    "threshold_y": 0.5, "match": "lateral", "iou": 0.8, "lateral_tolerance": 0.1, "coverage": 0.9,
-    "lag_s": 0.0, "gap_s": 0.0, "low": 0.99, "window": 3.0, "tolerance": 0.3,
-    "recency_midpoint": 0.2, "recency_spread": 0.5, "saliency_aggregate": "sum",
-    "saliency_scope": "encounter",
-}  # fmt: skip
-"""Another value of every parameter."""
-
-BASE: dict[str, dict[str, Any]] = {
-    "midpoint_m": {"proximity": "distance"},
-    "spread_m": {"proximity": "distance"},
-    "horizon": {"proximity": "horizon"},
-    "lateral_tolerance": {"match": "lateral", "lateral_tolerance": 0.0},
-    "saliency_scope": {"saliency_aggregate": "sum"},
+PARTS: dict[str, tuple[Stage, ...]] = {
+    "matches": (MATCH,),
+    "n_det": (MATCH,),
+    "matched": (MATCH,),
+    "false_alarms": (MATCH,),
+    "episodes": (MATCH,),
+    "weights": (MATCH, PROXIMITY),
+    "nearest": (NEAREST,),
+    "distances": (DISTANCES,),
+    "salient_row": (SALIENT,),
+    "events": (EVENTS,),
+    "encounters": (ENCOUNTERS,),
 }
-"""Where a parameter has an effect at all."""
+"""Parts of a system's result that another comparison may take over, and what makes them."""
+MADE_BY: dict[Stage, set[str]] = {
+    THRESHOLD: {"x matches state", "y matches state"},
+    MATCH: {"x matches truth_det"},
+    PROXIMITY: {"k_truth"},
+    NEAREST: {f"x nearest {name}" for name in ("truth", "detections")},
+    DISTANCES: {"x distances d_miss"},
+    SIMILARITY: {"x similarity"},
+    LOW: {"x intervals", "x similarity_window"},
+    ENCOUNTERS: {"x encounters"},
+    SALIENT: {"x salient_row"},
+    EVENTS: {"x events"},
+    SALIENCY: {"x saliency_s"},
+}
+"""What a setting of a stage changes first: one of these at least."""
 
 
 @pytest.fixture(scope="module")
@@ -83,23 +110,63 @@ def _is_same(one: Any, other: Any) -> bool:
     return repr(one) == repr(other)
 
 
-def test_every_parameter_is_changed_by_these_tests() -> None:
-    assert set(CHANGES) == {spec.name for spec in dataclasses.fields(Params)}
+def changed(name: str) -> tuple[Params, Params]:
+    """Settings that differ in one parameter, where it has an effect."""
+    before = Params(**WITH.get(name, {}))
+    return before, dataclasses.replace(before, **{name: OTHER[name]})
 
 
-@pytest.mark.parametrize("name", CHANGES)
-def test_a_previous_result_changes_no_figure(busy: Dataset, name: str) -> None:
-    before = Params(**BASE.get(name, {}))
-    after = dataclasses.replace(before, **{name: CHANGES[name]})
+def depends_on(stages: tuple[Stage, ...], letter: str) -> set[str]:
+    """Settings that move the result of these stages for a system."""
+    return {f"threshold_{letter}", *settings_for(*stages)}
+
+
+def test_these_tests_change_every_parameter_and_know_every_stage() -> None:
+    assert set(OTHER) == set(SETTINGS)
+    assert set(MADE_BY) == {setting.stage for setting in SETTINGS.values()}
+
+
+@pytest.mark.parametrize("name", SETTINGS)
+def test_a_parameter_changes_what_its_stage_makes(busy: Dataset, name: str) -> None:
+    before, after = changed(name)
+    differences = differing(compare(busy, before), compare(busy, after))
+    assert differences & MADE_BY[SETTINGS[name].stage]
+
+
+@pytest.mark.parametrize("name", SETTINGS)
+def test_a_parameter_leaves_the_stages_before_its_own_as_they_were(
+    busy: Dataset, name: str
+) -> None:
+    before, after = changed(name)
     previous = compare(busy, before)
-    assert not differing(compare(busy, after, previous=previous), compare(busy, after))
+    result = compare(busy, after, previous=previous)
+    assert not differing(result, compare(busy, after))
+    for letter in "xy":
+        here, there = getattr(result, letter), getattr(previous, letter)
+        taken_over = {part for part in PARTS if getattr(here, part) is getattr(there, part)}
+        assert taken_over == {
+            part for part, stages in PARTS.items() if name not in depends_on(stages, letter)
+        }
 
 
-@pytest.mark.parametrize("name", CHANGES)
-def test_every_parameter_has_an_effect(busy: Dataset, name: str) -> None:
-    before = Params(**BASE.get(name, {}))
-    after = dataclasses.replace(before, **{name: CHANGES[name]})
-    assert differing(compare(busy, before), compare(busy, after))
+SMALL = draw_scene(3).dataset()
+
+
+@given(st.lists(st.sets(st.sampled_from(sorted(OTHER))), min_size=2, max_size=2))
+@settings(max_examples=50, deadline=None, derandomize=True)
+def test_settings_that_differ_in_later_stages_only_share_the_earlier_ones(
+    names: list[set[str]],
+) -> None:
+    first, second = (Params(**{name: OTHER[name] for name in chosen}) for chosen in names)
+    previous = compare(SMALL, first)
+    result = compare(SMALL, second, previous=previous)
+    assert not differing(result, compare(SMALL, second))
+    moved = names[0] ^ names[1]
+    for letter in "xy":
+        here, there = getattr(result, letter), getattr(previous, letter)
+        for part, stages in PARTS.items():
+            is_shared = moved.isdisjoint(depends_on(stages, letter))
+            assert (getattr(here, part) is getattr(there, part)) == is_shared
 
 
 EFFECTS = {
@@ -118,22 +185,21 @@ EFFECTS = {
 
 @pytest.mark.parametrize("name", EFFECTS)
 def test_a_parameter_changes_what_it_should_and_nothing_else(busy: Dataset, name: str) -> None:
-    before = Params(**BASE.get(name, {}))
-    after = dataclasses.replace(before, **{name: CHANGES[name]})
-    changed = differing(compare(busy, before), compare(busy, after))
-    assert changed == {f"{letter} {figure}" for letter in "xy" for figure in EFFECTS[name]}
+    before, after = changed(name)
+    differences = differing(compare(busy, before), compare(busy, after))
+    assert differences == {f"{letter} {figure}" for letter in "xy" for figure in EFFECTS[name]}
 
 
 @pytest.mark.parametrize(("name", "other"), [("threshold_x", "y"), ("threshold_y", "x")])
 def test_a_threshold_changes_its_own_system_alone(busy: Dataset, name: str, other: str) -> None:
-    changed = differing(compare(busy), compare(busy, Params(**{name: 0.5})))
-    assert "n_det" in {figure.partition(" ")[2] for figure in changed}
-    assert not {figure for figure in changed if figure.startswith(f"{other} ")}
+    differences = differing(compare(busy), compare(busy, Params(**{name: 0.5})))
+    assert "n_det" in {figure.partition(" ")[2] for figure in differences}
+    assert not {figure for figure in differences if figure.startswith(f"{other} ")}
 
 
 def test_coverage_moves_encounters_between_categories_only(busy: Dataset) -> None:
-    changed = differing(compare(busy), compare(busy, Params(coverage=0.9)))
-    assert changed == {"venn", "exclusivity", "category", "x encounters", "y encounters"}
+    differences = differing(compare(busy), compare(busy, Params(coverage=0.9)))
+    assert differences == {"venn", "exclusivity", "category", "x encounters", "y encounters"}
 
 
 @pytest.mark.parametrize("pieces", [2, 3, 7])
@@ -144,16 +210,6 @@ def test_figures_do_not_depend_on_the_number_of_threads(
     monkeypatch.setattr(kernels, "MIN_PER_THREAD", 1)
     monkeypatch.setattr(kernels.os, "cpu_count", lambda: pieces)
     assert not differing(compare(busy), whole)
-
-
-def test_stages_whose_settings_are_the_same_are_taken_from_the_previous_result(
-    busy: Dataset,
-) -> None:
-    previous = compare(busy)
-    result = compare(busy, Params(alpha=0.5), previous=previous)
-    assert result.x.matches is previous.x.matches
-    assert result.x.events is previous.x.events
-    assert result.encounters is previous.encounters
 
 
 def test_a_previous_result_of_another_dataset_is_not_used() -> None:
@@ -254,6 +310,6 @@ def test_an_error_in_one_system_reaches_the_caller() -> None:
 
 def test_the_dataset_is_not_changed(busy: Dataset) -> None:
     before = [table.copy() for table in (busy.recordings, busy.frames, busy.boxes)]
-    compare(busy, Params(**{**CHANGES, "proximity": "horizon"})).fusion  # noqa: B018
+    compare(busy, Params(**{**OTHER, "proximity": "horizon"})).fusion  # noqa: B018
     for table, copy in zip((busy.recordings, busy.frames, busy.boxes), before, strict=True):
         pd.testing.assert_frame_equal(table, copy)

@@ -1,0 +1,365 @@
+"""Every live setting of the comparison, once: all that is known of one stands in its field.
+
+The command line makes its flags from `Params`, the dashboard its sliders, `compare` the keys of
+what it need not repeat. Here is all that a new setting takes, but for its use, test and docs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, fields
+from functools import cache
+from typing import Any, Final, Literal
+
+from nvcore.errors import ParameterError
+from nvcore.params.metadata import (
+    DISTANCES,
+    ENCOUNTERS,
+    EVENTS,
+    LOW,
+    MATCH,
+    NEAREST,
+    PROXIMITY,
+    SALIENCY,
+    SALIENT,
+    SIMILARITY,
+    THRESHOLD,
+    Setting,
+    Stage,
+    setting,
+)
+
+Distance = Literal["lateral", "ground"]
+Proximity = Literal["height", "horizon", "distance", "none"]
+Match = Literal["iou", "lateral"]
+Aggregate = Literal["max", "sum"]
+Scope = Literal["recording", "encounter"]
+
+MIDPOINT_SHARE: Final = 0.10
+"""Default midpoint of the height sigmoid as a share of the image height."""
+SPREAD_SHARE: Final = 0.02
+"""Default spread of the height sigmoid as a share of the image height."""
+
+
+@dataclass(frozen=True)
+class Params:
+    """Settings of one comparison, checked when made.
+
+    The metadata of each field is a `Setting`. None means: taken from the data (`midpoint`,
+    `spread`, `horizon`) or not applied (thresholds).
+
+    Raises
+    ------
+    ParameterError
+        If a value is outside its range.
+
+    References
+    ----------
+    Paper 11-0360; the defaults marked as choices are argued in ``docs/metrics.md``.
+    """
+
+    alpha: float = setting(
+        SIMILARITY,
+        0.9,
+        low=0,
+        high=1,
+        step=0.05,
+        label="Misses against false alarms (alpha)",
+        meaning="Weight of misses against false alarms in similarity: 1 counts misses only, "
+        "0 false alarms only.",
+    )
+    distance: Distance = setting(
+        NEAREST,
+        "lateral",
+        words={"lateral": "sideways position", "ground": "foot points in the picture"},
+        label="Distance",
+        meaning="How far a detection is from a pedestrian: sideways only (lateral) or between foot "
+        "points in the picture (ground).",
+        is_advanced=True,
+    )
+    edge_weight: float = setting(
+        DISTANCES,
+        0.0,
+        low=0,
+        high=1,
+        step=0.05,
+        slider_format="urban %0.2f rural",
+        label="Traffic context",
+        meaning="Traffic context. 0 (urban): a miss far to the side costs little; 1 (rural): a "
+        "miss at the road's edge costs as much as one straight ahead.",
+    )
+    proximity: Proximity = setting(
+        PROXIMITY,
+        "height",
+        words={
+            "height": "height of the box",
+            "horizon": "foot point below the horizon",
+            "distance": "distance in metres",
+            "none": "nothing: all count the same",
+        },
+        label="What tells how near",
+        meaning="What tells how near a pedestrian is: the box's height, its foot point below the "
+        "horizon, the distance in metres, or none (all count the same).",
+    )
+    midpoint: float | None = setting(
+        PROXIMITY,
+        None,
+        low=0,
+        high=10_000,
+        unit="px",
+        height_share=MIDPOINT_SHARE,
+        proximities=("height", "horizon"),
+        label="Counts half at",
+        meaning="Height (or depth below the horizon) at which a pedestrian counts half. Default: "
+        "10 % of the image height.",
+    )
+    spread: float | None = setting(
+        PROXIMITY,
+        None,
+        low=0,
+        high=10_000,
+        unit="px",
+        is_above_low=True,
+        height_share=SPREAD_SHARE,
+        proximities=("height", "horizon"),
+        label="Softness",
+        meaning="Softness of the step at the midpoint. Default: 2 % of the image height.",
+    )
+    midpoint_m: float = setting(
+        PROXIMITY,
+        35.0,
+        low=0,
+        high=1_000,
+        slider_high=150,
+        unit="m",
+        proximities=("distance",),
+        label="Counts half at",
+        meaning="Distance at which a pedestrian counts half, for proximity by distance.",
+    )
+    spread_m: float = setting(
+        PROXIMITY,
+        7.0,
+        low=0,
+        high=1_000,
+        slider_high=40,
+        step=0.5,
+        unit="m",
+        is_above_low=True,
+        proximities=("distance",),
+        label="Softness",
+        meaning="Softness of the step at that distance.",
+    )
+    horizon: float | None = setting(
+        PROXIMITY,
+        None,
+        low=-10_000,
+        high=10_000,
+        unit="px",
+        proximities=("horizon",),
+        label="Row of the horizon",
+        meaning="Row of the horizon in the picture, for proximity by horizon. Default: the "
+        "recording's own.",
+    )
+    threshold_x: float | None = setting(
+        THRESHOLD,
+        None,
+        label="Score threshold of X",
+        meaning="Detections of X with a lower score are left out. Default: every detection counts.",
+    )
+    threshold_y: float | None = setting(
+        THRESHOLD,
+        None,
+        label="Score threshold of Y",
+        meaning="Detections of Y with a lower score are left out. Default: every detection counts.",
+    )
+    match: Match = setting(
+        MATCH,
+        "iou",
+        words={"iou": "overlap of the boxes", "lateral": "sideways position"},
+        label="A detection matches by",
+        meaning="When a detection matches a pedestrian: by overlap of the boxes (iou) or by "
+        "sideways position alone (lateral).",
+        is_advanced=True,
+    )
+    iou: float = setting(
+        MATCH,
+        0.5,
+        low=0,
+        high=1,
+        step=0.05,
+        is_above_low=True,
+        label="Smallest overlap (IoU)",
+        meaning="Smallest overlap (intersection over union) of a match.",
+        is_advanced=True,
+    )
+    lateral_tolerance: float = setting(
+        MATCH,
+        0.02,
+        low=0,
+        high=1,
+        step=0.005,
+        unit="of image width",
+        label="Largest sideways offset (of width)",
+        meaning="Largest sideways offset of a match by lateral position; half the pedestrian's "
+        "width is always allowed.",
+        is_advanced=True,
+    )
+    coverage: float = setting(
+        ENCOUNTERS,
+        0.5,
+        low=0,
+        high=1,
+        step=0.05,
+        label="Detected if matched in (share)",
+        meaning="Share of its relevant frames in which an encounter must be matched to count as "
+        "detected.",
+        is_advanced=True,
+    )
+    lag_s: float = setting(
+        ENCOUNTERS,
+        0.5,
+        low=0,
+        high=60,
+        slider_high=5,
+        step=0.1,
+        unit="s",
+        label="Late after",
+        meaning="A first match later than this after the pedestrian became relevant is late.",
+        is_advanced=True,
+    )
+    gap_s: float = setting(
+        ENCOUNTERS,
+        0.5,
+        low=0,
+        high=60,
+        slider_high=5,
+        step=0.1,
+        unit="s",
+        label="Dropout after",
+        meaning="A longer gap between two matches is a dropout; a longer one after the last match "
+        "is an early loss.",
+        is_advanced=True,
+    )
+    low: float = setting(
+        LOW,
+        0.9,
+        low=0,
+        high=1,
+        step=0.01,
+        label="Low similarity below",
+        meaning="Frames with a similarity below this are low.",
+        is_advanced=True,
+    )
+    window: float = setting(
+        LOW,
+        1.0,
+        low=0,
+        high=600,
+        slider_high=10,
+        step=0.1,
+        unit="s",
+        label="Moving mean",
+        meaning="Width of the moving mean of similarity.",
+        is_advanced=True,
+    )
+    tolerance: float = setting(
+        SALIENT,
+        0.05,
+        low=0,
+        high=1,
+        step=0.01,
+        unit="of half the image width",
+        label="Least miss for saliency",
+        meaning="A miss counts for saliency only when its weighted distance is larger than this.",
+        is_advanced=True,
+    )
+    recency_midpoint: float = setting(
+        EVENTS,
+        0.5,
+        low=0,
+        high=1,
+        step=0.05,
+        unit="of the duration",
+        label="Remembered half at (of duration)",
+        meaning="When in the recording a miss starts to be remembered: it counts half here.",
+        is_advanced=True,
+    )
+    recency_spread: float = setting(
+        EVENTS,
+        0.1,
+        low=0,
+        high=10,
+        slider_high=0.5,
+        step=0.01,
+        unit="of the duration",
+        is_above_low=True,
+        label="Softness of recency",
+        meaning="Softness of that step.",
+        is_advanced=True,
+    )
+    saliency_aggregate: Aggregate = setting(
+        SALIENCY,
+        "max",
+        words={"max": "most salient event", "sum": "sum of all events"},
+        label="Saliency of a recording",
+        meaning="A recording's saliency: its most salient event (max) or all of them added (sum).",
+        is_advanced=True,
+    )
+    saliency_scope: Scope = setting(
+        EVENTS,
+        "recording",
+        words={"recording": "the recording", "encounter": "the encounter"},
+        label="Recency measured in",
+        meaning="What recency is measured in: the whole recording (a clip) or the pedestrian's own "
+        "encounter (long drives).",
+        is_advanced=True,
+    )
+
+    def __post_init__(self) -> None:
+        for name, known in SETTINGS.items():
+            known.check(name, getattr(self, name))
+
+    def given(self) -> dict[str, float | str]:
+        """Settings by name, those that are None left out (for TOML and JSON)."""
+        return {name: value for name, value in asdict(self).items() if value is not None}
+
+    def values_for(self, *stages: Stage) -> tuple[Any, ...]:
+        """Values of the settings that the results of these stages depend on."""
+        return tuple(getattr(self, name) for name in settings_for(*stages))
+
+    def only_for(self, *stages: Stage) -> Params:
+        """The settings that the results of these stages depend on, all others by default."""
+        return Params(**dict(zip(settings_for(*stages), self.values_for(*stages), strict=True)))
+
+
+SETTINGS: Final[dict[str, Setting]] = {
+    spec.name: spec.metadata["setting"] for spec in fields(Params)
+}
+"""What is known of every setting, by name, in the order in which they are shown."""
+
+
+@cache
+def settings_for(*stages: Stage) -> tuple[str, ...]:
+    """Names of the settings that the results of these stages depend on.
+
+    Those of the stages and of all that come before them; a threshold only if `THRESHOLD` is one of
+    them.
+    """
+    before: frozenset[Stage] = frozenset().union(*(stage.before for stage in stages))
+    return tuple(name for name, known in SETTINGS.items() if known.stage in before)
+
+
+def params_from(values: Mapping[str, object]) -> Params:
+    """`Params` from a mapping by name, such as a session file's ``[parameters]``.
+
+    Raises
+    ------
+    ParameterError
+        If a name is unknown or a value is outside its range.
+    """
+    for name in values:
+        if name not in SETTINGS:
+            raise ParameterError(
+                f"there is no parameter {name!r}; the parameters are {', '.join(sorted(SETTINGS))}"
+            )
+    return Params(**values)  # type: ignore[arg-type]

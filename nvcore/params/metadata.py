@@ -1,0 +1,136 @@
+"""What is known of a setting, and the stages of the comparison that settings belong to."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+from nvcore.errors import ParameterError
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """A step of the comparison that reads settings.
+
+    Attributes
+    ----------
+    name
+        What it makes.
+    group
+        Heading under which its settings are shown.
+    after
+        The stages that it starts from: their settings move its result, too.
+    """
+
+    name: str
+    group: str
+    after: tuple[Stage, ...] = ()
+
+    @property
+    def before(self) -> frozenset[Stage]:
+        """The stage itself and all that come before it."""
+        return frozenset({self}.union(*(stage.before for stage in self.after)))
+
+
+THRESHOLD: Final = Stage("detections that count", "Thresholds and matching")
+"""Not before `MATCH`: each system has its own, so the results of a system depend on one of them."""
+MATCH: Final = Stage("matches", "Thresholds and matching")
+PROXIMITY: Final = Stage("weights of nearness", "Proximity")
+NEAREST: Final = Stage("nearest of the other set", "Similarity", (MATCH,))
+DISTANCES: Final = Stage("distances of the sets", "Similarity", (NEAREST, PROXIMITY))
+SIMILARITY: Final = Stage("similarity of frames", "Similarity", (DISTANCES,))
+LOW: Final = Stage("low frames and moving mean", "Similarity", (SIMILARITY,))
+ENCOUNTERS: Final = Stage("encounters, judged", "Encounters", (MATCH, PROXIMITY))
+SALIENT: Final = Stage("most salient miss of frames", "Saliency", (DISTANCES,))
+EVENTS: Final = Stage("saliency events", "Saliency", (SALIENT,))
+SALIENCY: Final = Stage("saliency of recordings", "Saliency", (EVENTS,))
+
+
+@dataclass(frozen=True, eq=False)
+class Setting:
+    """A live setting: what command line, sidebar, reports and docs say of it.
+
+    Attributes
+    ----------
+    stage
+        The first step of the comparison that it changes.
+    default
+        None: taken from the data, or not applied.
+    label
+        What a widget calls it, without a unit that `label_with_unit` adds.
+    meaning
+        In whole sentences, for help texts.
+    words
+        Of a choice: what a person reads, by value; None: a number.
+    low, high, step, unit
+        Of a number.
+    is_above_low
+        Whether the lower end is outside the range.
+    slider_high
+        Where its slider ends, if nobody moves it through the whole range.
+    slider_format
+        How its slider shows the value, if not as a number.
+    height_share
+        The default as a share of the picture's height.
+    proximities
+        Values of `proximity` with which it is used; None: with all.
+    is_advanced
+        Whether it is rarely moved: its widget is folded away.
+    """
+
+    stage: Stage
+    default: float | str | None
+    label: str
+    meaning: str
+    words: Mapping[str, str] | None = None
+    low: float = -math.inf
+    high: float = math.inf
+    step: float = 1.0
+    unit: str = ""
+    is_above_low: bool = False
+    slider_high: float | None = None
+    slider_format: str | None = None
+    height_share: float | None = None
+    proximities: tuple[str, ...] | None = None
+    is_advanced: bool = False
+
+    @property
+    def label_with_unit(self) -> str:
+        """What a widget calls it: "Late after (s)"."""
+        is_symbol = self.unit in ("px", "m", "s")
+        return f"{self.label} ({self.unit})" if is_symbol else self.label
+
+    @property
+    def range_text(self) -> str:
+        """Possible values: "0 to 1", "more than 0 to 10", "any", or the choices."""
+        if self.words is not None:
+            return ", ".join(self.words)
+        if math.isinf(self.high):
+            return "any"
+        return f"{'more than ' if self.is_above_low else ''}{self.low:g} to {self.high:g}"
+
+    def check(self, name: str, value: object) -> None:
+        """Refuse what is no possible value.
+
+        Raises
+        ------
+        ParameterError
+            With the name and the possible values.
+        """
+        if self.words is not None:
+            if value not in tuple(self.words):
+                raise ParameterError(f"{name}: expected one of {self.range_text}, got {value!r}")
+            return
+        if value is None and self.default is None:
+            return
+        if isinstance(value, bool) or not isinstance(value, int | float) or math.isnan(value):
+            raise ParameterError(f"{name}: expected a number, got {value!r}")
+        if not self.low <= value <= self.high or (self.is_above_low and value == self.low):
+            raise ParameterError(f"{name}: expected {self.range_text}, got {value:g}")
+
+
+def setting(stage: Stage, default: float | str | None, **known: Any) -> Any:
+    """A field of `Params`; `known` as of `Setting`."""
+    return field(default=default, metadata={"setting": Setting(stage, default, **known)})

@@ -1,0 +1,78 @@
+"""Named settings for usual traffic."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Final
+
+from nvcore.params import MIDPOINT_SHARE, SPREAD_SHARE, Params
+
+
+@dataclass(frozen=True)
+class Preset:
+    """A named choice of traffic context and of the height at which a pedestrian is near.
+
+    Attributes
+    ----------
+    name
+        As shown.
+    text
+        What it is for, in a sentence.
+    edge_weight
+        See `Params.edge_weight`.
+    midpoint_share, spread_share
+        Midpoint and spread of the height sigmoid, as shares of the picture's height.
+    """
+
+    name: str
+    text: str
+    edge_weight: float
+    midpoint_share: float
+    spread_share: float
+
+    def values(self, height: float | None) -> dict[str, float | str | None]:
+        """All parameters but the thresholds, for pictures of this height in px.
+
+        Midpoint and spread are None, taken from each recording, where they are the default
+        shares or the height is unknown.
+        """
+        defaults = {
+            name: value
+            for name, value in asdict(Params()).items()
+            if not name.startswith("threshold")
+        }
+        is_default = (self.midpoint_share, self.spread_share) == (MIDPOINT_SHARE, SPREAD_SHARE)
+        changes: dict[str, float | str | None] = {"edge_weight": self.edge_weight}
+        if not is_default and height is not None:
+            changes["midpoint"] = self.midpoint_share * height
+            changes["spread"] = self.spread_share * height
+        return defaults | changes
+
+
+PRESETS: Final = (
+    Preset(
+        "Paper",
+        "All settings but the thresholds as by default: the paper's where it gives them. A miss "
+        "far to the side costs little.",
+        edge_weight=0.0,
+        midpoint_share=MIDPOINT_SHARE,
+        spread_share=SPREAD_SHARE,
+    ),
+    Preset(
+        "Urban",
+        "Low speed: a pedestrian counts half at 15 % of the tallest picture's height, a "
+        "miss on the far sidewalk costs little.",
+        edge_weight=0.0,
+        midpoint_share=0.15,
+        spread_share=0.03,
+    ),
+    Preset(
+        "Rural",
+        "High speed: a pedestrian counts half at 6 % of the tallest picture's height, and a miss "
+        "at the road's edge costs as much as one straight ahead.",
+        edge_weight=1.0,
+        midpoint_share=0.06,
+        spread_share=0.012,
+    ),
+)
+"""All presets; the first is the default."""

@@ -1,0 +1,120 @@
+from __future__ import annotations
+
+import dataclasses
+import math
+import typing
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from other_params import OTHER
+
+from nvcore.errors import ParameterError
+from nvcore.params import SETTINGS, Params, params_from, settings_for
+from nvcore.params.metadata import EVENTS, MATCH, SALIENCY, Setting
+
+NUMBERS = [name for name, setting in SETTINGS.items() if setting.words is None]
+CHOICES = [name for name, setting in SETTINGS.items() if setting.words is not None]
+BOUNDED = [name for name in NUMBERS if math.isfinite(SETTINGS[name].high)]
+
+
+@pytest.mark.parametrize("setting", SETTINGS.values(), ids=list(SETTINGS))
+def test_every_setting_is_explained_in_whole_sentences(setting: Setting) -> None:
+    assert setting.label
+    assert setting.meaning.endswith((".", "?"))
+
+
+@pytest.mark.parametrize("name", CHOICES)
+def test_the_choices_are_those_of_the_type(name: str) -> None:
+    kind = typing.get_type_hints(Params)[name]
+    assert tuple(SETTINGS[name].words or ()) == typing.get_args(kind)
+
+
+@pytest.mark.parametrize("name", [name for name in SETTINGS if SETTINGS[name].height_share])
+def test_a_share_of_the_height_is_the_one_that_is_explained(name: str) -> None:
+    share = SETTINGS[name].height_share
+    assert share is not None
+    assert f"{100 * share:g} % of the image height" in SETTINGS[name].meaning
+
+
+def test_a_stage_depends_on_its_own_settings_and_those_of_all_before() -> None:
+    assert settings_for(MATCH) == ("match", "iou", "lateral_tolerance")
+    assert set(settings_for(SALIENCY)) == set(settings_for(EVENTS)) | {"saliency_aggregate"}
+    assert {"distance", "edge_weight", "iou", "midpoint"} < set(settings_for(SALIENCY))
+    assert {"alpha", "coverage"}.isdisjoint(settings_for(SALIENCY))
+
+
+@given(st.sets(st.sampled_from(sorted(OTHER))))
+def test_settings_for_a_stage_are_kept_and_all_others_are_the_defaults(names: set[str]) -> None:
+    params = Params(**{name: OTHER[name] for name in names})
+    for stage in {setting.stage for setting in SETTINGS.values()}:
+        kept = {name: OTHER[name] for name in names if name in settings_for(stage)}
+        assert params.only_for(stage) == Params(**kept)
+        assert params.only_for(stage).values_for(stage) == params.values_for(stage)
+
+
+@pytest.mark.parametrize("name", BOUNDED)
+def test_both_ends_of_a_range_belong_to_it_unless_stated(name: str) -> None:
+    low, high = SETTINGS[name].low, SETTINGS[name].high
+    assert getattr(Params(**{name: high}), name) == high
+    if SETTINGS[name].is_above_low:
+        with pytest.raises(ParameterError, match=f"{name}: expected more than {low:g}"):
+            Params(**{name: low})
+    else:
+        assert getattr(Params(**{name: low}), name) == low
+
+
+@pytest.mark.parametrize("name", BOUNDED)
+def test_a_value_outside_its_range_is_refused_with_the_range(name: str) -> None:
+    low, high = SETTINGS[name].low, SETTINGS[name].high
+    for value in (low - 0.001, high + 0.001):
+        with pytest.raises(ParameterError, match=f"^{name}: expected .* to {high:g}, got"):
+            Params(**{name: value})
+
+
+@pytest.mark.parametrize("name", NUMBERS)
+@pytest.mark.parametrize("value", [True, "0.5", math.nan, [0.5]])
+def test_what_is_no_number_is_refused(name: str, value: object) -> None:
+    with pytest.raises(ParameterError, match=f"{name}: expected a number, got"):
+        Params(**{name: value})
+
+
+@pytest.mark.parametrize("name", CHOICES)
+def test_an_unknown_choice_is_refused_with_the_choices(name: str) -> None:
+    with pytest.raises(ParameterError, match=f"{name}: expected one of .*, got 'sideways'"):
+        Params(**{name: "sideways"})
+
+
+@pytest.mark.parametrize("name", SETTINGS)
+def test_none_is_allowed_where_it_is_the_default(name: str) -> None:
+    if SETTINGS[name].default is None:
+        assert getattr(Params(**{name: None}), name) is None
+    else:
+        with pytest.raises(ParameterError, match=f"{name}: expected"):
+            Params(**{name: None})
+
+
+def test_a_threshold_may_be_any_number_because_scores_have_any_scale() -> None:
+    assert Params(threshold_x=-0.85, threshold_y=8e6).threshold_y == 8e6
+
+
+def test_given_leaves_out_what_is_none() -> None:
+    given = Params(alpha=0.8, midpoint=60).given()
+    assert given["alpha"] == 0.8
+    assert given["midpoint"] == 60
+    assert {"spread", "horizon", "threshold_x", "threshold_y"}.isdisjoint(given)
+
+
+def test_given_makes_the_same_params_again() -> None:
+    params = Params(alpha=0.8, distance="ground", threshold_x=0.5)
+    assert params_from(params.given()) == params
+
+
+def test_an_unknown_name_is_refused_with_the_known_ones() -> None:
+    with pytest.raises(ParameterError, match=r"no parameter 'beta'; the parameters are alpha, "):
+        params_from({"beta": 1})
+
+
+def test_params_cannot_be_changed() -> None:
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        Params().alpha = 0.5  # type: ignore[misc]
