@@ -208,8 +208,16 @@ import json
 from dataclasses import fields
 from nvcore.params import Params
 from nvcore.protocols import PROTOCOLS
-keys = ("choices", "low", "high", "above_low")
-ranges = {spec.name: {key: spec.metadata.get(key) for key in keys} for spec in fields(Params)}
+
+def range_of(spec):
+    setting = spec.metadata.get("setting")
+    if setting is None:  # before there was nvcore.params.metadata
+        return {key: spec.metadata.get(key) for key in ("choices", "low", "high", "above_low")}
+    choices = None if setting.words is None else list(setting.words)
+    ends = {"low": setting.low, "high": setting.high, "above_low": setting.is_above_low}
+    return {"choices": choices, **ends}
+
+ranges = {spec.name: range_of(spec) for spec in fields(Params)}
 print(json.dumps({"params": ranges, "protocols": list(PROTOCOLS)}))
 """
 
