@@ -6,8 +6,6 @@ from ui.data import choose, compare, findings, inputs
 from ui.data.opening import draw_outcome
 
 st.title("Data")
-for draw in (
-    draw_outcome, findings.draw, inputs.draw, choose.draw, compare.draw,
-):  # fmt: skip
+for draw in (draw_outcome, findings.draw, inputs.draw, choose.draw, compare.draw):
     with st.container():  # one place each: an upload goes on when there is more or less above it
         draw()

@@ -12,9 +12,11 @@ from ui.shell.messages import error_banner, shown_error
 from ui.shell.navigate import PAGES, follow_wish
 
 st.set_page_config(
-    page_title="nvcore", page_icon=str(state.ROOT / "ui" / "assets" / "icon.svg"), layout="wide",
+    page_title="nvcore",
+    page_icon=str(state.ROOT / "ui" / "assets" / "icon.svg"),
+    layout="wide",
     initial_sidebar_state="expanded",
-)  # fmt: skip
+)
 st.logo(str(state.ROOT / "ui" / "assets" / "logo.svg"), size="large")
 st.html(state.ROOT / "ui" / "assets" / "style.css")
 

@@ -72,9 +72,11 @@ def draw_session_form() -> None:
     )
     file = st.file_uploader("Session file", type=["toml"], key="session_file", on_change=_changed)
     others = st.file_uploader(
-        "The files that it names, or a ZIP archive of their folder", accept_multiple_files=True,
-        key="session_files", on_change=_changed,
-    )  # fmt: skip
+        "The files that it names, or a ZIP archive of their folder",
+        accept_multiple_files=True,
+        key="session_files",
+        on_change=_changed,
+    )
     facts = draw_facts(PLACE, sent_pictures(state.workspace()).values())
     draw_trouble(PLACE)
     if st.button("Open this session", key="open_session_file", type="primary"):

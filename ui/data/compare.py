@@ -113,10 +113,16 @@ def _draw_system(letter: str, name: str) -> None:
         key = f"data_{field}"
         st.session_state[key] = threshold
         st.number_input(
-            f"Score threshold of {letter.upper()}", key=key, value=None, step=0.01, format="%.4g",
-            placeholder="every detection counts", on_change=_take_threshold, args=(letter,),
+            f"Score threshold of {letter.upper()}",
+            key=key,
+            value=None,
+            step=0.01,
+            format="%.4g",
+            placeholder="every detection counts",
+            on_change=_take_threshold,
+            args=(letter,),
             help="Detections with a lower score are left out. Empty: every detection counts.",
-        )  # fmt: skip
+        )
     point = _point(dataset, name, params, threshold)
     n_all = len(dataset.system(name))
     kept, alarms = st.columns(2)
@@ -135,17 +141,27 @@ def _draw_system(letter: str, name: str) -> None:
         st.plotly_chart(
             score_plot(
                 score_histogram(dataset, name),
-                letter=letter, name=name, threshold=threshold, theme=theme,
+                letter=letter,
+                name=name,
+                threshold=threshold,
+                theme=theme,
             ),
-            theme=None, config=CONFIG, key=f"scores_{letter}",
-        )  # fmt: skip
+            theme=None,
+            config=CONFIG,
+            key=f"scores_{letter}",
+        )
         st.plotly_chart(
             false_alarm_plot(
                 _curve(dataset, name, params),
-                letter=letter, name=name, threshold=threshold, theme=theme,
+                letter=letter,
+                name=name,
+                threshold=threshold,
+                theme=theme,
             ),
-            theme=None, config=CONFIG, key=f"alarms_{letter}",
-        )  # fmt: skip
+            theme=None,
+            config=CONFIG,
+            key=f"alarms_{letter}",
+        )
 
 
 def _take_threshold(letter: str) -> None:

@@ -126,15 +126,19 @@ def _draw_pictures(space: Workspace) -> None:
     with st.form(f"pictures_{names.index(name)}", border=False):
         left, right = st.columns([2, 1])
         chosen = left.selectbox(
-            "Pictures", shown, index=shown.index(now),
+            "Pictures",
+            shown,
+            index=shown.index(now),
             help="Send pictures under “Open another comparison”, Upload; they appear here.",
-        )  # fmt: skip
+        )
         first_picture = right.number_input(
-            "Frame number of the first picture", value=facts.first_picture, step=1,
+            "Frame number of the first picture",
+            value=facts.first_picture,
+            step=1,
             placeholder="as guessed",
             help="Only where boxes and pictures do not belong together: the number, as in the "
             "truth, of the frame that the first picture shows. Empty: told from the file names.",
-        )  # fmt: skip
+        )
         is_wanted = st.form_submit_button("Use these pictures")
     if is_wanted:
         first = None if first_picture is None else int(first_picture)

@@ -23,10 +23,16 @@ MOST_LOOKS: Final = 256
 MAX_SIZE_PX: Final = 100_000
 MAX_FPS: Final = 10_000.0
 AUTOMATIC: Final = "told from the content"
-FRAME_BASES: Final = {"as usual for the format": None, "the first frame is 0": 0,
-                      "the first frame is 1": 1}  # fmt: skip
-BOX_BASES: Final = {"as usual for the format": None, "the first pixel is 0": 0,
-                    "the first pixel is 1": 1}  # fmt: skip
+FRAME_BASES: Final = {
+    "as usual for the format": None,
+    "the first frame is 0": 0,
+    "the first frame is 1": 1,
+}
+BOX_BASES: Final = {
+    "as usual for the format": None,
+    "the first pixel is 0": 0,
+    "the first pixel is 1": 1,
+}
 
 
 @dataclass(frozen=True)
@@ -63,9 +69,7 @@ class Facts:
         SessionError
             If the frames are no range.
         """
-        given = {
-            "size": self.size, "fps": self.fps, "frames": checked_frames(self.frames or ""),
-        }  # fmt: skip
+        given = {"size": self.size, "fps": self.fps, "frames": checked_frames(self.frames or "")}
         return replace(session, **{k: v for k, v in given.items() if v is not None})
 
 
@@ -131,9 +135,11 @@ def draw_facts(
         facts["fps"] = _draw_rate(place, picture_rate(pictures), usual)
     if "frames" in asked:
         facts["frames"] = st.text_input(
-            "Evaluated frames", placeholder="0:299", key=f"frames_{place}",
+            "Evaluated frames",
+            placeholder="0:299",
+            key=f"frames_{place}",
             help="FIRST:LAST or FIRST:LAST:STEP, by the frame numbers of the truth.",
-        )  # fmt: skip
+        )
     return Facts(**facts)
 
 
@@ -149,13 +155,23 @@ def _draw_size(
     width, height = proposed or (None, None)
     left, right = st.columns(2)
     wide = left.number_input(
-        "Width of the pictures (px)", 1, MAX_SIZE_PX, value=width, step=1,
-        key=f"width_{place}_{width}", placeholder="such as 640",
-    )  # fmt: skip
+        "Width of the pictures (px)",
+        1,
+        MAX_SIZE_PX,
+        value=width,
+        step=1,
+        key=f"width_{place}_{width}",
+        placeholder="such as 640",
+    )
     high = right.number_input(
-        "Height of the pictures (px)", 1, MAX_SIZE_PX, value=height, step=1,
-        key=f"height_{place}_{height}", placeholder="such as 480",
-    )  # fmt: skip
+        "Height of the pictures (px)",
+        1,
+        MAX_SIZE_PX,
+        value=height,
+        step=1,
+        key=f"height_{place}_{height}",
+        placeholder="such as 480",
+    )
     if proposed is not None and of_pictures is not None:
         st.caption("The size of the pictures given; boxes have to be in the same pixels.")
     elif proposed is not None and usual is not None:
@@ -176,12 +192,18 @@ def _draw_rate(place: str, of_pictures: float | None, usual: Usual | None) -> fl
     if _is_typed(f"fps_{place}", None):
         proposed = None
     rate = st.number_input(
-        "Frames per second", 0.01, MAX_FPS, value=proposed, step=1.0,
-        key=f"fps_{place}_{proposed}", placeholder="such as 20", format="%.6g",
+        "Frames per second",
+        0.01,
+        MAX_FPS,
+        value=proposed,
+        step=1.0,
+        key=f"fps_{place}_{proposed}",
+        placeholder="such as 20",
+        format="%.6g",
         help="How many frame numbers make a second: of the numbering in the files, even if only "
         "every tenth frame is annotated. A video is proposed with the rate at which it plays, "
         "which may differ from that of the camera.",
-    )  # fmt: skip
+    )
     if proposed is not None and of_pictures is None and usual is not None:
         st.caption(f"The usual rate in {usual.name}.")
     elif proposed is not None:
@@ -208,9 +230,12 @@ def draw_reading(role: Role, key: str, changed: Callable[[], None]) -> dict[str,
         "Coordinates", list(BOX_BASES), key=f"box_base_{key}", on_change=changed
     )
     classes = st.text_input(
-        "Classes that are pedestrians", key=f"classes_{key}", on_change=changed,
-        placeholder="as usual for the format", help="Names or numbers, with commas between them.",
-    )  # fmt: skip
+        "Classes that are pedestrians",
+        key=f"classes_{key}",
+        on_change=changed,
+        placeholder="as usual for the format",
+        help="Names or numbers, with commas between them.",
+    )
     given = tuple(name.strip() for name in classes.split(",") if name.strip())
     return {
         "format": titles.get(title),

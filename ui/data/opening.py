@@ -124,9 +124,13 @@ def _draw_opened(label: str) -> None:
         icon=":material/check_circle:",
     )
     st.button(
-        "Next: see the comparison", type="primary", icon=":material/arrow_forward:", key=_SEE,
-        on_click=ask_for_page, args=("overview",),
-    )  # fmt: skip
+        "Next: see the comparison",
+        type="primary",
+        icon=":material/arrow_forward:",
+        key=_SEE,
+        on_click=ask_for_page,
+        args=("overview",),
+    )
     _TO_TOP(key="to_top", data={"opened": n_opened}, height=1)
 
 

@@ -57,9 +57,10 @@ def draw_checked(
     told = "\n".join(f"- {plain(one)}" for one in troubles)
     st.error(f"These pictures were refused:\n{told}", icon=":material/error:")
     goes_on = st.checkbox(
-        "Go on without the refused pictures", key=f"without_{place}_{hash(tuple(troubles))}",
+        "Go on without the refused pictures",
+        key=f"without_{place}_{hash(tuple(troubles))}",
         help="Pictures are not needed for the figures: boxes are then drawn on an empty frame.",
-    )  # fmt: skip
+    )
     if goes_on:
         return ChosenPictures(usable)
     return ChosenPictures(

@@ -140,9 +140,12 @@ def _changed() -> None:
 def _draw_truth() -> _Chosen:
     left, right = st.columns([1, 3])
     files = right.file_uploader(
-        "Ground truth", accept_multiple_files=True, key="upload_truth", help=FILES_HELP,
+        "Ground truth",
+        accept_multiple_files=True,
+        key="upload_truth",
+        help=FILES_HELP,
         on_change=_changed,
-    )  # fmt: skip
+    )
     below = right.container()
     with right.expander("How to read the ground truth"):
         reading = draw_reading("truth", "upload_truth", _changed)
@@ -155,18 +158,24 @@ def _draw_systems() -> list[_Chosen]:
     for number in range(n_systems):
         left, right = st.columns([1, 3])
         files = right.file_uploader(
-            f"Detections of system {_numbered(number)}", accept_multiple_files=True,
-            key=f"upload_system_{number}", help=FILES_HELP, on_change=_changed,
-        )  # fmt: skip
+            f"Detections of system {_numbered(number)}",
+            accept_multiple_files=True,
+            key=f"upload_system_{number}",
+            help=FILES_HELP,
+            on_change=_changed,
+        )
         below = right.container()
         with right.expander(f"How to read system {number + 1}"):
             reading = draw_reading("detections", f"upload_system_{number}", _changed)
         title = f"system {_numbered(number)}"
         found.append(_Chosen(title, f"system-{number + 1}", files, reading, below, left))
     st.button(
-        "Add a system", icon=":material/add:", key="add_system", on_click=_add_system,
+        "Add a system",
+        icon=":material/add:",
+        key="add_system",
+        on_click=_add_system,
         disabled=n_systems >= MOST_SYSTEMS,
-    )  # fmt: skip
+    )
     return found
 
 
@@ -219,8 +228,13 @@ def _draw_pictures(space: Workspace, recordings: Sequence[str]) -> ChosenPicture
     if sent:
         left, right = st.columns([4, 1], vertical_alignment="center")
         left.caption(f"Here: {plain(', '.join(sent))}")
-        right.button("Remove all", key="remove_pictures", on_click=_remove_all, args=(space,),
-                     width="stretch")  # fmt: skip
+        right.button(
+            "Remove all",
+            key="remove_pictures",
+            on_click=_remove_all,
+            args=(space,),
+            width="stretch",
+        )
     return draw_checked(PLACE, sent, recordings, refused)
 
 

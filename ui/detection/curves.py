@@ -54,18 +54,32 @@ def draw(result: Result, protocol: Protocol) -> None:
         for curve, threshold in zip(curves, thresholds, strict=True)
     ]
     kind: CurveKind = st.segmented_control(
-        "Curve", list(KIND_WORDS), default="miss_rate", required=True, key="curve_kind",
-        format_func=KIND_WORDS.__getitem__, label_visibility="collapsed", persist_state="session",
-    )  # fmt: skip
+        "Curve",
+        list(KIND_WORDS),
+        default="miss_rate",
+        required=True,
+        key="curve_kind",
+        format_func=KIND_WORDS.__getitem__,
+        label_visibility="collapsed",
+        persist_state="session",
+    )
     windows = _windows(result, protocol) if kind == "roc_windows" else None
     figure = curve_plot(
-        curves, thresholds, kind, theme=state.theme(), windows_per_image=windows,
+        curves,
+        thresholds,
+        kind,
+        theme=state.theme(),
+        windows_per_image=windows,
         summaries=[legend_figure(one, kind) for one in summaries],
-    )  # fmt: skip
+    )
     chosen = st.plotly_chart(
-        figure, theme=None, config=CONFIG, key=f"curves_{kind}", on_select="rerun",
+        figure,
+        theme=None,
+        config=CONFIG,
+        key=f"curves_{kind}",
+        on_select="rerun",
         selection_mode="points",
-    )  # fmt: skip
+    )
     st.caption(f"{EXPLAINED[kind]} Click a curve to count from that score on.")
     if kind == "miss_rate":
         _draw_notes(summaries)
@@ -126,23 +140,41 @@ def _windows(result: Result, protocol: Protocol) -> float | None:
     """Windows per image: as given, or counted from the window's size, stride and scales."""
     given, width, height, stride, scales, way = st.columns([1.3, 1, 1, 1, 1.6, 1.4])
     number_given: int | None = given.number_input(
-        "Windows per image", 1, None, None, key="windows_given", persist_state="session",
-        placeholder="count them", help="As your detector reports it; empty: counted.",
-    )  # fmt: skip
-    size = [
-        float(place.number_input(label, 1, 2000, value, key=f"window_{label}",
-                                 persist_state="session"))
-        for place, label, value in ((width, "Width (px)", 32), (height, "Height (px)", 64),
-                                    (stride, "Stride (px)", 4))
-    ]  # fmt: skip
-    steps = scales.text_input(
-        "Scales: first, last, step", "1, 2, 0.1", key="window_scales", persist_state="session",
-        help="By which the picture is shrunk.",
-    )  # fmt: skip
-    count = way.selectbox(
-        "Counted", list(COUNTS), format_func=COUNTS.__getitem__, key="window_count",
+        "Windows per image",
+        1,
+        None,
+        None,
+        key="windows_given",
         persist_state="session",
-    )  # fmt: skip
+        placeholder="count them",
+        help="As your detector reports it; empty: counted.",
+    )
+    size = [
+        float(
+            place.number_input(
+                label, 1, 2000, value, key=f"window_{label}", persist_state="session"
+            )
+        )
+        for place, label, value in (
+            (width, "Width (px)", 32),
+            (height, "Height (px)", 64),
+            (stride, "Stride (px)", 4),
+        )
+    ]
+    steps = scales.text_input(
+        "Scales: first, last, step",
+        "1, 2, 0.1",
+        key="window_scales",
+        persist_state="session",
+        help="By which the picture is shrunk.",
+    )
+    count = way.selectbox(
+        "Counted",
+        list(COUNTS),
+        format_func=COUNTS.__getitem__,
+        key="window_count",
+        persist_state="session",
+    )
     if number_given:
         return float(number_given)
     try:
@@ -150,8 +182,9 @@ def _windows(result: Result, protocol: Protocol) -> float | None:
         if step > 0 and (last - first) / step > MOST_SCALES:
             st.warning(f"These are more than {MOST_SCALES} scales: choose a larger step.")
             return None
-        grid = WindowGrid(*size[:2], stride=size[2], scales=scale_steps(first, last, step),
-                          count=count)  # fmt: skip
+        grid = WindowGrid(
+            *size[:2], stride=size[2], scales=scale_steps(first, last, step), count=count
+        )
     except ValueError:
         st.warning("Scales are three numbers, such as 1, 2, 0.1: first, last and step.")
         return None
@@ -173,20 +206,27 @@ def _windows(result: Result, protocol: Protocol) -> float | None:
 def _draw_table(summaries: list[CurveSummary]) -> None:
     x, y = summaries
     rows = [
-        (label + ARROWS[better], number(getattr(x, name), form), number(getattr(y, name), form),
-         difference(getattr(x, name), getattr(y, name), form))
+        (
+            label + ARROWS[better],
+            number(getattr(x, name), form),
+            number(getattr(y, name), form),
+            difference(getattr(x, name), getattr(y, name), form),
+        )
         for name, label, better, form in SUMMARY_ROWS
-    ]  # fmt: skip
+    ]
     right = {"alignment": "right", "width": 90}
     st.header("In figures")
     st.dataframe(
-        pd.DataFrame(rows, columns=["figure", "X", "Y", "X - Y"]), hide_index=True,
-        key="curve_figures", height="content", row_height=30,
+        pd.DataFrame(rows, columns=["figure", "X", "Y", "X - Y"]),
+        hide_index=True,
+        key="curve_figures",
+        height="content",
+        row_height=30,
         column_config={
             "figure": st.column_config.TextColumn(width=380),
             **{name: st.column_config.TextColumn(**right) for name in ("X", "Y", "X - Y")},
         },
-    )  # fmt: skip
+    )
     for letter, one in zip("XY", summaries, strict=True):
         if one.why_undefined is not None:
             why = plain(one.why_undefined)

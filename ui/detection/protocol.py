@@ -25,26 +25,36 @@ def choose(dataset: Dataset) -> Protocol:
     start = _start()
     left, middle, right = st.columns([1, 1, 1], vertical_alignment="top")
     name = left.selectbox(
-        "Protocol", [*([OF_SESSION] if start.name == OWN else []), *PROTOCOLS, OWN],
-        key="protocol", persist_state="session",
+        "Protocol",
+        [*([OF_SESSION] if start.name == OWN else []), *PROTOCOLS, OWN],
+        key="protocol",
+        persist_state="session",
         help="Which pedestrians count. The others are ignored: no miss, and no false positive for "
         "who detects them. One set of pedestrians serves both systems. The Overview and the "
         "reports use the same. Own filters start as those of the protocol chosen before.",
-    )  # fmt: skip
+    )
     tags = sorted({*known_tags(dataset), *start.tags})
     tagged: list[str] = []
     if tags:
         tagged = middle.multiselect(
-            "Recordings tagged", tags, key="protocol_tags", placeholder="all recordings",
-            persist_state="session", help="Recordings that have all of these tags count.",
-        )  # fmt: skip
+            "Recordings tagged",
+            tags,
+            key="protocol_tags",
+            placeholder="all recordings",
+            persist_state="session",
+            help="Recordings that have all of these tags count.",
+        )
     names = list(dict.fromkeys([*state.recording_names(), *start.recordings]))
     chosen: list[str] = []
     if len(names) > 1:
         chosen = (right if tags else middle).multiselect(
-            "Recordings", names, key="protocol_recordings", placeholder="all recordings",
-            persist_state="session", help="Only these count, such as those at night.",
-        )  # fmt: skip
+            "Recordings",
+            names,
+            key="protocol_recordings",
+            placeholder="all recordings",
+            persist_state="session",
+            help="Only these count, such as those at night.",
+        )
     if name == OWN and st.session_state.get("protocol_shown") != OWN:
         _start_own(state.protocol())
     st.session_state["protocol_shown"] = name
@@ -80,10 +90,12 @@ def _start() -> Protocol:
     live = state.protocol()
     is_start = replace(live, tags=start.tags, recordings=start.recordings) == start
     st.session_state.update(
-        protocol_shown_of=shown_of, protocol_shown=None,
+        protocol_shown_of=shown_of,
+        protocol_shown=None,
         protocol=OF_SESSION if live.name == OWN and is_start else live.name,
-        protocol_tags=list(live.tags), protocol_recordings=list(live.recordings),
-    )  # fmt: skip
+        protocol_tags=list(live.tags),
+        protocol_recordings=list(live.recordings),
+    )
     return start
 
 
@@ -98,12 +110,16 @@ def _start_own(before: Protocol) -> None:
     """Let the fields of the own filters begin with those of another protocol."""
     margins = before.border_px or (None,) * 4
     st.session_state.update(
-        own_low=before.height_px[0] or None, own_high=_limit(before.height_px[1]),
-        own_occlusion=list(before.occlusion), own_border=margins[0],
-        own_slim=before.aspect[0] or None, own_tall=_limit(before.aspect[1]),
-        own_expand=before.expand, own_has_sides=len(set(margins)) > 1,
+        own_low=before.height_px[0] or None,
+        own_high=_limit(before.height_px[1]),
+        own_occlusion=list(before.occlusion),
+        own_border=margins[0],
+        own_slim=before.aspect[0] or None,
+        own_tall=_limit(before.aspect[1]),
+        own_expand=before.expand,
+        own_has_sides=len(set(margins)) > 1,
         **{f"own_border_{side}": margin for side, margin in zip(SIDES, margins, strict=True)},
-    )  # fmt: skip
+    )
 
 
 def _limit(value: float) -> float | None:
@@ -116,22 +132,34 @@ def _own_filters(dataset: Dataset) -> Protocol:
     first, second, third, fourth = st.columns(4)
     low = _number(first, "Lowest height (px)", "own_low", 0.0, step=5.0)
     high = _number(
-        first, "Highest height (px)", "own_high", 0.0, step=5.0,
+        first,
+        "Highest height (px)",
+        "own_high",
+        0.0,
+        step=5.0,
         placeholder=f"any ({height:g} is the picture)",
-    )  # fmt: skip
+    )
     levels = second.pills(
-        "Occlusion", range(3), selection_mode="multi", key="own_occlusion",
-        format_func=OCCLUSION_WORDS.__getitem__, persist_state="session",
+        "Occlusion",
+        range(3),
+        selection_mode="multi",
+        key="own_occlusion",
+        format_func=OCCLUSION_WORDS.__getitem__,
+        persist_state="session",
         help="Pedestrians whose occlusion is unknown count as not occluded. None chosen: all "
         "levels count.",
-    )  # fmt: skip
+    )
     border = _margins(third)
     expand = _number(
-        third, "Detections beyond the heights", "own_expand", 1.0, step=0.05,
+        third,
+        "Detections beyond the heights",
+        "own_expand",
+        1.0,
+        step=0.05,
         placeholder="all",
         help="With 1.25, detections lower than the lowest height / 1.25 or higher than the "
         "highest x 1.25 are left out before matching: no false positives. Empty: all take part.",
-    )  # fmt: skip
+    )
     slim = _number(fourth, "Lowest height / width", "own_slim", 0.0, step=0.1)
     tall = _number(fourth, "Highest height / width", "own_tall", 0.0, step=0.1)
     heights, aspect = (low or 0.0, _or_any(high)), (slim or 0.0, _or_any(tall))
@@ -141,9 +169,13 @@ def _own_filters(dataset: Dataset) -> Protocol:
     if wrong:
         return state.protocol()
     return Protocol(
-        name=OWN, height_px=heights, occlusion=tuple(sorted(levels)) or (0, 1, 2),
-        border_px=border, aspect=aspect, expand=expand,
-    )  # fmt: skip
+        name=OWN,
+        height_px=heights,
+        occlusion=tuple(sorted(levels)) or (0, 1, 2),
+        border_px=border,
+        aspect=aspect,
+        expand=expand,
+    )
 
 
 def _margins(place: Any) -> tuple[float, float, float, float] | None:
@@ -151,17 +183,27 @@ def _margins(place: Any) -> tuple[float, float, float, float] | None:
     told = "The whole box must lie so far inside the picture; with 0, up to its edge. Empty: "
     if not st.session_state.get("own_has_sides", False):
         one = _number(
-            place, "Margin at the border (px)", "own_border", 0.0, step=1.0,
-            placeholder="none", help=f"{told}anywhere.",
-        )  # fmt: skip
+            place,
+            "Margin at the border (px)",
+            "own_border",
+            0.0,
+            step=1.0,
+            placeholder="none",
+            help=f"{told}anywhere.",
+        )
         return None if one is None else (one, one, one, one)
     margins = [
         _number(
-            column, f"Margin {side} (px)", f"own_border_{side}", 0.0, step=1.0,
-            placeholder="0", help=f"{told}0; all four empty: anywhere.",
+            column,
+            f"Margin {side} (px)",
+            f"own_border_{side}",
+            0.0,
+            step=1.0,
+            placeholder="0",
+            help=f"{told}0; all four empty: anywhere.",
         )
         for column, side in zip(st.columns(4), SIDES, strict=True)
-    ]  # fmt: skip
+    ]
     if all(margin is None for margin in margins):
         return None
     left, top, right, bottom = (margin or 0.0 for margin in margins)
@@ -172,8 +214,9 @@ def _or_any(high: float | None) -> float:
     return math.inf if high is None else high
 
 
-def _number(place: Any, label: str, key: str, low: float,
-            placeholder: str = "any", **more: Any) -> float | None:  # fmt: skip
+def _number(
+    place: Any, label: str, key: str, low: float, placeholder: str = "any", **more: Any
+) -> float | None:
     number: float | None = place.number_input(
         label, low, None, None, key=key, placeholder=placeholder, persist_state="session", **more
     )

@@ -12,10 +12,14 @@ from ui.session import state
 
 FOLDER: Final = state.ROOT / "docs"
 PAGES: Final = {
-    "metrics": "Metrics", "detection": "Detection curves", "significance": "Significance",
+    "metrics": "Metrics",
+    "detection": "Detection curves",
+    "significance": "Significance",
     "validation": "Validation",
-    "ratings": "Ratings", "report": "Report files", "formats": "Formats",
-}  # fmt: skip
+    "ratings": "Ratings",
+    "report": "Report files",
+    "formats": "Formats",
+}
 _HEADING: Final = re.compile(r"(#{1,6}) +(.*)")
 _LINK: Final = re.compile(r"\[((?:[^\]\[]|\[[^\]]*\])*)\]\(([^)\s]+)\)")
 _CODE: Final = re.compile(r"(`+)(?:.*?[^`])?\1(?!`)", re.DOTALL)
@@ -75,9 +79,14 @@ def draw() -> None:
     st.title("Documentation")
     asked = st.query_params.get("doc")
     name = st.segmented_control(
-        "Page", list(PAGES), default=asked if asked in PAGES else "metrics", required=True,
-        format_func=PAGES.__getitem__, key="chosen_doc", label_visibility="collapsed",
-    )  # fmt: skip
+        "Page",
+        list(PAGES),
+        default=asked if asked in PAGES else "metrics",
+        required=True,
+        format_func=PAGES.__getitem__,
+        key="chosen_doc",
+        label_visibility="collapsed",
+    )
     if name != (asked or "metrics"):
         st.query_params["doc"] = name
     for section in sections_of(name):

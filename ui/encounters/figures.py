@@ -35,15 +35,21 @@ def draw_classes(result: Result, encounters: pd.DataFrame) -> None:
     left, right = st.columns(2, gap="medium")
     with left:
         st.plotly_chart(
-            miss_classes_plot(encounters, names, theme=theme), theme=None, config=CONFIG,
-            key="encounters_classes", selection_mode="points", on_select=_choose_class,
-        )  # fmt: skip
+            miss_classes_plot(encounters, names, theme=theme),
+            theme=None,
+            config=CONFIG,
+            key="encounters_classes",
+            selection_mode="points",
+            on_select=_choose_class,
+        )
         st.caption("Click a bar to list its encounters.")
     with right:
         st.plotly_chart(
-            lead_time_plot(encounters, theme=theme), theme=None, config=CONFIG,
+            lead_time_plot(encounters, theme=theme),
+            theme=None,
+            config=CONFIG,
             key="encounters_lead",
-        )  # fmt: skip
+        )
         st.caption(
             f"{docs_link('Lead time', 'lead-time')}: how much earlier X matches a pedestrian than "
             "Y, counted from the moment it is near enough to matter."
@@ -68,9 +74,12 @@ def draw_exclusivity(result: Result) -> None:
     )
     st.markdown("**Miss class of X (rows) against that of Y (columns)**")
     st.dataframe(
-        _class_table(result), key="encounters_pairs", selection_mode="single-cell",
-        on_select=_choose_pair, width=TABLE_PX,
-    )  # fmt: skip
+        _class_table(result),
+        key="encounters_pairs",
+        selection_mode="single-cell",
+        on_select=_choose_pair,
+        width=TABLE_PX,
+    )
     st.caption("Click a count to list these encounters.")
 
 
@@ -106,27 +115,33 @@ def draw_fusion(result: Result) -> None:
         "driver would notice as one. The filters have no effect here."
     )
     if len(result.dataset.boxes) >= MANY_BOXES and not st.toggle(
-        "Work it out", key="encounters_fuse", persist_state="session",
+        "Work it out",
+        key="encounters_fuse",
+        persist_state="session",
         help="With so many boxes this takes a few seconds after every change of a parameter.",
-    ):  # fmt: skip
+    ):
         return
     with st.spinner("Fusing the systems"):
         fusion = fusion_table(result)
     left, right = st.columns(2, gap="medium")
     with left:
         st.plotly_chart(
-            fusion_plot(fusion, theme=state.theme()), theme=None, config=CONFIG,
+            fusion_plot(fusion, theme=state.theme()),
+            theme=None,
+            config=CONFIG,
             key="encounters_fusion",
-        )  # fmt: skip
+        )
     with right:
         st.markdown("\n".join(f"- {one}" for one in describe_fusion(fusion)))
         st.dataframe(
-            _fusion_shown(fusion), hide_index=True, placeholder=UNDEFINED,
+            _fusion_shown(fusion),
+            hide_index=True,
+            placeholder=UNDEFINED,
             column_config={
                 "Episodes per hour": st.column_config.NumberColumn(format="%.0f"),
                 "Mean similarity": st.column_config.NumberColumn(format="%.3f"),
             },
-        )  # fmt: skip
+        )
 
 
 def _fusion_shown(fusion: pd.DataFrame) -> pd.DataFrame:

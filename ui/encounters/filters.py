@@ -45,15 +45,18 @@ class Filters:
         """Rows of `nvcore.tables.result.encounters_table` that pass, with their index."""
         passes = np.ones(len(encounters), dtype=bool)
         for column, chosen in (
-            ("category", self.categories), ("miss_class_x", self.classes_x),
-            ("miss_class_y", self.classes_y), ("recording", self.recordings),
-        ):  # fmt: skip
+            ("category", self.categories),
+            ("miss_class_x", self.classes_x),
+            ("miss_class_y", self.classes_y),
+            ("recording", self.recordings),
+        ):
             if chosen:
                 passes &= encounters[column].isin(list(chosen)).to_numpy()
         for column, span in (
-            ("lateral_position", self.position), ("peak_height", self.height_px),
+            ("lateral_position", self.position),
+            ("peak_height", self.height_px),
             ("aspect_z", self.pose_z),
-        ):  # fmt: skip
+        ):
             if span is not None:
                 passes &= encounters[column].between(*span).to_numpy()
         return encounters[passes]
@@ -75,9 +78,14 @@ def draw(encounters: pd.DataFrame) -> pd.DataFrame:
     told, clear, _ = st.columns([2, 1.4, 3], vertical_alignment="center")
     told.markdown(f"**{len(kept):,}** of {len(encounters):,} encounters")
     clear.button(
-        "Clear filters", key="encounters_clear", on_click=clear_filters, type="tertiary",
-        icon=":material/filter_alt_off:", disabled=len(kept) == len(encounters), width="stretch",
-    )  # fmt: skip
+        "Clear filters",
+        key="encounters_clear",
+        on_click=clear_filters,
+        type="tertiary",
+        icon=":material/filter_alt_off:",
+        disabled=len(kept) == len(encounters),
+        width="stretch",
+    )
     if wrong:
         st.warning(f"The address asks for unknown categories ({plain(wrong)}); they are left out.")
     return kept
@@ -125,36 +133,60 @@ def _write_category(chosen: Sequence[str]) -> None:
 
 def _draw_widgets(encounters: pd.DataFrame) -> Filters:
     categories = st.pills(
-        "Detected by", CATEGORIES, selection_mode="multi", format_func=category_words,
-        key=key("category"), persist_state="session",
+        "Detected by",
+        CATEGORIES,
+        selection_mode="multi",
+        format_func=category_words,
+        key=key("category"),
+        persist_state="session",
         help=" ".join(f"*{category_words(kind)}*: {CATEGORY_TEXT[kind]}" for kind in Category),
-    )  # fmt: skip
+    )
     left, middle, right = st.columns(3)
     meaning = "  \n".join(f"*{class_words(kind)}*: {MISS_CLASS_TEXT[kind]}" for kind in MissClass)
     classes_x, classes_y = (
         column.multiselect(
-            f"Miss class of {letter.upper()}", CLASSES, format_func=class_words, placeholder="any",
-            key=key(f"class_{letter}"), persist_state="session", help=meaning,
+            f"Miss class of {letter.upper()}",
+            CLASSES,
+            format_func=class_words,
+            placeholder="any",
+            key=key(f"class_{letter}"),
+            persist_state="session",
+            help=meaning,
         )
         for column, letter in ((left, "x"), (middle, "y"))
-    )  # fmt: skip
+    )
     recordings = right.multiselect(
-        "Recording", state.recording_names(), placeholder="all", key=key("recording"),
+        "Recording",
+        state.recording_names(),
+        placeholder="all",
+        key=key("recording"),
         persist_state="session",
-    )  # fmt: skip
+    )
     position = _range(
-        left, "Position in the picture", "position", np.array([-1.0, 1.0]), 0.05,
+        left,
+        "Position in the picture",
+        "position",
+        np.array([-1.0, 1.0]),
+        0.05,
         "Mean sideways position: -1 left edge, 0 middle, 1 right edge.",
-    )  # fmt: skip
+    )
     height_px = _range(
-        middle, "Largest height (px)", "height", encounters["peak_height"].to_numpy(), 1.0,
+        middle,
+        "Largest height (px)",
+        "height",
+        encounters["peak_height"].to_numpy(),
+        1.0,
         "Height of the pedestrian where it is tallest: how near it came.",
-    )  # fmt: skip
+    )
     pose_z = _range(
-        right, "Pose z-score", "pose", encounters["aspect_z"].to_numpy(dtype=float), 0.1,
+        right,
+        "Pose z-score",
+        "pose",
+        encounters["aspect_z"].to_numpy(dtype=float),
+        0.1,
         "How unusual the mean height over width is among all encounters: below -2 uncommonly wide "
         "(sitting, cycling, pushing a pram), above 2 uncommonly narrow.",
-    )  # fmt: skip
+    )
     return Filters(categories, classes_x, classes_y, recordings, position, height_px, pose_z)
 
 
@@ -174,7 +206,6 @@ def _range(
     high = float(np.round(max(np.ceil(values.max() / step) * step, low + step), 6))
     form = "%.0f" if step >= 1 else "%.2f" if step < 0.1 else "%.1f"
     chosen: tuple[float, float] = place.slider(
-        label, low, high, (low, high), step, form, key=key(name), help=text,
-        persist_state="session",
-    )  # fmt: skip
+        label, low, high, (low, high), step, form, key=key(name), help=text, persist_state="session"
+    )
     return None if chosen == (low, high) else chosen

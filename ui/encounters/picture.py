@@ -40,9 +40,10 @@ def draw(result: Result, encounter: int, row: int) -> None:
     frames = result.dataset.frame_columns
     scale = drawn.shape[1] / frames.width[recording], drawn.shape[0] / frames.height[recording]
     st.image(
-        cut_out(drawn, encounter_box(result, encounter, row) * np.tile(scale, 2)), width="stretch",
+        cut_out(drawn, encounter_box(result, encounter, row) * np.tile(scale, 2)),
+        width="stretch",
         alt="The pedestrian with the boxes of truth, X and Y",
-    )  # fmt: skip
+    )
 
 
 def cut_out(picture: np.ndarray, xywh: np.ndarray) -> np.ndarray:

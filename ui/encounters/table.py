@@ -29,9 +29,17 @@ from ui.widgets.table_columns import (
 from ui.widgets.text import UNDEFINED, number, plain
 
 FIRST_COLUMNS: Final = (
-    "recording", "track", "category", "miss_class_x", "miss_class_y", "coverage_x", "coverage_y",
-    "lead_time_s", "peak_height", "lateral_position",
-)  # fmt: skip
+    "recording",
+    "track",
+    "category",
+    "miss_class_x",
+    "miss_class_y",
+    "coverage_x",
+    "coverage_y",
+    "lead_time_s",
+    "peak_height",
+    "lateral_position",
+)
 """What most people look for, as many as stand side by side in a small window."""
 ORDER: Final = (
     "First come the pedestrians that a system does not detect, then those that it detects late or "
@@ -66,18 +74,24 @@ def _draw_table(encounters: pd.DataFrame) -> None:
     left, right = st.columns([5, 1], vertical_alignment="bottom")
     left.caption(ORDER)
     has_all = right.toggle(
-        "All columns", key="encounters_columns", persist_state="session",
+        "All columns",
+        key="encounters_columns",
+        persist_state="session",
         help="Also lag, gap, tail, frames, pose and more, to the right.",
-    )  # fmt: skip
+    )
     # other rows, other table: a selection must not slip to another pedestrian
     key = f"encounters_table_{hash(tuple(shown.index))}"
     st.dataframe(
-        shown, hide_index=True, column_config=column_config("encounters.csv"),
-        height=table_height(len(shown)), placeholder=UNDEFINED, key=key,
+        shown,
+        hide_index=True,
+        column_config=column_config("encounters.csv"),
+        height=table_height(len(shown)),
+        placeholder=UNDEFINED,
+        key=key,
         column_order=None if has_all else FIRST_COLUMNS,
         selection_mode=("single-row", "single-cell"),
         on_select=partial(_choose_row, key, shown.index),
-    )  # fmt: skip
+    )
     if told := rows_told(len(encounters), "first"):
         st.caption(f"{told} The filters choose among all.")
 
@@ -92,8 +106,9 @@ def by_weight(encounters: pd.DataFrame) -> pd.DataFrame:
             encounters["category"] != Category.BOTH,
             is_failure,
         ],
-        [3, 0, 1], 2,
-    )  # fmt: skip
+        [3, 0, 1],
+        2,
+    )
     height = encounters["peak_height"].to_numpy(dtype=float)
     return encounters.iloc[np.lexsort((-height, group))]
 
@@ -106,9 +121,13 @@ def _choose_row(key: str, index: pd.Index) -> None:
 
 def _draw_map(encounters: pd.DataFrame) -> None:
     st.plotly_chart(
-        position_map(encounters, theme=state.theme()), theme=None, config=CONFIG,
-        key="encounters_map", selection_mode="points", on_select=_choose_point,
-    )  # fmt: skip
+        position_map(encounters, theme=state.theme()),
+        theme=None,
+        config=CONFIG,
+        key="encounters_map",
+        selection_mode="points",
+        on_select=_choose_point,
+    )
 
 
 def _choose_point() -> None:
@@ -179,9 +198,12 @@ def _draw_ways(result: Result, moments: pd.Series[Any]) -> None:
     by = {letter: int(moments[f"missed_row_{letter}"]) for letter in "xy"}
     first = [letter.upper() for letter, row in by.items() if row == shown]
     if st.button(
-        "Show in timeline", key="encounters_show", type="primary", icon=":material/movie:",
+        "Show in timeline",
+        key="encounters_show",
+        type="primary",
+        icon=":material/movie:",
         width="stretch",
-    ):  # fmt: skip
+    ):
         open_row(shown)
     why = f"where {' and '.join(first)} first miss{'es' if len(first) == 1 else ''} the pedestrian"
     st.caption(
@@ -192,6 +214,7 @@ def _draw_ways(result: Result, moments: pd.Series[Any]) -> None:
     for letter, row in later.items():
         if st.button(
             f"Show where {letter.upper()} first misses (frame {frames['frame'].iloc[row]})",
-            key=f"encounters_show_{letter}", width="stretch",
-        ):  # fmt: skip
+            key=f"encounters_show_{letter}",
+            width="stretch",
+        ):
             open_row(row)

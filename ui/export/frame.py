@@ -27,10 +27,15 @@ def choose_frame(result: Result) -> bool:
     recording, row = state.recording(), state.row()
     numbers = numbers_of(result, recording)
     wanted = st.number_input(
-        "Frame", int(numbers[0]), int(numbers[-1]), int(numbers[row]), 1,
-        key=f"export_frame_{recording}_{numbers[row]}", width=200,
+        "Frame",
+        int(numbers[0]),
+        int(numbers[-1]),
+        int(numbers[row]),
+        1,
+        key=f"export_frame_{recording}_{numbers[row]}",
+        width=200,
         help="The frame of the Timeline page. Frames that are not evaluated give the nearest.",
-    )  # fmt: skip
+    )
     if wanted != numbers[row]:
         state.go_to(recording, nearest_row(numbers, wanted, row))
         st.rerun()
@@ -44,9 +49,13 @@ def draw(result: Result) -> None:
     left, right = st.columns([3, 1])
     with right:
         layers = st.pills(
-            "Boxes of", list(LAYERS), selection_mode="multi", default=list(LAYERS),
-            format_func=LAYERS.__getitem__, key="export_layers",
-        )  # fmt: skip
+            "Boxes of",
+            list(LAYERS),
+            selection_mode="multi",
+            default=list(LAYERS),
+            format_func=LAYERS.__getitem__,
+            key="export_layers",
+        )
         labels = st.toggle("Track ids and scores", key="export_labels")
         caption = st.toggle("Figures below the picture", value=True, key="export_caption")
     lo, hi = state.stretch()
@@ -57,14 +66,21 @@ def draw(result: Result) -> None:
     name, frame = state.recording_names()[recording], int(result.dataset.frame_columns.frame[row])
     drawn = ", ".join(LAYERS[one] for one in layers) or "nobody"
     left.image(
-        picture, caption=f"Frame {frame}, as it will be saved", width="stretch",
+        picture,
+        caption=f"Frame {frame}, as it will be saved",
+        width="stretch",
         alt=f"Frame {frame} of {name} with the boxes of {drawn}",
-    )  # fmt: skip
+    )
     right.download_button(
-        "Picture (PNG)", lambda: frame_png(picture, result),
-        f"{file_stem(name)}-frame-{frame}.png", "image/png", on_click="ignore", width="stretch",
-        icon=":material/image:", key="export_png",
-    )  # fmt: skip
+        "Picture (PNG)",
+        lambda: frame_png(picture, result),
+        f"{file_stem(name)}-frame-{frame}.png",
+        "image/png",
+        on_click="ignore",
+        width="stretch",
+        icon=":material/image:",
+        key="export_png",
+    )
     right.caption(
         "Parameters, version and fingerprint of the inputs are inside the file. The grey values "
         "are stretched as on the Timeline page."

@@ -59,11 +59,18 @@ def draw(result: Result) -> None:
         f"Protocol of the detection figures: {plain(protocol.title)}, as on the Detection page."
     )
     key = ReportKey(
-        state.workspace().version, result.params, state.systems(), protocol,
+        state.workspace().version,
+        result.params,
+        state.systems(),
+        protocol,
         _ask_for_map(result, job),
-    )  # fmt: skip
-    if st.button("Make the report", icon=":material/description:", key="make_html",
-                 disabled=job is not None and job.is_busy):  # fmt: skip
+    )
+    if st.button(
+        "Make the report",
+        icon=":material/description:",
+        key="make_html",
+        disabled=job is not None and job.is_busy,
+    ):
         _start(result, key)
         st.rerun()
     if job is None:
@@ -84,9 +91,11 @@ def _ask_for_map(result: Result, job: FileJob | None) -> bool | None:
     if job is not None:
         start_as_made(job, JOB, html_stability=bool(job.key.with_map))
     return st.toggle(
-        "With the stability maps", key="html_stability", persist_state="session",
+        "With the stability maps",
+        key="html_stability",
+        persist_state="session",
         help="With so many frames they take some seconds to some minutes.",
-    )  # fmt: skip
+    )
 
 
 def _start(result: Result, key: ReportKey) -> None:
@@ -109,15 +118,25 @@ def shown_result(result: Result) -> Result:
 
 
 def start_job(
-    space: Workspace, key: ReportKey, result: Result, session: Session,
-    findings: tuple[Finding, ...], path: Path, pictures: RecordingPictures,
-) -> FileJob:  # fmt: skip
+    space: Workspace,
+    key: ReportKey,
+    result: Result,
+    session: Session,
+    findings: tuple[Finding, ...],
+    path: Path,
+    pictures: RecordingPictures,
+) -> FileJob:
     """Start writing; it ends with the session, and when the session opens something else."""
 
     def write(progress: Progress) -> bool:
         return write_html_report(
-            result, session, findings, path, pictures=pictures,
-            stability=key.with_map, progress=lambda share, _what: progress(share),
-        )  # fmt: skip
+            result,
+            session,
+            findings,
+            path,
+            pictures=pictures,
+            stability=key.with_map,
+            progress=lambda share, _what: progress(share),
+        )
 
     return FileJob(path, NAME, write, while_open(space), key=key)

@@ -30,9 +30,13 @@ def draw() -> None:
     """The link, to be copied, and what it cannot do."""
     st.header("Link")
     place = st.segmented_control(
-        "It opens the", list(PLACES), default="timeline", format_func=PLACES.__getitem__,
-        required=True, key="export_place",
-    )  # fmt: skip
+        "It opens the",
+        list(PLACES),
+        default="timeline",
+        format_func=PLACES.__getitem__,
+        required=True,
+        key="export_place",
+    )
     params = state.link_to(state.recording(), state.row()) if place else dict(st.query_params)
     st.code(link(st.context.url or "", place, params), language=None, wrap_lines=True)
     st.caption(COMPLETE if _is_sample() else INCOMPLETE)

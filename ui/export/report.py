@@ -58,10 +58,15 @@ def draw(result: Result) -> None:
         "[What they hold](metrics?doc=report)."
     )
     st.download_button(
-        "All files (ZIP)", lambda: report_zip(result, report.session, report.findings),
-        "nvcore-report.zip", "application/zip", on_click="ignore", type="primary",
-        icon=":material/folder_zip:", key="export_zip",
-    )  # fmt: skip
+        "All files (ZIP)",
+        lambda: report_zip(result, report.session, report.findings),
+        "nvcore-report.zip",
+        "application/zip",
+        on_click="ignore",
+        type="primary",
+        icon=":material/folder_zip:",
+        key="export_zip",
+    )
     _draw_files(result, report)
     st.markdown(TERMS)
     with st.expander("What the columns mean"):
@@ -91,17 +96,27 @@ def _draw_files(result: Result, report: _Report) -> None:
     for name, make in export_files(result, report.session, report.findings).items():
         button, text = st.columns([1, 4], vertical_alignment="center")
         button.download_button(
-            name, make, name, MIME[name.rpartition(".")[2]], on_click="ignore", width="stretch",
-            icon=":material/download:", key=f"export_{name}",
-        )  # fmt: skip
+            name,
+            make,
+            name,
+            MIME[name.rpartition(".")[2]],
+            on_click="ignore",
+            width="stretch",
+            icon=":material/download:",
+            key=f"export_{name}",
+        )
         text.markdown(f"{counts[name]:,} {WHAT[name]}" if name in counts else WHAT[name])
 
 
 def _draw_columns() -> None:
     file = st.segmented_control(
-        "File", list(REPORT_COLUMNS), default="frames.csv", required=True, key="export_columns",
+        "File",
+        list(REPORT_COLUMNS),
+        default="frames.csv",
+        required=True,
+        key="export_columns",
         label_visibility="collapsed",
-    )  # fmt: skip
+    )
     rows = ["| Column | Unit | Meaning | Empty |", "|---|---|---|---|"]
     for names, column in _joined(REPORT_COLUMNS[file]):
         empty = column.empty or "never"

@@ -96,9 +96,11 @@ def _draw_form(result: Result, *, is_busy: bool) -> None:
     if trouble:
         st.warning(trouble, icon=":material/info:")
     if st.button(
-        "Make the video", icon=":material/movie:", key="make_video",
+        "Make the video",
+        icon=":material/movie:",
+        key="make_video",
         disabled=bool(trouble) or is_busy,
-    ):  # fmt: skip
+    ):
         _start(result, recording, interval, labels=labels)
         st.rerun()
 
@@ -148,25 +150,47 @@ def _start(result: Result, recording: int, interval: Interval, *, labels: bool) 
     numbers = numbers_of(result, recording)[interval.row_start : interval.row_stop]
     name = f"{file_stem(state.recording_names()[recording])}-{numbers[0]}-{numbers[-1]}.mp4"
     job = start_job(
-        space, result, recording, interval, new_path(space, ".mp4"), name,
-        stretch=state.stretch(), labels=labels,
-    )  # fmt: skip
+        space,
+        result,
+        recording,
+        interval,
+        new_path(space, ".mp4"),
+        name,
+        stretch=state.stretch(),
+        labels=labels,
+    )
     space.put_job(JOB, job)
 
 
 def start_job(
-    space: Workspace, result: Result, recording: int, interval: Interval, path: Path, name: str, *,
-    stretch: tuple[float, float], labels: bool,
-) -> FileJob:  # fmt: skip
+    space: Workspace,
+    result: Result,
+    recording: int,
+    interval: Interval,
+    path: Path,
+    name: str,
+    *,
+    stretch: tuple[float, float],
+    labels: bool,
+) -> FileJob:
     """Start writing; it ends with the session, and when the session opens something else."""
     pictures, indices = space.pictures, space.picture_rows.get(recording)
     start = int(result.dataset.frame_columns.first[recording])
 
     def write(progress: Progress) -> bool:
         return write_video(
-            result, pictures, recording, start + interval.row_start, start + interval.row_stop,
-            path, fps=interval.fps, progress=progress, indices=indices, lo=stretch[0],
-            hi=stretch[1], labels=labels,
-        )  # fmt: skip
+            result,
+            pictures,
+            recording,
+            start + interval.row_start,
+            start + interval.row_stop,
+            path,
+            fps=interval.fps,
+            progress=progress,
+            indices=indices,
+            lo=stretch[0],
+            hi=stretch[1],
+            labels=labels,
+        )
 
     return FileJob(path, name, write, while_open(space))

@@ -59,16 +59,25 @@ def _draw_progress(job: BackgroundJob, kind: str, doing: str) -> None:
         words = f"{plain(doing)}: {job.share:.0%}"
     st.progress(job.share, words)
     st.button(
-        "Cancel", icon=":material/close:", key=f"{kind}_cancel", on_click=job.cancel,
+        "Cancel",
+        icon=":material/close:",
+        key=f"{kind}_cancel",
+        on_click=job.cancel,
         disabled=job.is_stopping,
-    )  # fmt: skip
+    )
 
 
 def draw_file(job: FileJob, kind: str) -> str:
     """The button that downloads the file of a job that is done; its size, in words."""
     path = job.path  # the callable must not hold the job, which holds the pictures
     st.download_button(
-        job.name, lambda: path.open("rb"), job.name, MIME[path.suffix], on_click="ignore",
-        icon=":material/download:", type="primary", key=f"{kind}_download",
-    )  # fmt: skip
+        job.name,
+        lambda: path.open("rb"),
+        job.name,
+        MIME[path.suffix],
+        on_click="ignore",
+        icon=":material/download:",
+        type="primary",
+        key=f"{kind}_download",
+    )
     return f"{path.stat().st_size / 1e6:.1f} MB."

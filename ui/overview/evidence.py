@@ -27,18 +27,27 @@ def draw(result: Result, evidence: pd.DataFrame) -> None:
     """The table of evidence, and the same by groups of encounters."""
     st.header("Is the difference real?")
     st.dataframe(
-        shown_evidence(evidence), hide_index=True, key="evidence", height="content", row_height=30,
+        shown_evidence(evidence),
+        hide_index=True,
+        key="evidence",
+        height="content",
+        row_height=30,
         column_config={
             "figure": st.column_config.TextColumn(width=310),
             **{
                 name: st.column_config.TextColumn(width=width, alignment="right")
                 for name, width in (
-                    ("X", 70), ("Y", 70), ("X - Y", 85), ("95 % interval", 160), ("p", 70),
-                    ("p (Holm)", 75), ("effect", 95),
+                    ("X", 70),
+                    ("Y", 70),
+                    ("X - Y", 85),
+                    ("95 % interval", 160),
+                    ("p", 70),
+                    ("p (Holm)", 75),
+                    ("effect", 95),
                 )
             },
         },
-    )  # fmt: skip
+    )
     notes = dict.fromkeys(note for row in evidence["note"] if row for note in row.split("; "))
     has_blocks = (evidence["unit"] == "blocks").any()
     units = "stretches of these recordings" if has_blocks else "recordings"
@@ -65,9 +74,14 @@ def _draw_subgroups(result: Result, evidence: pd.DataFrame) -> None:
     labels = dict(zip(evidence["figure"], evidence["label"], strict=True))
     names = [one for one in FIGURES if one in labels]
     figure = st.selectbox(
-        "Figure by group", names, index=names.index(BY_UNIT) if result.is_short else 0,
-        format_func=labels.__getitem__, key="subgroup_figure", width=420, persist_state="session",
-    )  # fmt: skip
+        "Figure by group",
+        names,
+        index=names.index(BY_UNIT) if result.is_short else 0,
+        format_func=labels.__getitem__,
+        key="subgroup_figure",
+        width=420,
+        persist_state="session",
+    )
     protocol = state.protocol()
 
     def make() -> pd.DataFrame:

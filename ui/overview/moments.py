@@ -34,9 +34,15 @@ def draw(result: Result) -> None:
         "most. The picture is the worst frame: pedestrians white, X solid blue, Y dashed orange."
     )
     kind = st.segmented_control(
-        "Which moments", list(KINDS), default="x", format_func=KINDS.__getitem__, required=True,
-        key="moments", label_visibility="collapsed", persist_state="session",
-    )  # fmt: skip
+        "Which moments",
+        list(KINDS),
+        default="x",
+        format_func=KINDS.__getitem__,
+        required=True,
+        key="moments",
+        label_visibility="collapsed",
+        persist_state="session",
+    )
     table = worst_moments(result, n=N_MOMENTS)
     moments = table[table["kind"] == kind].to_dict("records")
     if not moments:

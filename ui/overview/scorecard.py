@@ -56,9 +56,13 @@ def scorecard(result: Result) -> None:
     """Every figure of X beside that of Y, the difference, and which way is better."""
     st.header("Scorecard")
     st.dataframe(
-        _shown(score_rows(result)), hide_index=True, key="scorecard", height="content",
-        column_config=_columns("figure"), row_height=30,
-    )  # fmt: skip
+        _shown(score_rows(result)),
+        hide_index=True,
+        key="scorecard",
+        height="content",
+        column_config=_columns("figure"),
+        row_height=30,
+    )
     st.caption(
         "↑ higher is better, ↓ lower is better. Similarity, per frame, 1 is best: how well "
         "detections fit the pedestrians, near ones first. Saliency, in seconds, 0 is best: "
@@ -67,9 +71,13 @@ def scorecard(result: Result) -> None:
     )
     with st.expander(f"How the {result.venn.n_near:,} encounters went"):
         st.dataframe(
-            _shown(class_rows(result)), hide_index=True, key="classes", height="content",
-            column_config=_columns("miss class"), row_height=30,
-        )  # fmt: skip
+            _shown(class_rows(result)),
+            hide_index=True,
+            key="classes",
+            height="content",
+            column_config=_columns("miss class"),
+            row_height=30,
+        )
 
 
 def _rule(result: Result) -> str:
@@ -118,8 +126,12 @@ def by_recording(result: Result) -> None:
     table = recordings_table(result)
     chosen = st.plotly_chart(
         recordings_plot(table, (result.x.name, result.y.name), theme=state.theme()),
-        theme=None, config=CONFIG, key="by_recording", on_select="rerun", selection_mode="points",
-    )  # fmt: skip
+        theme=None,
+        config=CONFIG,
+        key="by_recording",
+        on_select="rerun",
+        selection_mode="points",
+    )
     points = chosen["selection"]["points"]
     if points and is_new_click("by_recording", points):
         open_frame(int(points[0]["customdata"]), 0)

@@ -17,9 +17,13 @@ def draw(result: Result) -> None:
     st.header("Who detects whom")
     chosen = st.plotly_chart(
         venn_figure(result.venn, (result.x.name, result.y.name), theme=state.theme()),
-        theme=None, config=CONFIG, key="venn", on_select="rerun", selection_mode="points",
+        theme=None,
+        config=CONFIG,
+        key="venn",
+        on_select="rerun",
+        selection_mode="points",
         alt=_in_words(result),
-    )  # fmt: skip
+    )
     points = chosen["selection"]["points"]
     if points and is_new_click("venn", points):
         _open(str(points[0]["customdata"]))

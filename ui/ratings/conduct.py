@@ -29,9 +29,14 @@ def choose_part() -> str:
     if CONDUCT in st.query_params:
         st.session_state.setdefault(PART, SESSION)
     part: str = st.segmented_control(
-        "Part", [RESULTS, SESSION], default=RESULTS, required=True, key=PART,
-        persist_state="session", label_visibility="collapsed",
-    )  # fmt: skip
+        "Part",
+        [RESULTS, SESSION],
+        default=RESULTS,
+        required=True,
+        key=PART,
+        persist_state="session",
+        label_visibility="collapsed",
+    )
     return part
 
 
@@ -61,10 +66,15 @@ def _begin(result: Result) -> None:
     )
     chosen = st.multiselect("Recordings", names, default=names, key="rating_recordings")
     whose = st.segmented_control(
-        "Whose boxes", [*both, "both"], default="both", required=True, key="rating_whose",
-        format_func=lambda one: "Both" if one == "both" else
-        f"{'X' if one == result.x.name else 'Y'} {one}",
-    )  # fmt: skip
+        "Whose boxes",
+        [*both, "both"],
+        default="both",
+        required=True,
+        key="rating_whose",
+        format_func=lambda one: (
+            "Both" if one == "both" else f"{'X' if one == result.x.name else 'Y'} {one}"
+        ),
+    )
     systems = both if whose == "both" else [whose]
     clips = [(name, system) for system in systems for name in names if name in chosen]
     st.caption(f"{count_text(len(clips), 'clip')}.")
@@ -90,8 +100,9 @@ def _conduct(study: Study) -> None:
             "This address works **on this computer only**. For other screens start the app with "
             "`--server.address 0.0.0.0`, open it by this computer's name or IP address instead of "
             "localhost, and come back with the second address below: both then begin with that "
-            "name.", icon=":material/wifi_off:",
-        )  # fmt: skip
+            "name.",
+            icon=":material/wifi_off:",
+        )
     st.markdown("With this one **you** come back to progress and results. Keep it to yourself:")
     st.code(for_conductor, language=None, wrap_lines=True)
     if state.workspace().label != state.SAMPLE_LABEL:
@@ -121,20 +132,26 @@ def _draw_progress(study: Study) -> None:
     columns[2].metric("ratings so far", f"{n_ratings:,}")
     if len(people):
         st.dataframe(
-            people, hide_index=True, key="rating_progress",
+            people,
+            hide_index=True,
+            key="rating_progress",
             column_config={
                 "participant": st.column_config.TextColumn("Participant"),
                 "n_rated": st.column_config.ProgressColumn(
                     f"Rated, of {n_clips}", min_value=0, max_value=n_clips, format="%d"
                 ),
             },
-        )  # fmt: skip
+        )
     else:
         st.caption("Nobody has joined yet. This is looked up every five seconds.")
     if n_ratings:
         st.caption(f'Whether they agree is told under "{RESULTS}", with ratings from "{SESSION}".')
         st.download_button(
-            "Ratings (CSV)", data=lambda: to_csv_bytes(store.ratings(study)), on_click="ignore",
-            file_name="ratings.csv", mime="text/csv", icon=":material/download:",
+            "Ratings (CSV)",
+            data=lambda: to_csv_bytes(store.ratings(study)),
+            on_click="ignore",
+            file_name="ratings.csv",
+            mime="text/csv",
+            icon=":material/download:",
             key="rating_export",
-        )  # fmt: skip
+        )

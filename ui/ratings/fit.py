@@ -93,9 +93,10 @@ def _ask(result: Result, start: Params, clips: pd.DataFrame, key: Any) -> Fit | 
     bar = st.progress(0.0, "Fitting")
     try:
         found = fit_saliency(
-            _with(result, start), clips,
+            _with(result, start),
+            clips,
             progress=lambda done, of: bar.progress(done / of, "Fitting"),
-        )  # fmt: skip
+        )
     except InputError as error:
         st.info(plain(str(error)))
         return None
@@ -170,9 +171,12 @@ def _draw_settings(
     if not found.changed or (taken is not None and taken.is_of(found)):
         return
     st.button(
-        "Take these settings", key="rating_fit_take", type="primary", on_click=applied_fit.take,
+        "Take these settings",
+        key="rating_fit_take",
+        type="primary",
+        on_click=applied_fit.take,
         args=(found, start, given, result.dataset.fingerprint, taken),
-    )  # fmt: skip
+    )
     if given.is_simulated:
         st.caption(SIMULATED)
 
@@ -183,9 +187,12 @@ def _draw_in_use(taken: Taken) -> None:
         of_whom = f" {SIMULATED}" if taken.is_simulated else ""
         st.markdown(f":material/check: **In use**.{of_whom}")
         st.button(
-            "Go back to the settings before", key="rating_fit_back", icon=":material/undo:",
-            on_click=applied_fit.give_back, args=(taken,),
-        )  # fmt: skip
+            "Go back to the settings before",
+            key="rating_fit_back",
+            icon=":material/undo:",
+            on_click=applied_fit.give_back,
+            args=(taken,),
+        )
 
 
 def _changes(found: Fit, start: Params) -> list[str]:

@@ -128,9 +128,12 @@ def _welcome(study: Study, store: RatingStore) -> None:
     )
     with st.form("rating_join", border=False):
         name = st.text_input(
-            "Your name, or the code that you were given", key="rating_name", max_chars=MOST_NAME,
-            autocomplete="off", width=420,
-        )  # fmt: skip
+            "Your name, or the code that you were given",
+            key="rating_name",
+            max_chars=MOST_NAME,
+            autocomplete="off",
+            width=420,
+        )
         is_sent = st.form_submit_button("Begin", type="primary")
     if is_sent:
         st.session_state[KNOWN] = ""

@@ -94,11 +94,13 @@ def _people(ratings: pd.DataFrame, digest: int) -> list[str]:
     everybody = _agreement(ratings, (digest, ()))
     people = everybody.participants
     left_out = st.multiselect(
-        "Leave out participants", people["participant"].tolist(), key="ratings_left_out",
+        "Leave out participants",
+        people["participant"].tolist(),
+        key="ratings_left_out",
         placeholder="nobody is left out",
         help="Who took the scale the wrong way round, or did not watch. Everybody who is left out "
         "is told here and in no figure below.",
-    )  # fmt: skip
+    )
     kept = everybody
     if left_out:
         others = ratings[~ratings["participant"].isin(left_out)]
@@ -125,9 +127,11 @@ def _people(ratings: pd.DataFrame, digest: int) -> list[str]:
             "anybody out."
         )
     st.plotly_chart(
-        participants_plot(everybody, theme=state.theme()), theme=None, config=CONFIG,
+        participants_plot(everybody, theme=state.theme()),
+        theme=None,
+        config=CONFIG,
         key="rating_participants",
-    )  # fmt: skip
+    )
     return left_out
 
 
@@ -143,9 +147,12 @@ def _concordance(found: Agreement) -> str:
             f"{found.n_participants} participants."
         )
     degree = (
-        "strongly and" if found.w >= STRONG else
-        "moderately and" if found.w >= MODERATE else "little, but"
-    )  # fmt: skip
+        "strongly and"
+        if found.w >= STRONG
+        else "moderately and"
+        if found.w >= MODERATE
+        else "little, but"
+    )
     return (
         f"The participants agree {degree} more than by chance ({p}): W is 0 for no agreement on "
         "which clips are more annoying, and 1 for the same ranks."
@@ -164,8 +171,9 @@ def _cautions(result: Result, given: Given, n_people: int, taken: Taken | None) 
     if n_people == 1:
         st.warning(
             "These are the ratings of **one participant**. The figures say how saliency follows "
-            "that person; intervals and p say nothing about people.", icon=":material/person:",
-        )  # fmt: skip
+            "that person; intervals and p say nothing about people.",
+            icon=":material/person:",
+        )
 
 
 def _training(share: float) -> str:
@@ -193,9 +201,11 @@ def _against_saliency(result: Result, clips: pd.DataFrame) -> None:
             most=MOST_KEPT,
         )
     st.plotly_chart(
-        rating_plot(clips, found, names, theme=state.theme()), theme=None, config=CONFIG,
+        rating_plot(clips, found, names, theme=state.theme()),
+        theme=None,
+        config=CONFIG,
         key="rating_plot",
-    )  # fmt: skip
+    )
     st.dataframe(_correlations(found), hide_index=True, key="rating_correlations", row_height=32)
     st.caption(
         "1: the more annoying people find a clip, the higher its saliency; 0: no connection. "
@@ -205,8 +215,10 @@ def _against_saliency(result: Result, clips: pd.DataFrame) -> None:
     )
     with st.expander("Mean rank of each clip", key="rating_clips_open"):
         st.dataframe(
-            clips.sort_values("mean_rank", ascending=False, kind="stable"), hide_index=True,
-            key="rating_clips", height=table_height(len(clips)),
+            clips.sort_values("mean_rank", ascending=False, kind="stable"),
+            hide_index=True,
+            key="rating_clips",
+            height=table_height(len(clips)),
             column_config={
                 "clip": st.column_config.TextColumn("Recording"),
                 "system": st.column_config.TextColumn("Boxes of"),
@@ -216,7 +228,7 @@ def _against_saliency(result: Result, clips: pd.DataFrame) -> None:
                 "n_ratings": st.column_config.NumberColumn("Ratings"),
                 "saliency_s": st.column_config.NumberColumn("Saliency (s)", format="%.2f"),
             },
-        )  # fmt: skip
+        )
 
 
 def _correlations(found: list[Correlation]) -> pd.DataFrame:
@@ -240,13 +252,23 @@ def _downloads(ratings: pd.DataFrame, ranks: pd.DataFrame) -> None:
     st.header("Files")
     with st.container(horizontal=True):
         st.download_button(
-            "Ratings (CSV)", data=lambda: to_csv_bytes(ratings), file_name="ratings.csv",
-            mime="text/csv", on_click="ignore", icon=":material/download:", key="ratings_csv",
-        )  # fmt: skip
+            "Ratings (CSV)",
+            data=lambda: to_csv_bytes(ratings),
+            file_name="ratings.csv",
+            mime="text/csv",
+            on_click="ignore",
+            icon=":material/download:",
+            key="ratings_csv",
+        )
         st.download_button(
-            "Ranks (CSV)", data=lambda: to_csv_bytes(_long(ranks)), file_name="ranks.csv",
-            mime="text/csv", on_click="ignore", icon=":material/download:", key="ranks_csv",
-        )  # fmt: skip
+            "Ranks (CSV)",
+            data=lambda: to_csv_bytes(_long(ranks)),
+            file_name="ranks.csv",
+            mime="text/csv",
+            on_click="ignore",
+            icon=":material/download:",
+            key="ranks_csv",
+        )
 
 
 def _long(ranks: pd.DataFrame) -> pd.DataFrame:

@@ -60,9 +60,13 @@ def choose(result: Result) -> Given | None:
     if state.workspace().label == state.SAMPLE_LABEL and _simulated_file().exists():
         sources.insert(0, SIMULATED)
     source = st.segmented_control(
-        "Ratings from", sources, default=sources[0], required=True,
-        key=f"ratings_source_{len(sources)}", persist_state="session",
-    )  # fmt: skip
+        "Ratings from",
+        sources,
+        default=sources[0],
+        required=True,
+        key=f"ratings_source_{len(sources)}",
+        persist_state="session",
+    )
     try:
         ratings = READERS[source](result)
     except InputError as error:
@@ -76,17 +80,21 @@ def choose(result: Result) -> Given | None:
         return Given(ratings, "", source == SIMULATED)
     names = (result.x.name, result.y.name)
     system = st.radio(
-        "The ratings do not say whose boxes were shown. It was", names, key="ratings_system",
-        format_func=lambda one: f"{'X' if one == names[0] else 'Y'} {one}", horizontal=True,
-    )  # fmt: skip
+        "The ratings do not say whose boxes were shown. It was",
+        names,
+        key="ratings_system",
+        format_func=lambda one: f"{'X' if one == names[0] else 'Y'} {one}",
+        horizontal=True,
+    )
     return Given(ratings, system, source == SIMULATED)
 
 
 def _simulated(_: Result) -> pd.DataFrame:
     st.warning(
         "These ratings are **simulated: nobody was asked**. They show what this page does, and say "
-        "nothing about saliency.", icon=":material/science:",
-    )  # fmt: skip
+        "nothing about saliency.",
+        icon=":material/science:",
+    )
     return read_ratings(_simulated_file())
 
 
@@ -97,10 +105,12 @@ def _simulated_file() -> Path:
 def _file(_: Result) -> pd.DataFrame | None:
     sent = st.file_uploader(
         "Ratings (CSV with the columns participant, clip, rating, and system if both were shown)",
-        type=["csv", "txt"], key="ratings_file", max_upload_size=MOST_MB,
+        type=["csv", "txt"],
+        key="ratings_file",
+        max_upload_size=MOST_MB,
         help="The clip is the name of a recording, the system that of X or Y. A higher rating is "
         "more annoying; only the order counts, so any scale will do. An empty rating is missing.",
-    )  # fmt: skip
+    )
     return None if sent is None else parse_ratings(sent.getvalue(), name=sent.name)
 
 
@@ -125,13 +135,16 @@ def _draw_apart(result: Result, apart: dict[str, tuple[float | None, float | Non
     ]
     st.warning(
         "The clips showed **other boxes than those compared below**: the score thresholds have "
-        f"moved since. {'; '.join(told)}.", icon=":material/warning:",
-    )  # fmt: skip
+        f"moved since. {'; '.join(told)}.",
+        icon=":material/warning:",
+    )
     st.button(
-        "Set the thresholds of the clips", key="ratings_thresholds", icon=":material/undo:",
+        "Set the thresholds of the clips",
+        key="ratings_thresholds",
+        icon=":material/undo:",
         on_click=links.set_thresholds,
         args=({name: shown for name, (shown, _) in apart.items()},),
-    )  # fmt: skip
+    )
 
 
 def _threshold(value: float | None) -> str:

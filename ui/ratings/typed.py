@@ -40,7 +40,11 @@ def typed(result: Result) -> pd.DataFrame | None:
     if key not in st.session_state:  # drawn anew: with what was typed before
         st.session_state[START] = _before()
     table = st.data_editor(
-        st.session_state[START], num_rows="dynamic", hide_index=True, key=key, height=280,
+        st.session_state[START],
+        num_rows="dynamic",
+        hide_index=True,
+        key=key,
+        height=280,
         column_config={
             "participant": st.column_config.TextColumn("Participant", max_chars=MOST_NAME),
             "clip": st.column_config.SelectboxColumn("Clip", options=state.recording_names()),
@@ -49,7 +53,7 @@ def typed(result: Result) -> pd.DataFrame | None:
             ),
             "rating": st.column_config.NumberColumn("Rating (higher = more annoying)"),
         },
-    )  # fmt: skip
+    )
     state.workspace().noted[LAST] = table.reset_index(drop=True)
     if table.dropna(how="all").empty:
         return None
@@ -72,9 +76,12 @@ def _ask_for_rows(result: Result) -> None:
     with st.form("ratings_add", border=False):
         name_at, button_at = st.columns([2, 3], vertical_alignment="bottom")
         name = name_at.text_input(
-            "Participant", value="A01", max_chars=MOST_NAME, key="ratings_typed_name",
+            "Participant",
+            value="A01",
+            max_chars=MOST_NAME,
+            key="ratings_typed_name",
             autocomplete="off",
-        )  # fmt: skip
+        )
         n = 2 * len(state.recording_names())
         is_sent = button_at.form_submit_button(
             f"Add a row for each of the {n:,} clips", icon=":material/playlist_add:"
@@ -100,8 +107,9 @@ def _ask_for_rows(result: Result) -> None:
 
 def _missing_rows(before: pd.DataFrame, person: str, result: Result) -> pd.DataFrame:
     """Rows of the participant for the clips that have none yet."""
-    clips = [(name, one) for one in (result.x.name, result.y.name) for name in
-             state.recording_names()]  # fmt: skip
+    clips = [
+        (name, one) for one in (result.x.name, result.y.name) for name in state.recording_names()
+    ]
     mine = before[before["participant"] == person]
     has_row = set(zip(mine["clip"], mine["system"], strict=True))
     lacking = [clip for clip in clips if clip not in has_row]
@@ -133,8 +141,9 @@ def _complete(table: pd.DataFrame) -> pd.DataFrame:
         more = ", ..." if is_short.sum() > MOST_TOLD else ""
         st.warning(
             f"{count_text(int(is_short.sum()), 'incomplete row')} left out: "
-            f"{plain(', '.join(told))}{more}.", icon=":material/edit:",
-        )  # fmt: skip
+            f"{plain(', '.join(told))}{more}.",
+            icon=":material/edit:",
+        )
     kept = numbered[~is_short]
     n_unrated = int(kept["rating"].isna().sum())
     if 0 < n_unrated < len(kept):

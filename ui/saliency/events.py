@@ -40,9 +40,15 @@ def choose_recording() -> int | None:
     if wanted is not None:
         st.session_state[key] = wanted
     chosen: int | None = st.selectbox(
-        "Recording", range(len(names)), index=None, format_func=names.__getitem__, key=key,
-        placeholder="all recordings", persist_state="session", width=360,
-    )  # fmt: skip
+        "Recording",
+        range(len(names)),
+        index=None,
+        format_func=names.__getitem__,
+        key=key,
+        placeholder="all recordings",
+        persist_state="session",
+        width=360,
+    )
     return chosen
 
 
@@ -55,9 +61,13 @@ def draw_table(result: Result, recording: int | None) -> None:
         Row of the recordings table; None: all of them.
     """
     letter = st.segmented_control(
-        "Events of", [BOTH, "X", "Y"], default=BOTH, required=True, key="saliency_system",
+        "Events of",
+        [BOTH, "X", "Y"],
+        default=BOTH,
+        required=True,
+        key="saliency_system",
         persist_state="session",
-    )  # fmt: skip
+    )
     events, first_row = _events(result, recording, None if letter == BOTH else letter.lower())
     if events.empty:
         st.info("No event here: nobody is missed by more than the tolerance.")
@@ -66,11 +76,15 @@ def draw_table(result: Result, recording: int | None) -> None:
     events, first_row = events.head(MOST_ROWS), first_row[:MOST_ROWS]
     key = f"saliency_events_{hash(tuple(first_row))}"
     st.dataframe(
-        as_shown(events.assign(system=events["system"].str.upper())), hide_index=True,
-        column_config=column_config("events.csv"), height=table_height(len(events)), key=key,
-        placeholder=UNDEFINED, selection_mode=("single-row", "single-cell"),
+        as_shown(events.assign(system=events["system"].str.upper())),
+        hide_index=True,
+        column_config=column_config("events.csv"),
+        height=table_height(len(events)),
+        key=key,
+        placeholder=UNDEFINED,
+        selection_mode=("single-row", "single-cell"),
         on_select=partial(_ask_for_row, key, first_row),
-    )  # fmt: skip
+    )
     st.caption(
         "Click an event here or in a figure to open its first frame in the Timeline. "
         + rows_told(n_events, "most salient")

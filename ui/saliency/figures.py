@@ -66,17 +66,25 @@ def draw_recordings(result: Result) -> None:
     names = (result.x.name, result.y.name)
     table = recordings_table(result)
     st.plotly_chart(
-        saliency_by_recording(table, names, theme=state.theme()), theme=None, config=CONFIG,
-        key="saliency_recordings", selection_mode="points", on_select=_choose_recording,
-    )  # fmt: skip
+        saliency_by_recording(table, names, theme=state.theme()),
+        theme=None,
+        config=CONFIG,
+        key="saliency_recordings",
+        selection_mode="points",
+        on_select=_choose_recording,
+    )
     st.caption("Click a recording to see only its events below.")
 
 
 def _chart(figure: go.Figure, key: str) -> None:
     st.plotly_chart(
-        figure, theme=None, config=CONFIG, key=key, selection_mode="points",
+        figure,
+        theme=None,
+        config=CONFIG,
+        key=key,
+        selection_mode="points",
         on_select=partial(_ask_for_row, key),
-    )  # fmt: skip
+    )
 
 
 def _ask_for_row(key: str) -> None:

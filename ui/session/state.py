@@ -201,10 +201,11 @@ def _audit(space: Workspace, settings: Params, x: str, y: str | None) -> tuple[F
         for name in dataset.systems:
             threshold, letter = role_of(name, (x, y), settings)
             found += space.keep(
-                "audit_system", (name, threshold, letter),
+                "audit_system",
+                (name, threshold, letter),
                 partial(audit_system, dataset, name, threshold, letter=letter),
                 most=2 * len(dataset.systems),
-            )  # fmt: skip
+            )
         return worst_first([*found, *audit_pair(dataset, settings, x=x, y=y)])
 
 
@@ -318,9 +319,11 @@ def bad_link() -> str:
 def _follow_link() -> None:
     """Take recording and frame from the address that the session was opened by."""
     place, wrong = read_place(
-        st.query_params.get("recording"), st.query_params.get("frame"), recording_names(),
+        st.query_params.get("recording"),
+        st.query_params.get("frame"),
+        recording_names(),
         _frame_numbers,
-    )  # fmt: skip
+    )
     given, impossible = read_parameters(st.query_params.to_dict())
     st.session_state["new_params"] = given
     wrong += impossible

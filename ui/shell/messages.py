@@ -37,10 +37,12 @@ def draw_caution(result: Result, *, is_of_encounters: bool = True) -> None:
     if is_of_encounters and result.is_short:
         st.warning(SHORT, icon=":material/warning:")
     warned = [
-        CAVEATS[one.code] for one in state.findings()
-        if one.severity is not Severity.NOTE and one.code in CAVEATS
+        CAVEATS[one.code]
+        for one in state.findings()
+        if one.severity is not Severity.NOTE
+        and one.code in CAVEATS
         and one.code != "short-encounters"
-    ]  # fmt: skip
+    ]
     if warned:
         told = "; ".join(dict.fromkeys(warned))
         st.warning(

@@ -31,10 +31,14 @@ _SETTLED: Final = "tab_is_settled"
 def draw() -> None:
     """The invisible part of the page that knows what the tab had open."""
     _COMPONENT(
-        key=KEY, on_claim_change=_claim, height=1,
-        data={"token": state.workspace().token,
-              "is_settled": st.session_state.get(_SETTLED, False)},
-    )  # fmt: skip
+        key=KEY,
+        on_claim_change=_claim,
+        height=1,
+        data={
+            "token": state.workspace().token,
+            "is_settled": st.session_state.get(_SETTLED, False),
+        },
+    )
 
 
 def _claim() -> None:

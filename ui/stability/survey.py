@@ -32,9 +32,12 @@ def draw(result: Result) -> None:
     if surveyed is None:
         return
     st.dataframe(
-        shown_survey(surveyed), hide_index=True, key="stability_survey_table", height="content",
+        shown_survey(surveyed),
+        hide_index=True,
+        key="stability_survey_table",
+        height="content",
         row_height=30,
-    )  # fmt: skip
+    )
     st.caption(
         "Who is better as analysed, and in which share of the plausible range of these settings "
         "that holds, all else as in the sidebar. The maps below show where it turns."
@@ -44,11 +47,15 @@ def draw(result: Result) -> None:
 def shown_survey(surveyed: tuple[Surveyed, ...]) -> pd.DataFrame:
     """One row for each choice of settings, one column for each way to be better."""
     cells = {(one.plane, one.criterion): _cell(one) for one in surveyed}
-    return pd.DataFrame([
-        {"What is varied": PLANES[plane],
-         **{f"by {said}": cells[plane, criterion] for criterion, said in CRITERIA.items()}}
-        for plane in SURVEYED
-    ])  # fmt: skip
+    return pd.DataFrame(
+        [
+            {
+                "What is varied": PLANES[plane],
+                **{f"by {said}": cells[plane, criterion] for criterion, said in CRITERIA.items()},
+            }
+            for plane in SURVEYED
+        ]
+    )
 
 
 def _cell(one: Surveyed) -> str:
@@ -74,9 +81,12 @@ def _found(result: Result) -> tuple[Surveyed, ...] | None:
     if len(result.dataset.frames) <= AT_ONCE or space.known(JOB, key) is not None:
         return space.keep(JOB, key, lambda: _survey(result), most=MOST)
     st.button(
-        "Try all settings", key=f"{JOB}_start", icon=":material/table_chart:",
-        on_click=_start, args=(result, key),
-    )  # fmt: skip
+        "Try all settings",
+        key=f"{JOB}_start",
+        icon=":material/table_chart:",
+        on_click=_start,
+        args=(result, key),
+    )
     st.caption("It computes all maps: with so many frames up to some minutes.")
     return None
 

@@ -62,14 +62,21 @@ def _choose(result: Result) -> MapKey:
             job, JOB, stability_plane=job.key.plane, stability_criterion=job.key.criterion
         )
     plane: Plane = st.segmented_control(
-        "What is varied", list(SURVEYED), required=True, format_func=PLANES.__getitem__,
-        key="stability_plane", persist_state="session",
-    )  # fmt: skip
-    criterion: Criterion = st.segmented_control(
-        "Who is better by", list(CRITERIA), required=True,
-        format_func=CRITERIA.__getitem__, key="stability_criterion",
+        "What is varied",
+        list(SURVEYED),
+        required=True,
+        format_func=PLANES.__getitem__,
+        key="stability_plane",
         persist_state="session",
-    )  # fmt: skip
+    )
+    criterion: Criterion = st.segmented_control(
+        "Who is better by",
+        list(CRITERIA),
+        required=True,
+        format_func=CRITERIA.__getitem__,
+        key="stability_criterion",
+        persist_state="session",
+    )
     return MapKey(state.workspace().version, result.params, plane, criterion)
 
 
@@ -90,13 +97,19 @@ def _found(result: Result, key: MapKey) -> StabilityMap | None:
     is_small = len(result.dataset.frames) <= AT_ONCE
     if is_small or space.known("stability", key) is not None:
         return space.keep(
-            "stability", key, lambda: map_stability(result, key.plane, key.criterion),
+            "stability",
+            key,
+            lambda: map_stability(result, key.plane, key.criterion),
             most=MOST_MAPS,
-        )  # fmt: skip
+        )
     st.button(
-        "Compute the map", key="stability_start", type="primary", icon=":material/grid_on:",
-        on_click=_start, args=(result, key),
-    )  # fmt: skip
+        "Compute the map",
+        key="stability_start",
+        type="primary",
+        icon=":material/grid_on:",
+        on_click=_start,
+        args=(result, key),
+    )
     st.caption("With so many frames it takes some seconds to a minute; the page stays usable.")
     return None
 
@@ -105,9 +118,13 @@ def _start(result: Result, key: MapKey) -> None:
     def compute(job: Computation[StabilityMap]) -> StabilityMap:
         with ThreadPoolExecutor(THREADS) as pool:
             return map_stability(
-                result, key.plane, key.criterion, executor=pool, progress=job.tell,
+                result,
+                key.plane,
+                key.criterion,
+                executor=pool,
+                progress=job.tell,
                 is_cancelled=job.has_to_stop,
-            )  # fmt: skip
+            )
 
     space = state.workspace()
     space.put_job(JOB, Computation(compute, while_open(space), key=key))
@@ -121,10 +138,13 @@ def _draw_map(found: StabilityMap) -> None:
         for sentence in others:
             st.markdown(plain(sentence))
     chosen = st.plotly_chart(
-        stability_map(found, theme=state.theme()), theme=None, config=CONFIG,
-        key=f"stability_{found.plane}_{found.criterion}", on_select="rerun",
+        stability_map(found, theme=state.theme()),
+        theme=None,
+        config=CONFIG,
+        key=f"stability_{found.plane}_{found.criterion}",
+        on_select="rerun",
         selection_mode="points",
-    )  # fmt: skip
+    )
     st.caption("Click a place to take its settings into the sidebar.")
     points = chosen["selection"]["points"]
     if points and is_new_click("stability", points):

@@ -35,25 +35,31 @@ def draw_all(result: Result) -> None:
         viewer.panel(result, cursor)
     theme, recording = state.theme(), state.recording()
     lanes = state.workspace().keep(  # they stay while alpha and the like move
-        "lanes", (state.workspace().version, recording, theme, cursor),
+        "lanes",
+        (state.workspace().version, recording, theme, cursor),
         lambda: lanes_figure(result, recording, theme=theme, cursor_row=cursor),
-    )  # fmt: skip
+    )
     with st.container(height=LANES_PX if lanes.layout.height > LANES_PX else "content"):
         _clickable(lanes, "lanes")
 
 
 def _draw_plot(result: Result, cursor: int) -> None:
     upright = st.toggle(
-        "Time upwards, X left and Y right", key="upright", persist_state="session",
+        "Time upwards, X left and Y right",
+        key="upright",
+        persist_state="session",
         help="The plot as in the paper's figure 8: the middle is perfect.",
-    )  # fmt: skip
+    )
     _clickable(
         similarity_plot(
-            result, state.recording(), theme=state.theme(), cursor_row=cursor,
+            result,
+            state.recording(),
+            theme=state.theme(),
+            cursor_row=cursor,
             layout="upright" if upright else "time",
         ),
         "time_plot",
-    )  # fmt: skip
+    )
     st.caption(
         "Thin: similarity of each frame, 1 is best. Thick: moving mean. Filled: low intervals. "
         "Marks above: saliency events. Click to see the frame "
@@ -63,9 +69,13 @@ def _draw_plot(result: Result, cursor: int) -> None:
 
 def _clickable(figure: Any, key: str) -> None:
     chosen = st.plotly_chart(
-        figure, theme=None, config=CONFIG, key=f"{key}_{state.recording()}", on_select="rerun",
+        figure,
+        theme=None,
+        config=CONFIG,
+        key=f"{key}_{state.recording()}",
+        on_select="rerun",
         selection_mode="points",
-    )  # fmt: skip
+    )
     points = chosen["selection"]["points"]
     if points and is_new_click(key, points):
         row = int(points[0]["customdata"])

@@ -68,10 +68,15 @@ def panel(result: Result, row_in_all: int) -> None:
     _missed(facts)
     with st.expander("Picture"):
         st.slider(
-            "Stretch (percentiles of the grey values)", 0.0, 100.0, state.stretch(), 0.1,
-            key="stretch", persist_state="session",
+            "Stretch (percentiles of the grey values)",
+            0.0,
+            100.0,
+            state.stretch(),
+            0.1,
+            key="stretch",
+            persist_state="session",
             help="Grey values below the first percentile are black, above the second white.",
-        )  # fmt: skip
+        )
 
 
 def _missed(facts: FrameFacts) -> None:
@@ -89,13 +94,18 @@ def _missed(facts: FrameFacts) -> None:
             "px": missed["height_px"].round(),
             "by": np.select(
                 [~missed["found_x"] & ~missed["found_y"], ~missed["found_x"]],
-                ["X and Y", "X"], "Y",
+                ["X and Y", "X"],
+                "Y",
             ),
             "counts": np.where(missed["is_relevant"], "yes", "no"),
         }
-    ).head(MAX_ROWS)  # fmt: skip
+    ).head(MAX_ROWS)
     st.dataframe(
-        shown, hide_index=True, height="content", row_height=28, key="missed",
+        shown,
+        hide_index=True,
+        height="content",
+        row_height=28,
+        key="missed",
         column_config={
             "ped.": st.column_config.NumberColumn(width=45, help="Track of the pedestrian."),
             "px": st.column_config.NumberColumn(width=45, help="Height of the box in pixels."),
@@ -106,4 +116,4 @@ def _missed(facts: FrameFacts) -> None:
                 "encounters. Similarity weighs all.",
             ),
         },
-    )  # fmt: skip
+    )

@@ -14,9 +14,12 @@ def recording_choice() -> None:
     left, right = st.columns([2, 3], vertical_alignment="bottom")
     key = f"recording_choice_{state.workspace().n_opened}_{state.recording()}"
     chosen = left.selectbox(
-        "Recording", range(len(names)), index=state.recording(),
-        format_func=lambda i: names[i], key=key,
-    )  # fmt: skip
+        "Recording",
+        range(len(names)),
+        index=state.recording(),
+        format_func=lambda i: names[i],
+        key=key,
+    )
     if chosen != state.recording():
         state.go_to(chosen, 0)
         st.rerun()
