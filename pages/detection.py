@@ -2,21 +2,23 @@
 
 import streamlit as st
 
+from nvcore.comparison import Result
 from ui.detection import curves, protocol
-from ui.session import state
-from ui.shell.messages import draw_caution, one_system_only
+from ui.shell.messages import draw_warnings, needs_comparison
 from ui.widgets.text import docs_link
 
-st.title("Detection")
-result = state.result()
-if result is None:
-    one_system_only()
-else:
+
+@needs_comparison
+def draw(result: Result) -> None:
+    """The protocol, and the curves under it."""
     st.caption(
         "Curves over all score thresholds, from the same matching as everything else. They count "
         "boxes, not encounters, and every counted box weighs the same "
         f"({docs_link('Detection curves', 'detection-curves', doc='detection')})."
     )
-    draw_caution(result, is_of_encounters=False)
-    chosen = protocol.choose(result.dataset)
-    curves.draw(result, chosen)
+    draw_warnings(result, is_of_encounters=False)
+    curves.draw(result, protocol.choose(result.dataset))
+
+
+st.title("Detection")
+draw()

@@ -2,18 +2,21 @@
 
 import streamlit as st
 
+from nvcore.comparison import Result
 from ui.export import frame, html, link, report, video
-from ui.session import state
-from ui.shell.messages import one_system_only
+from ui.shell.messages import needs_comparison
 
-st.title("Export")
-result = state.result()
-if result is None:
-    one_system_only()
-else:
+
+@needs_comparison
+def draw(result: Result) -> None:
+    """Everything that can be taken away."""
     report.draw(result)
     html.draw(result)
     link.draw()
     if frame.choose_frame(result):
         frame.draw(result)
         video.draw(result)
+
+
+st.title("Export")
+draw()

@@ -2,16 +2,16 @@
 
 import streamlit as st
 
+from nvcore.comparison import Result
 from ui.overview import evidence, moments, scorecard, venn
 from ui.session import state
 from ui.session.evidence import measure_evidence
-from ui.shell.messages import one_system_only
+from ui.shell.messages import needs_comparison
 
-st.title("Overview")
-result = state.result()
-if result is None:
-    one_system_only()
-else:
+
+@needs_comparison
+def draw(result: Result) -> None:
+    """The verdict, then what it rests on."""
     verdict = st.container()  # filled last: it waits for the audit
     left, right = st.columns([1.15, 1], gap="large")
     with left:
@@ -20,7 +20,11 @@ else:
         venn.draw(result)
     moments.draw(result)
     scorecard.by_recording(result)
-    found = measure_evidence()
-    evidence.draw(result, found)
+    table = measure_evidence(result)
+    evidence.draw(result, table)
     with verdict:
-        scorecard.verdict_box(result, state.findings(), found)
+        scorecard.verdict_box(result, state.findings(), table)
+
+
+st.title("Overview")
+draw()

@@ -2,17 +2,23 @@
 
 import streamlit as st
 
+from nvcore.comparison import Result
 from ui.ratings import conduct, links, participant, results
-from ui.session import state
-from ui.shell.messages import one_system_only
+from ui.shell.messages import needs_comparison
 from ui.widgets.text import docs_link
+
+
+@needs_comparison
+def draw(result: Result) -> None:
+    """The results, or the rating session that is conducted."""
+    if conduct.choose_part() == conduct.RESULTS:
+        results.draw(result)
+    else:
+        conduct.draw(result)
+
 
 if links.is_participant():
     participant.draw()
-elif (result := state.result()) is None:
-    st.title("Ratings")
-    participant.draw_waiting()
-    one_system_only()
 else:
     st.title("Ratings")
     st.caption(
@@ -21,7 +27,4 @@ else:
         f"the two are compared ({docs_link('Ratings', 'ratings', doc='ratings')})."
     )
     participant.draw_waiting()
-    if conduct.choose_part() == conduct.RESULTS:
-        results.draw(result)
-    else:
-        conduct.draw(result)
+    draw()

@@ -2,17 +2,17 @@
 
 import streamlit as st
 
+from nvcore.comparison import Result
 from ui.saliency import events, figures
-from ui.session import state
-from ui.shell.messages import draw_caution, one_system_only
+from ui.shell.messages import draw_warnings, needs_comparison
 from ui.widgets.text import docs_link
 
 
 @st.fragment
-def draw_events() -> None:
-    """X against Y, then the events of the chosen recording; a choice draws nothing but this."""
+@needs_comparison
+def draw_events(result: Result) -> None:
+    """X against Y, then the events of the chosen recording; a choice redraws nothing but this."""
     events.open_asked()
-    result = state.result()
     figures.draw_recordings(result)
     st.header("Events")
     recording = events.choose_recording()
@@ -20,11 +20,9 @@ def draw_events() -> None:
     events.draw_table(result, recording)
 
 
-st.title("Saliency")
-result = state.result()
-if result is None:
-    one_system_only()
-else:
+@needs_comparison
+def draw(result: Result) -> None:
+    """What saliency is, the numbers, and the events behind them."""
     st.caption(
         f"{docs_link('Saliency', 'saliency')}, in seconds, 0 is best: how much the misses will be "
         "noticed. A *saliency event* is a run of frames in which one pedestrian is the most "
@@ -32,6 +30,10 @@ else:
         "larger for late misses, because the end of a drive is remembered best. Distant "
         "pedestrians can be the most salient, with the little weight they have."
     )
-    draw_caution(result)
+    draw_warnings(result)
     figures.draw_numbers(result)
     draw_events()
+
+
+st.title("Saliency")
+draw()

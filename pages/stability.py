@@ -2,24 +2,27 @@
 
 import streamlit as st
 
-from ui.session import state
-from ui.shell.messages import draw_caution, one_system_only
+from nvcore.comparison import Result
+from ui.shell.messages import draw_warnings, needs_comparison
 from ui.stability import survey, verdict_map
 from ui.widgets.text import docs_link
 
-st.title("Stability")
-result = state.result()
-if result is None:
-    one_system_only()
-else:
+
+@needs_comparison
+def draw(result: Result) -> None:
+    """All settings in a table, then two of them as a map."""
     st.caption(
         "Weights, thresholds and matching rules are choices of whoever compares. Each map shows "
         "who is better for every choice, all else as in the sidebar; a verdict that holds over the "
         "plausible range does not depend on them "
         f"({docs_link('Stability', 'stability', doc='significance')})."
     )
-    draw_caution(result)
+    draw_warnings(result)
     above = st.container()  # filled last: the map is there sooner
     verdict_map.draw(result)
     with above:
         survey.draw(result)
+
+
+st.title("Stability")
+draw()

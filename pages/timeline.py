@@ -2,16 +2,21 @@
 
 import streamlit as st
 
-from ui.session import state
-from ui.shell.messages import one_system_only
-from ui.timeline import plots, viewer
+from nvcore.comparison import Result
+from ui.shell.messages import needs_comparison
+from ui.timeline import plots
+from ui.widgets.recording import recording_choice
+
+
+@needs_comparison
+def draw(result: Result) -> None:
+    """The recording, its viewer and its plots."""
+    if len(result.dataset.frames) == 0:
+        st.info("There is no evaluated frame. Check the frame list on the Data page.")
+        return
+    recording_choice()
+    plots.draw_all(result)
+
 
 st.title("Timeline")
-result = state.result()
-if result is None:
-    one_system_only()
-elif len(result.dataset.frames) == 0:
-    st.info("There is no evaluated frame. Check the frame list on the Data page.")
-else:
-    viewer.recording_choice()
-    plots.draw_all(result)
+draw()

@@ -7,7 +7,7 @@ import streamlit as st
 from nvcore.errors import NvcoreError
 from ui.ratings import links
 from ui.session import state
-from ui.shell import live_params, reload, sidebar
+from ui.shell import live_params, sidebar, tab_restore
 from ui.shell.messages import error_banner, shown_error
 from ui.shell.navigate import PAGES, follow_wish
 
@@ -55,4 +55,4 @@ except Exception as error:  # noqa: BLE001  # the sidebar is drawn, or its widge
 if wrong_params is not None and not links.is_participant():  # something is open
     sidebar.draw(wrong_params)
     with st.sidebar:
-        reload.draw()
+        tab_restore.draw()

@@ -18,7 +18,7 @@ from nvcore.stability.map import StabilityMap, map_stability
 from nvcore.stability.scores import Criterion
 from nvcore.stability.words import CRITERIA, PLANES, nearest_text, share_text, winner_text
 
-SURVEYED: Final[tuple[Plane, ...]] = (
+SURVEY_PLANES: Final[tuple[Plane, ...]] = (
     "alpha-midpoint", "thresholds", "matching", "edge-weight-alpha",
 )  # fmt: skip
 """Every setting that a map moves is in one of them."""
@@ -29,7 +29,7 @@ SURVEY_COLUMNS: Final = ("plane", "criterion", "settings", "by", "verdict", "sha
 
 
 @dataclass(frozen=True, eq=False)
-class Surveyed:
+class SurveyRow:
     """One map, or why there is none.
 
     Attributes
@@ -59,16 +59,16 @@ def survey_stability(
     executor: Executor | None = None,
     progress: Progress | None = None,
     is_cancelled: Callable[[], bool] | None = None,
-) -> tuple[Surveyed, ...]:
-    """The maps of `SURVEYED` by every criterion; parameters as of `map_stability`.
+) -> tuple[SurveyRow, ...]:
+    """The maps of `SURVEY_PLANES` by every criterion; parameters as of `map_stability`.
 
     Raises
     ------
     concurrent.futures.CancelledError
         If `is_cancelled` said so.
     """
-    wanted: list[tuple[Plane, Criterion]] = [(p, c) for p in SURVEYED for c in CRITERIA]
-    surveyed = []
+    wanted: list[tuple[Plane, Criterion]] = [(p, c) for p in SURVEY_PLANES for c in CRITERIA]
+    rows = []
     for number, (plane, criterion) in enumerate(wanted):
 
         def tell(done: int, total: int, before: int = number) -> None:
@@ -81,13 +81,13 @@ def survey_stability(
                 is_cancelled=is_cancelled,
             )  # fmt: skip
         except InputError as error:
-            surveyed.append(Surveyed(plane, criterion, None, str(error)))
+            rows.append(SurveyRow(plane, criterion, None, str(error)))
         else:
-            surveyed.append(Surveyed(plane, criterion, found))
-    return tuple(surveyed)
+            rows.append(SurveyRow(plane, criterion, found))
+    return tuple(rows)
 
 
-def survey_table(surveyed: Sequence[Surveyed]) -> pd.DataFrame:
+def survey_table(survey: Sequence[SurveyRow]) -> pd.DataFrame:
     """The maps in words, one row each.
 
     Returns
@@ -96,19 +96,19 @@ def survey_table(surveyed: Sequence[Surveyed]) -> pd.DataFrame:
     which share of the plausible range it holds, and the nearest setting that overturns it.
     """
     rows = []
-    for one in surveyed:
-        found, verdict, nearest = one.found, NOTHING, one.why_not
+    for row in survey:
+        found, verdict, nearest = row.found, NOTHING, row.why_not
         if found is not None:
-            verdict = winner_text(one.criterion, found.verdict, found.present_difference)
-            nearest = nearest_text(found) if one.is_dependent else NOTHING
+            verdict = winner_text(row.criterion, found.verdict, found.present_difference)
+            nearest = nearest_text(found) if row.is_dependent else NOTHING
         rows.append((
-            one.plane, one.criterion, PLANES[one.plane], CRITERIA[one.criterion], verdict,
-            held_text(one), nearest,
+            row.plane, row.criterion, PLANES[row.plane], CRITERIA[row.criterion], verdict,
+            held_text(row), nearest,
         ))  # fmt: skip
     return pd.DataFrame(rows, columns=list(SURVEY_COLUMNS))
 
 
-def held_text(one: Surveyed) -> str:
+def held_text(one: SurveyRow) -> str:
     """In which share of the plausible range the verdict holds, in a few words."""
     if one.found is None:
         return "no such map"

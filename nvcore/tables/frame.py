@@ -19,7 +19,7 @@ PEDESTRIAN_COLUMNS: Final = (
 
 
 @dataclass(frozen=True)
-class SystemFacts:
+class SystemSummary:
     """One system in one frame.
 
     Attributes
@@ -48,7 +48,7 @@ class SystemFacts:
 
 
 @dataclass(frozen=True, eq=False)
-class FrameFacts:
+class FrameSummary:
     """One frame.
 
     Attributes
@@ -77,8 +77,8 @@ class FrameFacts:
     time_s: float
     n_truth: int
     n_ignored: int
-    x: SystemFacts
-    y: SystemFacts
+    x: SystemSummary
+    y: SystemSummary
     pedestrians: pd.DataFrame
 
     @property
@@ -88,7 +88,7 @@ class FrameFacts:
         return table[~(table["found_x"] & table["found_y"])]
 
 
-def frame_facts(result: Result, row: int) -> FrameFacts:
+def frame_summary(result: Result, row: int) -> FrameSummary:
     """All about one frame, by its row in the frames table."""
     dataset, frames = result.dataset, result.dataset.frame_columns
     truth = dataset.truth
@@ -109,7 +109,7 @@ def frame_facts(result: Result, row: int) -> FrameFacts:
         columns=list(PEDESTRIAN_COLUMNS),
     )[~truth.ignore[rows]]
     recording = int(frames.recording[row])
-    return FrameFacts(
+    return FrameSummary(
         recording=str(dataset.recordings["name"].iloc[recording]),
         recording_index=recording,
         row=row,
@@ -118,16 +118,16 @@ def frame_facts(result: Result, row: int) -> FrameFacts:
         time_s=float(dataset.frames["time_s"].iloc[row]),
         n_truth=int(result.n_truth[row]),
         n_ignored=int(np.count_nonzero(truth.ignore[rows])),
-        x=_system_facts(result.x, boxes.x.state, row),
-        y=_system_facts(result.y, boxes.y.state, row),
+        x=_system_summary(result.x, boxes.x.state, row),
+        y=_system_summary(result.y, boxes.y.state, row),
         pedestrians=table.sort_values("height_px", ascending=False, kind="stable").reset_index(
             drop=True
         ),
     )
 
 
-def _system_facts(system: SystemResult, state: np.ndarray, row: int) -> SystemFacts:
-    return SystemFacts(
+def _system_summary(system: SystemResult, state: np.ndarray, row: int) -> SystemSummary:
+    return SystemSummary(
         name=system.name,
         similarity=float(system.similarity[row]),
         similarity_window=float(system.similarity_window[row]),

@@ -18,7 +18,13 @@ from nvcore.params import Params
 from nvcore.stability.axes import Plane
 from nvcore.stability.map import map_stability
 from nvcore.stability.scores import Criterion
-from nvcore.stability.survey import SURVEYED, Surveyed, held_text, survey_stability, survey_table
+from nvcore.stability.survey import (
+    SURVEY_PLANES,
+    SurveyRow,
+    held_text,
+    survey_stability,
+    survey_table,
+)
 from nvcore.stability.words import CRITERIA, describe_chance, describe_stability, share_text
 
 ONE = [at(0, 50, score=0.5), at(0, 20, score=0.2)]
@@ -74,7 +80,7 @@ def test_every_map_is_told_and_drawn(case: str) -> None:
 @pytest.mark.parametrize("case", CASES)
 def test_every_map_has_a_row(case: str) -> None:
     table = survey_table(survey_stability(CASES[case]))
-    assert len(table) == len(SURVEYED) * len(get_args(Criterion))
+    assert len(table) == len(SURVEY_PLANES) * len(get_args(Criterion))
     assert (table[["verdict", "share", "nearest"]] != "").all(axis=None)
     no_map = table["share"] == "no such map"
     assert set(table.loc[no_map, "plane"]) == (
@@ -96,11 +102,11 @@ def test_the_row_says_what_the_map_says() -> None:
 
 
 def test_a_verdict_is_undefined_where_its_map_is() -> None:
-    surveyed = survey_stability(CASES["all distant"])
-    assert {held_text(one) for one in surveyed if one.criterion == "encounters"} == {"undefined"}
+    rows = survey_stability(CASES["all distant"])
+    assert {held_text(one) for one in rows if one.criterion == "encounters"} == {"undefined"}
     near = compare(make_dataset([at(0, 50, h=5.0)], [at(0, 50, h=5.0)], []), Params(midpoint=4.0))
     found = map_stability(near, "alpha-midpoint", "encounters")  # 100 px high picture
-    assert held_text(Surveyed("alpha-midpoint", "encounters", found)) == "undefined there"
+    assert held_text(SurveyRow("alpha-midpoint", "encounters", found)) == "undefined there"
 
 
 def test_progress_runs_over_all_maps() -> None:

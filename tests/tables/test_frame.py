@@ -6,7 +6,7 @@ import pytest
 from builders import Place, at, make_dataset, result_of
 
 from nvcore.comparison import Result
-from nvcore.tables.frame import PEDESTRIAN_COLUMNS, frame_facts
+from nvcore.tables.frame import PEDESTRIAN_COLUMNS, frame_summary
 
 
 @pytest.fixture(scope="module")
@@ -24,19 +24,19 @@ def result() -> Result:
 
 
 def test_a_frame_is_named_by_recording_number_and_time(result: Result):
-    facts = frame_facts(result, 6)
+    facts = frame_summary(result, 6)
     assert (facts.recording, facts.recording_index) == ("r1", 1)
     assert (facts.row, facts.row_in_recording) == (6, 1)
     assert (facts.frame, facts.time_s) == (3, 0.5)
 
 
 def test_pedestrians_and_ignored_boxes_are_counted_apart(result: Result):
-    facts = frame_facts(result, 6)
+    facts = frame_summary(result, 6)
     assert (facts.n_truth, facts.n_ignored) == (2, 1)
 
 
 def test_pedestrians_are_listed_tallest_first_with_who_finds_them(result: Result):
-    table = frame_facts(result, 6).pedestrians
+    table = frame_summary(result, 6).pedestrians
     assert table[["track", "height_px", "found_x", "found_y"]].to_numpy().tolist() == [
         [2, 50, True, True], [1, 30, True, False],
     ]  # fmt: skip
@@ -46,11 +46,11 @@ def test_pedestrians_are_listed_tallest_first_with_who_finds_them(result: Result
 
 
 def test_those_whom_x_or_y_misses_are_told_alone(result: Result):
-    assert frame_facts(result, 6).missed["track"].tolist() == [1]
+    assert frame_summary(result, 6).missed["track"].tolist() == [1]
 
 
 def test_each_system_has_its_figures(result: Result):
-    facts = frame_facts(result, 6)
+    facts = frame_summary(result, 6)
     assert (facts.x.n_det, facts.x.matched, facts.x.false_alarms, facts.x.n_absorbed) == (
         2, 2, 0, 1,
     )  # fmt: skip
@@ -65,11 +65,11 @@ def test_each_system_has_its_figures(result: Result):
 
 def test_the_moving_mean_is_that_of_the_frame(result: Result):
     # window 1 s: all three frames, half a second apart
-    assert frame_facts(result, 6).y.similarity_window == pytest.approx((1 + 0.6 + 1) / 3)
+    assert frame_summary(result, 6).y.similarity_window == pytest.approx((1 + 0.6 + 1) / 3)
 
 
 def test_a_frame_without_boxes_has_an_empty_table_with_all_columns(result: Result):
-    facts = frame_facts(result, 0)
+    facts = frame_summary(result, 0)
     assert list(facts.pedestrians) == list(PEDESTRIAN_COLUMNS)
     assert len(facts.pedestrians) == len(facts.missed) == 0
     assert facts.x.similarity == 1
@@ -77,5 +77,5 @@ def test_a_frame_without_boxes_has_an_empty_table_with_all_columns(result: Resul
 
 def test_far_pedestrians_are_listed_as_not_relevant():
     truth = [at(0, 50, track=1, h=3), at(0, 20, track=2)]
-    table = frame_facts(result_of(make_dataset(truth), proximity="height"), 0).pedestrians
+    table = frame_summary(result_of(make_dataset(truth), proximity="height"), 0).pedestrians
     assert table["is_relevant"].tolist() == [True, False]

@@ -12,12 +12,13 @@ from nvcore.inputs.session import Session
 from nvcore.inputs.session_toml import read_session
 from ui.data import local, upload
 from ui.data.inputs import sent_pictures
-from ui.data.missing_inputs import Facts, draw_facts, forget_facts
+from ui.data.missing_inputs import MissingInputs, ask_for_missing, forget_missing
 from ui.data.opening import draw_trouble, forget_trouble, try_to_open
 from ui.session import state
 from ui.session.local_files import LocalRoot, local_root
 from ui.session.opening import uploaded_session
-from ui.session.uploads import PICTURES, SentFile, new_upload, store_annotations
+from ui.session.uploads import SentFile, new_upload, store_annotations
+from ui.session.workspace import PICTURES
 from ui.widgets.text import plain
 
 SAMPLE_TEXT = (
@@ -77,7 +78,7 @@ def draw_session_form() -> None:
         key="session_files",
         on_change=_changed,
     )
-    facts = draw_facts(PLACE, sent_pictures(state.workspace()).values())
+    facts = ask_for_missing(PLACE, sent_pictures(state.workspace()).values())
     draw_trouble(PLACE)
     if st.button("Open this session", key="open_session_file", type="primary"):
         label = "" if file is None else file.name
@@ -86,10 +87,10 @@ def draw_session_form() -> None:
 
 def _changed() -> None:
     forget_trouble(PLACE)
-    forget_facts(PLACE)
+    forget_missing(PLACE)
 
 
-def _session(file: SentFile | None, others: Sequence[SentFile], facts: Facts) -> Session:
+def _session(file: SentFile | None, others: Sequence[SentFile], facts: MissingInputs) -> Session:
     if file is None:
         raise InputError("Choose the session file first.")
     space = state.workspace()

@@ -17,12 +17,12 @@ from nvcore.detection.operating_point import (
     score_histogram,
 )
 from nvcore.figures.inputs import false_alarm_plot, score_plot
-from nvcore.figures.style import CONFIG
 from nvcore.params import Params
 from nvcore.params.metadata import MATCH
 from ui.session import state
 from ui.session.opening import with_systems
 from ui.shell.messages import sampling_note
+from ui.widgets.charts import draw_chart
 from ui.widgets.text import docs_link, number, plain
 
 TOLD: Final = "same_point_told"
@@ -56,10 +56,7 @@ def draw() -> None:
 
 
 def _draw_choice() -> None:
-    space = state.workspace()
-    dataset = space.dataset
-    assert dataset is not None
-    names = list(dataset.systems)
+    names = list(state.opened().dataset.systems)
     x, y = state.systems()
     if y is None:
         return
@@ -85,25 +82,22 @@ def _choose(letter: str) -> None:
 
 def _swap() -> None:
     x, y = state.systems()
-    assert y is not None
-    _compare(y, x)
+    if y is not None:
+        _compare(y, x)
 
 
 def _compare(x: str, y: str | None) -> None:
-    space = state.workspace()
-    assert space.session is not None
-    assert space.dataset is not None
-    space.session, thresholds = with_systems(space.session, space.dataset, state.params(), x=x, y=y)
-    space.forget()
+    opened = state.opened()
+    session, thresholds = with_systems(opened.session, opened.dataset, state.params(), x=x, y=y)
+    state.change_session(session)
+    state.workspace().forget()
     for letter, name in (("x", x), ("y", y)):
         if name is not None:
             state.set_threshold(letter, thresholds[f"threshold_{letter}"])
 
 
 def _draw_system(letter: str, name: str) -> None:
-    dataset = state.workspace().dataset
-    assert dataset is not None
-    params, theme = state.params(), state.theme()
+    dataset, params, theme = state.opened().dataset, state.params(), state.theme()
     field = f"threshold_{letter}"
     threshold: float | None = getattr(params, field)
     st.markdown(f"**{letter.upper()}: {plain(name)}**")
@@ -138,7 +132,7 @@ def _draw_system(letter: str, name: str) -> None:
     if note := sampling_note(dataset.frame_columns):
         alarms.caption(note)
     if state.score_span(name) is not None:
-        st.plotly_chart(
+        draw_chart(
             score_plot(
                 score_histogram(dataset, name),
                 letter=letter,
@@ -146,11 +140,9 @@ def _draw_system(letter: str, name: str) -> None:
                 threshold=threshold,
                 theme=theme,
             ),
-            theme=None,
-            config=CONFIG,
-            key=f"scores_{letter}",
+            f"scores_{letter}",
         )
-        st.plotly_chart(
+        draw_chart(
             false_alarm_plot(
                 _curve(dataset, name, params),
                 letter=letter,
@@ -158,9 +150,7 @@ def _draw_system(letter: str, name: str) -> None:
                 threshold=threshold,
                 theme=theme,
             ),
-            theme=None,
-            config=CONFIG,
-            key=f"alarms_{letter}",
+            f"alarms_{letter}",
         )
 
 
@@ -202,8 +192,7 @@ def _draw_same_point(x: str, y: str) -> None:
 
 def _same_point_text(x: str, y: str, moved: str) -> str:
     """What the thresholds that are in force now give."""
-    dataset, params = state.workspace().dataset, state.params()
-    assert dataset is not None
+    dataset, params = state.opened().dataset, state.params()
     points = {
         "X": _point(dataset, x, params, params.threshold_x),
         "Y": _point(dataset, y, params, params.threshold_y),
@@ -222,8 +211,7 @@ def _same_point_text(x: str, y: str, moved: str) -> str:
 
 
 def _take_same_point(x: str, y: str, moved: str) -> None:
-    dataset, params = state.workspace().dataset, state.params()
-    assert dataset is not None
+    dataset, params = state.opened().dataset, state.params()
     if moved == "y":
         found = same_operating_point(dataset, params, x, y)
     else:  # the library moves the second of the two

@@ -26,7 +26,7 @@ _RATE: Final[dict[Role, frozenset[str]]] = {"truth": frozenset({"fps"}), "detect
 
 
 @dataclass(frozen=True, eq=False)
-class Look:
+class FileCheck:
     """What one source holds, read by itself; each look is a thing of its own, also as a key.
 
     Attributes
@@ -58,14 +58,14 @@ class Look:
         return [] if self.reading is None else self.reading.recordings["name"].tolist()
 
 
-def look_at(
+def check_files(
     key: Hashable,
     source: Callable[[], Source],
     *,
     role: Role,
     folder: Path,
-    truth: Look | None = None,
-) -> Look:
+    truth: FileCheck | None = None,
+) -> FileCheck:
     """Read a source by itself; once for each key.
 
     Parameters
@@ -77,35 +77,37 @@ def look_at(
     truth
         What the ground truth is, for detections.
     """
-    looks: dict[Hashable, Look] = st.session_state.setdefault(_KEPT, {})
+    checks: dict[Hashable, FileCheck] = st.session_state.setdefault(_KEPT, {})
     known = None if truth is None else truth.reading
     of_both = (key, None if known is None else truth)  # without a reading it tells nothing
-    found = looks.pop(of_both, None)
+    found = checks.pop(of_both, None)
     if found is None:
         with st.spinner("Reading the files"):
-            found = _look(source, role, folder, known)
-    looks[of_both] = found  # at the end: the longest unused goes first
-    while len(looks) > MOST_KEPT:
-        del looks[next(iter(looks))]
+            found = _check(source, role, folder, known)
+    checks[of_both] = found  # at the end: the longest unused goes first
+    while len(checks) > MOST_KEPT:
+        del checks[next(iter(checks))]
     return found
 
 
-def _look(source: Callable[[], Source], role: Role, folder: Path, known: Reading | None) -> Look:
+def _check(
+    source: Callable[[], Source], role: Role, folder: Path, known: Reading | None
+) -> FileCheck:
     name = ""
     try:
         made = source()
         chosen = find_files(made, folder, role)[1]
         name, title = chosen.name, chosen.title
         if role == "detections" and known is None:  # some need to know the ground truth
-            return Look(format=name, told=title)
+            return FileCheck(format=name, told=title)
         reading = read_source(made, role=role, folder=folder, size=_size(known), truth=known)
     except MissingFactError as error:
         if not error.facts:
-            return Look(trouble=without_paths(error))
+            return FileCheck(trouble=without_paths(error))
         # what needs the size to be read never holds a frame rate
-        return Look(lacking=frozenset(error.facts) | _RATE[role], format=name)
+        return FileCheck(lacking=frozenset(error.facts) | _RATE[role], format=name)
     except NvcoreError as error:
-        return Look(trouble=without_paths(error))
+        return FileCheck(trouble=without_paths(error))
     frames = reading.boxes["frame"]
     lacking = _lacking(reading) if role == "truth" else frozenset()
     told, first = f"{title}: {len(frames):,} boxes", None
@@ -114,7 +116,7 @@ def _look(source: Callable[[], Source], role: Role, folder: Path, known: Reading
         first = int(frames.min())
     if n_ignored := int(reading.boxes["ignore"].sum()):
         told += f", {n_ignored:,} of them to be ignored"
-    return Look("", lacking, name, told, first, _light(reading))
+    return FileCheck("", lacking, name, told, first, _light(reading))
 
 
 def _light(reading: Reading) -> Reading:
@@ -139,15 +141,15 @@ def _size(truth: Reading | None) -> tuple[int, int] | None:
     return int(sizes[0, 0]), int(sizes[0, 1])
 
 
-def draw_look(look: Look | None, truth: Look | None = None) -> None:
+def draw_file_check(check: FileCheck | None, truth: FileCheck | None = None) -> None:
     """What a field's files are, or why they cannot be used."""
-    if look is None:
+    if check is None:
         return
-    if look.trouble:
-        st.error(plain(look.trouble), icon=":material/error:")
-    elif look.told:
-        st.caption(f"Read as {plain(look.told)}.")
-    firsts = (look.first_frame, None if truth is None else truth.first_frame)
+    if check.trouble:
+        st.error(plain(check.trouble), icon=":material/error:")
+    elif check.told:
+        st.caption(f"Read as {plain(check.told)}.")
+    firsts = (check.first_frame, None if truth is None else truth.first_frame)
     if set(firsts) == {0, 1}:
         st.caption(
             f"Begins with frame {firsts[0]}, the ground truth with frame {firsts[1]}. Should both "
@@ -156,7 +158,7 @@ def draw_look(look: Look | None, truth: Look | None = None) -> None:
         )
 
 
-def unusable(looks: Iterable[tuple[str, Look | None]]) -> str:
+def unusable(checks: Iterable[tuple[str, FileCheck | None]]) -> str:
     """What stops an opening, in words; empty: nothing.
 
     Parameters
@@ -164,7 +166,7 @@ def unusable(looks: Iterable[tuple[str, Look | None]]) -> str:
     looks
         Of each field, by the name it has on the page.
     """
-    titles = [title for title, look in looks if look is not None and look.trouble]
+    titles = [title for title, check in checks if check is not None and check.trouble]
     if not titles:
         return ""
     return (

@@ -32,7 +32,7 @@ MOST_SHOWN: Final = 4
 def draw() -> None:
     """What is open, and all findings about it."""
     findings = worst_first(state.findings())
-    label, n = state.workspace().label, len(state.recording_names())
+    label, n = state.opened().label, len(state.recording_names())
     st.header(f"Open now: {plain(label)} ({n:,} recording{'s' if n > 1 else ''})")
     st.subheader("What to mind before trusting the figures")
     if not findings:
@@ -73,7 +73,7 @@ def _draw_one(findings: Sequence[Finding], finding: Finding, number: int) -> Non
         if where:
             st.caption(f"First seen in {plain(where)}")
         st.markdown(f"*What to do:* {plain(without_paths(finding.advice))}")
-        if finding.suggestion and finding.subject in _systems():
+        if finding.suggestion and finding.subject in state.opened().dataset.systems:
             _draw_correction(findings, finding, number)
 
 
@@ -83,11 +83,6 @@ def _subject(subject: str) -> str:
     x, y = state.systems()
     letter = {x: "X, ", y: "Y, "}.get(subject, "")
     return f"{letter}{plain(subject)}:"
-
-
-def _systems() -> tuple[str, ...]:
-    dataset = state.workspace().dataset
-    return () if dataset is None else dataset.systems
 
 
 def _draw_correction(findings: Sequence[Finding], finding: Finding, number: int) -> None:
@@ -101,8 +96,6 @@ def _draw_correction(findings: Sequence[Finding], finding: Finding, number: int)
         "they are; a saved session holds the correction.",
     )
     if is_wanted:
-        space = state.workspace()
-        assert space.session is not None
-        assert space.dataset is not None
-        session = corrected(space.session, space.dataset, chain)
-        try_to_open(replace(session, params=state.params()), label=space.label)
+        opened = state.opened()
+        session = corrected(opened.session, opened.dataset, chain)
+        try_to_open(replace(session, params=state.params()), label=opened.label)

@@ -52,7 +52,7 @@ class FrameList:
         return "The list of evaluated frames cannot be used: the reason stands at its field."
 
 
-def look_at_list(path: str, folder: Path) -> FrameList:
+def check_frame_list(path: str, folder: Path) -> FrameList:
     """Read a list; once for the file as it is.
 
     Parameters
@@ -68,10 +68,10 @@ def look_at_list(path: str, folder: Path) -> FrameList:
     if not file.is_file() or status.st_size > MOST_BYTES:
         return FrameList(trouble="expected a text file with one frame number a line")
     key = (str(file), status.st_mtime_ns, status.st_size)
-    return state.workspace().keep("frame_list", key, lambda: _look(path, folder))
+    return state.workspace().cached("frame_list", key, lambda: _check(path, folder))
 
 
-def _look(path: str, folder: Path) -> FrameList:
+def _check(path: str, folder: Path) -> FrameList:
     try:
         frames = parse_frames(path, folder)
     except NvcoreError as error:

@@ -32,17 +32,15 @@ IMAGES: Final = "single pictures sent"
 
 def draw() -> None:
     """Inputs, recordings and notes of the open comparison."""
-    space = state.workspace()
-    dataset = space.dataset
-    assert dataset is not None
+    space, dataset = state.workspace(), state.opened().dataset
     st.subheader("What was read")
     st.table(_inputs(dataset), width="stretch", hide_index=True)
     left_out = left_out_table(dataset)
     if not left_out.empty:
-        told = "; ".join(
-            f"{one.subject}: {one.n_rows:,} {one.reason}" for one in left_out.itertuples()
+        counts = "; ".join(
+            f"{row.subject}: {row.n_rows:,} {row.reason}" for row in left_out.itertuples()
         )
-        st.caption(f"Rows that could not be placed: {plain(told)}.")
+        st.caption(f"Rows that could not be placed: {plain(counts)}.")
     recordings = _recordings(space, dataset)
     if len(recordings) > MOST_IN_TABLE:
         st.dataframe(recordings, hide_index=True, width="stretch")
@@ -62,16 +60,16 @@ def _inputs(dataset: Dataset) -> pd.DataFrame:
     n_ignored = int(dataset.truth.ignore.sum())
     n_counted = len(dataset.truth) - n_ignored
     ignored = f": {n_counted:,} pedestrians, {n_ignored:,} to be ignored" if n_ignored else ""
-    for source in inputs_table(dataset).itertuples():
-        letter = {x: "X: ", y: "Y: "}.get(source.subject, "")
-        more = f" and {source.n_files - 1:,} more" if source.n_files > 1 else ""
+    for number, source in enumerate(inputs_table(dataset).to_dict("records")):
+        letter = {x: "X: ", y: "Y: "}.get(source["subject"], "")
+        more = f" and {source['n_files'] - 1:,} more" if source["n_files"] > 1 else ""
         rows.append(
             {
-                "Source": f"{letter}{plain(source.subject)}" if source.Index else "Truth",
-                "Files": f"{plain(without_paths(source.first_file))}{more}",
-                "Format": plain(source.format),
-                "Boxes": f"{source.n_boxes:,}{'' if source.Index else ignored}",
-                "Read as": plain(_without_old_name(source.conversion)),
+                "Source": f"{letter}{plain(source['subject'])}" if number else "Truth",
+                "Files": f"{plain(without_paths(source['first_file']))}{more}",
+                "Format": plain(source["format"]),
+                "Boxes": f"{source['n_boxes']:,}{'' if number else ignored}",
+                "Read as": plain(_without_old_name(source["conversion"])),
             }
         )
     return pd.DataFrame(rows)
@@ -113,8 +111,7 @@ def _pictures_text(space: Workspace, recording: int) -> str:
 
 
 def _draw_pictures(space: Workspace) -> None:
-    session = space.session
-    assert session is not None
+    session, label = state.opened().session, state.opened().label
     names = state.recording_names()
     name = names[0]
     if len(names) > 1:
@@ -144,7 +141,7 @@ def _draw_pictures(space: Workspace) -> None:
         first = None if first_picture is None else int(first_picture)
         change = {"pictures": choices.get(chosen), "first_picture": first}
         changed = with_recordings(session, names, {name: change})
-        try_to_open(replace(changed, params=state.params()), label=space.label)
+        try_to_open(replace(changed, params=state.params()), label=label)
 
 
 def picture_choices(
@@ -164,8 +161,8 @@ def picture_choices(
 def sent_pictures(space: Workspace) -> dict[str, Path]:
     """Videos, archives and the folder of single pictures that were sent, by label."""
     stored: Sequence[Stored] = list(space.stored.values())
-    found = {one.name: space.folder / one.place for one in stored if one.kind != "image"}
-    images = [one for one in stored if one.kind == "image"]
+    paths = {file.name: space.folder / file.place for file in stored if file.kind != "image"}
+    images = [file for file in stored if file.kind == "image"]
     if images:
-        found[f"{IMAGES} ({len(images):,})"] = (space.folder / images[0].place).parent
-    return found
+        paths[f"{IMAGES} ({len(images):,})"] = (space.folder / images[0].place).parent
+    return paths

@@ -14,9 +14,9 @@ from nvcore.inputs.files import find_files
 from nvcore.inputs.readers.base import Role
 from nvcore.inputs.session import Session, Source, SystemSource
 from nvcore.inputs.session_toml import read_session
-from ui.data.file_check import Look, draw_look, look_at, unusable
-from ui.data.frames import FRAMES_HELP, FRAMES_LABEL, FrameList, draw_frame_list, look_at_list
-from ui.data.missing_inputs import Facts, draw_facts, forget_facts
+from ui.data.file_check import FileCheck, check_files, draw_file_check, unusable
+from ui.data.frames import FRAMES_HELP, FRAMES_LABEL, FrameList, check_frame_list, draw_frame_list
+from ui.data.missing_inputs import MissingInputs, ask_for_missing, forget_missing
 from ui.data.names import draw_recording, draw_system_name, proposed_names, with_recording_name
 from ui.data.opening import draw_trouble, forget_trouble, try_to_open
 from ui.data.pictures import ChosenPictures, draw_checked
@@ -49,7 +49,7 @@ class _Form:
     recording: str
     frames: FrameList
     pictures: ChosenPictures
-    facts: Facts
+    facts: MissingInputs
     unusable: str
 
 
@@ -76,18 +76,18 @@ def draw(root: LocalRoot) -> None:
 
 def _draw_form(root: LocalRoot, entries: list[Entry]) -> _Form:
     chosen: dict[str, list[str]] = {}
-    looks: list[Look | None] = []
+    checks: list[FileCheck | None] = []
     name_fields = []
     for key in SOURCES:
         left, right = st.columns([1, 3])
         with right:
             chosen[key] = _draw_role(key, entries)
-            truth = looks[0] if looks else None
-            look = _look(root, chosen[key], truth, role="detections" if looks else "truth")
-            draw_look(look, truth)
+            truth = checks[0] if checks else None
+            check = _check(root, chosen[key], truth, role="detections" if checks else "truth")
+            draw_file_check(check, truth)
         name_fields.append(left)
-        looks.append(look)
-    recordings = [] if looks[0] is None else looks[0].recordings
+        checks.append(check)
+    recordings = [] if checks[0] is None else checks[0].recordings
     frames = _draw_frame_list(root, entries, recordings)
     chosen["local_pictures"] = _draw_role("local_pictures", entries)
     places, gone = _find(root, chosen["local_pictures"])
@@ -100,12 +100,12 @@ def _draw_form(root: LocalRoot, entries: list[Entry]) -> _Form:
             title = ROLES[key].replace("S", "s")
             names.append(draw_system_name(title, name, number, key=f"{key}_name", changed=_changed))
     pictures = draw_checked(PLACE, places, recordings, gone)
-    lacking = {fact for look in looks if look is not None for fact in look.lacking}
-    told_format = "" if looks[0] is None else looks[0].format
-    facts = draw_facts(PLACE, pictures.usable.values(), lacking, told_format)
+    lacking = {fact for check in checks if check is not None for fact in check.lacking}
+    told_format = "" if checks[0] is None else checks[0].format
+    facts = ask_for_missing(PLACE, pictures.usable.values(), lacking, told_format)
     draw_trouble(PLACE)
     titles = ["the ground truth", *(f"system {key[-1].upper()}" for key in SYSTEMS)]
-    wrong = unusable(zip(titles, looks, strict=True))
+    wrong = unusable(zip(titles, checks, strict=True))
     return _Form(chosen, names, recording, frames, pictures, facts, wrong)
 
 
@@ -118,7 +118,7 @@ def _draw_frame_list(root: LocalRoot, entries: list[Entry], recordings: Sequence
         root.find(chosen[0])
     except InputError as error:
         return draw_frame_list(FrameList(trouble=str(error)), recordings)
-    return draw_frame_list(look_at_list(chosen[0], root.folder), recordings)
+    return draw_frame_list(check_frame_list(chosen[0], root.folder), recordings)
 
 
 def _find(root: LocalRoot, paths: Sequence[str]) -> tuple[dict[str, Path], list[str]]:
@@ -132,9 +132,9 @@ def _find(root: LocalRoot, paths: Sequence[str]) -> tuple[dict[str, Path], list[
     return found, gone
 
 
-def _look(
-    root: LocalRoot, paths: Sequence[str], truth: Look | None, *, role: Role = "truth"
-) -> Look | None:
+def _check(
+    root: LocalRoot, paths: Sequence[str], truth: FileCheck | None, *, role: Role = "truth"
+) -> FileCheck | None:
     """What the chosen paths hold, read only if they stay below the root."""
     if not paths:
         return None
@@ -146,9 +146,9 @@ def _look(
         check_confined(Session(root.folder, source, ()), root.folder)
         files, _ = find_files(source, root.folder, role)
     except NvcoreError as error:
-        return Look(trouble=without_paths(error))
+        return FileCheck(trouble=without_paths(error))
     key = (*paths, role, _state_of(root, [file.path for file in files]))
-    return look_at(key, lambda: source, role=role, folder=root.folder, truth=truth)
+    return check_files(key, lambda: source, role=role, folder=root.folder, truth=truth)
 
 
 def _state_of(root: LocalRoot, files: Sequence[Path]) -> tuple[tuple[str, int, int], ...]:
@@ -198,7 +198,7 @@ def _draw_session(root: LocalRoot, entries: list[Entry]) -> None:
         "Session file", files, format_func=_last, key="local_session", on_change=_session_changed
     )
     is_wanted = right.button("Open session", key="open_local_session", width="stretch")
-    facts = draw_facts(SESSION, [])
+    facts = ask_for_missing(SESSION, [])
     draw_trouble(SESSION)
     if is_wanted:
         try_to_open(lambda: _session_file(root, file, facts), label=_last(file), place=SESSION)
@@ -206,7 +206,7 @@ def _draw_session(root: LocalRoot, entries: list[Entry]) -> None:
 
 def _session_changed() -> None:
     forget_trouble(SESSION)
-    forget_facts(SESSION)
+    forget_missing(SESSION)
 
 
 def _draw_role(
@@ -222,14 +222,14 @@ def _draw_role(
 
 def _changed() -> None:
     forget_trouble(PLACE)
-    forget_facts(PLACE)
+    forget_missing(PLACE)
 
 
 def _last(path: str) -> str:
     return path.rpartition("/")[2]
 
 
-def _session_file(root: LocalRoot, path: str, facts: Facts) -> Session:
+def _session_file(root: LocalRoot, path: str, facts: MissingInputs) -> Session:
     session = facts.added_to(read_session(root.find(path)))
     check_confined(session, root.folder)
     return session

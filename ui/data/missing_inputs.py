@@ -14,11 +14,11 @@ from nvcore.inputs.readers import FORMATS
 from nvcore.inputs.readers.base import Role
 from nvcore.inputs.session import Session
 from nvcore.pictures.open import open_pictures
-from ui.data.opening import FACTS, trouble_of
+from ui.data.opening import MISSING_WORDS, trouble_of
 from ui.session.opening import checked_frames
 
-_LOOKS: Final = "picture_looks"
-MOST_LOOKS: Final = 256
+_CHECKS: Final = "picture_looks"
+MOST_CHECKS: Final = 256
 """Pictures that are remembered: a long video takes time to open."""
 MAX_SIZE_PX: Final = 100_000
 MAX_FPS: Final = 10_000.0
@@ -36,22 +36,22 @@ BOX_BASES: Final = {
 
 
 @dataclass(frozen=True)
-class Facts:
-    """What a person says of all recordings; None: the files tell."""
+class MissingInputs:
+    """What a person filled in for all recordings; None: the files say it."""
 
     size: tuple[int, int] | None = None
     fps: float | None = None
     frames: str | None = None
 
     def session(self, *, frame_list: str | None = None, **parts: Any) -> Session:
-        """A session with these facts.
+        """A session with these inputs.
 
         Parameters
         ----------
         frame_list
-            Path of a list of evaluated frames, which goes before a range.
+            Path of a list of evaluated frames, which takes precedence over a range.
         parts
-            What else is in it.
+            The other fields of the session.
 
         Raises
         ------
@@ -62,19 +62,23 @@ class Facts:
         return Session(size=self.size, fps=self.fps, frames=frames, **parts)
 
     def added_to(self, session: Session) -> Session:
-        """A session that was read from a file, with these facts; what is not given stays.
+        """A session that was read from a file, with these inputs; what is None stays.
 
         Raises
         ------
         SessionError
             If the frames are no range.
         """
-        given = {"size": self.size, "fps": self.fps, "frames": checked_frames(self.frames or "")}
-        return replace(session, **{k: v for k, v in given.items() if v is not None})
+        return replace(
+            session,
+            size=self.size or session.size,
+            fps=self.fps or session.fps,
+            frames=checked_frames(self.frames or "") or session.frames,
+        )
 
 
 @dataclass(frozen=True)
-class Usual:
+class UsualInputs:
     """What most recordings in a format have.
 
     Attributes
@@ -96,16 +100,16 @@ class Usual:
 
 
 _OF_KITTI: Final = ("KITTI", "1224 × 370, 1238 × 374 or 1241 × 376")
-USUAL: Final = {
-    "kitti-tracking": Usual((1242, 375), 10.0, *_OF_KITTI),
-    "kitti-object": Usual((1242, 375), None, *_OF_KITTI),
+USUAL_INPUTS: Final = {
+    "kitti-tracking": UsualInputs((1242, 375), 10.0, *_OF_KITTI),
+    "kitti-object": UsualInputs((1242, 375), None, *_OF_KITTI),
 }
 """By the name of the format."""
 
 
-def draw_facts(
+def ask_for_missing(
     place: str, pictures: Iterable[Path], lacking: Iterable[str] = (), format_name: str = ""
-) -> Facts:
+) -> MissingInputs:
     """Fields for what the files do not say; none if nothing.
 
     Parameters
@@ -124,10 +128,10 @@ def draw_facts(
     asked = st.session_state.setdefault(f"asked_{place}", set())
     asked |= set(() if trouble is None else trouble.facts)
     asked = asked | set(lacking)
-    pictures, usual = list(pictures), USUAL.get(format_name)
+    pictures, usual = list(pictures), USUAL_INPUTS.get(format_name)
     facts: dict[str, Any] = {}
     if asked:
-        words = " and ".join(FACTS[fact] for fact in FACTS if fact in asked)
+        words = " and ".join(MISSING_WORDS[fact] for fact in MISSING_WORDS if fact in asked)
         st.markdown(f"**Not in the files: {words}**")
     if "size" in asked:
         facts["size"] = _draw_size(place, picture_size(pictures), usual)
@@ -140,11 +144,11 @@ def draw_facts(
             key=f"frames_{place}",
             help="FIRST:LAST or FIRST:LAST:STEP, by the frame numbers of the truth.",
         )
-    return Facts(**facts)
+    return MissingInputs(**facts)
 
 
 def _draw_size(
-    place: str, of_pictures: tuple[int, int] | None, usual: Usual | None
+    place: str, of_pictures: tuple[int, int] | None, usual: UsualInputs | None
 ) -> tuple[int, int] | None:
     of_format = None if usual is None else usual.size
     if of_format is not None and _is_typed(f"width_{place}", of_format[0]):
@@ -184,7 +188,7 @@ def _is_typed(name: str, proposed: float | None) -> bool:
     return st.session_state.get(f"{name}_{proposed}") not in (None, proposed)
 
 
-def _draw_rate(place: str, of_pictures: float | None, usual: Usual | None) -> float | None:
+def _draw_rate(place: str, of_pictures: float | None, usual: UsualInputs | None) -> float | None:
     of_format = None if usual is None else usual.fps
     if of_format is not None and _is_typed(f"fps_{place}", of_format):
         of_pictures = None
@@ -214,7 +218,7 @@ def _draw_rate(place: str, of_pictures: float | None, usual: Usual | None) -> fl
     return None if rate is None else float(rate)
 
 
-def forget_facts(place: str) -> None:
+def forget_missing(place: str) -> None:
     """Ask nothing from now on, until files leave something open again."""
     st.session_state.pop(f"asked_{place}", None)
 
@@ -247,17 +251,17 @@ def draw_reading(role: Role, key: str, changed: Callable[[], None]) -> dict[str,
 
 def picture_size(paths: Iterable[Path]) -> tuple[int, int] | None:
     """Size of the first pictures that can be opened."""
-    return next((one.size for one in map(look_at_pictures, paths) if one.size), None)
+    return next((one.size for one in map(check_pictures, paths) if one.size), None)
 
 
 def picture_rate(paths: Iterable[Path]) -> float | None:
     """Frame rate of the first pictures that state one, within what can be given."""
-    rates = (one.fps for one in map(look_at_pictures, paths))
+    rates = (one.fps for one in map(check_pictures, paths))
     return next((rate for rate in rates if rate is not None and 0.01 <= rate <= MAX_FPS), None)
 
 
 @dataclass(frozen=True)
-class PictureLook:
+class PictureCheck:
     """What pictures turn out to be.
 
     Attributes
@@ -275,7 +279,7 @@ class PictureLook:
     trouble: str = ""
 
 
-def look_at_pictures(path: Path) -> PictureLook:
+def check_pictures(path: Path) -> PictureCheck:
     """Open pictures to see what they are; once in a session for the file as it is.
 
     A folder with trouble is opened again: it stays as it is when a picture in it is mended.
@@ -283,22 +287,22 @@ def look_at_pictures(path: Path) -> PictureLook:
     try:
         status = path.stat()
     except OSError as error:
-        return PictureLook(trouble=f"cannot be opened ({error.strerror})")
-    looks: dict[Hashable, PictureLook] = st.session_state.setdefault(_LOOKS, {})
+        return PictureCheck(trouble=f"cannot be opened ({error.strerror})")
+    checks: dict[Hashable, PictureCheck] = st.session_state.setdefault(_CHECKS, {})
     key = (path, status.st_mtime_ns, status.st_size)
-    found = looks.pop(key, None) or _look_at_pictures(path)
+    found = checks.pop(key, None) or _check_pictures(path)
     if not (found.trouble and path.is_dir()):
-        looks[key] = found  # at the end: the longest unused goes first
-        while len(looks) > MOST_LOOKS:
-            del looks[next(iter(looks))]
+        checks[key] = found  # at the end: the longest unused goes first
+        while len(checks) > MOST_CHECKS:
+            del checks[next(iter(checks))]
     return found
 
 
-def _look_at_pictures(path: Path) -> PictureLook:
+def _check_pictures(path: Path) -> PictureCheck:
     try:
         pictures = open_pictures(path)
     except MediaError as error:
-        return PictureLook(trouble=error.message)
-    found = PictureLook((int(pictures.width), int(pictures.height)), pictures.fps)
+        return PictureCheck(trouble=error.message)
+    found = PictureCheck((int(pictures.width), int(pictures.height)), pictures.fps)
     pictures.close()
     return found

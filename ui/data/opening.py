@@ -21,7 +21,7 @@ _SHOWN: Final = "data_opened_shown"
 _SEE: Final = "see_opened"
 SESSION: Final = "session"
 """The part of the page that changes what is open, rather than opening something else."""
-FACTS: Final = {
+MISSING_WORDS: Final = {
     "size": "the image size",
     "fps": "the frame rate",
     "frames": "which frames are evaluated",
@@ -106,7 +106,7 @@ def draw_outcome() -> None:
         trouble: Trouble = st.session_state[key]
         st.error(
             f"**Not opened: {plain(trouble.label) or 'nothing chosen'}.** {plain(trouble.text)}\n\n"
-            f"Still open, and what this page is about: {plain(state.workspace().label)}.",
+            f"Still open, and what this page is about: {plain(state.opened().label)}.",
             icon=":material/error:",
         )
 
@@ -169,7 +169,7 @@ def _on_thresholds() -> str:
 
 def _question(facts: tuple[str, ...]) -> str:
     """What is asked, without the command line's flags."""
-    words = " and ".join(FACTS[fact] for fact in facts if fact in FACTS)
+    words = " and ".join(MISSING_WORDS[fact] for fact in facts if fact in MISSING_WORDS)
     return f"The files do not say {words}. Fill in the fields for it." if words else ""
 
 

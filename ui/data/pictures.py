@@ -8,7 +8,7 @@ from pathlib import Path
 
 import streamlit as st
 
-from ui.data.missing_inputs import look_at_pictures
+from ui.data.missing_inputs import check_pictures
 from ui.session.opening import guess_pictures
 from ui.widgets.text import plain
 
@@ -45,11 +45,11 @@ def draw_checked(
     refused
         Files that were not even taken, and why.
     """
-    looks = {label: look_at_pictures(path) for label, path in chosen.items()}
-    usable = {label: path for label, path in chosen.items() if not looks[label].trouble}
+    checks = {label: check_pictures(path) for label, path in chosen.items()}
+    usable = {label: path for label, path in chosen.items() if not checks[label].trouble}
     troubles = [
         *refused,
-        *(f"{label}: {look.trouble}" for label, look in looks.items() if look.trouble),
+        *(f"{label}: {check.trouble}" for label, check in checks.items() if check.trouble),
     ]
     _draw_unmatched(usable, recordings)
     if not troubles:

@@ -12,11 +12,12 @@ from streamlit.delta_generator import DeltaGenerator
 from streamlit.runtime.uploaded_file_manager import UploadedFile
 
 from nvcore.errors import InputError, NvcoreError
+from nvcore.inputs.readers.base import Role
 from nvcore.inputs.session import Session, Source, SystemSource
-from ui.data.file_check import Look, draw_look, look_at, unusable
-from ui.data.frames import FRAMES_HELP, FRAMES_LABEL, FrameList, draw_frame_list, look_at_list
+from ui.data.file_check import FileCheck, check_files, draw_file_check, unusable
+from ui.data.frames import FRAMES_HELP, FRAMES_LABEL, FrameList, check_frame_list, draw_frame_list
 from ui.data.inputs import sent_pictures
-from ui.data.missing_inputs import Facts, draw_facts, draw_reading, forget_facts
+from ui.data.missing_inputs import MissingInputs, ask_for_missing, draw_reading, forget_missing
 from ui.data.names import draw_recording, draw_system_name, proposed_names, with_recording_name
 from ui.data.opening import draw_trouble, forget_trouble, try_to_open
 from ui.data.pictures import ChosenPictures, draw_checked
@@ -94,7 +95,7 @@ class _Form:
     stored: _Stored
     frames: FrameList
     pictures: ChosenPictures
-    facts: Facts
+    facts: MissingInputs
     unusable: str
 
 
@@ -107,24 +108,24 @@ def draw() -> None:
     truth, systems, listed = _draw_truth(), _draw_systems(), _draw_frame_list()
     with st.container():  # for spinners: what comes below keeps its place, and its uploads
         stored = _store(space, [truth, *systems, listed])
-        truth_look = _look(stored, truth, None)
-        looks = [_look(stored, system, truth_look) for system in systems]
-    recordings = [] if truth_look is None else truth_look.recordings
+        truth_check = _check(stored, truth, None)
+        checks = [_check(stored, system, truth_check) for system in systems]
+    recordings = [] if truth_check is None else truth_check.recordings
     with truth.below:
-        draw_look(truth_look)
+        draw_file_check(truth_check)
     with truth.beside:
         recording = draw_recording(recordings, sent_pictures(space), place=PLACE, changed=_changed)
     names = _draw_names(stored, truth, systems, recordings)
-    for system, look in zip(systems, looks, strict=True):
+    for system, check in zip(systems, checks, strict=True):
         with system.below:
-            draw_look(look, truth_look)
+            draw_file_check(check, truth_check)
     with listed.below:
-        frames = _look_at_list(stored, listed, recordings)
+        frames = _check_list(stored, listed, recordings)
     pictures = _draw_pictures(space, recordings)
-    every = [truth_look, *looks]
-    lacking = {fact for look in every if look is not None for fact in look.lacking}
-    told_format = "" if truth_look is None else truth_look.format
-    facts = draw_facts(PLACE, pictures.usable.values(), lacking, told_format)
+    every = [truth_check, *checks]
+    lacking = {fact for check in every if check is not None for fact in check.lacking}
+    told_format = "" if truth_check is None else truth_check.format
+    facts = ask_for_missing(PLACE, pictures.usable.values(), lacking, told_format)
     draw_trouble(PLACE)
     wrong = unusable(zip([one.title for one in (truth, *systems)], every, strict=True))
     form = _Form(truth, systems, names, recording, stored, frames, pictures, facts, wrong)
@@ -134,7 +135,7 @@ def draw() -> None:
 
 def _changed() -> None:
     forget_trouble(PLACE)
-    forget_facts(PLACE)
+    forget_missing(PLACE)
 
 
 def _draw_truth() -> _Chosen:
@@ -188,13 +189,13 @@ def _draw_frame_list() -> _Chosen:
     return _Chosen("the evaluated frames", "frames", files, {}, right.container(), right)
 
 
-def _look_at_list(stored: _Stored, listed: _Chosen, recordings: Sequence[str]) -> FrameList:
+def _check_list(stored: _Stored, listed: _Chosen, recordings: Sequence[str]) -> FrameList:
     if not listed.files:
         return FrameList()
     if listed.slot in stored.troubles:
         return draw_frame_list(FrameList(trouble=stored.troubles[listed.slot]), recordings)
     (path,) = stored.paths[listed.slot]
-    return draw_frame_list(look_at_list(path, stored.folder), recordings)
+    return draw_frame_list(check_frame_list(path, stored.folder), recordings)
 
 
 def _numbered(number: int) -> str:
@@ -265,12 +266,14 @@ def _store(space: Workspace, fields: Sequence[_Chosen]) -> _Stored:
     return stored
 
 
-def _look(stored: _Stored, chosen: _Chosen, truth: Look | None) -> Look | None:
+def _check(stored: _Stored, chosen: _Chosen, truth: FileCheck | None) -> FileCheck | None:
     if not chosen.files:
         return None
-    role = "truth" if chosen.slot == "truth" else "detections"
+    role: Role = "truth" if chosen.slot == "truth" else "detections"
     key = (chosen.ids, repr(chosen.reading), stored.troubles.get(chosen.slot), role)
-    return look_at(key, lambda: stored.source(chosen), role=role, folder=stored.folder, truth=truth)
+    return check_files(
+        key, lambda: stored.source(chosen), role=role, folder=stored.folder, truth=truth
+    )
 
 
 def _session(form: _Form) -> Session:

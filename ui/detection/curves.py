@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Final, Literal
 
 import numpy as np
 import pandas as pd
@@ -15,14 +15,13 @@ from nvcore.detection.miss_rate import explain_few
 from nvcore.detection.windows import WindowGrid, scale_steps, windows_per_image
 from nvcore.errors import ParameterError
 from nvcore.figures.detection import CurveKind, curve_plot, legend_figure
-from nvcore.figures.style import CONFIG
 from nvcore.params.metadata import MATCH
 from nvcore.protocols import Protocol
 from nvcore.wording import ARROWS, count_text, difference, number
 from ui.detection.protocol import filtered
 from ui.session import state
 from ui.session.evidence import miss_rate_evidence
-from ui.widgets.clicks import is_new_click
+from ui.widgets.charts import clicked_chart
 from ui.widgets.text import docs_link, plain
 
 KIND_WORDS: Final[dict[CurveKind, str]] = {
@@ -41,7 +40,10 @@ EXPLAINED: Final[dict[CurveKind, str]] = {
     "roc_windows": "As per image, but over the windows that a sliding-window detector looks at.",
     "f1": "Higher is better: the harmonic mean of precision and recall at every threshold.",
 }
-COUNTS: Final = {"whole": "whole windows, exactly", "area": "by the area formula"}
+COUNTS: Final[dict[Literal["whole", "area"], str]] = {
+    "whole": "whole windows, exactly",
+    "area": "by the area formula",
+}
 MOST_SCALES: Final = 200
 
 
@@ -70,65 +72,68 @@ def draw(result: Result, protocol: Protocol) -> None:
         kind,
         theme=state.theme(),
         windows_per_image=windows,
-        summaries=[legend_figure(one, kind) for one in summaries],
+        summaries=[legend_figure(summary, kind) for summary in summaries],
     )
-    chosen = st.plotly_chart(
-        figure,
-        theme=None,
-        config=CONFIG,
-        key=f"curves_{kind}",
-        on_select="rerun",
-        selection_mode="points",
-    )
+    clicked = clicked_chart(figure, f"curves_{kind}", clicks="curves")
     st.caption(f"{EXPLAINED[kind]} Click a curve to count from that score on.")
     if kind == "miss_rate":
         _draw_notes(summaries)
-    points = chosen["selection"]["points"]
-    if points and is_new_click("curves", points):
-        letter, threshold = points[0]["customdata"]
+    if clicked is not None:
+        letter, threshold = clicked
         if threshold is not None:  # a point without scores
             state.set_threshold(letter, float(threshold))
             st.rerun()
     _draw_table(summaries)
     if kind != "miss_rate":
         _draw_notes(summaries)
-    told = [explain_few(curves[0].n_truth), *(note for one in summaries for note in one.notes)]
-    _draw_evidence(result, [one for one in told if one])
+    remarks = [
+        explain_few(curves[0].n_truth),
+        *(note for summary in summaries for note in summary.notes),
+    ]
+    _draw_evidence(result, [remark for remark in remarks if remark])
 
 
 def _draw_notes(summaries: list[CurveSummary]) -> None:
-    """What the log-average miss rates do not tell by themselves."""
-    for letter, one in zip("XY", summaries, strict=True):
-        if one.notes:
-            said = "; ".join(one.notes)
-            st.caption(plain(f"Log-average miss rate of {letter}: {said}."))
+    """What has to be known beside the log-average miss rates."""
+    for letter, summary in zip("XY", summaries, strict=True):
+        if summary.notes:
+            notes = "; ".join(summary.notes)
+            st.caption(plain(f"Log-average miss rate of {letter}: {notes}."))
 
 
-def _draw_evidence(result: Result, told: list[str]) -> None:
-    """Whether the difference in the log-average miss rate is more than chance."""
-    found = miss_rate_evidence(result)
-    if np.isnan(found.difference):  # the table above says why
+def _draw_evidence(result: Result, remarks: list[str]) -> None:
+    """Whether the difference in the log-average miss rate is more than chance.
+
+    Parameters
+    ----------
+    remarks
+        What the page says already: not repeated here.
+    """
+    evidence = miss_rate_evidence(result)
+    if np.isnan(evidence.difference):  # the table above says why
         return
     words = "Difference of the log-average miss rates, X less Y:"
-    parts = [f"{words} {100 * found.difference:+.2f} pp"]
-    if np.isfinite(found.low):
-        parts.append(f"95 % interval {100 * found.low:+.2f} to {100 * found.high:+.2f} pp")
-    elif np.isfinite(found.p):
+    parts = [f"{words} {100 * evidence.difference:+.2f} pp"]
+    if np.isfinite(evidence.low):
+        parts.append(f"95 % interval {100 * evidence.low:+.2f} to {100 * evidence.high:+.2f} pp")
+    elif np.isfinite(evidence.p):
         parts.append("no interval (see below)")
-    if np.isfinite(found.p):
-        parts.append(f"p = {found.p:.2g}, not corrected for other figures")
-    said = f"{', '.join(parts)} ({count_text(found.n, found.unit.removesuffix('s'))})."
-    st.markdown(plain(said))
-    notes = [note for note in found.note.split("; ") if note and not note.endswith(tuple(told))]
+    if np.isfinite(evidence.p):
+        parts.append(f"p = {evidence.p:.2g}, not corrected for other figures")
+    text = f"{', '.join(parts)} ({count_text(evidence.n, evidence.unit.removesuffix('s'))})."
+    st.markdown(plain(text))
+    notes = [
+        note for note in evidence.note.split("; ") if note and not note.endswith(tuple(remarks))
+    ]
     for note in notes:
         st.caption(plain(f"{note[0].upper()}{note[1:]}."))
     link = docs_link("Significance", "significance", doc="significance")
-    st.caption(f"{plain(found.method)} ({link})." if found.method else f"See {link}.")
+    st.caption(f"{plain(evidence.method)} ({link})." if evidence.method else f"See {link}.")
 
 
 def _curve(result: Result, system: str, protocol: Protocol) -> DetectionCurve:
     rule = result.params.only_for(MATCH)
-    return state.workspace().keep(
+    return state.workspace().cached(
         "curves",
         (system, protocol, rule),
         lambda: detection_curve(result.dataset, system, rule, protocol),
@@ -138,8 +143,8 @@ def _curve(result: Result, system: str, protocol: Protocol) -> DetectionCurve:
 
 def _windows(result: Result, protocol: Protocol) -> float | None:
     """Windows per image: as given, or counted from the window's size, stride and scales."""
-    given, width, height, stride, scales, way = st.columns([1.3, 1, 1, 1, 1.6, 1.4])
-    number_given: int | None = given.number_input(
+    known, width, height, stride, scales, way = st.columns([1.3, 1, 1, 1, 1.6, 1.4])
+    n_windows: int | None = known.number_input(
         "Windows per image",
         1,
         None,
@@ -149,7 +154,7 @@ def _windows(result: Result, protocol: Protocol) -> float | None:
         placeholder="count them",
         help="As your detector reports it; empty: counted.",
     )
-    size = [
+    width_px, height_px, stride_px = (
         float(
             place.number_input(
                 label, 1, 2000, value, key=f"window_{label}", persist_state="session"
@@ -160,7 +165,7 @@ def _windows(result: Result, protocol: Protocol) -> float | None:
             (height, "Height (px)", 64),
             (stride, "Stride (px)", 4),
         )
-    ]
+    )
     steps = scales.text_input(
         "Scales: first, last, step",
         "1, 2, 0.1",
@@ -175,15 +180,15 @@ def _windows(result: Result, protocol: Protocol) -> float | None:
         key="window_count",
         persist_state="session",
     )
-    if number_given:
-        return float(number_given)
+    if n_windows:
+        return float(n_windows)
     try:
         first, last, step = (float(part) for part in steps.split(","))
         if step > 0 and (last - first) / step > MOST_SCALES:
             st.warning(f"These are more than {MOST_SCALES} scales: choose a larger step.")
             return None
         grid = WindowGrid(
-            *size[:2], stride=size[2], scales=scale_steps(first, last, step), count=count
+            width_px, height_px, stride_px, scales=scale_steps(first, last, step), count=count
         )
     except ValueError:
         st.warning("Scales are three numbers, such as 1, 2, 0.1: first, last and step.")
@@ -191,10 +196,10 @@ def _windows(result: Result, protocol: Protocol) -> float | None:
     except ParameterError as error:
         st.warning(plain(f"Scales: {error}."))
         return None
-    found = windows_per_image(result.dataset, filtered(result.dataset, protocol).is_counted, grid)
-    if found > 0:
-        st.caption(f"{found:,.0f} windows per image.")
-        return found
+    counted = windows_per_image(result.dataset, filtered(result.dataset, protocol).is_counted, grid)
+    if counted > 0:
+        st.caption(f"{counted:,.0f} windows per image.")
+        return counted
     pictures = result.dataset.recordings[["width", "height"]].max()
     st.warning(
         f"No window of {grid.width:g} x {grid.height:g} px has a place to slide in: the largest "
@@ -214,7 +219,7 @@ def _draw_table(summaries: list[CurveSummary]) -> None:
         )
         for name, label, better, form in SUMMARY_ROWS
     ]
-    right = {"alignment": "right", "width": 90}
+    column = st.column_config.TextColumn(alignment="right", width=90)
     st.header("In figures")
     st.dataframe(
         pd.DataFrame(rows, columns=["figure", "X", "Y", "X - Y"]),
@@ -224,12 +229,14 @@ def _draw_table(summaries: list[CurveSummary]) -> None:
         row_height=30,
         column_config={
             "figure": st.column_config.TextColumn(width=380),
-            **{name: st.column_config.TextColumn(**right) for name in ("X", "Y", "X - Y")},
+            "X": column,
+            "Y": column,
+            "X - Y": column,
         },
     )
-    for letter, one in zip("XY", summaries, strict=True):
-        if one.why_undefined is not None:
-            why = plain(one.why_undefined)
+    for letter, summary in zip("XY", summaries, strict=True):
+        if summary.why_undefined is not None:
+            why = plain(summary.why_undefined)
             st.caption(f"{letter} has no averages and no areas ({why}).")
     st.caption(
         "Absorbed: neither right nor wrong, as they lie on pedestrians or regions that are ignored."

@@ -80,9 +80,9 @@ def _start() -> Protocol:
     reload, when a new browser session takes back a workspace with a choice made before.
     """
     space = state.workspace()
-    known: tuple[int, Protocol] | None = space.noted.get("protocol_start")
+    known: tuple[int, Protocol] | None = space.notes.get("protocol_start")
     if known is None or known[0] != space.n_opened:
-        known = space.noted["protocol_start"] = space.n_opened, state.protocol()
+        known = space.notes["protocol_start"] = space.n_opened, state.protocol()
     start = known[1]
     shown_of = space.token, space.n_opened
     if st.session_state.get("protocol_shown_of") == shown_of:
@@ -101,7 +101,7 @@ def _start() -> Protocol:
 
 def filtered(dataset: Dataset, protocol: Protocol) -> FilteredTruth:
     """The ground truth under a protocol, kept while it is shown."""
-    return state.workspace().keep(
+    return state.workspace().cached(
         "protocol_truth", protocol, lambda: filter_truth(dataset, protocol), most=2
     )
 

@@ -107,7 +107,8 @@ def sections_of(name: str) -> list[Section]:
 def split_sections(text: str, name: str) -> list[Section]:
     """A Markdown text cut at its headings; anchors of equal titles are numbered."""
     found: list[Section] = []
-    level, title, lines = 1, "", []
+    level, title = 1, ""
+    lines: list[str] = []
     used: dict[str, int] = {}
     is_code = False
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from typing import Final
 
 import pandas as pd
@@ -9,11 +10,11 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.figures.encounters import LABELS, fusion_plot, lead_time_plot, miss_classes_plot
-from nvcore.figures.style import CONFIG
 from nvcore.report.words import describe_fusion, describe_misses
 from nvcore.tables.miss_classes import ALL_CLASSES, fusion_table, miss_class_totals
 from ui.encounters.filters import set_classes
 from ui.session import state
+from ui.widgets.charts import draw_chart
 from ui.widgets.clicks import clicked_cell, clicked_point
 from ui.widgets.table_columns import class_words
 from ui.widgets.text import UNDEFINED, docs_link
@@ -34,22 +35,14 @@ def draw_classes(result: Result, encounters: pd.DataFrame) -> None:
     names, theme = (result.x.name, result.y.name), state.theme()
     left, right = st.columns(2, gap="medium")
     with left:
-        st.plotly_chart(
+        draw_chart(
             miss_classes_plot(encounters, names, theme=theme),
-            theme=None,
-            config=CONFIG,
-            key="encounters_classes",
-            selection_mode="points",
-            on_select=_choose_class,
+            "encounters_classes",
+            on_click=_choose_class,
         )
         st.caption("Click a bar to list its encounters.")
     with right:
-        st.plotly_chart(
-            lead_time_plot(encounters, theme=theme),
-            theme=None,
-            config=CONFIG,
-            key="encounters_lead",
-        )
+        draw_chart(lead_time_plot(encounters, theme=theme), "encounters_lead")
         st.caption(
             f"{docs_link('Lead time', 'lead-time')}: how much earlier X matches a pedestrian than "
             "Y, counted from the moment it is near enough to matter."
@@ -90,8 +83,8 @@ def _class_table(result: Result) -> pd.DataFrame:
     return counts.rename(columns={kind: f"Y {_class_name(kind)}" for kind in counts})
 
 
-def _class_name(kind: str) -> str:
-    return kind if kind == ALL_CLASSES else class_words(kind) or UNDEFINED
+def _class_name(kind: Hashable) -> str:
+    return ALL_CLASSES if kind == ALL_CLASSES else class_words(kind) or UNDEFINED
 
 
 def _choose_pair() -> None:
@@ -125,12 +118,7 @@ def draw_fusion(result: Result) -> None:
         fusion = fusion_table(result)
     left, right = st.columns(2, gap="medium")
     with left:
-        st.plotly_chart(
-            fusion_plot(fusion, theme=state.theme()),
-            theme=None,
-            config=CONFIG,
-            key="encounters_fusion",
-        )
+        draw_chart(fusion_plot(fusion, theme=state.theme()), "encounters_fusion")
     with right:
         st.markdown("\n".join(f"- {one}" for one in describe_fusion(fusion)))
         st.dataframe(

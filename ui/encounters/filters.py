@@ -12,7 +12,7 @@ import streamlit as st
 
 from nvcore.schema import CATEGORY_TEXT, MISS_CLASS_TEXT, Category, MissClass
 from ui.session import state
-from ui.widgets.table_columns import category_words, class_words
+from ui.widgets.table_columns import MISS_WORDS, category_words, class_words
 from ui.widgets.text import plain
 
 CATEGORIES: Final = tuple(kind.value for kind in Category)
@@ -64,9 +64,7 @@ class Filters:
 
 def key(name: str) -> str:
     """Key of a filter's widget; another dataset has other recordings and ranges."""
-    dataset = state.workspace().dataset
-    assert dataset is not None
-    return f"encounters_{name}_{dataset.fingerprint[:12]}"
+    return f"encounters_{name}_{state.opened().dataset.fingerprint[:12]}"
 
 
 def draw(encounters: pd.DataFrame) -> pd.DataFrame:
@@ -75,8 +73,8 @@ def draw(encounters: pd.DataFrame) -> pd.DataFrame:
     kept = _draw_widgets(encounters).keep(encounters)
     _write_category(st.session_state[key("category")])
     # on the left: the table's own tools come up on the right
-    told, clear, _ = st.columns([2, 1.4, 3], vertical_alignment="center")
-    told.markdown(f"**{len(kept):,}** of {len(encounters):,} encounters")
+    count, clear, _ = st.columns([2, 1.4, 3], vertical_alignment="center")
+    count.markdown(f"**{len(kept):,}** of {len(encounters):,} encounters")
     clear.button(
         "Clear filters",
         key="encounters_clear",
@@ -117,8 +115,8 @@ def _take_category() -> str:
         asked = link.split(",")
     else:
         return ""
-    st.session_state[widget] = [one for one in CATEGORIES if one in asked]
-    return ", ".join(one for one in asked if one not in CATEGORIES)
+    st.session_state[widget] = [category for category in CATEGORIES if category in asked]
+    return ", ".join(category for category in asked if category not in CATEGORIES)
 
 
 def _write_category(chosen: Sequence[str]) -> None:
@@ -147,7 +145,7 @@ def _draw_widgets(encounters: pd.DataFrame) -> Filters:
         column.multiselect(
             f"Miss class of {letter.upper()}",
             CLASSES,
-            format_func=class_words,
+            format_func=MISS_WORDS.__getitem__,
             placeholder="any",
             key=key(f"class_{letter}"),
             persist_state="session",

@@ -11,12 +11,12 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.figures.encounters import position_map
-from nvcore.figures.style import CONFIG
 from nvcore.schema import CATEGORY_TEXT, Category, MissClass
 from nvcore.tables.moments import encounter_moments
 from ui.encounters import picture
 from ui.session import state
 from ui.shell.navigate import open_row
+from ui.widgets.charts import draw_chart
 from ui.widgets.clicks import clicked_point, clicked_row
 from ui.widgets.table_columns import (
     MOST_ROWS,
@@ -120,13 +120,8 @@ def _choose_row(key: str, index: pd.Index) -> None:
 
 
 def _draw_map(encounters: pd.DataFrame) -> None:
-    st.plotly_chart(
-        position_map(encounters, theme=state.theme()),
-        theme=None,
-        config=CONFIG,
-        key="encounters_map",
-        selection_mode="points",
-        on_select=_choose_point,
+    draw_chart(
+        position_map(encounters, theme=state.theme()), "encounters_map", on_click=_choose_point
     )
 
 
@@ -138,18 +133,12 @@ def _choose_point() -> None:
 
 def _choose(encounter: int) -> None:
     """Remember an encounter by its row, for the data that are open."""
-    st.session_state[CHOSEN] = (_fingerprint(), encounter)
-
-
-def _fingerprint() -> str:
-    dataset = state.workspace().dataset
-    assert dataset is not None
-    return dataset.fingerprint
+    st.session_state[CHOSEN] = (state.opened().dataset.fingerprint, encounter)
 
 
 def _draw_chosen(result: Result, encounters: pd.DataFrame) -> None:
     fingerprint, chosen = st.session_state.get(CHOSEN, ("", -1))
-    if fingerprint != _fingerprint() or chosen not in encounters.index:
+    if fingerprint != result.dataset.fingerprint or chosen not in encounters.index:
         st.info(
             "Click a row of the table or a mark on the map to see the encounter here and open it "
             "in the Timeline.",

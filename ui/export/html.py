@@ -100,12 +100,13 @@ def _ask_for_map(result: Result, job: FileJob | None) -> bool | None:
 
 def _start(result: Result, key: ReportKey) -> None:
     space = state.workspace()
-    assert space.session is not None
     space.drop_job(JOB)
     pictures = RecordingPictures(dict(space.pictures), dict(space.picture_rows), state.stretch())
     findings = public_findings(state.findings(), without_paths)
     path = new_path(space, ".html")
-    job = start_job(space, key, shown_result(result), space.session, findings, path, pictures)
+    job = start_job(
+        space, key, shown_result(result), state.opened().session, findings, path, pictures
+    )
     space.put_job(JOB, job)
 
 

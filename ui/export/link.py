@@ -66,6 +66,4 @@ def link(here: str, page: str, params: dict[str, str]) -> str:
 
 def _is_sample() -> bool:
     """Whether the sample is open as it comes: systems and corrections are in no address."""
-    return state.workspace().session == replace(
-        read_session(state.SAMPLE), protocol=state.protocol()
-    )
+    return state.opened().session == replace(read_session(state.SAMPLE), protocol=state.protocol())

@@ -75,11 +75,9 @@ def draw(result: Result) -> None:
 
 
 def _report(result: Result) -> _Report:
-    space = state.workspace()
-    assert space.session is not None
     x, y = state.systems()
-    session = live_session(space.session, result.dataset, result.params, x=x, y=y)
-    is_upload = session.folder.is_relative_to(space.folder)
+    session = live_session(state.opened().session, result.dataset, result.params, x=x, y=y)
+    is_upload = session.folder.is_relative_to(state.workspace().folder)
     portable = portable_session(session, is_upload=is_upload, recordings=state.recording_names())
     return _Report(portable, public_findings(state.findings(), without_paths))
 

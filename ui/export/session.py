@@ -16,7 +16,8 @@ from nvcore.findings import Finding
 from nvcore.inputs.readers.meaning.names import NEUTRAL
 from nvcore.inputs.session import Session, Source, SystemSource, is_frame_range
 from ui.session.opening import relative_path
-from ui.session.uploads import ANNOTATION_FOLDERS, PICTURES
+from ui.session.uploads import ANNOTATION_FOLDERS
+from ui.session.workspace import PICTURES
 
 BESIDE: Final = Path()
 """Folder of a session that is written with relative paths."""

@@ -11,6 +11,7 @@ from enum import Enum, auto
 from pathlib import Path
 from typing import Any, Final, Generic, TypeVar
 
+from nvcore.dataset import Dataset
 from nvcore.errors import NvcoreError
 from ui.session.workspace import Workspace
 
@@ -30,11 +31,18 @@ def while_open(space: Workspace) -> Callable[[], bool]:
 
     It does not hold the workspace: a thread that did would keep the session's files alive.
     """
-    session, dataset = weakref.ref(space), weakref.ref(space.dataset)
+
+    def dataset_of(workspace: Workspace | None) -> Dataset | None:
+        return None if workspace is None or workspace.opened is None else workspace.opened.dataset
+
+    dataset = dataset_of(space)
+    if dataset is None:
+        return lambda: False
+    space_ref, dataset_ref = weakref.ref(space), weakref.ref(dataset)
 
     def is_wanted() -> bool:
-        here = session()
-        return here is not None and here.dataset is not None and here.dataset is dataset()
+        current = dataset_of(space_ref())
+        return current is not None and current is dataset_ref()
 
     return is_wanted
 

@@ -15,9 +15,9 @@ from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.subgroup_table import BY_UNIT, FIGURES, NOT_OF_PEDESTRIANS, subgroup_table
 from nvcore.evidence.table import FORMS
 from nvcore.figures.forest import subgroup_forest
-from nvcore.figures.style import CONFIG
 from nvcore.wording import ARROWS, difference, number
 from ui.session import state
+from ui.widgets.charts import draw_chart
 from ui.widgets.text import UNDEFINED, docs_link, plain
 
 TIMES: Final = " ×"
@@ -89,10 +89,8 @@ def _draw_subgroups(result: Result, evidence: pd.DataFrame) -> None:
             return subgroup_table(result, [figure], protocol=protocol)
 
     key = (result.params, result.x.name, result.y.name, protocol, figure)
-    table = state.workspace().keep("subgroups", key, make, most=len(FIGURES))
-    st.plotly_chart(
-        subgroup_forest(table, theme=state.theme()), theme=None, config=CONFIG, key="subgroups"
-    )
+    table = state.workspace().cached("subgroups", key, make, most=len(FIGURES))
+    draw_chart(subgroup_forest(table, theme=state.theme()), "subgroups")
     if figure in NOT_OF_PEDESTRIANS:
         st.caption(
             f"{UNDEFINED} Near, far, centre, edge, occlusion, pose: {NOT_OF_PEDESTRIANS[figure]}. "

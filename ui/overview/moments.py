@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable, Mapping
 from typing import Any, Final
 
 import cv2
@@ -52,7 +53,7 @@ def draw(result: Result) -> None:
             _moment(result, str(kind), KINDS[str(kind)], moment)
 
 
-def _moment(result: Result, kind: str, title: str, moment: dict[str, Any]) -> None:
+def _moment(result: Result, kind: str, title: str, moment: Mapping[Hashable, Any]) -> None:
     row = int(moment["row"])
     recording, in_recording = state.place_of(row)
     picture = _thumbnail(result, recording, in_recording, row)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import pandas as pd
 import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.figures.paired import recordings_plot
-from nvcore.figures.style import CONFIG
 from nvcore.findings import Finding, Severity
 from nvcore.report.verdict import verdict
 from nvcore.tables.result import recordings_table
@@ -18,14 +18,14 @@ from nvcore.wording import ARROWS, count_text, difference, number
 from ui.session import state
 from ui.shell.messages import sampling_note
 from ui.shell.navigate import open_frame, open_page
-from ui.widgets.clicks import is_new_click
+from ui.widgets.charts import clicked_chart
 from ui.widgets.text import docs_link, plain
 
 
 def verdict_box(result: Result, findings: Sequence[Finding], evidence: pd.DataFrame) -> None:
     """What the figures support, and what it depends on."""
     sentences = verdict(result, findings, evidence=evidence)
-    grave = [one for one in findings if one.severity is not Severity.NOTE]
+    grave = [finding for finding in findings if finding.severity is not Severity.NOTE]
     with st.container(border=True, key="verdict"):
         st.markdown(f"## {plain(sentences[0])}")
         if len(sentences) > 1:
@@ -110,28 +110,22 @@ def _shown(rows: Sequence[ScoreRow]) -> pd.DataFrame:
     )
 
 
-def _columns(first: str) -> dict[str, object]:
-    right = {"alignment": "right", "width": 70}
+def _columns(first: str) -> dict[str, Any]:
+    column = st.column_config.TextColumn(alignment="right", width=70)
     return {
         "figure": st.column_config.TextColumn(first, width=250),
-        "X": st.column_config.TextColumn("X", **right),
-        "Y": st.column_config.TextColumn("Y", **right),
-        "X - Y": st.column_config.TextColumn("X - Y", **right),
+        "X": column,
+        "Y": column,
+        "X - Y": column,
     }
 
 
 def by_recording(result: Result) -> None:
     """Mean similarity of each recording as paired points; a click opens it."""
     st.header("By recording")
-    table = recordings_table(result)
-    chosen = st.plotly_chart(
-        recordings_plot(table, (result.x.name, result.y.name), theme=state.theme()),
-        theme=None,
-        config=CONFIG,
-        key="by_recording",
-        on_select="rerun",
-        selection_mode="points",
+    names = (result.x.name, result.y.name)
+    recording = clicked_chart(
+        recordings_plot(recordings_table(result), names, theme=state.theme()), "by_recording"
     )
-    points = chosen["selection"]["points"]
-    if points and is_new_click("by_recording", points):
-        open_frame(int(points[0]["customdata"]), 0)
+    if recording is not None:
+        open_frame(int(recording), 0)

@@ -5,28 +5,22 @@ from __future__ import annotations
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.figures.style import CONFIG
 from nvcore.figures.venn import venn_figure
 from ui.session import state
 from ui.shell.navigate import open_page
-from ui.widgets.clicks import is_new_click
+from ui.widgets.charts import clicked_chart
 
 
 def draw(result: Result) -> None:
     """The diagram, and the same by buttons for those who do not click in pictures."""
     st.header("Who detects whom")
-    chosen = st.plotly_chart(
+    region = clicked_chart(
         venn_figure(result.venn, (result.x.name, result.y.name), theme=state.theme()),
-        theme=None,
-        config=CONFIG,
-        key="venn",
-        on_select="rerun",
-        selection_mode="points",
+        "venn",
         alt=_in_words(result),
     )
-    points = chosen["selection"]["points"]
-    if points and is_new_click("venn", points):
-        _open(str(points[0]["customdata"]))
+    if region is not None:
+        _open(str(region))
     st.caption("Click a region to see its encounters.")
     counts = result.venn.counts()
     columns = st.columns(4)

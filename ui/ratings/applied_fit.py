@@ -13,7 +13,7 @@ from nvcore.comparison import Result
 from nvcore.params import Params
 from nvcore.studies.ratings.fit import Fit
 from nvcore.studies.ratings.reading import folded
-from ui.ratings.source import Given
+from ui.ratings.source import RatingSource
 from ui.session import state
 from ui.shell import live_params
 
@@ -22,7 +22,7 @@ MOST: Final = 8
 
 
 @dataclass(frozen=True)
-class Taken:
+class AppliedFit:
     """Fitted settings that somebody has taken.
 
     Attributes
@@ -47,9 +47,9 @@ class Taken:
         """Whether all that was fitted has the fitted values, whatever else has moved."""
         return all(_is_same(getattr(params, name), one) for name, one in self.fitted.items())
 
-    def share_seen(self, given: Given) -> float:
+    def share_seen(self, rating_source: RatingSource) -> float:
         """The share of these ratings that it was fitted to, 0 to 1; whatever their values."""
-        return float(np.mean(np.isin(_who_rates_what(given), self.seen)))
+        return float(np.mean(np.isin(_who_rates_what(rating_source), self.seen)))
 
     def is_of(self, fit: Fit) -> bool:
         """Whether these are the settings of that fit."""
@@ -60,17 +60,17 @@ class Taken:
         return replace(params, **self.before)
 
 
-def _who_rates_what(given: Given) -> np.ndarray:
+def _who_rates_what(rating_source: RatingSource) -> np.ndarray:
     """A number for each rating, the same for the same participant, clip and system; uint64.
 
     Not of the rating itself: who rates a clip otherwise the second time is no new evidence.
     """
-    rated = given.ratings.dropna(subset="rating")
+    rated = rating_source.ratings.dropna(subset="rating")
     of = pd.DataFrame(
         {
             "participant": rated["participant"].map(folded),
             "clip": rated["clip"],
-            "system": rated["system"].where(rated["system"] != "", given.system),
+            "system": rated["system"].where(rated["system"] != "", rating_source.system),
         }
     )
     return pd.util.hash_pandas_object(of.astype(str), index=False).to_numpy()
@@ -82,7 +82,7 @@ def _is_same(live: Any, fitted: Any) -> bool:
     return bool(live == fitted)
 
 
-def _kept(result: Result) -> list[Taken]:
+def _fits_in_use(result: Result) -> list[AppliedFit]:
     """What was taken and is in use now, the newest first."""
     return [
         one
@@ -91,18 +91,24 @@ def _kept(result: Result) -> list[Taken]:
     ]
 
 
-def in_use(result: Result, given: Given) -> Taken | None:
+def in_use(result: Result, rating_source: RatingSource) -> AppliedFit | None:
     """The fit in use that has seen most of these ratings; None if none has seen any of them."""
-    most = max(_kept(result), key=lambda one: one.share_seen(given), default=None)
-    return most if most is not None and most.share_seen(given) > 0 else None
+    most = max(_fits_in_use(result), key=lambda one: one.share_seen(rating_source), default=None)
+    return most if most is not None and most.share_seen(rating_source) > 0 else None
 
 
-def of_simulated(result: Result, given: Given) -> bool:
+def of_simulated(result: Result, rating_source: RatingSource) -> bool:
     """Whether the settings in use were fitted to simulated ratings, and these are not."""
-    return not given.is_simulated and any(one.is_simulated for one in _kept(result))
+    return not rating_source.is_simulated and any(one.is_simulated for one in _fits_in_use(result))
 
 
-def take(fit: Fit, start: Params, given: Given, fingerprint: str, taken: Taken | None) -> None:
+def apply(
+    fit: Fit,
+    start: Params,
+    rating_source: RatingSource,
+    fingerprint: str,
+    fit_in_use: AppliedFit | None,
+) -> None:
     """Move the sidebar to the settings of the fit.
 
     Parameters
@@ -113,24 +119,26 @@ def take(fit: Fit, start: Params, given: Given, fingerprint: str, taken: Taken |
         The fit that is in use now, whose values go where `fit` has none.
     """
     before = {name: getattr(start, name) for name in fit.changed}
-    one = Taken(fit.changed, before, fingerprint, _who_rates_what(given), given.is_simulated)
-    state.workspace().noted[KEPT] = [one, *_others(taken)][:MOST]
-    _set({**(taken.before if taken else {}), **fit.changed})
+    one = AppliedFit(
+        fit.changed, before, fingerprint, _who_rates_what(rating_source), rating_source.is_simulated
+    )
+    state.workspace().notes[KEPT] = [one, *_others(fit_in_use)][:MOST]
+    _set({**(fit_in_use.before if fit_in_use else {}), **fit.changed})
 
 
-def give_back(taken: Taken) -> None:
+def undo(fit_in_use: AppliedFit) -> None:
     """Move the sidebar to the settings before the fit."""
-    state.workspace().noted[KEPT] = _others(taken)
-    _set(taken.before)
+    state.workspace().notes[KEPT] = _others(fit_in_use)
+    _set(fit_in_use.before)
 
 
-def _all() -> list[Taken]:
-    found: list[Taken] = state.workspace().noted.get(KEPT, [])
+def _all() -> list[AppliedFit]:
+    found: list[AppliedFit] = state.workspace().notes.get(KEPT, [])
     return found
 
 
-def _others(taken: Taken | None) -> list[Taken]:
-    return [one for one in _all() if one is not taken]
+def _others(fit_in_use: AppliedFit | None) -> list[AppliedFit]:
+    return [one for one in _all() if one is not fit_in_use]
 
 
 def _set(values: dict[str, Any]) -> None:

@@ -105,7 +105,7 @@ def _conduct(study: Study) -> None:
         )
     st.markdown("With this one **you** come back to progress and results. Keep it to yourself:")
     st.code(for_conductor, language=None, wrap_lines=True)
-    if state.workspace().label != state.SAMPLE_LABEL:
+    if state.opened().label != state.SAMPLE_LABEL:
         st.caption(
             "A participant's browser must have the same files open: open them there on the Data "
             "page first, or let them rate on this screen."

@@ -16,8 +16,8 @@ from nvcore.wording import count_text
 from ui.jobs.background import Computation, JobState, while_open
 from ui.jobs.progress import draw_job
 from ui.ratings import applied_fit
-from ui.ratings.applied_fit import Taken
-from ui.ratings.source import Given
+from ui.ratings.applied_fit import AppliedFit
+from ui.ratings.source import RatingSource
 from ui.session import state
 from ui.shell import live_params
 from ui.widgets.text import docs_link, plain
@@ -30,7 +30,11 @@ SIMULATED: Final = "Fitted to **simulated ratings**: nobody was asked."
 
 
 def draw(
-    result: Result, clips: pd.DataFrame, ratings_key: object, given: Given, taken: Taken | None
+    result: Result,
+    clips: pd.DataFrame,
+    ratings_key: object,
+    rating_source: RatingSource,
+    fit_in_use: AppliedFit | None,
 ) -> None:
     """The button that fits, and what the fit found.
 
@@ -48,16 +52,16 @@ def draw(
         "those settings that put most pairs of clips in the order in which people put them "
         f"({docs_link('how it is judged', 'the-fit', doc='ratings')})."
     )
-    start = result.params if taken is None else taken.settings_before(result.params)
-    found: Any = state.workspace().known("rating_fit", key := _key(result, start, ratings_key))
+    start = result.params if fit_in_use is None else fit_in_use.settings_before(result.params)
+    found: Any = state.workspace().peek("rating_fit", key := _key(result, start, ratings_key))
     if found is None:
         found = _ask(result, start, clips, key)
     if found is not None:
         with st.container(border=True, key="rating_fit_found"):
-            _draw_worth(found, "settings in use" if taken is None else "settings before")
-            _draw_settings(result, found, start, given, taken)
-    elif taken is not None:
-        _draw_in_use(taken)
+            _draw_worth(found, "settings in use" if fit_in_use is None else "settings before")
+            _draw_settings(result, found, start, rating_source, fit_in_use)
+    elif fit_in_use is not None:
+        _draw_in_use(fit_in_use)
 
 
 def _key(result: Result, start: Params, ratings_key: object) -> Any:
@@ -73,7 +77,7 @@ def _with(result: Result, settings: Params) -> Result:
 
 
 def _keep(key: Any, found: Fit) -> Fit:
-    return state.workspace().keep("rating_fit", key, lambda: found, most=MOST_FITS)
+    return state.workspace().cached("rating_fit", key, lambda: found, most=MOST_FITS)
 
 
 def _ask(result: Result, start: Params, clips: pd.DataFrame, key: Any) -> Fit | None:
@@ -91,11 +95,15 @@ def _ask(result: Result, start: Params, clips: pd.DataFrame, key: Any) -> Fit | 
         _begin(result, start, clips, key)
         st.rerun()
     bar = st.progress(0.0, "Fitting")
+
+    def show(n_done: int, n_steps: int) -> None:
+        bar.progress(n_done / n_steps, "Fitting")
+
     try:
         found = fit_saliency(
             _with(result, start),
             clips,
-            progress=lambda done, of: bar.progress(done / of, "Fitting"),
+            progress=show,
         )
     except InputError as error:
         st.info(plain(str(error)))
@@ -159,39 +167,43 @@ def _points(share: float) -> str:
 
 
 def _draw_settings(
-    result: Result, found: Fit, start: Params, given: Given, taken: Taken | None
+    result: Result,
+    found: Fit,
+    start: Params,
+    rating_source: RatingSource,
+    fit_in_use: AppliedFit | None,
 ) -> None:
     """What the fit changes, and the button that takes it or gives it back."""
     if found.changed:
         st.markdown("\n".join(f"- {line}" for line in _changes(found, start)))
     else:
         st.markdown("The settings in use are the best of those tried.")
-    if taken is not None:
-        _draw_in_use(taken)
-    if not found.changed or (taken is not None and taken.is_of(found)):
+    if fit_in_use is not None:
+        _draw_in_use(fit_in_use)
+    if not found.changed or (fit_in_use is not None and fit_in_use.is_of(found)):
         return
     st.button(
         "Take these settings",
         key="rating_fit_take",
         type="primary",
-        on_click=applied_fit.take,
-        args=(found, start, given, result.dataset.fingerprint, taken),
+        on_click=applied_fit.apply,
+        args=(found, start, rating_source, result.dataset.fingerprint, fit_in_use),
     )
-    if given.is_simulated:
+    if rating_source.is_simulated:
         st.caption(SIMULATED)
 
 
-def _draw_in_use(taken: Taken) -> None:
+def _draw_in_use(fit_in_use: AppliedFit) -> None:
     """That fitted settings are in use, with the way back."""
     with st.container(horizontal=True, vertical_alignment="center"):
-        of_whom = f" {SIMULATED}" if taken.is_simulated else ""
+        of_whom = f" {SIMULATED}" if fit_in_use.is_simulated else ""
         st.markdown(f":material/check: **In use**.{of_whom}")
         st.button(
             "Go back to the settings before",
             key="rating_fit_back",
             icon=":material/undo:",
-            on_click=applied_fit.give_back,
-            args=(taken,),
+            on_click=applied_fit.undo,
+            args=(fit_in_use,),
         )
 
 

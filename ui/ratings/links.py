@@ -133,5 +133,5 @@ def thresholds_apart(study: Study) -> dict[str, tuple[float | None, float | None
 def set_thresholds(of: Mapping[str, float | None]) -> None:
     """Give the compared systems of these names these thresholds in the next run."""
     for letter, name in zip("xy", state.systems(), strict=True):
-        if name in of:
+        if name is not None and name in of:
             state.set_threshold(letter, of[name])

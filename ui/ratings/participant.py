@@ -13,7 +13,7 @@ from nvcore.studies.ratings.store import MOST_NAME, RatingStore, Study
 from ui.ratings import links
 from ui.ratings.links import PARTICIPANT, STUDY
 from ui.session import state
-from ui.session.viewer_arguments import viewed
+from ui.session.viewer_arguments import viewer_arguments
 from ui.shell.navigate import open_page
 from ui.widgets.text import plain
 from ui.widgets.viewer import n_plays_in, viewer
@@ -96,10 +96,8 @@ def enter(token: str, name: str | None = None) -> None:
 
 def _is_open(study: Study) -> bool:
     """Whether what is open has the clips of the study."""
-    dataset = state.workspace().dataset
-    assert dataset is not None
     named = {system for _, system in study.clips}
-    return dataset.fingerprint == study.fingerprint and named <= set(state.systems())
+    return state.opened().dataset.fingerprint == study.fingerprint and named <= set(state.systems())
 
 
 def _show_its_boxes(study: Study) -> None:
@@ -228,7 +226,7 @@ def _played(result: Result, study: Study, clip: int, key: str) -> bool:
     lo, hi = state.STRETCH
     nothing = np.full(last - first, np.nan)
     row = viewer(
-        **viewed(result, recording),
+        **viewer_arguments(result, recording),
         traces={"x": nothing, "y": nothing},
         low=0.0,
         intervals=((), ()),

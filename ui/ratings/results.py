@@ -13,7 +13,6 @@ from nvcore.comparison import Result
 from nvcore.csv_text import to_csv_bytes
 from nvcore.errors import InputError
 from nvcore.figures.ratings import participants_plot, rating_plot
-from nvcore.figures.style import CONFIG
 from nvcore.studies.ratings.agreement import Agreement, measure_agreement, rank_ratings
 from nvcore.studies.ratings.validation import (
     Correlation,
@@ -24,9 +23,10 @@ from nvcore.studies.ratings.validation import (
 )
 from nvcore.wording import count_text
 from ui.ratings import applied_fit, fit, source
-from ui.ratings.applied_fit import Taken
-from ui.ratings.source import Given
+from ui.ratings.applied_fit import AppliedFit
+from ui.ratings.source import RatingSource
 from ui.session import state
+from ui.widgets.charts import draw_chart
 from ui.widgets.table_columns import table_height
 from ui.widgets.text import UNDEFINED, docs_link, number, plain
 
@@ -39,17 +39,17 @@ HOW: Final = docs_link("how", "saliency-against-mean-rank", doc="ratings")
 
 def draw(result: Result) -> None:
     """Ratings, agreement, saliency against the mean rank, and the fit."""
-    given = source.choose(result)
-    if given is None:
+    rating_source = source.choose(result)
+    if rating_source is None:
         return
     saliency = clip_saliency(result)
     try:
-        ratings, unknown = split_known(given.ratings, saliency, system=given.system)
+        ratings, unknown = split_known(rating_source.ratings, saliency, system=rating_source.system)
     except InputError as error:
         st.error(plain(str(error)))
         return
     _draw_unknown(ratings, unknown)
-    digest = given.digest()
+    digest = rating_source.digest()
     left_out = _people(ratings, digest)
     kept = ratings[~ratings["participant"].isin(left_out)]
     ranks = rank_ratings(kept)
@@ -57,12 +57,12 @@ def draw(result: Result) -> None:
         st.info("Nobody is left." if left_out else "No clip of this comparison is rated.")
         return
     clips = join_clips(ranks, saliency)
-    given = replace(given, ratings=kept)
-    taken = applied_fit.in_use(result, given)
+    rating_source = replace(rating_source, ratings=kept)
+    fit_in_use = applied_fit.in_use(result, rating_source)
     st.header("Does saliency say what people say?")
-    _cautions(result, given, len(ranks), taken)
+    _cautions(result, rating_source, len(ranks), fit_in_use)
     _against_saliency(result, clips)
-    fit.draw(result, clips, (digest, tuple(left_out)), given, taken)
+    fit.draw(result, clips, (digest, tuple(left_out)), rating_source, fit_in_use)
     _downloads(kept, ranks)
 
 
@@ -83,7 +83,7 @@ def _draw_unknown(ratings: pd.DataFrame, unknown: pd.DataFrame) -> None:
 
 
 def _agreement(ratings: pd.DataFrame, key: object) -> Agreement:
-    return state.workspace().keep(
+    return state.workspace().cached(
         "rating_agreement", key, lambda: measure_agreement(rank_ratings(ratings)), most=MOST_KEPT
     )
 
@@ -126,12 +126,7 @@ def _people(ratings: pd.DataFrame, digest: int) -> list[str]:
             f"{names}: ranks the clips another way than the others do. Look why before you leave "
             "anybody out."
         )
-    st.plotly_chart(
-        participants_plot(everybody, theme=state.theme()),
-        theme=None,
-        config=CONFIG,
-        key="rating_participants",
-    )
+    draw_chart(participants_plot(everybody, theme=state.theme()), "rating_participants")
     return left_out
 
 
@@ -159,11 +154,13 @@ def _concordance(found: Agreement) -> str:
     )
 
 
-def _cautions(result: Result, given: Given, n_people: int, taken: Taken | None) -> None:
+def _cautions(
+    result: Result, rating_source: RatingSource, n_people: int, fit_in_use: AppliedFit | None
+) -> None:
     """What keeps plot and correlations from being evidence."""
-    if taken is not None:
-        st.warning(_training(taken.share_seen(given)), icon=":material/warning:")
-    if applied_fit.of_simulated(result, given):
+    if fit_in_use is not None:
+        st.warning(_training(fit_in_use.share_seen(rating_source)), icon=":material/warning:")
+    if applied_fit.of_simulated(result, rating_source):
         st.warning(
             "The settings in use were fitted to **simulated ratings**.",
             icon=":material/science:",
@@ -194,18 +191,13 @@ def _training(share: float) -> str:
 def _against_saliency(result: Result, clips: pd.DataFrame) -> None:
     names = (result.x.name, result.y.name)
     with st.spinner("Correlating"):
-        found = state.workspace().keep(
+        found = state.workspace().cached(
             "rating_correlations",
             clips[["mean_rank", "saliency_s"]].to_numpy().tobytes(),
             lambda: correlate(clips["saliency_s"].to_numpy(), clips["mean_rank"].to_numpy()),
             most=MOST_KEPT,
         )
-    st.plotly_chart(
-        rating_plot(clips, found, names, theme=state.theme()),
-        theme=None,
-        config=CONFIG,
-        key="rating_plot",
-    )
+    draw_chart(rating_plot(clips, found, names, theme=state.theme()), "rating_plot")
     st.dataframe(_correlations(found), hide_index=True, key="rating_correlations", row_height=32)
     st.caption(
         "1: the more annoying people find a clip, the higher its saliency; 0: no connection. "

@@ -25,7 +25,7 @@ MOST_MB: Final = 5
 
 
 @dataclass(frozen=True)
-class Given:
+class RatingSource:
     """Ratings to look at.
 
     Attributes
@@ -54,10 +54,10 @@ class Given:
         return hash(self.rows().tobytes())
 
 
-def choose(result: Result) -> Given | None:
+def choose(result: Result) -> RatingSource | None:
     """The ratings that are chosen; None while there are none."""
     sources = [FILE, TYPED, SESSION]
-    if state.workspace().label == state.SAMPLE_LABEL and _simulated_file().exists():
+    if state.opened().label == state.SAMPLE_LABEL and _simulated_file().exists():
         sources.insert(0, SIMULATED)
     source = st.segmented_control(
         "Ratings from",
@@ -77,7 +77,7 @@ def choose(result: Result) -> Given | None:
             st.info("There is no rating yet.")
         return None
     if (ratings["system"] != "").all():
-        return Given(ratings, "", source == SIMULATED)
+        return RatingSource(ratings, "", source == SIMULATED)
     names = (result.x.name, result.y.name)
     system = st.radio(
         "The ratings do not say whose boxes were shown. It was",
@@ -86,7 +86,7 @@ def choose(result: Result) -> Given | None:
         format_func=lambda one: f"{'X' if one == names[0] else 'Y'} {one}",
         horizontal=True,
     )
-    return Given(ratings, system, source == SIMULATED)
+    return RatingSource(ratings, system, source == SIMULATED)
 
 
 def _simulated(_: Result) -> pd.DataFrame:

@@ -54,7 +54,7 @@ def typed(result: Result) -> pd.DataFrame | None:
             "rating": st.column_config.NumberColumn("Rating (higher = more annoying)"),
         },
     )
-    state.workspace().noted[LAST] = table.reset_index(drop=True)
+    state.workspace().notes[LAST] = table.reset_index(drop=True)
     if table.dropna(how="all").empty:
         return None
     return _complete(table)
@@ -62,7 +62,7 @@ def typed(result: Result) -> pd.DataFrame | None:
 
 def _before() -> pd.DataFrame:
     empty = pd.DataFrame({name: pd.Series(dtype=object) for name in COLUMNS})
-    before: pd.DataFrame = state.workspace().noted.get(LAST, empty.astype({"rating": float}))
+    before: pd.DataFrame = state.workspace().notes.get(LAST, empty.astype({"rating": float}))
     return before
 
 
@@ -101,7 +101,7 @@ def _ask_for_rows(result: Result) -> None:
         st.info(f"{plain(person)} has a row for each clip already.")
         return
     both = pd.concat([before, rows], ignore_index=True) if len(before) else rows
-    state.workspace().noted[LAST] = both
+    state.workspace().notes[LAST] = both
     _draw_anew()
 
 
@@ -130,7 +130,8 @@ def _complete(table: pd.DataFrame) -> pd.DataFrame:
     needed = ["participant", "clip"]
     if numbered["system"].notna().any():  # else the page asks whose boxes they were
         needed.append("system")
-    blank = numbered[needed].map(lambda one: pd.isna(one) or not str(one).strip())
+    cells = numbered[needed]
+    blank = cells.isna() | cells.astype(str).map(lambda text: not text.strip())
     is_short = blank.any(axis=1)
     if is_short.any():
         words = {"participant": "no participant", "clip": "no clip", "system": "whose boxes?"}

@@ -33,9 +33,7 @@ def choose_recording() -> int | None:
     names = state.recording_names()
     if len(names) == 1:
         return None
-    dataset = state.workspace().dataset
-    assert dataset is not None
-    key = f"saliency_recording_{dataset.fingerprint[:12]}"
+    key = f"saliency_recording_{state.opened().dataset.fingerprint[:12]}"
     wanted = st.session_state.pop(WANTED, None)
     if wanted is not None:
         st.session_state[key] = wanted

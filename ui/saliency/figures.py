@@ -10,11 +10,11 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.figures.saliency import parts_plot, recency_plot, saliency_by_recording
-from nvcore.figures.style import CONFIG
 from nvcore.report.words import describe_saliency
 from nvcore.tables.result import recordings_table, worst_events
 from ui.session import state
 from ui.shell.navigate import open_row
+from ui.widgets.charts import draw_chart
 from ui.widgets.clicks import clicked_point
 from ui.widgets.text import plain
 
@@ -65,26 +65,16 @@ def draw_recordings(result: Result) -> None:
     """X against Y per recording; a click chooses the recording."""
     names = (result.x.name, result.y.name)
     table = recordings_table(result)
-    st.plotly_chart(
+    draw_chart(
         saliency_by_recording(table, names, theme=state.theme()),
-        theme=None,
-        config=CONFIG,
-        key="saliency_recordings",
-        selection_mode="points",
-        on_select=_choose_recording,
+        "saliency_recordings",
+        on_click=_choose_recording,
     )
     st.caption("Click a recording to see only its events below.")
 
 
 def _chart(figure: go.Figure, key: str) -> None:
-    st.plotly_chart(
-        figure,
-        theme=None,
-        config=CONFIG,
-        key=key,
-        selection_mode="points",
-        on_select=partial(_ask_for_row, key),
-    )
+    draw_chart(figure, key, on_click=partial(_ask_for_row, key))
 
 
 def _ask_for_row(key: str) -> None:

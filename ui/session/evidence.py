@@ -1,4 +1,4 @@
-"""Whether the differences are more than chance, kept while nothing that it depends on changes."""
+"""Whether the differences are more than chance, cached while nothing that it depends on changes."""
 
 from __future__ import annotations
 
@@ -13,29 +13,26 @@ from nvcore.params.metadata import MATCH
 from ui.session import state
 
 
-def measure_evidence() -> pd.DataFrame | None:
-    """The figures of X and Y with their evidence; None where there is only one system."""
-    result = state.result()
-    if result is None:
-        return None
+def measure_evidence(result: Result) -> pd.DataFrame:
+    """The measures of X and Y with their evidence."""
     protocol = state.protocol()
 
     def make() -> pd.DataFrame:
         units = find_units(result)
         return evidence_table(
-            result, protocol, units=units, miss_rate=_kept_miss_rate(result, units)
+            result, protocol, units=units, miss_rate=_cached_miss_rate(result, units)
         )
 
     key = (result.params, result.x.name, result.y.name, protocol)
-    return state.workspace().keep("evidence", key, make)
+    return state.workspace().cached("evidence", key, make)
 
 
 def miss_rate_evidence(result: Result) -> Evidence:
     """Difference of the log-average miss rate under the protocol in use."""
-    return _kept_miss_rate(result, find_units(result))
+    return _cached_miss_rate(result, find_units(result))
 
 
-def _kept_miss_rate(result: Result, units: Units) -> Evidence:
+def _cached_miss_rate(result: Result, units: Units) -> Evidence:
     """No slider but those of matching changes it, unless it changes the blocks of time."""
     protocol = state.protocol()
     key = (
@@ -45,6 +42,6 @@ def _kept_miss_rate(result: Result, units: Units) -> Evidence:
         protocol,
         units.unit_of_frame.tobytes(),
     )
-    return state.workspace().keep(
+    return state.workspace().cached(
         "miss_rate_evidence", key, lambda: judge_miss_rate(result, units, protocol), most=4
     )

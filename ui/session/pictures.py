@@ -41,7 +41,7 @@ def find_pictures(session: Session, dataset: Dataset) -> Picturing:
     sources: dict[int, Pictures] = {}
     indices: dict[int, np.ndarray] = {}
     notes: dict[int, str] = {}
-    for number, row in enumerate(dataset.recordings.itertuples()):
+    for number in range(len(names)):
         fact = facts_of(session, names, names[number])
         if fact.pictures is None:
             continue
@@ -52,7 +52,7 @@ def find_pictures(session: Session, dataset: Dataset) -> Picturing:
             continue
         listed = frames.frame[frames.first[number] : frames.first[number + 1]]
         index, note = picture_index(listed, pictures, fact.first_picture)
-        other_size = size_note(pictures, float(row.width), float(row.height))
+        other_size = size_note(pictures, float(frames.width[number]), float(frames.height[number]))
         sources[number], indices[number] = pictures, index
         notes[number] = " ".join(part for part in (note, other_size) if part)
     return Picturing(sources, indices, notes)

@@ -1,4 +1,4 @@
-"""What is open, with which settings, and what came out: the only keeper of UI state."""
+"""What is open, with which settings, and what came out: all state of the UI is kept here."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from nvcore.protocols import Protocol
 from ui.session.address import changed_parameters, read_parameters, read_place
 from ui.session.ending import end_with_session, is_in_use
 from ui.session.pictures import Picturing, find_pictures
-from ui.session.workspace import Compared, Workspace, workspace_of
+from ui.session.workspace import Compared, Opened, Workspace, workspace_of
 
 ROOT: Final = Path(__file__).resolve().parents[2]
 SAMPLE: Final = ROOT / "sample_data" / "session.toml"
@@ -37,13 +37,22 @@ MOST_THUMBNAILS: Final = 64
 
 def workspace() -> Workspace:
     """The workspace of this browser session; the first call opens the sample recordings."""
-    found = st.session_state.get("workspace")
-    if found is None:
-        found = st.session_state["workspace"] = Workspace()
-    if found.dataset is None:
-        with st.spinner("Opening the sample recordings"):
-            _open(found, read_session(SAMPLE), SAMPLE_LABEL)
-    return found
+    return _workspace_and_opened()[0]
+
+
+def opened() -> Opened:
+    """What is open in it; the first call opens the sample recordings."""
+    return _workspace_and_opened()[1]
+
+
+def _workspace_and_opened() -> tuple[Workspace, Opened]:
+    space: Workspace | None = st.session_state.get("workspace")
+    if space is None:
+        space = st.session_state["workspace"] = Workspace()
+    if space.opened is not None:
+        return space, space.opened
+    with st.spinner("Opening the sample recordings"):
+        return space, _open(space, read_session(SAMPLE), SAMPLE_LABEL)
 
 
 def open_session(session: Session, *, label: str) -> None:
@@ -60,13 +69,13 @@ def open_session(session: Session, *, label: str) -> None:
     st.rerun()  # the widgets of this run are drawn: they take their new values in the next one
 
 
-def take_back(token: str) -> None:
-    """Go on with the workspace of that name, as the address says; not if another page uses it."""
-    found = workspace_of(token)
-    if found is None or found.dataset is None or is_in_use(found):
+def restore(token: str) -> None:
+    """Go on with the workspace of that token, unless another page uses it."""
+    space = workspace_of(token)
+    if space is None or space.opened is None or is_in_use(space):
         return
-    st.session_state["workspace"] = found
-    end_with_session(found)
+    st.session_state["workspace"] = space
+    end_with_session(space)
     for name in ("seen_opening", "place", "bad_link"):
         st.session_state.pop(name, None)
     st.query_params.from_dict(st.session_state["first_query"])
@@ -75,8 +84,8 @@ def take_back(token: str) -> None:
 def begin_run() -> None:
     """To be called before any widget is drawn.
 
-    Any run may be cut off by the next one, also while something is being opened: what belongs to
-    the open comparison is therefore renewed here, by its number.
+    Any run may be cut off by the next one, even while something is being opened. So whatever
+    belongs to the open comparison is renewed here, when its number has changed.
     """
     st.session_state.setdefault("first_query", st.query_params.to_dict())
     space = workspace()
@@ -101,12 +110,14 @@ def set_params(**values: Any) -> None:
 
 
 def set_threshold(letter: str, threshold: float | None) -> None:
-    """Move the slider of X or Y, at whose left end, the lowest score, every detection counts."""
+    """Move the slider of X or Y; None: to its left end, the lowest score, where all count."""
     name = systems()["xy".index(letter)]
     span = None if name is None else score_span(name)
     if span is not None:
-        at = span[0] if threshold is None else max(threshold, span[0])
-        set_params(**{f"threshold_{letter}": at})
+        lowest, _ = span
+        set_params(
+            **{f"threshold_{letter}": lowest if threshold is None else max(threshold, lowest)}
+        )
 
 
 def reset_params() -> None:
@@ -116,10 +127,8 @@ def reset_params() -> None:
 
 def score_span(system: str) -> tuple[float, float] | None:
     """Lowest and highest score of a system; None without scores or with a single one."""
-    space = workspace()
-    assert space.dataset is not None
-    dataset = space.dataset
-    return space.keep("score_span", system, lambda: _score_span(dataset, system), most=20)
+    dataset = opened().dataset
+    return workspace().cached("score_span", system, lambda: _score_span(dataset, system), most=20)
 
 
 def _score_span(dataset: Dataset, system: str) -> tuple[float, float] | None:
@@ -132,54 +141,48 @@ def _score_span(dataset: Dataset, system: str) -> tuple[float, float] | None:
 
 def session_params() -> Params:
     """The parameters that the open session starts with."""
-    space = workspace()
-    assert space.session is not None
-    assert space.dataset is not None
-    return effective_params(space.session, space.dataset)
+    return effective_params(opened().session, opened().dataset)
 
 
 def params() -> Params:
     """The live parameters."""
-    found: Params | None = st.session_state.get("params")
-    return session_params() if found is None else found
+    live: Params | None = st.session_state.get("params")
+    return session_params() if live is None else live
 
 
 def systems() -> tuple[str, str | None]:
     """Names of X and Y; Y is None where there is one system only."""
-    space = workspace()
-    assert space.session is not None
-    assert space.dataset is not None
-    return compared_systems(space.session, space.dataset)
+    return compared_systems(opened().session, opened().dataset)
 
 
 def result() -> Result | None:
     """The comparison with the live parameters; None where there is only one system."""
-    space = workspace()
-    assert space.dataset is not None
+    space, dataset = workspace(), opened().dataset
     x, y = systems()
     if y is None:
         space.compared = None
         return None
     settings = params()
-    found = space.keep("result", (settings, x, y), lambda: _analyse(space, settings, x, y))
-    if found is not space.result:
-        key = f"{space.dataset.fingerprint}{of_boxes(settings)!r}{x}\0{y}"
-        space.compared = Compared(found, hashlib.sha256(key.encode()).hexdigest()[:12])
-    return found
+    newest = space.cached(
+        "result", (settings, x, y), lambda: _compare(dataset, settings, x, y, space.result)
+    )
+    if newest is not space.result:
+        key = f"{dataset.fingerprint}{of_boxes(settings)!r}{x}\0{y}"
+        space.compared = Compared(newest, hashlib.sha256(key.encode()).hexdigest()[:12])
+    return newest
 
 
-def _analyse(space: Workspace, settings: Params, x: str, y: str) -> Result:
-    assert space.dataset is not None
-    if space.result is not None:
-        return compare(space.dataset, settings, x=x, y=y, previous=space.result)
+def _compare(dataset: Dataset, settings: Params, x: str, y: str, previous: Result | None) -> Result:
+    if previous is not None:
+        return compare(dataset, settings, x=x, y=y, previous=previous)
     with st.spinner("Comparing the systems"):
-        return compare(space.dataset, settings, x=x, y=y)
+        return compare(dataset, settings, x=x, y=y)
 
 
 def of_boxes(settings: Params) -> Params:
     """The settings that boxes, their matches and the most salient misses depend on.
 
-    The others as by default: what is drawn of boxes may be kept while only those move.
+    The others have their defaults: drawn boxes stay valid while only those others change.
     """
     return settings.only_for(THRESHOLD, SALIENT)
 
@@ -189,39 +192,39 @@ def findings() -> tuple[Finding, ...]:
     space = workspace()
     x, y = systems()
     relevant = params().only_for(THRESHOLD, MATCH, PROXIMITY)
-    return space.keep("findings", (relevant, x, y), lambda: _audit(space, relevant, x, y))
+    return space.cached("findings", (relevant, x, y), lambda: _audit(relevant, x, y))
 
 
-def _audit(space: Workspace, settings: Params, x: str, y: str | None) -> tuple[Finding, ...]:
-    """In the parts of `nvcore.audit.audit`: a threshold does not change what the files are."""
-    dataset = space.dataset
-    assert dataset is not None
+def _audit(settings: Params, x: str, y: str | None) -> tuple[Finding, ...]:
+    """As `nvcore.audit.audit`, part by part: files are not audited anew for another threshold."""
+    space, dataset = workspace(), opened().dataset
     with st.spinner("Auditing the inputs"):
-        found = [*space.keep("audit_inputs", (), lambda: audit_inputs(dataset))]
+        findings = [*space.cached("audit_inputs", (), lambda: audit_inputs(dataset))]
         for name in dataset.systems:
             threshold, letter = role_of(name, (x, y), settings)
-            found += space.keep(
+            findings += space.cached(
                 "audit_system",
                 (name, threshold, letter),
                 partial(audit_system, dataset, name, threshold, letter=letter),
                 most=2 * len(dataset.systems),
             )
-        return worst_first([*found, *audit_pair(dataset, settings, x=x, y=y)])
+        return worst_first([*findings, *audit_pair(dataset, settings, x=x, y=y)])
 
 
 def protocol() -> Protocol:
     """Which pedestrians count in the detection figures."""
-    space = workspace()
-    assert space.session is not None
-    return space.session.protocol
+    return opened().session.protocol
 
 
 def set_protocol(chosen: Protocol) -> None:
     """Evaluate detections by this protocol from now on."""
-    space = workspace()
-    assert space.session is not None
-    if space.session.protocol != chosen:
-        space.session = replace(space.session, protocol=chosen)
+    if opened().session.protocol != chosen:
+        change_session(replace(opened().session, protocol=chosen))
+
+
+def change_session(session: Session) -> None:
+    """Go on with a changed session of the same data."""
+    workspace().opened = replace(opened(), session=session)
 
 
 def theme() -> Theme:
@@ -231,9 +234,7 @@ def theme() -> Theme:
 
 def recording_names() -> list[str]:
     """Names of the recordings, in their order."""
-    space = workspace()
-    assert space.dataset is not None
-    names: list[str] = space.dataset.recordings["name"].tolist()
+    names: list[str] = opened().dataset.recordings["name"].tolist()
     return names
 
 
@@ -249,10 +250,11 @@ def row() -> int:
 
 def _place() -> tuple[int, int]:
     """Recording and row; within what is open, whatever was current before."""
-    chosen, at = st.session_state.get("place", (0, 0))
-    if not 0 <= chosen < len(recording_names()):
+    recording_index, row_in_recording = st.session_state.get("place", (0, 0))
+    if not 0 <= recording_index < len(recording_names()):
         return 0, 0
-    return chosen, min(at, max(len(_frame_numbers(chosen)) - 1, 0))
+    last = max(len(_frame_numbers(recording_index)) - 1, 0)
+    return recording_index, min(row_in_recording, last)
 
 
 def go_to(recording_index: int, row_in_recording: int) -> None:
@@ -280,40 +282,36 @@ def write_address() -> None:
 
 
 def seek() -> int:
-    """Changes whenever somebody else than the viewer chooses the frame."""
-    wishes: int = st.session_state.get("seek", 0)
-    return wishes
+    """Changes whenever anything but the viewer chooses the frame."""
+    n_seeks: int = st.session_state.get("seek", 0)
+    return n_seeks
 
 
 def place_of(row_in_all: int) -> tuple[int, int]:
     """Recording and row within it, of a row of the frames table."""
-    space = workspace()
-    assert space.dataset is not None
-    frames = space.dataset.frame_columns
+    frames = opened().dataset.frame_columns
     recording_index = int(frames.recording[row_in_all])
     return recording_index, row_in_all - int(frames.first[recording_index])
 
 
 def row_in_all() -> int:
     """Row of the current frame in the frames table."""
-    space = workspace()
-    assert space.dataset is not None
-    return int(space.dataset.frame_columns.first[recording()]) + row()
+    return int(opened().dataset.frame_columns.first[recording()]) + row()
 
 
 def link_to(recording_index: int, row_in_recording: int) -> dict[str, str]:
     """What the address of a page needs to open at this frame with the live parameters."""
     numbers = _frame_numbers(recording_index)
-    at = {"recording": recording_names()[recording_index]}
+    place = {"recording": recording_names()[recording_index]}
     if len(numbers):
-        at["frame"] = str(int(numbers[row_in_recording]))
-    return at | changed_parameters(params(), session_params())
+        place["frame"] = str(int(numbers[row_in_recording]))
+    return place | changed_parameters(params(), session_params())
 
 
 def bad_link() -> str:
-    """What in the address could not be followed, in words; empty if nothing. Told once."""
-    wrong: str = st.session_state.pop("bad_link", "")
-    return wrong
+    """What in the address could not be followed, in words; empty if nothing. Returned once."""
+    reasons: str = st.session_state.pop("bad_link", "")
+    return reasons
 
 
 def _follow_link() -> None:
@@ -332,22 +330,21 @@ def _follow_link() -> None:
 
 
 def _frame_numbers(recording_index: int) -> np.ndarray:
-    space = workspace()
-    assert space.dataset is not None
-    frames = space.dataset.frame_columns
+    frames = opened().dataset.frame_columns
     first, last = frames.first[recording_index : recording_index + 2]
     return frames.frame[first:last]
 
 
-def _open(space: Workspace, session: Session, label: str) -> None:
+def _open(space: Workspace, session: Session, label: str) -> Opened:
     dataset = load(session)
     pictures: Picturing = find_pictures(session, dataset)
     space.forget()  # first: nothing should go on to read the pictures
     space.close_pictures()
-    space.session, space.dataset, space.label = session, dataset, label
+    space.opened = Opened(session, dataset, label)
     space.pictures, space.picture_rows = pictures.sources, pictures.indices
     space.picture_notes = pictures.notes
     space.n_opened += 1
+    return space.opened
 
 
 def _forget_widgets() -> None:
@@ -365,10 +362,10 @@ def choose_category(category: str) -> None:
 
 
 def thumbnail(row_of_all: int, draw: Callable[[], bytes]) -> bytes:
-    """A drawn picture, kept while nothing that shows in it changes."""
+    """A drawn picture, cached while nothing that shows in it changes."""
     space = workspace()
     key = (space.version, space.pictures_version, stretch(), row_of_all)
-    return space.keep("thumbnails", key, draw, most=MOST_THUMBNAILS)
+    return space.cached("thumbnails", key, draw, most=MOST_THUMBNAILS)
 
 
 STRETCH: Final = (0.5, 99.8)

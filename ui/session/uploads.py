@@ -239,9 +239,9 @@ def remove_pictures(space: Workspace, names: Iterable[str]) -> None:
 
 def new_upload(space: Workspace) -> Path:
     """Folder for the annotations of one form; those of earlier forms that are not open go."""
-    is_open = None if space.session is None else space.session.folder
+    open_folder = None if space.opened is None else space.opened.session.folder
     for folder in space.folder.glob("upload-*"):
-        if folder != is_open:
+        if folder != open_folder:
             shutil.rmtree(folder, ignore_errors=True)
             with space.lock:
                 space.used_bytes -= space.upload_bytes.pop(folder, 0)

@@ -10,7 +10,7 @@ from nvcore.comparison import Result
 from ui.session import state
 
 
-def viewed(result: Result, recording: int) -> dict[str, Any]:
+def viewer_arguments(result: Result, recording: int) -> dict[str, Any]:
     """The arguments of `viewer` that say which pictures, frames and boxes there are."""
     space, frames = state.workspace(), result.dataset.frame_columns
     first, last = int(frames.first[recording]), int(frames.first[recording + 1])

@@ -21,8 +21,7 @@ from nvcore.pictures.base import Pictures
 from ui.session.ending import end_with_session
 from ui.session.folders import new_folder
 
-Kept = TypeVar("Kept")
-
+Made = TypeVar("Made")
 
 PICTURES: Final = "pictures"
 """Folder of the session's pictures."""
@@ -54,8 +53,27 @@ class Stored:
         return PurePosixPath(PICTURES, *(["images"] if self.kind == "image" else []), self.name)
 
 
+@dataclass(frozen=True)
+class Opened:
+    """A comparison that is open.
+
+    Attributes
+    ----------
+    session
+        What it is made of, with changes made on the pages.
+    dataset
+        What was read.
+    label
+        What it is called on the pages.
+    """
+
+    session: Session
+    dataset: Dataset
+    label: str
+
+
 class Compared(NamedTuple):
-    """An analysis, and a name for it in addresses; set and read as one."""
+    """A comparison's result, and a name for it in addresses; set and read as one."""
 
     result: Result
     version: str
@@ -65,7 +83,7 @@ class Job(Protocol):
     """Work in the background, of `ui.jobs.background`."""
 
     def discard(self) -> None:
-        """Stop, and let nothing be left of it."""
+        """Stop, and remove what was made."""
 
 
 _workspaces: weakref.WeakValueDictionary[str, Workspace] = weakref.WeakValueDictionary()
@@ -74,8 +92,8 @@ _workspaces: weakref.WeakValueDictionary[str, Workspace] = weakref.WeakValueDict
 class Workspace:
     """One per browser session; lives in ``st.session_state`` and ends with it.
 
-    The frame, box and upload routes find it by its token, which is their only guard: it is known
-    to the session's own browser alone.
+    The frame, box and upload routes find it by its token, which only the session's own browser
+    knows: that is their only guard.
 
     Attributes
     ----------
@@ -83,12 +101,12 @@ class Workspace:
         Unguessable name of the workspace in URLs.
     folder
         Own folder for uploads, mode 0700; gone when the workspace is.
-    session, dataset, label
-        The open comparison and what it is called; None and empty before one is opened.
+    opened
+        The open comparison; None before one is opened. Pages ask `ui.session.state.opened`.
     n_opened
-        How many comparisons were opened; whoever keeps something of the open one compares it.
+        How many comparisons were opened: changes when another one is.
     compared
-        The newest analysis, which the routes read boxes from, with its version.
+        The newest result, which the routes read boxes from, with its version.
     pictures
         Picture source by recording index; a recording without pictures is absent.
     picture_rows
@@ -103,17 +121,15 @@ class Workspace:
         What of `used_bytes` belongs to the annotations of a form, by its folder.
     lock
         Held while those are changed.
-    noted
-        What a page notes of its user, by a name of its own: outlasts `forget`, unlike what `keep`
-        holds, and a reload, unlike ``st.session_state``.
+    notes
+        What a page remembers of its user, by a name of its own: outlasts `forget`, unlike the
+        values of `cached`, and a reload, unlike ``st.session_state``.
     """
 
     def __init__(self) -> None:
         self.token = secrets.token_urlsafe(24)
         self.folder = new_folder()
-        self.session: Session | None = None
-        self.dataset: Dataset | None = None
-        self.label = ""
+        self.opened: Opened | None = None
         self.n_opened = 0
         self.compared: Compared | None = None
         self.pictures: Mapping[int, Pictures] = {}
@@ -124,8 +140,8 @@ class Workspace:
         self.used_bytes = 0
         self.upload_bytes: dict[Path, int] = {}
         self.n_received = 0
-        self.noted: dict[str, Any] = {}
-        self._kept: dict[str, OrderedDict[Hashable, object]] = {}
+        self.notes: dict[str, Any] = {}
+        self._caches: dict[str, OrderedDict[Hashable, object]] = {}
         self._jobs: dict[str, Job] = {}
         self._n_changes = 0
         self._remove = weakref.finalize(self, shutil.rmtree, self.folder, ignore_errors=True)
@@ -134,12 +150,12 @@ class Workspace:
 
     @property
     def result(self) -> Result | None:
-        """The newest analysis."""
+        """The newest result."""
         return None if self.compared is None else self.compared.result
 
     @property
     def version(self) -> str:
-        """Changes with every analysis: an address that has it may be kept."""
+        """Changes with every result: browsers may cache an address that contains it."""
         return "" if self.compared is None else self.compared.version
 
     @property
@@ -147,53 +163,53 @@ class Workspace:
         """Changes with the pictures."""
         return str(self._n_changes)
 
-    def keep(self, kind: str, key: Hashable, make: Callable[[], Kept], *, most: int = 1) -> Kept:
-        """What was made for this key before, else what `make` makes; it ends with the session.
+    def cached(self, kind: str, key: Hashable, make: Callable[[], Made], *, most: int = 1) -> Made:
+        """The value that was made for this key before, else the one that `make` returns.
 
         Parameters
         ----------
         kind
-            Name of a store of its own.
+            Name of the cache; each kind has its own.
         most
-            How many the store holds; the longest unused goes first.
+            How many values the cache holds; the least recently used is dropped first.
         """
-        store = self._kept.setdefault(kind, OrderedDict())
-        if key not in store:
-            store[key] = make()
-            while len(store) > most:
-                store.popitem(last=False)
-        store.move_to_end(key)
-        found: Kept = store[key]  # type: ignore[assignment]
-        return found
+        cache = self._caches.setdefault(kind, OrderedDict())
+        if key not in cache:
+            cache[key] = make()
+            while len(cache) > most:
+                cache.popitem(last=False)
+        cache.move_to_end(key)
+        value: Made = cache[key]  # type: ignore[assignment]  # one cache holds one type
+        return value
 
-    def known(self, kind: str, key: Hashable) -> object | None:
-        """What `keep` holds for this key; None: nothing."""
-        return self._kept.get(kind, {}).get(key)
+    def peek(self, kind: str, key: Hashable) -> Any:
+        """The value that `cached` has for this key; None: there is none."""
+        return self._caches.get(kind, OrderedDict()).get(key)
 
     def job(self, kind: str) -> Any:
         """The newest job of this kind, also one that has ended; None: there was none."""
         return self._jobs.get(kind)
 
     def drop_job(self, kind: str) -> None:
-        """Stop the job of this kind, and let go of it and of what it made."""
+        """Stop the job of this kind, and remove what it made."""
         job = self._jobs.pop(kind, None)
         if job is not None:
             job.discard()
 
     def put_job(self, kind: str, job: Job) -> None:
-        """Hold the job until there is a newer one of its kind, or the workspace forgets."""
+        """Hold the job until there is a newer one of its kind, or until `forget`."""
         self.drop_job(kind)
         self._jobs[kind] = job
 
     def forget(self) -> None:
-        """Let go of what was computed, and stop what is being computed."""
+        """Drop everything computed, and stop what is being computed."""
         for kind in list(self._jobs):
             self.drop_job(kind)
         self.compared = None
-        self._kept.clear()
+        self._caches.clear()
 
     def close_pictures(self) -> None:
-        """Let go of the picture files; no recording has pictures until new ones are set."""
+        """Close the picture files; no recording has pictures until new ones are set."""
         sources = {id(source): source for source in self.pictures.values()}
         self.pictures, self.picture_rows, self.picture_notes = {}, {}, {}
         self._n_changes += 1
@@ -203,8 +219,8 @@ class Workspace:
     def close(self) -> None:
         """Forget everything and remove the folder; the token is unknown from now on."""
         _workspaces.pop(self.token, None)
-        self.session = self.dataset = None
-        self.noted.clear()
+        self.opened = None
+        self.notes.clear()
         self.forget()  # first: nothing should go on to read the pictures
         self.close_pictures()
         self._remove()

@@ -46,9 +46,9 @@ def _read(name: str, setting: Setting) -> Any:
 
 
 def _lacks_horizon(params: Params) -> bool:
-    space = state.workspace()
-    assert space.dataset is not None
-    is_unknown = params.horizon is None and space.dataset.recordings["horizon"].isna().any()
+    is_unknown = (
+        params.horizon is None and state.opened().dataset.recordings["horizon"].isna().any()
+    )
     return params.proximity == "horizon" and bool(is_unknown)
 
 
@@ -73,9 +73,7 @@ def keep_all_hidden() -> None:
 
 def picture_height() -> float:
     """Height of the highest pictures, pixels."""
-    space = state.workspace()
-    assert space.dataset is not None
-    return float(space.dataset.recordings["height"].max())
+    return float(state.opened().dataset.recordings["height"].max())
 
 
 def default_of_height(name: str) -> float:

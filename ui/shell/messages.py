@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Callable
+from functools import wraps
 from pathlib import Path
+from typing import Final
 
 import streamlit as st
 
@@ -19,15 +22,15 @@ from ui.session.workspace import Workspace
 from ui.shell.navigate import open_page
 from ui.widgets.text import plain
 
-SHORT: str = (
+SHORT_ENCOUNTERS: Final = (
     "Most encounters here are one frame long, as sampled or unlinked annotation makes "
     "them: they are frames rather than persons. Lag, dropout, lead time and saliency mean "
     "little; shares of encounters detected are shares of frames."
 )
 
 
-def draw_caution(result: Result, *, is_of_encounters: bool = True) -> None:
-    """Where encounters are mostly single frames, and what the audit warns of: a box for each.
+def draw_warnings(result: Result, *, is_of_encounters: bool = True) -> None:
+    """Warn that encounters are mostly single frames, and of what the audit found.
 
     Parameters
     ----------
@@ -35,18 +38,18 @@ def draw_caution(result: Result, *, is_of_encounters: bool = True) -> None:
         Whether the page is about encounters: curves of boxes do not depend on their length.
     """
     if is_of_encounters and result.is_short:
-        st.warning(SHORT, icon=":material/warning:")
-    warned = [
-        CAVEATS[one.code]
-        for one in state.findings()
-        if one.severity is not Severity.NOTE
-        and one.code in CAVEATS
-        and one.code != "short-encounters"
+        st.warning(SHORT_ENCOUNTERS, icon=":material/warning:")
+    caveats = [
+        CAVEATS[finding.code]
+        for finding in state.findings()
+        if finding.severity is not Severity.NOTE
+        and finding.code in CAVEATS
+        and finding.code != "short-encounters"
     ]
-    if warned:
-        told = "; ".join(dict.fromkeys(warned))
+    if caveats:
+        text = "; ".join(dict.fromkeys(caveats))
         st.warning(
-            f"The audit found: {plain(told)}. Details and remedies are on the page Data.",
+            f"The audit found: {plain(text)}. Details and remedies are on the page Data.",
             icon=":material/warning:",
         )
 
@@ -68,8 +71,21 @@ def sampling_note(frames: FrameColumns) -> str:
     )
 
 
-def one_system_only() -> None:
-    """There is nothing to compare yet."""
+def needs_comparison(draw: Callable[[Result], None]) -> Callable[[], None]:
+    """Let a part of a page draw the result; with one system only, say what is missing."""
+
+    @wraps(draw)
+    def draw_if_compared() -> None:
+        result = state.result()
+        if result is None:
+            _one_system_only()
+        else:
+            draw(result)
+
+    return draw_if_compared
+
+
+def _one_system_only() -> None:
     st.info("Only one system is open. A comparison needs two: add the second one on the Data page.")
     if st.button("Open the Data page", type="primary"):
         open_page("data")
@@ -99,8 +115,8 @@ def _folders() -> list[Path]:
     space: Workspace | None = st.session_state.get("workspace")
     if space is not None:
         folders += [space.folder, *space.folder.glob("upload-*")]
-        if space.session is not None:
-            folders.append(space.session.folder)
+        if space.opened is not None:
+            folders.append(space.opened.session.folder)
     return folders
 
 

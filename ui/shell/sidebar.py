@@ -120,11 +120,9 @@ def _horizon() -> None:
 
 def _proximity_plot() -> None:
     """The weight over the pedestrians' heights."""
-    space, theme = state.workspace(), state.theme()
-    dataset = space.dataset
-    assert dataset is not None
+    dataset, theme = state.opened().dataset, state.theme()
     shown = state.params().only_for(PROXIMITY)
-    figure = space.keep(  # it stays while other sliders move
+    figure = state.workspace().cached(  # it stays while other sliders move
         "proximity_plot",
         (shown, theme),
         lambda: proximity_plot(dataset, shown, theme=theme),

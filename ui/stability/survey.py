@@ -10,7 +10,7 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.params import Params
-from nvcore.stability.survey import SURVEYED, Surveyed, held_text, survey_stability
+from nvcore.stability.survey import SURVEY_PLANES, SurveyRow, held_text, survey_stability
 from nvcore.stability.words import CRITERIA, PLANES
 from ui.jobs.background import Computation, JobState, while_open
 from ui.jobs.progress import draw_job
@@ -28,11 +28,11 @@ SurveyKey = tuple[str, Params]
 def draw(result: Result) -> None:
     """The table, the button that computes it, or how far that is."""
     st.header("Where does the verdict depend on settings?")
-    surveyed = _found(result)
-    if surveyed is None:
+    rows = _found(result)
+    if rows is None:
         return
     st.dataframe(
-        shown_survey(surveyed),
+        shown_survey(rows),
         hide_index=True,
         key="stability_survey_table",
         height="content",
@@ -44,21 +44,21 @@ def draw(result: Result) -> None:
     )
 
 
-def shown_survey(surveyed: tuple[Surveyed, ...]) -> pd.DataFrame:
+def shown_survey(rows: tuple[SurveyRow, ...]) -> pd.DataFrame:
     """One row for each choice of settings, one column for each way to be better."""
-    cells = {(one.plane, one.criterion): _cell(one) for one in surveyed}
+    cells = {(one.plane, one.criterion): _cell(one) for one in rows}
     return pd.DataFrame(
         [
             {
                 "What is varied": PLANES[plane],
                 **{f"by {said}": cells[plane, criterion] for criterion, said in CRITERIA.items()},
             }
-            for plane in SURVEYED
+            for plane in SURVEY_PLANES
         ]
     )
 
 
-def _cell(one: Surveyed) -> str:
+def _cell(one: SurveyRow) -> str:
     held = held_text(one)
     if one.found is None or one.found.verdict == "undefined":
         return held
@@ -68,18 +68,18 @@ def _cell(one: Surveyed) -> str:
     )
 
 
-def _found(result: Result) -> tuple[Surveyed, ...] | None:
+def _found(result: Result) -> tuple[SurveyRow, ...] | None:
     space = state.workspace()
     key: SurveyKey = (space.version, result.params)
-    job: Computation[tuple[Surveyed, ...]] | None = space.job(JOB)
+    job: Computation[tuple[SurveyRow, ...]] | None = space.job(JOB)
     if job is not None and job.key == key:
         at = draw_job(job, JOB, thing="table", doing="Trying all settings")
         if at.is_busy:
             return None
         if at is JobState.DONE:
-            return space.keep(JOB, key, lambda: job.found, most=MOST)
-    if len(result.dataset.frames) <= AT_ONCE or space.known(JOB, key) is not None:
-        return space.keep(JOB, key, lambda: _survey(result), most=MOST)
+            return space.cached(JOB, key, lambda: job.found, most=MOST)
+    if len(result.dataset.frames) <= AT_ONCE or space.peek(JOB, key) is not None:
+        return space.cached(JOB, key, lambda: _survey(result), most=MOST)
     st.button(
         "Try all settings",
         key=f"{JOB}_start",
@@ -91,13 +91,13 @@ def _found(result: Result) -> tuple[Surveyed, ...] | None:
     return None
 
 
-def _survey(result: Result) -> tuple[Surveyed, ...]:
+def _survey(result: Result) -> tuple[SurveyRow, ...]:
     with ThreadPoolExecutor(THREADS) as pool:
         return survey_stability(result, executor=pool)
 
 
 def _start(result: Result, key: SurveyKey) -> None:
-    def compute(job: Computation[tuple[Surveyed, ...]]) -> tuple[Surveyed, ...]:
+    def compute(job: Computation[tuple[SurveyRow, ...]]) -> tuple[SurveyRow, ...]:
         with ThreadPoolExecutor(THREADS) as pool:
             return survey_stability(
                 result, executor=pool, progress=job.tell, is_cancelled=job.has_to_stop

@@ -11,18 +11,17 @@ import streamlit as st
 from nvcore.comparison import Result
 from nvcore.errors import InputError
 from nvcore.figures.stability import stability_map
-from nvcore.figures.style import CONFIG
 from nvcore.params import Params
 from nvcore.stability.axes import Plane
 from nvcore.stability.map import StabilityMap, map_stability
 from nvcore.stability.scores import Criterion
-from nvcore.stability.survey import SURVEYED
+from nvcore.stability.survey import SURVEY_PLANES
 from nvcore.stability.words import CRITERIA, PLANES, describe_chance, describe_stability
 from ui.jobs.background import Computation, JobState, while_open
 from ui.jobs.progress import draw_job, start_as_made
 from ui.session import state
 from ui.session.evidence import measure_evidence
-from ui.widgets.clicks import is_new_click
+from ui.widgets.charts import clicked_chart
 from ui.widgets.text import plain
 
 AT_ONCE: Final = 20_000
@@ -51,25 +50,26 @@ def draw(result: Result) -> None:
         st.info(plain(str(error)))
         return
     if found is not None:
-        _draw_map(found)
+        _draw_map(result, found)
 
 
 def _choose(result: Result) -> MapKey:
-    st.session_state.setdefault("stability_plane", "alpha-midpoint")
-    st.session_state.setdefault("stability_criterion", "similarity")
+    first_plane, first_criterion = SURVEY_PLANES[0], next(iter(CRITERIA))
+    st.session_state.setdefault("stability_plane", first_plane)
+    st.session_state.setdefault("stability_criterion", first_criterion)
     if (job := _job()) is not None:
         start_as_made(
             job, JOB, stability_plane=job.key.plane, stability_criterion=job.key.criterion
         )
-    plane: Plane = st.segmented_control(
+    plane = st.segmented_control(
         "What is varied",
-        list(SURVEYED),
+        list(SURVEY_PLANES),
         required=True,
         format_func=PLANES.__getitem__,
         key="stability_plane",
         persist_state="session",
     )
-    criterion: Criterion = st.segmented_control(
+    criterion = st.segmented_control(
         "Who is better by",
         list(CRITERIA),
         required=True,
@@ -77,7 +77,8 @@ def _choose(result: Result) -> MapKey:
         key="stability_criterion",
         persist_state="session",
     )
-    return MapKey(state.workspace().version, result.params, plane, criterion)
+    version = state.workspace().version
+    return MapKey(version, result.params, plane or first_plane, criterion or first_criterion)
 
 
 def _job() -> Computation[StabilityMap] | None:
@@ -93,10 +94,10 @@ def _found(result: Result, key: MapKey) -> StabilityMap | None:
         if at.is_busy:
             return None
         if at is JobState.DONE:
-            return space.keep("stability", key, lambda: job.found, most=MOST_MAPS)
+            return space.cached("stability", key, lambda: job.found, most=MOST_MAPS)
     is_small = len(result.dataset.frames) <= AT_ONCE
-    if is_small or space.known("stability", key) is not None:
-        return space.keep(
+    if is_small or space.peek("stability", key) is not None:
+        return space.cached(
             "stability",
             key,
             lambda: map_stability(result, key.plane, key.criterion),
@@ -130,28 +131,21 @@ def _start(result: Result, key: MapKey) -> None:
     space.put_job(JOB, Computation(compute, while_open(space), key=key))
 
 
-def _draw_map(found: StabilityMap) -> None:
+def _draw_map(result: Result, found: StabilityMap) -> None:
     first, *others = describe_stability(found)
     with st.container(border=True):
         st.markdown(f"**{plain(first)}**")
         chance = st.empty()  # filled last: the map is there sooner
         for sentence in others:
             st.markdown(plain(sentence))
-    chosen = st.plotly_chart(
+    cell = clicked_chart(
         stability_map(found, theme=state.theme()),
-        theme=None,
-        config=CONFIG,
-        key=f"stability_{found.plane}_{found.criterion}",
-        on_select="rerun",
-        selection_mode="points",
+        f"stability_{found.plane}_{found.criterion}",
+        clicks="stability",
     )
     st.caption("Click a place to take its settings into the sidebar.")
-    points = chosen["selection"]["points"]
-    if points and is_new_click("stability", points):
-        cell = points[0]["customdata"]
+    if cell is not None:
         settings = found.settings(int(cell[0] if isinstance(cell, list) else cell))
         state.set_params(**settings)
         st.rerun()
-    tested = measure_evidence()
-    if tested is not None:
-        chance.markdown(plain(describe_chance(found, tested)))
+    chance.markdown(plain(describe_chance(found, measure_evidence(result))))

@@ -8,11 +8,10 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.figures.lanes import lanes_figure
-from nvcore.figures.style import CONFIG
 from nvcore.figures.time_plot import similarity_plot
 from ui.session import state
 from ui.timeline import viewer
-from ui.widgets.clicks import is_new_click
+from ui.widgets.charts import clicked_chart
 from ui.widgets.text import docs_link
 
 LANES_PX: Final = 640
@@ -34,7 +33,7 @@ def draw_all(result: Result) -> None:
     with right:
         viewer.panel(result, cursor)
     theme, recording = state.theme(), state.recording()
-    lanes = state.workspace().keep(  # they stay while alpha and the like move
+    lanes = state.workspace().cached(  # they stay while alpha and the like move
         "lanes",
         (state.workspace().version, recording, theme, cursor),
         lambda: lanes_figure(result, recording, theme=theme, cursor_row=cursor),
@@ -68,16 +67,7 @@ def _draw_plot(result: Result, cursor: int) -> None:
 
 
 def _clickable(figure: Any, key: str) -> None:
-    chosen = st.plotly_chart(
-        figure,
-        theme=None,
-        config=CONFIG,
-        key=f"{key}_{state.recording()}",
-        on_select="rerun",
-        selection_mode="points",
-    )
-    points = chosen["selection"]["points"]
-    if points and is_new_click(key, points):
-        row = int(points[0]["customdata"])
-        state.go_to(*state.place_of(row))
+    row = clicked_chart(figure, f"{key}_{state.recording()}", clicks=key)
+    if row is not None:
+        state.go_to(*state.place_of(int(row)))
         st.rerun(scope="fragment")

@@ -7,10 +7,10 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.tables.frame import FrameFacts, frame_facts
+from nvcore.tables.frame import FrameSummary, frame_summary
 from nvcore.tables.moments import next_misses
 from ui.session import state
-from ui.session.viewer_arguments import viewed
+from ui.session.viewer_arguments import viewer_arguments
 from ui.widgets.text import number
 from ui.widgets.viewer import settled_in, viewer
 
@@ -35,7 +35,7 @@ def draw(result: Result) -> None:
     first, last = result.dataset.frame_columns.first[recording : recording + 2].tolist()
     lo, hi = state.stretch()
     viewer(
-        **viewed(result, recording),
+        **viewer_arguments(result, recording),
         traces={letter: system.similarity[first:last] for letter, system in result.sides},
         low=result.params.low,
         intervals=[_spans(system.intervals, recording, first) for _, system in result.sides],
@@ -56,7 +56,7 @@ def _spans(intervals: pd.DataFrame, recording: int, first: int) -> np.ndarray:
 
 def panel(result: Result, row_in_all: int) -> None:
     """The frame in figures: similarity of both, who is missed by whom."""
-    facts = frame_facts(result, row_in_all)
+    facts = frame_summary(result, row_in_all)
     st.markdown(f"**Frame {facts.frame}**, {facts.time_s:.2f} s")
     left, right = st.columns(2)
     for column, letter, system in ((left, "X", facts.x), (right, "Y", facts.y)):
@@ -79,7 +79,7 @@ def panel(result: Result, row_in_all: int) -> None:
         )
 
 
-def _missed(facts: FrameFacts) -> None:
+def _missed(facts: FrameSummary) -> None:
     missed = facts.missed
     if not facts.n_truth:
         st.caption("Nobody is annotated in this frame.")

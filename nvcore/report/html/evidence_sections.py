@@ -29,7 +29,7 @@ from nvcore.report.html.blocks import Block, Chart, Photo, Photos, Section, Sent
 from nvcore.report.html.charts import THEME, interval_plot
 from nvcore.report.html.result_sections import FIGURES_HEAD
 from nvcore.report.verdict import verdict
-from nvcore.stability.survey import Surveyed, survey_stability, survey_table
+from nvcore.stability.survey import SurveyRow, survey_stability, survey_table
 from nvcore.stability.words import (
     CRITERIA,
     PLANES,
@@ -231,15 +231,15 @@ def stability_section(
         why_not = Sentences((f"Not computed for these {n_frames:,} frames: not asked for.",))
         return Section("stability", STABILITY_TITLE, words.STABILITY, (why_not,))
     with ThreadPoolExecutor() as pool:
-        surveyed = survey_stability(result, executor=pool, progress=progress)
-    shown = survey_table(surveyed)[["settings", "by", "verdict", "share", "nearest"]]
+        rows = survey_stability(result, executor=pool, progress=progress)
+    shown = survey_table(rows)[["settings", "by", "verdict", "share", "nearest"]]
     head = ("Settings", "Better by", "As analysed", "Holds in (of the plausible range)",
             "Nearest setting that overturns it")  # fmt: skip
     blocks: list[Block] = [
         table("Verdict and settings", head, shown.to_numpy().tolist()),
-        Sentences((*_chance_of_each(surveyed, evidence), *_at_equal_alarms(surveyed))),
+        Sentences((*_chance_of_each(rows, evidence), *_at_equal_alarms(rows))),
     ]
-    first = surveyed[0]  # alpha and midpoint, by mean similarity
+    first = rows[0]  # alpha and midpoint, by mean similarity
     assert first.found is not None
     told = describe_stability(first.found)
     title = f"{PLANES[first.plane]}, by {CRITERIA[first.criterion]}: {told[0]}"
@@ -250,15 +250,15 @@ def stability_section(
     return Section("stability", STABILITY_TITLE, words.STABILITY, tuple(blocks))
 
 
-def _at_equal_alarms(surveyed: Sequence[Surveyed]) -> tuple[str, ...]:
+def _at_equal_alarms(rows: Sequence[SurveyRow]) -> tuple[str, ...]:
     """Who is better at thresholds that are fair to both."""
-    maps = [one.found for one in surveyed if one.found is not None]
+    maps = [one.found for one in rows if one.found is not None]
     return tuple(filter(None, (describe_equal_alarms(one) for one in maps)))
 
 
-def _chance_of_each(surveyed: Sequence[Surveyed], evidence: pd.DataFrame) -> tuple[str, ...]:
+def _chance_of_each(rows: Sequence[SurveyRow], evidence: pd.DataFrame) -> tuple[str, ...]:
     """For each criterion, whether its difference as analysed is more than chance."""
-    found = {one.criterion: one.found for one in surveyed if one.found is not None}
+    found = {one.criterion: one.found for one in rows if one.found is not None}
     told = {one: describe_chance(a_map, evidence) for one, a_map in found.items()}
     return tuple(
         f"By {CRITERIA[one]}: {said[0].lower()}{said[1:]}" for one, said in told.items() if said

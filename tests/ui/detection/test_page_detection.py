@@ -106,11 +106,11 @@ def test_own_filters_start_as_the_protocol_chosen_before():
 def test_own_filters_start_as_those_of_the_session(filters, sample_with):
     page = checked(sample_with(f"[protocol]\n{filters}\n"))
     space = page.session_state["workspace"]
-    before = space.session.protocol.filters
+    before = space.opened.session.protocol.filters
     assert before
     checked(page.selectbox(key="protocol").set_value("own filters").run())
     assert page.selectbox(key="protocol").value == "own filters"
-    assert space.session.protocol.filters == before
+    assert space.opened.session.protocol.filters == before
 
 
 def test_the_sessions_filters_can_be_taken_again_after_other_systems_are_compared(sample_with):

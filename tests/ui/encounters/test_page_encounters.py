@@ -43,7 +43,7 @@ def widget(page: AppTest, kind: str, label: str):
 
 
 def choose(page: AppTest, row: int) -> AppTest:
-    dataset = page.session_state["workspace"].dataset
+    dataset = page.session_state["workspace"].opened.dataset
     page.session_state[table.CHOSEN] = (dataset.fingerprint, row)
     return checked(page.run())
 

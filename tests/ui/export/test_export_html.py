@@ -48,7 +48,8 @@ def test_a_report_made_with_other_settings_says_so(page):
     shown = [one.value for one in page.warning]
     assert not any("other settings" in one for one in shown)
     space = page.session_state["workspace"]
-    space.session = replace(space.session, protocol=PROTOCOLS["reasonable"])
+    session = replace(space.opened.session, protocol=PROTOCOLS["reasonable"])
+    space.opened = replace(space.opened, session=session)
     checked(page.run())
     assert any("made with other settings" in one.value for one in page.warning)
     content = job_of(made(page), JOB).path.read_text(encoding="utf-8")

@@ -14,7 +14,7 @@ from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
 from ui.jobs import background
 from ui.jobs.background import Computation, FileJob, JobState, Progress, new_path, while_open
-from ui.session.workspace import Workspace
+from ui.session.workspace import Opened, Workspace
 
 PATIENCE_S = 20.0
 SAMPLE = ROOT / "sample_data" / "session.toml"
@@ -160,7 +160,8 @@ def test_a_cancelled_computation_finds_nothing():
 
 def opened_workspace() -> Workspace:
     space = Workspace()
-    space.dataset = load(read_session(SAMPLE))
+    session = read_session(SAMPLE)
+    space.opened = Opened(session, load(session), "sample")
     return space
 
 

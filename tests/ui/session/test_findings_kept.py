@@ -16,7 +16,7 @@ from ui.shell import live_params
 state.begin_run()
 live_params.read()
 st.session_state["found"] = state.findings()
-st.session_state["inputs"] = id(state.workspace().keep("audit_inputs", (), lambda: None))
+st.session_state["inputs"] = id(state.workspace().cached("audit_inputs", (), lambda: None))
 """
 
 

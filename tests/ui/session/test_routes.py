@@ -38,8 +38,8 @@ class Grey:
 def space(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Workspace:
     monkeypatch.setenv("NVCORE_UPLOAD_DIR", str(tmp_path))
     space = Workspace()
-    space.dataset = make_dataset(truth=[at(3, 50)], x=[at(3, 50)], n_frames=N_ROWS)
-    space.compared = Compared(result_of(space.dataset), "v1")
+    dataset = make_dataset(truth=[at(3, 50)], x=[at(3, 50)], n_frames=N_ROWS)
+    space.compared = Compared(result_of(dataset), "v1")
     space.pictures = {0: Grey()}
     space.picture_rows = {0: np.array([-1, 0, 1, 2])}
     return space

@@ -11,6 +11,7 @@ from http import HTTPStatus
 from pathlib import Path
 
 import pytest
+from builders import at, make_dataset
 from starlette.requests import ClientDisconnect
 
 from nvcore.errors import MediaError
@@ -29,7 +30,7 @@ from ui.session.uploads import (
     safe_name,
     store_annotations,
 )
-from ui.session.workspace import Workspace
+from ui.session.workspace import Opened, Workspace
 
 PNG = b"\x89PNG\r\n\x1a\n" + bytes(100)
 
@@ -329,10 +330,11 @@ def test_what_was_not_counted_makes_no_room(space: Workspace):
 def test_the_files_of_the_open_comparison_stay_counted(space: Workspace):
     folder = new_upload(space)
     paths = store_annotations(space, folder, "truth", [Sent("a.csv", b"12345")])
-    space.session = Session(folder, Source(paths), ())
+    dataset = make_dataset(truth=[at(0, 50)])
+    space.opened = Opened(Session(folder, Source(paths), ()), dataset, "uploads")
     new_upload(space)
     assert space.used_bytes == 5
-    space.session = None
+    space.opened = None
     new_upload(space)
     assert space.used_bytes == 0
 

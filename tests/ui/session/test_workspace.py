@@ -98,7 +98,7 @@ def test_what_is_kept_is_made_once_and_the_longest_unused_goes():
     space, made = Workspace(), []
 
     def get(key: int) -> int:
-        return space.keep("squares", key, lambda: made.append(key) or key * key, most=2)
+        return space.cached("squares", key, lambda: made.append(key) or key * key, most=2)
 
     assert [get(2), get(3), get(2), get(4), get(2), get(3)] == [4, 9, 4, 16, 4, 9]
     assert made == [2, 3, 4, 3]
@@ -107,7 +107,7 @@ def test_what_is_kept_is_made_once_and_the_longest_unused_goes():
 def test_a_closed_workspace_keeps_nothing():
     space, made = Workspace(), []
     for _ in range(2):
-        space.keep("kind", 1, lambda: made.append(1))
+        space.cached("kind", 1, lambda: made.append(1))
         space.close()
     assert made == [1, 1]
 

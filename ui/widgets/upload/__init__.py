@@ -1,7 +1,7 @@
 """Sends pictures and videos to the session's folder, with progress, past Streamlit's memory.
 
 A Streamlit component: a field to drop files on or choose them with. Each file goes by PUT to the
-upload route; Python hears when all are there and looks for them in the session's folder.
+upload route; when all have arrived, Python looks for them in the session's folder.
 """
 
 from __future__ import annotations
@@ -11,12 +11,12 @@ from pathlib import Path
 import streamlit as st
 
 from ui.session.routes import address
-from ui.session.uploads import MAX_FILE_BYTES, PICTURES
-from ui.session.workspace import Workspace
+from ui.session.uploads import MAX_FILE_BYTES
+from ui.session.workspace import PICTURES, Workspace
 
 FOLDER = Path(__file__).parent
-MOST_TOLD = 6
-"""Files that were not taken and are told of."""
+MOST_LISTED = 6
+"""Refused files that are listed."""
 
 _COMPONENT = st.components.v2.component(
     "nvcore_upload",
@@ -30,7 +30,7 @@ def upload_pictures(space: Workspace, *, key: str) -> list[str]:
 
     Returns
     -------
-    Which of the files last chosen were not taken, and why: one text each, not yet plain.
+    Which of the files last chosen were refused, and why: one text each, not yet plain.
     """
     base = st.get_option("server.baseUrlPath") or ""
     state = _COMPONENT(
@@ -43,4 +43,4 @@ def upload_pictures(space: Workspace, *, key: str) -> list[str]:
         on_refused_change=lambda: None,
     )
     refused = getattr(state, "refused", None)
-    return [str(one) for one in refused[:MOST_TOLD]] if isinstance(refused, list) else []
+    return [str(text) for text in refused[:MOST_LISTED]] if isinstance(refused, list) else []

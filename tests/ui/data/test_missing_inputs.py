@@ -1,4 +1,4 @@
-"""Facts that a person gives: the size proposed, and what they add to a session."""
+"""Inputs that a person gives: the size proposed, and what they add to a session."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from streamlit.testing.v1 import AppTest
 from nvcore.errors import SessionError
 from nvcore.inputs.session import Session, Source
 from ui.data import missing_inputs
-from ui.data.missing_inputs import Facts, look_at_pictures, picture_rate, picture_size
+from ui.data.missing_inputs import MissingInputs, check_pictures, picture_rate, picture_size
 
 VIDEO = ROOT / "sample_data" / "odd_pose.mp4"
 
@@ -55,8 +55,8 @@ def test_the_size_is_that_of_the_first_that_can_be_opened(tmp_path: Path):
 
 def test_pictures_that_cannot_be_opened_say_why(tmp_path: Path):
     (tmp_path / "no.mp4").write_bytes(b"no video")
-    assert "is text, not pictures" in look_at_pictures(tmp_path / "no.mp4").trouble
-    assert "No such file" in look_at_pictures(tmp_path / "gone.mp4").trouble
+    assert "is text, not pictures" in check_pictures(tmp_path / "no.mp4").trouble
+    assert "No such file" in check_pictures(tmp_path / "gone.mp4").trouble
 
 
 def test_the_rate_is_that_of_the_first_video(tmp_path: Path):
@@ -66,23 +66,23 @@ def test_the_rate_is_that_of_the_first_video(tmp_path: Path):
 
 def test_facts_fill_what_a_session_leaves_open():
     session = Session(Path("/drives"), Source(("t.csv",)), (), fps=10, frames="0:9")
-    filled = Facts(size=(640, 480), frames="0:99").added_to(session)
+    filled = MissingInputs(size=(640, 480), frames="0:99").added_to(session)
     assert (filled.size, filled.fps, filled.frames) == ((640, 480), 10, "0:99")
 
 
 def test_frames_added_to_a_session_are_a_range_and_no_file():
     session = Session(Path("/drives"), Source(("t.csv",)), ())
     with pytest.raises(SessionError, match="expected FIRST:LAST"):
-        Facts(frames="/etc/passwd").added_to(session)
+        MissingInputs(frames="/etc/passwd").added_to(session)
 
 
 def test_a_folder_of_pictures_that_was_mended_in_place_is_opened_again(tmp_path: Path):
     picture = tmp_path / "pictures" / "0.png"
     picture.parent.mkdir()
     picture.write_bytes(b"\x89PNG\r\n\x1a\n" + bytes(100))
-    assert look_at_pictures(picture.parent).trouble
+    assert check_pictures(picture.parent).trouble
     cv2.imwrite(str(picture), np.zeros((48, 64), np.uint8))
-    assert look_at_pictures(picture.parent).size == (64, 48)
+    assert check_pictures(picture.parent).size == (64, 48)
 
 
 def size_in_a_session(path: str) -> None:

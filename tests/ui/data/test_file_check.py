@@ -16,21 +16,21 @@ from nvcore.inputs.load import read_source
 from nvcore.inputs.readers.base import Reading
 from nvcore.inputs.session import Source
 from ui.data import file_check
-from ui.data.file_check import Look, look_at
+from ui.data.file_check import FileCheck, check_files
 
 TRUTH = ("frame,x,y,w,h", "1,2,3,40,90", "2,2,3,40,90")
 
 
 @pytest.fixture
-def look(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], Look]:
+def look(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], FileCheck]:
     """Looks at one file of ground truth under a key, with nothing remembered before."""
     monkeypatch.setattr(file_check.st, "session_state", {})
     write(tmp_path / "t.csv", *TRUTH)
-    return lambda key: look_at(key, lambda: Source(("t.csv",)), role="truth", folder=tmp_path)
+    return lambda key: check_files(key, lambda: Source(("t.csv",)), role="truth", folder=tmp_path)
 
 
 def test_the_boxes_of_a_look_are_let_go_of(
-    look: Callable[[str], Look], monkeypatch: pytest.MonkeyPatch
+    look: Callable[[str], FileCheck], monkeypatch: pytest.MonkeyPatch
 ):
     tables: list[weakref.ref[np.ndarray]] = []
 
@@ -55,7 +55,7 @@ def test_the_boxes_of_a_look_are_let_go_of(
 
 
 def test_the_look_that_was_not_used_for_longest_goes_first(
-    look: Callable[[str], Look], monkeypatch: pytest.MonkeyPatch
+    look: Callable[[str], FileCheck], monkeypatch: pytest.MonkeyPatch
 ):
     monkeypatch.setattr(file_check, "MOST_KEPT", 2)
     truth, first = look("truth"), look("first")

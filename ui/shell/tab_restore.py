@@ -1,8 +1,8 @@
 """A page that is loaded again gets back what was open in its tab.
 
-A reload starts a new Streamlit session. The tab keeps the workspace's token (in the browser's
-``sessionStorage``, which ends with the tab) and claims the workspace with it, as long as that has
-not been closed and no other page uses it.
+A reload starts a new Streamlit session. The tab keeps the workspace's token in the browser's
+``sessionStorage``, which ends with the tab, and claims the workspace with it, unless that has been
+closed or another page uses it.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _SETTLED: Final = "tab_is_settled"
 
 
 def draw() -> None:
-    """The invisible part of the page that knows what the tab had open."""
+    """The invisible part of the page that remembers what the tab had open."""
     _COMPONENT(
         key=KEY,
         on_claim_change=_claim,
@@ -45,4 +45,4 @@ def _claim() -> None:
     token = st.session_state[KEY].claim
     st.session_state[_SETTLED] = True
     if isinstance(token, str):
-        state.take_back(token)
+        state.restore(token)

@@ -28,7 +28,7 @@ import streamlit as st
 from ui.session import state
 from ui.shell import live_params
 if token := st.session_state.pop("claims", None):
-    state.take_back(token)
+    state.restore(token)
 state.begin_run()
 live_params.read()
 """
@@ -205,7 +205,7 @@ def test_opening_ends_the_jobs_before_it_closes_their_pictures():
     space = app.session_state["workspace"]
     space.put_job("noted", Noted())
     space.pictures = {0: Noted()}
-    space.dataset = None  # the next run opens the sample again
+    space.opened = None  # the next run opens the sample again
     assert not app.run().exception
     assert order == ["job", "pictures"]
 
@@ -218,7 +218,7 @@ def test_the_protocol_is_still_chosen_after_a_reload():
     after = reloaded(before, "detection")
     assert after.selectbox(key="protocol").value == "reasonable"
     assert after.multiselect(key="protocol_recordings").value == names
-    live = after.session_state["workspace"].session.protocol
+    live = after.session_state["workspace"].opened.session.protocol
     assert (live.name, live.recordings) == ("reasonable", tuple(names))
 
 
@@ -229,7 +229,7 @@ def test_own_filters_are_still_there_after_a_reload():
     after = reloaded(before, "detection")
     assert after.selectbox(key="protocol").value == "own filters"
     assert after.number_input(key="own_low").value == 100.0
-    assert after.session_state["workspace"].session.protocol.height_px[0] == 100.0
+    assert after.session_state["workspace"].opened.session.protocol.height_px[0] == 100.0
 
 
 def test_fitted_settings_are_still_marked_after_a_reload():
@@ -249,7 +249,7 @@ def test_fitted_settings_are_still_marked_after_a_reload():
 
 def opened(app: AppTest) -> tuple[Session, Dataset]:
     space = app.session_state["workspace"]
-    return space.session, space.dataset
+    return space.opened.session, space.opened.dataset
 
 
 def fitted(app: AppTest) -> bool:
