@@ -1,13 +1,20 @@
-"""Small words that every output shares: numbers, differences, counts, names from files."""
+"""Small words that every output shares: numbers, differences, counts, names from files.
+
+One function makes text from others harmless for each target: `one_line` for terminals and text
+files, `markdown_text` for Markdown, `figures.style.plain` for Plotly; HTML is escaped by Jinja.
+"""
 
 from __future__ import annotations
 
 import math
+import re
 from typing import Final
 
 UNDEFINED: Final = "–"
 ARROWS: Final = {"higher": " ↑", "lower": " ↓", "": ""}
 """Which way is better, as it stands behind a label."""
+
+_MARKUP: Final = re.compile(r"([\\`*_{}\[\]<>()#+.!|$~:&^=@-])")
 
 
 def number(value: float | None, form: str) -> str:
@@ -42,3 +49,25 @@ def one_line(text: str) -> str:
     return "".join(
         sign if sign.isprintable() else sign.encode("unicode_escape").decode() for sign in text
     )
+
+
+def markdown_text(text: object) -> str:
+    r"""The text as Markdown that shows it as it is: no markup, HTML, links or mentions, one line.
+
+    Examples
+    --------
+    >>> markdown_text("*a*_1")
+    '\\*a\\*\\_1'
+    """
+    return _MARKUP.sub(r"\\\1", one_line(str(text)))
+
+
+def shortened(text: str, most: int, *, mark: str = "…") -> str:
+    """The text, its end replaced by the mark where it has more than `most` characters.
+
+    Examples
+    --------
+    >>> shortened("pedestrian", 5)
+    'pede…'
+    """
+    return text if len(text) <= most else text[: most - len(mark)] + mark

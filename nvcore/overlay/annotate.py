@@ -34,7 +34,7 @@ from nvcore.pictures.index import picture_index
 from nvcore.pictures.stretch import png, stretch
 from nvcore.schema import NO_TRACK, TruthState
 from nvcore.tables.box_states import DetectedBoxes, TruthBoxes, gather_boxes
-from nvcore.wording import one_line
+from nvcore.wording import one_line, shortened
 
 LAYERS: Final = ("truth", "x", "y")
 _DIM_RGB: Final[Colour] = (150, 158, 168)
@@ -267,5 +267,4 @@ def _number(value: float) -> str:
 
 
 def _short(name: str) -> str:
-    shown = one_line(name)
-    return shown if len(shown) <= _LONGEST_NAME else shown[: _LONGEST_NAME - 3] + "..."
+    return shortened(one_line(name), _LONGEST_NAME, mark="...")

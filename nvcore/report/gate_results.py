@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from typing import Final
 from xml.etree import ElementTree
@@ -10,11 +9,10 @@ from xml.etree import ElementTree
 from nvcore.findings import Finding
 from nvcore.report.gate import COUNTED_FINDINGS, Outcome, figure_text
 from nvcore.report.terminal import render_findings
-from nvcore.wording import one_line
+from nvcore.wording import markdown_text, one_line
 
 JUNIT_HEAD: Final = b"<?xml version='1.0' encoding='utf-8'?>\n<testsuites name=\"nvcore gate\""
 MARKDOWN_HEAD: Final = b"## Gate: "
-_MARKUP: Final = re.compile(r"([\\`*_{}\[\]<>()#+.!|$~:&^=@-])")
 
 
 def terminal_lines(outcomes: Sequence[Outcome]) -> list[str]:
@@ -92,7 +90,14 @@ def markdown(outcomes: Sequence[Outcome], title: str, findings: Sequence[Finding
     rows = sorted(outcomes, key=lambda one: one.is_passed)
     n_failed = sum(not one.is_passed for one in outcomes)
     verdict = f"{n_failed} of {len(outcomes)} rules failed" if n_failed else "all rules passed"
-    lines = [f"## Gate: {verdict}", "", _plain(title), "", "| rule | found | |", "|---|---|---|"]
+    lines = [
+        f"## Gate: {verdict}",
+        "",
+        markdown_text(title),
+        "",
+        "| rule | found | |",
+        "|---|---|---|",
+    ]
     lines += [
         f"| `{one.rule.text}` | {figure_text(one.value)} | "
         f"{'passed' if one.is_passed else '**failed**'} |"
@@ -101,7 +106,7 @@ def markdown(outcomes: Sequence[Outcome], title: str, findings: Sequence[Finding
     for one in rows:
         if encounters := _encounters(one):
             lines += ["", f"`{one.rule.text}` failed:", ""]
-            lines += [f"- {_plain(detail)}" for detail in encounters]
+            lines += [f"- {markdown_text(detail)}" for detail in encounters]
     lines += ["", *_audit(findings)]
     return "\n".join(lines) + "\n"
 
@@ -111,10 +116,10 @@ def _audit(findings: Sequence[Finding]) -> list[str]:
     lines = [f"### {head.rstrip('.')}"]
     if findings:
         lines.append("")
-    return lines + [
-        f"- {one.severity.value}, {_plain(one.subject)}: {_plain(one.message)} {_plain(one.advice)}"
-        for one in findings
-    ]
+    for finding in findings:
+        subject, text = finding.subject, f"{finding.message} {finding.advice}"
+        lines.append(f"- {finding.severity.value}, {markdown_text(subject)}: {markdown_text(text)}")
+    return lines
 
 
 def markdown_error(problem: str) -> str:
@@ -125,15 +130,10 @@ def markdown_error(problem: str) -> str:
     problem
         Why not; may have several lines.
     """
-    lines = [_plain(line) for line in problem.splitlines()]
+    lines = [markdown_text(line) for line in problem.splitlines()]
     return "\n\n".join(["## Gate: could not be run", *lines]) + "\n"
 
 
 def is_gate_result(content: bytes) -> bool:
     """Whether a file's content was written by a gate."""
     return content.startswith((JUNIT_HEAD, MARKDOWN_HEAD))
-
-
-def _plain(text: str) -> str:
-    """The text without markup, HTML or links, one line."""
-    return _MARKUP.sub(r"\\\1", one_line(text))

@@ -17,7 +17,7 @@ from nvcore.schema import Category
 from nvcore.tables.inputs import inputs_table
 from nvcore.tables.result import worst_intervals
 from nvcore.tables.scorecard import ScoreRow, class_rows, score_rows
-from nvcore.wording import difference, number, one_line
+from nvcore.wording import difference, number, one_line, shortened
 
 NAME_WIDTH = 16
 """Longest name of a system in the head of a column; it stands in full above the table."""
@@ -128,9 +128,7 @@ def _table(result: Result) -> str:
 
 
 def _head(letter: str, system: SystemResult) -> str:
-    name = one_line(system.name)
-    shown = name if len(name) <= NAME_WIDTH else name[: NAME_WIDTH - 1] + "…"
-    return f"{letter.upper()}: {shown}"
+    return f"{letter.upper()}: {shortened(one_line(system.name), NAME_WIDTH)}"
 
 
 def _row(row: ScoreRow) -> tuple[str, ...]:

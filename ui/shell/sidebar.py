@@ -13,7 +13,7 @@ from nvcore.palette import X_COLOUR, Y_COLOUR
 from nvcore.params import SETTINGS, settings_for
 from nvcore.params.metadata import MATCH, PROXIMITY, THRESHOLD, Setting
 from nvcore.params.presets import PRESETS
-from nvcore.wording import one_line
+from nvcore.wording import one_line, shortened
 from ui.session import state
 from ui.shell import live_params
 from ui.widgets.text import plain
@@ -33,11 +33,10 @@ def legend() -> None:
 
 def _row(letter: str, name: str | None, colour: str, dash: str) -> str:
     shown = "no second system" if name is None else one_line(name)
-    short = shown if len(shown) <= MAX_NAME else shown[: MAX_NAME - 1] + "…"
     line = f'<span style="width:34px;border-top:3px {dash} {colour}"></span>'
     return (
         f'<div style="display:flex;align-items:center;gap:8px" title="{escape(shown, quote=True)}">'
-        f"{line}<b>{letter}</b><span>{escape(short)}</span></div>"
+        f"{line}<b>{letter}</b><span>{escape(shortened(shown, MAX_NAME))}</span></div>"
     )
 
 

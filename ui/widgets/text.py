@@ -2,24 +2,10 @@
 
 from __future__ import annotations
 
-import re
-
-from nvcore.wording import UNDEFINED, number, one_line
+from nvcore.wording import UNDEFINED, number
+from nvcore.wording import markdown_text as plain
 
 __all__ = ["UNDEFINED", "docs_link", "number", "plain"]
-
-_MARKUP = re.compile(r"([\\`*_{}\[\]<>()#+\-.!|$~:&^=])")
-
-
-def plain(name: object) -> str:
-    """The name as text for Markdown: no markup, no HTML, no directives, one line.
-
-    Parameters
-    ----------
-    name
-        A name that came from a file or a user.
-    """
-    return _MARKUP.sub(r"\\\1", one_line(str(name)))
 
 
 def docs_link(text: str, anchor: str, *, doc: str = "metrics") -> str:

@@ -19,6 +19,7 @@ from nvcore.csv_text import without_safeguard
 from nvcore.errors import FormatError
 from nvcore.inputs.readers.base import Role, SourceFile
 from nvcore.inputs.readers.parse.text import MAX_INTEGER, read_text
+from nvcore.wording import shortened
 
 SYNONYMS: Final[dict[str, tuple[str, ...]]] = {
     "frame": (
@@ -242,17 +243,13 @@ def _fault(row: list[str], header: Header, wanted: Sequence[str], what: str) -> 
         value = row[header.place[name]].strip()
         title = header.names[header.place[name]]
         if name == "ignore" and value not in _MISSING + _TRUE + _FALSE:
-            return f"expected 0, 1, true or false as {title}, found {_shorten(value)}"
+            return f"expected 0, 1, true or false as {title}, found {shortened(value, 60)!r}"
         if name in NUMBERS and value not in _MISSING:
             try:
                 float(value.replace("_", "?"))  # Python reads 1_000, the fast parser does not
             except ValueError:
-                return f"expected a number as {title}, found {_shorten(value)}"
+                return f"expected a number as {title}, found {shortened(value, 60)!r}"
     return None
-
-
-def _shorten(value: str) -> str:
-    return repr(value if len(value) <= 60 else value[:57] + "...")
 
 
 def csv_content(file: SourceFile, *, role: Role) -> bytes:

@@ -28,6 +28,7 @@ from nvcore.report.html.blocks import Chart
 from nvcore.report.html.charts import figure_json, packed_plotly
 from nvcore.report.html.content import Content, Progress, report_content
 from nvcore.report.html.frames import RecordingPictures, decisive_moments, session_pictures
+from nvcore.wording import shortened
 
 __all__ = ["RecordingPictures", "css_text", "render", "session_pictures", "write_html_report"]
 
@@ -123,10 +124,9 @@ def render(content: Content) -> str:
 
 def css_text(text: str, most: int) -> Markup:
     """A text as a string of CSS that can end neither it nor the style, cut to `most` signs."""
-    shown = text if len(text) <= most else f"{text[: most - 1]}…"
     signs = (
         sign if sign == " " or (sign.isascii() and sign.isalnum()) else f"\\{ord(sign):x} "
-        for sign in shown
+        for sign in shortened(text, most)
     )
     return Markup(f'"{"".join(signs)}"')  # noqa: S704  # nothing but letters, digits, escapes
 

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import plotly.graph_objects as go
 
-from nvcore.wording import one_line
+from nvcore.wording import one_line, shortened
 
 MAX_ROWS = 200
 """Rows of a table that are shown."""
@@ -164,13 +164,9 @@ def table(
     if len(rows) > most:
         told.append(f"The first {most:,} of {len(rows):,} rows are shown.")
     shown = tuple(tuple(_cell(cell) for cell in row) for row in rows[:most])
-    return Table(title, tuple(head), shown, frozenset(right), _cut(" ".join(told), MAX_NOTE))
+    return Table(title, tuple(head), shown, frozenset(right), shortened(" ".join(told), MAX_NOTE))
 
 
 def _cell(cell: object) -> str:
     # a number and its unit stay on one line
-    return _cut(one_line(str(cell)), MAX_CELL).replace(" pp", "\N{NO-BREAK SPACE}pp")
-
-
-def _cut(text: str, most: int) -> str:
-    return text if len(text) <= most else f"{text[: most - 1]}…"
+    return shortened(one_line(str(cell)), MAX_CELL).replace(" pp", "\N{NO-BREAK SPACE}pp")

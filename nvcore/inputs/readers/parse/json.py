@@ -13,6 +13,7 @@ import numpy as np
 from nvcore.errors import FormatError
 from nvcore.inputs.readers.base import SourceFile
 from nvcore.inputs.readers.parse.text import read_text
+from nvcore.wording import shortened
 
 NESTED = ("extra_info", "attributes")
 """Fields of a record in which tools keep further fields (Teledyne FLIR, CVAT)."""
@@ -62,7 +63,7 @@ def found(value: object) -> str:
         if value is None or isinstance(value, (bool, dict, list))
         else f"{value!r}"
     )
-    return text if len(text) <= 60 else text[:57] + "..."
+    return shortened(text, 60)
 
 
 class Records:

@@ -12,6 +12,7 @@ import pyarrow.csv
 from nvcore.errors import FormatError, InputError
 from nvcore.file_kinds import binary_kind
 from nvcore.inputs.readers.base import SourceFile
+from nvcore.wording import shortened
 
 MAX_INTEGER = 2.0**53
 """Largest number that is exact as float64: frame numbers and track ids stay below it."""
@@ -217,7 +218,7 @@ def _careful(text: str, file: SourceFile, layout: _Layout) -> NumberTable:
             expected = " or ".join(str(n) for n in layout.n_columns)
             raise FormatError(
                 f"expected {expected} fields ({layout.what}), found {len(fields)}: "
-                f"{_shorten(stripped)!r}",
+                f"{shortened(stripped, 60)!r}",
                 file=file.name,
                 line=number,
             )
@@ -227,7 +228,7 @@ def _careful(text: str, file: SourceFile, layout: _Layout) -> NumberTable:
         if None in row:
             wrong = fields[row.index(None)].strip()
             raise FormatError(
-                f"expected numbers ({layout.what}), found {_shorten(wrong)!r}",
+                f"expected numbers ({layout.what}), found {shortened(wrong, 60)!r}",
                 file=file.name,
                 line=number,
             )
@@ -254,10 +255,6 @@ def number_of(field: str) -> float | None:
         return float(field)
     except ValueError:
         return None
-
-
-def _shorten(text: str) -> str:
-    return text if len(text) <= 60 else text[:57] + "..."
 
 
 def whole_numbers(values: np.ndarray, file: SourceFile, line: np.ndarray, what: str) -> np.ndarray:
