@@ -52,8 +52,9 @@ def average_precision_coco(curve: DetectionCurve) -> float:
 def pr_auc(curve: DetectionCurve) -> float:
     """Area under the precision-recall curve with non-linear interpolation, 1 is best.
 
-    Trapezoids between the points of `interpolate_curve`; a straight line between two points
-    would promise too much. Up to the largest recall that is reached. Without detections 0; NaN
+    Between two points true positives go up one by one, and false positives with the local skew,
+    ``(fp_b - fp_a) / (tp_b - tp_a)`` for each; between these are trapezoids. A straight line
+    between two points would promise too much. Up to the largest recall that is reached. Without detections 0; NaN
     where ``curve.why_undefined``.
 
     References
@@ -69,23 +70,6 @@ def pr_auc(curve: DetectionCurve) -> float:
     # 0 of 0: nothing is found yet, and precision is that of the way to the first pedestrian
     left = np.where(tp - 1 + before == 0, right, left)
     return float((0.5 * (left + right)).sum() / curve.n_truth)
-
-
-def interpolate_curve(curve: DetectionCurve) -> tuple[np.ndarray, np.ndarray]:
-    """True and false positives with true positives going up one by one (Davis and Goadrich).
-
-    Between two points false positives grow with the local skew, ``(fp_b - fp_a) / (tp_b - tp_a)``
-    for each true positive.
-
-    Returns
-    -------
-    tp
-        1, 2, ... up to the most that the curve reaches; int64, (n,).
-    fp
-        False positives when that many are first reached; float64, (n,).
-    """
-    tp, _, fp = _steps(curve)
-    return tp, fp
 
 
 def _steps(curve: DetectionCurve) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -236,22 +236,6 @@ def _exchanges(n: int, n_tried: int, *, is_exact: bool, seed: int) -> Iterator[n
             yield rng.integers(0, 2, size=(n_now, n), dtype=np.int8)
 
 
-def sign_flip_test(
-    differences: np.ndarray, *, n_permutations: int = N_PERMUTATIONS, seed: int = SEED
-) -> SwapTest:
-    """Sign-flip test of the mean of differences X - Y, one per recording; shape (n,).
-
-    Examples
-    --------
-    >>> sign_flip_test(np.array([0.1, 0.2, 0.1, 0.3, 0.2, 0.1])).p
-    0.03125
-    """
-    x = np.asarray(differences, dtype=float)[:, np.newaxis]
-    return swap_test(
-        x, np.zeros_like(x), lambda sums: sums[..., 0], n_permutations=n_permutations, seed=seed
-    )
-
-
 def holm(p: np.ndarray) -> np.ndarray:
     """Holm's correction of p-values that are shown together; undefined ones (NaN) do not count.
 

@@ -1,6 +1,6 @@
 """Boxes of a result drawn on pictures: one frame, or a video."""
 
-from nvcore.overlay.annotate import annotated_frame, frame_png
+from nvcore.overlay.annotate import annotate, frame_png
 from nvcore.overlay.draw import DrawnDetections, DrawnTruth, TruthMark, draw_boxes
 from nvcore.overlay.video import FPS_RANGE, write_video
 
@@ -9,7 +9,7 @@ __all__ = [
     "DrawnDetections",
     "DrawnTruth",
     "TruthMark",
-    "annotated_frame",
+    "annotate",
     "draw_boxes",
     "frame_png",
     "write_video",

@@ -30,7 +30,6 @@ from nvcore.overlay.draw import (
     text_width,
 )
 from nvcore.pictures.base import Picture, Pictures
-from nvcore.pictures.index import picture_index
 from nvcore.pictures.stretch import png, stretch
 from nvcore.schema import NO_TRACK, TruthState
 from nvcore.tables.box_states import DetectedBoxes, TruthBoxes, gather_boxes
@@ -41,12 +40,12 @@ _DIM_RGB: Final[Colour] = (150, 158, 168)
 _LONGEST_NAME: Final = 40
 
 
-def annotated_frame(
+def annotate(
     result: Result,
     pictures: Pictures | None,
+    index: int,
     row: int,
     *,
-    first_picture: int | None = None,
     lo: float = 0.0,
     hi: float = 100.0,
     layers: Sequence[str] = LAYERS,
@@ -58,11 +57,11 @@ def annotated_frame(
     Parameters
     ----------
     pictures
-        Of the frame's recording; None, or none for this frame: boxes on a dark blank.
+        Of the frame's recording; None: boxes on a dark blank.
+    index
+        Which of the pictures shows the frame (`nvcore.pictures.picture_index`); -1: none.
     row
         Row of the frames table.
-    first_picture
-        See `nvcore.pictures.picture_index`.
     lo, hi
         See `nvcore.pictures.stretch`.
     layers
@@ -82,24 +81,6 @@ def annotated_frame(
     ParameterError
         If `lo` and `hi` are no percentiles.
     """
-    index = -1
-    if pictures is not None:
-        frames = result.dataset.frame_columns
-        recording = frames.recording[row]
-        listed = frames.frame[frames.first[recording] : frames.first[recording + 1]]
-        index = int(
-            picture_index(listed, pictures, first_picture)[0][row - frames.first[recording]]
-        )
-    return annotate(
-        result, pictures, index, row, lo=lo, hi=hi, layers=layers, labels=labels, caption=caption
-    )
-
-
-def annotate(
-    result: Result, pictures: Pictures | None, index: int, row: int, *, lo: float, hi: float,
-    layers: Sequence[str], labels: bool, caption: bool,
-) -> Canvas:  # fmt: skip
-    """`annotated_frame` where the index of the picture is known, -1 none."""
     frames = result.dataset.frame_columns
     recording = frames.recording[row]
     picture, trouble = frame_picture(pictures, index, lo, hi)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from nvcore import __version__
 from nvcore.comparison import Result
 from nvcore.errors import MediaError, ParameterError
-from nvcore.overlay.annotate import LAYERS, annotate, provenance
+from nvcore.overlay.annotate import annotate, provenance
 from nvcore.overlay.draw import BLANK_RGB, Canvas
 from nvcore.pictures.base import Pictures
 from nvcore.pictures.index import picture_index
@@ -90,10 +90,7 @@ def write_video(
     index = [-1] * (last - first) if indices is None else indices.tolist()
 
     def draw(row: int) -> Canvas:
-        return annotate(
-            result, source, index[row - first], row, lo=lo, hi=hi, layers=LAYERS, labels=labels,
-            caption=True,
-        )  # fmt: skip
+        return annotate(result, source, index[row - first], row, lo=lo, hi=hi, labels=labels)
 
     is_done = False
     try:

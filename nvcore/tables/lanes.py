@@ -21,17 +21,14 @@ class LaneState(StrEnum):
     """What a system made of a pedestrian in one frame."""
 
     IGNORED = "ignored"
+    """The ground truth says not to judge the pedestrian here."""
     NOT_RELEVANT = "not_relevant"
+    """Too far away to count."""
     MISSED = "missed"
+    """Near enough to count, and not matched."""
     MATCHED = "matched"
+    """Near enough to count, and matched."""
 
-
-LANE_STATE_TEXT: Final[dict[LaneState, str]] = {
-    LaneState.IGNORED: "The ground truth says not to judge the pedestrian here.",
-    LaneState.NOT_RELEVANT: "Too far away to count.",
-    LaneState.MISSED: "Near enough to count, and not matched.",
-    LaneState.MATCHED: "Near enough to count, and matched.",
-}
 
 # the larger code names a frame in which one track stands twice
 _CODES: Final = tuple(LaneState)

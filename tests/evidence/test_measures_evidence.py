@@ -14,7 +14,7 @@ from nvcore.dataset import Dataset, dataset_from_tables
 from nvcore.evidence.block_length import block_length
 from nvcore.evidence.bootstrap import bootstrap_difference, ratio
 from nvcore.evidence.measures import COLUMNS, UnitFigure, judge_figure, significance_table
-from nvcore.evidence.paired_tests import sign_flip_test, swap_test
+from nvcore.evidence.paired_tests import swap_test
 from nvcore.evidence.units import STRETCH, find_units
 from nvcore.params import Params
 
@@ -68,7 +68,8 @@ def test_p_of_similarity_is_the_sign_flip_test_of_the_recordings_traces() -> Non
     result = result_of(drives(12))
     difference = (result.x.similarity - result.y.similarity).reshape(12, 20).mean(axis=1)
     row = by_figure(result).loc["mean_similarity"]
-    assert row["p"] == sign_flip_test(difference).p
+    flips = swap_test(difference[:, None], np.zeros((12, 1)), lambda sums: sums[..., 0])
+    assert row["p"] == flips.p
     assert row["effect"] == pytest.approx(difference.mean() / difference.std(ddof=1))
     assert row["effect_name"] == "Cohen's d_z"
 

@@ -15,7 +15,7 @@ from picture_files import number_in, numbered, write_numbered_video, write_pictu
 from nvcore import __version__
 from nvcore.comparison import Result
 from nvcore.errors import MediaError, ParameterError
-from nvcore.overlay import annotated_frame, frame_png, write_video
+from nvcore.overlay import annotate, frame_png, write_video
 from nvcore.overlay.draw import BLANK_RGB, X_RGB, Y_RGB
 from nvcore.pictures import open_pictures
 
@@ -37,19 +37,13 @@ def block_number(canvas: np.ndarray) -> int:
 def test_a_frame_shows_its_picture(tmp_path: Path):
     video = open_pictures(write_numbered_video(tmp_path / "a.mp4", n=10))
     for row in (7, 2, 9):
-        drawn = annotated_frame(result(), video, row, layers=())
+        drawn = annotate(result(), video, row, row, layers=())
         assert block_number(drawn) == row
-
-
-def test_the_frame_of_the_first_picture_is_followed(tmp_path: Path):
-    video = open_pictures(write_numbered_video(tmp_path / "a.mp4", n=10))
-    drawn = annotated_frame(result(), video, 7, layers=(), first_picture=3)
-    assert block_number(drawn) == 4
 
 
 def test_layers_choose_what_is_drawn():
     def has(colour: tuple[int, int, int], *layers: str) -> bool:
-        drawn = annotated_frame(result(), None, 0, layers=layers, caption=False)
+        drawn = annotate(result(), None, -1, 0, layers=layers, caption=False)
         return bool(np.all(drawn == colour, axis=2).any())
 
     assert has(X_RGB, "x")
@@ -59,8 +53,8 @@ def test_layers_choose_what_is_drawn():
 
 
 def test_the_caption_is_below_and_can_be_left_out():
-    plain = annotated_frame(result(), None, 0, caption=False)
-    whole = annotated_frame(result(), None, 0)
+    plain = annotate(result(), None, -1, 0, caption=False)
+    whole = annotate(result(), None, -1, 0)
     assert plain.shape == (384, 512, 3)
     assert whole.shape[0] > 384
     assert whole.shape[0] % 2 == 0
@@ -69,7 +63,7 @@ def test_the_caption_is_below_and_can_be_left_out():
 
 
 def test_a_changed_setting_changes_the_caption():
-    usual, changed = (annotated_frame(result(alpha=a), None, 5)[384:] for a in (0.9, 0.5))
+    usual, changed = (annotate(result(alpha=a), None, -1, 5)[384:] for a in (0.9, 0.5))
     assert usual.shape != changed.shape or np.any(usual != changed)
 
 
@@ -77,13 +71,13 @@ def test_many_changed_settings_are_told_in_further_lines():
     few = result(alpha=0.8)
     many = result(alpha=0.8, low=0.7, lag_s=1.0, gap_s=1.0, coverage=0.4, window=2.0, iou=0.4,
                   tolerance=0.1, threshold_x=0.25, threshold_y=0.75)  # fmt: skip
-    heights = [annotated_frame(made, None, 5).shape[0] for made in (few, many)]
+    heights = [annotate(made, None, -1, 5).shape[0] for made in (few, many)]
     assert heights[0] < heights[1]
 
 
 def test_labels_are_written_if_asked_for():
     plain, labelled = (
-        annotated_frame(result(), None, 0, labels=labels, caption=False) for labels in (0, 1)
+        annotate(result(), None, -1, 0, labels=labels, caption=False) for labels in (0, 1)
     )
     assert np.any(plain != labelled)
 
@@ -91,8 +85,8 @@ def test_labels_are_written_if_asked_for():
 def test_a_dim_picture_is_stretched(tmp_path: Path):
     picture = numbered(5) // 8
     pictures = open_pictures(write_picture(tmp_path / "0.png", picture))
-    kept = annotated_frame(result(2), pictures, 0, layers=(), caption=False)
-    spread = annotated_frame(result(2), pictures, 0, layers=(), caption=False, lo=0, hi=99)
+    kept = annotate(result(2), pictures, 0, 0, layers=(), caption=False)
+    spread = annotate(result(2), pictures, 0, 0, layers=(), caption=False, lo=0, hi=99)
     assert (kept.max(), spread.max()) == (31, 255)
 
 
@@ -101,20 +95,20 @@ def test_a_picture_that_cannot_be_decoded_leaves_a_dark_blank(tmp_path: Path):
         write_picture(tmp_path / f"{number}.png", numbered(255))
     (tmp_path / "1.png").write_bytes(b"\x89PNG\r\n\x1a\n")
     pictures = open_pictures(tmp_path)
-    drawn = annotated_frame(result(3), pictures, 1, layers=(), caption=False)
+    drawn = annotate(result(3), pictures, 1, 1, layers=(), caption=False)
     assert np.all(drawn[100:] == BLANK_RGB)
 
 
 def test_a_frame_as_png_holds_version_and_settings():
     made = result(alpha=0.75)
-    content = frame_png(annotated_frame(made, None, 0), made)
+    content = frame_png(annotate(made, None, -1, 0), made)
     start = content.index(b"tEXtComment\0") + 12
     told = json.loads(content[start : content.index(b"}}", start) + 2])
     assert told["program"] == f"nvcore {__version__}"
     assert told["fingerprint"] == made.dataset.fingerprint
     assert told["parameters"]["alpha"] == 0.75
     decoded = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_COLOR)
-    np.testing.assert_array_equal(decoded[..., ::-1], annotated_frame(made, None, 0))
+    np.testing.assert_array_equal(decoded[..., ::-1], annotate(made, None, -1, 0))
 
 
 def test_a_video_holds_the_frames_asked_for_and_where_they_come_from(tmp_path: Path):

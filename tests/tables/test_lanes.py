@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from scenes import draw_scene
 
 from nvcore.comparison import Result, compare
-from nvcore.tables.lanes import LANE_COLUMNS, LANE_STATE_TEXT, LaneState, lanes_table, miss_starts
+from nvcore.tables.lanes import LANE_COLUMNS, lanes_table, miss_starts
 
 
 def lane(result: Result, system: str = "x", recording: int = 0) -> list[tuple[str, int, int]]:
@@ -107,10 +107,6 @@ def test_misses_start_where_a_relevant_pedestrian_is_no_longer_matched():
     result = result_of(make_dataset(truth, x=[at(f, 50) for f in (0, 3, 4)]))
     # track 1 is missed from 1 and from 5, track 2 from 3
     assert miss_starts(result, 0, result.x).tolist() == [1, 3, 5]
-
-
-def test_every_state_has_a_sentence():
-    assert set(LANE_STATE_TEXT) == set(LaneState)
 
 
 @settings(max_examples=25, deadline=None, derandomize=True)

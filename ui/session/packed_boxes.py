@@ -1,14 +1,14 @@
 """The bytes in which the viewer gets the boxes of some frames; read by `widgets/viewer/boxes.js`.
 
-Little endian: uint32 number of frames, uint32 number of boxes, then the columns of `PackedBoxes`
-in their order, each padded with zeros to a multiple of 4 bytes. In a frame the truth comes first,
-then X, then Y.
+Little endian: uint32 number of frames, uint32 number of boxes, uint32 offsets (those of the i-th
+and the next one are the first and the last + 1 of the i-th frame's boxes; one more than there are
+frames), then a column after the other, each padded with zeros to a multiple of 4 bytes. In a frame
+the truth comes first, then X, then Y.
 """
 
 from __future__ import annotations
 
 import struct
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -29,46 +29,16 @@ BIT_RELEVANT: Final = 8
 BIT_SALIENT_X: Final = 16
 BIT_SALIENT_Y: Final = 32
 
-_HEAD: Final = struct.Struct("<II")
-_COLUMNS: Final = {
-    "x": "<f4",
+COLUMNS: Final = {
+    "x": "<f4",  # px
     "y": "<f4",
     "w": "<f4",
     "h": "<f4",
-    "score": "<f4",
-    "track": "<i4",
-    "source": "|u1",
-    "state": "|u1",
+    "score": "<f4",  # NaN: none
+    "track": "<i4",  # as in `nvcore.tables.box_states.TruthBoxes`
+    "source": "|u1",  # SOURCE_TRUTH, SOURCE_X or SOURCE_Y
+    "state": "|u1",  # truth: the BIT_ constants, added; detections: their `DetectionState`
 }
-
-
-@dataclass(frozen=True, eq=False)
-class PackedBoxes:
-    """Boxes of consecutive frames, as the viewer gets them.
-
-    Attributes
-    ----------
-    offsets
-        ``offsets[i]:offsets[i + 1]`` are the boxes of the i-th frame; uint32, (n_frames + 1,).
-    x, y, w, h, score
-        px, and the score (NaN: none); float32, (n,).
-    track
-        As in `nvcore.tables.box_states.TruthBoxes`; int32, (n,).
-    source
-        SOURCE_TRUTH, SOURCE_X or SOURCE_Y; uint8, (n,).
-    state
-        Truth: the ``BIT_`` constants, added. Detections: their `DetectionState`. uint8, (n,).
-    """
-
-    offsets: np.ndarray
-    x: np.ndarray
-    y: np.ndarray
-    w: np.ndarray
-    h: np.ndarray
-    score: np.ndarray
-    track: np.ndarray
-    source: np.ndarray
-    state: np.ndarray
 
 
 def pack_boxes(result: Result, row_start: int, row_stop: int) -> bytes:
@@ -90,23 +60,11 @@ def pack_boxes(result: Result, row_start: int, row_stop: int) -> bytes:
     n_frames = row_stop - row_start
     offsets = np.concatenate([[0], np.cumsum(np.bincount(frame, minlength=n_frames))])
     by_frame = np.argsort(frame, kind="stable")
-    parts = [_HEAD.pack(n_frames, len(frame)), offsets.astype("<u4").tobytes()]
-    for name, dtype in _COLUMNS.items():
+    parts = [struct.pack("<II", n_frames, len(frame)), offsets.astype("<u4").tobytes()]
+    for name, dtype in COLUMNS.items():
         content = columns[name][by_frame].astype(dtype).tobytes()
         parts += [content, bytes(-len(content) % 4)]
     return b"".join(parts)
-
-
-def unpack_boxes(content: bytes) -> PackedBoxes:
-    """What `pack_boxes` packed: the format as the viewer's script reads it."""
-    n_frames, n_boxes = _HEAD.unpack_from(content)
-    offsets = np.frombuffer(content, "<u4", n_frames + 1, _HEAD.size)
-    position = _HEAD.size + offsets.nbytes
-    columns = {}
-    for name, dtype in _COLUMNS.items():
-        columns[name] = np.frombuffer(content, dtype, n_boxes, position)
-        position += columns[name].nbytes + -columns[name].nbytes % 4
-    return PackedBoxes(offsets, **columns)
 
 
 def _truth_bits(truth: TruthBoxes) -> np.ndarray:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -17,12 +18,24 @@ from ui.session.packed_boxes import (
     BIT_RELEVANT,
     BIT_SALIENT_X,
     BIT_SALIENT_Y,
+    COLUMNS,
     SOURCE_TRUTH,
     SOURCE_X,
     SOURCE_Y,
     pack_boxes,
-    unpack_boxes,
 )
+
+
+def unpack_boxes(content: bytes) -> SimpleNamespace:
+    """The offsets and columns, as the viewer's script reads them."""
+    n_frames, n_boxes = struct.unpack_from("<II", content)
+    columns = {"offsets": np.frombuffer(content, "<u4", n_frames + 1, 8)}
+    position = 8 + columns["offsets"].nbytes
+    for name, dtype in COLUMNS.items():
+        columns[name] = np.frombuffer(content, dtype, n_boxes, position)
+        position += columns[name].nbytes + -columns[name].nbytes % 4
+    assert position == len(content)
+    return SimpleNamespace(**columns)
 
 
 @pytest.fixture(scope="module")
