@@ -1,4 +1,8 @@
-"""Tables as CSV text: deterministic, fast, and harmless in a spreadsheet."""
+"""Tables as CSV text: deterministic, fast, and harmless in a spreadsheet.
+
+By hand on pyarrow's columns: pandas with a format for floats takes seven times as long (measured on
+200,000 rows of six floats), pyarrow's own writer quotes every text and has no number of digits.
+"""
 
 from __future__ import annotations
 
