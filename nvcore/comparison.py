@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 import numpy as np
 import pandas as pd
 
-from nvcore.dataset import Dataset, compared_names
+from nvcore.dataset import Dataset
 from nvcore.errors import InputError
 from nvcore.metrics.encounters import (
     Encounters,
@@ -247,9 +247,10 @@ def compare(
     dataset
         Recordings, ground truth, systems.
     params
-        Settings; None: the defaults.
+        Settings; None: those that the dataset carries, with the thresholds of its systems.
     x, y
-        Names of the systems; None: the dataset's first that is not the other one.
+        Names of the systems; None: those that the dataset carries, else its first that is not the
+        other one.
     previous
         A result of the same dataset: stages whose settings are the same are taken from it, so
         that moving alpha or the sigmoid costs little. The figures do not depend on it.
@@ -266,8 +267,8 @@ def compare(
     >>> result = compare(dataset, Params(alpha=0.8))  # doctest: +SKIP
     >>> result.venn.dominant  # doctest: +SKIP
     """
-    params = params or Params()
     names = _pick(dataset, x, y)
+    params = dataset.params_of(*names) if params is None else params
     known = previous.stages if previous and previous.dataset is dataset else {}
     memo = Memo(params, known)
     truth, frames = dataset.truth, dataset.frame_columns
@@ -324,7 +325,7 @@ def compare(
 
 
 def _pick(dataset: Dataset, x: str | None, y: str | None) -> tuple[str, str]:
-    x, y = compared_names(dataset.systems, x, y)
+    x, y = dataset.compared(x, y)
     if x is None or y is None:
         raise InputError(
             f"a comparison needs two systems; there is {len(dataset.systems)} "

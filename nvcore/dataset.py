@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
 
@@ -13,6 +13,7 @@ import pandas as pd
 
 from nvcore.errors import InputError
 from nvcore.findings import Finding
+from nvcore.params import Params
 from nvcore.schema import (
     DATASET_BOX_DTYPES,
     FRAME_DTYPES,
@@ -21,6 +22,7 @@ from nvcore.schema import (
     TRUTH,
     conform,
 )
+from nvcore.settings import Settings
 
 INPUT_COLUMNS = ("subject", "file", "sha256", "format", "conversion")
 
@@ -184,6 +186,8 @@ class Dataset:
     fingerprint
         sha256 over the input bytes and the reader settings; for data made in memory, over the
         tables.
+    settings
+        How it is compared unless the caller says otherwise: the session that it was loaded from.
     """
 
     recordings: pd.DataFrame
@@ -195,6 +199,7 @@ class Dataset:
     left_out: pd.DataFrame = field(default_factory=lambda: empty_left_out())
     findings: tuple[Finding, ...] = ()
     notes: tuple[str, ...] = ()
+    settings: Settings = field(default_factory=Settings, repr=False)
 
     @cached_property
     def frame_columns(self) -> FrameColumns:
@@ -236,6 +241,36 @@ class Dataset:
         if name not in self.systems:
             raise InputError(f"there is no system {name!r}; there are {', '.join(self.systems)}")
         return self._by_source[self.systems.index(name) + 1]
+
+    def compared(self, x: str | None = None, y: str | None = None) -> tuple[str | None, str | None]:
+        """Names of X and Y: those given, else those of the settings, else the first that is left.
+
+        None where no system is left.
+        """
+        own_x, own_y = self.settings.x, self.settings.y
+        return compared_names(
+            self.systems,
+            x or (None if own_x == y else own_x),
+            y or (None if own_y == x else own_y),
+        )
+
+    def params_of(self, x: str | None = None, y: str | None = None) -> Params:
+        """The settings' parameters with the thresholds of these systems filled in.
+
+        Parameters
+        ----------
+        x, y
+            As of `compared`.
+        """
+        own = dict(zip(self.systems, self.settings.thresholds, strict=False))
+        name_x, name_y = self.compared(x, y)
+        params = self.settings.params
+        given_x, given_y = params.threshold_x, params.threshold_y
+        return replace(
+            params,
+            threshold_x=own.get(name_x or "") if given_x is None else given_x,
+            threshold_y=own.get(name_y or "") if given_y is None else given_y,
+        )
 
     def _source(self, source: int) -> BoxColumns:
         start, stop = self.source_starts[source : source + 2]

@@ -25,7 +25,7 @@ from nvcore.audit.overlaps import above_threshold
 from nvcore.audit.recordings import audit_fps, audit_frame_list, audit_size
 from nvcore.audit.rows import audit_left_out
 from nvcore.audit.scores import audit_scores, audit_threshold
-from nvcore.dataset import Dataset, compared_names
+from nvcore.dataset import Dataset
 from nvcore.findings import Finding, worst_first
 from nvcore.params import Params
 
@@ -47,9 +47,10 @@ def audit(
     dataset
         Recordings, ground truth, systems.
     params
-        Settings; None: the defaults. Only thresholds and matching matter here.
+        Settings; None: those that the dataset carries. Only thresholds and matching matter here.
     x, y
-        Names of the compared systems; None: the dataset's first that is not the other one.
+        Names of the compared systems; None: those that the dataset carries, else its first that is
+        not the other one.
 
     Returns
     -------
@@ -70,8 +71,8 @@ def audit(
     >>> [finding.code for finding in audit(dataset)]  # doctest: +SKIP
     ['duplicate-track', 'time-offset']
     """
-    params = params or Params()
     names = _compared(dataset, x, y)
+    params = dataset.params_of(x, y) if params is None else params
     findings = [*audit_inputs(dataset)]
     for system in dataset.systems:
         threshold, letter = role_of(system, names, params)
@@ -153,7 +154,7 @@ def role_of(system: str, names: Sequence[str | None], params: Params) -> tuple[f
 
 def _compared(dataset: Dataset, x: str | None, y: str | None) -> list[str]:
     """Names of X and Y, as far as there are two."""
-    names = [name for name in compared_names(dataset.systems, x, y) if name is not None]
+    names = [name for name in dataset.compared(x, y) if name is not None]
     for name in names:
         dataset.system(name)
     return names

@@ -124,7 +124,7 @@ def compare(out: Path | None, as_json: bool, strict: bool, **options: Any) -> No
     from nvcore.audit import audit
     from nvcore.comparison import compare
     from nvcore.inputs.files import paths_to_show
-    from nvcore.inputs.load import compared_systems, effective_params, load
+    from nvcore.inputs.load import load
     from nvcore.report.files import summary_json, write_report
     from nvcore.report.terminal import render_findings, render_inputs, render_scorecard
 
@@ -134,12 +134,10 @@ def compare(out: Path | None, as_json: bool, strict: bool, **options: Any) -> No
     n_steps = 6 + len(session.systems) + (10 if out is not None else 0)
     with pasteable_errors(session.folder, sources), _Steps(n_steps) as steps:
         dataset = load(session, progress=steps)
-        params = effective_params(session, dataset)
-        x, y = compared_systems(session, dataset)
         steps("auditing the inputs")
-        findings = audit(dataset, params, x=x, y=y)
+        findings = audit(dataset)
         steps("analysing")
-        result = compare(dataset, params, x=x, y=y)
+        result = compare(dataset)
         steps("what fusion would do")
         text = (
             summary_json(result)
@@ -186,17 +184,15 @@ def check(strict: bool, **options: Any) -> None:
     """
     from nvcore.audit import audit
     from nvcore.inputs.files import paths_to_show
-    from nvcore.inputs.load import compared_systems, effective_params, load
+    from nvcore.inputs.load import load
     from nvcore.report.terminal import render_dataset, render_findings
 
     session = session_from(options, needs_y=False)
     sources = sources_of(session)
     with pasteable_errors(session.folder, sources), _Steps(4 + len(session.systems)) as steps:
         dataset = load(session, progress=steps)
-        params = effective_params(session, dataset)
-        x, y = compared_systems(session, dataset)
         steps("auditing the inputs")
-        findings = audit(dataset, params, x=x, y=y)
+        findings = audit(dataset)
     shown = paths_to_show(session.folder, sources)
     click.echo(render_dataset(_for_terminal(dataset, shown)))
     click.echo("\n" + render_findings(findings_at_paths(findings, shown)))

@@ -88,13 +88,11 @@ def compare_session(
     """
     from nvcore.audit import audit
     from nvcore.comparison import compare
-    from nvcore.inputs.load import compared_systems, effective_params, load
+    from nvcore.inputs.load import load
 
     dataset = load(session, progress=progress)
-    params = effective_params(session, dataset)
-    x, y = compared_systems(session, dataset)
-    findings = audit(dataset, params, x=x, y=y)
-    return compare(dataset, params, x=x, y=y), findings
+    findings = audit(dataset)
+    return compare(dataset), findings
 
 
 def exit_on_findings(findings: Iterable[Finding], strict: bool) -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from nvcore.dataset import Dataset, compared_names, dataset_from_tables, without_empty_tags
+from nvcore.dataset import Dataset, dataset_from_tables, without_empty_tags
 from nvcore.errors import MissingFactError
 from nvcore.findings import Finding, Severity
 from nvcore.inputs.evaluated_frames import own_frames, parse_frames
@@ -25,7 +25,6 @@ from nvcore.inputs.readers.base import (
 )
 from nvcore.inputs.recordings import NO_BOX, contradicted_facts, describe_recordings
 from nvcore.inputs.session import Session, Source, SystemSource
-from nvcore.params import Params
 
 Progress = Callable[[str], None]
 """Told what is being done next, in a few words."""
@@ -67,30 +66,6 @@ def load(session: Session, *, progress: Progress | None = None) -> Dataset:
         loaded.append(_corrected(system, source))
     tell("placing boxes in frames")
     return _place(session, _named_by_session(session, loaded))
-
-
-def effective_params(session: Session, dataset: Dataset) -> Params:
-    """The session's parameters with the thresholds of the two compared systems filled in."""
-    thresholds: dict[str | None, float | None] = dict(
-        zip(dataset.systems, (system.threshold for system in session.systems), strict=True)
-    )
-    x, y = compared_systems(session, dataset)
-    params = session.params
-    given_x, given_y = params.threshold_x, params.threshold_y
-    return replace(
-        params,
-        threshold_x=thresholds.get(x) if given_x is None else given_x,
-        threshold_y=thresholds.get(y) if given_y is None else given_y,
-    )
-
-
-def compared_systems(session: Session, dataset: Dataset) -> tuple[str, str | None]:
-    """Names of X and Y: those that the session names, else the first that is left.
-
-    Y is None where there is only one system.
-    """
-    x, y = compared_names(dataset.systems, session.x, session.y)
-    return x or dataset.systems[0], y
 
 
 def read_source(
@@ -254,6 +229,7 @@ def _place(session: Session, loaded: list[_Loaded]) -> Dataset:
         left_out=pd.concat(left_out, ignore_index=True),
         findings=tuple(findings),
         notes=tuple(notes),
+        settings=session,
     )
 
 

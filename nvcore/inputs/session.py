@@ -10,8 +10,7 @@ from pathlib import Path
 from typing import Final
 
 from nvcore.errors import SessionError
-from nvcore.params import Params
-from nvcore.protocols import PROTOCOLS, Protocol
+from nvcore.settings import Settings
 
 MAX_OFFSET_FRAMES: Final = 1_000_000
 """Largest correction of frame numbers."""
@@ -129,8 +128,8 @@ class SystemSource(Source):
 
 
 @dataclass(frozen=True)
-class Session:
-    """A comparison to be made.
+class Session(Settings):
+    """A comparison to be made: the inputs, and how they are compared.
 
     Attributes
     ----------
@@ -142,15 +141,11 @@ class Session:
         Facts by recording.
     size, fps, frames
         Facts for all recordings: (width, height) px, frames per second, frame list.
-    x, y
-        Names of the two systems to compare; None: the first and the second.
-    params
-        Settings of the analysis. Thresholds given here go before those of the systems.
-    protocol
-        Which pedestrians count in the detection figures.
     hashes
         sha256 of each source when the session was written, by ``truth`` or the system's name;
         checked when it is loaded.
+    x, y, params, protocol
+        See `nvcore.settings.Settings`.
     """
 
     folder: Path
@@ -160,10 +155,6 @@ class Session:
     size: tuple[int, int] | None = None
     fps: float | None = None
     frames: str | None = None
-    x: str | None = None
-    y: str | None = None
-    params: Params = field(default_factory=Params)
-    protocol: Protocol = PROTOCOLS["all"]
     hashes: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -182,6 +173,11 @@ class Session:
             if frames is not None and not is_frame_range(frames):
                 yield frames
         yield from (one.pictures for one in self.recordings if one.pictures is not None)
+
+    @property
+    def thresholds(self) -> tuple[float | None, ...]:
+        """Score threshold of each system, in their order; None: every detection counts."""
+        return tuple(system.threshold for system in self.systems)
 
     @property
     def common_size(self) -> tuple[int, int] | None:

@@ -10,6 +10,7 @@ import numpy as np
 from nvcore.dataset import BoxColumns, Dataset, FrameColumns
 from nvcore.metrics.kernels import over_ranges, pair_frames
 from nvcore.schema import DATASET_BOX_DTYPES, TRUTH, conform
+from nvcore.settings import Settings
 
 
 def pair_detections(
@@ -73,4 +74,5 @@ def fuse(
         dataset,
         boxes=conform(columns, DATASET_BOX_DTYPES, n_rows=len(rows)),
         systems=(f"{x_name} or {y_name}", f"{x_name} and {y_name}"),
+        settings=Settings(),
     )

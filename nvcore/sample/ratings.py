@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from nvcore.comparison import compare
-from nvcore.inputs.load import effective_params, load
+from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
 from nvcore.studies.ratings.validation import clip_saliency
 
@@ -41,9 +41,8 @@ def simulate_ratings(session_file: Path) -> pd.DataFrame:
     -------
     Columns participant, clip, system, rating (1..7, 7 is most annoying, NaN missing).
     """
-    session = read_session(session_file)
-    dataset = load(session)
-    result = compare(dataset, replace(effective_params(session, dataset), **HABIT))
+    dataset = load(read_session(session_file))
+    result = compare(dataset, replace(dataset.params_of(), **HABIT))
     clips = clip_saliency(result)
     annoyance = np.log1p(clips["saliency_s"].to_numpy())
     annoyance = (annoyance - annoyance.mean()) / annoyance.std()

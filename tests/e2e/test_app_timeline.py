@@ -10,7 +10,7 @@ from app_visit import SHARE
 from playwright.sync_api import Locator, expect
 
 from nvcore.comparison import compare
-from nvcore.inputs.load import compared_systems, effective_params, load
+from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
 from nvcore.tables.moments import next_misses
 
@@ -34,10 +34,7 @@ def painted_lines(plot: Locator) -> list[str]:
 @pytest.fixture(scope="module")
 def misses() -> list[int]:
     """Rows of the recording where a miss starts, from the library."""
-    session = read_session(ROOT / "sample_data" / "session.toml")
-    dataset = load(session)
-    x, y = compared_systems(session, dataset)
-    result = compare(dataset, effective_params(session, dataset), x=x, y=y)
+    result = compare(load(read_session(ROOT / "sample_data" / "session.toml")))
     return [int(row) for row in next_misses(result, RECORDING)]
 
 

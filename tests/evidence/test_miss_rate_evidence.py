@@ -19,7 +19,7 @@ from nvcore.evidence.paired_tests import holm
 from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.evidence.table import evidence_table
 from nvcore.evidence.units import find_units
-from nvcore.inputs.load import effective_params, load
+from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
 from nvcore.protocols import PROTOCOLS
 
@@ -44,8 +44,7 @@ def test_over_all_units_it_is_the_curves_own(seed: int, protocol: str):
 
 def test_resamples_come_near_what_their_own_curve_gives():
     session = read_session(SAMPLE)
-    dataset = load(session)
-    result = compare(dataset, effective_params(session, dataset))
+    result = compare(load(session))
     units = find_units(result)
     figure = log_average_miss_rate_figure(result, units)
     rng = np.random.default_rng(1)
@@ -85,8 +84,7 @@ def test_levels_up_to_a_limit_are_counted_as_by_search(n: int):
 
 def test_it_stands_in_the_table_with_interval_and_p():
     session = read_session(SAMPLE)
-    dataset = load(session)
-    result = compare(dataset, effective_params(session, dataset))
+    result = compare(load(session))
     row = evidence_table(result).set_index("figure").loc["log_average_miss_rate"]
     assert row["difference"] == pytest.approx(-0.0533, abs=1e-4)
     assert row["low"] < row["difference"] < row["high"]
@@ -122,8 +120,7 @@ def test_a_protocol_without_recordings_is_told_in_the_row():
 
 def test_holm_corrects_for_it_with_all_other_figures():
     session = read_session(SAMPLE)
-    dataset = load(session)
-    result = compare(dataset, effective_params(session, dataset))
+    result = compare(load(session))
     table = evidence_table(result)
     assert table["figure"].tolist()[-1] == "log_average_miss_rate"
     assert table["p_holm"].to_numpy() == pytest.approx(holm(table["p"].to_numpy()), nan_ok=True)

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from inputs import DETECTIONS, boxes_of, drive, one_box, session_of, write
 
-from nvcore.inputs.load import compared_systems, effective_params, load
+from nvcore.inputs.load import load
 from nvcore.inputs.session import SystemSource
 from nvcore.params import Params
 
@@ -90,11 +90,11 @@ def test_each_compared_system_keeps_its_own_threshold(
 ):
     session = replace(session_of(drive(tmp_path)), systems=SYSTEMS, **chosen)
     dataset = load(session)
-    params = effective_params(session, dataset)
-    assert compared_systems(session, dataset) == expected
+    params = dataset.params_of()
+    assert dataset.compared() == expected
     assert (params.threshold_x, params.threshold_y) == thresholds
 
 
 def test_a_single_system_is_compared_with_none(tmp_path: Path):
     session = session_of(drive(tmp_path), "truth.csv", "fir.csv")
-    assert compared_systems(session, load(session)) == ("fir", None)
+    assert load(session).compared() == ("fir", None)

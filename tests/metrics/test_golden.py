@@ -11,7 +11,7 @@ import pandas as pd
 import pytest
 
 from nvcore.comparison import Result, SystemResult, compare
-from nvcore.inputs.load import effective_params, load
+from nvcore.inputs.load import load
 from nvcore.inputs.session import Session, Source, SystemSource
 from nvcore.params import params_from
 
@@ -43,8 +43,7 @@ class Case:
             ),
             params=params_from({k: v for k, v in settings.items() if v is not None}),
         )
-        dataset = load(session)
-        self.result: Result = compare(dataset, effective_params(session, dataset))
+        self.result: Result = compare(load(session))
 
     def systems(self) -> list[tuple[str, SystemResult]]:
         return [("x", self.result.x), ("y", self.result.y)]

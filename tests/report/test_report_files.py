@@ -26,7 +26,7 @@ FILES = [
 
 
 def analysed(session: Session) -> Result:
-    return compare(load(session), session.params)
+    return compare(load(session))
 
 
 @pytest.fixture(scope="module")

@@ -12,7 +12,7 @@ import pytest
 from scenes import draw_scene
 
 from nvcore.comparison import Result, compare
-from nvcore.inputs.load import effective_params, load
+from nvcore.inputs.load import load
 from nvcore.inputs.session import Session, Source, SystemSource
 from nvcore.params import Params
 from nvcore.stability.axes import Plane
@@ -86,8 +86,7 @@ def mot15(realdata: Path) -> Result:
             SystemSource(tuple(f"{name}/res_devkit/{name}.txt" for name in names)),
         ),
     )
-    dataset = load(session)
-    return compare(dataset, effective_params(session, dataset))
+    return compare(load(session))
 
 
 def night(realdata: Path) -> Result:

@@ -43,7 +43,7 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
     truth = session.folder / "truth.csv"
     # a box of 2 px: a distant pedestrian
     truth.write_text(truth.read_text(encoding="utf-8") + "rural,3,50,200,1,2,9\n", encoding="utf-8")
-    files = export_files(compare(load(session), session.params), session, FINDINGS)
+    files = export_files(compare(load(session)), session, FINDINGS)
     return {name: make() for name, make in files.items()}
 
 

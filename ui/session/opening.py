@@ -20,7 +20,7 @@ from nvcore.dataset import Dataset
 from nvcore.errors import SessionError
 from nvcore.findings import Finding
 from nvcore.inputs.files import NAME_PARTS
-from nvcore.inputs.load import compared_systems, read_source
+from nvcore.inputs.load import read_source
 from nvcore.inputs.session import RecordingFacts, Session, Source, SystemSource, is_frame_range
 from nvcore.inputs.session_toml import read_session
 from nvcore.params import Params
@@ -303,8 +303,8 @@ def with_systems(
 
     A threshold belongs to its system: the live ones stay with the systems that were X and Y.
     """
-    old_x, old_y = compared_systems(session, dataset)
-    live = live_session(session, dataset, params, x=old_x, y=old_y)
+    old_x, old_y = dataset.compared()
+    live = live_session(session, dataset, params, x=old_x or dataset.systems[0], y=old_y)
     own: dict[str | None, float | None] = {
         name: system.threshold for name, system in zip(dataset.systems, live.systems, strict=True)
     }

@@ -16,7 +16,7 @@ from nvcore.audit import audit_inputs, audit_pair, audit_system, role_of
 from nvcore.comparison import Result, compare
 from nvcore.dataset import Dataset
 from nvcore.findings import Finding, worst_first
-from nvcore.inputs.load import compared_systems, effective_params, load
+from nvcore.inputs.load import load
 from nvcore.inputs.session import Session
 from nvcore.inputs.session_toml import read_session
 from nvcore.params import SETTINGS, Params
@@ -141,7 +141,7 @@ def _score_span(dataset: Dataset, system: str) -> tuple[float, float] | None:
 
 def session_params() -> Params:
     """The parameters that the open session starts with."""
-    return effective_params(opened().session, opened().dataset)
+    return opened().dataset.params_of()
 
 
 def params() -> Params:
@@ -152,7 +152,9 @@ def params() -> Params:
 
 def systems() -> tuple[str, str | None]:
     """Names of X and Y; Y is None where there is one system only."""
-    return compared_systems(opened().session, opened().dataset)
+    dataset = opened().dataset
+    x, y = dataset.compared()
+    return x or dataset.systems[0], y
 
 
 def result() -> Result | None:

@@ -18,7 +18,7 @@ from nvcore.audit import audit
 from nvcore.comparison import Result, compare
 from nvcore.errors import InputError
 from nvcore.findings import Finding, Severity
-from nvcore.inputs.load import effective_params, load
+from nvcore.inputs.load import load
 from nvcore.inputs.session import Session
 from nvcore.inputs.session_toml import read_session
 from nvcore.params import Params
@@ -101,7 +101,7 @@ def session(tmp_path_factory: pytest.TempPathFactory) -> Session:
 
 @pytest.fixture(scope="module")
 def result(session: Session) -> Result:
-    return compare(load(session), session.params)
+    return compare(load(session))
 
 
 @pytest.fixture(scope="module")
@@ -289,7 +289,7 @@ def test_charts_are_figures_of_plotly(page):
 
 def test_the_same_comparison_gives_the_same_bytes(result, session, tmp_path, content):
     findings = (Finding(Severity.WARNING, "a-code", "nir", 3, "Odd thing.", "Mend it.", "n.csv"),)
-    again = compare(load(session), session.params)
+    again = compare(load(session))
     assert written(tmp_path / "again.html", again, session, findings) == content
 
 
@@ -384,9 +384,7 @@ def test_a_folder_that_cannot_be_written_is_told(result, session, tmp_path):
 def test_the_report_of_the_sample_stays_below_5_mb(tmp_path):
     session = read_session(SAMPLE)
     dataset = load(session)
-    params = effective_params(session, dataset)
-    findings = audit(dataset, params, x="FIR", y="NIR")
-    content = written(tmp_path / "r.html", compare(dataset, params), session, findings)
+    content = written(tmp_path / "r.html", compare(dataset), session, audit(dataset))
     assert len(content.encode()) < 5_000_000
     page = Page(content)
     assert page.row("Figures of X and Y", "encounters detected, of 38")[:2] == ["30", "27"]

@@ -11,7 +11,7 @@ from scipy import stats
 
 from nvcore.comparison import Result, compare
 from nvcore.errors import InputError
-from nvcore.inputs.load import effective_params, load
+from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
 from nvcore.studies.ratings.agreement import rank_ratings
 from nvcore.studies.ratings.fit import fit_saliency
@@ -24,8 +24,7 @@ SAMPLE = ROOT / "sample_data" / "session.toml"
 @pytest.fixture(scope="module")
 def result() -> Result:
     session = read_session(SAMPLE)
-    dataset = load(session)
-    return compare(dataset, effective_params(session, dataset))
+    return compare(load(session))
 
 
 def rated(result, saliency_s):

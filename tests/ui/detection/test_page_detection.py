@@ -11,7 +11,7 @@ from streamlit.testing.v1 import AppTest
 
 from nvcore.detection.curve_summary import SUMMARY_ROWS, summarise_curve
 from nvcore.detection.curves import detection_curve
-from nvcore.inputs.load import effective_params, load
+from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
 from nvcore.protocols import PROTOCOLS
 from ui.session.state import SAMPLE
@@ -42,9 +42,8 @@ def captions(page: AppTest) -> str:
 
 
 def test_the_table_holds_the_librarys_figures():
-    session = read_session(SAMPLE)
-    dataset = load(session)
-    params = effective_params(session, dataset)
+    dataset = load(read_session(SAMPLE))
+    params = dataset.params_of()
     curve = detection_curve(dataset, "FIR", params, PROTOCOLS["all"])
     summary = summarise_curve(curve, params.threshold_x)
     expected = [format(getattr(summary, name), form) for name, _, _, form in SUMMARY_ROWS]

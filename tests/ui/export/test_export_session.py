@@ -17,7 +17,7 @@ from nvcore.audit import audit
 from nvcore.comparison import Result, compare
 from nvcore.dataset import Dataset
 from nvcore.findings import Finding, Severity
-from nvcore.inputs.load import effective_params, load
+from nvcore.inputs.load import load
 from nvcore.inputs.session import RecordingFacts, Session, Source, SystemSource
 from nvcore.inputs.session_toml import read_session
 from nvcore.report.files import export_files, report_zip
@@ -65,7 +65,7 @@ def sent_drive(space: Workspace, folder: Path) -> Session:
 
 def analysed(session: Session) -> tuple[Dataset, Result]:
     dataset = load(session)
-    return dataset, compare(dataset, replace(effective_params(session, dataset), alpha=0.6))
+    return dataset, compare(dataset, replace(dataset.params_of(), alpha=0.6))
 
 
 def to_write(session: Session, dataset: Dataset, result: Result) -> Session:
@@ -220,9 +220,9 @@ def test_a_live_threshold_of_none_counts_every_detection(tmp_path: Path):
         size=(640, 480), fps=20,
     )  # fmt: skip
     dataset = load(session)
-    params = replace(effective_params(session, dataset), threshold_x=None)
+    params = replace(dataset.params_of(), threshold_x=None)
     live = live_session(session, dataset, params, x="fir", y="nir")
-    assert effective_params(live, dataset) == params
+    assert replace(dataset, settings=live).params_of() == params
 
 
 def test_swapped_systems_stay_swapped(tmp_path: Path):
@@ -233,9 +233,10 @@ def test_swapped_systems_stay_swapped(tmp_path: Path):
         size=(640, 480), fps=20, x="nir", y="fir",
     )  # fmt: skip
     dataset = load(session)
-    params = effective_params(session, dataset)
+    params = dataset.params_of()
     live = live_session(session, dataset, params, x="nir", y="fir")
-    assert (params.threshold_x, effective_params(live, dataset)) == (0.3, params)
+    again = replace(dataset, settings=live).params_of()
+    assert (params.threshold_x, again) == (0.3, params)
     assert [system.threshold for system in live.systems] == [0.8, 0.3]
 
 

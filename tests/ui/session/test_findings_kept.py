@@ -5,7 +5,7 @@ from dataclasses import replace
 from streamlit.testing.v1 import AppTest
 
 from nvcore.audit import audit
-from nvcore.inputs.load import compared_systems, effective_params, load
+from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
 from ui.session.state import SAMPLE
 
@@ -21,15 +21,14 @@ st.session_state["inputs"] = id(state.workspace().cached("audit_inputs", (), lam
 
 
 def test_findings_follow_the_threshold_and_those_of_the_files_are_made_once():
-    session = read_session(SAMPLE)
-    dataset = load(session)
-    params, (x, y) = effective_params(session, dataset), compared_systems(session, dataset)
+    dataset = load(read_session(SAMPLE))
     app = AppTest.from_string(SCRIPT, default_timeout=60).run()
-    assert app.session_state["found"] == audit(dataset, params, x=x, y=y)
+    assert app.session_state["found"] == audit(dataset)
     inputs = app.session_state["inputs"]
     app.session_state["threshold_x"] = 2.0  # above every score
     app.run()
     assert not app.exception
-    assert app.session_state["found"] == audit(dataset, replace(params, threshold_x=2.0), x=x, y=y)
+    params = replace(dataset.params_of(), threshold_x=2.0)
+    assert app.session_state["found"] == audit(dataset, params)
     assert "threshold-keeps-nothing" in {one.code for one in app.session_state["found"]}
     assert app.session_state["inputs"] == inputs

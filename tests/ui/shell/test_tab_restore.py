@@ -12,9 +12,6 @@ import pytest
 from places import ROOT
 from streamlit.testing.v1 import AppTest
 
-from nvcore.dataset import Dataset
-from nvcore.inputs.load import effective_params
-from nvcore.inputs.session import Session
 from ui.export import html
 from ui.jobs.background import JobState
 from ui.ratings import fit
@@ -236,7 +233,7 @@ def test_fitted_settings_are_still_marked_after_a_reload():
     before = page("ratings")
     before.button(key="rating_fit").click().run()
     before.button(key="rating_fit_take").click().run()
-    start = effective_params(*opened(before))
+    start = before.session_state["workspace"].opened.dataset.params_of()
     query = changed_parameters(before.session_state["params"], start)
     after = page("ratings", **query)
     assert not fitted(after)  # a fresh tab by the same address has no fit
@@ -245,11 +242,6 @@ def test_fitted_settings_are_still_marked_after_a_reload():
     after.button(key="rating_fit_back").click().run()
     assert not fitted(after.run())
     assert after.session_state["params"] == start
-
-
-def opened(app: AppTest) -> tuple[Session, Dataset]:
-    space = app.session_state["workspace"]
-    return space.opened.session, space.opened.dataset
 
 
 def fitted(app: AppTest) -> bool:

@@ -1,0 +1,33 @@
+"""How a dataset is compared unless the caller says otherwise."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from nvcore.params import Params
+from nvcore.protocols import PROTOCOLS, Protocol
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settings:
+    """What a dataset knows of its own comparison; `nvcore.inputs.session.Session` is the usual one.
+
+    Attributes
+    ----------
+    x, y
+        Names of the two systems to compare; None: the first that is not the other one.
+    params
+        Settings of the analysis. Thresholds given here go before those of the systems.
+    protocol
+        Which pedestrians count in the detection figures.
+    """
+
+    x: str | None = None
+    y: str | None = None
+    params: Params = field(default_factory=Params)
+    protocol: Protocol = PROTOCOLS["all"]
+
+    @property
+    def thresholds(self) -> tuple[float | None, ...]:
+        """Score threshold of each system, in their order; empty: every detection counts."""
+        return ()
