@@ -1,4 +1,83 @@
-"""Compare two pedestrian-detection systems by what the driver notices."""
+"""Compare two pedestrian-detection systems by what the driver notices.
+
+    import nvcore as nv
+
+    result = nv.compare("session.toml", alpha=0.8)
+    print(result)
+
+Names are loaded when they are used: the command line's help need not wait for numpy.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
 __version__ = "0.1.0"
 """The version of the program, written into every output."""
+
+__all__ = [
+    "PROTOCOLS",
+    "Dataset",
+    "NvcoreError",
+    "Params",
+    "Protocol",
+    "Result",
+    "Session",
+    "Source",
+    "SystemSource",
+    "__version__",
+    "audit",
+    "compare",
+    "convert",
+    "dataset_from_tables",
+    "gate",
+    "load",
+    "read_session",
+]
+
+_HOMES = {
+    "nvcore.api.calls": ("audit", "compare", "convert", "gate"),
+    "nvcore.api.inputs": ("load",),
+    "nvcore.comparison": ("Result",),
+    "nvcore.dataset": ("Dataset", "dataset_from_tables"),
+    "nvcore.errors": ("NvcoreError",),
+    "nvcore.inputs.session": ("Session", "Source", "SystemSource"),
+    "nvcore.inputs.session_toml": ("read_session",),
+    "nvcore.params": ("Params",),
+    "nvcore.protocols": ("PROTOCOLS", "Protocol"),
+}
+"""The names of `__all__` by the module that has them."""
+_PACKAGES = ("detection", "evidence", "figures", "metrics", "pictures", "stability", "tables")
+_HOME_OF = {name: module for module, names in _HOMES.items() for name in names}
+
+if TYPE_CHECKING:
+    from nvcore import detection as detection
+    from nvcore import evidence as evidence
+    from nvcore import figures as figures
+    from nvcore import metrics as metrics
+    from nvcore import pictures as pictures
+    from nvcore import stability as stability
+    from nvcore import tables as tables
+    from nvcore.api.calls import audit, compare, convert, gate
+    from nvcore.api.inputs import load
+    from nvcore.comparison import Result
+    from nvcore.dataset import Dataset, dataset_from_tables
+    from nvcore.errors import NvcoreError
+    from nvcore.inputs.session import Session, Source, SystemSource
+    from nvcore.inputs.session_toml import read_session
+    from nvcore.params import Params
+    from nvcore.protocols import PROTOCOLS, Protocol
+
+
+def __getattr__(name: str) -> Any:
+    if name in _PACKAGES:
+        return import_module(f"nvcore.{name}")
+    if name not in _HOME_OF:
+        raise AttributeError(f"module 'nvcore' has no attribute {name!r}")
+    value = globals()[name] = getattr(import_module(_HOME_OF[name]), name)
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted([*__all__, *_PACKAGES])

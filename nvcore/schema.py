@@ -18,6 +18,9 @@ NO_TRACK: Final = -1
 UNKNOWN_OCCLUSION: Final = -1
 """Value of `occlusion` where the data do not say (shown as empty)."""
 
+TABLE_ENDING: Final = " (table)"
+"""End of the name of an input that is a table in memory; its rows are counted from 0."""
+
 TRUTH: Final = 0
 """Value of `source` for ground truth; system number i (0-based) has source i + 1."""
 

@@ -26,11 +26,10 @@ from nvcore.cli.options import (
     sources_of,
 )
 from nvcore.cli.report import report
-from nvcore.cli.steps import exit_on_findings, files_read, refuse_to_replace
+from nvcore.cli.steps import exit_on_findings, refuse_to_replace
 from nvcore.errors import InputError, NvcoreError
 from nvcore.inputs.session import Session
 from nvcore.params.metadata import THRESHOLD
-from nvcore.tables.columns import REPORT_COLUMNS
 from nvcore.wording import one_line
 
 if TYPE_CHECKING:
@@ -121,7 +120,7 @@ def compare(out: Path | None, as_json: bool, strict: bool, **options: Any) -> No
     printed first. Exit code 0: fine, 1: the audit found errors (with --strict: or warnings), 2: bad
     input.
     """
-    from nvcore.audit import audit
+    from nvcore.auditing import audit
     from nvcore.comparison import compare
     from nvcore.inputs.files import paths_to_show
     from nvcore.inputs.load import load
@@ -167,6 +166,9 @@ def _keep_inputs(session: Session, file: Path | None, out: Path | None) -> None:
         and file.resolve() == (out / "session.toml").resolve()
     ):
         raise click.UsageError("the report would replace the session file; give another --out")
+    from nvcore.report.keep_inputs import files_read
+    from nvcore.tables.columns import REPORT_COLUMNS
+
     refuse_to_replace(
         (out / name for name in (*REPORT_COLUMNS, "summary.json")), files_read(session)
     )
@@ -182,7 +184,7 @@ def check(strict: bool, **options: Any) -> None:
 
     Exit code 0: no errors, 1: errors (with --strict: or warnings), 2: bad input.
     """
-    from nvcore.audit import audit
+    from nvcore.auditing import audit
     from nvcore.inputs.files import paths_to_show
     from nvcore.inputs.load import load
     from nvcore.report.terminal import render_dataset, render_findings

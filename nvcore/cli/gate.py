@@ -21,7 +21,7 @@ from nvcore.cli.options import (
     session_from,
     sources_of,
 )
-from nvcore.cli.steps import compare_session, files_read, refuse_to_replace
+from nvcore.cli.steps import compare_session, refuse_to_replace
 from nvcore.errors import InputError, NvcoreError
 from nvcore.wording import one_line
 
@@ -132,6 +132,7 @@ def gate(
         judge,
     )
     from nvcore.report.gate_results import junit_xml, markdown, terminal_lines
+    from nvcore.report.keep_inputs import files_read
     from nvcore.report.terminal import render_findings
 
     files = [one for one in (junit, markdown_file) if one is not None]

@@ -12,12 +12,12 @@ import click
 
 from nvcore.errors import InputError
 from nvcore.inputs.session import (
-    RecordingFacts,
     Session,
     Source,
     SystemSource,
     is_frame_range,
     parse_size,
+    with_facts,
 )
 from nvcore.inputs.session_toml import read_session
 from nvcore.params import SETTINGS, params_from
@@ -261,33 +261,20 @@ def _from_file(options: dict[str, Any], given: dict[str, Any]) -> Session:
                 f"{flag} is for files named by flags; in a session file write it under [truth] "
                 "or [[system]]"
             )
-    session = read_session(options["session_file"])
     # a flag goes before what the file says, of single recordings, too
-    changes: dict[str, Any] = {}
-    dropped: dict[str, None] = {}
-    size = size_option(options)
-    if size is not None:
-        changes["size"] = size
-        dropped |= {"width": None, "height": None}
-    if options["fps"] is not None:
-        changes["fps"] = options["fps"]
-        dropped["fps"] = None
-    if options["frames"] is not None:
-        changes["frames"] = _frames(options["frames"])
-        dropped["frames"] = None
-    if options.get("protocol") is not None:
-        changes["protocol"] = PROTOCOLS[options["protocol"]]
-    recordings: tuple[RecordingFacts, ...] = tuple(
-        replace(one, **dropped)  # type: ignore[arg-type]
-        for one in session.recordings
+    session = with_facts(
+        read_session(options["session_file"]),
+        size=size_option(options),
+        fps=options["fps"],
+        frames=None if options["frames"] is None else _frames(options["frames"]),
     )
+    protocol = options.get("protocol")
     session = replace(
         session,
-        recordings=recordings,
         x=options["name_x"] or session.x,
         y=options["name_y"] or session.y,
         params=params_from({**session.params.given(), **given}),
-        **changes,
+        protocol=session.protocol if protocol is None else PROTOCOLS[protocol],
     )
     return replace(session, systems=_corrected(session, options))
 

@@ -20,7 +20,7 @@ from nvcore.cli.options import (
     session_from,
     sources_of,
 )
-from nvcore.cli.steps import compare_session, exit_on_findings, files_read, refuse_to_replace
+from nvcore.cli.steps import compare_session, exit_on_findings, refuse_to_replace
 from nvcore.wording import one_line
 
 REPORT = "Report"
@@ -58,6 +58,7 @@ def report(stability: bool | None, out: Path, strict: bool, **options: Any) -> N
     """
     from nvcore.inputs.files import paths_to_show
     from nvcore.report.html import write_html_report
+    from nvcore.report.keep_inputs import files_read
     from nvcore.report.terminal import render_findings
 
     if out.suffix.lower() not in (".html", ".htm"):  # an input named by mistake stays as it is

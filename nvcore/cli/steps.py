@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import suppress
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from nvcore.cli.options import sources_of
-from nvcore.errors import InputError
-from nvcore.inputs.session import Session, is_frame_range
+from nvcore.inputs.session import Session
 from nvcore.wording import one_line
 
 if TYPE_CHECKING:
@@ -31,49 +28,13 @@ def refuse_to_replace(outputs: Iterable[Path], inputs: Iterable[Path]) -> None:
     inputs
         Files; of a folder the pictures in it are meant.
     """
-    by_path = {file.resolve(): file for file in outputs}
-    if not by_path:  # then the inputs need not be looked for
-        return
-    by_identity = {_identity(path): file for path, file in by_path.items()}
-    by_identity.pop(None, None)  # of those that do not exist
-    for one in inputs:
-        clash = by_path.get(one.resolve()) or by_identity.get(_identity(one))
-        if clash is None and one.is_dir():
-            clash = next((file for path, file in by_path.items() if _shows(path, one)), None)
-        if clash is not None:
-            raise click.UsageError(
-                one_line(f"{clash} is an input, and would be replaced; give another file to write")
-            )
+    from nvcore.report.keep_inputs import replaced_input
 
-
-def files_read(session: Session) -> Iterator[Path]:
-    """The files that a session makes the program read; folders of pictures as such."""
-    from nvcore.inputs.files import find_files
-
-    for source, role in sources_of(session):
-        with suppress(InputError):  # told when the files are read
-            yield from (file.path for file in find_files(source, session.folder, role)[0])
-    for frames in (session.frames, *(one.frames for one in session.recordings)):
-        if frames is not None and not is_frame_range(frames):
-            yield session.folder / frames
-    for one in session.recordings:
-        if one.pictures is not None:
-            yield session.folder / one.pictures
-
-
-def _identity(path: Path) -> tuple[int, int] | None:
-    try:
-        status = path.stat()
-    except OSError:
-        return None
-    return status.st_dev, status.st_ino
-
-
-def _shows(path: Path, folder: Path) -> bool:
-    """Whether the path is a picture in the folder."""
-    from nvcore.pictures import IMAGE_SUFFIXES
-
-    return path.suffix.lower() in IMAGE_SUFFIXES and path.is_relative_to(folder.resolve())
+    clash = replaced_input(outputs, inputs)
+    if clash is not None:
+        raise click.UsageError(
+            one_line(f"{clash} is an input, and would be replaced; give another file to write")
+        )
 
 
 def compare_session(
@@ -86,7 +47,7 @@ def compare_session(
     progress
         Told what is being read.
     """
-    from nvcore.audit import audit
+    from nvcore.auditing import audit
     from nvcore.comparison import compare
     from nvcore.inputs.load import load
 

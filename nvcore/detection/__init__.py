@@ -1,1 +1,63 @@
 """The benchmarks: curves, miss rate, average precision, operating points, protocols applied."""
+
+from nvcore.detection.average_precision import (
+    average_precision,
+    average_precision_coco,
+    interpolate_curve,
+    pr_auc,
+)
+from nvcore.detection.curve_summary import CurveSummary, summarise_curve
+from nvcore.detection.curves import (
+    CurvePoint,
+    DetectionCurve,
+    curve_table,
+    detection_curve,
+    detection_outcomes,
+)
+from nvcore.detection.filtered_truth import (
+    FilteredTruth,
+    filter_detections,
+    filter_truth,
+    known_tags,
+)
+from nvcore.detection.miss_rate import log_average_miss_rate, miss_rate_at
+from nvcore.detection.operating_point import (
+    OperatingPoint,
+    SameOperatingPoint,
+    false_alarm_curve,
+    operating_point,
+    same_operating_point,
+    score_histogram,
+    threshold_for,
+)
+from nvcore.detection.windows import WindowGrid, scale_steps, windows_per_image
+
+__all__ = [
+    "CurvePoint",
+    "CurveSummary",
+    "DetectionCurve",
+    "FilteredTruth",
+    "OperatingPoint",
+    "SameOperatingPoint",
+    "WindowGrid",
+    "average_precision",
+    "average_precision_coco",
+    "curve_table",
+    "detection_curve",
+    "detection_outcomes",
+    "false_alarm_curve",
+    "filter_detections",
+    "filter_truth",
+    "interpolate_curve",
+    "known_tags",
+    "log_average_miss_rate",
+    "miss_rate_at",
+    "operating_point",
+    "pr_auc",
+    "same_operating_point",
+    "scale_steps",
+    "score_histogram",
+    "summarise_curve",
+    "threshold_for",
+    "windows_per_image",
+]

@@ -1,1 +1,40 @@
 """Figures: tables and results in, Plotly figures out; pure, one module for each figure."""
+
+from nvcore.figures.detection import CurveKind, curve_plot, legend_figure
+from nvcore.figures.encounters import fusion_plot, lead_time_plot, miss_classes_plot, position_map
+from nvcore.figures.forest import subgroup_forest
+from nvcore.figures.inputs import false_alarm_plot, proximity_plot, score_plot
+from nvcore.figures.lanes import lanes_figure
+from nvcore.figures.paired import paired_points, recordings_plot
+from nvcore.figures.ratings import participants_plot, rating_plot
+from nvcore.figures.saliency import parts_plot, recency_plot, saliency_by_recording
+from nvcore.figures.stability import stability_map
+from nvcore.figures.style import CONFIG
+from nvcore.figures.time_plot import similarity_plot
+from nvcore.figures.venn import venn_figure
+
+__all__ = [
+    "CONFIG",
+    "CurveKind",
+    "curve_plot",
+    "false_alarm_plot",
+    "fusion_plot",
+    "lanes_figure",
+    "lead_time_plot",
+    "legend_figure",
+    "miss_classes_plot",
+    "paired_points",
+    "participants_plot",
+    "parts_plot",
+    "position_map",
+    "proximity_plot",
+    "rating_plot",
+    "recency_plot",
+    "recordings_plot",
+    "saliency_by_recording",
+    "score_plot",
+    "similarity_plot",
+    "stability_map",
+    "subgroup_forest",
+    "venn_figure",
+]

@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
-from nvcore.dataset import Dataset, dataset_from_tables, without_empty_tags
+from nvcore.dataset import (
+    Dataset,
+    dataset_from_tables,
+    tables_fingerprint,
+    without_empty_tags,
+)
 from nvcore.errors import MissingFactError
 from nvcore.findings import Finding, Severity
 from nvcore.inputs.evaluated_frames import own_frames, parse_frames
@@ -23,6 +28,8 @@ from nvcore.inputs.readers.base import (
     SourceFile,
     joined_findings,
 )
+from nvcore.inputs.readers.table import FORMAT as TABLE
+from nvcore.inputs.readers.table import read_table, table_as_file
 from nvcore.inputs.recordings import NO_BOX, contradicted_facts, describe_recordings
 from nvcore.inputs.session import Session, Source, SystemSource
 
@@ -41,8 +48,22 @@ class _Loaded:
     reading: Reading
 
 
-def load(session: Session, *, progress: Progress | None = None) -> Dataset:
+def load(
+    session: Session,
+    *,
+    tables: Mapping[Source, pd.DataFrame] | None = None,
+    progress: Progress | None = None,
+) -> Dataset:
     """Read everything that a session names.
+
+    Parameters
+    ----------
+    session
+        The inputs, and what they lack. The dataset carries it as its settings.
+    tables
+        Tables in memory by the sources of the session whose files they stand in for.
+    progress
+        Called with what is read next.
 
     Raises
     ------
@@ -53,7 +74,8 @@ def load(session: Session, *, progress: Progress | None = None) -> Dataset:
     """
     tell = progress or (lambda _: None)
     tell("reading the ground truth")
-    truth = _read(session, session.truth, "truth", "truth", None)
+    tables = tables or {}
+    truth = _read(session, session.truth, "truth", "truth", None, tables.get(session.truth))
     names = truth.reading.recordings["name"].tolist()
     loaded = [truth]
     told = system_names(session.systems, names)
@@ -62,7 +84,8 @@ def load(session: Session, *, progress: Progress | None = None) -> Dataset:
         while name in {one.subject for one in loaded}:
             name += " (2)"
         tell(f"reading {name}")
-        system = _read(session, source, name, "detections", truth.reading)
+        table = tables.get(source)
+        system = _read(session, source, name, "detections", truth.reading, table)
         loaded.append(_corrected(system, source))
     tell("placing boxes in frames")
     return _place(session, _named_by_session(session, loaded))
@@ -103,18 +126,28 @@ def _options(
 
 
 def _read(
-    session: Session, source: Source, subject: str, role: Role, truth: Reading | None
+    session: Session,
+    source: Source,
+    subject: str,
+    role: Role,
+    truth: Reading | None,
+    table: pd.DataFrame | None,
 ) -> _Loaded:
-    files, chosen = find_files(source, session.folder, role)
-    size = session.common_size or _common_size(truth)
-    reading = chosen.read(files, _options(source, role, size, truth))
+    options = _options(source, role, session.common_size or _common_size(truth), truth)
+    if table is None:
+        files, chosen = find_files(source, session.folder, role)
+        reading, digests = chosen.read(files, options), digest(files)
+    else:
+        files, chosen = [table_as_file(source.path[0])], TABLE
+        reading = read_table(table, files[0], options)
+        digests = [tables_fingerprint([table], list(map(str, table.columns)))]
     if truth is not None:
         reading = _same_single_recording(reading, truth)
     reading = replace(
         reading,
         findings=joined_findings(replace(finding, subject=subject) for finding in reading.findings),
     )
-    return _Loaded(subject, files, digest(files), chosen, reading)
+    return _Loaded(subject, files, digests, chosen, reading)
 
 
 def _common_size(truth: Reading | None) -> tuple[int, int] | None:

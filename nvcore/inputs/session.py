@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from nvcore.errors import SessionError
 from nvcore.settings import Settings
@@ -60,20 +60,22 @@ class Source:
     Attributes
     ----------
     path
-        Files, folders or globs.
+        Files, folders or globs; a single one may be given by itself.
     format
         Name of a format; None: told from the content.
     classes, frame_base, box_base
         See `nvcore.inputs.readers.base.ReadOptions`.
     """
 
-    path: tuple[str, ...]
+    path: tuple[str, ...] | str
     format: str | None = None
     classes: tuple[str, ...] | None = None
     frame_base: int | None = None
     box_base: int | None = None
 
     def __post_init__(self) -> None:
+        if isinstance(self.path, str):
+            object.__setattr__(self, "path", (self.path,))
         for name in ("frame_base", "box_base"):
             if getattr(self, name) not in (None, 0, 1):
                 raise SessionError(f"{name}: expected 0 or 1, found {getattr(self, name)}")
@@ -189,6 +191,36 @@ class Session(Settings):
             return None
         width, height = sizes.pop()
         return None if width is None or height is None else (int(width), int(height))
+
+
+def with_facts(
+    session: Session,
+    *,
+    size: tuple[int, int] | None = None,
+    fps: float | None = None,
+    frames: str | None = None,
+) -> Session:
+    """The session with these facts for all recordings, whatever it says itself; None: as it says.
+
+    Parameters
+    ----------
+    size
+        (width, height), px.
+    fps
+        Frames per second.
+    frames
+        ``first:last[:step]``, or a file with one number a line.
+    """
+    given = {
+        name: value
+        for name, value in (("size", size), ("fps", fps), ("frames", frames))
+        if value is not None
+    }
+    own = [name for name in given if name != "size"] + ["width", "height"] * ("size" in given)
+    dropped: dict[str, Any] = dict.fromkeys(own)
+    recordings = tuple(replace(facts, **dropped) for facts in session.recordings)
+    changes: dict[str, Any] = {**given, "recordings": recordings}
+    return replace(session, **changes)
 
 
 def _positive(name: str, value: float | None) -> None:

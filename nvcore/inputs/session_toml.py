@@ -100,7 +100,7 @@ _WORDS: Final = {
 """What is expected, by the type of the field."""
 
 
-def read_session(path: Path) -> Session:
+def read_session(path: str | Path) -> Session:
     """Read a session file.
 
     Raises
@@ -108,6 +108,7 @@ def read_session(path: Path) -> Session:
     SessionError
         If it cannot be opened, is not TOML, or says something that cannot be done; with the key.
     """
+    path = Path(path)
     try:
         content = tomllib.loads(path.read_text(encoding="utf-8"))
         _check_integers(content)

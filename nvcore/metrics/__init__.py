@@ -1,1 +1,73 @@
 """The metrics of paper 11-0360: pure functions over columns."""
+
+from nvcore.metrics.encounters import RELEVANT_K, Encounters, find_encounters, judge_encounters
+from nvcore.metrics.false_alarms import FalseAlarmSummary, find_episodes, summarise_false_alarms
+from nvcore.metrics.fusion import fuse, pair_detections
+from nvcore.metrics.linking import TruthTracks, link_boxes, track_truth
+from nvcore.metrics.matching import Matches, count_per_frame, match_boxes
+from nvcore.metrics.proximity import Weights, weigh_proximity
+from nvcore.metrics.saliency import aggregate_saliency, find_events, qualify, recency_weight
+from nvcore.metrics.similarity import (
+    Nearest,
+    SetDistances,
+    SimilaritySummary,
+    find_low_intervals,
+    find_nearest,
+    measure_sets,
+    runs_of,
+    salient_detection,
+    smooth,
+    summarise_similarity,
+    trace_similarity,
+)
+from nvcore.metrics.venn import (
+    BoxVenn,
+    Exclusivity,
+    Venn,
+    categorise,
+    count_boxes,
+    count_categories,
+    measure_exclusivity,
+)
+
+__all__ = [
+    "RELEVANT_K",
+    "BoxVenn",
+    "Encounters",
+    "Exclusivity",
+    "FalseAlarmSummary",
+    "Matches",
+    "Nearest",
+    "SetDistances",
+    "SimilaritySummary",
+    "TruthTracks",
+    "Venn",
+    "Weights",
+    "aggregate_saliency",
+    "categorise",
+    "count_boxes",
+    "count_categories",
+    "count_per_frame",
+    "find_encounters",
+    "find_episodes",
+    "find_events",
+    "find_low_intervals",
+    "find_nearest",
+    "fuse",
+    "judge_encounters",
+    "link_boxes",
+    "match_boxes",
+    "measure_exclusivity",
+    "measure_sets",
+    "pair_detections",
+    "qualify",
+    "recency_weight",
+    "runs_of",
+    "salient_detection",
+    "smooth",
+    "summarise_false_alarms",
+    "summarise_similarity",
+    "trace_similarity",
+    "track_truth",
+    "weigh_proximity",
+]

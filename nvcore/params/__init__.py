@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
+from difflib import get_close_matches
 from functools import cache
 from typing import Any, Final, Literal
 
@@ -359,7 +360,8 @@ def params_from(values: Mapping[str, object]) -> Params:
     """
     for name in values:
         if name not in SETTINGS:
-            raise ParameterError(
-                f"there is no parameter {name!r}; the parameters are {', '.join(sorted(SETTINGS))}"
-            )
+            close = get_close_matches(name, SETTINGS, n=1)
+            hint = f"did you mean {close[0]!r}? The" if close else "the"
+            names = ", ".join(sorted(SETTINGS))
+            raise ParameterError(f"there is no parameter {name!r}; {hint} parameters are {names}")
     return Params(**values)  # type: ignore[arg-type]

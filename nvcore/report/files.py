@@ -7,6 +7,7 @@ import json
 import zipfile
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Final
 
@@ -21,8 +22,10 @@ from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.evidence.table import evidence_table
 from nvcore.findings import Finding
 from nvcore.inputs.load import source_hashes
+from nvcore.inputs.readers.table import FORMAT as TABLE
 from nvcore.inputs.session import Session
 from nvcore.inputs.session_toml import write_session
+from nvcore.settings import Settings
 from nvcore.tables.result import (
     encounters_table,
     events_table,
@@ -38,15 +41,13 @@ ZIP_TIME: Final = (1980, 1, 1, 0, 0, 0)
 
 
 def export_files(
-    result: Result, session: Session, findings: tuple[Finding, ...] = ()
+    result: Result, session: Settings, findings: tuple[Finding, ...] = ()
 ) -> dict[str, Callable[[], bytes]]:
-    """Every file of a report by name, each made when called; the same input, the same bytes."""
-    systems = tuple(
-        replace(system, name=name)
-        for system, name in zip(session.systems, result.dataset.systems, strict=True)
-    )
-    written = replace(session, systems=systems, hashes=source_hashes(result.dataset))
-    return {
+    """Every file of a report by name, each made when called; the same input, the same bytes.
+
+    There is a ``session.toml`` only where the session names files, as one of tables does not.
+    """
+    files = {
         "frames.csv": lambda: to_csv_bytes(frames_table(result)),
         "encounters.csv": lambda: to_csv_bytes(encounters_table(result)),
         "events.csv": lambda: to_csv_bytes(events_table(result)),
@@ -56,10 +57,20 @@ def export_files(
         "subgroups.csv": lambda: _finite_csv(subgroup_table(result, protocol=session.protocol)),
         "findings.csv": lambda: to_csv_bytes(findings_table(findings)),
         "summary.json": lambda: summary_json(result).encode(),
-        "session.toml": lambda: write_session(
-            written, version=__version__, fingerprint=result.dataset.fingerprint
-        ).encode(),
     }
+    if isinstance(session, Session) and TABLE.name not in set(result.dataset.inputs["format"]):
+        files["session.toml"] = partial(_session_toml, result, session)
+    return files
+
+
+def _session_toml(result: Result, session: Session) -> bytes:
+    systems = tuple(
+        replace(system, name=name)
+        for system, name in zip(session.systems, result.dataset.systems, strict=True)
+    )
+    written = replace(session, systems=systems, hashes=source_hashes(result.dataset))
+    text = write_session(written, version=__version__, fingerprint=result.dataset.fingerprint)
+    return text.encode()
 
 
 def _finite_csv(table: pd.DataFrame) -> bytes:
@@ -74,7 +85,7 @@ def summary_json(result: Result) -> str:
 
 def write_report(
     result: Result,
-    session: Session,
+    session: Settings,
     folder: Path,
     findings: tuple[Finding, ...] = (),
     *,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import pandas as pd
 
 from nvcore.comparison import Result, SystemResult
 from nvcore.dataset import Dataset
@@ -24,7 +25,11 @@ NAME_WIDTH = 16
 
 
 def render_scorecard(
-    result: Result, findings: Sequence[Finding] = (), protocol: Protocol = PROTOCOLS["all"]
+    result: Result,
+    findings: Sequence[Finding] = (),
+    protocol: Protocol = PROTOCOLS["all"],
+    *,
+    evidence: pd.DataFrame | None = None,
 ) -> str:
     """Scorecard of both systems, Venn counts, fusion, worst moments, and the verdict.
 
@@ -34,8 +39,10 @@ def render_scorecard(
         Of the audit: the verdict says which of them it depends on.
     protocol
         Which pedestrians count in the detection figures.
+    evidence
+        ``evidence_table(result, protocol)``, if known already.
     """
-    evidence = evidence_table(result, protocol)
+    evidence = evidence_table(result, protocol) if evidence is None else evidence
     parts = [
         _heading(result),
         _table(result),

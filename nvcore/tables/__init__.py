@@ -1,1 +1,52 @@
 """A result as tables, and what each column means."""
+
+from nvcore.tables.box_states import BoxStates, box_states
+from nvcore.tables.columns import REPORT_COLUMNS, column_names
+from nvcore.tables.frame import FrameFacts, frame_facts
+from nvcore.tables.inputs import inputs_table, left_out_table
+from nvcore.tables.lanes import lanes_table
+from nvcore.tables.miss_classes import fusion_table, miss_class_counts, miss_class_totals
+from nvcore.tables.moments import encounter_moments, next_misses, worst_moments
+from nvcore.tables.result import (
+    encounters_table,
+    events_table,
+    findings_table,
+    frames_table,
+    intervals_table,
+    recordings_table,
+    summary,
+    system_summary,
+    worst_events,
+    worst_intervals,
+)
+from nvcore.tables.scorecard import class_rows, score_rows
+
+__all__ = [
+    "REPORT_COLUMNS",
+    "BoxStates",
+    "FrameFacts",
+    "box_states",
+    "class_rows",
+    "column_names",
+    "encounter_moments",
+    "encounters_table",
+    "events_table",
+    "findings_table",
+    "frame_facts",
+    "frames_table",
+    "fusion_table",
+    "inputs_table",
+    "intervals_table",
+    "lanes_table",
+    "left_out_table",
+    "miss_class_counts",
+    "miss_class_totals",
+    "next_misses",
+    "recordings_table",
+    "score_rows",
+    "summary",
+    "system_summary",
+    "worst_events",
+    "worst_intervals",
+    "worst_moments",
+]

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 from builders import Box, make_dataset
 
-from nvcore.audit import audit
+from nvcore.auditing import audit
 from nvcore.dataset import Dataset
 from nvcore.findings import Finding
 from nvcore.params import Params

@@ -12,7 +12,7 @@ from typing import Any, Final, Literal
 import numpy as np
 import streamlit as st
 
-from nvcore.audit import audit_inputs, audit_pair, audit_system, role_of
+from nvcore.auditing import audit_inputs, audit_pair, audit_system, role_of
 from nvcore.comparison import Result, compare
 from nvcore.dataset import Dataset
 from nvcore.findings import Finding, worst_first
@@ -198,7 +198,7 @@ def findings() -> tuple[Finding, ...]:
 
 
 def _audit(settings: Params, x: str, y: str | None) -> tuple[Finding, ...]:
-    """As `nvcore.audit.audit`, part by part: files are not audited anew for another threshold."""
+    """As `nvcore.auditing.audit`, part by part: files are not audited anew for another threshold."""
     space, dataset = workspace(), opened().dataset
     with st.spinner("Auditing the inputs"):
         findings = [*space.cached("audit_inputs", (), lambda: audit_inputs(dataset))]

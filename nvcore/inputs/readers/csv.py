@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -29,6 +31,19 @@ from nvcore.inputs.readers.meaning.occlusion import levels_of_numbers, odd_level
 from nvcore.inputs.readers.meaning.tracks import TEXT_IDS, track_numbers
 from nvcore.inputs.readers.parse.text import whole_numbers
 
+ParseColumns = Callable[[Sequence[str]], tuple[pd.DataFrame, np.ndarray, bool]]
+"""Wanted columns -> what `nvcore.inputs.readers.csv_columns.read_columns` returns."""
+
+
+@dataclass(frozen=True)
+class NamedColumns:
+    """Boxes in columns that a header names: a CSV file, or a table in memory."""
+
+    file: SourceFile
+    header: Header
+    parse: ParseColumns
+
+
 EXPECTED = "frame,x,y,w,h[,score,track,ignore,distance_m,occlusion,recording]"
 
 
@@ -53,27 +68,42 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     FormatError
         With file and line of what is missing or is no number.
     """
-    headers, contents = [], []
+    tables = []
     for file in files:
         content = csv_content(file, role=options.role)
-        headers.append(_checked(read_header(content.split(b"\n", 1)[0].decode()), file))
-        contents.append(content)
+        header = read_header(content.split(b"\n", 1)[0].decode())
+        lack = lacking_columns(header)
+        if lack is not None:
+            raise FormatError(f"expected a header line with {lack}", file=file.name, line=1)
+        tables.append(NamedColumns(file, header, partial(read_columns, file, header, content)))
+    return read_named_columns(tables, options)
+
+
+def read_named_columns(inputs: Sequence[NamedColumns], options: ReadOptions) -> Reading:
+    """One reading from files or tables whose columns are named; see `read`.
+
+    Raises
+    ------
+    FormatError
+        With file and line of what is no number.
+    """
+    files = [each.file for each in inputs]
     whole = [
         number
-        for number, header in enumerate(headers)
-        if "recording" not in header.place and "frame" in header.place
+        for number, each in enumerate(inputs)
+        if "recording" not in each.header.place and "frame" in each.header.place
     ]
     names, facts = recordings_of([files[number].name for number in whole], options.recordings)
     recording_of_file = dict(zip(whole, names, strict=True))
     tables, kinds, rows = [], [], []
     findings: list[Finding] = []
     facts = ["pixels as they are (0-based)", *facts]
-    for number, (file, header, content) in enumerate(zip(files, headers, contents, strict=True)):
+    for number, each in enumerate(inputs):
         own = recording_of_file.get(number)
-        boxes, kind, what, oddities = _read_one(file, number, own, header, content, options)
+        boxes, kind, what, oddities = _read_one(each, number, own, options)
         findings += oddities
-        if options.role == "truth" and "score" in header.place:
-            findings.append(_truth_with_scores(file, len(boxes)))
+        if options.role == "truth" and "score" in each.header.place:
+            findings.append(_truth_with_scores(each.file, len(boxes)))
         tables.append(boxes)
         kinds.append(kind)
         facts += [fact for fact in what if fact not in facts]
@@ -112,32 +142,25 @@ def _truth_with_scores(file: SourceFile, n_rows: int) -> Finding:
     )
 
 
-def _checked(header: Header, file: SourceFile) -> Header:
+def lacking_columns(header: Header) -> str | None:
+    """Which columns are expected, found and missing, in words; None if none is missing."""
     if header.has_frame and header.has_box:
-        return header
+        return None
     missing = [] if header.has_frame else ["frame"]
     missing += [name for name in ("x", "y") if name not in header.place]
     if not header.has_box:
         missing += [name for name in ("w", "h") if name not in header.place]
-    raise FormatError(
-        f"expected a header line with the columns {EXPECTED}; found "
-        f"{', '.join(header.names)}; missing: {', '.join(missing)}",
-        file=file.name,
-        line=1,
-    )
+    found = ", ".join(header.names)
+    return f"the columns {EXPECTED}; found {found}; missing: {', '.join(missing)}"
 
 
 def _read_one(
-    file: SourceFile,
-    number: int,
-    own: str | None,
-    header: Header,
-    content: bytes,
-    options: ReadOptions,
+    source: NamedColumns, number: int, own: str | None, options: ReadOptions
 ) -> tuple[pd.DataFrame, pd.Series | None, list[str], list[Finding]]:
     """All boxes of a file, the class of each, the conversion in words, and what is odd."""
+    file, header = source.file, source.header
     wanted = _wanted(header, options.role)
-    columns, line, has_decimal_comma = read_columns(file, header, content, wanted)
+    columns, line, has_decimal_comma = source.parse(wanted)
     unused = [n for i, n in enumerate(header.names) if n and i not in _places(header, wanted)]
     facts = [f"columns left unused: {', '.join(unused)}"] if unused else []
     facts += ["decimal commas"] if has_decimal_comma else []

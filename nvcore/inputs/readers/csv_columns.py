@@ -54,9 +54,9 @@ SYNONYMS: Final[dict[str, tuple[str, ...]]] = {
 
 NUMBERS = ("frame", "x", "y", "w", "h", "right", "bottom", "score", "distance_m", "occlusion")
 _TEXT = pa.dictionary(pa.int32(), pa.string())
-_MISSING = ["", "nan", "NaN", "NA", "N/A", "null", "None"]
-_TRUE = ["1", "true", "True", "TRUE", "1.0"]
-_FALSE = ["0", "false", "False", "FALSE", "0.0"]
+MISSING = ["", "nan", "NaN", "NA", "N/A", "null", "None"]
+TRUE = ["1", "true", "True", "TRUE", "1.0"]
+FALSE = ["0", "false", "False", "FALSE", "0.0"]
 
 
 @dataclass(frozen=True)
@@ -97,14 +97,18 @@ def read_header(line: str) -> Header:
         fields = next(csv.reader([line], delimiter=delimiter), [])
     except csv.Error:  # a line of more than 131,072 characters is no header
         fields = []
-    names = tuple(name.strip() for name in fields)
+    return header_of([name.strip() for name in fields], delimiter)
+
+
+def header_of(names: Sequence[str], delimiter: str = ",") -> Header:
+    """The header with these names of columns."""
     plain = [re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_") for name in names]
     place = {}
     for column, synonyms in SYNONYMS.items():
         places = [plain.index(name) for name in synonyms if name in plain]
         if places:
             place[column] = places[0]
-    return Header(names, delimiter, place)
+    return Header(tuple(names), delimiter, place)
 
 
 def read_columns(
@@ -169,10 +173,10 @@ def _parse(
             convert_options=pyarrow.csv.ConvertOptions(
                 column_types=kinds,
                 include_columns=list(kinds),
-                null_values=_MISSING,
+                null_values=MISSING,
                 strings_can_be_null=False,
-                true_values=_TRUE,
-                false_values=_FALSE,
+                true_values=TRUE,
+                false_values=FALSE,
                 decimal_point=decimal,
             ),
         )
@@ -242,9 +246,9 @@ def _fault(row: list[str], header: Header, wanted: Sequence[str], what: str) -> 
     for name in wanted:
         value = row[header.place[name]].strip()
         title = header.names[header.place[name]]
-        if name == "ignore" and value not in _MISSING + _TRUE + _FALSE:
+        if name == "ignore" and value not in MISSING + TRUE + FALSE:
             return f"expected 0, 1, true or false as {title}, found {shortened(value, 60)!r}"
-        if name in NUMBERS and value not in _MISSING:
+        if name in NUMBERS and value not in MISSING:
             try:
                 float(value.replace("_", "?"))  # Python reads 1_000, the fast parser does not
             except ValueError:

@@ -28,6 +28,7 @@ from nvcore.report.html.blocks import Chart
 from nvcore.report.html.charts import figure_json, packed_plotly
 from nvcore.report.html.content import Content, Progress, report_content
 from nvcore.report.html.frames import RecordingPictures, decisive_moments, session_pictures
+from nvcore.settings import Settings
 from nvcore.wording import shortened
 
 __all__ = ["RecordingPictures", "css_text", "render", "session_pictures", "write_html_report"]
@@ -39,7 +40,7 @@ CHART_CONFIG: Final = {**CONFIG, "responsive": True}
 
 def write_html_report(
     result: Result,
-    session: Session,
+    session: Settings,
     findings: Sequence[Finding],
     path: Path,
     *,
@@ -52,7 +53,8 @@ def write_html_report(
     Parameters
     ----------
     session
-        Names the recordings' pictures, and the protocol of the detection figures.
+        Names the protocol of the detection figures and, if it is a `Session`, the recordings'
+        pictures.
     findings
         Of the audit of the same inputs.
     pictures
@@ -72,7 +74,9 @@ def write_html_report(
     InputError
         If the file cannot be written.
     """
-    own = _needed_pictures(result, session) if pictures is None else None
+    own = None
+    if pictures is None and isinstance(session, Session):
+        own = _needed_pictures(result, session)
     try:
         content = report_content(
             result, findings, pictures=own or pictures or RecordingPictures(),

@@ -14,7 +14,7 @@ from inputs import drive, session_of
 from places import DATA
 
 from nvcore import __version__
-from nvcore.audit import audit
+from nvcore.auditing import audit
 from nvcore.comparison import Result, compare
 from nvcore.errors import InputError
 from nvcore.findings import Finding, Severity

@@ -13,7 +13,7 @@ import pytest
 from inputs import drive, mot_layout, nvcore, write
 from places import DATA
 
-from nvcore.audit import audit
+from nvcore.auditing import audit
 from nvcore.comparison import Result, compare
 from nvcore.dataset import Dataset
 from nvcore.findings import Finding, Severity

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from streamlit.testing.v1 import AppTest
 
-from nvcore.audit import audit
+from nvcore.auditing import audit
 from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
 from ui.session.state import SAMPLE

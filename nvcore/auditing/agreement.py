@@ -6,8 +6,8 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.audit.boxes import repeated_rows
-from nvcore.audit.cases import Audited, audited_truth, counted, place_of_frame
+from nvcore.auditing.boxes import repeated_rows
+from nvcore.auditing.cases import Audited, audited_truth, counted, place_of_frame
 from nvcore.dataset import BoxColumns, Dataset
 from nvcore.findings import Finding, Severity
 from nvcore.metrics.kernels import over_ranges, pair_frames

@@ -9,8 +9,8 @@ import pandas as pd
 import pytest
 from builders import Box, make_dataset
 
-from nvcore.audit import audit
-from nvcore.audit.overlaps import Correction, above_threshold, take_sample
+from nvcore.auditing import audit
+from nvcore.auditing.overlaps import Correction, above_threshold, take_sample
 from nvcore.dataset import Dataset, dataset_from_tables
 from nvcore.findings import Finding, Severity
 from nvcore.inputs.readers.base import ReadOptions, Role, SourceFile

@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.audit.cases import TRUTH_NAME, Audited, counted
+from nvcore.auditing.cases import TRUTH_NAME, Audited, counted
 from nvcore.dataset import Dataset
 from nvcore.detection.operating_point import threshold_for
 from nvcore.findings import Finding, Severity

@@ -4,8 +4,8 @@ import numpy as np
 from audit_comparison import N, codes, dataset, find, truth_walk, walk, with_lines
 from builders import Box, Place, make_dataset
 
-from nvcore.audit import audit
-from nvcore.audit.boxes import repeated_rows
+from nvcore.auditing import audit
+from nvcore.auditing.boxes import repeated_rows
 from nvcore.dataset import Dataset
 from nvcore.findings import Severity
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from audit_comparison import dataset, find, truth_walk, walk
 
-from nvcore.audit import audit
+from nvcore.auditing import audit
 from nvcore.dataset import Dataset
 from nvcore.findings import Finding
 from nvcore.params import Params

@@ -6,25 +6,25 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from nvcore.audit.agreement import (
+from nvcore.auditing.agreement import (
     audit_same_as_truth,
     audit_same_systems,
     find_disagreement,
     match_pair,
 )
-from nvcore.audit.boxes import audit_doubles, audit_geometry, audit_tracks
-from nvcore.audit.cases import Audited, audited_system, audited_systems, audited_truth
-from nvcore.audit.comparability import (
+from nvcore.auditing.boxes import audit_doubles, audit_geometry, audit_tracks
+from nvcore.auditing.cases import Audited, audited_system, audited_systems, audited_truth
+from nvcore.auditing.comparability import (
     audit_encounter_lengths,
     audit_operating_points,
     audit_weighting,
 )
-from nvcore.audit.coverage import audit_system_coverage, audit_truth_coverage
-from nvcore.audit.offsets import find_offsets
-from nvcore.audit.overlaps import above_threshold
-from nvcore.audit.recordings import audit_fps, audit_frame_list, audit_size
-from nvcore.audit.rows import audit_left_out
-from nvcore.audit.scores import audit_scores, audit_threshold
+from nvcore.auditing.coverage import audit_system_coverage, audit_truth_coverage
+from nvcore.auditing.offsets import find_offsets
+from nvcore.auditing.overlaps import above_threshold
+from nvcore.auditing.recordings import audit_fps, audit_frame_list, audit_size
+from nvcore.auditing.rows import audit_left_out
+from nvcore.auditing.scores import audit_scores, audit_threshold
 from nvcore.dataset import Dataset
 from nvcore.findings import Finding, worst_first
 from nvcore.params import Params

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from nvcore.audit.cases import (
+from nvcore.auditing.cases import (
     TRUTH_NAME,
     counted,
     file_name,

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from nvcore.audit.cases import Audited, counted
+from nvcore.auditing.cases import Audited, counted
 from nvcore.findings import Finding, Severity
 from nvcore.metrics.kernels import group_rows
 from nvcore.schema import NO_TRACK

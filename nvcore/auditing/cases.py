@@ -10,6 +10,7 @@ import numpy as np
 
 from nvcore.dataset import BoxColumns, Dataset
 from nvcore.findings import Finding, Severity
+from nvcore.schema import TABLE_ENDING
 
 TRUTH_NAME: Final = "truth"
 """`Finding.subject` of the ground truth."""
@@ -103,9 +104,14 @@ def file_name(dataset: Dataset, file: int, line: int) -> str:
 
 
 def place(recording: object, frame: int, *, line: int = 0, file: str = "") -> str:
-    """Where something is, such as ``line 17, recording A, frame 12``; JSON counts records."""
-    unit = "record" if file.lower().endswith(".json") else "line"
-    return (f"{unit} {line}, " if line > 0 else "") + f"recording {recording}, frame {frame}"
+    """Where something is, such as ``line 17, recording A, frame 12``; JSON counts records.
+
+    Rows of a table in memory are counted from 0.
+    """
+    is_table = file.endswith(TABLE_ENDING)
+    unit = "row" if is_table else "record" if file.lower().endswith(".json") else "line"
+    number = f"{unit} {line - is_table}, " if line > 0 else ""
+    return f"{number}recording {recording}, frame {frame}"
 
 
 def place_of_frame(dataset: Dataset, frame_index: int, *, line: int = 0, file: str = "") -> str:

@@ -7,9 +7,9 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.audit.cases import Audited
-from nvcore.audit.overlaps import MAX_SHIFT, Correction, Overlaps, Sample, take_sample
-from nvcore.audit.scales import scale_candidates, scale_text
+from nvcore.auditing.cases import Audited
+from nvcore.auditing.overlaps import MAX_SHIFT, Correction, Overlaps, Sample, take_sample
+from nvcore.auditing.scales import scale_candidates, scale_text
 from nvcore.dataset import BoxColumns
 from nvcore.findings import Finding, Severity
 from nvcore.inputs.evaluated_frames import nth

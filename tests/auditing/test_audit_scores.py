@@ -3,7 +3,7 @@ from __future__ import annotations
 from audit_comparison import N, codes, dataset, find, walk
 from builders import NAN, Box
 
-from nvcore.audit import audit
+from nvcore.auditing import audit
 from nvcore.findings import Severity
 from nvcore.params import Params
 

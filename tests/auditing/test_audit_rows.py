@@ -4,7 +4,7 @@ import pytest
 from audit_comparison import N, codes, dataset, find, with_left_out
 from builders import Box
 
-from nvcore.audit.cases import place
+from nvcore.auditing.cases import place
 from nvcore.dataset import Dataset
 from nvcore.findings import Severity
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from nvcore.audit.cases import Audited, counted
+from nvcore.auditing.cases import Audited, counted
 from nvcore.findings import Finding, Severity
 
 

@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.audit.overlaps import Sample
+from nvcore.auditing.overlaps import Sample
 
 RATIOS: Final = tuple(
     Fraction(a, b)

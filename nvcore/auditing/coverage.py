@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.audit.cases import (
+from nvcore.auditing.cases import (
     TRUTH_NAME,
     Audited,
     counted,

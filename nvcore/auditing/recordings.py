@@ -6,8 +6,8 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.audit.cases import TRUTH_NAME, counted, place_of_frame, spelled
-from nvcore.audit.scales import SIZES
+from nvcore.auditing.cases import TRUTH_NAME, counted, place_of_frame, spelled
+from nvcore.auditing.scales import SIZES
 from nvcore.dataset import Dataset
 from nvcore.findings import Finding, Severity
 

@@ -7,7 +7,7 @@ import pytest
 from audit_comparison import dataset, find, truth_walk, walk, with_left_out, with_lines
 from builders import Box
 
-from nvcore.audit import audit
+from nvcore.auditing import audit
 from nvcore.errors import InputError
 from nvcore.findings import Finding, Severity
 from nvcore.params import Params

@@ -5,7 +5,7 @@ from typing import Any
 from audit_comparison import codes, drawn, truth_walk, walk
 from builders import Box, make_dataset
 
-from nvcore.audit import audit
+from nvcore.auditing import audit
 from nvcore.dataset import Dataset
 from nvcore.findings import Finding, Severity
 from nvcore.params import Params

@@ -1,0 +1,1 @@
+"""What ``import nvcore as nv`` offers: a call for each thing that the command line does."""

@@ -1,0 +1,250 @@
+"""The calls of Python users: compare, audit, gate, convert."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from nvcore import comparison
+from nvcore.api.comparison import Comparison
+from nvcore.api.inputs import Input, PathLike, load, with_choices, with_params
+from nvcore.auditing import audit as audit_dataset
+from nvcore.dataset import Dataset
+from nvcore.errors import InputError, ParameterError
+from nvcore.findings import Finding
+from nvcore.inputs.conversion import Conversion
+from nvcore.inputs.conversion import convert as convert_input
+from nvcore.inputs.readers.base import Role
+from nvcore.inputs.session import Session, Source
+from nvcore.protocols import Protocol
+from nvcore.report.gate import (
+    Outcome,
+    audit_rules,
+    explain,
+    figure_names,
+    gate_figures,
+    judge,
+    read_rules,
+)
+from nvcore.report.gate_results import terminal_lines
+
+
+def compare(
+    source: PathLike | Session | Dataset | None = None,
+    /,
+    *,
+    truth: Input | None = None,
+    x: Input | None = None,
+    y: Input | None = None,
+    size: tuple[int, int] | None = None,
+    fps: float | None = None,
+    frames: str | range | None = None,
+    name_x: str | None = None,
+    name_y: str | None = None,
+    protocol: str | Protocol | None = None,
+    **params: float | str | None,
+) -> Comparison:
+    """Compare two systems against the ground truth.
+
+    The thresholds, parameters, protocol and choice of X and Y are those of the session, unless
+    they are given here.
+
+    Parameters
+    ----------
+    source
+        A session file, a session, or a dataset made by `load`.
+    truth, x, y, size, fps, frames, name_x, name_y, protocol
+        See `load`.
+    params
+        Settings by name, such as ``alpha=0.8`` or ``threshold_x=0.5``: see `nvcore.Params`. A
+        threshold of None counts every detection.
+
+    Raises
+    ------
+    InputError
+        If an input cannot be used, or there are fewer than two systems.
+    ParameterError
+        If there is no such setting, or a value is outside its range.
+
+    Examples
+    --------
+    >>> result = compare("sample_data/session.toml", alpha=0.8)  # doctest: +SKIP
+    >>> print(result)  # doctest: +SKIP
+    >>> result = compare(truth=truth, x=x, y=y, size=(1280, 720), fps=30)  # doctest: +SKIP
+    """
+    inputs: dict[str, Any] = {"truth": truth, "x": x, "y": y}
+    facts: dict[str, Any] = {"size": size, "fps": fps, "frames": frames}
+    choices: dict[str, Any] = {"name_x": name_x, "name_y": name_y, "protocol": protocol}
+    dataset = _dataset(source, inputs | facts, choices)
+    return Comparison(comparison.compare(with_params(dataset, params)))
+
+
+def audit(
+    source: PathLike | Session | Dataset | None = None,
+    /,
+    *,
+    truth: Input | None = None,
+    x: Input | None = None,
+    y: Input | None = None,
+    size: tuple[int, int] | None = None,
+    fps: float | None = None,
+    frames: str | range | None = None,
+    name_x: str | None = None,
+    name_y: str | None = None,
+    **params: float | str | None,
+) -> tuple[Finding, ...]:
+    """What is wrong or suspicious in the inputs, worst first; nothing is scored.
+
+    Parameters
+    ----------
+    source, truth, x, y, size, fps, frames, name_x, name_y, params
+        See `compare`. One system is enough.
+
+    Raises
+    ------
+    InputError
+        If an input cannot be used.
+    ParameterError
+        If there is no such setting, or a value is outside its range.
+
+    Examples
+    --------
+    >>> for finding in audit("sample_data/session.toml"):  # doctest: +SKIP
+    ...     print(finding.severity, finding.subject, finding.message)
+    """
+    inputs: dict[str, Any] = {"truth": truth, "x": x, "y": y}
+    facts: dict[str, Any] = {"size": size, "fps": fps, "frames": frames}
+    dataset = _dataset(source, inputs | facts, {"name_x": name_x, "name_y": name_y})
+    return audit_dataset(with_params(dataset, params))
+
+
+def _dataset(
+    source: PathLike | Session | Dataset | None, inputs: dict[str, Any], choices: dict[str, Any]
+) -> Dataset:
+    if not isinstance(source, Dataset):
+        return load(source, **inputs, **choices)
+    given = [f"{name}=" for name, value in inputs.items() if value is not None]
+    if given:
+        raise InputError(f"a dataset is loaded already: give {', '.join(given)} to load()")
+    settings = with_choices(
+        source.settings, choices["name_x"], choices["name_y"], choices.get("protocol")
+    )
+    return source if settings == source.settings else replace(source, settings=settings)
+
+
+@dataclass(frozen=True)
+class GateOutcome:
+    """Whether a comparison passes its rules; true if all of them hold.
+
+    Attributes
+    ----------
+    outcomes
+        What became of each rule, the audit's included.
+    """
+
+    outcomes: tuple[Outcome, ...]
+
+    @property
+    def passed(self) -> tuple[Outcome, ...]:
+        """The rules that hold."""
+        return tuple(outcome for outcome in self.outcomes if outcome.is_passed)
+
+    @property
+    def failed(self) -> tuple[Outcome, ...]:
+        """The rules that do not."""
+        return tuple(outcome for outcome in self.outcomes if not outcome.is_passed)
+
+    @property
+    def is_passed(self) -> bool:
+        """Whether all rules hold."""
+        return not self.failed
+
+    def __bool__(self) -> bool:
+        return self.is_passed
+
+    def __str__(self) -> str:
+        return "\n".join(terminal_lines(self.outcomes))
+
+
+def gate(result: Comparison, rules: Iterable[str], *, strict: bool = False) -> GateOutcome:
+    """Whether rules such as ``new_misses == 0`` hold, and the audit finds no errors.
+
+    Parameters
+    ----------
+    rules
+        A figure, a comparison and a number each, as of ``nvcore gate``: with the release in use as
+        X and the candidate as Y, ``new_misses`` are the encounters that only the first detects.
+    strict
+        Whether warnings of the audit count as errors do.
+
+    Raises
+    ------
+    ParameterError
+        If a text is no rule, or there is no such figure.
+
+    Examples
+    --------
+    >>> outcome = gate(result, ["new_misses == 0", "lamr_y <= 10%"])  # doctest: +SKIP
+    >>> bool(outcome), outcome.failed[0].message  # doctest: +SKIP
+    (False, 'new_misses is 8')
+    """
+    texts = [rules] if isinstance(rules, str) else list(rules)
+    numbered = [(f"rule {number}", text) for number, text in enumerate(texts, 1)]
+    wanted, problems = read_rules(numbered, figure_names())
+    if problems:
+        raise ParameterError("\n".join(problems))
+    wanted += audit_rules(wanted, strict=strict)
+    figures = gate_figures(
+        result.result, result.findings, result.protocol, [rule.name for rule in wanted]
+    )
+    outcomes = explain(judge(wanted, figures), result.result, result.findings)
+    return GateOutcome(tuple(outcomes))
+
+
+def convert(
+    source: PathLike | Source,
+    target: PathLike,
+    to: str,
+    *,
+    role: Role | None = None,
+    truth: PathLike | Source | None = None,
+    size: tuple[int, int] | None = None,
+    frames_out: PathLike | None = None,
+    force: bool = False,
+) -> Conversion:
+    """Write any readable input as plain CSV, COCO or MOTChallenge, as ``nvcore convert`` does.
+
+    Parameters
+    ----------
+    source, truth
+        A file, folder or glob, or a `Source` that says how to read it.
+    target, to, role, size, frames_out, force
+        See `nvcore.inputs.conversion.convert`.
+
+    Returns
+    -------
+    Conversion
+        The files that were written, and in words what they do not tell.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be read or written, or it cannot be told what the input holds.
+
+    Examples
+    --------
+    >>> convert("truth.json", "truth.csv", "csv").files  # doctest: +SKIP
+    (PosixPath('truth.csv'),)
+    """
+    return convert_input(
+        source if isinstance(source, Source) else Source(str(source)),
+        Path(target),
+        to,
+        role=role,
+        truth=truth if isinstance(truth, Source | None) else Source(str(truth)),
+        size=size,
+        frames_out=None if frames_out is None else Path(frames_out),
+        force=force,
+    )

@@ -1,0 +1,252 @@
+"""A comparison as Python users see it: numbers, tables, figures, sentences and files."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from html import escape
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from nvcore.api.figures import Figures
+from nvcore.auditing import audit
+from nvcore.comparison import Result, SystemResult
+from nvcore.dataset import Dataset
+from nvcore.errors import InputError
+from nvcore.evidence.table import evidence_table
+from nvcore.findings import Finding
+from nvcore.inputs.session import Session
+from nvcore.metrics.venn import BoxVenn, Exclusivity, Venn
+from nvcore.params import Params
+from nvcore.protocols import Protocol
+from nvcore.report.files import write_report
+from nvcore.report.html import write_html_report
+from nvcore.report.keep_inputs import files_read, replaced_input
+from nvcore.report.terminal import render_scorecard
+from nvcore.report.verdict import verdict
+from nvcore.tables.columns import REPORT_COLUMNS
+from nvcore.tables.result import (
+    encounters_table,
+    events_table,
+    frames_table,
+    intervals_table,
+    recordings_table,
+    summary,
+)
+from nvcore.tables.scorecard import class_rows, score_rows
+from nvcore.wording import ARROWS, count_text, difference, number, one_line
+
+SESSION_FILE = "session.toml"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Comparison:
+    """Two systems compared; made by `nvcore.compare`.
+
+    ``print`` shows the scorecard, a notebook a table. Tables have the columns of the report's
+    files (docs/report.md).
+
+    Attributes
+    ----------
+    result
+        The library's result, with all arrays.
+    """
+
+    result: Result
+
+    @property
+    def dataset(self) -> Dataset:
+        """Recordings, frames and boxes; its settings are those of this comparison."""
+        return self.result.dataset
+
+    @property
+    def params(self) -> Params:
+        """The settings of the analysis, thresholds included."""
+        return self.result.params
+
+    @property
+    def protocol(self) -> Protocol:
+        """Which pedestrians count in the detection figures."""
+        return self.dataset.settings.protocol
+
+    @property
+    def x(self) -> SystemResult:
+        """System X, with its summaries."""
+        return self.result.x
+
+    @property
+    def y(self) -> SystemResult:
+        """System Y, likewise."""
+        return self.result.y
+
+    @property
+    def venn(self) -> Venn:
+        """Encounters by who detects them."""
+        return self.result.venn
+
+    @property
+    def exclusivity(self) -> Exclusivity:
+        """Whether both miss the same encounters."""
+        return self.result.exclusivity
+
+    @property
+    def boxes(self) -> BoxVenn:
+        """Boxes of the truth by who matches them."""
+        return self.result.boxes
+
+    @property
+    def duration_s(self) -> float:
+        """Recording time of all recordings, seconds."""
+        return self.result.duration_s
+
+    @property
+    def lead_time_s(self) -> np.ndarray:
+        """Lead of X over Y per encounter, seconds; NaN unless both match."""
+        return self.result.lead_time_s
+
+    @property
+    def fusion(self) -> Result:
+        """The fused systems: ``X or Y`` as `x`, ``X and Y`` as `y`."""
+        return self.result.fusion
+
+    @cached_property
+    def frames(self) -> pd.DataFrame:
+        """One row per listed frame: counts, distances, similarity of both systems."""
+        return frames_table(self.result)
+
+    @cached_property
+    def encounters(self) -> pd.DataFrame:
+        """One row per encounter: category, and how each system did."""
+        return encounters_table(self.result)
+
+    @cached_property
+    def events(self) -> pd.DataFrame:
+        """One row per saliency event of either system."""
+        return events_table(self.result)
+
+    @cached_property
+    def intervals(self) -> pd.DataFrame:
+        """One row per low-similarity interval of either system."""
+        return intervals_table(self.result)
+
+    @cached_property
+    def recordings(self) -> pd.DataFrame:
+        """One row per recording: the aggregates of both systems."""
+        return recordings_table(self.result)
+
+    @cached_property
+    def summary(self) -> dict[str, Any]:
+        """All aggregates, as in ``summary.json``; None is undefined."""
+        return summary(self.result)
+
+    @cached_property
+    def findings(self) -> tuple[Finding, ...]:
+        """What the audit found in the inputs, worst first."""
+        return audit(self.dataset, self.params, x=self.x.name, y=self.y.name)
+
+    @cached_property
+    def figures(self) -> Figures:
+        """Plotly figures, such as ``figures.venn()``."""
+        return Figures(self.result)
+
+    def evidence(self) -> pd.DataFrame:
+        """One row per figure of the verdict: difference, 95 % interval, p, effect."""
+        return self._evidence.copy()
+
+    def verdict(self) -> tuple[str, ...]:
+        """What the comparison supports, in sentences."""
+        return verdict(self.result, self.findings, evidence=self._evidence)
+
+    def write(self, folder: str | Path) -> None:
+        """Write the tables, ``summary.json`` and ``session.toml`` into a folder.
+
+        Raises
+        ------
+        InputError
+            If the folder cannot be written to, or an input or a session file of yours would be
+            replaced.
+        """
+        folder = Path(folder)
+        self._keep_inputs([folder / name for name in (*REPORT_COLUMNS, "summary.json")])
+        _keep_session(folder / SESSION_FILE)
+        write_report(self.result, self.dataset.settings, folder, self.findings)
+
+    def write_html(self, path: str | Path, *, stability: bool | None = None) -> None:
+        """Write the comparison as one HTML file that explains itself.
+
+        Parameters
+        ----------
+        stability
+            Whether to map the verdict over the settings; None: for up to 20,000 frames.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be written, or is an input.
+        """
+        path = Path(path)
+        self._keep_inputs([path])
+        write_html_report(
+            self.result, self.dataset.settings, self.findings, path, stability=stability
+        )
+
+    @cached_property
+    def _evidence(self) -> pd.DataFrame:
+        return evidence_table(self.result, self.protocol)
+
+    def _keep_inputs(self, outputs: Sequence[Path]) -> None:
+        settings = self.dataset.settings
+        clash = (
+            replaced_input(outputs, files_read(settings)) if isinstance(settings, Session) else None
+        )
+        if clash is not None:
+            raise InputError(
+                "is an input, and would be replaced; write to another place", file=clash
+            )
+
+    def __str__(self) -> str:
+        return render_scorecard(self.result, self.findings, self.protocol, evidence=self._evidence)
+
+    def __repr__(self) -> str:
+        means = " and ".join(number(system.summary.mean, ".4f") for _, system in self.result.sides)
+        return (
+            f"<Comparison of {one_line(self.x.name)} (X) and {one_line(self.y.name)} (Y): "
+            f"{count_text(len(self.dataset.recordings), 'recording')}, "
+            f"{count_text(len(self.dataset.frames), 'frame')}, "
+            f"{count_text(self.venn.n_near, 'encounter')}, mean similarity {means}>"
+        )
+
+    def _repr_html_(self) -> str:
+        head = ["", *(f"{letter.upper()}: {one_line(s.name)}" for letter, s in self.result.sides)]
+        rows = [
+            (
+                "\u2003" * row.level + row.label + ARROWS[row.better],
+                number(row.x, row.form),
+                number(row.y, row.form),
+                difference(row.x, row.y, row.form),
+            )
+            for row in (*score_rows(self.result), *class_rows(self.result))
+        ]
+        table = pd.DataFrame(rows, columns=[*head, "X - Y"]).to_html(index=False, border=0)
+        return f"<p>{escape(repr(self)[1:-1])}</p>{table}"
+
+
+def _keep_session(path: Path) -> None:
+    """Refuse to replace a session file unless the program wrote it."""
+    if not path.is_file():
+        return
+    try:
+        is_ours = "written" in tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        is_ours = False
+    if not is_ours:
+        raise InputError(
+            "is a session file that was written by hand, and would be replaced; write to another "
+            "folder",
+            file=path,
+        )

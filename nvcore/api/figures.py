@@ -1,0 +1,195 @@
+"""The figures of a comparison, each from the tables that it needs."""
+
+from __future__ import annotations
+
+from difflib import get_close_matches
+from typing import TYPE_CHECKING
+
+from nvcore.comparison import Result, SystemResult
+from nvcore.detection.curve_summary import summarise_curve
+from nvcore.detection.curves import detection_curve
+from nvcore.detection.operating_point import false_alarm_curve, score_histogram
+from nvcore.errors import InputError
+from nvcore.evidence.subgroup_table import subgroup_table
+from nvcore.figures.detection import CurveKind, curve_plot, legend_figure
+from nvcore.figures.encounters import (
+    fusion_plot,
+    lead_time_plot,
+    miss_classes_plot,
+    position_map,
+)
+from nvcore.figures.forest import subgroup_forest
+from nvcore.figures.inputs import false_alarm_plot, proximity_plot, score_plot
+from nvcore.figures.lanes import lanes_figure
+from nvcore.figures.paired import recordings_plot
+from nvcore.figures.saliency import parts_plot, recency_plot, saliency_by_recording
+from nvcore.figures.stability import stability_map
+from nvcore.figures.time_plot import similarity_plot
+from nvcore.figures.venn import venn_figure
+from nvcore.palette import Theme
+from nvcore.stability.axes import Plane
+from nvcore.stability.map import map_stability
+from nvcore.stability.scores import Criterion
+from nvcore.tables.miss_classes import fusion_table
+from nvcore.tables.result import encounters_table, recordings_table
+
+if TYPE_CHECKING:
+    import plotly.graph_objects as go
+
+Recording = str | int
+"""A recording's name, or its row in ``dataset.recordings``."""
+
+
+class Figures:
+    """Plotly figures of a comparison, as the dashboard and the HTML report draw them.
+
+    Parameters
+    ----------
+    theme
+        ``"light"`` or ``"dark"``.
+    """
+
+    def __init__(self, result: Result, theme: Theme = "light"):
+        self._result = result
+        self._theme: Theme = theme
+        self._names = result.x.name, result.y.name
+
+    def __repr__(self) -> str:
+        names = ", ".join(name for name in vars(Figures) if not name.startswith("_"))
+        return f"<figures: {names}>"
+
+    def dark(self) -> Figures:
+        """The same figures for a dark page."""
+        return Figures(self._result, "dark")
+
+    def timeline(self, recording: Recording = 0, *, upright: bool = False) -> go.Figure:
+        """Similarity of X and Y over time, with low intervals and saliency events.
+
+        Parameters
+        ----------
+        upright
+            Time upwards, X to the left and Y to the right, as in the paper's figure 8.
+        """
+        return similarity_plot(
+            self._result,
+            self._row(recording),
+            theme=self._theme,
+            layout="upright" if upright else "time",
+        )
+
+    def lanes(self, recording: Recording = 0) -> go.Figure:
+        """When each pedestrian of a recording was matched or missed by X and by Y."""
+        return lanes_figure(self._result, self._row(recording), theme=self._theme)
+
+    def venn(self) -> go.Figure:
+        """Encounters by who detects them."""
+        return venn_figure(self._result.venn, self._names, theme=self._theme)
+
+    def miss_classes(self) -> go.Figure:
+        """How many encounters each system fails in which way."""
+        return miss_classes_plot(encounters_table(self._result), self._names, theme=self._theme)
+
+    def lead_time(self) -> go.Figure:
+        """How much earlier X matches a pedestrian than Y, in seconds."""
+        return lead_time_plot(encounters_table(self._result), theme=self._theme)
+
+    def positions(self) -> go.Figure:
+        """Where in the picture each system misses encounters."""
+        return position_map(encounters_table(self._result), theme=self._theme)
+
+    def fusion(self) -> go.Figure:
+        """What ``X or Y`` and ``X and Y`` would gain and cost."""
+        return fusion_plot(fusion_table(self._result), theme=self._theme)
+
+    def recordings(self) -> go.Figure:
+        """Mean similarity of X and Y in every recording."""
+        return recordings_plot(recordings_table(self._result), self._names, theme=self._theme)
+
+    def saliency(self) -> go.Figure:
+        """Saliency of X and Y in every recording, in seconds, 0 is best."""
+        return saliency_by_recording(recordings_table(self._result), self._names, theme=self._theme)
+
+    def recency(self, recording: Recording | None = None) -> go.Figure:
+        """The recency curve with every event on it; of one recording, or of all."""
+        return recency_plot(self._result, theme=self._theme, recording=self._maybe_row(recording))
+
+    def saliency_parts(self, recording: Recording | None = None) -> go.Figure:
+        """The most salient events taken apart; of one recording, or of all."""
+        return parts_plot(self._result, theme=self._theme, recording=self._maybe_row(recording))
+
+    def curve(self, kind: CurveKind = "miss_rate") -> go.Figure:
+        """A detection curve of X and Y under the session's protocol.
+
+        Parameters
+        ----------
+        kind
+            ``"miss_rate"``, ``"precision_recall"``, ``"roc"`` or ``"f1"``.
+        """
+        result, protocol = self._result, self._result.dataset.settings.protocol
+        curves = [
+            detection_curve(result.dataset, system.name, result.params, protocol)
+            for _, system in result.sides
+        ]
+        thresholds = [system.threshold for _, system in result.sides]
+        legends = [
+            legend_figure(summarise_curve(curve, threshold), kind)
+            for curve, threshold in zip(curves, thresholds, strict=True)
+        ]
+        return curve_plot(curves, thresholds, kind, theme=self._theme, summaries=legends, hint="")
+
+    def subgroups(self, measure: str = "encounters_detected") -> go.Figure:
+        """Difference X - Y of one measure with its 95 % interval, by group.
+
+        Parameters
+        ----------
+        measure
+            Its key in the table of evidence (column ``figure``).
+        """
+        protocol = self._result.dataset.settings.protocol
+        table = subgroup_table(self._result, [measure], protocol=protocol)
+        return subgroup_forest(table, theme=self._theme)
+
+    def stability(
+        self, plane: Plane = "alpha-midpoint", criterion: Criterion = "similarity"
+    ) -> go.Figure:
+        """Who is better at other settings; see `nvcore.stability.map.map_stability`."""
+        return stability_map(map_stability(self._result, plane, criterion), theme=self._theme)
+
+    def scores(self, letter: str = "x") -> go.Figure:
+        """Scores of system ``"x"`` or ``"y"``, and which of them its threshold leaves."""
+        system = self._system(letter)
+        return score_plot(
+            score_histogram(self._result.dataset, system.name),
+            letter=letter, name=system.name, threshold=system.threshold, theme=self._theme,
+        )  # fmt: skip
+
+    def false_alarms(self, letter: str = "x") -> go.Figure:
+        """False alarms per minute that each threshold of system ``"x"`` or ``"y"`` leaves."""
+        system = self._system(letter)
+        return false_alarm_plot(
+            false_alarm_curve(self._result.dataset, system.name, self._result.params),
+            letter=letter, name=system.name, threshold=system.threshold, theme=self._theme,
+        )  # fmt: skip
+
+    def proximity(self) -> go.Figure:
+        """How much a pedestrian counts by how near it seems."""
+        return proximity_plot(self._result.dataset, self._result.params, theme=self._theme)
+
+    def _system(self, letter: str) -> SystemResult:
+        sides = dict(self._result.sides)
+        if letter not in sides:
+            raise InputError(f"expected the system 'x' or 'y', got {letter!r}")
+        return sides[letter]
+
+    def _maybe_row(self, recording: Recording | None) -> int | None:
+        return None if recording is None else self._row(recording)
+
+    def _row(self, recording: Recording) -> int:
+        names = self._result.dataset.recordings["name"].tolist()
+        if recording in names:
+            return int(names.index(recording))
+        if isinstance(recording, int) and 0 <= recording < len(names):
+            return recording
+        close = get_close_matches(str(recording), names, n=1)
+        hint = f"did you mean {close[0]!r}? There are" if close else "there are"
+        raise InputError(f"there is no recording {recording!r}; {hint} {', '.join(names)}")

@@ -1,0 +1,194 @@
+"""Inputs of every kind as one `Dataset` that knows how it is to be compared."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import fields, replace
+from pathlib import Path
+from typing import Any, Final, TypeVar
+
+import pandas as pd
+
+from nvcore.dataset import Dataset
+from nvcore.errors import InputError, MissingFactError
+from nvcore.inputs.load import load as load_session
+from nvcore.inputs.session import Session, Source, SystemSource, is_frame_range, with_facts
+from nvcore.inputs.session_toml import read_session
+from nvcore.params import params_from
+from nvcore.protocols import Protocol, protocol_from
+from nvcore.settings import Settings
+
+PathLike = str | Path
+Input = PathLike | Sequence[PathLike] | Source | pd.DataFrame
+"""Ground truth or detections: files, folders or globs, the same with settings, or a table."""
+
+KEYWORDS: Final = {
+    "size": "size=(WIDTH, HEIGHT)",
+    "fps": "fps=FPS",
+    "frames": 'frames="FIRST:LAST"',
+}
+"""How facts that the data lack are given, by the name of the fact."""
+
+AnySettings = TypeVar("AnySettings", bound=Settings)
+
+
+def load(
+    source: PathLike | Session | None = None,
+    /,
+    *,
+    truth: Input | None = None,
+    x: Input | None = None,
+    y: Input | None = None,
+    size: tuple[int, int] | None = None,
+    fps: float | None = None,
+    frames: str | range | None = None,
+    name_x: str | None = None,
+    name_y: str | None = None,
+    protocol: str | Protocol | None = None,
+) -> Dataset:
+    """Read the inputs of a comparison.
+
+    Parameters
+    ----------
+    source
+        A session file, or a session.
+    truth, x, y
+        In place of it: ground truth and detections, each as a file, folder or glob (or several), as
+        a `Source` or `SystemSource` that says how to read them, or as a table with the columns of
+        plain CSV (frame, x, y, w, h in pixels, 0-based; and where known score, track, ignore,
+        recording, distance_m, occlusion). Without `y` there is one system to audit.
+    size
+        (width, height) of all pictures, px; None: as the data or the session say.
+    fps
+        Frames per second of all recordings; None: likewise.
+    frames
+        Evaluated frames: a range, ``"first:last[:step]"``, or a file with one number a line; None:
+        likewise.
+    name_x, name_y
+        Names of X and Y; with a session: which of its systems they are.
+    protocol
+        Which pedestrians count in the detection figures, such as ``"reasonable"``.
+
+    Returns
+    -------
+    Dataset
+        With the session's thresholds, parameters, protocol and choice of X and Y as its settings:
+        `compare` and `audit` use them.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be used; with file and line, or the row of a table counted from 0.
+    MissingFactError
+        If the size, the frame rate or the frames are needed and unknown.
+
+    Examples
+    --------
+    >>> dataset = load("sample_data/session.toml")  # doctest: +SKIP
+    >>> dataset.systems  # doctest: +SKIP
+    ('FIR', 'NIR')
+    """
+    inputs = {"truth": truth, "x": x, "y": y}
+    if (source is None) == all(given is None for given in inputs.values()):
+        raise InputError("expected a session file, or truth=, x= and y=; give one of the two")
+    tables: Mapping[Source, pd.DataFrame] = {}
+    if source is None:
+        session, tables = _session_of(inputs, (name_x, name_y))
+        name_x = name_y = None  # they are named so already
+    else:
+        session = source if isinstance(source, Session) else read_session(Path(source))
+    session = with_facts(session, size=size, fps=fps, frames=_frames(frames))
+    session = with_choices(session, name_x, name_y, protocol)
+    try:
+        return load_session(session, tables=tables)
+    except MissingFactError as error:
+        keywords = ", ".join(KEYWORDS[fact] for fact in error.facts)
+        hint = f" (in Python: {keywords})" if keywords else ""
+        raise MissingFactError(
+            error.message + hint, file=error.file, line=error.line, facts=error.facts
+        ) from error
+
+
+def with_choices(
+    settings: AnySettings, x: str | None, y: str | None, protocol: str | Protocol | None
+) -> AnySettings:
+    """The settings with these names of X and Y and this protocol; None: as they are."""
+    if isinstance(protocol, str):
+        protocol = protocol_from({"name": protocol})
+    changes: dict[str, Any] = {"x": x, "y": y, "protocol": protocol}
+    return replace(settings, **{k: value for k, value in changes.items() if value is not None})
+
+
+def with_params(dataset: Dataset, given: Mapping[str, Any]) -> Dataset:
+    """The dataset with these parameters in place of its own.
+
+    Parameters
+    ----------
+    given
+        Fields of `nvcore.params.Params`. A threshold of None counts every detection.
+
+    Raises
+    ------
+    ParameterError
+        If a name is unknown or a value is outside its range.
+    """
+    if not given:
+        return dataset
+    settings = dataset.settings
+    params = params_from({**settings.params.given(), **given})
+    settings = replace(settings, params=params)
+    if isinstance(settings, Session):  # as a parameter None would leave the system's own
+        x, y = dataset.compared()
+        freed = {
+            name
+            for name, threshold in ((x, "threshold_x"), (y, "threshold_y"))
+            if threshold in given and given[threshold] is None
+        }
+        systems = tuple(
+            replace(system, threshold=None) if name in freed else system
+            for name, system in zip(dataset.systems, settings.systems, strict=True)
+        )
+        settings = replace(settings, systems=systems)
+    return replace(dataset, settings=settings)
+
+
+def _frames(frames: str | range | None) -> str | None:
+    """As a session says it; the name of a file starts where Python runs, not at the session."""
+    if isinstance(frames, range):
+        return f"{frames.start}:{frames.stop - 1}:{frames.step}"
+    if frames is None or is_frame_range(frames):
+        return frames
+    return str(Path.cwd() / frames)
+
+
+def _session_of(
+    inputs: Mapping[str, Input | None], names: Sequence[str | None]
+) -> tuple[Session, dict[Source, pd.DataFrame]]:
+    """A session of single inputs, and those of its sources that are tables."""
+    for keyword in ("truth", "x"):
+        if inputs[keyword] is None:
+            raise InputError(f"expected truth=, x= and y=; {keyword} is missing")
+    given = {keyword: value for keyword, value in inputs.items() if value is not None}
+    sources = {keyword: _source(value, keyword) for keyword, value in given.items()}
+    for keyword, name in zip("xy", names, strict=True):
+        if keyword in sources and name is not None:
+            sources[keyword] = replace(sources[keyword], name=name)
+    truth = Source(*(getattr(sources["truth"], spec.name) for spec in fields(Source)))
+    systems = tuple(sources[keyword] for keyword in "xy" if keyword in sources)
+    tables: dict[Source, pd.DataFrame] = {}
+    for keyword, value in given.items():
+        if isinstance(value, pd.DataFrame):
+            tables[truth if keyword == "truth" else sources[keyword]] = value
+    return Session(folder=Path.cwd(), truth=truth, systems=systems), tables
+
+
+def _source(given: Input, keyword: str) -> SystemSource:
+    """Where an input comes from; of the truth the corrections of a system have no meaning."""
+    if isinstance(given, pd.DataFrame):
+        return SystemSource((keyword,), name=keyword.upper())
+    if isinstance(given, SystemSource):
+        return given
+    if isinstance(given, Source):
+        return SystemSource(**vars(given))
+    paths = [given] if isinstance(given, str | Path) else given
+    return SystemSource(tuple(str(path) for path in paths))

@@ -1,0 +1,207 @@
+"""Any readable input as plain CSV, COCO or MOTChallenge: read, checked, written."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from nvcore.errors import InputError, MissingFactError
+from nvcore.findings import Finding
+from nvcore.inputs.convert import write, write_frame_lists
+from nvcore.inputs.evaluated_frames import LostFrames, frames_lost_without_list
+from nvcore.inputs.files import find_files
+from nvcore.inputs.load import read_source
+from nvcore.inputs.readers import NOTHING
+from nvcore.inputs.readers.base import Format, Reading, ReadOptions, Role, SourceFile
+from nvcore.inputs.session import Source
+
+
+@dataclass(frozen=True)
+class Conversion:
+    """What `convert` wrote.
+
+    Attributes
+    ----------
+    files
+        The files with the boxes.
+    frame_files
+        The lists of evaluated frames, where they were asked for.
+    n_boxes, n_frames
+        How many boxes and evaluated frames these hold; no frames for detections.
+    conversion
+        In words, what was converted.
+    findings
+        What was odd in the input.
+    warnings
+        What the written files do not tell, in sentences.
+    """
+
+    files: tuple[Path, ...]
+    frame_files: tuple[Path, ...]
+    n_boxes: int
+    n_frames: int
+    conversion: str
+    findings: tuple[Finding, ...]
+    warnings: tuple[str, ...]
+
+
+def convert(
+    source: Source,
+    target: Path,
+    to: str,
+    *,
+    role: Role | None = None,
+    truth: Source | None = None,
+    size: tuple[int, int] | None = None,
+    frames_out: Path | None = None,
+    force: bool = False,
+) -> Conversion:
+    """Write an input in another format.
+
+    Parameters
+    ----------
+    source
+        The input; paths start at the current folder.
+    target
+        File to write; of MOTChallenge with several recordings a folder.
+    to
+        ``csv``, ``coco`` or ``mot``.
+    role
+        What the input holds; None: truth, unless it looks like detections, which is an error.
+    truth
+        Ground truth, for results that name pictures by number.
+    size
+        Of pictures whose size the files do not say, px.
+    frames_out
+        Where to write the evaluated frames of the truth: a file, or a folder if the recordings
+        differ in them.
+    force
+        Whether files that exist are replaced; never the input.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be read or written, or it cannot be told what the input holds.
+    """
+    kind: Role = "detections" if role == "detections" else "truth"
+    if frames_out is not None and kind == "detections":
+        raise InputError("a list of evaluated frames is for ground truth; these are detections")
+    inputs: list[Path] = []
+    of_truth = None
+    if truth is not None:
+        inputs += [file.path for file in find_files(truth, Path.cwd(), "truth")[0]]
+        of_truth = read_source(truth, role="truth", size=size)
+    files, chosen = _files_of(source, kind, is_guess=role is None)
+    inputs += [file.path for file in files]
+    if role is None and _has_scores(files, chosen, source, size):
+        raise InputError(
+            "this has scores, as detections have; give --role detections to keep them, or --role "
+            "truth to leave them out",
+            file=source.path[0],
+        )
+    reading = read_source(source, role=kind, size=size, truth=of_truth)
+    reading, warnings = _with_size(reading, size)
+    lost = None
+    if kind == "truth":
+        try:
+            lost = frames_lost_without_list(reading)
+        except MissingFactError as error:  # frame numbers such as times: boxes can be written
+            if to == "coco" or frames_out is not None:
+                raise
+            warnings.append(str(error))
+    images = None if of_truth is None else of_truth.images
+    written = write(reading, to, target, role=kind, images=images, inputs=inputs, force=force)
+    if lost is not None:
+        warnings += _lacking_size(reading) if to == "coco" else _lost(lost, to, frames_out)
+    lists: list[Path] = []
+    if lost is not None and frames_out is not None:
+        kept = [*inputs, *written]
+        lists = write_frame_lists(lost.frames, frames_out, inputs=kept, force=force)
+    return Conversion(
+        files=tuple(written),
+        frame_files=tuple(lists),
+        n_boxes=len(reading.boxes),
+        n_frames=0 if lost is None else lost.n_frames,
+        conversion=reading.conversion,
+        findings=reading.findings,
+        warnings=tuple(warnings),
+    )
+
+
+def _files_of(source: Source, role: Role, *, is_guess: bool) -> tuple[list[SourceFile], Format]:
+    """The files of the input; an input that holds detections says what to give."""
+    folder = Path.cwd()
+    try:
+        return find_files(source, folder, role)
+    except InputError:
+        if not is_guess:
+            raise
+        with suppress(InputError):
+            _, chosen = find_files(source, folder, "detections")
+            if chosen is not NOTHING:
+                raise InputError(
+                    "this holds detections; give --role detections", file=source.path[0]
+                ) from None
+        raise
+
+
+def _has_scores(
+    files: list[SourceFile], chosen: Format, source: Source, size: tuple[int, int] | None
+) -> bool:
+    """Whether files of ground truth, read as detections, have scores other than 0 and 1.
+
+    Those two are MOTChallenge's mark of rows to ignore and to count, in the column of the scores.
+    """
+    if "detections" not in chosen.roles:
+        return False
+    options = ReadOptions(
+        role="detections",
+        classes=source.classes,
+        size=size,
+        frame_base=source.frame_base,
+        box_base=source.box_base,
+    )
+    try:
+        scores = chosen.read(files, options).boxes["score"].dropna()
+    except InputError:  # what is wrong is told when they are read as ground truth
+        return False
+    return bool((~scores.isin([0, 1, -1])).any())
+
+
+def _with_size(reading: Reading, size: tuple[int, int] | None) -> tuple[Reading, list[str]]:
+    """The reading with the given size for recordings whose files do not say theirs; warnings."""
+    if size is None:
+        return reading, []
+    table = reading.recordings.copy()
+    sides = ["width", "height"]
+    is_unknown = ~(table[sides] > 0).all(axis=1)
+    table.loc[is_unknown, sides] = [float(side) for side in size]
+    n_others = int((table[sides].to_numpy() != size).any(axis=1).sum())
+    warnings = []
+    if n_others:
+        warnings.append(
+            f"the data say another size than --size for {n_others} of {len(table)} recordings; "
+            "theirs is written"
+        )
+    return replace(reading, recordings=table), warnings
+
+
+def _lacking_size(reading: Reading) -> list[str]:
+    n_unknown = int((~(reading.recordings[["width", "height"]] > 0).all(axis=1)).sum())
+    if not n_unknown:
+        return []
+    return [
+        f"the image size of {n_unknown} of {len(reading.recordings)} recordings is not known, and "
+        "their images have no width and height, which many tools want; give --size WIDTHxHEIGHT"
+    ]
+
+
+def _lost(lost: LostFrames, to: str, frames_out: Path | None) -> list[str]:
+    if lost.is_same:
+        return []
+    advice = "; write the list too, with --frames-out PATH" if frames_out is None else ""
+    return [
+        f"{lost.n_empty} of {lost.n_frames} evaluated frames have no box, and {to} cannot list "
+        f"frames: read back by itself, {lost.n_again} frames are evaluated{advice}"
+    ]

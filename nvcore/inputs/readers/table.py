@@ -1,0 +1,154 @@
+"""A table in memory with the columns of plain CSV, read as such a file would be."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+import pandas as pd
+
+from nvcore.errors import FormatError
+from nvcore.findings import Finding
+from nvcore.inputs.readers.base import Format, Reading, ReadOptions, SourceFile
+from nvcore.inputs.readers.csv import NamedColumns, lacking_columns, read_named_columns
+from nvcore.inputs.readers.csv_columns import (
+    FALSE,
+    MISSING,
+    NUMBERS,
+    TRUE,
+    Header,
+    header_of,
+)
+from nvcore.inputs.readers.parse.text import MAX_INTEGER
+from nvcore.schema import TABLE_ENDING
+from nvcore.wording import shortened
+
+ONLY_RECORDING: Final = "recording"
+"""Name of the recording of a table of truth that names none."""
+
+
+def table_as_file(name: str) -> SourceFile:
+    """What stands for the file of a table, where files are listed and named in errors."""
+    return SourceFile(Path(), name + TABLE_ENDING)
+
+
+def read_table(table: pd.DataFrame, file: SourceFile, options: ReadOptions) -> Reading:
+    """Read a table whose columns are named as in plain CSV: frame, x, y, w, h, and more.
+
+    Without a column for the recording it is one recording, that of the truth.
+
+    Parameters
+    ----------
+    file
+        `table_as_file`.
+
+    Raises
+    ------
+    FormatError
+        With the row, counted from 0, of what is no number.
+    """
+    header = header_of([str(name).strip() for name in table.columns])
+    if "recording" not in header.place and "frame" in header.place:
+        if len(options.recordings) > 1:
+            raise FormatError(
+                "expected a column recording, as the ground truth has "
+                f"{len(options.recordings)} recordings; found {', '.join(header.names)}",
+                file=file.name,
+            )
+        table = table.assign(recording=[*options.recordings, ONLY_RECORDING][0])
+        header = header_of([*header.names, "recording"])
+    lack = lacking_columns(header)
+    if lack is not None:
+        raise FormatError(f"expected {lack}", file=file.name)
+    columns = NamedColumns(file, header, partial(_parse, table, file, header))
+    try:
+        reading = read_named_columns([columns], options)
+    except FormatError as error:
+        if error.line is None:
+            raise
+        where = f"{file.name}, row {error.line - 1}"
+        raise FormatError(error.message, file=where) from error
+    return replace(reading, findings=tuple(_with_row(finding) for finding in reading.findings))
+
+
+def _with_row(finding: Finding) -> Finding:
+    example = re.sub(r"^line (\d+)", lambda line: f"row {int(line[1]) - 1}", finding.example)
+    return replace(finding, example=example)
+
+
+def _parse(
+    table: pd.DataFrame, file: SourceFile, header: Header, wanted: Sequence[str]
+) -> tuple[pd.DataFrame, np.ndarray, bool]:
+    """The wanted columns, as `nvcore.inputs.readers.csv_columns.read_columns` gives them."""
+    columns = {}
+    for name in wanted:
+        column = table.iloc[:, header.place[name]].reset_index(drop=True)
+        title = header.names[header.place[name]]
+        if name in NUMBERS:
+            columns[name] = _numbers(column, title, file)
+        elif name == "ignore":
+            columns[name] = _claims(column, title, file)
+        elif name == "track" and (ids := _whole(column)) is not None:
+            columns[name] = ids
+        else:
+            columns[name] = _texts(column)
+    return pd.DataFrame(columns, index=range(len(table))), np.arange(1, len(table) + 1), False
+
+
+def _texts(column: pd.Series) -> pd.Series:
+    return column.astype(object).where(column.notna(), "").map(str).str.strip().astype(object)
+
+
+def _numbers(column: pd.Series, title: str, file: SourceFile) -> pd.Series:
+    numbers = pd.to_numeric(column, errors="coerce").astype("float64")
+    doubtful = (numbers.isna() & column.notna()).to_numpy(dtype=bool)
+    if doubtful.any():
+        doubtful = doubtful & ~_texts(column).isin(MISSING).to_numpy()
+    if doubtful.any():
+        row = int(np.argmax(doubtful))
+        raise _fault(f"a number as {title}", column, row, file)
+    return numbers
+
+
+def _claims(column: pd.Series, title: str, file: SourceFile) -> pd.Series:
+    texts = _texts(column)
+    is_true = texts.isin(TRUE)
+    is_odd = ~(is_true | texts.isin([*FALSE, *MISSING])).to_numpy()
+    if is_odd.any():
+        row = int(np.argmax(is_odd))
+        raise _fault(f"0, 1, true or false as {title}", column, row, file)
+    return is_true
+
+
+def _whole(column: pd.Series) -> pd.Series | None:
+    """Track ids as float64; None if some are not whole, or too large to be exact."""
+    if not pd.api.types.is_numeric_dtype(column):
+        return None
+    ids = column.astype("float64")
+    is_whole = ids.isna() | ((ids.abs() < MAX_INTEGER) & (ids == np.floor(ids)))
+    return ids if is_whole.all() else None
+
+
+def _fault(expected: str, column: pd.Series, row: int, file: SourceFile) -> FormatError:
+    value = repr(shortened(str(column.iloc[row]), 60))
+    return FormatError(f"expected {expected}, found {value}", file=file.name, line=row + 1)
+
+
+def _no_files(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
+    raise AssertionError(f"a table is read by read_table: {files}, {options}")
+
+
+FORMAT: Final = Format(
+    name="table",
+    title="table in memory",
+    roles=("truth", "detections"),
+    suffixes=(),
+    recognise=lambda _name, _head, _role: False,
+    read=_no_files,
+)
+"""No member of the registry: no file is of this format."""
