@@ -16,11 +16,3 @@ def test_the_scorecard_in_the_readme_is_that_of_the_sample_recordings() -> None:
     printed = CliRunner().invoke(main, ["compare", str(ROOT / "sample_data" / "session.toml")])
     assert printed.exit_code == 0
     assert shown[1] in printed.stdout
-
-
-def test_the_python_example_in_the_readme_runs(monkeypatch, capsys) -> None:
-    example = re.search(r"```python\n(.*?)\n```", (ROOT / "README.md").read_text(), re.DOTALL)
-    assert example is not None
-    monkeypatch.chdir(ROOT)
-    exec(example[1], {})
-    assert capsys.readouterr().out.startswith("Venn(both=")

@@ -112,11 +112,18 @@ def load(
 def with_choices(
     settings: AnySettings, x: str | None, y: str | None, protocol: str | Protocol | None
 ) -> AnySettings:
-    """The settings with these names of X and Y and this protocol; None: as they are."""
+    """The settings with these names of X and Y and this protocol; None: as they are.
+
+    A name that was that of the other system leaves the other to be the first that is left.
+    """
     if isinstance(protocol, str):
         protocol = protocol_from({"name": protocol})
-    changes: dict[str, Any] = {"x": x, "y": y, "protocol": protocol}
-    return replace(settings, **{k: value for k, value in changes.items() if value is not None})
+    return replace(
+        settings,
+        x=x or (None if settings.x == y else settings.x),
+        y=y or (None if settings.y == x else settings.y),
+        protocol=protocol or settings.protocol,
+    )
 
 
 def with_params(dataset: Dataset, given: Mapping[str, Any]) -> Dataset:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -131,19 +130,21 @@ def convert(
 
 def _files_of(source: Source, role: Role, *, is_guess: bool) -> tuple[list[SourceFile], Format]:
     """The files of the input; an input that holds detections says what to give."""
-    folder = Path.cwd()
     try:
-        return find_files(source, folder, role)
+        return find_files(source, Path.cwd(), role)
     except InputError:
-        if not is_guess:
-            raise
-        with suppress(InputError):
-            _, chosen = find_files(source, folder, "detections")
-            if chosen is not NOTHING:
-                raise InputError(
-                    "this holds detections; give --role detections", file=source.path[0]
-                ) from None
+        if is_guess and _are_detections(source):
+            raise InputError(
+                "this holds detections; give --role detections", file=source.path[0]
+            ) from None
         raise
+
+
+def _are_detections(source: Source) -> bool:
+    try:
+        return find_files(source, Path.cwd(), "detections")[1] is not NOTHING
+    except InputError:
+        return False
 
 
 def _has_scores(

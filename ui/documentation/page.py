@@ -19,6 +19,7 @@ PAGES: Final = {
     "ratings": "Ratings",
     "report": "Report files",
     "formats": "Formats",
+    "python": "Python",
 }
 _HEADING: Final = re.compile(r"(#{1,6}) +(.*)")
 _LINK: Final = re.compile(r"\[((?:[^\]\[]|\[[^\]]*\])*)\]\(([^)\s]+)\)")
