@@ -3,7 +3,6 @@
 from nvcore.detection.average_precision import (
     average_precision,
     average_precision_coco,
-    interpolate_curve,
     pr_auc,
 )
 from nvcore.detection.curve_summary import CurveSummary, summarise_curve
@@ -48,7 +47,6 @@ __all__ = [
     "false_alarm_curve",
     "filter_detections",
     "filter_truth",
-    "interpolate_curve",
     "known_tags",
     "log_average_miss_rate",
     "miss_rate_at",

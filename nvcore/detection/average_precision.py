@@ -54,8 +54,8 @@ def pr_auc(curve: DetectionCurve) -> float:
 
     Between two points true positives go up one by one, and false positives with the local skew,
     ``(fp_b - fp_a) / (tp_b - tp_a)`` for each; between these are trapezoids. A straight line
-    between two points would promise too much. Up to the largest recall that is reached. Without detections 0; NaN
-    where ``curve.why_undefined``.
+    between two points would promise too much. Up to the largest recall that is reached. Without
+    detections 0; NaN where ``curve.why_undefined``.
 
     References
     ----------

@@ -4,7 +4,7 @@ from nvcore.evidence.block_length import block_length
 from nvcore.evidence.bootstrap import BootstrapDifference, bootstrap_difference
 from nvcore.evidence.measures import Evidence, significance_table
 from nvcore.evidence.miss_rate import judge_miss_rate
-from nvcore.evidence.paired_tests import McNemar, SwapTest, holm, mcnemar, sign_flip_test, swap_test
+from nvcore.evidence.paired_tests import McNemar, SwapTest, holm, mcnemar, swap_test
 from nvcore.evidence.pairwise import pairwise_table
 from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.evidence.subgroups import Subgroup, find_subgroups
@@ -27,7 +27,6 @@ __all__ = [
     "judge_miss_rate",
     "mcnemar",
     "pairwise_table",
-    "sign_flip_test",
     "significance_table",
     "subgroup_table",
     "swap_test",

@@ -1,8 +1,8 @@
 """A result as tables, and what each column means."""
 
-from nvcore.tables.box_states import BoxStates, box_states
+from nvcore.tables.box_states import FrameBoxes, gather_boxes
 from nvcore.tables.columns import REPORT_COLUMNS, column_names
-from nvcore.tables.frame import FrameFacts, frame_facts
+from nvcore.tables.frame import FrameSummary, frame_summary
 from nvcore.tables.inputs import inputs_table, left_out_table
 from nvcore.tables.lanes import lanes_table
 from nvcore.tables.miss_classes import fusion_table, miss_class_counts, miss_class_totals
@@ -23,18 +23,18 @@ from nvcore.tables.scorecard import class_rows, score_rows
 
 __all__ = [
     "REPORT_COLUMNS",
-    "BoxStates",
-    "FrameFacts",
-    "box_states",
+    "FrameBoxes",
+    "FrameSummary",
     "class_rows",
     "column_names",
     "encounter_moments",
     "encounters_table",
     "events_table",
     "findings_table",
-    "frame_facts",
+    "frame_summary",
     "frames_table",
     "fusion_table",
+    "gather_boxes",
     "inputs_table",
     "intervals_table",
     "lanes_table",

@@ -198,7 +198,7 @@ def findings() -> tuple[Finding, ...]:
 
 
 def _audit(settings: Params, x: str, y: str | None) -> tuple[Finding, ...]:
-    """As `nvcore.auditing.audit`, in parts: files are not audited anew for another threshold."""
+    """As `nvcore.auditing.audit`, in parts: another threshold audits no file anew."""
     space, dataset = workspace(), opened().dataset
     with st.spinner("Auditing the inputs"):
         findings = [*space.cached("audit_inputs", (), lambda: audit_inputs(dataset))]
