@@ -6,6 +6,7 @@ from collections.abc import Callable, Hashable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import pairwise
 from typing import Any, TypeVar
 
 import numpy as np
@@ -145,6 +146,15 @@ class SystemResult:
         """Low-similarity intervals (`nvcore.metrics.similarity.find_low_intervals`)."""
         return find_low_intervals(
             self.similarity, self._dataset.frame_columns, low=self._params.low
+        )
+
+    @cached_property
+    def summary_of_recordings(self) -> tuple[SimilaritySummary, ...]:
+        """Aggregates of similarity over the frames of every recording."""
+        # a loop over recordings: percentiles need each recording's own sorted frames
+        return tuple(
+            summarise_similarity(self.similarity[start:end], low=self._params.low)
+            for start, end in pairwise(self._dataset.frame_columns.first)
         )
 
 

@@ -126,10 +126,10 @@ def gate(
     from nvcore.report.gate import (
         audit_rules,
         explain,
-        figure_names,
-        figure_text,
-        gate_figures,
+        gate_measures,
         judge,
+        measure_names,
+        value_text,
     )
     from nvcore.report.gate_results import junit_xml, markdown, terminal_lines
     from nvcore.report.keep_inputs import files_read
@@ -151,15 +151,15 @@ def gate(
     with pasteable_errors(session.folder, sources):
         result, findings = compare_session(session)
     wanted += audit_rules(wanted, strict=strict)
-    names = figure_names() if lists else [rule.name for rule in wanted]
-    figures = gate_figures(result, findings, session.protocol, names)
-    outcomes = explain(judge(wanted, figures), result, findings)
+    names = measure_names() if lists else [rule.name for rule in wanted]
+    values = gate_measures(result, findings, session.protocol, names)
+    outcomes = explain(judge(wanted, values), result, findings)
     shown = findings_at_paths(findings, paths_to_show(session.folder, sources))
     click.echo(render_findings(shown), err=is_machine_read)
     if lists:
-        width = max(map(len, figures))
-        for name in sorted(figures):
-            click.echo(f"{name:<{width}}  {figure_text(figures[name])}")
+        width = max(map(len, values))
+        for name in sorted(values):
+            click.echo(f"{name:<{width}}  {value_text(values[name])}")
     click.echo("\n".join(["", *terminal_lines(outcomes)]), err=is_machine_read)
     title = f"{result.x.name} (X) and {result.y.name} (Y)"
     if junit is not None:
@@ -182,14 +182,14 @@ def _takes_standard_output(files: Sequence[Path], lists: bool) -> bool:
 
 def _read(texts: Iterable[str], file: Path | None) -> list[Rule]:
     """The rules of the flags and of the file, or all that is wrong with them."""
-    from nvcore.report.gate import figure_names, read_rules
+    from nvcore.report.gate import measure_names, read_rules
 
     lines = [("--rule", text) for text in texts]
     if file is not None:
         name = "standard input" if file == STANDARD else one_line(str(file))
         numbered = enumerate(_content(file).splitlines(), 1)
         lines += [(f"{name}, line {number}", text) for number, text in numbered]
-    rules, problems = read_rules(lines, figure_names())
+    rules, problems = read_rules(lines, measure_names())
     if problems:
         raise _BadRules("\n".join(problems))
     return rules

@@ -1,9 +1,8 @@
-"""The figures of a detection curve, and those at the threshold in use, for a table."""
+"""The measures of a detection curve, and those at the threshold in use."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
 
 import numpy as np
 
@@ -20,7 +19,7 @@ from nvcore.detection.miss_rate import (
 
 @dataclass(frozen=True)
 class CurveSummary:
-    """Figures of one system under one protocol.
+    """Measures of one system under one protocol; tables name them by `nvcore.measures`.
 
     Attributes
     ----------
@@ -61,23 +60,8 @@ class CurveSummary:
     why_undefined: str | None
 
 
-SUMMARY_ROWS: Final = (
-    ("log_average_miss_rate", "log-average miss rate", "lower", ".2%"),
-    ("average_precision_coco", "average precision (COCO, 101 recalls)", "higher", ".4f"),
-    ("average_precision", "average precision (area, monotone)", "higher", ".4f"),
-    ("pr_auc", "area under precision-recall (Davis, Goadrich)", "higher", ".4f"),
-    ("best_f1", "best F1 over all thresholds", "higher", ".4f"),
-    ("recall", "recall at the threshold", "higher", ".4f"),
-    ("precision", "precision at the threshold", "higher", ".4f"),
-    ("f1", "F1 at the threshold", "higher", ".4f"),
-    ("fppi", "false positives per image at the threshold", "lower", ".4f"),
-    ("n_absorbed", "detections absorbed by ignored boxes at the threshold", "", "d"),
-)
-"""Attribute, what it is called, which way is better ("": neither), and its format."""
-
-
 def summarise_curve(curve: DetectionCurve, threshold: float | None) -> CurveSummary:
-    """All figures of a curve; undefined ones are NaN.
+    """All measures of a curve; undefined ones are NaN.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Whether the difference between X and Y is more than chance: every figure with its evidence."""
+"""Whether the difference between X and Y is more than chance: measures with their evidence."""
 
 from __future__ import annotations
 
@@ -19,32 +19,31 @@ from nvcore.evidence.bootstrap import (
 )
 from nvcore.evidence.paired_tests import McNemar, SwapTest, holm, mcnemar, swap_test
 from nvcore.evidence.units import RECORDINGS, Units, find_units, sum_units
+from nvcore.measures import EVIDENCE_KEYS, Better, evidence_label, inference_of, measure_of
 
-HIGHER: Final = "higher"
-LOWER: Final = "lower"
 D_Z: Final = "Cohen's d_z"
 ODDS_RATIO: Final = "odds ratio"
 
 
 @dataclass(frozen=True, eq=False)
-class UnitFigure:
-    """A figure that is a function of sums over units.
+class UnitMeasure:
+    """A measure that is a function of sums over units.
 
     Attributes
     ----------
-    figure, label
-        Key, and name with unit of measure for people.
+    key, label
+        Key, and name with unit for people.
     better
         ``higher`` or ``lower``.
     x, y
         Sums of each unit, shape (n_units, *columns); rows as numbered in `Units`.
     statistic
-        The figure from such sums (`nvcore.evidence.bootstrap.Statistic`).
+        The measure from such sums (`nvcore.evidence.bootstrap.Statistic`).
     """
 
-    figure: str
+    key: str
     label: str
-    better: str
+    better: Better
     x: np.ndarray
     y: np.ndarray
     statistic: Statistic = ratio
@@ -52,14 +51,15 @@ class UnitFigure:
 
 @dataclass(frozen=True)
 class Evidence:
-    """What the data say about the difference X - Y in one figure.
+    """What the data say about the difference X - Y in one measure.
 
     Attributes
     ----------
     figure, label, better
-        Key, name with unit of measure, ``higher`` or ``lower``.
+        Key of the measure, as the column is called in the files; name with unit; ``higher`` or
+        ``lower``.
     x, y, difference
-        The figure of both systems, and ``x - y``; NaN undefined.
+        Of both systems, and ``x - y``; NaN undefined.
     low, high
         95 % interval of the difference; NaN where none can be given.
     p
@@ -73,14 +73,14 @@ class Evidence:
     method
         How interval and p-value were made.
     note
-        Why something is not given, and what the figures do not say.
+        Why something is not given, and what the numbers do not say.
     p_holm
-        `p` by Holm's correction for all figures shown together.
+        `p` by Holm's correction for all measures shown together.
     """
 
     figure: str
     label: str
-    better: str
+    better: Better
     x: float
     y: float
     difference: float
@@ -97,17 +97,17 @@ class Evidence:
 
     @classmethod
     def undefined(
-        cls, figure: str, label: str, better: str, *, unit: str, note: str, n: int = 0
+        cls, key: str, label: str, better: Better, *, unit: str, note: str, n: int = 0
     ) -> Evidence:
-        """Evidence of a figure that these data do not have; `note` says why."""
+        """Evidence of a measure that these data do not have; `note` says why."""
         nan = float("nan")
         return cls(
-            figure=figure, label=label, better=better, x=nan, y=nan, difference=nan, low=nan,
+            figure=key, label=label, better=better, x=nan, y=nan, difference=nan, low=nan,
             high=nan, p=nan, effect=nan, effect_name=D_Z, n=n, unit=unit, method="", note=note,
         )  # fmt: skip
 
     def withheld(self) -> Evidence:
-        """The figure alone: without interval, test and effect size."""
+        """The values alone: without interval, test and effect size."""
         nan = float("nan")
         return replace(self, low=nan, high=nan, p=nan, effect=nan, method="")
 
@@ -121,25 +121,25 @@ COLUMNS: Final = (
 def significance_table(
     result: Result, extra: Sequence[Evidence] = (), *, units: Units | None = None
 ) -> pd.DataFrame:
-    """The scorecard's figures with interval, p-value and effect size.
+    """The scorecard's measures with interval, p-value and effect size.
 
     `nvcore.evidence.table.evidence_table` has the log-average miss rate as well.
 
     Encounters detected come twice: every encounter for itself (McNemar), and by units, which
-    allows for encounters of one recording being alike. Then mean similarity, share of low frames,
-    saliency, false-alert episodes per hour, and `extra`. Where too little is known for a figure,
-    or most encounters are single frames, it is NaN and `note` says so in words.
+    allows for encounters of one recording being alike. Then the other measures that
+    `nvcore.measures.Inference` judges by units, and `extra`. Where too little is known for a
+    measure, or most encounters are single frames, it is NaN and `note` says so in words.
 
     Parameters
     ----------
     extra
-        Further figures, which Holm's correction then allows for.
+        Further measures, which Holm's correction then allows for.
     units
         ``find_units(result)``, if known already.
 
     Returns
     -------
-    Columns `COLUMNS` (attributes of `Evidence`), one row per figure. p_holm corrects for all of
+    Columns `COLUMNS` (attributes of `Evidence`), one row per measure. p_holm corrects for all of
     them.
 
     Examples
@@ -147,10 +147,9 @@ def significance_table(
     >>> significance_table(result)[["figure", "difference", "low", "high"]]  # doctest: +SKIP
     """
     units = find_units(result) if units is None else units
-    judged = [judge_figure(one, units) for one in unit_figures(result, units)]
     judged = [
-        with_largest_events(result, units, row) if row.figure == "saliency" else row
-        for row in judged
+        with_mean_over_recordings(result, units, judge_measure(measure, units))
+        for measure in unit_measures(result, units)
     ]
     encounters = judge_encounters_detected(result)
     rows = [encounters.withheld() if result.is_short else encounters, *judged, *extra]
@@ -168,8 +167,9 @@ def judge_encounters_detected(result: Result) -> Evidence:
             "most encounters are one frame long, so they are frames rather than persons, and not "
             "independent: go by the figure by recordings or blocks"
         )
+    key = "encounters_detected"
     return Evidence(
-        figure="encounters_detected", label="share of encounters detected", better=HIGHER,
+        figure=key, label=evidence_label(key, result, units=""), better=measure_of(key).better,
         x=found.share_x, y=found.share_y, difference=found.difference, low=found.low,
         high=found.high, p=found.p, effect=found.odds_ratio, effect_name=ODDS_RATIO, n=found.n,
         unit="encounters", method=_mcnemar_method(found), note=_joined(notes),
@@ -185,66 +185,62 @@ def _mcnemar_method(found: McNemar) -> str:
     return "; ".join(parts)
 
 
-def unit_figures(result: Result, units: Units) -> tuple[UnitFigure, ...]:
-    """The figures of the scorecard that are made from sums over units."""
+def unit_measures(result: Result, units: Units) -> tuple[UnitMeasure, ...]:
+    """The measures that are made from sums over units."""
     sums = sum_units(result, units)
-    low, by = result.params.low, units.kind
-    worst = "largest event" if result.params.saliency_aggregate == "max" else "sum of events"
-    made = (
-        ("encounters_detected_by_unit", f"share of encounters detected, by {by}", HIGHER,
-         "detected", "n_encounters", 1.0),
-        ("mean_similarity", "mean similarity", HIGHER, "similarity", "n_frames", 1.0),
-        ("share_low", f"share of frames with similarity below {low:g}", LOWER,
-         "low", "n_frames", 1.0),
-        ("saliency", f"saliency of a recording, {worst} (s)", LOWER,
-         "saliency", "share_of_recording", 1.0),
-        ("false_alert_episodes_per_hour", "false-alert episodes per hour", LOWER,
-         "episodes", "duration_s", 3600.0),
-    )  # fmt: skip
-    figures = []
-    for key, label, better, above, below, factor in made:
+    measures = []
+    for key in EVIDENCE_KEYS:
+        inference = inference_of(key)
+        if inference.test != "units":
+            continue
         x, y = (
-            np.column_stack([factor * sums[f"{above}_{letter}"], sums[below]]) for letter in "xy"
+            np.column_stack([inference.factor * sums[f"{key}_{letter}"], sums[inference.per]])
+            for letter in "xy"
         )
-        figures.append(UnitFigure(key, label, better, x, y))
-    return tuple(figures)
+        label = evidence_label(key, result, units.kind)
+        measures.append(UnitMeasure(key, label, measure_of(key).better, x, y))
+    return tuple(measures)
 
 
-def judge_figure(figure: UnitFigure, units: Units) -> Evidence:
-    """Difference of a figure with bootstrap interval, permutation test and effect size."""
-    interval = bootstrap_difference(figure.x, figure.y, figure.statistic)
-    test = swap_test(figure.x, figure.y, figure.statistic)
+def judge_measure(measure: UnitMeasure, units: Units) -> Evidence:
+    """Difference of a measure with bootstrap interval, permutation test and effect size."""
+    interval = bootstrap_difference(measure.x, measure.y, measure.statistic)
+    test = swap_test(measure.x, measure.y, measure.statistic)
     notes = [*dict.fromkeys((interval.reason, test.reason)), units.note]
     is_judged = np.isfinite(interval.low) or np.isfinite(test.p)
     return Evidence(
-        figure=figure.figure, label=figure.label, better=figure.better, x=interval.x, y=interval.y,
-        difference=interval.difference, low=interval.low, high=interval.high, p=test.p,
-        effect=_standardised(figure) if is_judged else np.nan, effect_name=D_Z, n=len(units),
-        unit=units.kind, method=_unit_method(interval, test, units), note=_joined(notes),
+        figure=measure.key, label=measure.label, better=measure.better, x=interval.x,
+        y=interval.y, difference=interval.difference, low=interval.low, high=interval.high,
+        p=test.p, effect=_standardised(measure) if is_judged else np.nan, effect_name=D_Z,
+        n=len(units), unit=units.kind, method=_unit_method(interval, test, units),
+        note=_joined(notes),
     )  # fmt: skip
 
 
-def with_largest_events(result: Result, units: Units, row: Evidence) -> Evidence:
-    """The row of saliency, which blocks of time do not have if it is the largest event."""
-    if units.kind == RECORDINGS or result.params.saliency_aggregate == "sum":
+def with_mean_over_recordings(result: Result, units: Units, row: Evidence) -> Evidence:
+    """The row; of a mean over recordings that blocks of time cannot share, at least its values."""
+    inference, by_recording = inference_of(row.figure), measure_of(row.figure).by_recording
+    if inference.per != "share_of_recording" or units.kind == RECORDINGS:
+        return row
+    if inference.parts is None or by_recording is None or inference.parts(result, result.x):
         return row
     used = np.unique(units.recording)
-    x, y = (float(result.saliency_of_recordings(system)[used].mean()) for _, system in result.sides)
-    note = "the largest event of a recording cannot be shared out to blocks of time"
-    return replace(row, x=x, y=y, difference=x - y, note=_joined([note, units.note]))
+    x, y = (float(by_recording(result, system)[used].mean()) for _, system in result.sides)
+    note = _joined([inference.not_in_blocks, units.note])
+    return replace(row, x=x, y=y, difference=x - y, note=note)
 
 
-def _standardised(figure: UnitFigure) -> float:
+def _standardised(measure: UnitMeasure) -> float:
     """Cohen's d_z from jackknife pseudo-values.
 
     For a mean over units of equal weight that is the mean of their differences over the standard
-    deviation; for other figures each unit counts by what leaving it out changes.
+    deviation; for other measures each unit counts by what leaving it out changes.
     """
-    x, y, n = figure.x, figure.y, len(figure.x)
+    x, y, n = measure.x, measure.y, len(measure.x)
     if n < 2:
         return float("nan")
-    difference = float(figure.statistic(x.sum(axis=0)) - figure.statistic(y.sum(axis=0)))
-    without = figure.statistic(x.sum(axis=0) - x) - figure.statistic(y.sum(axis=0) - y)
+    difference = float(measure.statistic(x.sum(axis=0)) - measure.statistic(y.sum(axis=0)))
+    without = measure.statistic(x.sum(axis=0) - x) - measure.statistic(y.sum(axis=0) - y)
     spread = (n - 1) * float(without.std(ddof=1))
     # equal differences have a spread of a rounding error, not always 0
     if not spread > 1e-9 * abs(difference):

@@ -12,25 +12,26 @@ from nvcore.detection.curves import Outcomes, detection_outcomes
 from nvcore.detection.filtered_truth import filter_truth
 from nvcore.detection.miss_rate import FPPI_REFERENCES, explain_few, explain_zero
 from nvcore.errors import InputError
-from nvcore.evidence.measures import LOWER, Evidence, UnitFigure, judge_figure
+from nvcore.evidence.measures import Evidence, UnitMeasure, judge_measure
 from nvcore.evidence.units import Units, units_within
+from nvcore.measures import measure_of
 from nvcore.protocols import PROTOCOLS, Protocol
 
-FIGURE: Final = "log_average_miss_rate"
+KEY: Final = "log_average_miss_rate"
 N_POINTS: Final = 200
 """Operating points besides the references: a resample finds its own among them."""
 POINT_RANGE: Final = (0.002, 4.0)
 """False positives per image of these points; the references are 0.01 to 1."""
 
 
-def log_average_miss_rate_figure(
+def log_average_miss_rate_measure(
     result: Result, units: Units, protocol: Protocol = PROTOCOLS["all"]
-) -> UnitFigure | None:
-    """The log-average miss rate for `nvcore.evidence.measures.judge_figure`.
+) -> UnitMeasure | None:
+    """The log-average miss rate for `nvcore.evidence.measures.judge_measure`.
 
     Each system is counted at the same 200 levels of false positives per image, the nine
     references among them; a resample or exchange looks up the references among these levels. Over
-    all units the figure is exactly `nvcore.detection.miss_rate.log_average_miss_rate`.
+    all units the measure is exactly `nvcore.detection.miss_rate.log_average_miss_rate`.
 
     Returns
     -------
@@ -46,7 +47,9 @@ def log_average_miss_rate_figure(
         if np.isnan(outcomes.score).any() or not outcomes.truth.n_truth:
             return None
         made.append(_sums(outcomes, units))
-    return UnitFigure(FIGURE, _label(protocol), LOWER, made[0], made[1], statistic=_log_average)
+    better = measure_of(KEY).better
+    x, y = made
+    return UnitMeasure(KEY, _label(protocol), better, x, y, statistic=_log_average)
 
 
 def judge_miss_rate(
@@ -59,7 +62,7 @@ def judge_miss_rate(
 
     def undefined(why: str) -> Evidence:
         return Evidence.undefined(
-            FIGURE, _label(protocol), LOWER, unit=units.kind, n=len(units), note=why
+            KEY, _label(protocol), measure_of(KEY).better, unit=units.kind, n=len(units), note=why
         )
 
     try:
@@ -69,15 +72,15 @@ def judge_miss_rate(
     recordings = np.zeros(len(result.dataset.recordings), dtype=bool)
     recordings[result.dataset.frame_columns.recording[truth.is_counted]] = True
     units = units_within(result, units, recordings)
-    figure = log_average_miss_rate_figure(result, units, protocol)
-    if figure is None:
+    measure = log_average_miss_rate_measure(result, units, protocol)
+    if measure is None:
         return undefined(
             "the log-average miss rate needs pedestrians that count, and detections with scores"
         )
-    found = judge_figure(figure, units)
-    sums = (figure.x.sum(axis=0), figure.y.sum(axis=0))
+    found = judge_measure(measure, units)
+    sums = (measure.x.sum(axis=0), measure.y.sum(axis=0))
     notes = [found.note]
-    n_with = np.count_nonzero(figure.x[:, 1])
+    n_with = np.count_nonzero(measure.x[:, 1])
     if np.isnan(found.low) and n_with < len(units):
         notes.append(f"only {n_with} of {len(units)} {units.kind} have pedestrians that count")
     notes.append(explain_few(int(sums[0][1])))
@@ -89,7 +92,7 @@ def judge_miss_rate(
 
 def _label(protocol: Protocol) -> str:
     is_plain = protocol == PROTOCOLS["all"]
-    return "log-average miss rate" + ("" if is_plain else f", {protocol.title}")
+    return measure_of(KEY).label + ("" if is_plain else f", {protocol.title}")
 
 
 def _levels() -> np.ndarray:

@@ -12,7 +12,12 @@ import pandas as pd
 from nvcore.comparison import Result, compare
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError
-from nvcore.evidence.measures import Evidence, judge_encounters_detected, judge_figure, unit_figures
+from nvcore.evidence.measures import (
+    Evidence,
+    judge_encounters_detected,
+    judge_measure,
+    unit_measures,
+)
 from nvcore.evidence.paired_tests import holm
 from nvcore.evidence.units import find_units
 from nvcore.params import Params
@@ -80,10 +85,10 @@ def pairwise_table(
 
 def _row(result: Result) -> dict[str, Any]:
     units = find_units(result)
-    figures = {one.figure: one for one in unit_figures(result, units)}
+    measures = {measure.key: measure for measure in unit_measures(result, units)}
     split = judge_encounters_detected(result)
-    by_unit = judge_figure(figures["encounters_detected_by_unit"], units)
-    similarity = judge_figure(figures["mean_similarity"], units)
+    by_unit = judge_measure(measures["encounters_detected_by_unit"], units)
+    similarity = judge_measure(measures["mean_similarity"], units)
     return {
         "x": result.x.name,
         "y": result.y.name,

@@ -1,8 +1,8 @@
-"""The figures of a comparison for parts of it, each with its evidence."""
+"""The measures of a comparison for parts of it, each with its evidence."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, Final
 
@@ -14,32 +14,18 @@ from nvcore.dataset import Dataset
 from nvcore.evidence.measures import (
     Evidence,
     judge_encounters_detected,
-    judge_figure,
-    unit_figures,
-    with_largest_events,
+    judge_measure,
+    unit_measures,
+    with_mean_over_recordings,
 )
 from nvcore.evidence.miss_rate import judge_miss_rate
 from nvcore.evidence.paired_tests import holm, mcnemar
 from nvcore.evidence.subgroups import ALL, Subgroup, everyone, find_subgroups
 from nvcore.evidence.units import Units, find_units, units_within
+from nvcore.measures import EVIDENCE_KEYS, inference_of
 from nvcore.metrics.venn import count_categories
 from nvcore.protocols import PROTOCOLS, Protocol
 from nvcore.schema import Category
-
-DETECTED: Final = "encounters_detected"
-BY_UNIT: Final = "encounters_detected_by_unit"
-MISS_RATE: Final = "log_average_miss_rate"
-FIGURES: Final = (
-    DETECTED, BY_UNIT, "mean_similarity", "share_low", "saliency",
-    "false_alert_episodes_per_hour", MISS_RATE,
-)  # fmt: skip
-"""Figures that `subgroup_table` knows, by their keys in `nvcore.evidence.table.evidence_table`."""
-NOT_OF_PEDESTRIANS: Final[Mapping[str, str]] = {
-    "mean_similarity": "a frame belongs to no group of pedestrians",
-    "share_low": "a frame belongs to no group of pedestrians",
-    "false_alert_episodes_per_hour": "a false alert belongs to no pedestrian",
-}
-"""Figures that only groups of whole recordings have, and why."""
 
 COLUMNS: Final = (
     "factor", "group", "figure", "label", "better", "n", "unit", "both", "x_only", "y_only",
@@ -50,24 +36,24 @@ COLUMNS: Final = (
 
 def subgroup_table(
     result: Result,
-    figures: Sequence[str] = FIGURES,
+    keys: Sequence[str] = EVIDENCE_KEYS,
     *,
     protocol: Protocol = PROTOCOLS["all"],
     units: Units | None = None,
 ) -> pd.DataFrame:
-    """Difference X - Y of each figure, for all encounters and for every group of them.
+    """Difference X - Y of each measure, for all encounters and for every group of them.
 
-    Ready for forest plots: for each figure one row per group, the first one for all. A group of
-    recordings (a tag) has every figure, from the units within these recordings. Of a group of
+    Ready for forest plots: for each measure one row per group, the first one for all. A group of
+    recordings (a tag) has every measure, from the units within these recordings. Of a group of
     pedestrians encounters detected are its own; saliency is that of its events, over the
     recordings with such pedestrians; in the log-average miss rate all others are ignored, and the
     false positives are those of all frames. Frames and false alerts belong to no such group: their
-    figures are NaN, `note` says so.
+    measures are NaN, `note` says so.
 
     Parameters
     ----------
-    figures
-        Some of `FIGURES`.
+    keys
+        Some of `nvcore.measures.EVIDENCE_KEYS`.
     protocol
         Which pedestrians count in the log-average miss rate.
     units
@@ -77,7 +63,7 @@ def subgroup_table(
     -------
     Columns `COLUMNS`: factor, group; both, x_only, y_only, neither: encounters of the group, near
     ones, by who detects them; odds_low, odds_high: 95 % interval of the odds ratio; p_holm: p
-    corrected for all groups of the same figure (the row of all is not one). The others are
+    corrected for all groups of the same measure (the row of all is not one). The others are
     attributes of `measures.Evidence`. Groups of several factors overlap, and a tag's
     with another's.
 
@@ -91,12 +77,12 @@ def subgroup_table(
     """
     units = find_units(result) if units is None else units
     parts = (everyone(result), *find_subgroups(result))
-    judged = [_judge_part(result, part, figures, units=units, protocol=protocol) for part in parts]
+    judged = [_judge_part(result, part, keys, units=units, protocol=protocol) for part in parts]
     tables = []
-    for of_figure in zip(*judged, strict=True):
-        rows = [_row(result, *pair) for pair in zip(parts, of_figure, strict=True)]
+    for of_measure in zip(*judged, strict=True):
+        rows = [_row(result, *pair) for pair in zip(parts, of_measure, strict=True)]
         table = pd.DataFrame(rows)
-        table["label"] = of_figure[0].label  # that of a tag's miss rate would name the tag
+        table["label"] = of_measure[0].label  # that of a tag's miss rate would name the tag
         table["p_holm"] = np.concatenate([[np.nan], holm(table["p"].to_numpy()[1:])])
         tables.append(table[list(COLUMNS)])
     return pd.concat(tables, ignore_index=True)
@@ -106,7 +92,7 @@ def _row(result: Result, part: Subgroup, judged: Evidence) -> dict[str, Any]:
     venn = count_categories(result.category[part.is_member])
     counts = venn.counts()
     odds = (np.nan, np.nan)
-    if judged.figure == DETECTED:
+    if inference_of(judged.figure).test == "encounters":
         found = mcnemar(venn)
         odds = found.odds_low, found.odds_high
     return {
@@ -120,30 +106,29 @@ def _row(result: Result, part: Subgroup, judged: Evidence) -> dict[str, Any]:
 
 
 def _judge_part(
-    result: Result, part: Subgroup, figures: Sequence[str], *, units: Units, protocol: Protocol
+    result: Result, part: Subgroup, keys: Sequence[str], *, units: Units, protocol: Protocol
 ) -> list[Evidence]:
-    """The figures of a group, in their order."""
+    """The measures of a group, in their order."""
     narrowed = _narrowed(result, part)
     within = units_within(result, units, part.recordings)
-    of_units = {one.figure: one for one in unit_figures(narrowed, units)}
+    of_units = {measure.key: measure for measure in unit_measures(narrowed, units)}
     is_within = part.recordings[units.recording]
 
-    def judge(figure: str) -> Evidence:
-        if figure == DETECTED:
+    def judge(key: str) -> Evidence:
+        inference = inference_of(key)
+        if inference.test == "encounters":
             split = judge_encounters_detected(narrowed)
             return split.withheld() if result.is_short else split
-        if figure == MISS_RATE:
+        if inference.test == "curve":
             return _miss_rate(result, part, units, protocol)
-        own = of_units[figure]
-        if figure in NOT_OF_PEDESTRIANS and not part.has_frames:
-            return Evidence.undefined(
-                own.figure, own.label, own.better, unit=units.kind, note=NOT_OF_PEDESTRIANS[figure]
-            )
+        own = of_units[key]
+        if inference.not_of_pedestrians and not part.has_frames:
+            why = inference.not_of_pedestrians
+            return Evidence.undefined(own.key, own.label, own.better, unit=units.kind, note=why)
         own = replace(own, x=own.x[is_within], y=own.y[is_within])
-        row = judge_figure(own, within)
-        return with_largest_events(narrowed, within, row) if figure == "saliency" else row
+        return with_mean_over_recordings(narrowed, within, judge_measure(own, within))
 
-    return [judge(figure) for figure in figures]
+    return [judge(key) for key in keys]
 
 
 def _narrowed(result: Result, part: Subgroup) -> Result:

@@ -1,8 +1,6 @@
-"""Every figure with its evidence, as the verdict, the dashboard and the reports show it."""
+"""Every measure with its evidence, as the verdict, the dashboard and the reports show it."""
 
 from __future__ import annotations
-
-from typing import Final
 
 import pandas as pd
 
@@ -11,17 +9,6 @@ from nvcore.evidence.measures import Evidence, significance_table
 from nvcore.evidence.miss_rate import judge_miss_rate
 from nvcore.evidence.units import Units, find_units
 from nvcore.protocols import PROTOCOLS, Protocol
-
-FORMS: Final = {
-    "encounters_detected": ".1%",
-    "encounters_detected_by_unit": ".1%",
-    "mean_similarity": ".4f",
-    "share_low": ".1%",
-    "saliency": ".2f",
-    "false_alert_episodes_per_hour": ".1f",
-    "log_average_miss_rate": ".1%",
-}
-"""Python's formats of the figures, by their keys."""
 
 
 def evidence_table(

@@ -8,9 +8,10 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
-from nvcore.comparison import Result
+from nvcore.comparison import Result, SystemResult
 from nvcore.evidence.block_length import block_length
 from nvcore.evidence.bootstrap import MIN_UNITS
+from nvcore.measures import EVIDENCE_KEYS, inference_of, measure_of
 from nvcore.schema import Category
 
 RECORDINGS: Final = "recordings"
@@ -32,7 +33,7 @@ class Units:
         ``"recordings"`` or ``"blocks"`` of time.
     unit_of_frame
         Unit of every listed frame; int64, shape (n_frames,). Numbered by the recordings' names,
-        then by time, so that the order of the recordings changes no figure.
+        then by time, so that the order of the recordings changes no number.
     recording
         Recording of each unit, a row of the recordings table; int64, shape (n_units,).
     n_recordings
@@ -60,7 +61,7 @@ class Units:
 
     @property
     def note(self) -> str:
-        """What the choice of units means for the figures; empty for recordings."""
+        """What the choice of units means; empty for recordings."""
         if self.kind == RECORDINGS:
             return ""
         if self.n_recordings == 1:
@@ -116,15 +117,15 @@ def _differences(result: Result) -> tuple[np.ndarray, ...]:
 
 
 def sum_units(result: Result, units: Units) -> pd.DataFrame:
-    """Sums of every unit, from which the figures of all are made.
+    """Sums of every unit, from which the measures of all are made.
 
     Returns
     -------
     One row per unit: recording (row of the recordings), n_frames, duration_s, share_of_recording
-    (1, or of a block its part), n_encounters (not distant); and with ``_x`` and ``_y``:
-    similarity (sum over frames), low (frames below `low`), episodes, detected (encounters),
-    saliency (seconds; NaN for blocks if the aggregate is the largest event). Encounters, episodes
-    and events belong to the unit in which they begin.
+    (1, or of a block its part), n_encounters (not distant); and with ``_x`` and ``_y`` the sum of
+    the parts of each measure that is judged by units, by its key (NaN for blocks of time to which
+    it cannot be shared out). Encounters, episodes and events belong to the unit in which they
+    begin.
     """
     n, unit = len(units), units.unit_of_frame
     frames, encounters = result.dataset.frame_columns, result.encounters
@@ -144,24 +145,27 @@ def sum_units(result: Result, units: Units) -> pd.DataFrame:
         "n_encounters": total(begin[is_near]),
     }
     for letter, system in result.sides:
-        detected = system.encounters["is_detected"].to_numpy(dtype=bool) & is_near
-        if units.kind == RECORDINGS:
-            saliency = result.saliency_of_recordings(system)[units.recording]
-        elif result.params.saliency_aggregate == "sum":
-            event = unit[system.events["first_row"].to_numpy(dtype=np.int64)]
-            saliency = total(event, system.events["saliency_s"].to_numpy(dtype=float))
-        else:
-            saliency = np.full(n, np.nan)
         columns |= {
-            f"similarity_{letter}": total(unit, system.similarity),
-            f"low_{letter}": total(unit, system.similarity < result.params.low),
-            f"episodes_{letter}": total(
-                unit[system.episodes["first_row"].to_numpy(dtype=np.int64)]
-            ),
-            f"detected_{letter}": total(begin[detected]),
-            f"saliency_{letter}": saliency,
+            f"{key}_{letter}": _sum_of(key, result, system, units)
+            for key in EVIDENCE_KEYS
+            if inference_of(key).test == "units"
         }
     return pd.DataFrame(columns)
+
+
+def _sum_of(key: str, result: Result, system: SystemResult, units: Units) -> np.ndarray:
+    """Sum of the parts of a measure in every unit; NaN where it has none."""
+    inference, by_recording = inference_of(key), measure_of(key).by_recording
+    if inference.per == "share_of_recording" and units.kind == RECORDINGS:
+        assert by_recording is not None, key
+        of_units: np.ndarray = by_recording(result, system)[units.recording]
+        return of_units
+    assert inference.parts is not None, key
+    parts = inference.parts(result, system)
+    if parts is None:
+        return np.full(len(units), np.nan)
+    unit = units.unit_of_frame[parts.frame]
+    return np.bincount(unit, weights=parts.value, minlength=len(units)).astype(float)
 
 
 def units_within(result: Result, units: Units, recordings: np.ndarray) -> Units:

@@ -1,9 +1,8 @@
-"""A figure for each part of the encounters: differences with their intervals."""
+"""A measure for each part of the encounters: differences with their intervals."""
 
 from __future__ import annotations
 
 from collections.abc import Hashable
-from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
@@ -12,6 +11,7 @@ import plotly.graph_objects as go
 
 from nvcore.evidence.subgroups import ALL
 from nvcore.figures.style import LOOK, axis, empty_figure, layout, plain
+from nvcore.measures import AxisScale, inference_of
 from nvcore.palette import Theme
 from nvcore.wording import count_text
 
@@ -23,46 +23,25 @@ FACTOR_WORDS: Final = {
 }  # fmt: skip
 
 
-@dataclass(frozen=True)
-class _Scale:
-    """How a figure is written: times `factor`, in `unit`; an axis is at least `least` wide."""
-
-    factor: float
-    unit: str
-    form: str
-    least: float
-
-
-_SHARE: Final = _Scale(100.0, " in percentage points", ".0%", 1.0)
-SCALES: Final = {
-    "encounters_detected": _SHARE,
-    "encounters_detected_by_unit": _SHARE,
-    "mean_similarity": _Scale(1.0, "", ".3f", 0.01),
-    "share_low": _Scale(100.0, " in percentage points", ".1%", 1.0),
-    "saliency": _Scale(1.0, " in seconds", ".2f", 0.1),
-    "false_alert_episodes_per_hour": _Scale(1.0, " in episodes per hour", ",.0f", 1.0),
-    "log_average_miss_rate": _Scale(100.0, " in percentage points", ".1%", 1.0),
-}
-
-
 def subgroup_forest(subgroups: pd.DataFrame, *, theme: Theme) -> go.Figure:
-    """Difference X - Y of one figure with its 95 % interval, by group; undefined ones left out.
+    """Difference X - Y of one measure with its 95 % interval, by group; undefined ones left out.
 
     Parameters
     ----------
     subgroups
-        `nvcore.evidence.subgroup_table.subgroup_table` of one figure.
+        `nvcore.evidence.subgroup_table.subgroup_table` of one measure.
     """
     is_defined = np.isfinite(subgroups["difference"].to_numpy(dtype=float))
     table = subgroups[is_defined].head(MOST_GROUPS)
     if table.empty:
         return empty_figure("There is no group in which this figure is defined.", theme=theme)
-    figure_key, label, better, unit = table[["figure", "label", "better", "unit"]].iloc[0]
-    scale = SCALES[figure_key]
+    key, label, better, unit = table[["figure", "label", "better", "unit"]].iloc[0]
+    scale = inference_of(key).scale
+    factor = 100.0 if scale.is_share else 1.0
     look = LOOK[theme]
     place = np.arange(len(table), dtype=float)
     difference, low, high = (
-        scale.factor * table[name].to_numpy(dtype=float) for name in ("difference", "low", "high")
+        factor * table[name].to_numpy(dtype=float) for name in ("difference", "low", "high")
     )
     has_interval = np.isfinite(low) & np.isfinite(high)
     text = [_text(row) for row in table.to_dict("records")]
@@ -102,7 +81,7 @@ def subgroup_forest(subgroups: pd.DataFrame, *, theme: Theme) -> go.Figure:
             height=130 + ROW_PX * len(table), showlegend=False,
             margin={"l": 190, "r": 230, "t": 64, "b": 48},
             xaxis=axis(
-                theme, f"difference{scale.unit} ({side}: X is better)",
+                theme, f"difference{_in_unit(scale)} ({side}: X is better)",
                 range=_range(difference, low, high, least=scale.least),
             ),
             yaxis=axis(theme)
@@ -117,6 +96,11 @@ def subgroup_forest(subgroups: pd.DataFrame, *, theme: Theme) -> go.Figure:
             font={"size": 12, "color": look.muted},
         )  # fmt: skip
     return figure
+
+
+def _in_unit(scale: AxisScale) -> str:
+    unit = "percentage points" if scale.is_share else scale.unit
+    return f" in {unit}" if unit else ""
 
 
 def _range(

@@ -33,8 +33,8 @@ from nvcore.tables.result import (
     frames_table,
     intervals_table,
     recordings_table,
-    summary,
 )
+from nvcore.tables.summary import summary
 
 ZIP_TIME: Final = (1980, 1, 1, 0, 0, 0)
 """Time of every file in a zip, the earliest there is: the same report, the same bytes."""

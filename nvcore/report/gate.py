@@ -14,32 +14,23 @@ from typing import Any, Final
 import numpy as np
 
 from nvcore.comparison import Result
-from nvcore.detection.curve_summary import CurveSummary, summarise_curve
+from nvcore.detection.curve_summary import summarise_curve
 from nvcore.detection.curves import detection_curve
 from nvcore.errors import ParameterError
 from nvcore.findings import Finding, Severity
+from nvcore.measures import MEASURES
 from nvcore.protocols import Protocol
 from nvcore.schema import Category
 from nvcore.tables.columns import Column, Kind
-from nvcore.tables.result import summary, system_summary
-from nvcore.tables.summary_columns import SUMMARY_KEYS, SYSTEM_KEYS
+from nvcore.tables.summary import SUMMARY_KEYS, SYSTEM_KEYS, summary, system_summary
 from nvcore.wording import one_line
 
 COMPARISONS: Final[dict[str, Callable[[float, float], bool]]] = {
     "<=": operator.le, ">=": operator.ge, "==": operator.eq, "!=": operator.ne,
     "<": operator.lt, ">": operator.gt,
 }  # fmt: skip
-CURVE_NAMES: Final = {
-    "lamr": "log_average_miss_rate",
-    "ap": "average_precision_coco",
-    "ap_area": "average_precision",
-    "pr_auc": "pr_auc",
-    "recall": "recall",
-    "precision": "precision",
-    "f1": "f1",
-    "fppi": "fppi",
-}
-"""Figures of the detection curve, and their names in `CurveSummary`."""
+_OF_CURVE: Final = {one.rule: one.of_curve for one in MEASURES if one.rule and one.of_curve}
+"""Measures of the detection curve, by their names in rules."""
 _MISTAKEN: Final = {
     "=": "==", "===": "==", "=<": "<=", "=>": ">=", "<>": "!=", "≤": "<=", "≥": ">=", "≠": "!=",
 }  # fmt: skip
@@ -55,9 +46,9 @@ COUNTED_ENCOUNTERS: Final = {
     "venn.y_only": Category.Y_ONLY,
     "venn.neither": Category.NEITHER,
 }
-"""Figures that count encounters, which are listed where the rule fails."""
+"""Measures that count encounters, which are listed where the rule fails."""
 COUNTED_FINDINGS: Final = {"audit_errors": Severity.ERROR, "audit_warnings": Severity.WARNING}
-"""Figures that count findings of the audit, likewise."""
+"""Measures that count findings of the audit, likewise."""
 MAX_LISTED: Final = 10
 _OTHERS: Final = (
     "new_misses", "mended_misses", "missed_by_both", "encounters", "mcnemar_p", *COUNTED_FINDINGS,
@@ -72,29 +63,29 @@ SUMMARY_NAMES: Final = (
     *_numeric(SUMMARY_KEYS),
     *(f"fusion.{kind}.{name}" for kind in ("x_or_y", "x_and_y") for name in _numeric(SYSTEM_KEYS)),
 )
-"""Figures of ``summary.json`` that are not of X or Y; worked out where a rule names one."""
+"""Measures in ``summary.json`` that are not of X or Y; worked out where a rule names one."""
 
 
-def figure_names() -> list[str]:
-    """Names of all figures that a rule may name."""
-    of_systems = [*_numeric(SYSTEM_KEYS), *CURVE_NAMES]
+def measure_names() -> list[str]:
+    """Names of all measures that a rule may name."""
+    of_systems = [*_numeric(SYSTEM_KEYS), *_OF_CURVE]
     ended = [f"{name}_{end}" for name in of_systems for end in ("x", "y", "difference")]
     return [*ended, *_OTHERS, *SUMMARY_NAMES]
 
 
-def figure_text(value: float) -> str:
-    """The value of a figure with six digits."""
+def value_text(value: float) -> str:
+    """The value of a measure with six digits."""
     return "undefined" if math.isnan(value) else f"{value:.6g}"
 
 
 @dataclass(frozen=True)
 class Rule:
-    """A figure, a comparison and a limit, such as ``lamr_y <= 0.10``.
+    """A measure, a comparison and a limit, such as ``lamr_y <= 0.10``.
 
     Attributes
     ----------
     allows_undefined
-        Whether the rule also holds where the figure is undefined (``or undefined``).
+        Whether the rule also holds where the measure is undefined (``or undefined``).
     """
 
     name: str
@@ -111,7 +102,7 @@ class Outcome:
     Attributes
     ----------
     value
-        Of the figure; NaN undefined: the rule then fails, unless it says otherwise.
+        Of the measure; NaN undefined: the rule then fails, unless it says otherwise.
     details
         What a failed rule counts: encounters or findings, one line each, as they are named in the
         inputs.
@@ -125,7 +116,7 @@ class Outcome:
     @property
     def message(self) -> str:
         """What was found, in words."""
-        found = f"{self.rule.name} is {figure_text(self.value)}"
+        found = f"{self.rule.name} is {value_text(self.value)}"
         if not math.isnan(self.value):
             return found
         if self.is_passed:
@@ -134,7 +125,7 @@ class Outcome:
 
 
 def parse_rule(text: str) -> Rule:
-    """A rule: a figure, one of ``<= >= == != < >``, a number (10% is 0.1), maybe ``or undefined``.
+    """A rule: a measure, one of ``<= >= == != < >``, a number (10% is 0.1), maybe ``or undefined``.
 
     Raises
     ------
@@ -174,7 +165,7 @@ def read_rules(
         Where each one stands, such as ``rules.txt, line 3``, and its text. Empty ones, and what
         follows a ``#``, are left out.
     names
-        Of the figures that there are.
+        Of the measures that there are.
     """
     rules, problems = [], []
     for where, line in lines:
@@ -212,10 +203,10 @@ def audit_rules(rules: Iterable[Rule], *, strict: bool) -> list[Rule]:
     return [parse_rule(f"{name} == 0") for name in wanted if name not in named]
 
 
-def gate_figures(
+def gate_measures(
     result: Result, findings: Sequence[Finding], protocol: Protocol, wanted: Iterable[str]
 ) -> dict[str, float]:
-    """The figures that rules may name; those that take time only where they are wanted.
+    """The measures that rules may name; those that take time only where they are wanted.
 
     ``new_misses`` are the encounters that X detects and Y does not, ``mended_misses`` the other
     way round: with the release in use as X and the candidate as Y.
@@ -225,30 +216,30 @@ def gate_figures(
     protocol
         Of the detection curves.
     wanted
-        Names in rules. The figures of detection curves and those of `SUMMARY_NAMES` are worked out
+        Names in rules. Measures of detection curves and those of `SUMMARY_NAMES` are worked out
         if one of them is among these.
     """
     asked = set(wanted)
-    figures: dict[str, float] = {}
+    values: dict[str, float] = {}
     for letter, system in result.sides:
         for name, value in _numbers(system_summary(result, system)):
-            figures[f"{name}_{letter}"] = value
-    if any(one.rsplit("_", 1)[0] in CURVE_NAMES for one in asked):
+            values[f"{name}_{letter}"] = value
+    if any(name.rsplit("_", 1)[0] in _OF_CURVE for name in asked):
         for letter, system in result.sides:
             curve = detection_curve(result.dataset, system.name, result.params, protocol)
-            of_curve: CurveSummary = summarise_curve(curve, system.threshold)
-            for name, attribute in CURVE_NAMES.items():
-                figures[f"{name}_{letter}"] = float(getattr(of_curve, attribute))
-    for name in [one.removesuffix("_x") for one in figures if one.endswith("_x")]:
-        figures[f"{name}_difference"] = figures[f"{name}_x"] - figures[f"{name}_y"]
+            of_curve = summarise_curve(curve, system.threshold)
+            for name, value_of in _OF_CURVE.items():
+                values[f"{name}_{letter}"] = float(value_of(of_curve))
+    for name in [key.removesuffix("_x") for key in values if key.endswith("_x")]:
+        values[f"{name}_difference"] = values[f"{name}_x"] - values[f"{name}_y"]
     if not asked.isdisjoint(SUMMARY_NAMES):
         of_all = dict(_numbers(summary(result)))
-        figures |= {name: of_all[name] for name in SUMMARY_NAMES}
+        values |= {name: of_all[name] for name in SUMMARY_NAMES}
     count = Counter(finding.severity for finding in findings)
     venn = result.venn
     # without an encounter nothing can be missed: undefined, so that no rule passes by that
     defined = 1.0 if venn.n_near else math.nan
-    return figures | {
+    return values | {
         "new_misses": venn.x_only * defined,
         "mended_misses": venn.y_only * defined,
         "missed_by_both": venn.neither * defined,
@@ -268,18 +259,18 @@ def _numbers(content: Mapping[str, Any], before: str = "") -> Iterable[tuple[str
             yield f"{before}{name}", math.nan if value is None else float(value)
 
 
-def judge(rules: Iterable[Rule], figures: Mapping[str, float]) -> list[Outcome]:
-    """Whether each rule holds; an undefined figure breaks its rule, unless the rule allows it.
+def judge(rules: Iterable[Rule], values: Mapping[str, float]) -> list[Outcome]:
+    """Whether each rule holds; an undefined measure breaks its rule, unless the rule allows it.
 
     Raises
     ------
     ParameterError
-        If a rule names an unknown figure.
+        If a rule names an unknown measure.
     """
     outcomes = []
     for rule in rules:
-        _check_name(rule, figures)
-        value = figures[rule.name]
+        _check_name(rule, values)
+        value = values[rule.name]
         holds = (
             rule.allows_undefined
             if math.isnan(value)

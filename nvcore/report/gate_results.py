@@ -7,7 +7,7 @@ from typing import Final
 from xml.etree import ElementTree
 
 from nvcore.findings import Finding
-from nvcore.report.gate import COUNTED_FINDINGS, Outcome, figure_text
+from nvcore.report.gate import COUNTED_FINDINGS, Outcome, value_text
 from nvcore.report.terminal import render_findings
 from nvcore.wording import markdown_text, one_line
 
@@ -41,7 +41,7 @@ def junit_xml(outcomes: Sequence[Outcome], title: str, findings: Sequence[Findin
     root, suite = _suite(title, tests=len(outcomes), failures=n_failed)
     for one in outcomes:
         case = ElementTree.SubElement(
-            suite, "testcase", {"classname": "nvcore.report.gate", "name": one.rule.text}
+            suite, "testcase", {"classname": "nvcore.gate", "name": one.rule.text}
         )
         if one.is_passed:
             ElementTree.SubElement(case, "system-out").text = one.message
@@ -63,7 +63,7 @@ def junit_error(problem: str) -> bytes:
     """
     root, suite = _suite("nvcore gate", tests=1, errors=1)
     case = ElementTree.SubElement(
-        suite, "testcase", {"classname": "nvcore.report.gate", "name": "the gate can be run"}
+        suite, "testcase", {"classname": "nvcore.gate", "name": "the gate can be run"}
     )
     lines = [one_line(line) for line in problem.splitlines()]
     error = ElementTree.SubElement(case, "error", {"message": " ".join(lines)})
@@ -99,7 +99,7 @@ def markdown(outcomes: Sequence[Outcome], title: str, findings: Sequence[Finding
         "|---|---|---|",
     ]
     lines += [
-        f"| `{one.rule.text}` | {figure_text(one.value)} | "
+        f"| `{one.rule.text}` | {value_text(one.value)} | "
         f"{'passed' if one.is_passed else '**failed**'} |"
         for one in rows
     ]

@@ -11,13 +11,14 @@ from nvcore.comparison import Result, SystemResult
 from nvcore.dataset import Dataset
 from nvcore.evidence.table import evidence_table
 from nvcore.findings import Finding, Severity
+from nvcore.measures import MeasureTable
 from nvcore.metrics.venn import Exclusivity
 from nvcore.protocols import PROTOCOLS, Protocol
 from nvcore.report.verdict import verdict
 from nvcore.schema import Category
 from nvcore.tables.inputs import inputs_table
 from nvcore.tables.result import worst_intervals
-from nvcore.tables.scorecard import ScoreRow, class_rows, score_rows
+from nvcore.tables.scorecard import ScoreRow, score_rows
 from nvcore.wording import difference, number, one_line, shortened
 
 NAME_WIDTH = 16
@@ -122,9 +123,9 @@ def _heading(result: Result) -> str:
 def _table(result: Result) -> str:
     heads = [_head(letter, system) for letter, system in result.sides]
     rows: list[tuple[str, ...]] = [("", *heads, "X - Y", "better")]
-    rows += [_row(one) for one in score_rows(result)]
+    rows += [_row(row) for row in score_rows(result)]
     rows.append((f"how the {result.venn.n_near} encounters went:", "", "", "", ""))
-    rows += [_row(one) for one in class_rows(result)]
+    rows += [_row(row) for row in score_rows(result, MeasureTable.MISS_CLASSES)]
     widths = [max(len(row[i]) for row in rows) for i in range(4)]
     lines = [
         "  ".join([row[0].ljust(widths[0]), *(row[i].rjust(max(widths[i], 9)) for i in (1, 2, 3))])

@@ -1,4 +1,4 @@
-"""What a comparison supports, in sentences that go no further than its figures."""
+"""What a comparison supports, in sentences that go no further than its measures."""
 
 from __future__ import annotations
 
@@ -11,19 +11,10 @@ import pandas as pd
 from nvcore.comparison import Result, SystemResult
 from nvcore.evidence.paired_tests import MIN_DISCORDANT, MIN_SWAPPED, SIGNIFICANT
 from nvcore.findings import Finding, Severity
+from nvcore.measures import EVIDENCE_KEYS, inference_of
 
-TESTED: Final = {
-    "mean_similarity": "mean similarity",
-    "saliency": "saliency per recording",
-    "false_alert_episodes_per_hour": "false-alert episodes",
-}
-"""The figures that stand side by side, by their key in the table of evidence."""
-
-OF_TIME: Final = ("saliency", "false_alert_episodes_per_hour")
-"""Those that mean little where encounters are single frames."""
-
-PER: Final = {"saliency": " s", "false_alert_episodes_per_hour": " per hour"}
-"""Units of measure of their intervals."""
+NAMED: Final = tuple(key for key in EVIDENCE_KEYS if inference_of(key).noun)
+"""Keys of the measures that stand side by side."""
 
 BLOCKS: Final = "blocks"
 UNITS: Final = {
@@ -55,10 +46,10 @@ CAVEATS: Final = {
 def verdict(
     result: Result, findings: Sequence[Finding] = (), *, evidence: pd.DataFrame | None = None
 ) -> tuple[str, ...]:
-    """Which system detects more pedestrians, and what the other figures say; plain sentences.
+    """Which system detects more pedestrians, and what the other measures say; plain sentences.
 
     The first sentence is about encounters, one system dominates, is better beyond chance, or these
-    data show no difference. The second puts figures side by side, and says which of their
+    data show no difference. The second puts measures side by side, and says which of their
     differences are more than chance. A last one says which warnings and errors of the audit it all
     depends on. X and Y are called ``X`` and ``Y``.
 
@@ -72,7 +63,7 @@ def verdict(
 
     Notes
     -----
-    Without a near encounter the first sentence says that nothing can be said; a figure that is
+    Without a near encounter the first sentence says that nothing can be said; a measure that is
     undefined for a system is left out of the second.
 
     Examples
@@ -82,9 +73,9 @@ def verdict(
     """
     codes = {one.code for one in findings}
     sentences = [_encounters(result, codes, evidence) + _by_units(result, codes, evidence)]
-    figures = _figures(result, evidence)
-    if figures:
-        sentences.append(f"{figures}; {_chance(evidence, result.is_short)}.")
+    side_by_side = _side_by_side(result, evidence)
+    if side_by_side:
+        sentences.append(f"{side_by_side}; {_chance(evidence, result.is_short)}.")
     unlimited = _without_threshold(result)
     if unlimited:
         sentences.append(unlimited)
@@ -163,7 +154,7 @@ def _encounters(result: Result, codes: Set[str], evidence: pd.DataFrame | None) 
 
 
 def _p_of_encounters(result: Result, evidence: pd.DataFrame | None) -> float:
-    """McNemar's p, corrected for the other figures where there are any."""
+    """McNemar's p, corrected for the other measures where there are any."""
     if evidence is not None:
         row = evidence[evidence["figure"] == "encounters_detected"]
         if len(row) and np.isfinite(row["p_holm"].iloc[0]):
@@ -199,7 +190,7 @@ def _by_units(result: Result, codes: Set[str], evidence: pd.DataFrame | None) ->
     return f" Judged by {unit} instead of single encounters, that {outcome}."
 
 
-def _figures(result: Result, evidence: pd.DataFrame | None) -> str:
+def _side_by_side(result: Result, evidence: pd.DataFrame | None) -> str:
     x, y = result.x, result.y
     parts = [
         _better("the higher mean similarity", _mean(x), _mean(y), ".3f", is_high_better=True),
@@ -237,7 +228,7 @@ def _chance(evidence: pd.DataFrame | None, short: bool) -> str:
     """Which of the differences side by side are more than chance, by their corrected p-values."""
     if evidence is None:
         return "whether these differences are more than chance is not tested"
-    judged = [name for name in TESTED if not (short and name in OF_TIME)]
+    judged = [key for key in NAMED if not (short and inference_of(key).needs_tracks)]
     told = _beyond_chance(evidence[evidence["figure"].isin(judged)])
     return f"{told}; saliency and episodes mean little here and are not judged" if short else told
 
@@ -249,14 +240,14 @@ def _beyond_chance(shown: pd.DataFrame) -> str:
     beyond = tested[tested["p_holm"] <= SIGNIFICANT]
     by = f"by these {int(tested['n'].iloc[0]):,} {UNITS[tested['unit'].iloc[0]]}"
     if beyond.empty and len(shown) == 1:
-        name = TESTED[shown["figure"].iloc[0]]
-        return f"{by}, the difference in {name} is not shown to be more than chance"
+        noun = inference_of(shown["figure"].iloc[0]).noun
+        return f"{by}, the difference in {noun} is not shown to be more than chance"
     if beyond.empty:
         return f"{by}, none of these differences is shown to be more than chance"
     told = [
-        f"{TESTED[figure]} (for {_favoured(difference, better)}, "
-        f"{_interval(figure, low, high)}p = {p:.2g})"
-        for figure, difference, better, low, high, p in zip(
+        f"{inference_of(key).noun} (for {_favoured(difference, better)}, "
+        f"{_interval(key, low, high)}p = {p:.2g})"
+        for key, difference, better, low, high, p in zip(
             *(beyond[name] for name in ("figure", "difference", "better", "low", "high", "p_holm")),
             strict=True,
         )
@@ -273,11 +264,11 @@ def _favoured(difference: float, better: str) -> str:
     return "X" if (difference > 0) == (better == "higher") else "Y"
 
 
-def _interval(figure: str, low: float, high: float) -> str:
+def _interval(key: str, low: float, high: float) -> str:
     if not np.isfinite(low):
         return ""
     ends = f"{_signed(low)} to {_signed(high)}"
-    return f"X - Y 95 % interval {ends}{PER.get(figure, '')}, "
+    return f"X - Y 95 % interval {ends}{inference_of(key).noun_unit}, "
 
 
 def _signed(value: float) -> str:
@@ -296,7 +287,7 @@ def _mean(system: SystemResult) -> float:
 def _better(
     what: str, x: float, y: float, form: str, *, unit: str = "", is_high_better: bool = False
 ) -> str:
-    """Who has it, with both figures, the better one first; empty where undefined."""
+    """Who has it, with both values, the better one first; empty where undefined."""
     if np.isnan(x) or np.isnan(y):
         return ""
     shown_x, shown_y = format(x, form), format(y, form)

@@ -9,6 +9,8 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Final
 
+from nvcore.measures import MEASURES, NO_FRAMES, Measure
+
 
 class Kind(StrEnum):
     """What the cells of a column are."""
@@ -55,6 +57,27 @@ def _of_both(*columns: Column) -> tuple[Column, ...]:
     )
 
 
+def measure_column(measure: Measure) -> Column:
+    """Where the measure stands for a system over all recordings."""
+    return Column(
+        measure.key,
+        Kind.INTEGER if measure.form == "d" else Kind.NUMBER,
+        measure.unit,
+        measure.meaning,
+        measure.better.removesuffix("er"),
+        measure.empty,
+    )
+
+
+def _measure_by_recording(measure: Measure) -> Column:
+    column = measure_column(measure)
+    return replace(
+        column,
+        meaning=measure.meaning_by_recording or column.meaning,
+        empty="recording without evaluated frames" if column.empty == NO_FRAMES else column.empty,
+    )
+
+
 def column_names(file: str) -> list[str]:
     """Columns of a CSV file of the report, in order."""
     return [column.name for column in REPORT_COLUMNS[file]]
@@ -65,7 +88,6 @@ _SHARE = "0 to 1"
 
 _RECORDING = Column("recording", _TEXT, "", "Name of the recording.")
 _SYSTEM = Column("system", _TEXT, "", "Which system it is about: `x` or `y`.")
-_NO_FRAMES = "recording without evaluated frames"
 _DISTANT = "distant encounter"
 _UNMATCHED = "distant encounter, or no relevant frame matched"
 
@@ -215,16 +237,14 @@ _INTERVALS = (
     Column("worst_frame", _INTEGER, "", "The first frame that has it."),
 )
 
-SIMILARITY_COLUMNS: Final[tuple[Column, ...]] = (
-    Column("mean_similarity", _NUMBER, _SHARE, "Mean similarity of the frames.", "high"),
-    Column("min_similarity", _NUMBER, _SHARE, "Lowest similarity of a frame.", "high"),
-    Column(
-        "percentile_5_similarity", _NUMBER, _SHARE,
-        "Similarity that 5 % of the frames are below.", "high",
-    ),
-    Column("share_low", _NUMBER, _SHARE, "Share of frames with a similarity below `low`.", "low"),
-)  # fmt: skip
-"""Aggregates of similarity, of a recording or of all."""
+VENN_COLUMNS: Final[tuple[Column, ...]] = (
+    Column("both", _INTEGER, "encounters", "Encounters that both systems detected."),
+    Column("x_only", _INTEGER, "encounters", "Encounters that only X detected."),
+    Column("y_only", _INTEGER, "encounters", "Encounters that only Y detected."),
+    Column("neither", _INTEGER, "encounters", "Encounters that neither system detected."),
+    Column("distant", _INTEGER, "encounters", "Encounters that never came near enough to count."),
+)
+"""Counts of encounters by who detected them, of a recording or of all."""
 
 _RECORDINGS = (
     _RECORDING,
@@ -234,38 +254,9 @@ _RECORDINGS = (
     Column("n_frames", _INTEGER, "frames", "Evaluated frames."),
     Column("duration_s", _NUMBER, "s", "Sum of their time steps."),
     Column("n_truth", _INTEGER, "boxes", "Annotated pedestrians, ignore regions left out."),
-    Column("both", _INTEGER, "encounters", "Encounters that both systems detected."),
-    Column("x_only", _INTEGER, "encounters", "Encounters that only X detected."),
-    Column("y_only", _INTEGER, "encounters", "Encounters that only Y detected."),
-    Column("neither", _INTEGER, "encounters", "Encounters that neither system detected."),
-    Column("distant", _INTEGER, "encounters", "Encounters that never came near enough to count."),
-    *_of_both(
-        *(replace(column, empty=_NO_FRAMES) for column in SIMILARITY_COLUMNS),
-        Column(
-            "saliency", _NUMBER, "s",
-            "Its largest saliency event, or their sum (`saliency_aggregate`); 0 without any.",
-            "low",
-        ),
-        Column(
-            "encounters_detected", _INTEGER, "encounters",
-            "Encounters that the system detected.",
-            "high",
-        ),
-        Column("false_alarms", _INTEGER, "boxes", "Detections that match nobody.", "low"),
-        Column(
-            "false_alarms_per_minute", _NUMBER, "1/min", "The same per minute.", "low", _NO_FRAMES
-        ),
-        Column(
-            "false_alert_episodes", _INTEGER, "episodes",
-            "False alarms linked over frames: what the driver notices as one.",
-            "low",
-        ),
-        Column(
-            "false_alert_episodes_per_hour", _NUMBER, "1/h", "The same per hour.",
-            "low", _NO_FRAMES,
-        ),
-    ),
-)  # fmt: skip
+    *VENN_COLUMNS,
+    *_of_both(*(_measure_by_recording(one) for one in MEASURES if one.by_recording is not None)),
+)
 
 _FINDINGS = (
     Column(

@@ -13,7 +13,7 @@ from nvcore.comparison import compare
 from nvcore.dataset import Dataset, dataset_from_tables
 from nvcore.evidence.block_length import block_length
 from nvcore.evidence.bootstrap import bootstrap_difference, ratio
-from nvcore.evidence.measures import COLUMNS, UnitFigure, judge_figure, significance_table
+from nvcore.evidence.measures import COLUMNS, UnitMeasure, judge_measure, significance_table
 from nvcore.evidence.paired_tests import swap_test
 from nvcore.evidence.units import STRETCH, find_units
 from nvcore.params import Params
@@ -78,7 +78,7 @@ def test_the_effect_of_units_of_different_length_has_the_sign_of_the_difference(
     x = np.array([[90, 100], [1, 10], [2, 10], [1, 10], [3, 10], [2, 10]], dtype=float)
     y = np.array([[50, 100], [2, 10], [4, 10], [3, 10], [5, 10], [4, 10]], dtype=float)
     units = find_units(result_of(drives(6)))
-    row = judge_figure(UnitFigure("share", "share", "higher", x, y), units)
+    row = judge_measure(UnitMeasure("share", "share", "higher", x, y), units)
     rows = np.arange(6)
     parts = []  # pseudo-values, the plain way
     whole = x[:, 0].sum() / x[:, 1].sum() - y[:, 0].sum() / y[:, 1].sum()
@@ -189,8 +189,8 @@ def test_another_figure_from_sums_over_the_same_units_can_be_added() -> None:
         )
         for system in (result.x, result.y)
     ]
-    extra = UnitFigure("miss_rate", "miss rate", "lower", *missed)
-    table = significance_table(result, [judge_figure(extra, units)], units=units)
+    extra = UnitMeasure("miss_rate", "miss rate", "lower", *missed)
+    table = significance_table(result, [judge_measure(extra, units)], units=units)
     row = table.iloc[-1]
     assert row["figure"] == "miss_rate"
     assert row["x"] == pytest.approx(1 - result.x.matched.sum() / result.n_truth.sum())

@@ -14,7 +14,7 @@ from nvcore.comparison import compare
 from nvcore.detection.curves import detection_curve, detection_outcomes
 from nvcore.detection.miss_rate import log_average_miss_rate
 from nvcore.evidence.bootstrap import count_units
-from nvcore.evidence.miss_rate import _count_up_to, _log_average, log_average_miss_rate_figure
+from nvcore.evidence.miss_rate import _count_up_to, _log_average, log_average_miss_rate_measure
 from nvcore.evidence.paired_tests import holm
 from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.evidence.table import evidence_table
@@ -36,8 +36,8 @@ def random_result(seed: int):
 @pytest.mark.parametrize("seed", range(4))
 def test_over_all_units_it_is_the_curves_own(seed: int, protocol: str):
     result = random_result(seed)
-    figure = log_average_miss_rate_figure(result, find_units(result), PROTOCOLS[protocol])
-    for sums, system in ((figure.x, result.x), (figure.y, result.y)):
+    measure = log_average_miss_rate_measure(result, find_units(result), PROTOCOLS[protocol])
+    for sums, system in ((measure.x, result.x), (measure.y, result.y)):
         curve = detection_curve(result.dataset, system.name, result.params, PROTOCOLS[protocol])
         assert float(_log_average(sums.sum(axis=0))) == pytest.approx(log_average_miss_rate(curve))
 
@@ -46,12 +46,12 @@ def test_resamples_come_near_what_their_own_curve_gives():
     session = read_session(SAMPLE)
     result = compare(load(session))
     units = find_units(result)
-    figure = log_average_miss_rate_figure(result, units)
+    measure = log_average_miss_rate_measure(result, units)
     rng = np.random.default_rng(1)
     for _ in range(5):
         drawn = rng.integers(0, len(units), len(units))
         times = count_units(drawn[None], len(units))[0]
-        found = float(_log_average(times @ figure.x))
+        found = float(_log_average(times @ measure.x))
         assert found == pytest.approx(plain_lamr(result, units, times), abs=0.01)
 
 
@@ -96,7 +96,7 @@ def test_without_scores_there_is_no_figure_and_the_reason_stands_in_its_place():
     truth, x, places = random_boxes(3)
     unscored = [box._replace(score=float("nan")) for box in x]
     result = result_of(make_dataset(truth, unscored, x, places=places))
-    assert log_average_miss_rate_figure(result, find_units(result)) is None
+    assert log_average_miss_rate_measure(result, find_units(result)) is None
     row = evidence_table(result).set_index("figure").loc["log_average_miss_rate"]
     assert np.isnan([row["x"], row["y"], row["difference"], row["p"], row["p_holm"]]).all()
     assert row["note"].endswith("needs pedestrians that count, and detections with scores")
@@ -105,7 +105,7 @@ def test_without_scores_there_is_no_figure_and_the_reason_stands_in_its_place():
 def test_without_pedestrians_there_is_no_figure():
     _, x, places = random_boxes(4)
     result = result_of(make_dataset([], x, x[::2], places=places))
-    assert log_average_miss_rate_figure(result, find_units(result)) is None
+    assert log_average_miss_rate_measure(result, find_units(result)) is None
 
 
 def test_a_protocol_without_recordings_is_told_in_the_row():

@@ -15,16 +15,12 @@ from nvcore.comparison import Result, compare
 from nvcore.dataset import Dataset
 from nvcore.detection.curves import detection_curve
 from nvcore.detection.miss_rate import log_average_miss_rate
-from nvcore.evidence.subgroup_table import (
-    COLUMNS,
-    FIGURES,
-    MISS_RATE,
-    NOT_OF_PEDESTRIANS,
-    subgroup_table,
-)
+from nvcore.evidence.miss_rate import KEY as MISS_RATE
+from nvcore.evidence.subgroup_table import COLUMNS, subgroup_table
 from nvcore.evidence.table import evidence_table
 from nvcore.inputs.load import load
 from nvcore.inputs.session import RecordingFacts, Session, Source, SystemSource
+from nvcore.measures import EVIDENCE_KEYS, inference_of
 from nvcore.params import Params
 from nvcore.protocols import PROTOCOLS
 
@@ -71,9 +67,9 @@ def of(result: Result, figure: str, **options: object) -> pd.DataFrame:
 
 def test_the_table_has_each_figure_for_all_and_every_group(table: pd.DataFrame):
     assert tuple(table.columns) == COLUMNS
-    assert table["figure"].unique().tolist() == list(FIGURES)
+    assert table["figure"].unique().tolist() == list(EVIDENCE_KEYS)
     sizes = table.groupby("figure").size()
-    assert sizes.tolist() == [6] * len(FIGURES)  # all, centre, edge, three tags
+    assert sizes.tolist() == [6] * len(EVIDENCE_KEYS)  # all, centre, edge, three tags
     assert (table.groupby("figure").nth(0)["factor"] == "all").all()
 
 
@@ -82,7 +78,7 @@ def test_the_row_of_all_is_that_of_the_whole_comparison(table: pd.DataFrame):
     everybody = table[table["factor"] == "all"].set_index("figure")
     shared = [one for one in whole.columns if one != "p_holm"]
     pd.testing.assert_frame_equal(
-        everybody.loc[list(FIGURES), shared], whole.loc[list(FIGURES), shared]
+        everybody.loc[list(EVIDENCE_KEYS), shared], whole.loc[list(EVIDENCE_KEYS), shared]
     )
 
 
@@ -120,13 +116,15 @@ def test_figures_of_a_tag_by_hand(table: pd.DataFrame):
 
 def test_frames_and_false_alerts_belong_to_no_group_of_pedestrians(table: pd.DataFrame):
     is_of_some = table["factor"] == "place"
-    for figure, why in NOT_OF_PEDESTRIANS.items():
+    lacking = {key: why for key in EVIDENCE_KEYS if (why := inference_of(key).not_of_pedestrians)}
+    assert set(lacking) == {"mean_similarity", "share_low", "false_alert_episodes_per_hour"}
+    for figure, why in lacking.items():
         rows = table[is_of_some & (table["figure"] == figure)]
         assert len(rows) == 2
         assert rows[["x", "y", "difference", "low", "high", "p", "p_holm"]].isna().all(axis=None)
         assert (rows["note"] == why).all()
         assert (rows["n"] == 0).all()
-    rest = table[is_of_some & ~table["figure"].isin(list(NOT_OF_PEDESTRIANS))]
+    rest = table[is_of_some & ~table["figure"].isin(list(lacking))]
     assert rest[["x", "y"]].notna().all(axis=None)
 
 
@@ -258,7 +256,7 @@ def test_swapping_x_and_y_turns_the_signs_of_every_figure(table: pd.DataFrame):
 
 def test_without_frames_nothing_is_defined_and_nothing_fails():
     table = subgroup_table(result_of(make_dataset(n_frames=0)))
-    assert len(table) == len(FIGURES)
+    assert len(table) == len(EVIDENCE_KEYS)
     assert table[["x", "y", "low", "p"]].isna().all(axis=None)
 
 

@@ -106,21 +106,21 @@ def test_sums_by_hand() -> None:
     assert (sums["n_frames"] == 6).all()
     assert sums["duration_s"].tolist() == pytest.approx([0.6] * 8)
     assert (sums["n_encounters"] == 1).all()
-    assert sums["detected_x"].tolist() == [1] * 8
-    assert sums["detected_y"].tolist() == [0, 1] * 4
-    assert sums["episodes_x"].tolist() == [0] * 8
-    assert sums["episodes_y"].tolist() == [1, 0] * 4
-    assert sums["similarity_x"].tolist() == pytest.approx([6.0] * 8)
+    assert sums["encounters_detected_by_unit_x"].tolist() == [1] * 8
+    assert sums["encounters_detected_by_unit_y"].tolist() == [0, 1] * 4
+    assert sums["false_alert_episodes_per_hour_x"].tolist() == [0] * 8
+    assert sums["false_alert_episodes_per_hour_y"].tolist() == [1, 0] * 4
+    assert sums["mean_similarity_x"].tolist() == pytest.approx([6.0] * 8)
     # missed by 40 px of 50: D(G, S) = 40; the false alarm at 10 px is 10 px from the border
     lack = (0.9 * 40 + 0.1 * 10) / 50
-    assert sums["similarity_y"].tolist() == pytest.approx([6 * (1 - lack), 6.0] * 4)
-    assert sums["low_y"].tolist() == [6, 0] * 4
+    assert sums["mean_similarity_y"].tolist() == pytest.approx([6 * (1 - lack), 6.0] * 4)
+    assert sums["share_low_y"].tolist() == [6, 0] * 4
     assert (sums["share_of_recording"] == 1).all()
 
 
 def test_frames_with_exactly_the_limit_are_not_low() -> None:
     result = drive(8, low=1.0)
-    assert sum_units(result, find_units(result))["low_x"].tolist() == [0] * 8
+    assert sum_units(result, find_units(result))["share_low_x"].tolist() == [0] * 8
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -135,10 +135,11 @@ def test_sums_of_all_units_are_the_figures_of_the_result(seed: int, aggregate: s
     assert total["n_encounters"] == result.venn.n_near
     assert total["share_of_recording"] == pytest.approx(len(result.dataset.recordings))
     for letter, system in (("x", result.x), ("y", result.y)):
-        assert total[f"similarity_{letter}"] == pytest.approx(system.similarity.sum())
-        assert total[f"low_{letter}"] == (system.similarity < result.params.low).sum()
-        assert total[f"episodes_{letter}"] == len(system.episodes)
-        assert total[f"detected_{letter}"] == system.encounters["is_detected"].sum()
+        assert total[f"mean_similarity_{letter}"] == pytest.approx(system.similarity.sum())
+        assert total[f"share_low_{letter}"] == (system.similarity < result.params.low).sum()
+        assert total[f"false_alert_episodes_per_hour_{letter}"] == len(system.episodes)
+        n_detected = system.encounters["is_detected"].sum()
+        assert total[f"encounters_detected_by_unit_{letter}"] == n_detected
         if aggregate == "sum":
             assert total[f"saliency_{letter}"] == pytest.approx(system.saliency_s)
         else:

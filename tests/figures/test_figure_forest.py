@@ -7,9 +7,10 @@ import pytest
 from builders import Place, at, make_dataset, result_of
 from figure_parts import trace, words
 
-from nvcore.evidence.subgroup_table import FIGURES, subgroup_table
+from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.figures.forest import subgroup_forest
 from nvcore.figures.style import LOOK
+from nvcore.measures import EVIDENCE_KEYS
 
 
 def table(figure: str = "encounters_detected"):
@@ -68,9 +69,9 @@ def test_groups_in_which_a_figure_is_undefined_are_left_out():
     assert list(figure.layout.yaxis.ticktext) == ["<b>all</b>"]
 
 
-@pytest.mark.parametrize("figure", FIGURES)
-def test_every_figure_can_be_drawn(figure: str):
-    rows = table(figure)
+@pytest.mark.parametrize("key", EVIDENCE_KEYS)
+def test_every_measure_can_be_drawn(key: str):
+    rows = table(key)
     drawn = subgroup_forest(rows, theme="dark")
     title = rows["label"].iloc[0]
     assert (title[1:] in words(drawn)) == np.isfinite(rows["x"]).any()

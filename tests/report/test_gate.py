@@ -20,9 +20,9 @@ from nvcore.report.gate import (
     audit_rules,
     encounters_of,
     explain,
-    figure_names,
-    gate_figures,
+    gate_measures,
     judge,
+    measure_names,
     parse_rule,
     read_rules,
 )
@@ -104,7 +104,7 @@ def test_all_that_is_wrong_with_the_rules_is_told_with_its_place():
 def test_the_rules_to_copy_from_the_page_can_be_judged():
     page = (ROOT / "docs" / "cli.md").read_text(encoding="utf-8")
     (example,) = re.findall(r"^```ini\n(.*?)^```$", page, re.DOTALL | re.MULTILINE)
-    rules, problems = read_rules((("", line) for line in example.splitlines()), figure_names())
+    rules, problems = read_rules((("", line) for line in example.splitlines()), measure_names())
     assert problems == []
     assert len(rules) == 5
 
@@ -177,8 +177,8 @@ def test_a_failed_rule_has_what_it_counts_and_a_passed_one_has_nothing():
              "audit_warnings == 0", "audit_errors == 0", "venn.neither == 1")]  # fmt: skip
     result = scene()
     wanted = [rule.name for rule in rules]
-    figures = gate_figures(result, [WARNING], PROTOCOLS["all"], wanted)
-    outcomes = explain(judge(rules, figures), result, [WARNING])
+    values = gate_measures(result, [WARNING], PROTOCOLS["all"], wanted)
+    outcomes = explain(judge(rules, values), result, [WARNING])
     assert [one.is_passed for one in outcomes] == [False, True, False, True, False]
     assert outcomes[0].details == ("r0, track 7, frames 3 to 5",)
     assert outcomes[2].details == ("NIR: Three are odd.",)
@@ -186,16 +186,16 @@ def test_a_failed_rule_has_what_it_counts_and_a_passed_one_has_nothing():
 
 
 def test_every_figure_that_can_be_named_is_there_and_no_other():
-    figures = gate_figures(scene(), [], PROTOCOLS["all"], figure_names())
-    assert sorted(figures) == sorted(figure_names())
+    values = gate_measures(scene(), [], PROTOCOLS["all"], measure_names())
+    assert sorted(values) == sorted(measure_names())
     chosen = ("venn.both", "frames", "fusion.x_or_y.encounters_detected")
-    assert [figures[name] for name in chosen] == [1, 3, 3]
+    assert [values[name] for name in chosen] == [1, 3, 3]
 
 
 def test_figures_that_take_time_are_left_out_where_no_rule_names_them():
-    figures = gate_figures(scene(), [], PROTOCOLS["all"], ["new_misses"])
-    assert figures["new_misses"] == 1
-    assert not {*SUMMARY_NAMES, "lamr_x"} & {*figures}
+    values = gate_measures(scene(), [], PROTOCOLS["all"], ["new_misses"])
+    assert values["new_misses"] == 1
+    assert not {*SUMMARY_NAMES, "lamr_x"} & {*values}
 
 
 def outcomes() -> list[Outcome]:

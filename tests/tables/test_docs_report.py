@@ -1,6 +1,6 @@
 """docs/report.md describes the files of a report as they are.
 
-``python tests/test_docs_report.py`` writes the tables of the page anew.
+``python tests/tables/test_docs_report.py`` writes the tables of the page anew.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from nvcore.inputs.load import load
 from nvcore.report.files import export_files
 from nvcore.schema import CATEGORY_TEXT, MISS_CLASS_TEXT
 from nvcore.tables.columns import REPORT_COLUMNS, Column, Kind
-from nvcore.tables.summary_columns import SUMMARY_KEYS, SYSTEM_KEYS
+from nvcore.tables.summary import SUMMARY_KEYS, SYSTEM_KEYS
 
 PAGE = ROOT / "docs" / "report.md"
 SECTION = re.compile(r"^(#+) (.*?)\n(.*?)(?=^#+ |\Z)", re.DOTALL | re.MULTILINE)

@@ -18,7 +18,7 @@ from nvcore.tables.miss_classes import (
     miss_class_counts,
     miss_class_totals,
 )
-from nvcore.tables.result import summary
+from nvcore.tables.summary import summary
 
 
 @pytest.fixture(scope="module")

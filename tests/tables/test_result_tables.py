@@ -19,10 +19,10 @@ from nvcore.tables.result import (
     intervals_table,
     located_events,
     recordings_table,
-    summary,
     worst_events,
     worst_intervals,
 )
+from nvcore.tables.summary import summary
 
 FRAMES = [
     "recording", "frame", "time_s", "n_truth",

@@ -5,11 +5,10 @@ from __future__ import annotations
 from typing import Final, Literal
 
 import numpy as np
-import pandas as pd
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.detection.curve_summary import SUMMARY_ROWS, CurveSummary, summarise_curve
+from nvcore.detection.curve_summary import CurveSummary, summarise_curve
 from nvcore.detection.curves import DetectionCurve, detection_curve
 from nvcore.detection.miss_rate import explain_few
 from nvcore.detection.windows import WindowGrid, scale_steps, windows_per_image
@@ -17,11 +16,13 @@ from nvcore.errors import ParameterError
 from nvcore.figures.detection import CurveKind, curve_plot, legend_figure
 from nvcore.params.metadata import MATCH
 from nvcore.protocols import Protocol
-from nvcore.wording import ARROWS, count_text, difference, number
+from nvcore.tables.scorecard import curve_rows
+from nvcore.wording import count_text
 from ui.detection.protocol import filtered
 from ui.session import state
 from ui.session.evidence import miss_rate_evidence
 from ui.widgets.charts import clicked_chart
+from ui.widgets.table_columns import measures_as_text
 from ui.widgets.text import docs_link, plain
 
 KIND_WORDS: Final[dict[CurveKind, str]] = {
@@ -209,20 +210,10 @@ def _windows(result: Result, protocol: Protocol) -> float | None:
 
 
 def _draw_table(summaries: list[CurveSummary]) -> None:
-    x, y = summaries
-    rows = [
-        (
-            label + ARROWS[better],
-            number(getattr(x, name), form),
-            number(getattr(y, name), form),
-            difference(getattr(x, name), getattr(y, name), form),
-        )
-        for name, label, better, form in SUMMARY_ROWS
-    ]
     column = st.column_config.TextColumn(alignment="right", width=90)
     st.header("In figures")
     st.dataframe(
-        pd.DataFrame(rows, columns=["figure", "X", "Y", "X - Y"]),
+        measures_as_text(curve_rows(*summaries)),
         hide_index=True,
         key="curve_figures",
         height="content",

@@ -12,9 +12,9 @@ import streamlit as st
 from nvcore.comparison import Result
 from nvcore.evidence.measures import ODDS_RATIO
 from nvcore.evidence.paired_tests import SIGNIFICANT
-from nvcore.evidence.subgroup_table import BY_UNIT, FIGURES, NOT_OF_PEDESTRIANS, subgroup_table
-from nvcore.evidence.table import FORMS
+from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.figures.forest import subgroup_forest
+from nvcore.measures import EVIDENCE_KEYS, evidence_form, inference_of
 from nvcore.wording import ARROWS, difference, number
 from ui.session import state
 from ui.widgets.charts import draw_chart
@@ -70,13 +70,15 @@ def draw(result: Result, evidence: pd.DataFrame) -> None:
 
 @st.fragment
 def _draw_subgroups(result: Result, evidence: pd.DataFrame) -> None:
-    """One figure for groups of encounters; which one is chosen here."""
+    """One measure for groups of encounters; which one is chosen here."""
     labels = dict(zip(evidence["figure"], evidence["label"], strict=True))
-    names = [one for one in FIGURES if one in labels]
-    figure = st.selectbox(
+    keys = [key for key in EVIDENCE_KEYS if key in labels]
+    # where encounters are single frames, a test of single encounters says nothing
+    is_fit = [not result.is_short or inference_of(key).test != "encounters" for key in keys]
+    chosen = st.selectbox(
         "Figure by group",
-        names,
-        index=names.index(BY_UNIT) if result.is_short else 0,
+        keys,
+        index=is_fit.index(True),
         format_func=labels.__getitem__,
         key="subgroup_figure",
         width=420,
@@ -86,14 +88,14 @@ def _draw_subgroups(result: Result, evidence: pd.DataFrame) -> None:
 
     def make() -> pd.DataFrame:
         with st.spinner("Comparing the groups"):
-            return subgroup_table(result, [figure], protocol=protocol)
+            return subgroup_table(result, [chosen], protocol=protocol)
 
-    key = (result.params, result.x.name, result.y.name, protocol, figure)
-    table = state.workspace().cached("subgroups", key, make, most=len(FIGURES))
+    key = (result.params, result.x.name, result.y.name, protocol, chosen)
+    table = state.workspace().cached("subgroups", key, make, most=len(EVIDENCE_KEYS))
     draw_chart(subgroup_forest(table, theme=state.theme()), "subgroups")
-    if figure in NOT_OF_PEDESTRIANS:
+    if why := inference_of(chosen).not_of_pedestrians:
         st.caption(
-            f"{UNDEFINED} Near, far, centre, edge, occlusion, pose: {NOT_OF_PEDESTRIANS[figure]}. "
+            f"{UNDEFINED} Near, far, centre, edge, occlusion, pose: {why}. "
             "Only groups of recordings have this figure, by the tags that a session file gives."
         )
     st.caption(
@@ -114,7 +116,7 @@ def shown_evidence(evidence: pd.DataFrame) -> pd.DataFrame:
     """The table of evidence as text; a dash where nothing can be given."""
     rows = []
     for row in evidence.to_dict("records"):
-        form = FORMS[row["figure"]]
+        form = evidence_form(row["figure"])
         low, high = (difference(row[end], 0, form) for end in ("low", "high"))
         rows.append(
             (

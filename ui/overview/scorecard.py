@@ -11,19 +11,21 @@ import streamlit as st
 from nvcore.comparison import Result
 from nvcore.figures.paired import recordings_plot
 from nvcore.findings import Finding, Severity
+from nvcore.measures import MeasureTable
 from nvcore.report.verdict import verdict
 from nvcore.tables.result import recordings_table
-from nvcore.tables.scorecard import ScoreRow, class_rows, score_rows
-from nvcore.wording import ARROWS, count_text, difference, number
+from nvcore.tables.scorecard import score_rows
+from nvcore.wording import count_text
 from ui.session import state
 from ui.shell.messages import sampling_note
 from ui.shell.navigate import open_frame, open_page
 from ui.widgets.charts import clicked_chart
+from ui.widgets.table_columns import measures_as_text
 from ui.widgets.text import docs_link, plain
 
 
 def verdict_box(result: Result, findings: Sequence[Finding], evidence: pd.DataFrame) -> None:
-    """What the figures support, and what it depends on."""
+    """What the measures support, and what it depends on."""
     sentences = verdict(result, findings, evidence=evidence)
     grave = [finding for finding in findings if finding.severity is not Severity.NOTE]
     with st.container(border=True, key="verdict"):
@@ -53,10 +55,10 @@ def _extent(result: Result) -> str:
 
 
 def scorecard(result: Result) -> None:
-    """Every figure of X beside that of Y, the difference, and which way is better."""
+    """Every measure of X beside that of Y, the difference, and which way is better."""
     st.header("Scorecard")
     st.dataframe(
-        _shown(score_rows(result)),
+        measures_as_text(score_rows(result)),
         hide_index=True,
         key="scorecard",
         height="content",
@@ -71,7 +73,7 @@ def scorecard(result: Result) -> None:
     )
     with st.expander(f"How the {result.venn.n_near:,} encounters went"):
         st.dataframe(
-            _shown(class_rows(result)),
+            measures_as_text(score_rows(result, MeasureTable.MISS_CLASSES)),
             hide_index=True,
             key="classes",
             height="content",
@@ -91,22 +93,6 @@ def _rule(result: Result) -> str:
     return (
         f"A detection matches a pedestrian {how}; a looser box is a false alarm, and the "
         "pedestrian is missed (Advanced)."
-    )
-
-
-def _shown(rows: Sequence[ScoreRow]) -> pd.DataFrame:
-    """As text: the figures have formats of their own."""
-    return pd.DataFrame(
-        [
-            (
-                "    " * row.level + row.label + ARROWS[row.better],
-                number(row.x, row.form),
-                number(row.y, row.form),
-                difference(row.x, row.y, row.form),
-            )
-            for row in rows
-        ],
-        columns=["figure", "X", "Y", "X - Y"],
     )
 
 

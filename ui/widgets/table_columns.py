@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, Final
 
 import pandas as pd
@@ -10,6 +11,8 @@ import streamlit as st
 from nvcore.figures.encounters import CLASS_WORDS
 from nvcore.figures.venn import WORDS
 from nvcore.tables.columns import REPORT_COLUMNS, Column, Kind
+from nvcore.tables.scorecard import ScoreRow
+from nvcore.wording import ARROWS, difference, number
 
 HEADINGS: Final = {
     "track": "Pedestrian",
@@ -78,6 +81,22 @@ def as_shown(table: pd.DataFrame) -> pd.DataFrame:
                 MISS_WORDS if base == "miss_class" else CATEGORY_WORDS
             )
     return table.assign(**shown)
+
+
+def measures_as_text(rows: Sequence[ScoreRow]) -> pd.DataFrame:
+    """Measures of X beside those of Y as text, as each has a format of its own."""
+    return pd.DataFrame(
+        [
+            (
+                "    " * row.level + row.label + ARROWS[row.better],
+                number(row.x, row.form),
+                number(row.y, row.form),
+                difference(row.x, row.y, row.form),
+            )
+            for row in rows
+        ],
+        columns=["figure", "X", "Y", "X - Y"],
+    )
 
 
 def rows_told(n_rows: int, which: str) -> str:

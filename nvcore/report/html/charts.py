@@ -15,21 +15,20 @@ import plotly.graph_objects as go
 from plotly.offline import get_plotlyjs
 
 from nvcore.figures.style import LOOK, axis, empty_figure, layout, plain
+from nvcore.measures import evidence_form, inference_of
 from nvcore.palette import Theme
 from nvcore.wording import difference
 
 THEME: Final[Theme] = "light"
 INTERVAL_PX: Final = 82
 WORDS_PX: Final = 30
-"""Height of the row of a figure with an interval, and of one without."""
+"""Height of the row of a measure with an interval, and of one without."""
 STRIP_PX: Final = (28, 56)
 """Top and bottom of the axis within its row."""
 MARGIN_PX: Final = (76, 16)
 """Above and below the rows."""
 REACH: Final = 1.12
 """Half an axis, in the largest value that it shows."""
-LEAST_REACH: Final = {"%": 1.0, "4f": 0.001, "2f": 0.1, "1f": 1.0}
-"""Half an axis at least, by the ending of the figure's format."""
 
 
 @cache
@@ -47,19 +46,17 @@ def figure_json(figure: go.Figure) -> str:
     return text
 
 
-def interval_plot(evidence: pd.DataFrame, forms: Mapping[str, str]) -> go.Figure:
-    """Difference X - Y of every figure with its 95 % interval, each on an axis of its own.
+def interval_plot(evidence: pd.DataFrame) -> go.Figure:
+    """Difference X - Y of every measure with its 95 % interval, each on an axis of its own.
 
     Right of the line X is better in all of them: where less is better, the axis runs backwards. A
-    figure without interval has its difference in words and no place on an axis: nothing says
+    measure without interval has its difference in words and no place on an axis: nothing says
     whether it would be a large or a small one there.
 
     Parameters
     ----------
     evidence
-        `nvcore.evidence.measures.significance_table`.
-    forms
-        Format of each figure; shares (``%``) are shown in percentage points.
+        `nvcore.evidence.measures.significance_table`; shares are drawn in percentage points.
     """
     known = evidence[np.isfinite(evidence["difference"])]
     if known.empty:
@@ -72,7 +69,7 @@ def interval_plot(evidence: pd.DataFrame, forms: Mapping[str, str]) -> go.Figure
     for one, top, is_drawn in zip(
         known.to_dict("records"), (ends - heights).tolist(), has_interval.tolist(), strict=True
     ):
-        form = forms.get(one["figure"], ".4g")
+        form = evidence_form(one["figure"])
         told = f"{plain(one['label'], max_length=80)}: <b>{_told(one['difference'], form)}</b>"
         if is_drawn:
             span = f"{_told(one['low'], form)} to {_told(one['high'], form)}"
@@ -109,7 +106,7 @@ def _told(value: float, form: str) -> str:
 def _add_axis(
     figure: go.Figure, one: Mapping[Hashable, Any], form: str, domain: Sequence[float]
 ) -> None:
-    """The interval and the difference of a figure."""
+    """The interval and the difference of a measure."""
     look = LOOK[THEME]
     number = sum(trace.mode == "markers" for trace in figure.data) + 1
     key = str(number) if number > 1 else ""
@@ -117,7 +114,7 @@ def _add_axis(
     low, high, middle = (
         (100.0 if is_share else 1.0) * one[name] for name in ("low", "high", "difference")
     )
-    least = LEAST_REACH["%" if is_share else form[-2:]]
+    least = inference_of(one["figure"]).scale.least_reach
     reach = max(REACH * max(abs(low), abs(high), abs(middle)), least)
     sign = 1 if one["better"] == "higher" else -1
     figure.add_scatter(

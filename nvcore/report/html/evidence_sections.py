@@ -11,23 +11,22 @@ import numpy as np
 import pandas as pd
 
 from nvcore.comparison import Result
-from nvcore.detection.curve_summary import SUMMARY_ROWS, summarise_curve
+from nvcore.detection.curve_summary import summarise_curve
 from nvcore.detection.curves import DetectionCurve, detection_curve
 from nvcore.detection.filtered_truth import filter_truth
 from nvcore.detection.miss_rate import explain_few
 from nvcore.errors import InputError
-from nvcore.evidence.subgroup_table import DETECTED
 from nvcore.evidence.subgroups import ALL
-from nvcore.evidence.table import FORMS
 from nvcore.figures.detection import CurveKind, curve_plot, legend_figure
 from nvcore.figures.forest import subgroup_forest
 from nvcore.figures.stability import stability_map
+from nvcore.measures import evidence_form, inference_of
 from nvcore.progress import Progress
 from nvcore.protocols import Protocol
 from nvcore.report.html import words
 from nvcore.report.html.blocks import Block, Chart, Photo, Photos, Section, Sentences, Table, table
 from nvcore.report.html.charts import THEME, interval_plot
-from nvcore.report.html.result_sections import FIGURES_HEAD
+from nvcore.report.html.result_sections import MEASURES_HEAD, score_row
 from nvcore.report.verdict import verdict
 from nvcore.stability.survey import SurveyRow, survey_stability, survey_table
 from nvcore.stability.words import (
@@ -37,6 +36,7 @@ from nvcore.stability.words import (
     describe_equal_alarms,
     describe_stability,
 )
+from nvcore.tables.scorecard import curve_rows
 from nvcore.wording import UNDEFINED, count_text, difference, number, one_line
 
 CURVES: Final[dict[CurveKind, tuple[str, str]]] = {
@@ -58,7 +58,7 @@ def significance_section(evidence: pd.DataFrame) -> Section:
     """Every difference with interval, p-value and how they were made."""
     rows, ways = [], []
     for one in evidence.to_dict("records"):
-        form = FORMS.get(one["figure"], ".4g")
+        form = evidence_form(one["figure"])
         span = UNDEFINED
         if np.isfinite(one["low"]):
             span = f"{difference(one['low'], 0, form)} to {difference(one['high'], 0, form)}"
@@ -76,7 +76,7 @@ def significance_section(evidence: pd.DataFrame) -> Section:
         "significance", "Is the difference real", words.SIGNIFICANCE,
         (
             table("Differences and tests", head, rows, right=range(1, 7)),
-            Chart("intervals", interval_plot(evidence, FORMS),
+            Chart("intervals", interval_plot(evidence),
                   "Differences with their 95 % intervals"),
             table("How they were made", ("Figure", "From", "Method", "Note"), ways),
         ),
@@ -84,8 +84,10 @@ def significance_section(evidence: pd.DataFrame) -> Section:
 
 
 def subgroups_section(subgroups: pd.DataFrame) -> Section:
-    """Every figure for parts of the encounters, and who detects more of which."""
-    is_detected = subgroups["figure"] == DETECTED
+    """Every measure for parts of the encounters, and who detects more of which."""
+    is_detected = np.array(
+        [inference_of(key).test == "encounters" for key in subgroups["figure"]], dtype=bool
+    )
     detected = subgroups[is_detected]
     head = ("Factor", "Group", "Encounters", "Both", "Only X", "Only Y", "Neither", "X - Y",
             "95 % interval", "p", "p (Holm)")  # fmt: skip
@@ -102,19 +104,20 @@ def subgroups_section(subgroups: pd.DataFrame) -> Section:
                   "Difference in the share detected by group"),
             table("Encounters detected by subgroup", head, rows, right=range(2, 11),
                   note=_notes_of(detected)),
-            *(_table_by_subgroup(of_figure) for of_figure in others
-              if np.isfinite(of_figure["x"].iloc[1:]).any()),
+            *(_table_by_subgroup(of_measure) for of_measure in others
+              if np.isfinite(of_measure["x"].iloc[1:]).any()),
         ),
     )  # fmt: skip
 
 
 def _table_by_subgroup(subgroups: pd.DataFrame) -> Table:
-    """One figure, for the groups that have it."""
+    """One measure, for the groups that have it."""
     defined = subgroups[np.isfinite(subgroups["x"])]
     head = ("Factor", "Group", "From", "X", "Y", "X - Y", "95 % interval", "p", "p (Holm)")
+    form = evidence_form(subgroups["figure"].iloc[0])
     rows = [
         (*_group_of(one), f"{one['n']:,} {one['unit']}",
-         *(number(one[letter], FORMS[one["figure"]]) for letter in "xy"), *_evidence_of(one))
+         *(number(one[letter], form) for letter in "xy"), *_evidence_of(one))
         for one in defined.to_dict("records")
     ]  # fmt: skip
     label = subgroups["label"].iloc[0]
@@ -128,7 +131,7 @@ def _group_of(one: Mapping[Hashable, Any]) -> tuple[str, str]:
 
 def _evidence_of(one: Mapping[Hashable, Any]) -> tuple[str, str, str, str]:
     """Difference, interval, p and corrected p of a row."""
-    form = FORMS[one["figure"]]
+    form = evidence_form(one["figure"])
     span = UNDEFINED
     if np.isfinite(one["low"]):
         span = f"{difference(one['low'], 0, form)} to {difference(one['high'], 0, form)}"
@@ -164,11 +167,7 @@ def detection_section(result: Result, protocol: Protocol) -> Section:
         summarise_curve(curve, threshold)
         for curve, threshold in zip(curves, thresholds, strict=True)
     ]
-    rows = [
-        (label, number(x, form), number(y, form), difference(x, y, form), better)
-        for name, label, better, form in SUMMARY_ROWS
-        for x, y in [[getattr(one, name) for one in summaries]]
-    ]
+    rows = [score_row(row) for row in curve_rows(*summaries)]
     why = [
         f"{letter} has no averages and no areas ({one.why_undefined})."
         for letter, one in zip("XY", summaries, strict=True)
@@ -184,7 +183,7 @@ def detection_section(result: Result, protocol: Protocol) -> Section:
     filters = "; ".join(protocol.filters)
     told = f"Protocol {protocol.title}: {protocol.text} {f'Filters: {filters}.' if filters else ''}"
     blocks: list[Block] = [Sentences((told.strip(), _left_out(result, protocol), *why))]
-    blocks.append(table("Detection figures", FIGURES_HEAD, rows, right=(1, 2, 3)))
+    blocks.append(table("Detection figures", MEASURES_HEAD, rows, right=(1, 2, 3)))
     blocks += [
         _curve(curves, thresholds, kind, [legend_figure(one, kind) for one in summaries])
         for kind in CURVES

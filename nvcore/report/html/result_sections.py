@@ -11,6 +11,7 @@ from nvcore.comparison import Result, SystemResult
 from nvcore.figures.encounters import miss_classes_plot
 from nvcore.figures.paired import recordings_plot
 from nvcore.figures.venn import WORDS, venn_figure
+from nvcore.measures import MeasureTable
 from nvcore.metrics.encounters import RELEVANT_K
 from nvcore.report.html import words
 from nvcore.report.html.blocks import MAX_ROWS, Chart, Section, Sentences, Table, table
@@ -23,14 +24,13 @@ from nvcore.tables.moments import encounter_moments
 from nvcore.tables.result import (
     encounters_table,
     recordings_table,
-    system_summary,
     worst_events,
     worst_intervals,
 )
-from nvcore.tables.scorecard import ScoreRow, class_rows, score_rows
+from nvcore.tables.scorecard import ScoreRow, score_rows
 from nvcore.wording import UNDEFINED, count_text, difference, number
 
-FIGURES_HEAD = ("Figure", "X", "Y", "X - Y", "Better")
+MEASURES_HEAD = ("Figure", "X", "Y", "X - Y", "Better")
 N_WORST = 3
 """Intervals, events and episodes of each system that are listed."""
 
@@ -41,17 +41,18 @@ def names_of(result: Result) -> tuple[str, str]:
 
 
 def scorecard_section(result: Result) -> Section:
-    """All figures side by side."""
-    rows = [_score_row(one) for one in score_rows(result)]
+    """All measures side by side."""
+    rows = [score_row(row) for row in score_rows(result)]
     rows.append((f"how the {result.venn.n_near} encounters went:", "", "", "", ""))
-    rows += [_score_row(one) for one in class_rows(result)]
+    rows += [score_row(row) for row in score_rows(result, MeasureTable.MISS_CLASSES)]
     return Section(
         "scorecard", "Scorecard", words.scorecard(result.params),
-        (table("Figures of X and Y", FIGURES_HEAD, rows, right=(1, 2, 3)),),
+        (table("Figures of X and Y", MEASURES_HEAD, rows, right=(1, 2, 3)),),
     )  # fmt: skip
 
 
-def _score_row(row: ScoreRow) -> tuple[str, ...]:
+def score_row(row: ScoreRow) -> tuple[str, ...]:
+    """Cells of a measure, as `MEASURES_HEAD` names them."""
     label = ("– " if row.level else "") + row.label
     shown = (number(row.x, row.form), number(row.y, row.form), difference(row.x, row.y, row.form))
     return (label, *shown, row.better)
@@ -62,8 +63,10 @@ def encounters_section(result: Result) -> Section:
     counts = result.venn.counts()
     in_words = ", ".join(f"{WORDS[kind]} {counts[kind]}" for kind in Category)
     classes = [
-        (one.label, number(one.x, "d"), number(one.y, "d"), MISS_CLASS_TEXT[kind])
-        for one, kind in zip(class_rows(result), MISS_CLASS_TEXT, strict=True)
+        (row.label, number(row.x, "d"), number(row.y, "d"), MISS_CLASS_TEXT[kind])
+        for row, kind in zip(
+            score_rows(result, MeasureTable.MISS_CLASSES), MISS_CLASS_TEXT, strict=True
+        )
     ]
     said = (*describe_misses(result), describe_lead(result))
     fusion = fusion_table(result)
@@ -202,26 +205,12 @@ def saliency_section(result: Result) -> Section:
 
 def false_alerts_section(result: Result) -> Section:
     """False alarms and episodes of both systems."""
-    x, y = (system_summary(result, system) for _, system in result.sides)
-    figures = (
-        ("detections that count", "detections", "d", ""),
-        ("false alarms", "false_alarms", "d", "lower"),
-        ("false alarms per frame", "false_alarms_per_frame", ".3f", "lower"),
-        ("false alarms per minute", "false_alarms_per_minute", ".1f", "lower"),
-        ("false-alert episodes", "false_alert_episodes", "d", "lower"),
-        ("false-alert episodes per hour", "false_alert_episodes_per_hour", ".1f", "lower"),
-        ("mean duration of an episode (s)", "mean_episode_s", ".2f", "lower"),
-        ("longest episode (s)", "longest_episode_s", ".2f", "lower"),
-    )
-    rows = [
-        (label, number(x[key], form), number(y[key], form), difference(x[key], y[key], form), best)
-        for label, key, form, best in figures
-    ]
+    rows = [score_row(row) for row in score_rows(result, MeasureTable.FALSE_ALERTS)]
     head = ("System", "Recording", "Frames", "Start (s)", "Duration (s)", "Boxes")
     return Section(
         "false-alerts", "False alerts", words.FALSE_ALERTS,
         (
-            table("False alarms and episodes", FIGURES_HEAD, rows, right=(1, 2, 3)),
+            table("False alarms and episodes", MEASURES_HEAD, rows, right=(1, 2, 3)),
             table("The longest episodes", head, _episodes(result), right=range(3, 6)),
         ),
     )  # fmt: skip

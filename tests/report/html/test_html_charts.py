@@ -15,7 +15,6 @@ from plotly.offline import get_plotlyjs
 from nvcore.evidence.measures import significance_table
 from nvcore.figures.style import LOOK
 from nvcore.report.html.charts import figure_json, interval_plot, packed_plotly
-from nvcore.report.html.evidence_sections import FORMS
 
 X, Y = LOOK["light"].x, LOOK["light"].y
 
@@ -57,7 +56,7 @@ def test_intervals_lie_right_where_x_is_better_whichever_way_is_better():
     evidence = with_intervals().set_index("figure")
     shown = evidence.loc[["encounters_detected", "mean_similarity", "share_low"]].reset_index()
     assert shown["difference"].tolist()[0] == 0.5
-    figure = interval_plot(shown, FORMS)
+    figure = interval_plot(shown)
     assert figure.layout.xaxis.range[0] < 0 < figure.layout.xaxis.range[1]
     assert shown["better"].tolist()[2] == "lower"
     assert figure.layout.xaxis3.range[0] > 0 > figure.layout.xaxis3.range[1]  # runs backwards
@@ -71,7 +70,7 @@ def test_intervals_lie_right_where_x_is_better_whichever_way_is_better():
 def test_intervals_are_those_of_the_table_shares_in_percentage_points():
     evidence = significance_table(one_each())
     (known,) = [row for row in evidence.itertuples() if row.figure == "encounters_detected"]
-    figure = interval_plot(evidence, FORMS)
+    figure = interval_plot(evidence)
     lines = [trace for trace in figure.data if trace.mode == "lines"]
     assert list(lines[0].x) == pytest.approx([100 * known.low, 100 * known.high])
     assert figure.layout.xaxis.ticksuffix == " pp"
@@ -86,11 +85,11 @@ def test_a_figure_without_interval_has_no_place_on_an_axis():
     row = evidence["figure"] == "mean_similarity"
     without = evidence.assign(low=evidence["low"].mask(row), high=evidence["high"].mask(row))
     drawn, fewer = (
-        sum(trace.mode == "markers" for trace in interval_plot(one, FORMS).data)
+        sum(trace.mode == "markers" for trace in interval_plot(one).data)
         for one in (evidence, without)
     )
     assert fewer == drawn - 1
-    (told,) = [text for text in said(interval_plot(without, FORMS)) if "mean similarity" in text]
+    (told,) = [text for text in said(interval_plot(without)) if "mean similarity" in text]
     assert told.endswith("(no interval can be given)")
 
 
@@ -99,11 +98,11 @@ def test_an_axis_of_no_difference_still_has_ticks_that_differ():
     flat = evidence[evidence["figure"] == "encounters_detected"].assign(
         low=0.0, high=0.0, difference=0.0
     )
-    figure = interval_plot(flat, FORMS)
+    figure = interval_plot(flat)
     assert list(figure.layout.xaxis.range) == [-1, 1]  # percentage points
 
 
 def test_without_any_figure_it_says_so():
     result = result_of(make_dataset(n_frames=3))
     empty = significance_table(result).assign(difference=np.nan)
-    assert "No figure" in interval_plot(empty, FORMS).layout.annotations[0].text
+    assert "No figure" in interval_plot(empty).layout.annotations[0].text

@@ -9,11 +9,12 @@ import pytest
 from places import ROOT
 from streamlit.testing.v1 import AppTest
 
-from nvcore.detection.curve_summary import SUMMARY_ROWS, summarise_curve
+from nvcore.detection.curve_summary import summarise_curve
 from nvcore.detection.curves import detection_curve
 from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
 from nvcore.protocols import PROTOCOLS
+from nvcore.tables.scorecard import curve_rows
 from ui.session.state import SAMPLE
 
 
@@ -46,7 +47,7 @@ def test_the_table_holds_the_librarys_figures():
     params = dataset.params_of()
     curve = detection_curve(dataset, "FIR", params, PROTOCOLS["all"])
     summary = summarise_curve(curve, params.threshold_x)
-    expected = [format(getattr(summary, name), form) for name, _, _, form in SUMMARY_ROWS]
+    expected = [format(row.x, row.form) for row in curve_rows(summary, summary)]
     assert figures(opened())["X"].tolist() == expected
 
 

@@ -1,0 +1,269 @@
+"""The aggregates of ``summary.json``: every key with unit, type, a sentence, and its value."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, replace
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+
+from nvcore import __version__
+from nvcore.comparison import Result, SystemResult
+from nvcore.measures import MEASURES
+from nvcore.tables.columns import VENN_COLUMNS, Column, Kind, measure_column
+
+_TEXT, _INTEGER, _NUMBER = Kind.TEXT, Kind.INTEGER, Kind.NUMBER
+_NO_LEAD: Final = "no such encounter"
+
+_NAMED: Final = {measure.key: measure.of for measure in MEASURES if measure.meaning and measure.of}
+"""Measures of each system, by key."""
+
+SYSTEM_KEYS: Final[tuple[Column, ...]] = (
+    Column("name", _TEXT, "", "Name of the system."),
+    Column(
+        "threshold",
+        _NUMBER,
+        "",
+        "Score below which detections are left out.",
+        empty="none was given (every detection counts), or it is infinite",
+    ),
+    *(measure_column(measure) for measure in MEASURES if measure.key in _NAMED),
+)
+"""Keys of each system: below `x` and `y`, and below `fusion` for their combinations."""
+
+
+class _Entry(NamedTuple):
+    """A key and its value; None or NaN where it is undefined."""
+
+    column: Column
+    of: Callable[[Result], Any]
+
+
+def _lead_s(result: Result) -> np.ndarray:
+    """Lead of X over Y in encounters that both match."""
+    lead_s = result.lead_time_s
+    known: np.ndarray = lead_s[np.isfinite(lead_s)]
+    return known
+
+
+def _venn_count(name: str) -> Callable[[Result], int]:
+    return lambda result: result.venn.counts()[name]
+
+
+_ENTRIES: Final[tuple[_Entry, ...]] = (
+    _Entry(Column("version", _TEXT, "", "Version of nvcore."), lambda _: __version__),
+    _Entry(
+        Column(
+            "fingerprint",
+            _TEXT,
+            "",
+            "SHA-256 of the input files' content, how they were read, sizes, frame rates, and "
+            "evaluated frames. The parameters are not in it.",
+        ),
+        lambda result: result.dataset.fingerprint,
+    ),
+    _Entry(
+        Column(
+            "parameters", Kind.TABLE, "", "Every parameter by name; null where it has no value."
+        ),
+        lambda result: asdict(result.params),
+    ),
+    _Entry(
+        Column("recordings", _INTEGER, "recordings", "Recordings compared."),
+        lambda result: len(result.dataset.recordings),
+    ),
+    _Entry(
+        Column("frames", _INTEGER, "frames", "Evaluated frames."),
+        lambda result: len(result.dataset.frames),
+    ),
+    _Entry(
+        Column("duration_s", _NUMBER, "s", "Sum of their time steps."),
+        lambda result: result.duration_s,
+    ),
+    _Entry(
+        Column("truth.boxes", _INTEGER, "boxes", "Annotated pedestrians, ignore regions left out."),
+        lambda result: int(result.n_truth.sum()),
+    ),
+    _Entry(
+        Column("truth.boxes_ignored", _INTEGER, "boxes", "Ignore regions."),
+        lambda result: int(np.count_nonzero(result.dataset.truth.ignore)),
+    ),
+    _Entry(
+        Column("truth.encounters", _INTEGER, "encounters", "Encounters, distant ones included."),
+        lambda result: len(result.encounters),
+    ),
+    _Entry(
+        Column(
+            "truth.recordings_with_linked_tracks",
+            _INTEGER,
+            "recordings",
+            "Recordings whose truth has no track ids (or not everywhere), so that tracks were "
+            "linked.",
+        ),
+        lambda result: len(result.tracks.linked_recordings),
+    ),
+    _Entry(
+        Column(
+            "truth.boxes_without_distance",
+            _INTEGER,
+            "boxes",
+            "Pedestrians weighted by height because `proximity` is `distance` and they have none.",
+        ),
+        lambda result: result.k_truth.n_without_distance,
+    ),
+    _Entry(
+        Column("x", Kind.TABLE, "", "System X; the keys are those of each system, below."),
+        lambda result: system_summary(result, result.x),
+    ),
+    _Entry(
+        Column("y", Kind.TABLE, "", "System Y; the same keys."),
+        lambda result: system_summary(result, result.y),
+    ),
+    *(
+        _Entry(replace(column, name=f"venn.{column.name}"), _venn_count(column.name))
+        for column in VENN_COLUMNS
+    ),
+    _Entry(
+        Column(
+            "dominant",
+            _TEXT,
+            "",
+            "`x` or `y`: the system that detects every encounter that the other does, and more.",
+            empty="neither does",
+        ),
+        lambda result: result.venn.dominant,
+    ),
+    _Entry(
+        Column(
+            "exclusivity.missed_by_x", _INTEGER, "encounters", "Encounters that X missed.", "low"
+        ),
+        lambda result: result.exclusivity.missed_by_x,
+    ),
+    _Entry(
+        Column(
+            "exclusivity.missed_by_y", _INTEGER, "encounters", "Encounters that Y missed.", "low"
+        ),
+        lambda result: result.exclusivity.missed_by_y,
+    ),
+    _Entry(
+        Column(
+            "exclusivity.missed_by_both", _INTEGER, "encounters", "Those that both missed.", "low"
+        ),
+        lambda result: result.exclusivity.missed_by_both,
+    ),
+    _Entry(
+        Column(
+            "exclusivity.jaccard",
+            _NUMBER,
+            "0 to 1",
+            "Shared misses over all misses: 0 no miss is shared, 1 all are.",
+            empty="no misses",
+        ),
+        lambda result: result.exclusivity.jaccard,
+    ),
+    _Entry(
+        Column(
+            "exclusivity.phi",
+            _NUMBER,
+            "-1 to 1",
+            "Correlation of the two systems' misses.",
+            empty="a system misses none or all",
+        ),
+        lambda result: result.exclusivity.phi,
+    ),
+    _Entry(
+        Column(
+            "exclusivity.mcnemar_p",
+            _NUMBER,
+            "0 to 1",
+            "Exact McNemar p: how likely a split of `x_only` against `y_only` at least this uneven "
+            "is if both are equally good.",
+        ),
+        lambda result: result.exclusivity.mcnemar_p,
+    ),
+    _Entry(
+        Column("boxes.both", _INTEGER, "boxes", "Pedestrian boxes that both systems matched."),
+        lambda result: result.boxes.both,
+    ),
+    _Entry(
+        Column("boxes.x_only", _INTEGER, "boxes", "Pedestrian boxes that only X matched."),
+        lambda result: result.boxes.x_only,
+    ),
+    _Entry(
+        Column("boxes.y_only", _INTEGER, "boxes", "Pedestrian boxes that only Y matched."),
+        lambda result: result.boxes.y_only,
+    ),
+    _Entry(
+        Column("boxes.neither", _INTEGER, "boxes", "Pedestrian boxes that neither system matched."),
+        lambda result: result.boxes.neither,
+    ),
+    _Entry(
+        Column(
+            "lead_time_s.encounters",
+            _INTEGER,
+            "encounters",
+            "Encounters that both systems matched in a relevant frame.",
+        ),
+        lambda result: len(_lead_s(result)),
+    ),
+    _Entry(
+        Column(
+            "lead_time_s.mean",
+            _NUMBER,
+            "s",
+            "Mean lead of X over Y in these; negative: Y was first.",
+            empty=_NO_LEAD,
+        ),
+        lambda result: float(lead_s.mean()) if len(lead_s := _lead_s(result)) else None,
+    ),
+    _Entry(
+        Column("lead_time_s.median", _NUMBER, "s", "Its median.", empty=_NO_LEAD),
+        lambda result: float(np.median(lead_s)) if len(lead_s := _lead_s(result)) else None,
+    ),
+    _Entry(
+        Column("fusion.x_or_y", Kind.TABLE, "", "What `X or Y` would do; the same keys."),
+        lambda result: system_summary(result.fusion, result.fusion.x),
+    ),
+    _Entry(
+        Column("fusion.x_and_y", Kind.TABLE, "", "What `X and Y` would do; the same keys."),
+        lambda result: system_summary(result.fusion, result.fusion.y),
+    ),
+)
+
+SUMMARY_KEYS: Final[tuple[Column, ...]] = tuple(entry.column for entry in _ENTRIES)
+"""Keys of ``summary.json`` in order, nested ones with dots; those of a system are `SYSTEM_KEYS`."""
+
+
+def summary(result: Result) -> dict[str, Any]:
+    """All aggregates, ready for JSON; None is undefined."""
+    content = _nested({entry.column.name: entry.of(result) for entry in _ENTRIES})
+    defined: dict[str, Any] = _without_nan(content)
+    return defined
+
+
+def system_summary(result: Result, system: SystemResult) -> dict[str, Any]:
+    """Aggregates of one system over all recordings."""
+    measures = {key: of(result, system) for key, of in _NAMED.items()}
+    return _nested({"name": system.name, "threshold": system.threshold, **measures})
+
+
+def _nested(content: Mapping[str, Any]) -> dict[str, Any]:
+    """Entries named ``outer.inner`` in a dictionary of their own."""
+    nested: dict[str, Any] = {}
+    for name, value in content.items():
+        outer, _, inner = name.partition(".")
+        if inner:
+            nested.setdefault(outer, {})[inner] = value
+        else:
+            nested[name] = value
+    return nested
+
+
+def _without_nan(value: Any) -> Any:
+    """The same with None in place of NaN and infinities, which JSON does not have."""
+    if isinstance(value, dict):
+        return {key: _without_nan(item) for key, item in value.items()}
+    if isinstance(value, float) and not np.isfinite(value):
+        return None
+    return value

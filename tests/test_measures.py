@@ -1,0 +1,152 @@
+"""Every entry of the table of measures: what it says of itself holds for its values."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import numpy as np
+import pytest
+from builders import Place, at, make_dataset, result_of
+from drives import drives
+
+from nvcore.comparison import Result
+from nvcore.detection.curve_summary import summarise_curve
+from nvcore.detection.curves import detection_curve
+from nvcore.evidence.measures import unit_measures
+from nvcore.evidence.units import find_units
+from nvcore.measures import (
+    EVIDENCE_KEYS,
+    MEASURES,
+    NO_FRAMES,
+    Measure,
+    evidence_form,
+    evidence_label,
+    inference_of,
+    label_words,
+    measure_of,
+)
+
+OF_SYSTEMS = [measure for measure in MEASURES if measure.of is not None]
+OF_CURVES = [measure for measure in MEASURES if measure.of_curve is not None]
+OF_RECORDINGS = [measure for measure in OF_SYSTEMS if measure.by_recording is not None]
+
+
+def key_of(measure: Measure) -> str:
+    return measure.key
+
+
+@pytest.fixture(scope="module")
+def perfect() -> Result:
+    """Twelve recordings; X is the truth itself, Y misses and invents."""
+    rng = np.random.default_rng(3)
+    truth, y = [], []
+    for recording in range(12):
+        for frame in range(12):
+            for track, centre in ((1, 30), (2, 60)):
+                truth.append(
+                    at(frame, centre, recording=recording, track=track, score=rng.random())
+                )
+                if rng.random() < 0.6:
+                    y.append(truth[-1])
+            if rng.random() < 0.3:
+                y.append(at(frame, 90, recording=recording, score=rng.random()))
+    return result_of(make_dataset(truth, truth, y, places=[Place(range(12))] * 12))
+
+
+@pytest.fixture(scope="module")
+def alone() -> Result:
+    """One recording."""
+    return result_of(drives(1))
+
+
+def test_no_key_and_no_name_of_a_rule_stands_twice():
+    names = Counter(measure.rule or measure.key for measure in MEASURES)
+    assert [name for name, n in names.items() if n > 1] == []
+    assert max(Counter(map(key_of, MEASURES)).values()) == 1
+
+
+@pytest.mark.parametrize("measure", MEASURES, ids=key_of)
+def test_labels_name_only_what_a_result_has(measure: Measure, alone: Result):
+    label = measure.label.format_map(label_words(alone, "recordings"))
+    assert label
+    assert "{" not in label
+    assert measure.part.format_map(label_words(alone)) == measure.part
+
+
+@pytest.mark.parametrize("measure", OF_SYSTEMS, ids=key_of)
+def test_values_fit_their_format(measure: Measure, perfect: Result):
+    value = measure.of(perfect, perfect.y)
+    assert np.isfinite(value)
+    assert format(value, measure.form)
+
+
+@pytest.mark.parametrize("measure", OF_SYSTEMS, ids=key_of)
+def test_a_perfect_system_is_never_the_worse_one(measure: Measure, perfect: Result):
+    x, y = (measure.of(perfect, system) for system in (perfect.x, perfect.y))
+    if measure.better == "higher":
+        assert x >= y
+    if measure.better == "lower":
+        assert x <= y or np.isnan(x)
+
+
+@pytest.mark.parametrize("measure", OF_CURVES, ids=key_of)
+def test_a_perfect_curve_is_never_the_worse_one(measure: Measure, perfect: Result):
+    curves = (
+        detection_curve(perfect.dataset, system.name, perfect.params)
+        for system in (perfect.x, perfect.y)
+    )
+    x, y = (measure.of_curve(summarise_curve(curve, 0.1)) for curve in curves)
+    if measure.better == "higher":
+        assert x >= y
+    if measure.better == "lower":
+        assert x <= y
+
+
+@pytest.mark.parametrize("measure", OF_RECORDINGS, ids=key_of)
+def test_of_one_recording_it_is_that_of_all(measure: Measure, alone: Result):
+    (value,) = measure.by_recording(alone, alone.y)
+    assert value == pytest.approx(measure.of(alone, alone.y))
+
+
+@pytest.mark.parametrize("measure", OF_RECORDINGS, ids=key_of)
+def test_a_recording_without_frames_has_no_value_or_none_of_anything(measure: Measure):
+    result = result_of(make_dataset(places=[Place(range(2)), Place([])]))
+    value = measure.by_recording(result, result.x)[1]
+    assert np.isnan(value) if measure.empty == NO_FRAMES else value == 0
+
+
+def test_what_is_undefined_without_frames_says_so():
+    result = result_of(make_dataset(n_frames=0))
+    undefined = {
+        one.key for one in OF_SYSTEMS if one.meaning and np.isnan(one.of(result, result.x))
+    }
+    assert undefined == {one.key for one in OF_SYSTEMS if one.empty}
+
+
+@pytest.mark.parametrize("aggregate", ["max", "sum"])
+def test_sums_over_units_give_the_value_of_all(aggregate: str):
+    result = result_of(drives(12), saliency_aggregate=aggregate)
+    judged = {measure.key: measure for measure in unit_measures(result, find_units(result))}
+    assert set(judged) == {key for key in EVIDENCE_KEYS if inference_of(key).test == "units"}
+    for key in ("mean_similarity", "share_low", "false_alert_episodes_per_hour"):
+        for sums, system in ((judged[key].x, result.x), (judged[key].y, result.y)):
+            value = judged[key].statistic(sums.sum(axis=0))
+            assert value == pytest.approx(measure_of(key).of(result, system)), key
+    saliency = judged["saliency"].statistic(judged["saliency"].y.sum(axis=0))
+    assert saliency == pytest.approx(measure_of("mean_saliency").of(result, result.y))
+
+
+@pytest.mark.parametrize("key", EVIDENCE_KEYS)
+def test_evidence_is_named_and_written_like_the_measure(key: str, alone: Result):
+    label = evidence_label(key, alone, "blocks")
+    assert label[0].islower()
+    assert "{" not in label
+    assert format(0.5, evidence_form(key))
+    assert measure_of(key).better in ("higher", "lower")
+    # a share is written as one everywhere, so that its differences are percentage points
+    assert inference_of(key).scale.is_share == evidence_form(key).endswith("%")
+
+
+def test_encounters_stand_first_in_the_evidence_and_the_curve_last():
+    assert EVIDENCE_KEYS[:2] == ("encounters_detected", "encounters_detected_by_unit")
+    assert EVIDENCE_KEYS[-1] == "log_average_miss_rate"
