@@ -23,9 +23,9 @@ from nvcore.report.gate import (
     Outcome,
     audit_rules,
     explain,
-    figure_names,
-    gate_figures,
+    gate_measures,
     judge,
+    measure_names,
     read_rules,
 )
 from nvcore.report.gate_results import terminal_lines
@@ -192,14 +192,14 @@ def gate(result: Comparison, rules: Iterable[str], *, strict: bool = False) -> G
     """
     texts = [rules] if isinstance(rules, str) else list(rules)
     numbered = [(f"rule {number}", text) for number, text in enumerate(texts, 1)]
-    wanted, problems = read_rules(numbered, figure_names())
+    wanted, problems = read_rules(numbered, measure_names())
     if problems:
         raise ParameterError("\n".join(problems))
     wanted += audit_rules(wanted, strict=strict)
-    figures = gate_figures(
+    measures = gate_measures(
         result.result, result.findings, result.protocol, [rule.name for rule in wanted]
     )
-    outcomes = explain(judge(wanted, figures), result.result, result.findings)
+    outcomes = explain(judge(wanted, measures), result.result, result.findings)
     return GateOutcome(tuple(outcomes))
 
 

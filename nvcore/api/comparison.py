@@ -21,6 +21,7 @@ from nvcore.errors import InputError
 from nvcore.evidence.table import evidence_table
 from nvcore.findings import Finding
 from nvcore.inputs.session import Session
+from nvcore.measures import MeasureTable
 from nvcore.metrics.venn import BoxVenn, Exclusivity, Venn
 from nvcore.params import Params
 from nvcore.protocols import Protocol
@@ -36,9 +37,9 @@ from nvcore.tables.result import (
     frames_table,
     intervals_table,
     recordings_table,
-    summary,
 )
-from nvcore.tables.scorecard import class_rows, score_rows
+from nvcore.tables.scorecard import score_rows
+from nvcore.tables.summary import summary
 from nvcore.wording import ARROWS, count_text, difference, number, one_line
 
 SESSION_FILE = "session.toml"
@@ -230,7 +231,8 @@ class Comparison:
                 number(row.y, row.form),
                 difference(row.x, row.y, row.form),
             )
-            for row in (*score_rows(self.result), *class_rows(self.result))
+            for table in (MeasureTable.SCORECARD, MeasureTable.MISS_CLASSES)
+            for row in score_rows(self.result, table)
         ]
         table = pd.DataFrame(rows, columns=[*head, "X - Y"]).to_html(index=False, border=0)
         return f"<p>{escape(repr(self)[1:-1])}</p>{table}"

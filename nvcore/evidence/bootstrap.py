@@ -13,7 +13,7 @@ from scipy.stats import DegenerateDataWarning, bootstrap
 from scipy.stats import t as student
 
 SEED: Final = 110360
-"""Seed of every resampling, so that the same input gives the same figures."""
+"""Seed of every resampling, so that the same input gives the same numbers."""
 N_RESAMPLES: Final = 10_000
 CONFIDENCE: Final = 0.95
 MIN_UNITS: Final = 8
@@ -23,20 +23,20 @@ few of only 462 distinct resamples."""
 ROWS_AT_ONCE: Final = 100_000
 """Drawn units held in memory at a time; what fits the cache is fastest."""
 ROUNDING: Final = 1e-12
-"""Differences smaller than this share of the figures are rounding."""
+"""Differences smaller than this share of the values are rounding."""
 
 Statistic = Callable[[np.ndarray], np.ndarray]
-"""A figure from sums over units: shape (..., *columns) to shape (...)."""
+"""A measure from sums over units: shape (..., *columns) to shape (...)."""
 
 
 @dataclass(frozen=True)
 class BootstrapDifference:
-    """Difference X - Y of a figure, with its interval.
+    """Difference X - Y of a measure, with its interval.
 
     Attributes
     ----------
     x, y, difference
-        The figure of both systems over all units, and ``x - y``; NaN undefined.
+        The measure of both systems over all units, and ``x - y``; NaN undefined.
     low, high
         Ends of the interval; NaN where none can be given, `reason` then says why.
     n_units
@@ -80,9 +80,9 @@ def bootstrap_difference(
     confidence: float = CONFIDENCE,
     seed: int = SEED,
 ) -> BootstrapDifference:
-    """Interval for the difference X - Y of a figure, by resampling units (recordings) in pairs.
+    """Interval for the difference X - Y of a measure, by resampling units (recordings) in pairs.
 
-    Whole units are drawn with replacement, the same ones for X and Y, and the figure is computed
+    Whole units are drawn with replacement, the same ones for X and Y, and the measure is computed
     from their sums: so frames of one recording may depend on each other as they like. The interval
     is BCa (bias-corrected and accelerated), with the ends taken further out by Student's t as few
     units need it: at the level ``1 - 2 * Phi(-sqrt(n / (n - 1)) * t)``, t the quantile of n - 1
@@ -94,11 +94,11 @@ def bootstrap_difference(
         Sums of each unit, shape (n_units, *columns): for a rate two columns, numerator and
         denominator, with `ratio`; for a curve its counts at every threshold.
     statistic
-        The figure from such sums, vectorised over leading axes.
+        The measure from such sums, vectorised over leading axes.
 
     Returns
     -------
-    Without interval, and with the reason in words, for fewer than `MIN_UNITS` units, a figure that
+    Without interval, and with the reason in words, for fewer than `MIN_UNITS` units, a measure that
     is undefined, or units that all tell the same.
 
     References

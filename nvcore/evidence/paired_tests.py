@@ -167,7 +167,7 @@ def swap_test(
     n_permutations: int = N_PERMUTATIONS,
     seed: int = SEED,
 ) -> SwapTest:
-    """Permutation test of the difference X - Y of a figure, X and Y exchanged unit by unit.
+    """Permutation test of the difference X - Y of a measure, X and Y exchanged unit by unit.
 
     If the systems are equally good, the results of a recording could as well have come from the
     other one. Of a mean this is the sign-flip test. All exchanges are tried for up to
@@ -181,7 +181,7 @@ def swap_test(
     Notes
     -----
     As `scipy.stats.permutation_test` for paired samples, some twenty times as fast for a thousand
-    units and for figures of many columns.
+    units and for measures of many columns.
 
     References
     ----------

@@ -39,7 +39,7 @@ def render_scorecard(
     findings
         Of the audit: the verdict says which of them it depends on.
     protocol
-        Which pedestrians count in the detection figures.
+        Which pedestrians count in the detection measures.
     evidence
         ``evidence_table(result, protocol)``, if known already.
     """
@@ -177,7 +177,7 @@ def _venn(result: Result) -> str:
 
 
 def describe_exclusivity(exclusivity: Exclusivity, x_only: int, y_only: int) -> str:
-    """How exclusive the misses are, in words that go no further than the figures."""
+    """How exclusive the misses are, in words that go no further than the numbers."""
     e = exclusivity
     text = (
         f"encounters not detected: {e.missed_by_x} by X, {e.missed_by_y} by Y, of these "

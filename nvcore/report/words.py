@@ -1,4 +1,4 @@
-"""Exclusivity, fusion and saliency of a comparison in sentences that say no more than the figures.
+"""Exclusivity, fusion and saliency of a comparison in sentences that say no more than the numbers.
 
 The systems are called X and Y; no name from a file stands in these sentences.
 """

@@ -14,18 +14,16 @@ from nvcore.tables.result import (
     frames_table,
     intervals_table,
     recordings_table,
-    summary,
-    system_summary,
     worst_events,
     worst_intervals,
 )
-from nvcore.tables.scorecard import class_rows, score_rows
+from nvcore.tables.scorecard import score_rows
+from nvcore.tables.summary import summary, system_summary
 
 __all__ = [
     "REPORT_COLUMNS",
     "FrameBoxes",
     "FrameSummary",
-    "class_rows",
     "column_names",
     "encounter_moments",
     "encounters_table",

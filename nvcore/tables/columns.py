@@ -37,7 +37,7 @@ class Column:
     meaning
         A sentence.
     better
-        ``"high"`` or ``"low"`` where the figure is a quality; empty: it is a fact.
+        ``"high"`` or ``"low"`` where it is a quality; empty: it is a fact.
     empty
         When the cell is empty (in JSON: null); empty: never.
     """
@@ -301,45 +301,52 @@ _SIGNIFICANCE = (
            empty="nothing to say"),
 )  # fmt: skip
 
+_EVIDENCE = {column.name: column for column in _SIGNIFICANCE}
 _NO_GROUP = "undefined for this group (`note`)"
 
 _SUBGROUPS = (
     Column(
-        "factor", _TEXT, "",
+        "factor",
+        _TEXT,
+        "",
         "What encounters are divided by: `all`, `distance`, `place`, `occlusion`, `pose`, `tag`.",
     ),
     Column("group", _TEXT, "", "The part."),
-    Column("figure", _TEXT, "", "Key of the figure, as in `significance.csv`."),
-    Column("label", _TEXT, "", "What it is, with its unit."),
-    Column("better", _TEXT, "", "`higher` or `lower`."),
-    Column("n", _INTEGER, "units", "How many were compared; 0: undefined for this group."),
-    Column("unit", _TEXT, "", "`encounters`, `recordings` or `blocks` of time."),
+    replace(_EVIDENCE["figure"], meaning="Key of the figure, as in `significance.csv`."),
+    _EVIDENCE["label"],
+    _EVIDENCE["better"],
+    replace(_EVIDENCE["n"], meaning="How many were compared; 0: undefined for this group."),
+    _EVIDENCE["unit"],
     Column("both", _INTEGER, "encounters", "Of the group, detected by both systems.", "high"),
     Column("x_only", _INTEGER, "encounters", "Detected by X only."),
     Column("y_only", _INTEGER, "encounters", "Detected by Y only."),
     Column("neither", _INTEGER, "encounters", "Detected by neither.", "low"),
-    Column("x", _NUMBER, "figure's", "Of X.", empty=_NO_GROUP),
-    Column("y", _NUMBER, "figure's", "Of Y.", empty=_NO_GROUP),
-    Column("difference", _NUMBER, "figure's", "X less Y.", empty=_NO_GROUP),
-    Column("low", _NUMBER, "figure's", "Lower end of its 95 % interval.", empty=_TOO_FEW),
-    Column("high", _NUMBER, "figure's", "Upper end.", empty=_TOO_FEW),
-    Column("p", _NUMBER, "0..1", "How often chance alone makes a difference as large.",
-           empty=_TOO_FEW),
-    Column("p_holm", _NUMBER, "0..1", "The same, corrected for all groups of the figure.",
-           empty=f"{_TOO_FEW}, or `all`"),
-    Column(
-        "effect", _NUMBER, "", "Size of the difference.",
-        empty="neither interval nor p, or an odds ratio that is infinite",
+    *(replace(_EVIDENCE[name], empty=_NO_GROUP) for name in ("x", "y", "difference")),
+    *(_EVIDENCE[name] for name in ("low", "high", "p")),
+    replace(
+        _EVIDENCE["p_holm"],
+        meaning="The same, corrected for all groups of the figure.",
+        empty=f"{_TOO_FEW}, or `all`",
     ),
-    Column("effect_name", _TEXT, "", "`Cohen's d_z` over the units, or `odds ratio`."),
-    Column("odds_low", _NUMBER, "", "Lower end of the odds ratio's 95 % interval.",
-           empty=f"{_TOO_FEW}, or another effect"),
-    Column("odds_high", _NUMBER, "", "Upper end.",
-           empty=f"{_TOO_FEW}, another effect, or it is infinite"),
-    Column("method", _TEXT, "", "How interval and p were made.", empty="neither could be"),
-    Column("note", _TEXT, "", "Why something is missing, and what it does not say.",
-           empty="nothing to say"),
-)  # fmt: skip
+    _EVIDENCE["effect"],
+    _EVIDENCE["effect_name"],
+    Column(
+        "odds_low",
+        _NUMBER,
+        "",
+        "Lower end of the odds ratio's 95 % interval.",
+        empty=f"{_TOO_FEW}, or another effect",
+    ),
+    Column(
+        "odds_high",
+        _NUMBER,
+        "",
+        "Upper end.",
+        empty=f"{_TOO_FEW}, another effect, or it is infinite",
+    ),
+    _EVIDENCE["method"],
+    _EVIDENCE["note"],
+)
 
 REPORT_COLUMNS: Final[dict[str, tuple[Column, ...]]] = {
     "frames.csv": _FRAMES,

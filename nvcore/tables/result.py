@@ -59,7 +59,7 @@ def frames_table(result: Result) -> pd.DataFrame:
 
 
 def encounters_table(result: Result) -> pd.DataFrame:
-    """One row per encounter: category, how each system did, the encounter's own figures."""
+    """One row per encounter: category, how each system did, what the encounter itself is."""
     encounters, frame = result.encounters, result.dataset.frames["frame"].to_numpy()
     is_near = result.category != Category.DISTANT.value
     columns: dict[str, Any] = {
