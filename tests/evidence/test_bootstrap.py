@@ -19,7 +19,7 @@ def draw(seed: int, n: int) -> tuple[np.ndarray, np.ndarray]:
     return rates(shared + rng.normal(0.02, 0.02, n)), rates(shared + rng.normal(0, 0.02, n))
 
 
-def test_the_difference_is_of_the_figure_over_all_units() -> None:
+def test_the_difference_is_of_the_measure_over_all_units() -> None:
     x = np.array([[9, 10], [10, 30], *[[1, 1]] * 6])  # 25 / 46
     y = np.array([[8, 10], [16, 30], *[[0, 1]] * 6])  # 24 / 46
     found = bootstrap_difference(x, y)
@@ -62,7 +62,7 @@ def test_the_same_seed_gives_the_same_interval_and_another_one_nearly() -> None:
     assert other.low == pytest.approx(first.low, abs=0.05 * (first.high - first.low))
 
 
-def test_a_figure_of_a_whole_curve_can_be_resampled() -> None:
+def test_a_measure_of_a_whole_curve_can_be_resampled() -> None:
     # rows: units; columns: thresholds; the figure is the smallest rate over the thresholds
     rng = np.random.default_rng(4)
     shape = (20, 5, 2)
@@ -112,7 +112,7 @@ def test_the_same_difference_in_every_unit_is_no_interval_of_width_0() -> None:
     assert "differ by the same in every unit" in found.reason
 
 
-def test_a_figure_that_some_resamples_do_not_have_is_not_given() -> None:
+def test_a_measure_that_some_resamples_do_not_have_is_not_given() -> None:
     # only one unit of ten has anything to count
     x, y = np.zeros((10, 2)), np.zeros((10, 2))
     x[0], y[0] = (3, 4), (1, 4)

@@ -32,7 +32,7 @@ def reordered(dataset: Dataset, order: np.ndarray) -> Dataset:
     return dataset_from_tables(recordings, frames, boxes, dataset.systems)
 
 
-def test_the_table_has_every_figure_with_its_evidence() -> None:
+def test_the_table_has_every_measure_with_its_evidence() -> None:
     result = result_of(drives(12))
     table = significance_table(result)
     assert tuple(table.columns) == COLUMNS
@@ -49,7 +49,7 @@ def test_the_table_has_every_figure_with_its_evidence() -> None:
     assert (table["note"] == "").all()
 
 
-def test_the_figures_are_those_of_the_scorecard() -> None:
+def test_the_measures_are_those_of_the_scorecard() -> None:
     result = result_of(drives(12))
     table = by_figure(result)
     for letter, system in (("x", result.x), ("y", result.y)):
@@ -138,7 +138,7 @@ def test_one_recording_is_judged_by_blocks_and_says_what_that_means() -> None:
     assert row["high"] < 0
 
 
-def test_a_short_recording_has_words_instead_of_figures() -> None:
+def test_a_short_recording_has_words_instead_of_measures() -> None:
     truth = [at(frame, 50, track=1) for frame in range(6)]
     table = by_figure(result_of(make_dataset(truth, truth[:2], truth[:4], n_frames=6)))
     assert table[["low", "high", "p", "p_holm"]].isna().all().all()
@@ -176,7 +176,7 @@ def test_encounters_of_one_frame_are_called_frames() -> None:
     assert table.loc["encounters_detected_by_unit", "difference"] == 0.5
 
 
-def test_another_figure_from_sums_over_the_same_units_can_be_added() -> None:
+def test_another_measure_from_sums_over_the_same_units_can_be_added() -> None:
     result = result_of(drives(12))
     units = find_units(result)
     n_pedestrians = np.bincount(units.unit_of_frame, weights=result.n_truth)

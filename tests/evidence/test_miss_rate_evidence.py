@@ -92,7 +92,7 @@ def test_it_stands_in_the_table_with_interval_and_p():
     assert row["better"] == "lower"
 
 
-def test_without_scores_there_is_no_figure_and_the_reason_stands_in_its_place():
+def test_without_scores_there_is_no_measure_and_the_reason_stands_in_its_place():
     truth, x, places = random_boxes(3)
     unscored = [box._replace(score=float("nan")) for box in x]
     result = result_of(make_dataset(truth, unscored, x, places=places))
@@ -102,7 +102,7 @@ def test_without_scores_there_is_no_figure_and_the_reason_stands_in_its_place():
     assert row["note"].endswith("needs pedestrians that count, and detections with scores")
 
 
-def test_without_pedestrians_there_is_no_figure():
+def test_without_pedestrians_there_is_no_measure():
     _, x, places = random_boxes(4)
     result = result_of(make_dataset([], x, x[::2], places=places))
     assert log_average_miss_rate_measure(result, find_units(result)) is None
@@ -118,7 +118,7 @@ def test_a_protocol_without_recordings_is_told_in_the_row():
     assert "no recording with frames has the tags night" in row["note"]
 
 
-def test_holm_corrects_for_it_with_all_other_figures():
+def test_holm_corrects_for_it_with_all_other_measures():
     session = read_session(SAMPLE)
     result = compare(load(session))
     table = evidence_table(result)

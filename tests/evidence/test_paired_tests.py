@@ -206,7 +206,7 @@ def test_too_few_units_have_words_instead_of_a_p_value(n: int) -> None:
     assert f"too few tell X and Y apart for a test: {n}, at least 6" in found.reason
 
 
-def test_an_undefined_figure_has_no_p_value() -> None:
+def test_an_undefined_measure_has_no_p_value() -> None:
     found = swap_test(np.zeros((9, 2)), np.zeros((9, 2)), ratio)
     assert np.isnan(found.p)
     assert "undefined" in found.reason

@@ -23,7 +23,7 @@ def three() -> Dataset:
     )
 
 
-def test_every_two_systems_have_the_figures_of_their_comparison() -> None:
+def test_every_two_systems_have_the_measures_of_their_comparison() -> None:
     dataset = three()
     table = pairwise_table(dataset)
     assert tuple(table.columns) == COLUMNS

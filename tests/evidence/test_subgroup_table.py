@@ -65,7 +65,7 @@ def of(result: Result, figure: str, **options: object) -> pd.DataFrame:
     return subgroup_table(result, [figure], **options).set_index(["factor", "group"])
 
 
-def test_the_table_has_each_figure_for_all_and_every_group(table: pd.DataFrame):
+def test_the_table_has_each_measure_for_all_and_every_group(table: pd.DataFrame):
     assert tuple(table.columns) == COLUMNS
     assert table["figure"].unique().tolist() == list(EVIDENCE_KEYS)
     sizes = table.groupby("figure").size()
@@ -83,7 +83,7 @@ def test_the_row_of_all_is_that_of_the_whole_comparison(table: pd.DataFrame):
 
 
 @pytest.mark.parametrize("n", [20, 3])
-def test_a_tag_of_all_recordings_has_the_figures_of_all(n: int):
+def test_a_tag_of_all_recordings_has_the_measures_of_all(n: int):
     table = subgroup_table(drives(n=n, night=1)).set_index(["group", "figure"])
     same = [one for one in table.columns if one not in ("factor", "p_holm")]
     tag = table.loc["all of them", same]
@@ -91,7 +91,7 @@ def test_a_tag_of_all_recordings_has_the_figures_of_all(n: int):
     assert np.isfinite(tag["x"]).all()
 
 
-def test_a_tag_has_the_figures_of_its_recordings_alone(table: pd.DataFrame):
+def test_a_tag_has_the_measures_of_its_recordings_alone(table: pd.DataFrame):
     table = table.set_index(["group", "figure"])
     boxes_by_day = drives(n=NIGHT, night=0)
     alone = subgroup_table(boxes_by_day).set_index(["group", "figure"])
@@ -99,7 +99,7 @@ def test_a_tag_has_the_figures_of_its_recordings_alone(table: pd.DataFrame):
     pd.testing.assert_frame_equal(table.loc["day", same], alone.loc["all", same])
 
 
-def test_figures_of_a_tag_by_hand(table: pd.DataFrame):
+def test_measures_of_a_tag_by_hand(table: pd.DataFrame):
     table = table.set_index(["group", "figure"])
     night = table.loc["night"]
     assert night.loc["mean_similarity", "n"] == NIGHT
@@ -215,7 +215,7 @@ def test_without_scores_no_group_has_a_miss_rate_and_all_say_so():
     assert table["note"].str.contains("detections with scores").all()
 
 
-def test_holm_corrects_over_the_groups_of_one_figure(table: pd.DataFrame):
+def test_holm_corrects_over_the_groups_of_one_measure(table: pd.DataFrame):
     for figure, rows in table.groupby("figure"):
         p = rows["p"].to_numpy()[1:]
         known = p[~np.isnan(p)]
@@ -247,7 +247,7 @@ def test_a_tag_without_a_pedestrian_still_has_similarity_and_false_alerts():
     assert empty.loc["encounters_detected", "n"] == 0
 
 
-def test_swapping_x_and_y_turns_the_signs_of_every_figure(table: pd.DataFrame):
+def test_swapping_x_and_y_turns_the_signs_of_every_measure(table: pd.DataFrame):
     result = drives()
     back = subgroup_table(compare(result.dataset, result.params, x="y", y="x"))
     assert back["difference"].to_numpy() == pytest.approx(-table["difference"], nan_ok=True)

@@ -68,7 +68,7 @@ def test_the_first_row_is_all_encounters_and_parts_add_up_to_it() -> None:
         assert total.tolist() == table.iloc[0][counts].tolist(), factor
 
 
-def test_figures_of_a_subgroup_by_hand() -> None:
+def test_measures_of_a_subgroup_by_hand() -> None:
     table = detected(people()).set_index(["factor", "group"])
     far, near = table.loc[("distance", "far")], table.loc[("distance", "near")]
     assert far[["both", "x_only", "y_only", "neither"]].tolist() == [3, 9, 0, 0]
@@ -126,7 +126,7 @@ def test_tags_of_recordings_are_subgroups_and_may_overlap() -> None:
     assert found == {"day": 12, "night": 12, "rain": 6}
 
 
-def test_without_encounters_there_is_one_row_without_figures() -> None:
+def test_without_encounters_there_is_one_row_without_measures() -> None:
     table = detected(result_of(make_dataset(n_frames=3)))
     assert table[["factor", "n"]].to_numpy().tolist() == [["all", 0]]
     assert table[["x", "y", "difference", "low", "high", "p", "p_holm"]].isna().all().all()

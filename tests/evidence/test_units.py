@@ -125,7 +125,7 @@ def test_frames_with_exactly_the_limit_are_not_low() -> None:
 
 @pytest.mark.parametrize("seed", range(6))
 @pytest.mark.parametrize("aggregate", ["max", "sum"])
-def test_sums_of_all_units_are_the_figures_of_the_result(seed: int, aggregate: str) -> None:
+def test_sums_of_all_units_are_the_measures_of_the_result(seed: int, aggregate: str) -> None:
     result = result_of(draw_scene(seed).dataset(), saliency_aggregate=aggregate)
     units = find_units(result)
     sums = sum_units(result, units)

@@ -51,14 +51,14 @@ ERROR = Finding(Severity.ERROR, "a-code", HOSTILE, 1, "One is wrong.", "Mend it.
         ("saliency_difference > -1.5", "saliency_difference", ">", -1.5),
     ],
 )
-def test_a_rule_is_a_figure_a_comparison_and_a_number(text, name, comparison, limit):
+def test_a_rule_is_a_measure_a_comparison_and_a_number(text, name, comparison, limit):
     rule = parse_rule(text)
     assert (rule.name, rule.comparison, rule.limit) == (name, comparison, pytest.approx(limit))
     assert not rule.allows_undefined
 
 
 @pytest.mark.parametrize("text", ["a <= 1 or undefined", "a<=100%or  undefined"])
-def test_a_rule_may_allow_an_undefined_figure(text):
+def test_a_rule_may_allow_an_undefined_measure(text):
     rule = parse_rule(text)
     assert (rule.name, rule.limit, rule.allows_undefined) == ("a", 1, True)
 
@@ -118,20 +118,20 @@ def test_comparisons(comparison, passes):
     assert [one.value for one in outcomes if one.is_passed] == passes
 
 
-def test_an_undefined_figure_breaks_every_rule():
+def test_an_undefined_measure_breaks_every_rule():
     found = judge([parse_rule("a != 0"), parse_rule("a < 1")], {"a": np.nan})
     assert [one.is_passed for one in found] == [False, False]
     assert found[0].message == "a is undefined; add 'or undefined' to the rule if that is fine"
 
 
-def test_an_undefined_figure_passes_a_rule_that_allows_it():
+def test_an_undefined_measure_passes_a_rule_that_allows_it():
     rule = parse_rule("a <= 1 or undefined")
     outcomes = [judge([rule], {"a": value})[0] for value in (np.nan, 1, 2)]
     assert [one.is_passed for one in outcomes] == [True, True, False]
     assert outcomes[0].message == "a is undefined, which the rule allows"
 
 
-def test_an_unknown_figure_is_refused_with_what_is_close():
+def test_an_unknown_measure_is_refused_with_what_is_close():
     with pytest.raises(ParameterError, match="did you mean lamr_x"):
         judge([parse_rule("lmr_x < 1")], {"lamr_x": 0.0})
 
@@ -185,14 +185,14 @@ def test_a_failed_rule_has_what_it_counts_and_a_passed_one_has_nothing():
     assert [len(one.details) for one in outcomes] == [1, 0, 1, 0, 0]
 
 
-def test_every_figure_that_can_be_named_is_there_and_no_other():
+def test_every_measure_that_can_be_named_is_there_and_no_other():
     values = gate_measures(scene(), [], PROTOCOLS["all"], measure_names())
     assert sorted(values) == sorted(measure_names())
     chosen = ("venn.both", "frames", "fusion.x_or_y.encounters_detected")
     assert [values[name] for name in chosen] == [1, 3, 3]
 
 
-def test_figures_that_take_time_are_left_out_where_no_rule_names_them():
+def test_measures_that_take_time_are_left_out_where_no_rule_names_them():
     values = gate_measures(scene(), [], PROTOCOLS["all"], ["new_misses"])
     assert values["new_misses"] == 1
     assert not {*SUMMARY_NAMES, "lamr_x"} & {*values}
@@ -249,7 +249,7 @@ def test_names_from_files_stay_text_in_markdown():
     assert "\x1b" not in text
 
 
-def test_an_undefined_figure_is_told_so_in_markdown():
+def test_an_undefined_measure_is_told_so_in_markdown():
     undefined = Outcome(Rule("a", "<", 1, "a < 1"), np.nan, False)
     assert "| `a < 1` | undefined | **failed** |" in markdown([undefined], "X")
 
