@@ -2,14 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from app_server import PATIENCE_MS, ROOT, open_chromium, serve
 from app_visit import Visit, new_person
+from kept_window import HAS_FAILED, Kept
 from playwright.sync_api import Browser, BrowserContext, Page
-from viewer_window import painted
+from viewer_window import ViewerWindow
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestReport, Any]:
+    """Fixtures ask whether the test went wrong."""
+    report = yield
+    item.stash[HAS_FAILED] = item.stash.get(HAS_FAILED, False) or report.failed
+    return report
 
 
 @pytest.fixture(scope="session")
@@ -65,21 +75,25 @@ def viewer_address() -> Iterator[str]:
 
 
 @pytest.fixture(scope="module")
-def viewer_window(browser: Browser) -> Iterator[BrowserContext]:
-    """Kept for all tests: with a full cache the page loads faster."""
+def viewer_windows(browser: Browser) -> Iterator[BrowserContext]:
     context = browser.new_context(viewport={"width": 1280, "height": 900})
     context.set_default_timeout(PATIENCE_MS)
     yield context
     context.close()
 
 
+@pytest.fixture(scope="module")
+def viewer_window(
+    viewer_windows: BrowserContext, viewer_address: str
+) -> Iterator[Kept[ViewerWindow]]:
+    kept = Kept(lambda: ViewerWindow(viewer_windows, viewer_address))
+    yield kept
+    kept.close()
+
+
 @pytest.fixture
-def page(viewer_window: BrowserContext, viewer_address: str) -> Iterator[Page]:
-    opened = viewer_window.new_page()
-    complaints: list[str] = []
-    opened.on("pageerror", lambda error: complaints.append(str(error)))
-    opened.goto(viewer_address)
-    assert painted(opened, 5) == 5
-    yield opened
-    opened.close()
-    assert complaints == []
+def page(request: pytest.FixtureRequest, viewer_window: Kept[ViewerWindow]) -> Iterator[Page]:
+    """The viewer on row 5 of its video, as if the page had just been opened."""
+    with viewer_window.lend(request) as window:
+        window.start_anew()
+        yield window.page

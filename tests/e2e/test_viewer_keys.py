@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 import viewer_scene as scene
 from playwright import sync_api
-from viewer_window import painted, press, read, viewer_of
+from viewer_window import painted, press, read, repaint, viewer_of
 
 
 @pytest.mark.parametrize(("key", "name"), [("x", "X "), ("y", "Y "), ("g", "Ground truth")])
@@ -20,7 +20,7 @@ def test_a_key_switches_a_layer_off_and_on(page, key, name):
 def test_a_hidden_layer_is_not_drawn(page):
     assert read(page)["box"] is not None
     press(page, "x")
-    viewer_of(page).evaluate("() => new Promise(requestAnimationFrame)")
+    repaint(page)
     assert read(page)["box"] is None
 
 

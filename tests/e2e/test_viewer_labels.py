@@ -37,7 +37,7 @@ DRAW = """([rows, area]) => {
 }"""
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def page(browser: Browser) -> Iterator[Page]:
     opened = browser.new_page()
     for name in ("boxes", "labels", "drawing"):

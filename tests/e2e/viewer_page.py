@@ -1,4 +1,7 @@
-"""The viewer with a slider, a button that seeks, and a choice of recordings."""
+"""The viewer with a slider, a button that seeks, and a choice of recordings.
+
+"start anew" puts everything back and mounts another viewer, as if the page were opened again.
+"""
 
 from __future__ import annotations
 
@@ -11,17 +14,28 @@ from ui.widgets.viewer import viewer
 RECORDINGS = ["video", "boxes only", "sampled", "long", "slow", "ended", "empty"]
 
 st.set_page_config(layout="wide")
+START = {"seek": (5, 0), "alpha": 0.7, "kind": RECORDINGS[0], "hi": 100.0, "show": True, "runs": 0}
 state = st.session_state
-state.setdefault("seek", (5, 0))
+
+
+def start_anew() -> None:
+    """Put all back, with another viewer."""
+    state.update(START)
+    state.visit += 1
+
+
+for name, value in {**START, "visit": 1}.items():
+    state.setdefault(name, value)
 
 columns = st.columns(4)
-alpha = columns[0].slider("alpha", 0.0, 1.0, 0.7, 0.05)
+alpha = columns[0].slider("alpha", 0.0, 1.0, step=0.05, key="alpha")
 if columns[1].button("seek 123"):
     state.seek = (123, state.seek[1] + 1)
-kind = columns[2].selectbox("recording", RECORDINGS)
-hi = columns[3].number_input("hi", 50.0, 100.0, 100.0)
+kind = columns[2].selectbox("recording", RECORDINGS, key="kind")
+hi = columns[3].number_input("hi", 50.0, 100.0, key="hi")
+columns[3].button("start anew", on_click=start_anew)
 
-if not columns[1].checkbox("show", value=True):
+if not columns[1].checkbox("show", key="show"):
     st.stop()
 n_rows = {"empty": 0, "long": scene.N_LONG}.get(kind, scene.N_ROWS)
 rows = np.arange(n_rows)
@@ -52,7 +66,7 @@ settled = viewer(
     hi=hi,
     theme=st.context.theme.type or "light",
     height_px=520,
-    key="viewer",
+    key=f"viewer_{state.visit}",
 )
-state.runs = state.get("runs", 0) + 1
-st.text(f"settled {settled} alpha {alpha} kind {kind} run {state.runs}")
+state.runs += 1
+st.text(f"settled {settled} alpha {alpha} kind {kind} run {state.runs} visit {state.visit}")

@@ -29,17 +29,30 @@ READER = (
 """
 )
 
-# Collects one reading per painted row while the viewer plays, and pauses it at the end.
+# Collects one reading per painted row while the viewer plays, until a row from `low` up to but
+# without `high` is painted or playback has ended.
 RECORDER = (
-    "async (viewer, seconds) => { const read = "
+    "async (viewer, [low, high, patience]) => { const read = "
     + READER
-    + """; const seen = []; const start = performance.now();
-    while (performance.now() - start < 1000 * seconds) {
-      await new Promise(requestAnimationFrame);
+    + """;
+  const seen = [];
+  let limit = 0;
+  const late = new Promise((_, fail) => {
+    limit = setTimeout(() => fail(new Error(JSON.stringify(viewer.dataset))), patience);
+  });
+  const isOver = () => viewer.dataset.playing !== "true"
+    || (seen.length > 0 && seen.at(-1).shown >= low && seen.at(-1).shown < high);
+  try {
+    while (!isOver()) {
+      await Promise.race([new Promise(requestAnimationFrame), late]);
       const now = read(viewer);
       if (!seen.length || seen.at(-1).shown !== now.shown) seen.push(now);
     }
-    return seen; }"""
+  } finally {
+    clearTimeout(limit);
+  }
+  return seen;
+}"""
 )
 
 

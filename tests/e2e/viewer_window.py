@@ -5,8 +5,41 @@ from __future__ import annotations
 import re
 from contextlib import suppress
 
+from app_server import PATIENCE_MS
 from playwright import sync_api
-from viewer_reading import READER
+from viewer_reading import READER, RECORDER
+
+
+class ViewerWindow:
+    """A window with the viewer alone, kept from test to test: each finds it as newly opened.
+
+    Attributes
+    ----------
+    complaints
+        Errors of the page's scripts.
+    """
+
+    def __init__(self, context: sync_api.BrowserContext, address: str) -> None:
+        self.complaints: list[str] = []
+        self.page = context.new_page()
+        self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
+        self.page.goto(address)
+        self._visit = 1
+
+    def start_anew(self) -> None:
+        """Put slider, recording and all else back, with a new viewer and nothing focused."""
+        self.page.keyboard.press("Escape")  # an open list hides all else
+        self.page.mouse.move(0, 0)
+        self.page.get_by_role("button", name="start anew").click()
+        self._visit += 1
+        self.wait()
+        self.page.evaluate("document.activeElement.blur()")
+
+    def wait(self) -> None:
+        """Wait for the viewer of this visit."""
+        self.page.get_by_text(re.compile(f" visit {self._visit}$")).wait_for()
+        sync_api.expect(viewer_of(self.page)).to_have_count(1)
+        assert painted(self.page, 5) == 5
 
 
 def viewer_of(page: sync_api.Page) -> sync_api.Locator:
@@ -28,10 +61,26 @@ def settled(page: sync_api.Page, row: int | str) -> str:
     return text.inner_text().split()[1]
 
 
+def n_runs(page: sync_api.Page) -> int:
+    """How often Python has run since the test began."""
+    return int(page.get_by_text(re.compile("^settled ")).inner_text().split()[-3])
+
+
 def press(page: sync_api.Page, *keys: str) -> None:
     viewer_of(page).focus()
     for key in keys:
         page.keyboard.press(key)
+
+
+def repaint(page: sync_api.Page) -> None:
+    """Wait until the viewer has painted what it was told to before."""
+    viewer_of(page).evaluate("() => new Promise(requestAnimationFrame)")
+
+
+def record(page: sync_api.Page, low: int, high: int | None = None) -> list[dict[str, float]]:
+    """What is painted while the viewer plays, up to the first row from `low` and below `high`."""
+    arg = [low, 1 << 30 if high is None else high, PATIENCE_MS]
+    return viewer_of(page).evaluate(RECORDER, arg)
 
 
 def choose(page: sync_api.Page, recording: str) -> None:

@@ -1,0 +1,156 @@
+"""Playback of the frame viewer in a real browser.
+
+What it paints at which time is asked with the page's clock in the test's hands; that it plays by
+the browser's own, only up to a row.
+"""
+
+from __future__ import annotations
+
+import pytest
+import viewer_scene as scene
+from playwright import sync_api
+from viewer_clock import held_clock, held_pictures
+from viewer_reading import is_whole
+from viewer_window import choose, n_runs, painted, press, record, settled, viewer_of
+
+FIRST = 5  # where the viewer opens
+FRAME_S = 1 / scene.FPS
+
+
+def have_pictures(page: sync_api.Page, last: int) -> None:
+    """Let the viewer load all pictures up to this row, and go back."""
+    for row in range(FIRST + 1, last + 1):
+        press(page, "ArrowRight")
+        assert painted(page, row) == row
+    press(page, *["ArrowLeft"] * (last - FIRST))
+    assert painted(page, FIRST) == FIRST
+
+
+@pytest.mark.parametrize(
+    ("recording", "speed", "step_s", "rows_per_step"),
+    [
+        ("video", "1", FRAME_S, 1),
+        ("video", "1", FRAME_S / 4, 0.25),
+        ("video", "4", FRAME_S, 4),
+        ("sampled", "1", 0.125, 0.5),  # two frames a second play at four
+    ],
+    ids=["a row per paint", "paints between rows", "four times the speed", "sampled"],
+)
+def test_every_row_is_painted_at_its_time(page, recording, speed, step_s, rows_per_step):
+    if recording == "sampled":
+        choose(page, recording)
+        # frame 1005 at two frames a second
+        sync_api.expect(page.locator(".viewer .time")).to_have_text("8:22.50 min")
+        assert painted(page, FIRST) == FIRST
+    n_rows = 16
+    have_pictures(page, FIRST + n_rows)
+    page.get_by_label("Speed").select_option(speed)
+    with held_clock(page) as clock:
+        press(page, " ")
+        readings = [clock.advance(0)]
+        clock.advance(1e-4)  # off the rows' own times
+        readings += [clock.advance(step_s) for _ in range(round(n_rows / rows_per_step))]
+    due = [FIRST + int(step * rows_per_step) for step in range(len(readings))]
+    assert [reading["shown"] for reading in readings] == due
+    assert [reading for reading in readings if not is_whole(reading)] == []
+
+
+def test_rows_whose_pictures_are_late_are_dropped_and_never_mixed(page):
+    first = scene.MISSED_BY_X.start
+    with held_pictures(page) as let, held_clock(page) as clock:
+        press(page, "n")
+        let(first)
+        assert is_whole(clock.wait_for(first))
+        press(page, " ")
+        clock.advance(0)
+        assert clock.advance(6.5 * FRAME_S)["shown"] == first
+        let(first + 3)
+        assert is_whole(clock.wait_for(first + 3))
+        assert clock.advance(60)["shown"] == first + 3
+
+
+def test_playing_by_the_browsers_clock_shows_picture_and_boxes_of_the_same_frame(page):
+    press(page, " ")
+    seen = record(page, FIRST + 40)
+    press(page, " ")
+    assert [reading for reading in seen if not is_whole(reading)] == []
+    assert seen[-1]["shown"] >= FIRST + 40
+
+
+def test_a_seek_during_playback_stops_it(page):
+    press(page, " ")
+    page.get_by_role("button", name="seek 123").click()
+    assert painted(page, 123) == 123
+    sync_api.expect(viewer_of(page)).to_have_attribute("data-playing", "false")
+
+
+def test_python_hears_of_the_row_when_playback_stops_not_before(page):
+    before = n_runs(page)
+    page.get_by_label("Speed").select_option("0.25")
+    press(page, " ")
+    record(page, FIRST + 5)
+    assert n_runs(page) == before
+    press(page, " ")
+    row = int(viewer_of(page).get_attribute("data-row"))
+    assert settled(page, row) == str(row)
+
+
+def test_a_slider_move_does_not_stop_playback(page):
+    press(page, " ")
+    page.get_by_role("slider", name="alpha").focus()
+    for _ in range(3):
+        page.keyboard.press("ArrowRight")
+    sync_api.expect(page.get_by_text("alpha 0.85")).to_be_visible()
+    row = int(viewer_of(page).get_attribute("data-shown-row"))
+    seen = record(page, row + 10)
+    assert seen[-1]["shown"] >= row + 10
+    assert [reading for reading in seen if not is_whole(reading)] == []
+
+
+def test_a_jump_during_playback_goes_on_from_there(page):
+    choose(page, "boxes only")  # nothing to wait for
+    sync_api.expect(page.get_by_text("kind boxes only")).to_be_visible()
+    assert painted(page, FIRST) == FIRST
+    first = scene.MISSED_BY_Y.start
+    with held_clock(page) as clock:
+        press(page, " ")
+        clock.advance(0)
+        assert clock.advance(2.5 * FRAME_S)["shown"] == FIRST + 2
+        press(page, "n", "n")
+        assert clock.advance(FRAME_S)["shown"] == first
+        assert clock.advance(6.5 * FRAME_S)["shown"] == first + 6
+        press(page, "Home")
+        assert clock.advance(FRAME_S)["shown"] == 0
+        assert clock.advance(2.5 * FRAME_S)["shown"] == 2
+    sync_api.expect(viewer_of(page)).to_have_attribute("data-playing", "true")
+
+
+# what it says of itself, and whether the browser still paints
+STATE = """viewer => new Promise((tell) => {
+  const said = (isPainting) => tell({ ...viewer.dataset, isPainting });
+  requestAnimationFrame(() => said(true));
+  setTimeout(() => said(false), 1000);
+})"""
+
+
+def test_playback_stops_at_the_last_frame(page):
+    press(page, "End", "ArrowLeft", "ArrowLeft", "ArrowLeft", " ")
+    shown = painted(page, scene.N_ROWS - 1)
+    state = viewer_of(page).evaluate(STATE)
+    assert shown == scene.N_ROWS - 1, state
+    sync_api.expect(viewer_of(page)).to_have_attribute("data-playing", "false")
+    assert settled(page, scene.N_ROWS - 1) == str(scene.N_ROWS - 1)
+
+
+def test_slow_pictures_do_not_keep_playback_from_its_end(page):
+    choose(page, "slow")
+    sync_api.expect(page.get_by_text("kind slow")).to_be_visible()
+    last = scene.N_ROWS - 1
+    press(page, "End")
+    assert painted(page, last) == last
+    press(page, "Shift+ArrowLeft")  # one second: the pictures between are not here yet
+    assert painted(page, last - 20) == last - 20
+    page.get_by_label("Speed").select_option("4")  # so that not every picture is asked for
+    press(page, " ")
+    assert painted(page, last) == last
+    sync_api.expect(viewer_of(page)).to_have_attribute("data-playing", "false")
