@@ -77,6 +77,7 @@ class Visit:
 
     def wait_until_drawn(self) -> None:
         self.page.wait_for_function(IS_DRAWN)
+        assert self.page.get_by_text("This page could not be drawn").count() == 0
 
     def heading(self, text: str | re.Pattern[str], *, level: int | None = None) -> Locator:
         if level is None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterator
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -66,6 +67,36 @@ def visit(person: Callable[[str], BrowserContext], app: str) -> Iterator[Callabl
     for one in opened:
         one.close()
     assert [complaint for one in opened for complaint in one.complaints] == []
+
+
+@pytest.fixture(scope="module")
+def kept_visits() -> Iterator[dict[tuple[str, str], Kept[Visit]]]:
+    visits: dict[tuple[str, str], Kept[Visit]] = {}
+    yield visits
+    for kept in visits.values():
+        kept.close()
+
+
+@pytest.fixture
+def shared(
+    request: pytest.FixtureRequest,
+    person: Callable[[str], BrowserContext],
+    app: str,
+    kept_visits: dict[tuple[str, str], Kept[Visit]],
+) -> Iterator[Callable[..., Visit]]:
+    """A page of the app that was opened once for all tests of a module; they leave it as it is."""
+    with ExitStack() as lent:
+
+        def find(page: str = "", *, theme: str = "light") -> Visit:
+            def open_page() -> Visit:
+                visit = Visit(person(theme), app)
+                visit.go(page)
+                return visit
+
+            kept = kept_visits.setdefault((page, theme), Kept(open_page))
+            return lent.enter_context(kept.lend(request))
+
+        yield find
 
 
 @pytest.fixture(scope="module")

@@ -16,8 +16,17 @@ POINT = """(plot, [name, share]) => {
 }"""
 
 
-def test_a_click_on_a_curve_sets_the_threshold_of_its_system(visit):
-    one = visit("detection")
+def test_a_click_on_a_map_takes_its_settings(shared):
+    one = shared("stability")
+    one.click_plot("stability_alpha-midpoint_similarity", SHARE, [0.25, 0.3])
+    expect(one.page).to_have_url(re.compile("alpha="))
+    expect(one.slider("alpha")).to_have_value(re.compile(r"^0\.(2|25|3)$"))
+    expect(one.page.get_by_text("As analysed, Y has the higher mean similarity")).to_be_visible()
+
+
+def test_a_click_on_a_curve_sets_the_threshold_of_its_system(shared):
+    one = shared("stability")
+    one.switch_to("Detection")
     one.page.get_by_role("radio", name="Precision and recall").click()
     *_, (letter, score) = one.click_plot("curves_precision_recall", POINT, ["Y, points", 0.6])
     assert letter == "y"
@@ -25,11 +34,3 @@ def test_a_click_on_a_curve_sets_the_threshold_of_its_system(visit):
     expect(one.slider("Score threshold of X")).to_have_value("0.5")
     found = float(re.search(r"threshold_y=([\d.]+)", one.page.url)[1])
     assert abs(found - score) < 0.02  # the nearest point to the click
-
-
-def test_a_click_on_a_map_takes_its_settings(visit):
-    one = visit("stability")
-    one.click_plot("stability_alpha-midpoint_similarity", SHARE, [0.25, 0.3])
-    expect(one.page).to_have_url(re.compile("alpha="))
-    expect(one.slider("alpha")).to_have_value(re.compile(r"^0\.(2|25|3)$"))
-    expect(one.page.get_by_text("As analysed, Y has the higher mean similarity")).to_be_visible()

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 import viewer_scene as scene
 from app_files import N_FRAMES, RECORDING, Sent, write_files
 from app_visit import Visit
+from kept_window import Kept
 from playwright.sync_api import expect
-from viewer_reading import READER, RECORDER, is_whole
+from viewer_reading import READER, is_whole
+from viewer_window import record
 
-PLAYED_S = 3
+PLAYED_ROWS = 40
 
 
 @pytest.fixture(scope="module")
@@ -46,11 +49,24 @@ def send(one: Visit, files: Sent) -> None:
     expect(one.heading("Open now: Uploaded files")).to_be_visible()
 
 
+@pytest.fixture(scope="module")
+def kept(person, app, files) -> Iterator[Kept[Visit]]:
+    def open_and_send() -> Visit:
+        visit = Visit(person("light"), app)
+        visit.go("data")
+        send(visit, files)
+        return visit
+
+    kept = Kept(open_and_send)
+    yield kept
+    kept.close()
+
+
 @pytest.fixture
-def sent(visit, files) -> Visit:
-    one: Visit = visit("data")
-    send(one, files)
-    return one
+def sent(request, kept) -> Iterator[Visit]:
+    """A session with uploaded files, on whatever page the last test left it."""
+    with kept.lend(request) as visit:
+        yield visit
 
 
 def test_uploaded_files_reach_a_verdict(sent):
@@ -61,22 +77,22 @@ def test_uploaded_files_reach_a_verdict(sent):
 
 def test_an_uploaded_video_plays_with_picture_and_boxes_of_the_same_frame(sent):
     sent.switch_to("Timeline")
+    sent.viewer.press("Home")
     sent.shows(0)
     assert is_whole(sent.viewer.evaluate(READER))
     sent.viewer.press(" ")
-    seen = sent.viewer.evaluate(RECORDER, PLAYED_S)
+    seen = record(sent.page, PLAYED_ROWS)
     sent.viewer.press(" ")
+    assert seen[-1]["shown"] >= PLAYED_ROWS
     assert [reading for reading in seen if not is_whole(reading)] == []
-    assert len(seen) >= 0.5 * PLAYED_S * scene.FPS, f"{len(seen)} frames in {PLAYED_S} s"
-    assert seen[-1]["shown"] - seen[0]["shown"] == pytest.approx(PLAYED_S * scene.FPS, abs=10)
 
 
 def test_a_reload_keeps_what_was_uploaded_with_place_and_parameters(sent):
     sent.switch_to("Timeline")
+    alpha = f"{float(sent.slider('alpha').input_value()) - 0.05:g}"
     sent.slider("alpha").press("ArrowLeft")
-    expect(sent.page).to_have_url(re.compile("alpha="))
+    sent.query("alpha", alpha)
     sent.wait_until_drawn()
-    alpha = sent.slider("alpha").input_value()
     sent.page.reload()
     expect(sent.page.get_by_role("combobox", name="Recording")).to_have_value(RECORDING)
     expect(sent.slider("alpha")).to_have_value(alpha)
@@ -87,16 +103,17 @@ def test_two_sessions_see_nothing_of_each_other(sent, visit):
     other: Visit = visit("timeline?alpha=0.4&recording=rural_child&frame=57", theme="dark")
     other.shows(57)
     sent.switch_to("Timeline")
-    expect(sent.slider("alpha")).to_have_value("0.9")
     expect(sent.page.get_by_role("combobox", name="Recording")).to_have_value(RECORDING)
+    alpha = float(sent.slider("alpha").input_value())
+    assert alpha > 0.6
     sent.slider("alpha").press("ArrowLeft")
-    sent.query("alpha", "0.85")
+    sent.query("alpha", f"{alpha - 0.05:g}")
     other.slider("alpha").press("ArrowRight")
     other.query("alpha", "0.45")
     other.switch_to("Data")
     expect(other.heading("Open now: Sample recordings")).to_be_visible()
     expect(other.page.get_by_text(RECORDING, exact=True)).to_have_count(0)
-    expect(sent.slider("alpha")).to_have_value("0.85")
+    expect(sent.slider("alpha")).to_have_value(f"{alpha - 0.05:g}")
     assert token_of(sent) != token_of(other)
 
 
@@ -106,20 +123,6 @@ def token_of(one: Visit) -> str:
              .map(one => one.name.match("/nv/([^/]+)/boxes/")).filter(Boolean)[0][1]"""
     )
     return token
-
-
-def test_a_picture_named_csv_is_refused_in_words_and_the_sample_stays(visit, files, tmp_path):
-    wrong = tmp_path / "truth.csv"
-    wrong.write_bytes(b"\x89PNG\r\n\x1a\n" + bytes(range(256)) * 8)
-    one: Visit = visit("data")
-    one.page.get_by_role("tab", name="Upload").click()
-    for key, path in (("upload_truth", wrong), ("upload_system_0", files.x)):
-        send_annotations(one, key, path)
-    one.page.get_by_role("button", name="Open these files").click()
-    alert = one.page.get_by_role("alert").filter(has_text="truth.csv: expected ground truth")
-    expect(alert).to_be_visible()
-    expect(alert).not_to_contain_text("Traceback")
-    expect(one.heading("Open now: Sample recordings")).to_be_visible()
 
 
 def test_pictures_that_are_refused_stop_the_opening_until_one_goes_on_without(

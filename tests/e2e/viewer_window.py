@@ -29,11 +29,22 @@ class ViewerWindow:
     def start_anew(self) -> None:
         """Put slider, recording and all else back, with a new viewer and nothing focused."""
         self.page.keyboard.press("Escape")  # an open list hides all else
+        self._rest()
         self.page.mouse.move(0, 0)
         self.page.get_by_role("button", name="start anew").click()
         self._visit += 1
         self.wait()
         self.page.evaluate("document.activeElement.blur()")
+
+    def _rest(self) -> None:
+        """Wait until Python knows the viewer's row: Streamlit can lose a click meanwhile."""
+        viewer = viewer_of(self.page)
+        if viewer.count() == 0:
+            return
+        if viewer.get_attribute("data-playing") == "true":
+            press(self.page, " ")
+        if row := viewer.get_attribute("data-row"):
+            assert settled(self.page, row) == row
 
     def wait(self) -> None:
         """Wait for the viewer of this visit."""
