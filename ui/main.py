@@ -9,7 +9,8 @@ from ui.ratings import links
 from ui.session import state
 from ui.shell import live_params, sidebar, tab_restore
 from ui.shell.messages import error_banner, shown_error
-from ui.shell.navigate import PAGES, follow_wish
+from ui.shell.navigate import follow_wish
+from ui.shell.pages import all_pages, draw_bar
 
 st.set_page_config(
     page_title="nvcore",
@@ -20,21 +21,10 @@ st.set_page_config(
 st.logo(str(state.ROOT / "ui" / "assets" / "logo.svg"), size="large")
 st.html(state.ROOT / "ui" / "assets" / "style.css")
 
-page = st.navigation(
-    [
-        st.Page(PAGES / "data.py", title="Data", icon=":material/folder_open:"),
-        st.Page(PAGES / "overview.py", title="Overview", icon=":material/balance:", default=True),
-        st.Page(PAGES / "timeline.py", title="Timeline", icon=":material/timeline:"),
-        st.Page(PAGES / "encounters.py", title="Encounters", icon=":material/directions_walk:"),
-        st.Page(PAGES / "saliency.py", title="Saliency", icon=":material/priority_high:"),
-        st.Page(PAGES / "detection.py", title="Detection", icon=":material/show_chart:"),
-        st.Page(PAGES / "stability.py", title="Stability", icon=":material/grid_on:"),
-        st.Page(PAGES / "ratings.py", title="Ratings", icon=":material/rate_review:"),
-        st.Page(PAGES / "export.py", title="Export", icon=":material/download:"),
-        st.Page(PAGES / "metrics.py", title="Metrics", icon=":material/menu_book:"),
-    ],
-    position="hidden" if links.is_participant() else "top",
-)
+pages = all_pages()
+page = st.navigation(pages, position="hidden")
+if not links.is_participant():
+    draw_bar(pages)
 
 wrong_params = None
 try:

@@ -10,7 +10,6 @@ from app_server import PATIENCE_MS
 from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Locator, Page, expect
 
 SIZE = {"width": 1280, "height": 800}
-HEADINGS = {"Metrics": "Documentation"}  # of the other pages: as in the navigation
 # Streamlit looks for its server below the page's own path first
 HARMLESS = re.compile(r"/(_stcore/health|_stcore/host-config)$")
 IS_DRAWN = """() => document.querySelector('[data-testid="stApp"]')
@@ -71,8 +70,8 @@ class Visit:
 
     def switch_to(self, title: str) -> None:
         """Open another page by the navigation, in the same session."""
-        self.page.get_by_test_id("stTopNavLink").filter(has_text=title).click()
-        expect(self.heading(HEADINGS.get(title, title), level=1)).to_be_visible()
+        self.keyed("navigation").get_by_role("link", name=title, exact=True).click()
+        expect(self.heading(title, level=1)).to_be_visible()
         self.wait_until_drawn()
 
     def wait_until_drawn(self) -> None:

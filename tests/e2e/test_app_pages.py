@@ -11,7 +11,7 @@ from playwright.sync_api import expect
 
 TITLES = (
     *("Data", "Overview", "Timeline", "Encounters", "Saliency", "Detection", "Stability"),
-    *("Ratings", "Export", "Metrics"),
+    *("Ratings", "Export", "Documentation"),
 )
 THEMES = ("light", "dark")
 
