@@ -40,7 +40,7 @@ DRAW = """([rows, area]) => {
 @pytest.fixture(scope="module")
 def page(browser: Browser) -> Iterator[Page]:
     opened = browser.new_page()
-    for name in ("boxes", "labels", "drawing"):
+    for name in ("data/boxes", "drawing/labels", "drawing/drawing"):
         opened.add_script_tag(content=(FOLDER / f"{name}.js").read_text(encoding="utf-8"))
     yield opened
     opened.close()

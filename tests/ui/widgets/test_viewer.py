@@ -150,5 +150,5 @@ def test_a_wish_beyond_the_end_is_the_last_row():
     ],
 )
 def test_the_script_reads_the_states_that_the_library_packs(name, value):
-    script = (FOLDER / "boxes.js").read_text(encoding="utf-8")
+    script = (FOLDER / "data" / "boxes.js").read_text(encoding="utf-8")
     assert f" {name}: {value}," in script.replace(" }", ", }")

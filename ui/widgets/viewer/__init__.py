@@ -1,7 +1,12 @@
 """The frame viewer: picture, boxes of truth, X and Y, trace strip and transport.
 
 A Streamlit component whose script is the files `SCRIPTS`, joined. It fetches pictures and boxes
-from the routes itself; Python sends traces and marks, and hears of a row when it has settled.
+from the routes itself; Python sends traces and marks, and is told the row that it settles on.
+
+    data/       what the viewer shows: boxes, pictures, the recording
+    drawing/    what is painted on the canvas
+    controls/   the elements around the canvas, keys, mouse and touch
+    player/     which row is shown when; `show.js` is what Streamlit calls
 """
 
 from __future__ import annotations
@@ -18,14 +23,17 @@ from ui.widgets.viewer.packing import decimate_minima, find_spans, pack, pack_fr
 
 FOLDER = Path(__file__).parent
 SCRIPTS = (
-    *("boxes", "pictures", "recording", "labels", "drawing", "strip", "view"),
-    *("controls", "readout", "playback", "listening", "viewer", "clip", "show"),
+    *("data/boxes.js", "data/pictures.js", "data/recording.js"),
+    *("drawing/labels.js", "drawing/drawing.js", "drawing/strip.js", "drawing/view.js"),
+    *("controls/controls.js", "controls/readout.js", "player/playback.js", "controls/listening.js"),
+    *("player/viewer.js", "player/clip.js", "player/show.js"),
 )
+"""In the order in which they are joined: the last one exports what Streamlit calls."""
 
 
 def _read_script() -> str:
     # One module: every file but the last only declares functions and classes.
-    return "\n".join((FOLDER / f"{name}.js").read_text(encoding="utf-8") for name in SCRIPTS)
+    return "\n".join((FOLDER / path).read_text(encoding="utf-8") for path in SCRIPTS)
 
 
 _COMPONENT = st.components.v2.component(
@@ -90,7 +98,7 @@ def viewer(
     names : pair of str
         Names of X and Y; shown as text.
     seek : (int, int)
-        Row to go to, and a number that changes with every wish to go there and with the
+        Row to go to, and a number that changes with every request to go there and with the
         recording. The viewer starts at the row; later it goes there only when the number is new,
         so the row may follow what this function returned.
     lo, hi : float
@@ -155,7 +163,7 @@ def viewer(
 
 
 def settled_in(key: str, *, recording: int, n_rows: int, seek: tuple[int, int]) -> int:
-    """What `viewer` of this key is going to return: it is known before it is drawn."""
+    """What `viewer` of this key is going to return, known before it is drawn."""
     known = st.session_state.get(key) or {}
     return settled_row(known.get("settled"), recording=recording, n_rows=n_rows, seek=seek)
 
@@ -171,8 +179,8 @@ def n_plays_in(key: str) -> int | None:
 def settled_row(settled: Any, *, recording: int, n_rows: int, seek: tuple[int, int]) -> int:
     """The row that the browser reports, if it belongs to this recording and this `seek`.
 
-    What it settled on before Python's newest wish, or in another recording, is out of date: then
-    the wish stands.
+    What it settled on before Python's newest `seek`, or in another recording, is out of date: then
+    `seek` holds.
     """
     if isinstance(settled, Mapping):
         row = settled.get("row")
