@@ -44,13 +44,13 @@ class SurveyRow:
 
     plane: Plane
     criterion: Criterion
-    found: StabilityMap | None
+    stability: StabilityMap | None
     why_not: str = ""
 
     @property
     def is_dependent(self) -> bool:
         """Whether there is a map, and any of its settings enters into the criterion."""
-        return self.found is not None and any(self.found.is_moved_by)
+        return self.stability is not None and any(self.stability.is_moved_by)
 
 
 def survey_stability(
@@ -76,14 +76,14 @@ def survey_stability(
                 progress(before * STEPS + STEPS * done // total, len(wanted) * STEPS)
 
         try:
-            found = map_stability(
+            stability = map_stability(
                 result, plane, criterion, executor=executor, progress=tell,
                 is_cancelled=is_cancelled,
             )  # fmt: skip
         except InputError as error:
             rows.append(SurveyRow(plane, criterion, None, str(error)))
         else:
-            rows.append(SurveyRow(plane, criterion, found))
+            rows.append(SurveyRow(plane, criterion, stability))
     return tuple(rows)
 
 
@@ -97,10 +97,10 @@ def survey_table(survey: Sequence[SurveyRow]) -> pd.DataFrame:
     """
     rows = []
     for row in survey:
-        found, verdict, nearest = row.found, NOTHING, row.why_not
-        if found is not None:
-            verdict = winner_text(row.criterion, found.verdict, found.present_difference)
-            nearest = nearest_text(found) if row.is_dependent else NOTHING
+        stability, verdict, nearest = row.stability, NOTHING, row.why_not
+        if stability is not None:
+            verdict = winner_text(row.criterion, stability.verdict, stability.present_difference)
+            nearest = nearest_text(stability) if row.is_dependent else NOTHING
         rows.append((
             row.plane, row.criterion, PLANES[row.plane], CRITERIA[row.criterion], verdict,
             held_text(row), nearest,
@@ -110,12 +110,12 @@ def survey_table(survey: Sequence[SurveyRow]) -> pd.DataFrame:
 
 def held_text(one: SurveyRow) -> str:
     """In which share of the plausible range the verdict holds, in a few words."""
-    if one.found is None:
+    if one.stability is None:
         return "no such map"
-    if one.found.verdict == "undefined":
+    if one.stability.verdict == "undefined":
         return "undefined"
     if not one.is_dependent:
         return "does not depend on them"
-    if np.isnan(one.found.share_held):
+    if np.isnan(one.stability.share_held):
         return "undefined there"
-    return share_text(one.found.share_held)
+    return share_text(one.stability.share_held)

@@ -25,8 +25,8 @@ from ui.shell.messages import sampling_note
 from ui.widgets.charts import draw_chart
 from ui.widgets.text import docs_link, number, plain
 
-TOLD: Final = "same_point_told"
-"""Which system was moved, to be told in this run."""
+MOVED: Final = "same_point_moved"
+"""Which system was moved by the button just now."""
 MOST_KEPT: Final = 32
 """Curves and points that are kept for all sessions."""
 
@@ -186,8 +186,8 @@ def _draw_same_point(x: str, y: str) -> None:
             "Y has no scores that differ, so its threshold cannot be moved: X is moved to Y's "
             "false alarms instead."
         )
-    if (told := st.session_state.pop(TOLD, None)) is not None:
-        st.caption(plain(_same_point_text(x, y, told)))
+    if (just_moved := st.session_state.pop(MOVED, None)) is not None:
+        st.caption(plain(_same_point_text(x, y, just_moved)))
 
 
 def _same_point_text(x: str, y: str, moved: str) -> str:
@@ -197,29 +197,30 @@ def _same_point_text(x: str, y: str, moved: str) -> str:
         "X": _point(dataset, x, params, params.threshold_x),
         "Y": _point(dataset, y, params, params.threshold_y),
     }
-    one, other = ("X", "Y") if moved == "x" else ("Y", "X")
+    letter, other = ("X", "Y") if moved == "x" else ("Y", "X")
     limit = (
-        f"every detection of {one} counts"
-        if points[one].threshold is None
-        else f"{one} has the threshold {points[one].threshold:g}"
+        f"every detection of {letter} counts"
+        if points[letter].threshold is None
+        else f"{letter} has the threshold {points[letter].threshold:g}"
+    )
+    rate, other_rate = (
+        number(points[name].false_alarms_per_frame, ".3g") for name in (letter, other)
     )
     return (
-        f"{one} was moved. Now {limit}: "
-        f"{number(points[one].false_alarms_per_frame, '.3g')} false alarms per frame, {other} has "
-        f"{number(points[other].false_alarms_per_frame, '.3g')}."
+        f"{letter} was moved. Now {limit}: {rate} false alarms per frame, {other} has {other_rate}."
     )
 
 
 def _take_same_point(x: str, y: str, moved: str) -> None:
     dataset, params = state.opened().dataset, state.params()
     if moved == "y":
-        found = same_operating_point(dataset, params, x, y)
+        matched = same_operating_point(dataset, params, x, y)
     else:  # the library moves the second of the two
-        found = same_operating_point(
+        matched = same_operating_point(
             dataset, replace(params, threshold_x=params.threshold_y, threshold_y=None), y, x
         )
-    state.set_threshold(moved, found.threshold_y)
-    st.session_state[TOLD] = moved
+    state.set_threshold(moved, matched.threshold_y)
+    st.session_state[MOVED] = moved
 
 
 def _curve(dataset: Dataset, system: str, params: Params) -> pd.DataFrame:

@@ -37,7 +37,7 @@ class FileCheck:
         Facts that its files do not say, of ``size`` and ``fps``.
     format
         Name of the format (`nvcore.inputs.readers.base.Format.name`); empty: not told.
-    told
+    summary
         Format, and how many boxes in which frames.
     first_frame
         Lowest frame number; None without boxes.
@@ -48,7 +48,7 @@ class FileCheck:
     trouble: str = ""
     lacking: frozenset[str] = frozenset()
     format: str = ""
-    told: str = ""
+    summary: str = ""
     first_frame: int | None = None
     reading: Reading | None = None
 
@@ -80,14 +80,14 @@ def check_files(
     checks: dict[Hashable, FileCheck] = st.session_state.setdefault(_KEPT, {})
     known = None if truth is None else truth.reading
     of_both = (key, None if known is None else truth)  # without a reading it tells nothing
-    found = checks.pop(of_both, None)
-    if found is None:
+    check = checks.pop(of_both, None)
+    if check is None:
         with st.spinner("Reading the files"):
-            found = _check(source, role, folder, known)
-    checks[of_both] = found  # at the end: the longest unused goes first
+            check = _check(source, role, folder, known)
+    checks[of_both] = check  # at the end: the longest unused goes first
     while len(checks) > MOST_KEPT:
         del checks[next(iter(checks))]
-    return found
+    return check
 
 
 def _check(
@@ -99,7 +99,7 @@ def _check(
         chosen = find_files(made, folder, role)[1]
         name, title = chosen.name, chosen.title
         if role == "detections" and known is None:  # some need to know the ground truth
-            return FileCheck(format=name, told=title)
+            return FileCheck(format=name, summary=title)
         reading = read_source(made, role=role, folder=folder, size=_size(known), truth=known)
     except MissingFactError as error:
         if not error.facts:
@@ -110,13 +110,13 @@ def _check(
         return FileCheck(trouble=without_paths(error))
     frames = reading.boxes["frame"]
     lacking = _lacking(reading) if role == "truth" else frozenset()
-    told, first = f"{title}: {len(frames):,} boxes", None
+    summary, first_frame = f"{title}: {len(frames):,} boxes", None
     if len(frames):
-        told += f" in frames {frames.min()} to {frames.max()}"
-        first = int(frames.min())
+        summary += f" in frames {frames.min()} to {frames.max()}"
+        first_frame = int(frames.min())
     if n_ignored := int(reading.boxes["ignore"].sum()):
-        told += f", {n_ignored:,} of them to be ignored"
-    return FileCheck("", lacking, name, told, first, _light(reading))
+        summary += f", {n_ignored:,} of them to be ignored"
+    return FileCheck("", lacking, name, summary, first_frame, _light(reading))
 
 
 def _light(reading: Reading) -> Reading:
@@ -147,8 +147,8 @@ def draw_file_check(check: FileCheck | None, truth: FileCheck | None = None) -> 
         return
     if check.trouble:
         st.error(plain(check.trouble), icon=":material/error:")
-    elif check.told:
-        st.caption(f"Read as {plain(check.told)}.")
+    elif check.summary:
+        st.caption(f"Read as {plain(check.summary)}.")
     firsts = (check.first_frame, None if truth is None else truth.first_frame)
     if set(firsts) == {0, 1}:
         st.caption(

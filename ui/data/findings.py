@@ -40,12 +40,15 @@ def draw() -> None:
             f"The audit of {plain(label)} found nothing to mind.", icon=":material/check_circle:"
         )
         return
-    urgent = [one for one in findings if one.severity is not Severity.NOTE]
+    urgent = [finding for finding in findings if finding.severity is not Severity.NOTE]
     if urgent:
         st.caption(_counts(findings))
     for number, finding in enumerate(urgent[:MOST_SHOWN]):
         _draw_one(findings, finding, number)
-    rest = [*urgent[MOST_SHOWN:], *(one for one in findings if one.severity is Severity.NOTE)]
+    rest = [
+        *urgent[MOST_SHOWN:],
+        *(finding for finding in findings if finding.severity is Severity.NOTE),
+    ]
     if rest:
         title = f"{'And ' if urgent else ''}{_counts(rest)}"
         with st.expander(title, expanded=not urgent):
@@ -56,10 +59,10 @@ def draw() -> None:
 def _counts(findings: Sequence[Finding]) -> str:
     """How many there are of each severity, and what that means for the figures."""
     words = []
-    for severity, (one, several) in KINDS.items():
+    for severity, (singular, plural) in KINDS.items():
         n = sum(finding.severity is severity for finding in findings)
         if n:
-            words.append(f"{n} {one if n == 1 else several}")
+            words.append(f"{n} {singular if n == 1 else plural}")
     return ", ".join(words)
 
 
@@ -87,7 +90,9 @@ def _subject(subject: str) -> str:
 
 def _draw_correction(findings: Sequence[Finding], finding: Finding, number: int) -> None:
     chain = corrections_up_to(findings, finding)
-    words = ", ".join(f"{name} {value:g}" for one in chain for name, value in one.suggestion)
+    words = ", ".join(
+        f"{name} {value:g}" for finding in chain for name, value in finding.suggestion
+    )
     is_wanted = st.button(
         "Apply to the session",
         key=f"apply_{number}",

@@ -34,14 +34,14 @@ class FrameList:
     ----------
     path
         As a session names it; None: there is none, or it cannot be used.
-    told
+    summary
         What it holds.
     trouble
         Why it cannot be used.
     """
 
     path: str | None = None
-    told: str = ""
+    summary: str = ""
     trouble: str = ""
 
     @property
@@ -68,32 +68,32 @@ def check_frame_list(path: str, folder: Path) -> FrameList:
     if not file.is_file() or status.st_size > MOST_BYTES:
         return FrameList(trouble="expected a text file with one frame number a line")
     key = (str(file), status.st_mtime_ns, status.st_size)
-    return state.workspace().cached("frame_list", key, lambda: _check(path, folder))
+    return state.workspace().cached("frame_list", key, lambda: _read_list(path, folder))
 
 
-def _check(path: str, folder: Path) -> FrameList:
+def _read_list(path: str, folder: Path) -> FrameList:
     try:
         frames = parse_frames(path, folder)
     except NvcoreError as error:
         return FrameList(trouble=without_paths(error))
     steps = np.diff(frames)
-    told = f"{len(frames):,} frames, {frames[0]} to {frames[-1]}"
+    summary = f"{len(frames):,} frames, {frames[0]} to {frames[-1]}"
     if len(steps) and steps[0] > 1 and (steps == steps[0]).all():
-        told += f", {steps[0]} apart"
-    return FrameList(path, told)
+        summary += f", {steps[0]} apart"
+    return FrameList(path, summary)
 
 
-def draw_frame_list(found: FrameList, recordings: Sequence[str]) -> FrameList:
+def draw_frame_list(frame_list: FrameList, recordings: Sequence[str]) -> FrameList:
     """What the list holds, or why it cannot be used with these recordings of the ground truth."""
-    if not found.trouble and len(recordings) > 1:
-        found = replace(
-            found,
+    if not frame_list.trouble and len(recordings) > 1:
+        frame_list = replace(
+            frame_list,
             path=None,
             trouble=f"is of one recording, and the ground truth has {len(recordings):,}: give the "
             "list of each recording in a session file, as frames under its [[recording]]",
         )
-    if found.trouble:
-        st.error(plain(found.trouble), icon=":material/error:")
+    if frame_list.trouble:
+        st.error(plain(frame_list.trouble), icon=":material/error:")
     else:
-        st.caption(f"Read as {plain(found.told)}.")
-    return found
+        st.caption(f"Read as {plain(frame_list.summary)}.")
+    return frame_list

@@ -123,13 +123,13 @@ def _draw_frame_list(root: LocalRoot, entries: list[Entry], recordings: Sequence
 
 def _find(root: LocalRoot, paths: Sequence[str]) -> tuple[dict[str, Path], list[str]]:
     """Where the paths lead, and what is wrong with those that lead nowhere any more."""
-    found, gone = {}, []
+    places, gone = {}, []
     for path in paths:
         try:
-            found[path] = root.find(path)
+            places[path] = root.find(path)
         except InputError as error:
             gone.append(str(error))
-    return found, gone
+    return places, gone
 
 
 def _check(
@@ -158,14 +158,14 @@ def _state_of(root: LocalRoot, files: Sequence[Path]) -> tuple[tuple[str, int, i
     """
     folders = {folder for file in files for folder in file.parents[:3]}
     beside = [folder / "seqinfo.ini" for folder in sorted(folders)]
-    found = []
-    for file in (*files, *(one for one in beside if one.is_relative_to(root.folder))):
+    states = []
+    for file in (*files, *(path for path in beside if path.is_relative_to(root.folder))):
         try:
             status = file.stat()
         except OSError:  # told when it is read
             continue
-        found.append((str(file), status.st_mtime_ns, status.st_size))
-    return tuple(found)
+        states.append((str(file), status.st_mtime_ns, status.st_size))
+    return tuple(states)
 
 
 def _draw_folder(here: str, entries: list[Entry]) -> None:

@@ -225,7 +225,7 @@ def forget_missing(place: str) -> None:
 
 def draw_reading(role: Role, key: str, changed: Callable[[], None]) -> dict[str, Any]:
     """Fields of `nvcore.inputs.session.Source` that hardly ever have to be given."""
-    titles = {one.title: one.name for one in FORMATS if role in one.roles}
+    titles = {form.title: form.name for form in FORMATS if role in form.roles}
     title = st.selectbox("Format", [AUTOMATIC, *titles], key=f"format_{key}", on_change=changed)
     frame_base = st.selectbox(
         "Frame numbers", list(FRAME_BASES), key=f"frame_base_{key}", on_change=changed
@@ -251,12 +251,12 @@ def draw_reading(role: Role, key: str, changed: Callable[[], None]) -> dict[str,
 
 def picture_size(paths: Iterable[Path]) -> tuple[int, int] | None:
     """Size of the first pictures that can be opened."""
-    return next((one.size for one in map(check_pictures, paths) if one.size), None)
+    return next((check.size for check in map(check_pictures, paths) if check.size), None)
 
 
 def picture_rate(paths: Iterable[Path]) -> float | None:
     """Frame rate of the first pictures that state one, within what can be given."""
-    rates = (one.fps for one in map(check_pictures, paths))
+    rates = (check.fps for check in map(check_pictures, paths))
     return next((rate for rate in rates if rate is not None and 0.01 <= rate <= MAX_FPS), None)
 
 
@@ -290,12 +290,12 @@ def check_pictures(path: Path) -> PictureCheck:
         return PictureCheck(trouble=f"cannot be opened ({error.strerror})")
     checks: dict[Hashable, PictureCheck] = st.session_state.setdefault(_CHECKS, {})
     key = (path, status.st_mtime_ns, status.st_size)
-    found = checks.pop(key, None) or _check_pictures(path)
-    if not (found.trouble and path.is_dir()):
-        checks[key] = found  # at the end: the longest unused goes first
+    check = checks.pop(key, None) or _check_pictures(path)
+    if not (check.trouble and path.is_dir()):
+        checks[key] = check  # at the end: the longest unused goes first
         while len(checks) > MOST_CHECKS:
             del checks[next(iter(checks))]
-    return found
+    return check
 
 
 def _check_pictures(path: Path) -> PictureCheck:
@@ -303,6 +303,6 @@ def _check_pictures(path: Path) -> PictureCheck:
         pictures = open_pictures(path)
     except MediaError as error:
         return PictureCheck(trouble=error.message)
-    found = PictureCheck((int(pictures.width), int(pictures.height)), pictures.fps)
+    check = PictureCheck((int(pictures.width), int(pictures.height)), pictures.fps)
     pictures.close()
-    return found
+    return check

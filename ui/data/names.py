@@ -40,16 +40,16 @@ def proposed_names(
         for number, paths in enumerate(systems, start=1)
         if paths
     ]
-    told = iter(system_names(numbered, taken))
-    return [next(told) if paths else "" for paths in systems]
+    names = iter(system_names(numbered, taken))
+    return [next(names) if paths else "" for paths in systems]
 
 
 def draw_name(label: str, proposed: str, *, key: str, changed: Callable[[], None]) -> str:
     """A field that follows what the files tell until a person types a name."""
-    told = f"told_{key}"
-    if st.session_state.get(key, "") in ("", st.session_state.get(told, "")):
+    last_proposal = f"told_{key}"
+    if st.session_state.get(key, "") in ("", st.session_state.get(last_proposal, "")):
         st.session_state[key] = proposed
-    st.session_state[told] = proposed
+    st.session_state[last_proposal] = proposed
     typed = st.text_input(label, key=key, on_change=changed, placeholder="told by the files")
     return (typed or "").strip() or proposed
 

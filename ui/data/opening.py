@@ -76,8 +76,8 @@ def try_to_open(
 
 def trouble_of(place: str) -> Trouble | None:
     """What went wrong in this part of the page; None: nothing."""
-    found: Trouble | None = st.session_state.get(_key(place))
-    return found
+    trouble: Trouble | None = st.session_state.get(_key(place))
+    return trouble
 
 
 def forget_trouble(place: str) -> None:

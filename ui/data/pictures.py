@@ -54,8 +54,8 @@ def draw_checked(
     _draw_unmatched(usable, recordings)
     if not troubles:
         return ChosenPictures(usable)
-    told = "\n".join(f"- {plain(one)}" for one in troubles)
-    st.error(f"These pictures were refused:\n{told}", icon=":material/error:")
+    text = "\n".join(f"- {plain(trouble)}" for trouble in troubles)
+    st.error(f"These pictures were refused:\n{text}", icon=":material/error:")
     goes_on = st.checkbox(
         "Go on without the refused pictures",
         key=f"without_{place}_{hash(tuple(troubles))}",

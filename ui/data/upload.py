@@ -127,7 +127,7 @@ def draw() -> None:
     told_format = "" if truth_check is None else truth_check.format
     facts = ask_for_missing(PLACE, pictures.usable.values(), lacking, told_format)
     draw_trouble(PLACE)
-    wrong = unusable(zip([one.title for one in (truth, *systems)], every, strict=True))
+    wrong = unusable(zip([field.title for field in (truth, *systems)], every, strict=True))
     form = _Form(truth, systems, names, recording, stored, frames, pictures, facts, wrong)
     if st.button("Open these files", key="open_upload", type="primary"):
         try_to_open(lambda: _session(form), label=LABEL, place=PLACE)
@@ -155,7 +155,7 @@ def _draw_truth() -> _Chosen:
 
 def _draw_systems() -> list[_Chosen]:
     n_systems = st.session_state.setdefault("upload_systems", 2)
-    found = []
+    systems = []
     for number in range(n_systems):
         left, right = st.columns([1, 3])
         files = right.file_uploader(
@@ -169,7 +169,7 @@ def _draw_systems() -> list[_Chosen]:
         with right.expander(f"How to read system {number + 1}"):
             reading = draw_reading("detections", f"upload_system_{number}", _changed)
         title = f"system {_numbered(number)}"
-        found.append(_Chosen(title, f"system-{number + 1}", files, reading, below, left))
+        systems.append(_Chosen(title, f"system-{number + 1}", files, reading, below, left))
     st.button(
         "Add a system",
         icon=":material/add:",
@@ -177,7 +177,7 @@ def _draw_systems() -> list[_Chosen]:
         on_click=_add_system,
         disabled=n_systems >= MOST_SYSTEMS,
     )
-    return found
+    return systems
 
 
 def _draw_frame_list() -> _Chosen:
@@ -206,7 +206,7 @@ def _draw_names(
     stored: _Stored, truth: _Chosen, systems: Sequence[_Chosen], recordings: Sequence[str]
 ) -> list[str]:
     proposed = proposed_names(
-        [stored.known_paths(one) for one in systems], stored.known_paths(truth), recordings
+        [stored.known_paths(system) for system in systems], stored.known_paths(truth), recordings
     )
     names = []
     for number, (system, name) in enumerate(zip(systems, proposed, strict=True)):
@@ -277,10 +277,14 @@ def _check(stored: _Stored, chosen: _Chosen, truth: FileCheck | None) -> FileChe
 
 
 def _session(form: _Form) -> Session:
-    given = [(one, name) for one, name in zip(form.systems, form.names, strict=True) if one.files]
+    systems = [
+        (system, name)
+        for system, name in zip(form.systems, form.names, strict=True)
+        if system.files
+    ]
     if not form.truth.files:
         raise InputError("Choose the ground truth first: the boxes that both systems should find.")
-    if not given:
+    if not systems:
         raise InputError("Choose the detections of at least one system.")
     for wrong in (form.unusable, form.frames.stops, form.pictures.stops):
         if wrong:
@@ -291,8 +295,8 @@ def _session(form: _Form) -> Session:
         folder=stored.folder,
         truth=stored.source(form.truth),
         systems=tuple(
-            SystemSource(path=stored.paths[one.slot], name=name or None, **one.reading)
-            for one, name in given
+            SystemSource(path=stored.paths[system.slot], name=name or None, **system.reading)
+            for system, name in systems
         ),
     )
     if not form.pictures.usable and not form.recording:

@@ -65,10 +65,8 @@ def choose(dataset: Dataset) -> Protocol:
     filters = replace(filters, tags=tuple(tagged), recordings=tuple(chosen))
     protocol = protocol_from(filters.given())
     state.set_protocol(protocol)
-    said = "; ".join(protocol.filters)
-    st.caption(
-        plain(f"{protocol.text} {'Filters: ' + said + '.' if said else 'No filter.'}".strip())
-    )
+    effect = f"Filters: {'; '.join(protocol.filters)}." if protocol.filters else "No filter."
+    st.caption(plain(f"{protocol.text} {effect}".strip()))
     _draw_left_out(filtered(dataset, protocol))
     return protocol
 
@@ -180,18 +178,18 @@ def _own_filters(dataset: Dataset) -> Protocol:
 
 def _margins(place: Any) -> tuple[float, float, float, float] | None:
     """One margin for all sides, or four where the protocol before has different ones."""
-    told = "The whole box must lie so far inside the picture; with 0, up to its edge. Empty: "
+    help_text = "The whole box must lie so far inside the picture; with 0, up to its edge. Empty: "
     if not st.session_state.get("own_has_sides", False):
-        one = _number(
+        margin = _number(
             place,
             "Margin at the border (px)",
             "own_border",
             0.0,
             step=1.0,
             placeholder="none",
-            help=f"{told}anywhere.",
+            help=f"{help_text}anywhere.",
         )
-        return None if one is None else (one, one, one, one)
+        return None if margin is None else (margin, margin, margin, margin)
     margins = [
         _number(
             column,
@@ -200,7 +198,7 @@ def _margins(place: Any) -> tuple[float, float, float, float] | None:
             0.0,
             step=1.0,
             placeholder="0",
-            help=f"{told}0; all four empty: anywhere.",
+            help=f"{help_text}0; all four empty: anywhere.",
         )
         for column, side in zip(st.columns(4), SIDES, strict=True)
     ]

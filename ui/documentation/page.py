@@ -107,7 +107,7 @@ def sections_of(name: str) -> list[Section]:
 
 def split_sections(text: str, name: str) -> list[Section]:
     """A Markdown text cut at its headings; anchors of equal titles are numbered."""
-    found: list[Section] = []
+    sections: list[Section] = []
     level, title = 1, ""
     lines: list[str] = []
     used: dict[str, int] = {}
@@ -119,7 +119,7 @@ def split_sections(text: str, name: str) -> list[Section]:
         used[anchor] = n_before + 1
         own = f"{anchor}-{n_before}" if n_before else anchor
         body = in_app_links("\n".join(lines).strip(), name)
-        found.append(Section(level, title, own, body))
+        sections.append(Section(level, title, own, body))
 
     for line in text.splitlines():
         heading = None if is_code else _HEADING.fullmatch(line)
@@ -131,7 +131,7 @@ def split_sections(text: str, name: str) -> list[Section]:
             end()
         level, title, lines = len(heading[1]), heading[2].strip(), []
     end()
-    return found
+    return sections
 
 
 def anchor_of(title: str) -> str:
@@ -150,11 +150,11 @@ def anchor_of(title: str) -> str:
 def in_app_links(text: str, name: str) -> str:
     """The text with links to the app's own pages; links to other files become plain text."""
     kept: list[str] = []
-    at = 0
+    end_of_last = 0
     for code in _CODE.finditer(text):  # brackets in code are no links
-        kept += [text[at : code.start()], code[0]]
-        at = code.end()
-    kept.append(text[at:])
+        kept += [text[end_of_last : code.start()], code[0]]
+        end_of_last = code.end()
+    kept.append(text[end_of_last:])
     held = {f"\0{i}\0": part for i, part in enumerate(kept) if i % 2}
     joined = "".join(f"\0{i}\0" if i % 2 else part for i, part in enumerate(kept))
     linked = _LINK.sub(lambda link: _linked(link[1], link[2], name), joined)

@@ -59,7 +59,7 @@ def _choose_class() -> None:
 def draw_exclusivity(result: Result) -> None:
     """Whether both miss the same pedestrians: in words, and class against class."""
     st.header("Do X and Y miss the same pedestrians?")
-    st.markdown("\n".join(f"- {one}" for one in describe_misses(result)))
+    st.markdown("\n".join(f"- {sentence}" for sentence in describe_misses(result)))
     st.caption(
         f"{docs_link('Jaccard index', 'exclusivity')}: share of all misses that both have, 0 to "
         "1. Phi: how much the misses of X and Y go together, -1 to 1, 0 if not at all. McNemar's "
@@ -120,7 +120,7 @@ def draw_fusion(result: Result) -> None:
     with left:
         draw_chart(fusion_plot(fusion, theme=state.theme()), "encounters_fusion")
     with right:
-        st.markdown("\n".join(f"- {one}" for one in describe_fusion(fusion)))
+        st.markdown("\n".join(f"- {sentence}" for sentence in describe_fusion(fusion)))
         st.dataframe(
             _fusion_shown(fusion),
             hide_index=True,

@@ -92,8 +92,8 @@ def _draw_table(encounters: pd.DataFrame) -> None:
         selection_mode=("single-row", "single-cell"),
         on_select=partial(_choose_row, key, shown.index),
     )
-    if told := rows_told(len(encounters), "first"):
-        st.caption(f"{told} The filters choose among all.")
+    if note := rows_told(len(encounters), "first"):
+        st.caption(f"{note} The filters choose among all.")
 
 
 def by_weight(encounters: pd.DataFrame) -> pd.DataFrame:

@@ -64,7 +64,7 @@ def draw(result: Result) -> None:
         result, pictures, index, row, lo=lo, hi=hi, layers=layers, labels=labels, caption=caption
     )
     name, frame = state.recording_names()[recording], int(result.dataset.frame_columns.frame[row])
-    drawn = ", ".join(LAYERS[one] for one in layers) or "nobody"
+    drawn = ", ".join(LAYERS[layer] for layer in layers) or "nobody"
     left.image(
         picture,
         caption=f"Frame {frame}, as it will be saved",

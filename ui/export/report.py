@@ -125,14 +125,14 @@ def _draw_columns() -> None:
 def _joined(columns: tuple[Column, ...]) -> list[tuple[str, Column]]:
     """Columns with their names as Markdown; those of X and of Y in one row."""
     known = {column.name for column in columns}
-    found = []
+    rows = []
     for column in columns:
         of_y = column.name[:-1] + "y"
         if column.name.endswith("_x") and of_y in known:
-            found.append((f"`{column.name}`, `{of_y}`", column))
+            rows.append((f"`{column.name}`, `{of_y}`", column))
         elif not (column.name.endswith("_y") and column.name[:-1] + "x" in known):
-            found.append((f"`{column.name}`", column))
-    return found
+            rows.append((f"`{column.name}`", column))
+    return rows
 
 
 def _draw_session_note(session: Session) -> None:

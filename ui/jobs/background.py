@@ -19,7 +19,7 @@ MOST_AT_ONCE: Final = 2
 """Jobs that all sessions together run at a time; further ones wait."""
 WAIT_S: Final = 0.2
 
-Found = TypeVar("Found")
+Output = TypeVar("Output")
 Progress = Callable[[float], bool]
 """Told the share that is done; says whether to go on."""
 
@@ -162,29 +162,29 @@ class BackgroundJob:
             _slots.release()
 
 
-class Computation(BackgroundJob, Generic[Found]):
+class Computation(BackgroundJob, Generic[Output]):
     """Something that is computed in the background."""
 
     def __init__(
         self,
-        compute: Callable[[Computation[Found]], Found],
+        compute: Callable[[Computation[Output]], Output],
         is_wanted: Callable[[], bool],
         *,
         key: Any = None,
     ):
         """Start; `compute` calls `tell` after its steps. See `BackgroundJob`."""
-        self._found: Found | None = None
+        self._output: Output | None = None
 
         def work(_: Progress) -> bool:
-            self._found = compute(self)
+            self._output = compute(self)
             return True
 
         super().__init__(work, is_wanted, key=key)
 
     @property
-    def found(self) -> Found | None:
+    def output(self) -> Output | None:
         """What was computed; None before that is done."""
-        return self._found if self.state is JobState.DONE else None
+        return self._output if self.state is JobState.DONE else None
 
     def tell(self, done: int, of: int) -> None:
         """Say how many of the steps are done.

@@ -37,14 +37,14 @@ def draw_job(job: BackgroundJob, kind: str, *, thing: str, doing: str) -> JobSta
     doing
         What is going on, as a sentence begins: "Making the report".
     """
-    at = job.state  # once: it may end meanwhile
-    if at.is_busy:
+    job_state = job.state  # once: it may end meanwhile
+    if job_state.is_busy:
         _draw_progress(job, kind, doing)
-    elif at is JobState.CANCELLED:
+    elif job_state is JobState.CANCELLED:
         st.info(f"Cancelled. No {thing} was made.", icon=":material/info:")
-    elif at is JobState.FAILED:
+    elif job_state is JobState.FAILED:
         st.error(plain(job.error) or f"The {thing} could not be made.", icon=":material/error:")
-    return at
+    return job_state
 
 
 @st.fragment(run_every=POLL_S)

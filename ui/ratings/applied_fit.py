@@ -1,4 +1,4 @@
-"""Which fitted settings were taken, and whether they are in use with the ratings they are from."""
+"""Fits that were applied, and whether they are in use with the ratings that they were made from."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ MOST: Final = 8
 
 @dataclass(frozen=True)
 class AppliedFit:
-    """Fitted settings that somebody has taken.
+    """Fitted settings that were put into the sidebar.
 
     Attributes
     ----------
@@ -45,7 +45,7 @@ class AppliedFit:
 
     def is_in_use(self, params: Params) -> bool:
         """Whether all that was fitted has the fitted values, whatever else has moved."""
-        return all(_is_same(getattr(params, name), one) for name, one in self.fitted.items())
+        return all(_is_same(getattr(params, name), value) for name, value in self.fitted.items())
 
     def share_seen(self, rating_source: RatingSource) -> float:
         """The share of these ratings that it was fitted to, 0 to 1; whatever their values."""
@@ -83,23 +83,23 @@ def _is_same(live: Any, fitted: Any) -> bool:
 
 
 def _fits_in_use(result: Result) -> list[AppliedFit]:
-    """What was taken and is in use now, the newest first."""
+    """Fits in use now, the newest first."""
     return [
-        one
-        for one in _all()
-        if one.fingerprint == result.dataset.fingerprint and one.is_in_use(result.params)
+        fit
+        for fit in _all()
+        if fit.fingerprint == result.dataset.fingerprint and fit.is_in_use(result.params)
     ]
 
 
 def in_use(result: Result, rating_source: RatingSource) -> AppliedFit | None:
-    """The fit in use that has seen most of these ratings; None if none has seen any of them."""
-    most = max(_fits_in_use(result), key=lambda one: one.share_seen(rating_source), default=None)
+    """The fit in use that was made from most of these ratings; None: from none of them."""
+    most = max(_fits_in_use(result), key=lambda fit: fit.share_seen(rating_source), default=None)
     return most if most is not None and most.share_seen(rating_source) > 0 else None
 
 
 def of_simulated(result: Result, rating_source: RatingSource) -> bool:
     """Whether the settings in use were fitted to simulated ratings, and these are not."""
-    return not rating_source.is_simulated and any(one.is_simulated for one in _fits_in_use(result))
+    return not rating_source.is_simulated and any(fit.is_simulated for fit in _fits_in_use(result))
 
 
 def apply(
@@ -119,10 +119,10 @@ def apply(
         The fit that is in use now, whose values go where `fit` has none.
     """
     before = {name: getattr(start, name) for name in fit.changed}
-    one = AppliedFit(
+    newest = AppliedFit(
         fit.changed, before, fingerprint, _who_rates_what(rating_source), rating_source.is_simulated
     )
-    state.workspace().notes[KEPT] = [one, *_others(fit_in_use)][:MOST]
+    state.workspace().notes[KEPT] = [newest, *_others(fit_in_use)][:MOST]
     _set({**(fit_in_use.before if fit_in_use else {}), **fit.changed})
 
 
@@ -133,17 +133,17 @@ def undo(fit_in_use: AppliedFit) -> None:
 
 
 def _all() -> list[AppliedFit]:
-    found: list[AppliedFit] = state.workspace().notes.get(KEPT, [])
-    return found
+    fits: list[AppliedFit] = state.workspace().notes.get(KEPT, [])
+    return fits
 
 
 def _others(fit_in_use: AppliedFit | None) -> list[AppliedFit]:
-    return [one for one in _all() if one is not fit_in_use]
+    return [fit for fit in _all() if fit is not fit_in_use]
 
 
 def _set(values: dict[str, Any]) -> None:
     shown = {
-        name: live_params.default_of_height(name) if one is None else one
-        for name, one in values.items()
+        name: live_params.default_of_height(name) if value is None else value
+        for name, value in values.items()
     }
     state.set_params(**shown)

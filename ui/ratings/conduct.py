@@ -71,8 +71,8 @@ def _begin(result: Result) -> None:
         default="both",
         required=True,
         key="rating_whose",
-        format_func=lambda one: (
-            "Both" if one == "both" else f"{'X' if one == result.x.name else 'Y'} {one}"
+        format_func=lambda name: (
+            "Both" if name == "both" else f"{'X' if name == result.x.name else 'Y'} {name}"
         ),
     )
     systems = both if whose == "both" else [whose]

@@ -53,13 +53,13 @@ def draw(
         f"({docs_link('how it is judged', 'the-fit', doc='ratings')})."
     )
     start = result.params if fit_in_use is None else fit_in_use.settings_before(result.params)
-    found: Any = state.workspace().peek("rating_fit", key := _key(result, start, ratings_key))
-    if found is None:
-        found = _ask(result, start, clips, key)
-    if found is not None:
+    fit: Any = state.workspace().peek("rating_fit", key := _key(result, start, ratings_key))
+    if fit is None:
+        fit = _ask(result, start, clips, key)
+    if fit is not None:
         with st.container(border=True, key="rating_fit_found"):
-            _draw_worth(found, "settings in use" if fit_in_use is None else "settings before")
-            _draw_settings(result, found, start, rating_source, fit_in_use)
+            _draw_worth(fit, "settings in use" if fit_in_use is None else "settings before")
+            _draw_settings(result, fit, start, rating_source, fit_in_use)
     elif fit_in_use is not None:
         _draw_in_use(fit_in_use)
 
@@ -76,19 +76,19 @@ def _with(result: Result, settings: Params) -> Result:
     return compare(result.dataset, settings, x=x, y=y, previous=result)
 
 
-def _keep(key: Any, found: Fit) -> Fit:
-    return state.workspace().cached("rating_fit", key, lambda: found, most=MOST_FITS)
+def _keep(key: Any, fit: Fit) -> Fit:
+    return state.workspace().cached("rating_fit", key, lambda: fit, most=MOST_FITS)
 
 
 def _ask(result: Result, start: Params, clips: pd.DataFrame, key: Any) -> Fit | None:
     """The button, or the progress of the fit; the fit where it was made at once."""
     job: Computation[Fit] | None = state.workspace().job(JOB)
     if job is not None and job.key == key:
-        at = draw_job(job, JOB, thing="fit", doing="Fitting")
-        if at.is_busy:
+        job_state = draw_job(job, JOB, thing="fit", doing="Fitting")
+        if job_state.is_busy:
             return None
-        if at is JobState.DONE and job.found is not None:
-            return _keep(key, job.found)
+        if job_state is JobState.DONE and job.output is not None:
+            return _keep(key, job.output)
     if not st.button("Fit saliency to these ratings", key="rating_fit", icon=":material/tune:"):
         return None
     if len(result.dataset.frames) > AT_ONCE:
@@ -100,7 +100,7 @@ def _ask(result: Result, start: Params, clips: pd.DataFrame, key: Any) -> Fit | 
         bar.progress(n_done / n_steps, "Fitting")
 
     try:
-        found = fit_saliency(
+        fit = fit_saliency(
             _with(result, start),
             clips,
             progress=show,
@@ -110,7 +110,7 @@ def _ask(result: Result, start: Params, clips: pd.DataFrame, key: Any) -> Fit | 
         return None
     finally:
         bar.empty()
-    return _keep(key, found)
+    return _keep(key, fit)
 
 
 def _begin(result: Result, start: Params, clips: pd.DataFrame, key: Any) -> None:
@@ -121,43 +121,43 @@ def _begin(result: Result, start: Params, clips: pd.DataFrame, key: Any) -> None
     space.put_job(JOB, Computation(compute, while_open(space), key=key))
 
 
-def _draw_worth(found: Fit, start: str) -> None:
+def _draw_worth(fit: Fit, start: str) -> None:
     """The shares of pairs, by settings that are called `start` and by the fit."""
     st.markdown("**Share of the pairs of clips in the order in which people put them**")
     columns = st.columns(3)
-    columns[0].metric(start, f"{found.share_default:.0%}")
-    columns[1].metric("fit, on recordings left out", f"{found.share_fitted:.0%}")
-    columns[2].metric("fit, on what it has seen", f"{found.share_training:.0%}")
-    if found.reason:
-        columns[1].caption(f"No interval: {plain(found.reason)}.")
+    columns[0].metric(start, f"{fit.share_default:.0%}")
+    columns[1].metric("fit, on recordings left out", f"{fit.share_fitted:.0%}")
+    columns[2].metric("fit, on what it has seen", f"{fit.share_training:.0%}")
+    if fit.reason:
+        columns[1].caption(f"No interval: {plain(fit.reason)}.")
     else:
-        columns[1].caption(f"95 %: {found.low:.0%} to {found.high:.0%}")
+        columns[1].caption(f"95 %: {fit.low:.0%} to {fit.high:.0%}")
     st.caption(
-        f"{count_text(found.n_pairs, 'pair')} of {count_text(found.n_clips, 'clip')}, "
-        f"{found.n_settings:,} combinations tried; 50% is chance. **The second figure is the "
+        f"{count_text(fit.n_pairs, 'pair')} of {count_text(fit.n_clips, 'clip')}, "
+        f"{fit.n_settings:,} combinations tried; 50% is chance. **The second figure is the "
         "result**: each pair is judged by a fit that has seen neither of its recordings. The "
         "third is too good by construction."
     )
-    if found.changed:
-        st.markdown(_gain(found, start))
+    if fit.changed:
+        st.markdown(_gain(fit, start))
 
 
-def _gain(found: Fit, start: str) -> str:
+def _gain(fit: Fit, start: str) -> str:
     """What the fit gains on recordings it has not seen, and whether that may be chance."""
-    gain = found.share_fitted - found.share_default
+    gain = fit.share_fitted - fit.share_default
     if gain <= 0:
         return (
             f"On recordings that it has not seen, the fit is **no better than the {start}**: these "
             "ratings give no reason to change them."
         )
-    told = f"Against the {start}, the fit gains {100 * gain:.0f} points"
-    if not np.isfinite(found.gain_low):
-        return f"{told}. Whether that is more than chance cannot be told."
+    gain_text = f"Against the {start}, the fit gains {100 * gain:.0f} points"
+    if not np.isfinite(fit.gain_low):
+        return f"{gain_text}. Whether that is more than chance cannot be told."
     interval = (
-        f"{told} (95 %: {_points(found.gain_low)} to {_points(found.gain_high)}, from resampling "
-        f"the {found.n_recordings} recordings)"
+        f"{gain_text} (95 %: {_points(fit.gain_low)} to {_points(fit.gain_high)}, from resampling "
+        f"the {fit.n_recordings} recordings)"
     )
-    if found.gain_low > 0:
+    if fit.gain_low > 0:
         return f"{interval}."
     return f"{interval}: **that may be chance**."
 
@@ -168,26 +168,26 @@ def _points(share: float) -> str:
 
 def _draw_settings(
     result: Result,
-    found: Fit,
+    fit: Fit,
     start: Params,
     rating_source: RatingSource,
     fit_in_use: AppliedFit | None,
 ) -> None:
     """What the fit changes, and the button that takes it or gives it back."""
-    if found.changed:
-        st.markdown("\n".join(f"- {line}" for line in _changes(found, start)))
+    if fit.changed:
+        st.markdown("\n".join(f"- {line}" for line in _changes(fit, start)))
     else:
         st.markdown("The settings in use are the best of those tried.")
     if fit_in_use is not None:
         _draw_in_use(fit_in_use)
-    if not found.changed or (fit_in_use is not None and fit_in_use.is_of(found)):
+    if not fit.changed or (fit_in_use is not None and fit_in_use.is_of(fit)):
         return
     st.button(
         "Take these settings",
         key="rating_fit_take",
         type="primary",
         on_click=applied_fit.apply,
-        args=(found, start, rating_source, result.dataset.fingerprint, fit_in_use),
+        args=(fit, start, rating_source, result.dataset.fingerprint, fit_in_use),
     )
     if rating_source.is_simulated:
         st.caption(SIMULATED)
@@ -207,12 +207,12 @@ def _draw_in_use(fit_in_use: AppliedFit) -> None:
         )
 
 
-def _changes(found: Fit, start: Params) -> list[str]:
+def _changes(fit: Fit, start: Params) -> list[str]:
     """The parameters that the fit changes, as the sidebar calls them."""
     return [
         f"{plain(SETTINGS[name].label_with_unit)}: {_shown(name, _value(start, name))} → "
         f"**{_shown(name, value)}**"
-        for name, value in found.changed.items()
+        for name, value in fit.changed.items()
     ]
 
 

@@ -71,13 +71,13 @@ def _draw_unknown(ratings: pd.DataFrame, unknown: pd.DataFrame) -> None:
     if unknown.empty:
         return
     clips = unknown[["clip", "system"]].drop_duplicates()
-    told = [f"{clip} ({system})" for clip, system in clips.head(MOST_NAMED).to_numpy()]
+    clip_names = [f"{clip} ({system})" for clip, system in clips.head(MOST_NAMED).to_numpy()]
     more = ", ..." if len(clips) > MOST_NAMED else ""
     gone = sorted(set(unknown["participant"]) - set(ratings["participant"]))
     who = f" Nothing is left of {plain(', '.join(gone[:MOST_NAMED]))}." if gone else ""
     st.warning(
         f"{count_text(len(clips), 'rated clip')} not in this comparison, left out of all figures "
-        f"with {count_text(len(unknown), 'rating')}: {plain(', '.join(told))}{more}.{who}",
+        f"with {count_text(len(unknown), 'rating')}: {plain(', '.join(clip_names))}{more}.{who}",
         icon=":material/link_off:",
     )
 
@@ -130,22 +130,22 @@ def _people(ratings: pd.DataFrame, digest: int) -> list[str]:
     return left_out
 
 
-def _concordance(found: Agreement) -> str:
+def _concordance(agreement: Agreement) -> str:
     """Kendall's W in plain words."""
-    if not np.isfinite(found.w):
-        return f"{UNDEFINED}: {found.method}."
-    p = "p < 0.001" if found.p < 0.001 else f"p = {found.p:.3f}"
-    if not found.is_more_than_chance:
+    if not np.isfinite(agreement.w):
+        return f"{UNDEFINED}: {agreement.method}."
+    p = "p < 0.001" if agreement.p < 0.001 else f"p = {agreement.p:.3f}"
+    if not agreement.is_more_than_chance:
         return (
             f"The participants do not agree more than by chance ({p}): their mean ranks mean "
-            f"little. Ranks by chance have a W of {1 / found.n_participants:.2f} on average with "
-            f"{found.n_participants} participants."
+            f"little. Ranks by chance have a W of {1 / agreement.n_participants:.2f} on average "
+            f"with {agreement.n_participants} participants."
         )
     degree = (
         "strongly and"
-        if found.w >= STRONG
+        if agreement.w >= STRONG
         else "moderately and"
-        if found.w >= MODERATE
+        if agreement.w >= MODERATE
         else "little, but"
     )
     return (
@@ -191,14 +191,16 @@ def _training(share: float) -> str:
 def _against_saliency(result: Result, clips: pd.DataFrame) -> None:
     names = (result.x.name, result.y.name)
     with st.spinner("Correlating"):
-        found = state.workspace().cached(
+        correlations = state.workspace().cached(
             "rating_correlations",
             clips[["mean_rank", "saliency_s"]].to_numpy().tobytes(),
             lambda: correlate(clips["saliency_s"].to_numpy(), clips["mean_rank"].to_numpy()),
             most=MOST_KEPT,
         )
-    draw_chart(rating_plot(clips, found, names, theme=state.theme()), "rating_plot")
-    st.dataframe(_correlations(found), hide_index=True, key="rating_correlations", row_height=32)
+    draw_chart(rating_plot(clips, correlations, names, theme=state.theme()), "rating_plot")
+    st.dataframe(
+        _correlations(correlations), hide_index=True, key="rating_correlations", row_height=32
+    )
     st.caption(
         "1: the more annoying people find a clip, the higher its saliency; 0: no connection. "
         "Intervals are from resampling the clips. Intervals and p take the clips as independent; "
@@ -223,21 +225,21 @@ def _against_saliency(result: Result, clips: pd.DataFrame) -> None:
         )
 
 
-def _correlations(found: list[Correlation]) -> pd.DataFrame:
+def _correlations(correlations: list[Correlation]) -> pd.DataFrame:
     """The coefficients as text; undefined ones with the reason."""
     table = pd.DataFrame(
         {
-            "coefficient": [one.name for one in found],
-            "value": [number(one.value, ".2f") for one in found],
+            "coefficient": [row.name for row in correlations],
+            "value": [number(row.value, ".2f") for row in correlations],
             "95 % interval": [
-                f"{one.low:.2f} to {one.high:.2f}" if np.isfinite(one.low) else UNDEFINED
-                for one in found
+                f"{row.low:.2f} to {row.high:.2f}" if np.isfinite(row.low) else UNDEFINED
+                for row in correlations
             ],
-            "p": [UNDEFINED if not np.isfinite(one.p) else f"{one.p:.2g}" for one in found],
-            "why there is none": [one.note for one in found],
+            "p": [UNDEFINED if not np.isfinite(row.p) else f"{row.p:.2g}" for row in correlations],
+            "why there is none": [row.note for row in correlations],
         }
     )
-    return table if any(one.note for one in found) else table.iloc[:, :-1]
+    return table if any(row.note for row in correlations) else table.iloc[:, :-1]
 
 
 def _downloads(ratings: pd.DataFrame, ranks: pd.DataFrame) -> None:

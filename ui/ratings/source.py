@@ -44,9 +44,9 @@ class RatingSource:
 
     def rows(self) -> np.ndarray:
         """A number for each rating, which is the same for the same rating; uint64."""
-        said = self.ratings["system"].where(self.ratings["system"] != "", self.system)
+        systems = self.ratings["system"].where(self.ratings["system"] != "", self.system)
         of: list[str] = ["participant", "clip", "system", "rating"]
-        table = self.ratings.assign(system=said)[of].dropna(subset="rating")
+        table = self.ratings.assign(system=systems)[of].dropna(subset="rating")
         return pd.util.hash_pandas_object(table.astype(str), index=False).to_numpy()
 
     def digest(self) -> int:
@@ -83,7 +83,7 @@ def choose(result: Result) -> RatingSource | None:
         "The ratings do not say whose boxes were shown. It was",
         names,
         key="ratings_system",
-        format_func=lambda one: f"{'X' if one == names[0] else 'Y'} {one}",
+        format_func=lambda name: f"{'X' if name == names[0] else 'Y'} {name}",
         horizontal=True,
     )
     return RatingSource(ratings, system, source == SIMULATED)
@@ -128,14 +128,14 @@ def _session(result: Result) -> pd.DataFrame | None:
 
 def _draw_apart(result: Result, apart: dict[str, tuple[float | None, float | None]]) -> None:
     """A warning that the clips showed other boxes than saliency is computed from."""
-    told = [
+    clips_shown = [
         f"{'X' if name == result.x.name else 'Y'} {plain(name)}: clips at "
         f"{_threshold(shown)}, now {_threshold(live)}"
         for name, (shown, live) in apart.items()
     ]
     st.warning(
         "The clips showed **other boxes than those compared below**: the score thresholds have "
-        f"moved since. {'; '.join(told)}.",
+        f"moved since. {'; '.join(clips_shown)}.",
         icon=":material/warning:",
     )
     st.button(

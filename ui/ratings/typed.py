@@ -108,7 +108,9 @@ def _ask_for_rows(result: Result) -> None:
 def _missing_rows(before: pd.DataFrame, person: str, result: Result) -> pd.DataFrame:
     """Rows of the participant for the clips that have none yet."""
     clips = [
-        (name, one) for one in (result.x.name, result.y.name) for name in state.recording_names()
+        (name, system)
+        for system in (result.x.name, result.y.name)
+        for name in state.recording_names()
     ]
     mine = before[before["participant"] == person]
     has_row = set(zip(mine["clip"], mine["system"], strict=True))
@@ -124,7 +126,7 @@ def _missing_rows(before: pd.DataFrame, person: str, result: Result) -> pd.DataF
 
 
 def _complete(table: pd.DataFrame) -> pd.DataFrame:
-    """The rows that say who rates which clip, as text that was checked; the others are told."""
+    """The rows that say who rates which clip, checked, as text; names the others."""
     numbered = table.reset_index(drop=True)
     numbered = numbered.set_axis(numbered.index + 1).dropna(how="all")
     needed = ["participant", "clip"]
@@ -135,14 +137,14 @@ def _complete(table: pd.DataFrame) -> pd.DataFrame:
     is_short = blank.any(axis=1)
     if is_short.any():
         words = {"participant": "no participant", "clip": "no clip", "system": "whose boxes?"}
-        told = [
+        row_texts = [
             f"row {number} ({', '.join(words[name] for name in needed if row[name])})"
             for number, row in blank[is_short].head(MOST_TOLD).iterrows()
         ]
         more = ", ..." if is_short.sum() > MOST_TOLD else ""
         st.warning(
             f"{count_text(int(is_short.sum()), 'incomplete row')} left out: "
-            f"{plain(', '.join(told))}{more}.",
+            f"{plain(', '.join(row_texts))}{more}.",
             icon=":material/edit:",
         )
     kept = numbered[~is_short]
@@ -154,7 +156,7 @@ def _complete(table: pd.DataFrame) -> pd.DataFrame:
             'It lasts as long as this browser tab: before you close that, download it under "Files"'
             " at the end of this page."
         )
-    rating = kept["rating"].map(lambda one: "" if pd.isna(one) else f"{one:.15g}")
+    rating = kept["rating"].map(lambda value: "" if pd.isna(value) else f"{value:.15g}")
     text = kept.astype(object).where(kept.notna(), "").astype(str).assign(rating=rating)
     return check_ratings(
         text.reset_index(drop=True), name="the table above", lines=kept.index.to_numpy()

@@ -27,11 +27,11 @@ WANTED: Final = "saliency_wanted"
 def draw_numbers(result: Result) -> None:
     """Saliency of X and Y over all recordings, and how each comes about."""
     kind = "largest event" if result.params.saliency_aggregate == "max" else "sum of all events"
-    for column, (letter, system), said in zip(
+    for column, (letter, system), description in zip(
         st.columns(2, gap="medium"), result.sides, describe_saliency(result), strict=True
     ):
         column.metric(f"Saliency of {letter.upper()}, {kind}", f"{system.saliency_s:.2f} s")
-        column.markdown(said)
+        column.markdown(description)
         if not system.events.empty:
             with column:
                 _draw_way(result, letter)

@@ -67,7 +67,7 @@ def is_in_use(what: Closable) -> bool:
     """Whether the browser of a session that has this is there."""
     with _lock:
         watched = list(_watched)
-    return any(one.what() is what and one.is_alive() for one in watched)
+    return any(entry.what() is what and entry.is_alive() for entry in watched)
 
 
 def sweep(now_s: float) -> None:
@@ -80,13 +80,13 @@ def sweep(now_s: float) -> None:
     """
     with _lock:
         watched = list(_watched)
-    for one in watched:
-        what = one.what()
-        if what is not None and one.is_alive():
-            one.seen_s = now_s
-        elif what is None or now_s - one.seen_s > GRACE_S:
+    for entry in watched:
+        what = entry.what()
+        if what is not None and entry.is_alive():
+            entry.seen_s = now_s
+        elif what is None or now_s - entry.seen_s > GRACE_S:
             with _lock:
-                _watched.remove(one)  # first: what cannot be closed is not tried for ever
+                _watched.remove(entry)  # first: what cannot be closed is not tried for ever
                 is_last = not any(other.what() is what for other in _watched)
             if is_last:  # another session may have taken it over
                 _close(what)

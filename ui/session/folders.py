@@ -58,9 +58,9 @@ def base_folder() -> Path:
     folder = parent / f"nvcore-uploads-{os.getuid()}"
     try:
         folder.mkdir(mode=0o700, exist_ok=True)
-        found = folder.lstat()
-        is_ours = stat.S_ISDIR(found.st_mode) and found.st_uid == os.getuid()
-        is_private = not found.st_mode & 0o077
+        status = folder.lstat()
+        is_ours = stat.S_ISDIR(status.st_mode) and status.st_uid == os.getuid()
+        is_private = not status.st_mode & 0o077
     except FileExistsError:  # a file, or a link that leads nowhere
         is_ours = is_private = False
     if not is_ours or not is_private:

@@ -61,11 +61,11 @@ class LocalRoot:
             If it leaves the root, or leads nowhere.
         """
         text = path.replace("\0", "")
-        found = Path(os.path.realpath(self.folder / text.lstrip("/")))
-        if not found.is_relative_to(self.folder) or not found.exists():
+        target = Path(os.path.realpath(self.folder / text.lstrip("/")))
+        if not target.is_relative_to(self.folder) or not target.exists():
             # one message for both: nobody learns what is outside
             raise InputError("there is no such file or folder", file=one_line(path))
-        return found
+        return target
 
     def entries(self, path: str = "") -> list[Entry]:
         """What a folder below the root holds, folders first; hidden files are left out.
@@ -77,8 +77,8 @@ class LocalRoot:
         """
         folder = self.find(path)
         try:
-            with os.scandir(folder) as found:
-                names = sorted(one.name for one in found if not one.name.startswith("."))
+            with os.scandir(folder) as files:
+                names = sorted(file.name for file in files if not file.name.startswith("."))
         except OSError as error:
             raise InputError(f"cannot be opened ({error.strerror})", file=one_line(path)) from error
         listed = []
@@ -111,8 +111,8 @@ def local_root(
     arguments = sys.argv[1:] if arguments is None else arguments
     environment = os.environ if environment is None else environment
     given = environment.get(ENVIRONMENT, "")
-    for at, argument in enumerate(arguments):
+    for index, argument in enumerate(arguments):
         name, equals, value = argument.partition("=")
         if name == FLAG:
-            given = value if equals else "".join(arguments[at + 1 : at + 2])
+            given = value if equals else "".join(arguments[index + 1 : index + 2])
     return LocalRoot(Path(given)) if given else None

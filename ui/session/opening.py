@@ -118,11 +118,11 @@ class _Sent:
             path = folder / name
             inside = sorted(path.rglob("*")) if path.is_dir() else []
             self.paths += [
-                PurePosixPath(one.relative_to(folder).as_posix()) for one in (path, *inside)
+                PurePosixPath(file.relative_to(folder).as_posix()) for file in (path, *inside)
             ]
 
     def source(self, source: AnySource) -> AnySource:
-        paths = [str(found) for text in source.path for found in self.find(text)]
+        paths = [str(path) for text in source.path for path in self.find(text)]
         return replace(source, path=tuple(paths))
 
     def frames(self, text: str) -> str:
@@ -133,15 +133,15 @@ class _Sent:
         wanted = PurePosixPath(text.replace("\\", "/"))
         shared = {path: _shared_end(path, wanted) for path in self.paths}
         most = max(shared.values(), default=0)
-        found = [path for path, n_parts in shared.items() if n_parts == most] if most else []
-        if not found and glob.has_magic(wanted.name):
+        matches = [path for path, n_parts in shared.items() if n_parts == most] if most else []
+        if not matches and glob.has_magic(wanted.name):
             return [p for p in self.paths if fnmatchcase(p.name, wanted.name)] or self._none(wanted)
-        if len(found) > 1:
+        if len(matches) > 1:
             raise SessionError(
-                f"names {wanted.name!r}, and {len(found)} of the files sent have that name; send "
+                f"names {wanted.name!r}, and {len(matches)} of the files sent have that name; send "
                 "them as a ZIP archive with their folders"
             )
-        return found or self._none(wanted)
+        return matches or self._none(wanted)
 
     def _none(self, wanted: PurePosixPath) -> list[PurePosixPath]:
         raise SessionError(
@@ -151,8 +151,8 @@ class _Sent:
 
 def _shared_end(a: PurePosixPath, b: PurePosixPath) -> int:
     n_parts = 0
-    for one, other in zip(reversed(a.parts), reversed(b.parts), strict=False):
-        if one != other:
+    for part_a, part_b in zip(reversed(a.parts), reversed(b.parts), strict=False):
+        if part_a != part_b:
             break
         n_parts += 1
     return n_parts
@@ -222,15 +222,15 @@ def guess_pictures(names: Sequence[str], sources: Iterable[str]) -> dict[str, st
     if len(names) == len(sources) == 1:
         return {names[0]: sources[0]}
     stems = {source: PurePosixPath(source).stem.casefold() for source in sources}
-    found = {}
+    guesses = {}
     for name in names:
         wanted = name.replace("/", "_").casefold()
         same = [source for source, stem in stems.items() if stem == wanted]
         within = [source for source, stem in stems.items() if wanted in stem]
         best = same or within
         if len(best) == 1:
-            found[name] = best[0]
-    return found
+            guesses[name] = best[0]
+    return guesses
 
 
 def with_recordings(
@@ -245,7 +245,7 @@ def with_recordings(
     changes
         Fields of `RecordingFacts` by the name of the recording.
     """
-    facts = {one.name: one for one in session.recordings}
+    facts = {recording.name: recording for recording in session.recordings}
     if len(names) == len(facts) == 1 and names[0] not in facts:
         # the only one's facts count whatever name they have
         facts = {names[0]: replace(session.recordings[0], name=names[0])}
@@ -263,22 +263,22 @@ def facts_of(session: Session, names: Sequence[str], name: str) -> RecordingFact
 
 
 def corrections_up_to(findings: Iterable[Finding], finding: Finding) -> list[Finding]:
-    """The corrections of a system up to this one: each was found after those before it."""
-    found = []
-    for one in findings:
-        if one.subject == finding.subject and one.suggestion:
-            found.append(one)
-        if one is finding:
+    """The corrections of a system up to this one: each builds on those before it."""
+    corrections = []
+    for other in findings:
+        if other.subject == finding.subject and other.suggestion:
+            corrections.append(other)
+        if other is finding:
             break
-    return found
+    return corrections
 
 
 def corrected(session: Session, dataset: Dataset, findings: Iterable[Finding]) -> Session:
     """The session with the corrections that findings suggest, on top of its own."""
     systems = list(session.systems)
     for finding in findings:
-        at = dataset.systems.index(finding.subject)
-        systems[at] = _corrected(systems[at], dict(finding.suggestion))
+        index = dataset.systems.index(finding.subject)
+        systems[index] = _corrected(systems[index], dict(finding.suggestion))
     return replace(session, systems=tuple(systems))
 
 
@@ -340,7 +340,7 @@ def public_text(text: object, folders: Iterable[Path]) -> str:
     'truth.csv, line 3: no number'
     """
     shown = str(text)
-    for folder in sorted(set(folders), key=lambda one: len(str(one)), reverse=True):
+    for folder in sorted(set(folders), key=lambda path: len(str(path)), reverse=True):
         parts = folder.relative_to(folder.anchor).parts
         if not parts:  # "/" and ".": every path would be below it
             continue

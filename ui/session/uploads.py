@@ -110,13 +110,13 @@ def safe_name(name: str) -> str:
 
 def free_name(name: str, taken: Iterable[str]) -> str:
     """The name, or the name with the first free number: ``gt.txt``, ``gt-2.txt``."""
-    in_use = {one.casefold() for one in taken}
+    in_use = {other.casefold() for other in taken}
     stem, suffix = PurePosixPath(name).stem, PurePosixPath(name).suffix
-    number, found = 1, name
-    while found.casefold() in in_use:
+    number, free = 1, name
+    while free.casefold() in in_use:
         number += 1
-        found = f"{stem}-{number}{suffix}"
-    return found
+        free = f"{stem}-{number}{suffix}"
+    return free
 
 
 def kind_of(head: bytes) -> Kind | None:
@@ -304,7 +304,9 @@ def _unpack(space: Workspace, packed: Path) -> tuple[Path, int]:
     The folder in which its content begins, and the bytes of all that was unpacked.
     """
     room = min(MAX_UNPACKED_BYTES, _room(space))
-    folder = packed.with_name(free_name(packed.stem, (one.name for one in packed.parent.iterdir())))
+    folder = packed.with_name(
+        free_name(packed.stem, (path.name for path in packed.parent.iterdir()))
+    )
     folder.mkdir()
     try:
         with Archive(packed, ArchiveLimits(total_bytes=room)) as archive:

@@ -28,11 +28,11 @@ SurveyKey = tuple[str, Params]
 def draw(result: Result) -> None:
     """The table, the button that computes it, or how far that is."""
     st.header("Where does the verdict depend on settings?")
-    rows = _found(result)
-    if rows is None:
+    survey = _survey_rows(result)
+    if survey is None:
         return
     st.dataframe(
-        shown_survey(rows),
+        shown_survey(survey),
         hide_index=True,
         key="stability_survey_table",
         height="content",
@@ -44,40 +44,40 @@ def draw(result: Result) -> None:
     )
 
 
-def shown_survey(rows: tuple[SurveyRow, ...]) -> pd.DataFrame:
+def shown_survey(survey: tuple[SurveyRow, ...]) -> pd.DataFrame:
     """One row for each choice of settings, one column for each way to be better."""
-    cells = {(one.plane, one.criterion): _cell(one) for one in rows}
+    cells = {(row.plane, row.criterion): _cell(row) for row in survey}
     return pd.DataFrame(
         [
             {
                 "What is varied": PLANES[plane],
-                **{f"by {said}": cells[plane, criterion] for criterion, said in CRITERIA.items()},
+                **{f"by {words}": cells[plane, criterion] for criterion, words in CRITERIA.items()},
             }
             for plane in SURVEY_PLANES
         ]
     )
 
 
-def _cell(one: SurveyRow) -> str:
-    held = held_text(one)
-    if one.found is None or one.found.verdict == "undefined":
+def _cell(row: SurveyRow) -> str:
+    held = held_text(row)
+    if row.stability is None or row.stability.verdict == "undefined":
         return held
-    who = "even" if one.found.verdict == "even" else f"{one.found.verdict.upper()} better"
+    who = "even" if row.stability.verdict == "even" else f"{row.stability.verdict.upper()} better"
     return (
         f"{who}, in {held}" if held in ("all", "none") or held.endswith("%") else f"{who}, {held}"
     )
 
 
-def _found(result: Result) -> tuple[SurveyRow, ...] | None:
+def _survey_rows(result: Result) -> tuple[SurveyRow, ...] | None:
     space = state.workspace()
     key: SurveyKey = (space.version, result.params)
     job: Computation[tuple[SurveyRow, ...]] | None = space.job(JOB)
     if job is not None and job.key == key:
-        at = draw_job(job, JOB, thing="table", doing="Trying all settings")
-        if at.is_busy:
+        job_state = draw_job(job, JOB, thing="table", doing="Trying all settings")
+        if job_state.is_busy:
             return None
-        if at is JobState.DONE:
-            return space.cached(JOB, key, lambda: job.found, most=MOST)
+        if job_state is JobState.DONE:
+            return space.cached(JOB, key, lambda: job.output, most=MOST)
     if len(result.dataset.frames) <= AT_ONCE or space.peek(JOB, key) is not None:
         return space.cached(JOB, key, lambda: _survey(result), most=MOST)
     st.button(

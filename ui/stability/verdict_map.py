@@ -45,12 +45,12 @@ def draw(result: Result) -> None:
     """Choice of the map, the map, and its sentences."""
     key = _choose(result)
     try:
-        found = _found(result, key)
+        stability = _stability_map(result, key)
     except InputError as error:
         st.info(plain(str(error)))
         return
-    if found is not None:
-        _draw_map(result, found)
+    if stability is not None:
+        _draw_map(result, stability)
 
 
 def _choose(result: Result) -> MapKey:
@@ -86,15 +86,15 @@ def _job() -> Computation[StabilityMap] | None:
     return job
 
 
-def _found(result: Result, key: MapKey) -> StabilityMap | None:
+def _stability_map(result: Result, key: MapKey) -> StabilityMap | None:
     """The map if it is known or quickly made; else its button or its progress."""
     space, job = state.workspace(), _job()
     if job is not None and job.key == key:
-        at = draw_job(job, JOB, thing="map", doing="Computing the map")
-        if at.is_busy:
+        job_state = draw_job(job, JOB, thing="map", doing="Computing the map")
+        if job_state.is_busy:
             return None
-        if at is JobState.DONE:
-            return space.cached("stability", key, lambda: job.found, most=MOST_MAPS)
+        if job_state is JobState.DONE:
+            return space.cached("stability", key, lambda: job.output, most=MOST_MAPS)
     is_small = len(result.dataset.frames) <= AT_ONCE
     if is_small or space.peek("stability", key) is not None:
         return space.cached(
@@ -131,21 +131,21 @@ def _start(result: Result, key: MapKey) -> None:
     space.put_job(JOB, Computation(compute, while_open(space), key=key))
 
 
-def _draw_map(result: Result, found: StabilityMap) -> None:
-    first, *others = describe_stability(found)
+def _draw_map(result: Result, stability: StabilityMap) -> None:
+    first, *others = describe_stability(stability)
     with st.container(border=True):
         st.markdown(f"**{plain(first)}**")
         chance = st.empty()  # filled last: the map is there sooner
         for sentence in others:
             st.markdown(plain(sentence))
     cell = clicked_chart(
-        stability_map(found, theme=state.theme()),
-        f"stability_{found.plane}_{found.criterion}",
+        stability_map(stability, theme=state.theme()),
+        f"stability_{stability.plane}_{stability.criterion}",
         clicks="stability",
     )
     st.caption("Click a place to take its settings into the sidebar.")
     if cell is not None:
-        settings = found.settings(int(cell[0] if isinstance(cell, list) else cell))
+        settings = stability.settings(int(cell[0] if isinstance(cell, list) else cell))
         state.set_params(**settings)
         st.rerun()
-    chance.markdown(plain(describe_chance(found, measure_evidence(result))))
+    chance.markdown(plain(describe_chance(stability, measure_evidence(result))))

@@ -43,8 +43,8 @@ def clicked_cell(key: str) -> tuple[int, str] | None:
 def is_new_click(key: str, points: Any) -> bool:
     """Whether a chart's selection was made since it was last asked about: it outlives reruns."""
     seen = st.session_state.setdefault("seen_clicks", {})
-    at = repr(points)
-    if seen.get(key) == at:
+    current = repr(points)
+    if seen.get(key) == current:
         return False
-    seen[key] = at
+    seen[key] = current
     return True

@@ -239,25 +239,25 @@ def stability_section(
         Sentences((*_chance_of_each(rows, evidence), *_at_equal_alarms(rows))),
     ]
     first = rows[0]  # alpha and midpoint, by mean similarity
-    assert first.found is not None
-    told = describe_stability(first.found)
+    assert first.stability is not None
+    told = describe_stability(first.stability)
     title = f"{PLANES[first.plane]}, by {CRITERIA[first.criterion]}: {told[0]}"
     blocks += [
         Sentences((title, *told[1:])),
-        Chart("stability", stability_map(first.found, theme=THEME), told[0]),
+        Chart("stability", stability_map(first.stability, theme=THEME), told[0]),
     ]
     return Section("stability", STABILITY_TITLE, words.STABILITY, tuple(blocks))
 
 
 def _at_equal_alarms(rows: Sequence[SurveyRow]) -> tuple[str, ...]:
     """Who is better at thresholds that are fair to both."""
-    maps = [one.found for one in rows if one.found is not None]
+    maps = [one.stability for one in rows if one.stability is not None]
     return tuple(filter(None, (describe_equal_alarms(one) for one in maps)))
 
 
 def _chance_of_each(rows: Sequence[SurveyRow], evidence: pd.DataFrame) -> tuple[str, ...]:
     """For each criterion, whether its difference as analysed is more than chance."""
-    found = {one.criterion: one.found for one in rows if one.found is not None}
+    found = {one.criterion: one.stability for one in rows if one.stability is not None}
     told = {one: describe_chance(a_map, evidence) for one, a_map in found.items()}
     return tuple(
         f"By {CRITERIA[one]}: {said[0].lower()}{said[1:]}" for one, said in told.items() if said

@@ -137,7 +137,7 @@ def test_a_computation_gives_what_it_found():
 
     job = Computation(compute, always, key="six times seven")
     job.join()
-    assert (job.found, job.key, steps) == (42, "six times seven", [0.25])
+    assert (job.output, job.key, steps) == (42, "six times seven", [0.25])
 
 
 def test_a_cancelled_computation_finds_nothing():
@@ -155,7 +155,7 @@ def test_a_cancelled_computation_finds_nothing():
     assert job.has_to_stop()
     may_go_on.set()
     job.join()
-    assert (job.state, job.found) == (JobState.CANCELLED, None)
+    assert (job.state, job.output) == (JobState.CANCELLED, None)
 
 
 def opened_workspace() -> Workspace:
