@@ -135,11 +135,23 @@ def _agreeing(
     """Detections of X that match nobody and agree with one of Y that matches nobody."""
     partner = np.full(len(x), -1, np.int64)
     over_ranges(
-        pair_frames, len(dataset.frames),
-        x.offsets, x.x, x.y, x.w, x.h, matches[0].is_false_alarm,
-        y.offsets, y.x, y.y, y.w, y.h, matches[1].is_false_alarm,
-        AGREE_IOU, partner,
-    )  # fmt: skip
+        pair_frames,
+        len(dataset.frames),
+        x.offsets,
+        x.x,
+        x.y,
+        x.w,
+        x.h,
+        matches[0].is_false_alarm,
+        y.offsets,
+        y.x,
+        y.y,
+        y.w,
+        y.h,
+        matches[1].is_false_alarm,
+        AGREE_IOU,
+        partner,
+    )
     return np.flatnonzero(partner >= 0)
 
 

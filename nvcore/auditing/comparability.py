@@ -51,13 +51,20 @@ def audit_encounter_lengths(dataset: Dataset, params: Params) -> list[Finding]:
     why = f" ({'; '.join(reasons)})" if reasons else ""
     return [
         Finding(
-            Severity.WARNING, "short-encounters", TRUTH_NAME, n_short,
-            f"{n_short:,} of {len(near):,} near encounters are one evaluated frame long{why}.",
-            "Saliency, lag, gap, lead time, dropout and rates per hour mean little here, and "
-            "McNemar's test counts frames rather than persons. Give ground truth with track ids in "
-            "every frame, or read the figures per frame only.",
+            severity=Severity.WARNING,
+            code="short-encounters",
+            subject=TRUTH_NAME,
+            count=n_short,
+            message=(
+                f"{n_short:,} of {len(near):,} near encounters are one evaluated frame long{why}."
+            ),
+            advice=(
+                "Saliency, lag, gap, lead time, dropout and rates per hour mean little here, and "
+                "McNemar's test counts frames rather than persons. Give ground truth with track "
+                "ids in every frame, or read the figures per frame only."
+            ),
         )
-    ]  # fmt: skip
+    ]
 
 
 SHARE_APART: Final = 0.5
@@ -136,8 +143,9 @@ def audit_operating_points(
             code="score-floors",
             subject=told[more].name,
             count=len(told[more].boxes),
-            message=f"{what}: without thresholds the comparison is at two different operating "
-            "points.",
+            message=(
+                f"{what}: without thresholds the comparison is at two different operating points."
+            ),
             advice="Give --threshold-x and --threshold-y."
             + _proposal(alarms[more], len(alarms[1 - more]), more, x, y),
         )

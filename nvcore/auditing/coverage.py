@@ -40,35 +40,53 @@ def audit_truth_coverage(dataset: Dataset) -> list[Finding]:
             )
         return [
             Finding(
-                Severity.ERROR, "no-pedestrian", TRUTH_NAME, len(truth), message,
-                "Check which classes count as pedestrians (--classes) and that this is the ground "
-                "truth: without pedestrians nothing can be missed.",
+                severity=Severity.ERROR,
+                code="no-pedestrian",
+                subject=TRUTH_NAME,
+                count=len(truth),
+                message=message,
+                advice=(
+                    "Check which classes count as pedestrians (--classes) and that this is the "
+                    "ground truth: without pedestrians nothing can be missed."
+                ),
             )
-        ]  # fmt: skip
+        ]
     findings = []
     has_truth = frames_with(truth.frame_index[counts], dataset)
     without = np.flatnonzero(~_any_per_recording(has_truth, frames.first))
     if len(without):
         findings.append(
             _about_recordings(
-                dataset, Severity.NOTE, "recording-without-pedestrians", TRUTH_NAME, without,
-                "no pedestrian",
-                "Nothing to do if nobody is there: every detection in them is a false alarm. Else "
-                "add the annotation, or leave the recordings out.",
+                dataset,
+                severity=Severity.NOTE,
+                code="recording-without-pedestrians",
+                subject=TRUTH_NAME,
+                recordings=without,
+                what="no pedestrian",
+                advice=(
+                    "Nothing to do if nobody is there: every detection in them is a false alarm. "
+                    "Else add the annotation, or leave the recordings out."
+                ),
             )
-        )  # fmt: skip
+        )
     # a frame with an ignore region only has been annotated, too
     steps = regular_steps(frames_with(truth.frame_index, dataset), frames.first)
     sparse = np.flatnonzero(steps > 1)
     if len(sparse):
         findings.append(
             _about_recordings(
-                dataset, Severity.WARNING, "truth-every-nth-frame", TRUTH_NAME, sparse,
-                f"ground truth in every {nth(steps[sparse[0]])} evaluated frame only",
-                "If only those frames were annotated, give the frame list (--frames "
-                "first:last:step): in all others every detection counts as a false alarm.",
+                dataset,
+                severity=Severity.WARNING,
+                code="truth-every-nth-frame",
+                subject=TRUTH_NAME,
+                recordings=sparse,
+                what=f"ground truth in every {nth(steps[sparse[0]])} evaluated frame only",
+                advice=(
+                    "If only those frames were annotated, give the frame list (--frames "
+                    "first:last:step): in all others every detection counts as a false alarm."
+                ),
             )
-        )  # fmt: skip
+        )
     return findings
 
 
@@ -83,33 +101,49 @@ def audit_system_coverage(audited: Audited) -> list[Finding]:
     if not len(audited.boxes):
         return [
             Finding(
-                Severity.ERROR, "no-detections", audited.name, len(box_in),
-                "There is no detection in any evaluated frame: nothing can be compared.",
-                "Check its files, and that they count frames as the ground truth does.",
+                severity=Severity.ERROR,
+                code="no-detections",
+                subject=audited.name,
+                count=len(box_in),
+                message="There is no detection in any evaluated frame: nothing can be compared.",
+                advice="Check its files, and that they count frames as the ground truth does.",
             )
-        ]  # fmt: skip
+        ]
     findings = []
     silent = np.flatnonzero(truth_in & ~box_in)
     if len(silent):
         findings.append(
             _about_recordings(
-                dataset, Severity.WARNING, "recording-without-detections", audited.name, silent,
-                "pedestrians and no detection",
-                "If a file is missing, add it; if the system found nothing there, this is right.",
+                dataset,
+                severity=Severity.WARNING,
+                code="recording-without-detections",
+                subject=audited.name,
+                recordings=silent,
+                what="pedestrians and no detection",
+                advice=(
+                    "If a file is missing, add it; if the system found nothing there, this is "
+                    "right."
+                ),
             )
-        )  # fmt: skip
+        )
     steps = regular_steps(has_box, frames.first)
     truth_steps = regular_steps(has_truth, frames.first)
     sparse = np.flatnonzero((steps > 1) & (truth_steps != steps))
     if len(sparse):
         findings.append(
             _about_recordings(
-                dataset, Severity.WARNING, "detections-every-nth-frame", audited.name, sparse,
-                f"detections in every {nth(steps[sparse[0]])} evaluated frame only",
-                "If the system ran on those frames only, evaluate both systems on them (--frames "
-                "first:last:step): in all others it misses everybody.",
+                dataset,
+                severity=Severity.WARNING,
+                code="detections-every-nth-frame",
+                subject=audited.name,
+                recordings=sparse,
+                what=f"detections in every {nth(steps[sparse[0]])} evaluated frame only",
+                advice=(
+                    "If the system ran on those frames only, evaluate both systems on them "
+                    "(--frames first:last:step): in all others it misses everybody."
+                ),
             )
-        )  # fmt: skip
+        )
     return findings + _silent_ends(audited, has_box)
 
 
@@ -149,14 +183,22 @@ def _silent_ends(audited: Audited, has_box: np.ndarray) -> list[Finding]:
     one = odd[0]
     return [
         _about_recordings(
-            dataset, Severity.WARNING, "detections-in-part-of-recording", audited.name, odd,
-            f"detections in a part only (first: frames {number[lo[one]]} to "
-            f"{number[hi[one] - 1]} of {number[start[one]]} to {number[stop[one] - 1]}), "
-            "although there are near pedestrians in the rest",
-            "If the system ran on that part only, evaluate both systems on it (--frames "
-            "first:last): in the rest it misses everybody.",
+            dataset,
+            severity=Severity.WARNING,
+            code="detections-in-part-of-recording",
+            subject=audited.name,
+            recordings=odd,
+            what=(
+                f"detections in a part only (first: frames {number[lo[one]]} to "
+                f"{number[hi[one] - 1]} of {number[start[one]]} to {number[stop[one] - 1]}), "
+                "although there are near pedestrians in the rest"
+            ),
+            advice=(
+                "If the system ran on that part only, evaluate both systems on it (--frames "
+                "first:last): in the rest it misses everybody."
+            ),
         )
-    ]  # fmt: skip
+    ]
 
 
 def frames_with(frame_index: np.ndarray, dataset: Dataset) -> np.ndarray:
@@ -212,8 +254,10 @@ def _about_recordings(
         code=code,
         subject=subject,
         count=len(recordings),
-        message=f"{counted(len(recordings), 'recording has', 'recordings have')} {what}: "
-        f"{spelled(names)}.",
+        message=(
+            f"{counted(len(recordings), 'recording has', 'recordings have')} {what}: "
+            f"{spelled(names)}."
+        ),
         advice=advice,
         example=f"recording {names.iloc[0]}" if is_empty else place_of_frame(dataset, frame_index),
     )

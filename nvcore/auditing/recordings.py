@@ -52,14 +52,21 @@ def audit_size(dataset: Dataset) -> list[Finding]:
         names = dataset.recordings["name"][size_of.reshape(-1) == i]
         findings.append(
             Finding(
-                Severity.WARNING, "size-too-large", TRUTH_NAME, int(n_boxes[i]),
-                f"No box reaches beyond x = {right_most:.0f} of {W:g} and y = {lowest:.0f} of "
-                f"{H:g}.",
-                f"Check the image size (--size){_fitting(reach[i], sizes[i])}: lateral position "
-                "and proximity depend on it.",
+                severity=Severity.WARNING,
+                code="size-too-large",
+                subject=TRUTH_NAME,
+                count=int(n_boxes[i]),
+                message=(
+                    f"No box reaches beyond x = {right_most:.0f} of {W:g} and y = {lowest:.0f} of "
+                    f"{H:g}."
+                ),
+                advice=(
+                    f"Check the image size (--size){_fitting(reach[i], sizes[i])}: lateral "
+                    "position and proximity depend on it."
+                ),
                 example=f"recording {names.iloc[0]}",
             )
-        )  # fmt: skip
+        )
     return findings
 
 
@@ -84,14 +91,21 @@ def audit_fps(dataset: Dataset) -> list[Finding]:
     names = dataset.recordings["name"].iloc[odd]
     return [
         Finding(
-            Severity.WARNING, "implausible-fps", TRUTH_NAME, len(odd),
-            f"{counted(len(odd), 'recording has', 'recordings have')} an implausible frame rate "
-            f"(first: {fps[odd[0]]:g} frames per second): {spelled(names)}.",
-            "Check the frame rate (--fps), which counts all frames of the camera, annotated or "
-            "not: every time and every rate per hour depends on it.",
+            severity=Severity.WARNING,
+            code="implausible-fps",
+            subject=TRUTH_NAME,
+            count=len(odd),
+            message=(
+                f"{counted(len(odd), 'recording has', 'recordings have')} an implausible frame "
+                f"rate (first: {fps[odd[0]]:g} frames per second): {spelled(names)}."
+            ),
+            advice=(
+                "Check the frame rate (--fps), which counts all frames of the camera, annotated or "
+                "not: every time and every rate per hour depends on it."
+            ),
             example=f"recording {names.iloc[0]}",
         )
-    ]  # fmt: skip
+    ]
 
 
 def audit_frame_list(dataset: Dataset) -> list[Finding]:
@@ -120,13 +134,20 @@ def audit_frame_list(dataset: Dataset) -> list[Finding]:
     empty_row = int(start[recording] if is_before[one] else last[one] + 1)
     return [
         Finding(
-            Severity.WARNING, "frames-beyond-boxes", TRUTH_NAME, len(odd),
-            f"{counted(len(odd), 'recording has', 'recordings have')} no box of anybody in a long "
-            f"part at the beginning or end (first: none {' and none '.join(where)} of "
-            f"{frames.frame[start[recording]]} to {frames.frame[stop[recording] - 1]}): "
-            f"{spelled(names)}.",
-            "Check the frame list (--frames first:last): frames without anybody count as perfect, "
-            "and as recording time. Nothing to do if nobody was there.",
+            severity=Severity.WARNING,
+            code="frames-beyond-boxes",
+            subject=TRUTH_NAME,
+            count=len(odd),
+            message=(
+                f"{counted(len(odd), 'recording has', 'recordings have')} no box of anybody in a "
+                f"long part at the beginning or end (first: none {' and none '.join(where)} of "
+                f"{frames.frame[start[recording]]} to {frames.frame[stop[recording] - 1]}): "
+                f"{spelled(names)}."
+            ),
+            advice=(
+                "Check the frame list (--frames first:last): frames without anybody count as "
+                "perfect, and as recording time. Nothing to do if nobody was there."
+            ),
             example=place_of_frame(dataset, empty_row),
         )
-    ]  # fmt: skip
+    ]

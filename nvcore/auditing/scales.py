@@ -51,10 +51,12 @@ def _measure_scale(sample: Sample) -> tuple[float, float] | None:
     g, d = sample.pairs_by_order()
     centres = np.stack(
         [
-            truth.x[g] + truth.w[g] / 2, truth.y[g] + truth.h[g] / 2,
-            det.x[d] + det.w[d] / 2, det.y[d] + det.h[d] / 2,
+            truth.x[g] + truth.w[g] / 2,
+            truth.y[g] + truth.h[g] / 2,
+            det.x[d] + det.w[d] / 2,
+            det.y[d] + det.h[d] / 2,
         ]
-    )  # fmt: skip
+    )
     inside = np.all(centres > 1, axis=0)
     if not inside.any():
         return None

@@ -22,9 +22,9 @@ FORMATS: Final = ("csv", "coco", "mot")
 """What `write` can write."""
 
 CSV_COLUMNS: Final = (
-    "recording", "frame", "x", "y", "w", "h", "score", "track", "ignore", "distance_m",
-    "occlusion",
-)  # fmt: skip
+    *("recording", "frame", "x", "y", "w", "h"),
+    *("score", "track", "ignore", "distance_m", "occlusion"),
+)
 
 VISIBLE_SHARE: Final = {0: 1.0, 1: 0.8, 2: 0.4, UNKNOWN_OCCLUSION: -1.0}
 """MOTChallenge's visibility for each level of occlusion, read back as the same level."""
@@ -212,9 +212,14 @@ def _coco_truth(reading: Reading, sides: np.ndarray) -> dict[str, object]:
         1,  # id 0 counts as "no match" in COCO's own evaluation
     ):
         row = {
-            "id": number, "image_id": image_id, "category_id": 1, "bbox": box,
-            "area": box[2] * box[3], "iscrowd": 0, "ignore": int(ignore),
-        }  # fmt: skip
+            "id": number,
+            "image_id": image_id,
+            "category_id": 1,
+            "bbox": box,
+            "area": box[2] * box[3],
+            "iscrowd": 0,
+            "ignore": int(ignore),
+        }
         if track != NO_TRACK:
             row["track_id"] = track
         if np.isfinite(distance):

@@ -286,12 +286,18 @@ def _changed_inputs(session: Session, loaded: list[_Loaded]) -> list[Finding]:
         if before is not None and before != now:
             findings.append(
                 Finding(
-                    Severity.WARNING, "input-changed", one.subject, len(one.files),
-                    "The input has changed since the session file was written.",
-                    "The figures will differ from those of then; find out which files are meant.",
+                    severity=Severity.WARNING,
+                    code="input-changed",
+                    subject=one.subject,
+                    count=len(one.files),
+                    message="The input has changed since the session file was written.",
+                    advice=(
+                        "The figures will differ from those of then; find out which files are "
+                        "meant."
+                    ),
                     file=one.files[0].name,
                 )
-            )  # fmt: skip
+            )
     return findings
 
 

@@ -35,12 +35,17 @@ def contradicted_facts(truth: Reading, recordings: pd.DataFrame) -> list[Finding
         given, said = ("x".join(f"{v:g}" for v in row[first]) for row in (ours, theirs))
         findings.append(
             Finding(
-                Severity.WARNING, "contradicted-fact", "truth", int(np.count_nonzero(differs)),
-                f"The {what} given ({given}) is not that of the data ({said}).",
-                f"Leave {flag} away (or the value in the session file) where the data hold it.",
+                severity=Severity.WARNING,
+                code="contradicted-fact",
+                subject="truth",
+                count=int(np.count_nonzero(differs)),
+                message=f"The {what} given ({given}) is not that of the data ({said}).",
+                advice=(
+                    f"Leave {flag} away (or the value in the session file) where the data hold it."
+                ),
                 example=f"recording {recordings['name'].iloc[first]}",
             )
-        )  # fmt: skip
+        )
     return findings
 
 

@@ -88,9 +88,13 @@ def tag_places(box: Box, size: Place) -> list[Place]:
     left, top, right, bottom = box
     width, height = size
     near = [
-        (left, top - height), (left, bottom), (right - width, top - height),
-        (right - width, bottom), (right, top), (left - width, top),
-    ]  # fmt: skip
+        (left, top - height),
+        (left, bottom),
+        (right - width, top - height),
+        (right - width, bottom),
+        (right, top),
+        (left - width, top),
+    ]
     lines = [line * (height + 1) for line in range(1, FAR_LINES + 1)]
     far = [
         place for away in lines for place in ((left, top - height - away), (left, bottom + away))

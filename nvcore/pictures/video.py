@@ -59,9 +59,12 @@ class Video:
             rate = stream.average_rate
             self.fps = float(rate) if rate else None
             self._table = list_pictures(
-                self._container, stream, self._format, self.name,
+                self._container,
+                stream,
+                self._format,
+                self.name,
                 is_cut=is_cut_off(path, self._format),
-            )  # fmt: skip
+            )
             self._by_count = not self._table.is_sure
             self.n = len(self._table.times)
             first = self._find(0)

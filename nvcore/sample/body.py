@@ -16,11 +16,13 @@ from nvcore.sample.camera import FPS, Floats, frame_times
 from nvcore.sample.scene import Keys, Person
 
 JOINTS: Final = (
-    "pelvis", "chest", "neck", "head", "crown",
-    "hip_l", "knee_l", "ankle_l", "toe_l", "hip_r", "knee_r", "ankle_r", "toe_r",
-    "shoulder_l", "elbow_l", "wrist_l", "hand_l", "shoulder_r", "elbow_r", "wrist_r", "hand_r",
-    "wheel_back", "wheel_front", "saddle", "crank", "bar",
-)  # fmt: skip
+    *("pelvis", "chest", "neck", "head", "crown"),
+    *("hip_l", "knee_l", "ankle_l", "toe_l"),
+    *("hip_r", "knee_r", "ankle_r", "toe_r"),
+    *("shoulder_l", "elbow_l", "wrist_l", "hand_l"),
+    *("shoulder_r", "elbow_r", "wrist_r", "hand_r"),
+    *("wheel_back", "wheel_front", "saddle", "crank", "bar"),
+)
 """Names of the joints, in the order of the joint axis; the last five belong to a bicycle."""
 
 _AT: Final = {name: index for index, name in enumerate(JOINTS)}

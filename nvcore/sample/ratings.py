@@ -56,8 +56,8 @@ def simulate_ratings(session_file: Path) -> pd.DataFrame:
             felt = -felt
         rating = np.clip(np.round(level + width * felt), LOW, HIGH)
         rating[rng.random(len(rating)) < MISSING_SHARE] = np.nan
-        rows.append(clips[["clip", "system"]].assign(participant=f"P{number + 1:02d}",
-                                                     rating=rating))  # fmt: skip
+        participant = f"P{number + 1:02d}"
+        rows.append(clips[["clip", "system"]].assign(participant=participant, rating=rating))
     table = pd.concat(rows, ignore_index=True)
     return table[["participant", "clip", "system", "rating"]]
 

@@ -162,8 +162,12 @@ def _rural_child() -> Recording:
         people=(
             Person(_along(2.7, 92, -0.9), 1.70, warmth=0.7, reflectance=0.5),
             Person(_along(3.3, 91.6, -0.9), 1.14, warmth=0.75, reflectance=0.5),
-            Person(((0, 4.2, 176), (9.5, 4.2, 176), (14, 1.6, 175), (30, -6, 174)), 1.22,
-                   warmth=0.45, reflectance=0.3),
+            Person(
+                ((0, 4.2, 176), (9.5, 4.2, 176), (14, 1.6, 175), (30, -6, 174)),
+                1.22,
+                warmth=0.45,
+                reflectance=0.3,
+            ),
             Person(_along(-6.2, 262, 0.5), 1.60, warmth=0.8, facing_deg=0),
         ),
         things=(
@@ -172,7 +176,7 @@ def _rural_child() -> Recording:
             Thing("house", -20, 120, 6.5, 12, 14),
             Thing("cabinet", 4.2, 120, 1.6, 1.0, 0.6, heat=0.9, tempt=0.7),
         ),
-    )  # fmt: skip
+    )
 
 
 def _rural_cyclist() -> Recording:
@@ -204,15 +208,36 @@ def _odd_pose() -> Recording:
         climate=WINTER,
         horizon=237.0,
         people=(
-            Person(_along(-4.5, 45.4, 0.0), 1.76, warmth=0.4, reflectance=0.25, facing_deg=250,
-                   crouch=((0, 1), (15, 1))),
-            Person(((0, 3.1, 66.9), (15, 3.1, 67)), 1.72, warmth=0.6, reflectance=0.45,
-                   facing_deg=20, bend=((0, 0.9), (6, 0.9), (6.8, 0.5), (7.5, 0.9), (15, 0.9))),
-            Person(((0, 4.8, 108), (10.7, 4.8, 97), (25, 4.8, 97)), 1.74,
-                   warmth=0.55, reflectance=0.6,
-                   crouch=((0, 0), (10.9, 0), (11.4, 1), (15, 1))),
-            Person(_along(5.6, 52, -0.1), 1.68, warmth=0.12, reflectance=0.06,
-                   crouch=((0, 0.8), (15, 0.8))),
+            Person(
+                _along(-4.5, 45.4, 0.0),
+                1.76,
+                warmth=0.4,
+                reflectance=0.25,
+                facing_deg=250,
+                crouch=((0, 1), (15, 1)),
+            ),
+            Person(
+                ((0, 3.1, 66.9), (15, 3.1, 67)),
+                1.72,
+                warmth=0.6,
+                reflectance=0.45,
+                facing_deg=20,
+                bend=((0, 0.9), (6, 0.9), (6.8, 0.5), (7.5, 0.9), (15, 0.9)),
+            ),
+            Person(
+                ((0, 4.8, 108), (10.7, 4.8, 97), (25, 4.8, 97)),
+                1.74,
+                warmth=0.55,
+                reflectance=0.6,
+                crouch=((0, 0), (10.9, 0), (11.4, 1), (15, 1)),
+            ),
+            Person(
+                _along(5.6, 52, -0.1),
+                1.68,
+                warmth=0.12,
+                reflectance=0.06,
+                crouch=((0, 0.8), (15, 0.8)),
+            ),
             Person(_across(198, 4, 4.6, -8, 1.1), 1.74, warmth=0.8),
         ),
         cars=(
@@ -221,7 +246,7 @@ def _odd_pose() -> Recording:
             Car(-6.2, 84, heat=0.1, oncoming=True),
         ),
         things=town_things(7),
-    )  # fmt: skip
+    )
 
 
 def _summer_night() -> Recording:

@@ -21,8 +21,9 @@ LIGHT_HIDDEN: Final = 0.1
 HEAVY_HIDDEN: Final = 0.45
 
 TRUTH_COLUMNS: Final = (
-    "recording", "frame", "x", "y", "w", "h", "track", "ignore", "distance_m", "occlusion",
-)  # fmt: skip
+    *("recording", "frame", "x", "y", "w", "h"),
+    *("track", "ignore", "distance_m", "occlusion"),
+)
 _GRID_X: Final = (np.arange(8) + 0.5) / 8
 _GRID_Y: Final = (np.arange(16) + 0.5) / 16
 _BLOCKING: Final = {"tree": 0.16, "bush": 0.9, "cabinet": 1.0, "house": 1.0}

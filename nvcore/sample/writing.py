@@ -21,9 +21,13 @@ _QUALITY: Final = "26"
 _KEY_EVERY: Final = 40
 
 _FORMATS: Final = {
-    "x": "{:.2f}", "y": "{:.2f}", "w": "{:.2f}", "h": "{:.2f}",
-    "distance_m": "{:.2f}", "score": "{:.3f}",
-}  # fmt: skip
+    "x": "{:.2f}",
+    "y": "{:.2f}",
+    "w": "{:.2f}",
+    "h": "{:.2f}",
+    "distance_m": "{:.2f}",
+    "score": "{:.3f}",
+}
 
 
 def csv_text(table: pd.DataFrame) -> str:

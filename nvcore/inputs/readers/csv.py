@@ -131,12 +131,12 @@ def read_named_columns(inputs: Sequence[NamedColumns], options: ReadOptions) -> 
 
 def _truth_with_scores(file: SourceFile, n_rows: int) -> Finding:
     return Finding(
-        Severity.WARNING,
-        "truth-with-scores",
-        "truth",
-        n_rows,
-        "The ground truth has a score column, which is left unused.",
-        "Check that the truth and a system's detections are not swapped.",
+        severity=Severity.WARNING,
+        code="truth-with-scores",
+        subject="truth",
+        count=n_rows,
+        message="The ground truth has a score column, which is left unused.",
+        advice="Check that the truth and a system's detections are not swapped.",
         file=file.name,
         example="line 1",
     )

@@ -23,8 +23,8 @@ from nvcore.wording import shortened
 
 SYNONYMS: Final[dict[str, tuple[str, ...]]] = {
     "frame": (
-        "frame", "video_frame", "frame_number", "frame_no", "frame_nr", "frame_index",
-        "frame_idx", "frame_id", "frameid", "framenumber", "frameindex",
+        *("frame", "video_frame", "frame_number", "frame_no", "frame_nr", "frame_index"),
+        *("frame_idx", "frame_id", "frameid", "framenumber", "frameindex"),
     ),
     "x": ("x", "left", "bb_left", "bbox_left", "bbox_x", "xmin", "x_min", "x1", "xtl", "x0"),
     "y": ("y", "top", "bb_top", "bbox_top", "bbox_y", "ymin", "y_min", "y1", "ytl", "y0"),
@@ -34,22 +34,23 @@ SYNONYMS: Final[dict[str, tuple[str, ...]]] = {
     "bottom": ("y2", "ymax", "y_max", "bottom", "ybr", "bb_bottom", "bbox_bottom"),
     "score": ("score", "conf", "confidence", "probability", "prob"),
     "track": (
-        "track", "track_id", "trackid", "object_id", "target_id", "instance_id", "person_id",
-        "ped_id", "identity", "id",
+        *("track", "track_id", "trackid", "object_id", "target_id"),
+        *("instance_id", "person_id", "ped_id", "identity", "id"),
     ),
     "ignore": ("ignore", "ignored", "is_ignore", "dontcare", "dont_care", "iscrowd"),
     "distance_m": ("distance_m", "distance", "range_m", "range", "dist_m", "dist", "depth_m"),
     "occlusion": ("occlusion", "occ", "occluded", "occlusion_level"),
     "recording": (
-        "recording", "recording_id", "sequence", "sequence_name", "sequence_id", "seq", "video",
-        "video_id", "video_name", "clip", "scene",
+        *("recording", "recording_id"),
+        *("sequence", "sequence_name", "sequence_id", "seq"),
+        *("video", "video_id", "video_name", "clip", "scene"),
     ),
     "picture": (
-        "image_name", "file_name", "filename", "im_name", "image_path", "image_file", "image",
-        "file", "picture",
+        *("image_name", "file_name", "filename", "im_name"),
+        *("image_path", "image_file", "image", "file", "picture"),
     ),
     "class": ("class", "class_name", "class_id", "category", "category_id", "label", "type"),
-}  # fmt: skip
+}
 """Names that a column may have, the plainest first; case and punctuation do not matter."""
 
 NUMBERS = ("frame", "x", "y", "w", "h", "right", "bottom", "score", "distance_m", "occlusion")

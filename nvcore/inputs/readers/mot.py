@@ -38,10 +38,20 @@ from nvcore.schema import NO_TRACK
 N_COLUMNS = (7, 8, 9, 10)
 WHAT = "frame,id,left,top,width,height,conf,..."
 CLASSES = {
-    1: "pedestrian", 2: "person_on_vehicle", 3: "car", 4: "bicycle", 5: "motorbike",
-    6: "non_mot_vehicle", 7: "static_person", 8: "distractor", 9: "occluder",
-    10: "occluder_on_ground", 11: "occluder_full", 12: "reflection", 13: "crowd",
-}  # fmt: skip
+    1: "pedestrian",
+    2: "person_on_vehicle",
+    3: "car",
+    4: "bicycle",
+    5: "motorbike",
+    6: "non_mot_vehicle",
+    7: "static_person",
+    8: "distractor",
+    9: "occluder",
+    10: "occluder_on_ground",
+    11: "occluder_full",
+    12: "reflection",
+    13: "crowd",
+}
 DISTRACTORS = frozenset({2, 7, 8, 12, 13})
 """Classes that look like pedestrians: detecting them is neither right nor wrong."""
 

@@ -118,9 +118,13 @@ def _schema(first: object) -> pa.Schema | None:
     if not isinstance(first, dict):
         return None
     usual: dict[str, tuple[type, ...]] = {
-        "bbox": (list,), "score": (int, float), "category_id": (int,), "image_id": (int, str),
-        "image_filepath": (str,), "track_id": (int, str),
-    }  # fmt: skip
+        "bbox": (list,),
+        "score": (int, float),
+        "category_id": (int,),
+        "image_id": (int, str),
+        "image_filepath": (str,),
+        "track_id": (int, str),
+    }
     kinds = {list: pa.list_(pa.float64()), int: pa.int64(), str: pa.string()}
     if "bbox" not in first or any(
         type(value) not in usual[name] for name, value in first.items() if name in usual

@@ -27,9 +27,9 @@ IGNORE_ATTRIBUTES: Final = frozenset(
 SCORE_ATTRIBUTES: Final = frozenset({"score", "confidence", "conf"})
 _NO_SHAPES = frozenset({"box", "tag"})
 _COLUMNS = (
-    "owner", "frame", "x0", "y0", "x1", "y1", "rotation",
-    "outside", "occluded", "keyframe", "ignore", "score", "line",
-)  # fmt: skip
+    *("owner", "frame", "x0", "y0", "x1", "y1", "rotation"),
+    *("outside", "occluded", "keyframe", "ignore", "score", "line"),
+)
 _FRAME_FACTS = {"size": "size", "start_frame": "start", "stop_frame": "stop"}
 _TASK = re.compile(r"annotations/meta/(?:task|job|project/tasks/task)(?:/(?P<fact>.*))?")
 _STEP = re.compile(r"\s*(?:step\s*=\s*(?P<step>[0-9]{1,9})\s*)?")

@@ -18,12 +18,12 @@ PEDESTRIANS = frozenset({"person", "persons", "pedestrian", "pedestrians", "ped"
 
 LOOKALIKES = frozenset(
     {
-        "people", "person?", "personfa", "group", "persongroup", "crowd", "cyclist", "bicyclist",
-        "bicycledriver", "motorcyclist", "motorbikedriver", "rider", "personsitting",
-        "sittingperson", "sitting", "staticperson", "persononvehicle", "ignore", "ignored",
-        "ignoreregion", "ignoredregions", "dontcare",
+        *("people", "person?", "personfa", "group", "persongroup", "crowd"),
+        *("cyclist", "bicyclist", "bicycledriver", "motorcyclist", "motorbikedriver", "rider"),
+        *("personsitting", "sittingperson", "sitting", "staticperson", "persononvehicle"),
+        *("ignore", "ignored", "ignoreregion", "ignoredregions", "dontcare"),
     }
-)  # fmt: skip
+)
 """Names of what could be taken for a pedestrian: neither right nor wrong to detect."""
 
 _MANY = 30

@@ -67,10 +67,10 @@ def listed_frames(files: Sequence[SourceFile], options: ReadOptions) -> pd.DataF
 
 
 NEUTRAL = {
-    "gt", "det", "dets", "detections", "results", "result", "res", "truth", "labels", "label",
-    "label_2", "label_02", "annotations", "annotation", "data", "images", "image_2", "img1",
-    "xml", "txt",
-}  # fmt: skip
+    *("gt", "truth", "det", "dets", "detections", "results", "result", "res"),
+    *("labels", "label", "label_2", "label_02", "annotations", "annotation"),
+    *("data", "images", "image_2", "img1", "xml", "txt"),
+}
 _FRAME = re.compile(
     r"^(?P<prefix>.*?)(?:(?<![A-Za-z])(?:I|img|image|im|frame|f)[_\-. ]?)?(?P<digits>[0-9]+)$",
     re.IGNORECASE,
