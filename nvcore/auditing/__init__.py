@@ -39,7 +39,7 @@ def audit(
 ) -> tuple[Finding, ...]:
     """Everything that is wrong or suspicious in the inputs, worst first.
 
-    All systems are looked at; where they and the truth disagree, only X and Y, with their
+    All systems are checked; disagreement with the truth only for X and Y, with their
     thresholds.
 
     Parameters
@@ -123,18 +123,18 @@ def audit_pair(
     findings = [*audit_encounter_lengths(dataset, params)]
     if len(names) < 2 or names[0] == names[1]:
         return tuple(findings)
-    one, other = (audited_system(dataset, name) for name in names)
-    findings += audit_weighting(audited_truth(dataset), one, other, params)
+    system_x, system_y = (audited_system(dataset, name) for name in names)
+    findings += audit_weighting(audited_truth(dataset), system_x, system_y, params)
     thresholds = params.threshold_x, params.threshold_y
     counting = tuple(
         above_threshold(system.boxes, threshold)
-        for system, threshold in zip((one, other), thresholds, strict=True)
+        for system, threshold in zip((system_x, system_y), thresholds, strict=True)
     )
-    findings += audit_same_systems(one, other, counting)
+    findings += audit_same_systems(system_x, system_y, counting)
     if np.any(~dataset.truth.ignore):
-        matches = match_pair(dataset, one, other, params)
-        findings += find_disagreement(dataset, one, other, matches)
-        findings += audit_operating_points(one, other, matches, params)
+        matches = match_pair(dataset, system_x, system_y, params)
+        findings += find_disagreement(dataset, system_x, system_y, matches)
+        findings += audit_operating_points(system_x, system_y, matches, params)
     return tuple(findings)
 
 

@@ -109,7 +109,7 @@ def match_pair(dataset: Dataset, x: Audited, y: Audited, params: Params) -> tupl
 def find_disagreement(
     dataset: Dataset, x: Audited, y: Audited, matches: tuple[Matches, Matches]
 ) -> list[Finding]:
-    """Pedestrians that both systems draw elsewhere, and agreed detections of nobody.
+    """Pedestrians that both systems place elsewhere, and detections of nobody on which they agree.
 
     A detection of X and one of Y agree when their IoU is at least 0.5. Of such pairs those count
     of which neither detection matches a pedestrian nor lies on an ignore region. A pair that
@@ -201,18 +201,18 @@ def _missing(
 ) -> list[Finding]:
     if not len(rows):
         return []
-    at = np.unique(boxes.frame_index[rows])
+    frames = np.unique(boxes.frame_index[rows])
     return [
         Finding(
             severity=Severity.NOTE,
             code="agreed-by-both-not-in-truth",
             subject="truth",
             count=len(rows),
-            message=f"In {counted(len(at), 'frame')} {x} and {y} agree on "
+            message=f"In {counted(len(frames), 'frame')} {x} and {y} agree on "
             f"{counted(len(rows), 'box', 'boxes')} where the ground truth has nobody.",
             advice="Look at them: a pedestrian may be missing from the annotation, and each counts "
             "as a false alarm of both. If many are weak detections, give thresholds.",
-            example=place_of_frame(dataset, int(at[0])),
+            example=place_of_frame(dataset, int(frames[0])),
         )
     ]
 

@@ -13,7 +13,7 @@ from nvcore.metrics.kernels import group_rows
 from nvcore.schema import NO_TRACK
 
 REUSE_S: Final = 5.0
-"""A pedestrian unseen for longer than this, in seconds, is hardly the same one again ..."""
+"""A pedestrian unseen for longer than this, in seconds, is unlikely to be the same person ..."""
 REUSE_FRAMES: Final = 10
 """... if unseen in more listed frames than this, too (annotation may be sampled)."""
 MANY_OUTSIDE: Final = 0.1
@@ -141,19 +141,19 @@ def _reused(audited: Audited, rows: np.ndarray) -> list[Finding]:
     key = frames.recording[boxes.frame_index[rows]].astype(np.int64) * span + (track - lowest)
     code = pd.factorize(key)[0].astype(np.int64)
     order = group_rows(code, np.bincount(code).astype(np.int64))
-    at = boxes.frame_index[rows[order]]
+    frame_of = boxes.frame_index[rows[order]]
     code = code[order]
     is_reused = (
         (code[1:] == code[:-1])
-        & (at[1:] - at[:-1] - 1 > REUSE_FRAMES)
-        & (time_s[at[1:]] - time_s[at[:-1]] > REUSE_S)
+        & (frame_of[1:] - frame_of[:-1] - 1 > REUSE_FRAMES)
+        & (time_s[frame_of[1:]] - time_s[frame_of[:-1]] > REUSE_S)
     )
     again = np.flatnonzero(is_reused) + 1
     if not len(again):
         return []
     n_tracks = len(np.unique(code[again]))
     again = again[np.argsort(order[again])]
-    gap = float(time_s[at[again[0]]] - time_s[at[again[0] - 1]])
+    gap = float(time_s[frame_of[again[0]]] - time_s[frame_of[again[0] - 1]])
     first = rows[order[again]]
     return [
         audited.finding(

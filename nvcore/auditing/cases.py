@@ -65,8 +65,8 @@ class Audited:
             What to count; None: the rows.
         """
         first = int(rows[0])
-        at = self.boxes.first_row + first
-        file, line = (int(self.dataset.boxes[name].iloc[at]) for name in ("file", "line"))
+        row = self.boxes.first_row + first
+        file, line = (int(self.dataset.boxes[name].iloc[row]) for name in ("file", "line"))
         name = file_name(self.dataset, file, line)
         frame_index = int(self.boxes.frame_index[first])
         return Finding(
@@ -121,9 +121,9 @@ def place_of_frame(dataset: Dataset, frame_index: int, *, line: int = 0, file: s
     return place(name, int(frames.frame[frame_index]), line=line, file=file)
 
 
-def counted(n: int, one: str, many: str | None = None) -> str:
-    """Number and noun, such as ``1 box`` or ``12,000 boxes`` (`many` defaults to `one` + s)."""
-    return f"{n:,} {one if n == 1 else many or one + 's'}"
+def counted(n: int, singular: str, plural: str | None = None) -> str:
+    """Number and noun, such as ``1 box`` or ``12,000 boxes``; `plural`: `singular` + s."""
+    return f"{n:,} {singular if n == 1 else plural or singular + 's'}"
 
 
 def spelled(names: Iterable[object]) -> str:

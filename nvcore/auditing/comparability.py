@@ -79,11 +79,15 @@ def audit_weighting(truth: Audited, x: Audited, y: Audited, params: Params) -> l
     """
     if params.proximity != "distance":
         return []
-    without = [(one, np.flatnonzero(np.isnan(one.boxes.distance_m))) for one in (truth, x, y)]
-    shares = [len(rows) / len(one.boxes) if len(one.boxes) else np.nan for one, rows in without]
+    without = [
+        (source, np.flatnonzero(np.isnan(source.boxes.distance_m))) for source in (truth, x, y)
+    ]
+    shares = [
+        len(rows) / len(source.boxes) if len(source.boxes) else np.nan for source, rows in without
+    ]
     least = np.nanmin(shares, initial=1.0)
     return [
-        one.finding(
+        source.finding(
             Severity.WARNING,
             "mixed-weighting",
             rows,
@@ -91,7 +95,7 @@ def audit_weighting(truth: Audited, x: Audited, y: Audited, params: Params) -> l
             f"others by metres; of the truth, X and Y the least is {least:.0%}.",
             "Compare with --proximity height, which all boxes have, or give the distances.",
         )
-        for (one, rows), share in zip(without, shares, strict=True)
+        for (source, rows), share in zip(without, shares, strict=True)
         if share - least >= SHARE_APART
     ]
 
@@ -119,30 +123,31 @@ def audit_operating_points(
     scores = x.boxes.score, y.boxes.score
     if params.threshold_x is not None or params.threshold_y is not None:
         return []
-    if min(map(len, scores)) < MIN_DETECTIONS or any(np.isnan(one).any() for one in scores):
+    if min(map(len, scores)) < MIN_DETECTIONS or any(np.isnan(score).any() for score in scores):
         return []
-    floors = [float(one.min()) for one in scores]
-    per_frame = [len(one) / len(x.dataset.frames) for one in scores]
-    is_unit = all(one.min() >= 0 and one.max() <= 1 for one in scores)
+    floors = [float(score.min()) for score in scores]
+    per_frame = [len(score) / len(x.dataset.frames) for score in scores]
+    is_unit = all(score.min() >= 0 and score.max() <= 1 for score in scores)
     is_apart = is_unit and abs(floors[0] - floors[1]) >= FLOOR_DIFFERENCE
     if not is_apart and max(per_frame) <= MAX_RATIO * min(per_frame):
         return []
     alarms = [
-        np.sort(one[match.is_false_alarm])[::-1] for one, match in zip(scores, matches, strict=True)
+        np.sort(score[match.is_false_alarm])[::-1]
+        for score, match in zip(scores, matches, strict=True)
     ]
     more = 0 if len(alarms[0]) >= len(alarms[1]) else 1
-    told = (x, y)
+    systems = (x, y)
     what = ", ".join(
-        f"{one.name} {'has scores ' if i == 0 else ''}down to {floors[i]:.3f} "
+        f"{score.name} {'has scores ' if i == 0 else ''}down to {floors[i]:.3f} "
         f"({per_frame[i]:.1f} detections per frame)"
-        for i, one in enumerate(told)
+        for i, score in enumerate(systems)
     )
     return [
         Finding(
             severity=Severity.WARNING,
             code="score-floors",
-            subject=told[more].name,
-            count=len(told[more].boxes),
+            subject=systems[more].name,
+            count=len(systems[more].boxes),
             message=(
                 f"{what}: without thresholds the comparison is at two different operating points."
             ),
@@ -158,10 +163,10 @@ def _proposal(alarms: np.ndarray, n_wanted: int, more: int, x: Audited, y: Audit
     if threshold is None:
         return ""
     n_left = int(np.count_nonzero(alarms >= threshold))
-    one, other = ((x, y), (y, x))[more]
+    first, other = ((x, y), (y, x))[more]
     n_frames = len(x.dataset.frames)
     return (
-        f" For example, --threshold-{'xy'[more]} {threshold:g} alone leaves {one.name} "
+        f" For example, --threshold-{'xy'[more]} {threshold:g} alone leaves {first.name} "
         f"{n_left / n_frames:.2g} false alarms per frame; {other.name} has "
         f"{n_wanted / n_frames:.2g} ({counted(n_wanted, 'false alarm')} in all)."
     )

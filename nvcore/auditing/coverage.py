@@ -91,7 +91,7 @@ def audit_truth_coverage(dataset: Dataset) -> list[Finding]:
 
 
 def audit_system_coverage(audited: Audited) -> list[Finding]:
-    """Recordings and frames for which a system has nothing although there is truth."""
+    """Recordings and frames without detections of a system although there is truth."""
     dataset, frames = audited.dataset, audited.dataset.frame_columns
     truth = dataset.truth
     has_truth = frames_with(truth.frame_index[~truth.ignore], dataset)
@@ -155,16 +155,16 @@ def _silent_ends(audited: Audited, has_box: np.ndarray) -> list[Finding]:
     """
     dataset, frames, boxes = audited.dataset, audited.dataset.frame_columns, audited.boxes
     start, stop = frames.first[:-1], frames.first[1:]
-    at = np.flatnonzero(has_box)
-    n_before, n_until = np.searchsorted(at, start), np.searchsorted(at, stop)
+    boxed_frames = np.flatnonzero(has_box)
+    n_before, n_until = np.searchsorted(boxed_frames, start), np.searchsorted(boxed_frames, stop)
     has_any = n_until > n_before
-    lo = np.where(has_any, at[np.minimum(n_before, len(at) - 1)], start)
-    hi = np.where(has_any, at[np.maximum(n_until, 1) - 1] + 1, stop)
+    lo = np.where(has_any, boxed_frames[np.minimum(n_before, len(boxed_frames) - 1)], start)
+    hi = np.where(has_any, boxed_frames[np.maximum(n_until, 1) - 1] + 1, stop)
     is_busy = has_any & (n_until - n_before >= BUSY_SHARE * (hi - lo))
     least = np.maximum(MIN_SILENT, SILENT_SHARE * (stop - start))
     candidates = np.flatnonzero(is_busy & ((lo - start >= least) | (stop - hi >= least)))
     truth = dataset.truth
-    found = []
+    partial = []
     for r in candidates:  # a loop over the few recordings with a silent end
         usual = np.median(boxes.h[boxes.offsets[start[r]] : boxes.offsets[stop[r]]])
         rows = np.arange(truth.offsets[start[r]], truth.offsets[stop[r]])
@@ -175,12 +175,12 @@ def _silent_ends(audited: Audited, has_box: np.ndarray) -> list[Finding]:
             silent >= least[r] and n >= MIN_SILENT // 2
             for silent, n in zip(n_silent, n_tall, strict=True)
         ):
-            found.append(r)
-    if not found:
+            partial.append(r)
+    if not partial:
         return []
-    odd = np.array(found)
+    odd = np.array(partial)
     number = frames.frame
-    one = odd[0]
+    first = odd[0]
     return [
         _about_recordings(
             dataset,
@@ -189,8 +189,8 @@ def _silent_ends(audited: Audited, has_box: np.ndarray) -> list[Finding]:
             subject=audited.name,
             recordings=odd,
             what=(
-                f"detections in a part only (first: frames {number[lo[one]]} to "
-                f"{number[hi[one] - 1]} of {number[start[one]]} to {number[stop[one] - 1]}), "
+                f"detections in a part only (first: frames {number[lo[first]]} to "
+                f"{number[hi[first] - 1]} of {number[start[first]]} to {number[stop[first] - 1]}), "
                 "although there are near pedestrians in the rest"
             ),
             advice=(
@@ -218,14 +218,14 @@ def regular_steps(has: np.ndarray, first: np.ndarray) -> np.ndarray:
         First frame of each recording, shape (n_recordings + 1,).
     """
     steps = np.ones(len(first) - 1, np.int64)
-    at = np.flatnonzero(has)
-    lo, hi = np.searchsorted(at, first[:-1]), np.searchsorted(at, first[1:])
+    boxed_frames = np.flatnonzero(has)
+    lo, hi = np.searchsorted(boxed_frames, first[:-1]), np.searchsorted(boxed_frames, first[1:])
     enough = hi - lo >= MIN_REGULAR
     if not enough.any():
         return steps
-    gaps = np.diff(at)
+    gaps = np.diff(boxed_frames)
     # the gap between two recordings says nothing: it must not change the divisor
-    gaps[lo[1:][(lo[1:] > 0) & (lo[1:] < len(at))] - 1] = 0
+    gaps[lo[1:][(lo[1:] > 0) & (lo[1:] < len(boxed_frames))] - 1] = 0
     edges = np.column_stack([lo[enough], hi[enough]]).ravel()
     steps[enough] = np.gcd.reduceat(np.append(gaps, [0, 0]), edges)[::2]
     return steps

@@ -153,16 +153,16 @@ def _find_moves(sample: Sample, correction: Correction) -> list[_Step]:
 
 def _shifted(sample: Sample, now: Overlaps, moved: Correction) -> tuple[_Step, float] | None:
     """What a time offset brings alone, and its gain with the pixel offset that then fits."""
-    found = sample.overlaps(moved)
-    both = found.has_frame  # the same pedestrians before and after: ends do not count
+    overlaps = sample.overlaps(moved)
+    both = overlaps.has_frame  # the same pedestrians before and after: ends do not count
     if np.count_nonzero(both) < MIN_BOXES:
         return None
     before = float(now.iou[both].mean())
-    step = _Step(moved, before, float(found.iou[both].mean()))
-    close = found.iou >= LOOSE_IOU
+    step = _Step(moved, before, float(overlaps.iou[both].mean()))
+    close = overlaps.iou >= LOOSE_IOU
     if np.count_nonzero(close) < MIN_BOXES:
         return step, step.gain
-    offset = float(np.median(found.dx[close])), float(np.median(found.dy[close]))
+    offset = float(np.median(overlaps.dx[close])), float(np.median(overlaps.dy[close]))
     placed = sample.overlaps(replace(moved, offset_px=offset))
     return step, float(placed.iou[both].mean()) - before
 
@@ -176,11 +176,11 @@ def _find_pixel(sample: Sample, correction: Correction) -> _Step | None:
         offset = start
         # the first pairs favour small offsets, and take what they can get: look again after moving
         for loose in (LOOSEST_IOU, LOOSE_IOU, LOOSE_IOU):
-            found = sample.overlaps(replace(correction, offset_px=offset))
-            close = found.iou >= loose
+            overlaps = sample.overlaps(replace(correction, offset_px=offset))
+            close = overlaps.iou >= loose
             if np.count_nonzero(close) < MIN_BOXES:
                 break
-            dx, dy = found.dx[close], found.dy[close]
+            dx, dy = overlaps.dx[close], overlaps.dy[close]
             offset = offset[0] + float(np.median(dx)), offset[1] + float(np.median(dy))
         else:
             is_clear = any(

@@ -1,6 +1,6 @@
 """How well detections overlap the truth once they are moved in time, in the picture, or scaled.
 
-Only samples are looked at: a correction that holds for the whole recording shows in them.
+Only samples are compared: a correction that holds for the whole recording shows in them.
 """
 
 from __future__ import annotations
@@ -79,7 +79,7 @@ class Sample:
     detections
         All detections that count, sorted by frame.
     every
-        1: every frame with pedestrians is looked at; n: every n-th.
+        1: every frame with pedestrians is compared; n: every n-th.
     """
 
     dataset: Dataset
@@ -110,14 +110,14 @@ class Sample:
         iou = shared / (gw * gh + dw * dh - shared)
         best = np.zeros(len(rows))
         np.maximum.at(best, pair_truth, iou)
-        at = np.flatnonzero((iou > 0) & (iou == best[pair_truth]))
+        chosen = np.flatnonzero((iou > 0) & (iou == best[pair_truth]))
         columns = np.full((4, len(rows)), np.nan)
-        columns[:, pair_truth[at]] = np.stack(
+        columns[:, pair_truth[chosen]] = np.stack(
             [
-                (gx + gw / 2 - left - dw / 2)[at],
-                (gy + gh / 2 - top - dh / 2)[at],
-                (gw / dw)[at],
-                (gh / dh)[at],
+                (gx + gw / 2 - left - dw / 2)[chosen],
+                (gy + gh / 2 - top - dh / 2)[chosen],
+                (gw / dw)[chosen],
+                (gh / dh)[chosen],
             ]
         )
         dx, dy, ratio_w, ratio_h = columns
@@ -155,8 +155,8 @@ class Sample:
         span = int(frames.frame.max()) + abs(offset) - lowest + 1
         key = frames.recording.astype(np.int64) * span + (frames.frame - lowest)
         wanted = key[frame_index] + offset
-        at = np.minimum(np.searchsorted(key, wanted), len(key) - 1)
-        found: np.ndarray = np.where(key[at] == wanted, at, -1)
+        position = np.minimum(np.searchsorted(key, wanted), len(key) - 1)
+        found: np.ndarray = np.where(key[position] == wanted, position, -1)
         return found
 
 

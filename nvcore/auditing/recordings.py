@@ -28,8 +28,8 @@ EMPTY_SHARE: Final = 0.25
 def audit_size(dataset: Dataset) -> list[Finding]:
     """A picture size that is far larger than what any box reaches.
 
-    Boxes of the truth and of all systems count; recordings of one size are looked at together, so
-    that a recording whose people keep to one corner is no finding.
+    Boxes of the truth and of all systems count; recordings of the same size are checked together,
+    so that a recording whose people keep to one corner is no finding.
     """
     frames, boxes = dataset.frame_columns, dataset.boxes
     recording = frames.recording[boxes["frame_index"].to_numpy()]
@@ -75,7 +75,7 @@ def _fitting(reach: np.ndarray, size: np.ndarray) -> str:
     right, bottom = reach / EDGE_SLACK
     # sizes that are wrong by a factor keep their aspect: those first
     parts = [(int(size[0] // n), int(size[1] // n)) for n in (4, 3, 2)]
-    usual = sorted(SIZES, key=lambda one: one[0] * one[1])
+    usual = sorted(SIZES, key=lambda usual_size: usual_size[0] * usual_size[1])
     for width, height in (*parts, *usual):  # a loop over a few sizes
         if width >= right and height >= bottom:
             return f"; the boxes would fit {width}x{height}, for example"
@@ -112,26 +112,26 @@ def audit_frame_list(dataset: Dataset) -> list[Finding]:
     """Frames before the first or after the last box of anybody: of truth and all systems."""
     frames = dataset.frame_columns
     start, stop = frames.first[:-1], frames.first[1:]
-    at = np.unique(dataset.boxes["frame_index"].to_numpy())
-    lo, hi = np.searchsorted(at, start), np.searchsorted(at, stop)
+    boxed_frames = np.unique(dataset.boxes["frame_index"].to_numpy())
+    lo, hi = np.searchsorted(boxed_frames, start), np.searchsorted(boxed_frames, stop)
     # recordings without any box have a finding of their own
     seen = np.flatnonzero(hi > lo)
-    first, last = at[lo[seen]], at[hi[seen] - 1]
+    first, last = boxed_frames[lo[seen]], boxed_frames[hi[seen] - 1]
     least = np.maximum(MIN_EMPTY, EMPTY_SHARE * (stop - start)[seen])
     n_before, n_after = first - start[seen], stop[seen] - 1 - last
     is_before, is_after = n_before >= least, n_after >= least
     odd = np.flatnonzero(is_before | is_after)
     if not len(odd):
         return []
-    one = odd[0]
-    recording = seen[one]
+    example = odd[0]
+    recording = seen[example]
     where = []
-    if is_before[one]:
-        where.append(f"before frame {frames.frame[first[one]]}")
-    if is_after[one]:
-        where.append(f"after frame {frames.frame[last[one]]}")
+    if is_before[example]:
+        where.append(f"before frame {frames.frame[first[example]]}")
+    if is_after[example]:
+        where.append(f"after frame {frames.frame[last[example]]}")
     names = dataset.recordings["name"].iloc[seen[odd]]
-    empty_row = int(start[recording] if is_before[one] else last[one] + 1)
+    empty_row = int(start[recording] if is_before[example] else last[example] + 1)
     return [
         Finding(
             severity=Severity.WARNING,

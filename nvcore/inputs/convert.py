@@ -45,7 +45,7 @@ def write(
     Parameters
     ----------
     reading
-        What is written; its boxes are in the specification's convention.
+        What is written; its boxes are in the convention of docs/formats.md.
     format_name
         ``csv`` keeps everything but the list of evaluated frames and the sizes. ``coco`` keeps
         those of the truth, too; boxes without coordinates it cannot hold. ``mot`` has no distances
@@ -135,7 +135,7 @@ def _write_files(contents: dict[Path, bytes], inputs: Sequence[Path], force: boo
     for target in contents:
         if not target.is_file():
             continue
-        if any(one.is_file() and target.samefile(one) for one in inputs):
+        if any(path.is_file() and target.samefile(path) for path in inputs):
             raise InputError("is the input; give another file to write", file=target)
         if not force:
             raise InputError("exists; give another file to write, or --force", file=target)
@@ -266,11 +266,11 @@ def _image_list(reading: Reading) -> pd.DataFrame:
     """The evaluated images, numbered from 1 where the reading has no numbers of its own."""
     images = reading.images
     if images is None:
-        told = own_frames(reading, reading.recordings["name"])
+        listed_frames = own_frames(reading, reading.recordings["name"])
         images = pd.concat(
             [
                 pd.DataFrame({"recording": name, "frame": frames}).astype({"recording": object})
-                for name, (frames, _) in told.items()
+                for name, (frames, _) in listed_frames.items()
             ]
             or [pd.DataFrame({"recording": [], "frame": []})],
             ignore_index=True,
@@ -284,8 +284,10 @@ def _ids(boxes: pd.DataFrame, images: pd.DataFrame) -> list[object]:
     """Image id of every box."""
     keys = ["recording", "frame"]
     listed = images[[*keys, "image_id"]]
-    found = boxes[keys].merge(listed.astype({"image_id": object}), how="left", on=keys)["image_id"]
-    unknown = found.isna().to_numpy()
+    image_id = boxes[keys].merge(listed.astype({"image_id": object}), how="left", on=keys)[
+        "image_id"
+    ]
+    unknown = image_id.isna().to_numpy()
     if unknown.any():
         first = boxes[unknown].iloc[0]
         raise InputError(
@@ -293,7 +295,7 @@ def _ids(boxes: pd.DataFrame, images: pd.DataFrame) -> list[object]:
             f"first in frame {first['frame']} of {first['recording']}; give the truth "
             "that they belong to"
         )
-    return found.tolist()
+    return image_id.tolist()
 
 
 def _file_name(recording: str, frame: int) -> str:

@@ -129,15 +129,15 @@ def own_frames(truth: Reading, names: Iterable[str]) -> dict[str, tuple[np.ndarr
     """
     annotated = _by_recording(truth.boxes if truth.annotated is None else truth.annotated)
     imaged = {} if truth.images is None else _by_recording(truth.images)
-    told: dict[str, tuple[np.ndarray, str]] = {}
+    listed: dict[str, tuple[np.ndarray, str]] = {}
     for name in names:
         if name in imaged:
-            told[name] = imaged[name], "those that the ground truth lists"
+            listed[name] = imaged[name], "those that the ground truth lists"
         elif name in annotated:
-            told[name] = infer_frames(annotated[name])
+            listed[name] = infer_frames(annotated[name])
         else:
-            told[name] = np.empty(0, np.int64), "no frame is known; recording left out"
-    return told
+            listed[name] = np.empty(0, np.int64), "no frame is known; recording left out"
+    return listed
 
 
 @dataclass(frozen=True)
@@ -173,11 +173,13 @@ def frames_lost_without_list(truth: Reading) -> LostFrames:
     MissingFactError
         See `own_frames`.
     """
-    told = own_frames(truth, truth.recordings["name"])
+    listed_frames = own_frames(truth, truth.recordings["name"])
     boxed = _by_recording(truth.boxes)
     nothing = np.empty(0, np.int64)
-    again = {name: infer_frames(boxed[name])[0] if name in boxed else nothing for name in told}
-    frames = {name: listed for name, (listed, _) in told.items() if len(listed)}
+    again = {
+        name: infer_frames(boxed[name])[0] if name in boxed else nothing for name in listed_frames
+    }
+    frames = {name: listed for name, (listed, _) in listed_frames.items() if len(listed)}
     return LostFrames(
         frames,
         n_frames=sum(map(len, frames.values())),
@@ -185,7 +187,7 @@ def frames_lost_without_list(truth: Reading) -> LostFrames:
             len(np.setdiff1d(listed, boxed.get(name, nothing))) for name, listed in frames.items()
         ),
         n_again=sum(map(len, again.values())),
-        is_same=all(np.array_equal(told[name][0], again[name]) for name in told),
+        is_same=all(np.array_equal(listed_frames[name][0], again[name]) for name in listed_frames),
     )
 
 

@@ -32,7 +32,7 @@ FRAME_LIST: Final = (
     "“Evaluated frames” (on the command line: --frames)"
 )
 HEAD_BYTES: Final = 4096
-"""What of a file is looked at to tell a list of frames."""
+"""Bytes of a file that are read to recognise a list of frames."""
 
 
 def find_files(source: Source, folder: Path, role: Role) -> tuple[list[SourceFile], Format]:
@@ -48,15 +48,15 @@ def find_files(source: Source, folder: Path, role: Role) -> tuple[list[SourceFil
     InputError
         If nothing is there, or the ground truth is empty.
     UnknownFormatError
-        If the format cannot be told.
+        If the format cannot be recognised.
     """
     named = None if source.format is None else format_named(source.format)
-    found: list[SourceFile] = []
+    listed: list[SourceFile] = []
     for text in source.path:
-        found += _expand(text, folder, role, named)
-    for file in found:
+        listed += _expand(text, folder, role, named)
+    for file in listed:
         _check_name(file.path)
-    unique = {file.path: file for file in found}
+    unique = {file.path: file for file in listed}
     files = list(unique.values())
     if named is not None and role not in named.roles:
         advice = "" if role == "detections" else "; they hold detections"
@@ -71,14 +71,14 @@ def find_files(source: Source, folder: Path, role: Role) -> tuple[list[SourceFil
         expected = "ground truth" if role == "truth" else "the detections of a system"
         raise InputError(f"expected {expected}, {FRAME_LIST}", file=files[0].name)
     chosen = named if named is not None else detect_format(files, role)
-    # beside what a folder or glob brings along, a file that was named is always read
+    # a file that was named is always read, whatever its folder or a glob adds
     stated = {folder / text for text in source.path}
-    kept = [
+    readable = [
         file for file in files if file.path in stated or file.path.suffix.lower() in chosen.suffixes
     ]
     # a seqinfo.ini sent along is read as what it is: facts about the recording beside it
-    kept = [file for file in kept if file.path.name.lower() != "seqinfo.ini"] or kept
-    return kept or files, chosen
+    readable = [file for file in readable if file.path.name.lower() != "seqinfo.ini"] or readable
+    return readable or files, chosen
 
 
 def _is_frame_list(files: Sequence[SourceFile]) -> bool:
@@ -88,7 +88,7 @@ def _is_frame_list(files: Sequence[SourceFile]) -> bool:
     try:
         with files[0].path.open("rb") as stream:
             head = stream.read(HEAD_BYTES)
-    except OSError:  # told when it is read
+    except OSError:  # reported when it is read
         return False
     lines = head.removeprefix(b"\xef\xbb\xbf").splitlines()
     if len(head) == HEAD_BYTES:
@@ -161,7 +161,7 @@ def paths_to_show(folder: Path, sources: Iterable[tuple[Source, Role]]) -> dict[
             try:
                 named = None if source.format is None else format_named(source.format)
                 files = _expand(text, folder, role, named)
-            except InputError:  # told when the files are read
+            except InputError:  # reported when the files are read
                 continue
             for file in files:
                 path = Path(os.path.abspath(file.path))  # noqa: PTH100  # as in _shown
@@ -190,7 +190,7 @@ def system_name(source: Source, recordings: Sequence[str]) -> str:
 
 
 def system_names(sources: Sequence[Source], recordings: Sequence[str]) -> list[str]:
-    """Names for systems by their paths, told apart where the paths allow it.
+    """Names for systems by their paths, distinct where the paths allow it.
 
     Each as by `system_name`; where that gives several the same name (``x/out.csv`` and
     ``y/out.csv``), these are named by the next part of their paths in which they differ; the

@@ -78,10 +78,10 @@ def load(
     truth = _read(session, session.truth, "truth", "truth", None, tables.get(session.truth))
     names = truth.reading.recordings["name"].tolist()
     loaded = [truth]
-    told = system_names(session.systems, names)
-    for source, by_path in zip(session.systems, told, strict=True):
+    path_names = system_names(session.systems, names)
+    for source, by_path in zip(session.systems, path_names, strict=True):
         name = source.name or by_path
-        while name in {one.subject for one in loaded}:
+        while name in {other.subject for other in loaded}:
             name += " (2)"
         tell(f"reading {name}")
         table = tables.get(source)
@@ -99,7 +99,7 @@ def read_source(
     size: tuple[int, int] | None = None,
     truth: Reading | None = None,
 ) -> Reading:
-    """Read one source by itself, such as for conversion.
+    """Read a single source, for conversion for example.
 
     Raises
     ------
@@ -178,11 +178,11 @@ def _same_single_recording(reading: Reading, truth: Reading) -> Reading:
 
 def _named_by_session(session: Session, loaded: list[_Loaded]) -> list[_Loaded]:
     """The sources with the only recording called as the session calls it."""
-    told = loaded[0].reading.recordings["name"].tolist()
-    if len(told) != 1 or len(session.recordings) != 1:
+    names = loaded[0].reading.recordings["name"].tolist()
+    if len(names) != 1 or len(session.recordings) != 1:
         return loaded
-    old, new = told[0], session.recordings[0].name
-    if any((one.reading.recordings["name"] == new).any() for one in loaded):
+    old, new = names[0], session.recordings[0].name
+    if any((source.reading.recordings["name"] == new).any() for source in loaded):
         return loaded  # it is called so already, or a system holds another one of that name
 
     def renamed(table: pd.DataFrame, column: str = "recording") -> pd.DataFrame:
@@ -190,15 +190,19 @@ def _named_by_session(session: Session, loaded: list[_Loaded]) -> list[_Loaded]:
 
     readings = [
         replace(
-            one.reading,
-            boxes=renamed(one.reading.boxes),
-            recordings=renamed(one.reading.recordings, "name"),
-            images=None if one.reading.images is None else renamed(one.reading.images),
-            annotated=None if one.reading.annotated is None else renamed(one.reading.annotated),
+            source.reading,
+            boxes=renamed(source.reading.boxes),
+            recordings=renamed(source.reading.recordings, "name"),
+            images=None if source.reading.images is None else renamed(source.reading.images),
+            annotated=None
+            if source.reading.annotated is None
+            else renamed(source.reading.annotated),
         )
-        for one in loaded
+        for source in loaded
     ]
-    return [replace(one, reading=reading) for one, reading in zip(loaded, readings, strict=True)]
+    return [
+        replace(source, reading=reading) for source, reading in zip(loaded, readings, strict=True)
+    ]
 
 
 def _corrected(system: _Loaded, source: SystemSource) -> _Loaded:
@@ -231,32 +235,32 @@ def _place(session: Session, loaded: list[_Loaded]) -> Dataset:
     frames = [frames[i] for i in keep]
     tables, left_out, inputs = [], [], []
     n_files = 0
-    for number, one in enumerate(loaded):
-        boxes = one.reading.boxes.assign(file=one.reading.boxes["file"] + np.int32(n_files))
+    for number, source in enumerate(loaded):
+        boxes = source.reading.boxes.assign(file=source.reading.boxes["file"] + np.int32(n_files))
         placed, lost = _place_boxes(boxes, recordings["name"], frames)
         tables.append(placed.assign(source=np.int16(number)))
-        left_out.append(lost.assign(subject=one.subject))
+        left_out.append(lost.assign(subject=source.subject))
         inputs.append(
             pd.DataFrame(
                 {
-                    "subject": one.subject,
-                    "file": [file.name for file in one.files],
-                    "sha256": one.digests,
-                    "format": one.format.name,
-                    "conversion": one.reading.conversion,
+                    "subject": source.subject,
+                    "file": [file.name for file in source.files],
+                    "sha256": source.digests,
+                    "format": source.format.name,
+                    "conversion": source.reading.conversion,
                 }
             )
         )
-        n_files += len(one.files)
+        n_files += len(source.files)
     all_inputs = pd.concat(inputs, ignore_index=True)
-    findings = [finding for one in loaded for finding in one.reading.findings]
+    findings = [finding for source in loaded for finding in source.reading.findings]
     findings += _changed_inputs(session, loaded)
     findings += contradicted_facts(truth, recordings)
     return dataset_from_tables(
         recordings,
         frames,
         pd.concat(tables, ignore_index=True),
-        [one.subject for one in loaded[1:]],
+        [source.subject for source in loaded[1:]],
         fingerprint=_fingerprint(session, loaded, recordings, frames),
         inputs=all_inputs,
         left_out=pd.concat(left_out, ignore_index=True),
@@ -280,22 +284,22 @@ def _source_hash(digests: Iterable[str]) -> str:
 
 def _changed_inputs(session: Session, loaded: list[_Loaded]) -> list[Finding]:
     findings = []
-    for one in loaded:
-        now = _source_hash(one.digests)
-        before = session.hashes.get(one.subject)
+    for source in loaded:
+        now = _source_hash(source.digests)
+        before = session.hashes.get(source.subject)
         if before is not None and before != now:
             findings.append(
                 Finding(
                     severity=Severity.WARNING,
                     code="input-changed",
-                    subject=one.subject,
-                    count=len(one.files),
+                    subject=source.subject,
+                    count=len(source.files),
                     message="The input has changed since the session file was written.",
                     advice=(
                         "The figures will differ from those of then; find out which files are "
                         "meant."
                     ),
-                    file=one.files[0].name,
+                    file=source.files[0].name,
                 )
             )
     return findings
@@ -305,11 +309,15 @@ def _frames(
     session: Session, truth: Reading, recordings: pd.DataFrame
 ) -> tuple[list[np.ndarray], list[str]]:
     """Listed frames of every recording, and in words how they were chosen."""
-    facts = {one.name: one.frames for one in session.recordings if one.frames is not None}
+    facts = {
+        recording.name: recording.frames
+        for recording in session.recordings
+        if recording.frames is not None
+    }
     if len(recordings) == 1 and len(session.recordings) == 1:
         facts = dict.fromkeys(recordings["name"], *facts.values()) if facts else {}
     common = None if session.frames is None else parse_frames(session.frames, session.folder)
-    told = own_frames(
+    listed_frames = own_frames(
         truth, [] if common is not None else [n for n in recordings["name"] if n not in facts]
     )
     frames: list[np.ndarray] = []
@@ -320,7 +328,7 @@ def _frames(
         elif common is not None:
             listed, reason = common, "as given for all recordings"
         else:
-            listed, reason = told[name]
+            listed, reason = listed_frames[name]
         frames.append(listed)
         reasons.setdefault(reason, []).append(name)
     counts = dict(zip(recordings["name"], map(len, frames), strict=True))
@@ -347,9 +355,9 @@ def _place_boxes(
     listed = np.concatenate([start[i] + (f - before[i]) for i, f in enumerate(frames)])
     inside = np.clip(boxes["frame"].to_numpy(), before[codes], (before + span - 1)[codes])
     key = start[codes] + (inside - before[codes])
-    at = np.searchsorted(listed, key)
-    at = np.minimum(at, len(listed) - 1)
-    is_listed = listed[at] == key
+    position = np.searchsorted(listed, key)
+    position = np.minimum(position, len(listed) - 1)
+    is_listed = listed[position] == key
     size = boxes[["w", "h"]].to_numpy()
     finite = np.isfinite(boxes[["x", "y", "w", "h"]].to_numpy()).all(axis=1)
     has_area = (size > 0).all(axis=1)
@@ -359,7 +367,7 @@ def _place_boxes(
         default="",
     )
     is_lost = reason != ""
-    placed = boxes.drop(columns=["recording", "frame"]).assign(frame_index=at)[~is_lost]
+    placed = boxes.drop(columns=["recording", "frame"]).assign(frame_index=position)[~is_lost]
     lost = boxes.loc[is_lost, ["recording", "frame", "file", "line"]].assign(
         reason=reason[is_lost].astype(object)
     )
@@ -372,10 +380,10 @@ def _fingerprint(
     """sha256 over the input bytes and the reader settings."""
     digest_ = hashlib.sha256()
     sources: list[Source] = [session.truth, *session.systems]
-    for one, source in zip(loaded, sources, strict=True):
-        settings = {**asdict(source), "path": None, "format": one.format.name}
+    for item, source in zip(loaded, sources, strict=True):
+        settings = {**asdict(source), "path": None, "format": item.format.name}
         settings |= {"threshold": None, "name": None}
-        digest_.update(f"{one.subject}\n{one.digests}\n{settings}\n".encode())
+        digest_.update(f"{item.subject}\n{item.digests}\n{settings}\n".encode())
     digest_.update(without_empty_tags(recordings).to_csv(index=False).encode())
     for listed in frames:
         digest_.update(listed.astype(np.int64).tobytes())

@@ -32,14 +32,14 @@ def contradicted_facts(truth: Reading, recordings: pd.DataFrame) -> list[Finding
         if not differs.any():
             continue
         first = int(np.argmax(differs))
-        given, said = ("x".join(f"{v:g}" for v in row[first]) for row in (ours, theirs))
+        given, stated_text = ("x".join(f"{v:g}" for v in row[first]) for row in (ours, theirs))
         findings.append(
             Finding(
                 severity=Severity.WARNING,
                 code="contradicted-fact",
                 subject="truth",
                 count=int(np.count_nonzero(differs)),
-                message=f"The {what} given ({given}) is not that of the data ({said}).",
+                message=f"The {what} given ({given}) is not that of the data ({stated_text}).",
                 advice=(
                     f"Leave {flag} away (or the value in the session file) where the data hold it."
                 ),
@@ -52,7 +52,7 @@ def contradicted_facts(truth: Reading, recordings: pd.DataFrame) -> list[Finding
 def describe_recordings(session: Session, truth: Reading) -> pd.DataFrame:
     """Name, width, height, fps, horizon, tags of recordings; what is unknown is an error."""
     table = truth.recordings.copy()
-    facts = {one.name: one for one in session.recordings}
+    facts = {facts_of.name: facts_of for facts_of in session.recordings}
     if len(table) == 1 and len(facts) == 1 and table["name"][0] not in facts:
         # one recording here and there: the session names it
         facts = {table["name"][0]: next(iter(facts.values()))}
@@ -64,16 +64,18 @@ def describe_recordings(session: Session, truth: Reading) -> pd.DataFrame:
     if table.empty:
         raise InputError(NO_BOX, file=session.truth.path[0])
     table["horizon"] = np.nan
-    for row, name in enumerate(table["name"]):  # a loop over recordings: hundreds at the most
-        one = facts.get(name)
+    for row, name in enumerate(table["name"]):  # a loop over recordings: at most hundreds
+        facts_of = facts.get(name)
         for column in ("width", "height", "fps", "horizon"):
-            value = None if one is None else getattr(one, column)
+            value = None if facts_of is None else getattr(facts_of, column)
             if value is not None:
                 table.loc[row, column] = value
     width, height = session.size or (None, None)
     for column, common in (("width", width), ("height", height), ("fps", session.fps)):
         if common is not None:
-            own = {name for name, one in facts.items() if getattr(one, column) is not None}
+            own = {
+                name for name, facts_of in facts.items() if getattr(facts_of, column) is not None
+            }
             table.loc[~table["name"].isin(own), column] = common
     _check_known(table)
     tags = [facts[name].tags if name in facts else () for name in table["name"]]

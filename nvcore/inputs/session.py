@@ -62,7 +62,7 @@ class Source:
     path
         Files, folders or globs; a single one may be given by itself.
     format
-        Name of a format; None: told from the content.
+        Name of a format; None: recognised by the content.
     classes, frame_base, box_base
         See `nvcore.inputs.readers.base.ReadOptions`.
     """
@@ -94,7 +94,7 @@ class SystemSource(Source):
     Attributes
     ----------
     name
-        The system's name; None: told from the path.
+        The system's name; None: taken from the path.
     threshold
         Score threshold; None: every detection counts.
     offset_frames
@@ -162,7 +162,7 @@ class Session(Settings):
     def __post_init__(self) -> None:
         _positive("fps", self.fps)
         _can_be_a_path("frames", self.frames)
-        names = [one.name for one in self.recordings]
+        names = [recording.name for recording in self.recordings]
         for name in names:
             if names.count(name) > 1:
                 raise SessionError(f"expected one [[recording]] named {name!r}, found several")
@@ -171,10 +171,12 @@ class Session(Settings):
         """What it names of files: inputs, frame lists, pictures, as they are written."""
         for source in (self.truth, *self.systems):
             yield from source.path
-        for frames in (self.frames, *(one.frames for one in self.recordings)):
+        for frames in (self.frames, *(recording.frames for recording in self.recordings)):
             if frames is not None and not is_frame_range(frames):
                 yield frames
-        yield from (one.pictures for one in self.recordings if one.pictures is not None)
+        yield from (
+            recording.pictures for recording in self.recordings if recording.pictures is not None
+        )
 
     @property
     def thresholds(self) -> tuple[float | None, ...]:
@@ -186,7 +188,7 @@ class Session(Settings):
         """The size of all pictures, where the session gives a single one."""
         if self.size is not None:
             return self.size
-        sizes = {(one.width, one.height) for one in self.recordings}
+        sizes = {(recording.width, recording.height) for recording in self.recordings}
         if len(sizes) != 1:
             return None
         width, height = sizes.pop()
@@ -247,10 +249,10 @@ def parse_size(text: str) -> tuple[int, int]:
     ValueError
         If the text is not of that form.
     """
-    found = re.fullmatch(r"\s*(\d{1,6})\s*[xX×]\s*(\d{1,6})\s*", text)
-    if found is None or not int(found[1]) or not int(found[2]):
+    match = re.fullmatch(r"\s*(\d{1,6})\s*[xX×]\s*(\d{1,6})\s*", text)
+    if match is None or not int(match[1]) or not int(match[2]):
         raise ValueError(f"expected a size such as 640x480, got {text!r}")
-    return int(found[1]), int(found[2])
+    return int(match[1]), int(match[2])
 
 
 def is_frame_range(frames: str) -> bool:

@@ -1,7 +1,7 @@
 """One comparison, one file: a `Session` as TOML, read and written.
 
-    [[recording]]            facts that the data do not hold, by recording (all keys optional
-    name = "urban_01"        but name)
+    [[recording]]            what the data do not say, by recording (only name is required)
+    name = "urban_01"
     width = 640
     height = 480
     fps = 20

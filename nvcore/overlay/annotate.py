@@ -1,4 +1,4 @@
-"""One frame of a result as a picture: boxes, and a caption that says what one sees."""
+"""One frame of a result as a picture: boxes, and a caption that explains them."""
 
 from __future__ import annotations
 
@@ -172,10 +172,10 @@ def _caption(result: Result, row: int, width: int) -> NDArray[np.uint8]:
     height = round((step * len(wrapped) + 10 * unit) / 2) * 2
     bar = np.full((height, width, 3), BLANK_RGB, np.uint8)
     for number, line in enumerate(wrapped):
-        at = 8 * unit
+        left = 8 * unit
         for text, colour in line:
-            put_text(bar, text, (at, (number + 0.8) * step), size, colour)
-            at += text_width(text, size) + 18 * unit
+            put_text(bar, text, (left, (number + 0.8) * step), size, colour)
+            left += text_width(text, size) + 18 * unit
     return bar
 
 

@@ -1,4 +1,4 @@
-"""Boxes of one frame on its picture, so that one sees at a glance who is missed by whom.
+"""Boxes of one frame on its picture, to show at a glance which system misses whom.
 
 Truth thin, X solid, Y dashed, each in its colour. A missed pedestrian has corners in the colour of
 the system that misses them (both: left X, right Y) and says so above; the most salient one has a
@@ -321,7 +321,7 @@ def _draw_label(
     inks: Inks,
     side: _Side,
 ) -> None:
-    """A text beside its box, else above or below it, else not at all."""
+    """A text beside its box, or above or below it; left out where there is no room."""
     if not text:
         return
     size = 0.4 * unit
@@ -406,10 +406,10 @@ def _line(
 
 
 def put_text(
-    canvas: Canvas, text: str, at: tuple[float, float], size: float, colour: Colour
+    canvas: Canvas, text: str, base: tuple[float, float], size: float, colour: Colour
 ) -> None:
     """One line of text, its base line starting at `at`; signs that the font lacks as `?`."""
-    shown, place = drawable(text), (round(at[0]), round(at[1]))
+    shown, place = drawable(text), (round(base[0]), round(base[1]))
     thickness = 2 if size > 0.75 else 1
     cv2.putText(canvas, shown, place, _FONT, size, colour, thickness, cv2.LINE_AA)
 

@@ -53,12 +53,12 @@ class LabelRoom:
     def must_take(self, size: Place, places: Sequence[Place]) -> Box:
         """As `take`; where nothing is free, the place inside the picture that hides least."""
         moved = [self._inside(place, size) for place in places]
-        found = self.take(size, moved)
-        if found is None:
+        chosen = self.take(size, moved)
+        if chosen is None:
             boxes = [(left, top, left + size[0], top + size[1]) for left, top in moved]
-            found = min(boxes, key=lambda box: sum(overlap(box, other) for other in self.taken))
-            self.taken.append(found)
-        return found
+            chosen = min(boxes, key=lambda box: sum(overlap(box, other) for other in self.taken))
+            self.taken.append(chosen)
+        return chosen
 
     def _inside(self, place: Place, size: Place) -> Place:
         left, top = place
@@ -68,7 +68,7 @@ class LabelRoom:
         )
 
 
-def overlap(one: Box, other: Box) -> float:
+def overlap(box: Box, other: Box) -> float:
     """Area that two boxes share, px².
 
     Examples
@@ -78,8 +78,8 @@ def overlap(one: Box, other: Box) -> float:
     >>> overlap((0, 0, 4, 4), (4, 0, 8, 4))
     0
     """
-    across = min(one[2], other[2]) - max(one[0], other[0])
-    down = min(one[3], other[3]) - max(one[1], other[1])
+    across = min(box[2], other[2]) - max(box[0], other[0])
+    down = min(box[3], other[3]) - max(box[1], other[1])
     return across * down if across > 0 and down > 0 else 0
 
 

@@ -228,15 +228,15 @@ def _check_directory(path: Path, limits: ArchiveLimits) -> None:
         n_bytes = file.seek(0, 2)
         start = file.seek(max(0, n_bytes - (1 << 16) - _END.size - _LOCATOR_64.size))
         tail = file.read()
-        at = tail.rfind(b"PK\5\6")
-        if at < 0 or len(tail) < at + _END.size:
+        position = tail.rfind(b"PK\5\6")
+        if position < 0 or len(tail) < position + _END.size:
             raise MediaError(
                 "is no ZIP archive, or is cut off: its table of contents is missing; pack or copy "
                 "it again",
                 file=path.name,
             )
-        size = _END.unpack_from(tail, at)[5]
-        locator = at - _LOCATOR_64.size
+        size = _END.unpack_from(tail, position)[5]
+        locator = position - _LOCATOR_64.size
         if locator >= 0 and tail[locator : locator + 4] == b"PK\6\7":
             stated = _LOCATOR_64.unpack_from(tail, locator)[2]
             sizes = [0 if size == 0xFFFFFFFF else size]

@@ -81,7 +81,7 @@ class Recent:
         picture.setflags(write=False)
         self._pictures[index] = picture
         self._pictures.move_to_end(index)
-        n_bytes = sum(one.nbytes for one in self._pictures.values())
+        n_bytes = sum(cached.nbytes for cached in self._pictures.values())
         while len(self._pictures) > _CACHED_PICTURES or (
             n_bytes > _CACHED_BYTES and len(self._pictures) > 1
         ):

@@ -42,7 +42,10 @@ def video_format(content: bytes) -> str | None:
     if content.startswith(b"\0\0\1\xba"):
         return "mpeg"
     for start, step in ((0, 188), (4, 192)):
-        if all(content[at : at + 1] == b"\x47" for at in range(start, start + 2 * step + 1, step)):
+        if all(
+            content[position : position + 1] == b"\x47"
+            for position in range(start, start + 2 * step + 1, step)
+        ):
             return "mpegts"
     return None
 
@@ -57,16 +60,16 @@ def format_of_file(path: Path, name: str) -> str:
     """
     try:
         with path.open("rb") as file:
-            told = video_format(file.read(_LOOKED_AT))
+            container_format = video_format(file.read(_LOOKED_AT))
     except OSError as error:
         raise MediaError(f"cannot be opened ({error.strerror})", file=name) from error
-    if told is None:
+    if container_format is None:
         raise MediaError(
             "is no video that can be read, whatever its name says; expected MP4, MOV, "
             "Matroska, WebM, AVI or MPEG",
             file=name,
         )
-    return told
+    return container_format
 
 
 def open_container(path: Path, container_format: str, name: str) -> tuple[Any, Any]:
@@ -124,24 +127,24 @@ class PictureTable:
 
 
 def is_cut_off(path: Path, container_format: str) -> bool:
-    """Whether the file is shorter than it says; told for Matroska, whose packets don't show it."""
+    """Whether the file is shorter than it says; only for Matroska, whose packets do not show it."""
     if container_format != "matroska":
         return False
     with path.open("rb") as file:
         head = file.read(_LOOKED_AT)
-    at = head.find(b"\x18\x53\x80\x67") + 4  # the segment, which holds all that follows
-    if at < 4 or len(head) < at + 8 or not head[at]:
+    position = head.find(b"\x18\x53\x80\x67") + 4  # the segment, which holds all that follows
+    if position < 4 or len(head) < position + 8 or not head[position]:
         return False
-    n_bytes = 9 - head[at].bit_length()  # the size says its own length by its leading zeros
-    size = int.from_bytes(head[at : at + n_bytes], "big") - (1 << 7 * n_bytes)
+    n_bytes = 9 - head[position].bit_length()  # the size says its own length by its leading zeros
+    size = int.from_bytes(head[position : position + n_bytes], "big") - (1 << 7 * n_bytes)
     is_known = size != (1 << 7 * n_bytes) - 1
-    return is_known and at + n_bytes + size > path.stat().st_size
+    return is_known and position + n_bytes + size > path.stat().st_size
 
 
 def list_pictures(
     container: Any, stream: Any, container_format: str, name: str, *, is_cut: bool
 ) -> PictureTable:
-    """The pictures of a stream that was just opened, told by its packets; nothing is decoded.
+    """The pictures of a stream that was just opened, from its packets; nothing is decoded.
 
     Parameters
     ----------

@@ -90,7 +90,7 @@ def check_size(width: int, height: int, name: str) -> None:
 
 
 def is_whole(content: bytes) -> bool:
-    """Whether a PNG or JPEG has its end; others are taken at their word."""
+    """Whether a PNG or JPEG is complete; other formats are trusted."""
     if content.startswith(b"\x89PNG"):
         return b"IEND" in content[-(1 << 16) :]
     if content.startswith(b"\xff\xd8"):

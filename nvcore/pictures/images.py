@@ -221,8 +221,8 @@ def natural_order(name: str) -> list[tuple[int, int, str]]:
 
 def numbers_of(names: Sequence[str]) -> NDArray[np.int64] | None:
     """Frame numbers at the end of file names; None if one has none or two are the same."""
-    found = [recording_and_frame_of(PurePosixPath(name).name) for name in names]
-    numbers = [one[1] for one in found if one is not None]
+    places = [recording_and_frame_of(PurePosixPath(name).name) for name in names]
+    numbers = [place[1] for place in places if place is not None]
     if len(numbers) < len(names) or len(set(numbers)) < len(numbers):
         return None
     return np.array(numbers, dtype=np.int64)

@@ -97,8 +97,8 @@ def _find(frames: NDArray[np.int64], numbers: NDArray[np.int64]) -> NDArray[np.i
     """Position of each frame among the numbers, -1 none."""
     order = np.argsort(numbers)
     place = np.minimum(np.searchsorted(numbers[order], frames), len(numbers) - 1)
-    at = order[place]
-    return np.where(numbers[at] == frames, at, -1).astype(np.int64)
+    picture = order[place]
+    return np.where(numbers[picture] == frames, picture, -1).astype(np.int64)
 
 
 def size_note(pictures: Pictures, width: float, height: float) -> str:

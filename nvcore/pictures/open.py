@@ -74,9 +74,9 @@ def is_below(path: Path, root: Path) -> bool:
     """
     real_root = os.path.realpath(root)
 
-    def lies_below(one: str | Path) -> bool:
+    def lies_below(inner: str | Path) -> bool:
         try:
-            return Path(os.path.realpath(one)).is_relative_to(real_root)
+            return Path(os.path.realpath(inner)).is_relative_to(real_root)
         except ValueError:  # NUL
             return False
 

@@ -13,7 +13,7 @@ from nvcore.errors import ParameterError
 from nvcore.pictures.base import Picture
 
 _SAMPLED: Final = 1 << 16
-"""About so many pixels are looked at for the percentiles."""
+"""Approximate number of pixels sampled for the percentiles."""
 
 
 def stretch(picture: Picture, lo: float = 0.0, hi: float = 100.0) -> NDArray[np.uint8]:
@@ -28,7 +28,7 @@ def stretch(picture: Picture, lo: float = 0.0, hi: float = 100.0) -> NDArray[np.
     picture
         (h, w) or (h, w, 3), uint8 or uint16.
     lo, hi
-        Percentiles, 0..100, told from a sample of the pixels.
+        Percentiles, 0..100, of a sample of the pixels.
 
     Raises
     ------

@@ -127,15 +127,15 @@ class Video:
         if self._container is not None and (
             key_at <= self._at < index or (self._by_count and self._at < index)
         ):
-            found, _ = self._forward(index, self._at)
-            if found is not None:
-                return found
+            picture, _ = self._forward(index, self._at)
+            if picture is not None:
+                return picture
         # key pictures further and further back, where a seek lands too late; at last the start
         for number in [key - back for back in (0, 1, 3) if key - back > 0 and not self._by_count]:
             self._seek(int(self._table.key_seeks[number]))
-            found, was_reached = self._forward(index, int(self._table.keys[number]))
+            picture, was_reached = self._forward(index, int(self._table.keys[number]))
             if was_reached:
-                return found
+                return picture
         self._seek(None)
         return self._forward(index, self.n)[0]
 
@@ -161,18 +161,18 @@ class Video:
         """
         n_beyond, is_first = 0, self._at < 0
         for frame in self._frames:
-            at = self._position(frame)
-            if at is None:
+            position = self._position(frame)
+            if position is None:
                 continue
-            if is_first and at > start:
-                self._at = at
+            if is_first and position > start:
+                self._at = position
                 return None, False
-            is_first, self._at = False, max(self._at, at)
-            if index - _NEAR < at <= index:
-                picture = self._recent.put(at, self._to_array(frame))
-                if at == index:
+            is_first, self._at = False, max(self._at, position)
+            if index - _NEAR < position <= index:
+                picture = self._recent.put(position, self._to_array(frame))
+                if position == index:
                     return picture, True
-            n_beyond += at > index
+            n_beyond += position > index
             if n_beyond > REORDERED:  # a decoder may give a few pictures out of order
                 return None, True
         self._let_go()
@@ -184,8 +184,8 @@ class Video:
             return self._at + 1 if self._at + 1 < self.n else None
         if frame.pts is None:
             return None
-        at = int(np.searchsorted(self._table.times, frame.pts))
-        return at if at < self.n and self._table.times[at] == frame.pts else None
+        position = int(np.searchsorted(self._table.times, frame.pts))
+        return position if position < self.n and self._table.times[position] == frame.pts else None
 
     def _to_array(self, frame: Any) -> Picture:
         name = frame.format.name

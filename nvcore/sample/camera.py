@@ -1,6 +1,6 @@
 """The pinhole camera of the sample data and the car that carries it.
 
-Metres: x to the right of the camera, y up from the road, z ahead. Pixels: the specification's,
+Metres: x to the right of the camera, y up from the road, z ahead. Pixels: those of docs/formats.md,
 origin at the image's top-left corner, continuous.
 """
 

@@ -61,14 +61,14 @@ class Sketch:
         depth = np.add.reduceat(np.maximum(everything[:, 2], 0.0), starts) / counts
         clear = np.exp(-depth / HAZE_M)
         greys = self._climate.haze + (np.array(self._greys) - self._climate.haze) * clear
-        found: list[Shape] = []
+        shapes: list[Shape] = []
         for index, (start, count) in enumerate(zip(starts, counts, strict=True)):
             outline: Floats | None = pixels[start : start + count]
             if nearest[index] < NEAR_M:
                 outline = project_polygon(self._camera, self._corners[index])
             if outline is not None:
-                found.append((outline, float(greys[index])))
-        return found
+                shapes.append((outline, float(greys[index])))
+        return shapes
 
 
 def draw_thing(

@@ -130,8 +130,8 @@ def _bicycle(
     cold, warm = climate.things - 18, climate.things + 48
     back, front, saddle, crank, bar = pixels[21:26]
     layers: list[tuple[float, Shape]] = []
-    for centre, at in ((back, 21), (front, 22)):
-        radius = WHEEL_M * scale[at]
+    for centre, joint in ((back, 21), (front, 22)):
+        radius = WHEEL_M * scale[joint]
         thin = max(0.13 * radius, abs(front[0] - back[0]) * 0.33)
         layers.append((order, (centre + _CIRCLE * np.array([thin, radius]), warm)))
         inner = np.array([max(thin - 0.12 * radius, 0.3 * thin), radius * 0.86])

@@ -50,8 +50,12 @@ def detections(recording: Recording, seen: list[Sighting], *, system: str) -> pd
         ``"FIR"`` or ``"NIR"``.
     """
     parts = [
-        _person(_generator(recording, system, 100 + track), one, _log_reach(recording, one, system))
-        for track, one in enumerate(seen)
+        _person(
+            _generator(recording, system, 100 + track),
+            sighting,
+            _log_reach(recording, sighting, system),
+        )
+        for track, sighting in enumerate(seen)
     ]
     things = _tempting(recording, system)
     parts += [
@@ -71,23 +75,23 @@ def _generator(recording: Recording, system: str, number: int) -> np.random.Gene
     )
 
 
-def _log_reach(recording: Recording, one: Sighting, system: str) -> Floats:
-    person = one.person
+def _log_reach(recording: Recording, sighting: Sighting, system: str) -> Floats:
+    person = sighting.person
     reach = np.full(N_FRAMES, np.log(person.height_m / 1.75))
     crouch, bend = keyed(person.crouch), keyed(person.bend)
     if system == "FIR":
         warm = recording.climate.contrast * (0.22 + 0.78 * person.warmth)
         reach += np.log(FIR_REACH_M * warm * (1 - 0.62 * crouch) * (1 - 0.45 * bend))
     else:
-        lit = np.exp(-((one.lateral_m / 15) ** 2)) * (person.reflectance / 0.5) ** 0.45
+        lit = np.exp(-((sighting.lateral_m / 15) ** 2)) * (person.reflectance / 0.5) ** 0.45
         reach += np.log(NIR_REACH_M * lit * (1 - 0.4 * crouch) * (1 - 0.2 * bend))
-        reach -= 1.7 * _glare(recording, one)
-    return reach - 2.3 * one.hidden - 1.2 * (1 - one.inside)
+        reach -= 1.7 * _glare(recording, sighting)
+    return reach - 2.3 * sighting.hidden - 1.2 * (1 - sighting.inside)
 
 
-def _glare(recording: Recording, one: Sighting) -> Floats:
+def _glare(recording: Recording, sighting: Sighting) -> Floats:
     """Dazzle by headlamps at a person's place in the image, 0 to 1."""
-    way, columns = recording.way(), (one.edges[:, 0] + one.edges[:, 2]) / 2
+    way, columns = recording.way(), (sighting.edges[:, 0] + sighting.edges[:, 2]) / 2
     dazzle = np.zeros(N_FRAMES)
     for car in recording.cars:
         if not car.lights:
@@ -101,25 +105,25 @@ def _glare(recording: Recording, one: Sighting) -> Floats:
     return dazzle
 
 
-def _person(generator: np.random.Generator, one: Sighting, log_reach: Floats) -> pd.DataFrame:
-    ease = log_reach - np.log(np.maximum(one.distance_m, 1.0))
+def _person(generator: np.random.Generator, sighting: Sighting, log_reach: Floats) -> pd.DataFrame:
+    ease = log_reach - np.log(np.maximum(sighting.distance_m, 1.0))
     dips = np.maximum(0.0, wandering(generator, hold_s=0.35) - 1.7)
     ease = ease + 0.12 * wandering(generator, hold_s=0.8) - 1.1 * dips
     ease = ease + 0.02 * generator.standard_normal(N_FRAMES)
     scores = _HIGHEST_SCORE / (1 + np.exp(-5.0 * ease))
-    found = np.flatnonzero(one.annotated & (scores >= _LOWEST_SCORE))
+    frames = np.flatnonzero(sighting.annotated & (scores >= _LOWEST_SCORE))
     # Localisation wanders with the pose and the pixels; small and doubtful boxes are looser.
-    size = one.edges[:, 2:] - one.edges[:, :2]
+    size = sighting.edges[:, 2:] - sighting.edges[:, :2]
     loose = (0.55 + 0.9 * (1 - scores))[:, None]
     drift = np.stack([wandering(generator, hold_s=0.4) for _ in range(4)], axis=1)
-    middle = (one.edges[:, 2:] + one.edges[:, :2]) / 2
+    middle = (sighting.edges[:, 2:] + sighting.edges[:, :2]) / 2
     middle = middle + loose * drift[:, :2] * (0.2 + np.array([0.07, 0.035]) * size)
     # Detectors answer with boxes of a typical shape, not with the swing of the legs.
     usual = np.array([0.36, 0.0]) * size[:, 1:] + np.array([0.0, 1.0]) * size
     size = 0.6 * size + 0.4 * usual
     size = size * np.exp(loose * drift[:, 2:] * np.array([0.10, 0.06]))
     edges = np.concatenate([middle - size / 2, middle + size / 2], axis=1)
-    return _table(found, edges[found], scores[found])
+    return _table(frames, edges[frames], scores[frames])
 
 
 def _tempting(recording: Recording, system: str) -> list[Thing]:
@@ -156,8 +160,8 @@ def _false_alarm(
     mood = gaussian_filter1d(wandering(generator, hold_s=0.6), 3.0)
     scores = 0.93 / (1 + np.exp(-2.2 * (tempt + alike + 0.7 * mood)))
     inside = (edges[:, 0] > 2) & (edges[:, 2] < WIDTH - 2) & (edges[:, 3] < HEIGHT) & (depth > 2)
-    found = np.flatnonzero(inside & (scores >= _LOWEST_SCORE) & (height >= 12))
-    return _table(found, edges[found], scores[found])
+    frames = np.flatnonzero(inside & (scores >= _LOWEST_SCORE) & (height >= 12))
+    return _table(frames, edges[frames], scores[frames])
 
 
 def _noise(generator: np.random.Generator, camera: Camera) -> pd.DataFrame:

@@ -75,8 +75,8 @@ def body_edges(person: Person, world: Floats, camera: Camera) -> tuple[Floats, F
     if person.cyclist:
         ends = np.concatenate([ends, [21, 22]])
         reach = np.concatenate([reach, [WHEEL_M, WHEEL_M]])
-    at, size = pixels[:, ends], camera.focal_px * reach / np.maximum(depth[:, ends], 0.1)
-    low, high = at - size[..., None], at + size[..., None]
+    ends_px, size = pixels[:, ends], camera.focal_px * reach / np.maximum(depth[:, ends], 0.1)
+    low, high = ends_px - size[..., None], ends_px + size[..., None]
     edges = np.concatenate([low.min(axis=1), high.max(axis=1)], axis=1)
     return edges, depth[:, 0]
 
@@ -94,17 +94,17 @@ def sightings(recording: Recording) -> list[Sighting]:
     blockers = [(edges, depth) for edges, (_, depth) in zip(solid, seen, strict=True)]
     blockers += [_car_edges(car, camera, way) for car in recording.cars]
     blockers += [_thing_edges(t, camera, way) for t in recording.things if t.kind in _BLOCKING]
-    found = []
+    seen_people = []
     for index, (person, body) in enumerate(zip(recording.people, bodies, strict=True)):
         edges, depth = seen[index]
         others = [blocker for place, blocker in enumerate(blockers) if place != index]
-        found.append(_sighting(person, body, edges, depth, others))
-    return found
+        seen_people.append(_sighting(person, body, edges, depth, others))
+    return seen_people
 
 
 def truth_table(recording: Recording, seen: list[Sighting]) -> pd.DataFrame:
     """Truth of one recording: boxes clipped to the picture, in quarters of a pixel."""
-    parts = [_rows(recording.name, track, one) for track, one in enumerate(seen, start=1)]
+    parts = [_rows(recording.name, track, sighting) for track, sighting in enumerate(seen, start=1)]
     table = pd.concat(parts, ignore_index=True)
     return table.sort_values(["frame", "track"], kind="stable", ignore_index=True)
 
@@ -115,10 +115,10 @@ def clipped(edges: Floats) -> Floats:
     return np.asarray(np.round(inside * 4) / 4)
 
 
-def _rows(name: str, track: int, one: Sighting) -> pd.DataFrame:
-    frames = np.flatnonzero(one.annotated)
-    edges = clipped(one.edges[frames])
-    hidden = one.hidden[frames]
+def _rows(name: str, track: int, sighting: Sighting) -> pd.DataFrame:
+    frames = np.flatnonzero(sighting.annotated)
+    edges = clipped(sighting.edges[frames])
+    hidden = sighting.hidden[frames]
     return pd.DataFrame(
         {
             "recording": name,
@@ -128,8 +128,8 @@ def _rows(name: str, track: int, one: Sighting) -> pd.DataFrame:
             "w": edges[:, 2] - edges[:, 0],
             "h": edges[:, 3] - edges[:, 1],
             "track": track,
-            "ignore": int(one.person.cyclist),
-            "distance_m": np.round(one.distance_m[frames], 2),
+            "ignore": int(sighting.person.cyclist),
+            "distance_m": np.round(sighting.distance_m[frames], 2),
             "occlusion": (hidden >= LIGHT_HIDDEN).astype(int) + (hidden >= HEAVY_HIDDEN),
         },
         columns=list(TRUTH_COLUMNS),

@@ -48,7 +48,8 @@ def test_every_format_has_a_section(one):
 def test_every_finding_of_a_reader_that_the_page_names_exists():
     named = set(re.findall(r"(?:warning|error|[Ww]arnings:)\s+`([a-z-]+)`", PAGE))
     code = "".join(
-        path.read_text(encoding="utf-8") for path in (ROOT / "nvcore" / "readers").glob("*.py")
+        path.read_text(encoding="utf-8")
+        for path in (ROOT / "nvcore" / "inputs" / "readers").rglob("*.py")
     )
     assert len(named) > 10
     assert {name for name in named if f'"{name}"' not in code} == set()

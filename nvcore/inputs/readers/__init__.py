@@ -72,14 +72,14 @@ NOTHING: Final = Format(
 )
 """Empty files of a system that detected nothing, whatever their format; see `holds_nothing`.
 
-It is no member of `FORMATS`: nobody names it.
+Not in `FORMATS`: it cannot be asked for by name.
 """
 
 HEAD_BYTES: Final = 65_536
-"""How much of a file is looked at to tell its format."""
+"""Bytes of a file that are read to recognise its format."""
 
 MAX_LOOKS: Final = 50
-"""How many files are looked at: those of a format with one file a picture may be empty."""
+"""Files that are tried: with one file per picture, the first ones may be empty."""
 
 
 def format_named(name: str) -> Format:
@@ -98,7 +98,7 @@ def format_named(name: str) -> Format:
 
 
 def detect_format(files: Sequence[SourceFile], role: Role) -> Format:
-    """The format of some files, told from the content of the first that is not empty.
+    """The format of some files, recognised by the content of the first that is not empty.
 
     Raises
     ------

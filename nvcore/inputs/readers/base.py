@@ -74,7 +74,7 @@ class Reading:
     Attributes
     ----------
     boxes
-        Columns of `READING_DTYPES`, in file order, in the conventions of the specification:
+        Columns of `READING_DTYPES`, in file order, in the conventions of docs/formats.md:
         0-based continuous pixels, x, y, w, h. `file` counts the files as they were given.
     recordings
         One row per recording: name, width, height, fps (NaN where the files do not say).
@@ -163,13 +163,20 @@ def rows_finding(
 def joined_findings(findings: Iterable[Finding]) -> tuple[Finding, ...]:
     """Findings of one kind about several files as one: all rows counted, the first file named."""
     groups: dict[tuple[object, ...], list[Finding]] = {}
-    for one in findings:
-        kind = (one.severity, one.code, one.subject, one.message, one.advice, one.suggestion)
-        groups.setdefault(kind, []).append(one)
+    for finding in findings:
+        kind = (
+            finding.severity,
+            finding.code,
+            finding.subject,
+            finding.message,
+            finding.advice,
+            finding.suggestion,
+        )
+        groups.setdefault(kind, []).append(finding)
     joined = []
     for group in groups.values():
-        first, n_files = group[0], len({one.file for one in group})
-        count = sum(one.count for one in group)
+        first, n_files = group[0], len({finding.file for finding in group})
+        count = sum(finding.count for finding in group)
         message = first.message + (f" They stand in {n_files} files." if n_files > 1 else "")
         joined.append(replace(first, count=count, message=message))
     return tuple(joined)

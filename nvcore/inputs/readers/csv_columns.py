@@ -86,7 +86,7 @@ class Header:
 
     @property
     def has_frame(self) -> bool:
-        """Whether the frame is told: by its number or by the picture's name."""
+        """Whether the frame is known: from its number or from the picture's name."""
         return "frame" in self.place or "picture" in self.place
 
 
@@ -197,7 +197,7 @@ def _column(column: pa.ChunkedArray) -> pd.Series:
         return pd.Series(pc.fill_null(column, False).to_numpy())
     if pa.types.is_floating(column.type):
         return pd.Series(pc.fill_null(column, np.nan).to_numpy())
-    # names repeat: each different one is looked at once
+    # names repeat: each distinct name is parsed once
     coded = column.unify_dictionaries().combine_chunks()
     unique = np.array(
         [without_safeguard(text.strip()) for text in coded.dictionary.to_pylist()], dtype=object

@@ -95,12 +95,12 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     findings: list[Finding] = []
     facts = ["pixels from 1-based to 0-based", "frame numbers kept (1-based)"]
     for number, (file, name) in enumerate(zip(files, names, strict=True)):
-        boxes, keep, what, found = _read_one(file, number, name, options)
+        boxes, keep, what, problems = _read_one(file, number, name, options)
         if options.role == "truth":
             annotated.append(annotated_frames(name, boxes["frame"].to_numpy()))
         tables.append(boxes if keep.all() else boxes[keep].reset_index(drop=True))
         facts += [fact for fact in what if fact not in facts]
-        findings += found
+        findings += problems
     images = None
     if options.role == "truth" and all(info.n_frames is not None for info in infos):
         images = _listed_frames(names, [info.n_frames or 0 for info in infos])

@@ -160,20 +160,20 @@ def _add_object(
     line = facts["bndbox"].line
     values: list[float] = [index, line]
     for name in CORNERS:
-        one = facts.get(f"bndbox/{name}")
+        edge = facts.get(f"bndbox/{name}")
         values.append(
             number(
-                None if one is None else one.text,
+                None if edge is None else edge.text,
                 f"<{name}> in <bndbox>",
                 file,
-                line if one is None else one.line,
+                line if edge is None else edge.line,
             )
         )
     values.append("difficult" in facts and is_true(facts["difficult"].text))
     for names in (("occluded",), SCORES):
         given = next((facts[name] for name in names if name in facts), None)
-        text, at = ("", line) if given is None else (given.text, given.line)
-        values.append(number(text, f"<{names[0]}>", file, at))
+        text, text_line = ("", line) if given is None else (given.text, given.line)
+        values.append(number(text, f"<{names[0]}>", file, text_line))
     objects.numbers.extend(values)
     objects.label.append(label)
 
@@ -203,13 +203,13 @@ def _recordings(
         "Pictures differ in size from the first of their recording, whose size is taken.",
         "Give each size a recording of its own, or scale the boxes to one size.",
         role=options.role,
-        place=lambda one: (files[one].name, f"{sizes[one][0]:g} x {sizes[one][1]:g}"),
+        place=lambda index: (files[index].name, f"{sizes[index][0]:g} x {sizes[index][1]:g}"),
     )
 
 
 def _shapes(objects: _Objects, files: Sequence[SourceFile], options: ReadOptions) -> list[Finding]:
     """Pedestrians without a box."""
-    shapes = [one for one in objects.shapes if concerns_pedestrians(one[0], options)]
+    shapes = [shape for shape in objects.shapes if concerns_pedestrians(shape[0], options)]
     if not shapes:
         return []
     label, index, line = shapes[0]

@@ -69,7 +69,7 @@ def _is_row(row: Sequence[str]) -> bool:
 
 @dataclass(frozen=True)
 class _Rows:
-    """Rows of all files: what each field holds was told from the content."""
+    """Rows of all files; which field holds what was inferred from the content."""
 
     middle_and_size: list[np.ndarray]
     score: np.ndarray
@@ -83,7 +83,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
 
     Class 0 counts, or the classes whose names are pedestrians where ``classes.txt`` tells names.
     The confidence is the last field (Ultralytics) or the second (review_object_detection_metrics):
-    told from which of the two readings leaves the boxes inside the picture.
+    inferred from which of the two readings leaves the boxes inside the picture.
 
     Raises
     ------
@@ -110,10 +110,10 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     names = _class_names(files, frames)
     images = listed_frames(frames, options)
     table, file = stacked(
-        [read_numbers(one, n_columns=(5, 6, 7), delimiter=" ", what=WHAT) for one in frames]
+        [read_numbers(frame, n_columns=(5, 6, 7), delimiter=" ", what=WHAT) for frame in frames]
     )
     _check_shares(table, frames, file)
-    rows = _told_apart(table, frames, file, options)
+    rows = _identified(table, frames, file, options)
     kind = _per_file_whole(table.columns[0], frames, file, table.line)
     label = _labels(kind, names)
     rule, wanted = _rule(label, names, options)
@@ -135,7 +135,8 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         line=table.line,
     )
     others = name_left_out(label, choice.keep)
-    passed = sorted({PurePosixPath(one.name).name for one in files if _is_extra(one.name)})
+    extras = [other for other in files if _is_extra(other.name)]
+    passed = sorted({PurePosixPath(extra.name).name for extra in extras})
     facts = [
         "frame numbers from the file names",
         f"shares of the picture to pixels of {width} x {height} (0-based)",
@@ -176,10 +177,11 @@ def _class_names(files: Sequence[SourceFile], frames: Sequence[SourceFile]) -> _
     """Class names from a file among those given, or beside or above the first picture's file."""
     folder = frames[0].path.parent
     beside = [
-        SourceFile(path=at / "classes.txt", name="classes.txt") for at in (folder, folder.parent)
+        SourceFile(path=place / "classes.txt", name="classes.txt")
+        for place in (folder, folder.parent)
     ]
     among = [file for file in files if _NAMES.fullmatch(PurePosixPath(file.name).name.casefold())]
-    for file in [*among, *(one for one in beside if one.path.is_file())]:
+    for file in [*among, *(neighbour for neighbour in beside if neighbour.path.is_file())]:
         lines = [line.strip() for line in read_text(file).strip().splitlines()]
         return _Names(tuple(lines), PurePosixPath(file.name).name)
     return _Names()
@@ -188,16 +190,16 @@ def _class_names(files: Sequence[SourceFile], frames: Sequence[SourceFile]) -> _
 def _labels(kind: np.ndarray, names: _Names) -> np.ndarray:
     """Name of each row's class, its number where it has none."""
     numbers, codes = np.unique(kind, return_inverse=True)
-    found = [
+    labels = [
         names.names[number] if 0 <= number < len(names.names) else str(number)
         for number in numbers.tolist()
     ]
-    return object_array(found)[codes]
+    return object_array(labels)[codes]
 
 
 def _rule(label: np.ndarray, names: _Names, options: ReadOptions) -> tuple[ClassRule, ReadOptions]:
     """What to do with which class; class numbers are made names where the names are known."""
-    found = {*label, *names.names}
+    classes = {*label, *names.names}
     if not names.names:
         for name in options.classes or ():
             if not name.isdecimal():
@@ -205,18 +207,18 @@ def _rule(label: np.ndarray, names: _Names, options: ReadOptions) -> tuple[Class
                     f"expected class numbers, found the class {name!r}: YOLO text has no names; "
                     "give numbers, or put classes.txt beside the files"
                 )
-        found |= set(options.classes or ())
-        others = tuple(sorted(found - {"0"}))
+        classes |= set(options.classes or ())
+        others = tuple(sorted(classes - {"0"}))
         return ClassRule(counted=("0",), ignored=(), left_out=others), options
     if options.classes is None:
-        return free_labels(found, options), options
+        return free_labels(classes, options), options
     n_names = len(names.names)
     wanted = tuple(
         names.names[int(name)] if re.fullmatch("[0-9]{1,9}", name) and int(name) < n_names else name
         for name in options.classes
     )
     options = replace(options, classes=wanted)
-    return free_labels(found, options), options
+    return free_labels(classes, options), options
 
 
 def _check_shares(table: NumberTable, files: Sequence[SourceFile], file: np.ndarray) -> None:
@@ -233,7 +235,7 @@ def _check_shares(table: NumberTable, files: Sequence[SourceFile], file: np.ndar
         )
 
 
-def _told_apart(
+def _identified(
     table: NumberTable, files: Sequence[SourceFile], file: np.ndarray, options: ReadOptions
 ) -> _Rows:
     """Which fields are the box, the confidence and the track id."""

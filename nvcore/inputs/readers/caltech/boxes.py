@@ -69,9 +69,14 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     table, file = stacked(
         [
             read_numbers(
-                one, n_columns=(10, 11, 12), delimiter=" ", what=WHAT, label_at=0, comment="%"
+                frame_file,
+                n_columns=(10, 11, 12),
+                delimiter=" ",
+                what=WHAT,
+                label_at=0,
+                comment="%",
             )
-            for one in files
+            for frame_file in files
         ]
     )
     label = table.label

@@ -107,11 +107,12 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         facts.append(fact)
         is_listed = position >= 0
         findings += _unlisted(file, table, index, is_listed, len(images))
-        at = position[is_listed]
+        image = position[is_listed]
         boxes = _boxes(table, number, "", index)[is_listed]
         tables.append(
             boxes.assign(
-                recording=images["recording"].to_numpy()[at], frame=images["frame"].to_numpy()[at]
+                recording=images["recording"].to_numpy()[image],
+                frame=images["frame"].to_numpy()[image],
             )
         )
         names += images["recording"].tolist()
@@ -129,9 +130,9 @@ def _sequence_of(name: str, known: tuple[str, ...]) -> str | None:
     parts = (*path.parts[:-1], path.stem)
     # the file's own name must be part of it: a folder is often called by the data set
     for start in range(len(parts)):
-        found = known_recording(("/".join(parts[start:]),), known)
-        if found is not None:
-            return found
+        recording = known_recording(("/".join(parts[start:]),), known)
+        if recording is not None:
+            return recording
     if not _SEQUENCE.fullmatch(path.stem):
         return None
     folder = path.parent.name

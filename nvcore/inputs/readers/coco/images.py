@@ -46,7 +46,7 @@ class ImageList:
 
 
 def place_of_picture(name: str, known: tuple[str, ...] = ()) -> tuple[str, int] | None:
-    """Recording and frame number told by a picture's name; None without a number.
+    """Recording and frame number from a picture's name; None without a number.
 
     Examples
     --------
@@ -149,7 +149,7 @@ def _names(images: Records) -> list[str]:
     if values is None:
         return [""] * len(images)
     names = []
-    for index, value in enumerate(values):  # text is looked at one by one
+    for index, value in enumerate(values):  # text: value by value
         if not isinstance(value, (str, type(None))):
             raise images.error(index, "expected text as file_name")
         names.append(value or "")

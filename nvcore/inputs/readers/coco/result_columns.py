@@ -13,7 +13,7 @@ import pyarrow.json
 
 from nvcore.inputs.readers.base import SourceFile
 from nvcore.inputs.readers.coco.images import NAME_KEYS, id_text, image_ids, read_images
-from nvcore.inputs.readers.parse.json import Records, found, read_json
+from nvcore.inputs.readers.parse.json import Records, read_json, short_json
 from nvcore.inputs.readers.parse.text import read_bytes
 
 
@@ -155,7 +155,7 @@ def _careful(file: SourceFile) -> tuple[ResultColumns, pd.DataFrame | None]:
         if values is not None and not set(map(type, values)) <= allowed:
             first = next(i for i, value in enumerate(values) if type(value) not in allowed)
             raise records.error(
-                first, f"expected a number or text as {what}, found {found(values[first])}"
+                first, f"expected a number or text as {what}, found {short_json(values[first])}"
             )
     has_ids = records.values("image_id") is not None and (
         picture is None or None not in (records.values("image_id") or [])

@@ -36,7 +36,7 @@ from nvcore.inputs.readers.meaning.occlusion import (
     odd_levels,
 )
 from nvcore.inputs.readers.meaning.tracks import TEXT_IDS, track_numbers
-from nvcore.inputs.readers.parse.json import Records, found, read_json
+from nvcore.inputs.readers.parse.json import Records, read_json, short_json
 from nvcore.schema import NO_TRACK, UNKNOWN_OCCLUSION
 
 TRACK_KEYS = ("track_id", "target_id", "instance_id", "tracking_id")
@@ -68,7 +68,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         if not isinstance(document, dict):
             raise FormatError(
                 "expected a JSON object with images, annotations and categories, found "
-                f"{found(document)}; a list of results is no ground truth",
+                f"{short_json(document)}; a list of results is no ground truth",
                 file=file.name,
             )
         listed = read_images(document, file)
@@ -211,7 +211,7 @@ def _tracks(records: Records, recording: np.ndarray) -> tuple[np.ndarray, bool]:
     if not set(map(type, values)) <= allowed:
         first = next(i for i, value in enumerate(values) if type(value) not in allowed)
         raise records.error(
-            first, f"expected a number or text as track id, found {found(values[first])}"
+            first, f"expected a number or text as track id, found {short_json(values[first])}"
         )
     texts = [None if value is None else id_text(value) for value in values]
     return track_numbers(pd.Series(texts, dtype="str"), recording)
@@ -245,7 +245,9 @@ def _occlusion(records: Records) -> tuple[np.ndarray, list[str], list[Finding]]:
             level = words.fillna(UNKNOWN_OCCLUSION).to_numpy(dtype=np.int8)
             return level, [f"{key} from words (fully visible, partially, difficult to see)"], []
         first = next(i for i, v in enumerate(values) if not isinstance(v, (int, float, type(None))))
-        raise records.error(first, f'expected 0, 1, 2 as "{key}", found {found(values[first])}')
+        raise records.error(
+            first, f'expected 0, 1, 2 as "{key}", found {short_json(values[first])}'
+        )
     return np.full(len(records), UNKNOWN_OCCLUSION, dtype=np.int8), [], []
 
 

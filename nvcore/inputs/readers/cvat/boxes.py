@@ -64,11 +64,11 @@ def boxes_reading(
     facts: Sequence[str],
     findings: Sequence[Finding],
 ) -> Reading:
-    """The reading: classes sorted, rotated boxes made upright, the conversion told."""
+    """The reading: classes sorted, rotated boxes made upright, the conversion in words."""
     column = {
-        one.name: np.concatenate([getattr(table, one.name) for table in tables])
-        for one in fields(CvatBoxes)
-        if one.name not in ("declared", "n_filled")
+        spec.name: np.concatenate([getattr(table, spec.name) for table in tables])
+        for spec in fields(CvatBoxes)
+        if spec.name not in ("declared", "n_filled")
     }
     label = column["label"]
     declared = {name for table in tables for name in table.declared}
@@ -98,17 +98,17 @@ def boxes_reading(
         file=column["file"],
         line=column["line"],
     )
-    told = ["corners to width and height (0-based, continuous)", *facts, choice.fact]
+    steps = ["corners to width and height (0-based, continuous)", *facts, choice.fact]
     others = name_left_out(label, choice.keep)
-    told += [others] if others else []
+    steps += [others] if others else []
     if is_truth:
-        told.append("attributes such as ignore or iscrowd = ignore; occluded = partial occlusion")
+        steps.append("attributes such as ignore or iscrowd = ignore; occluded = partial occlusion")
     if rotated.any():
-        told.append(f"{rotated.sum()} rotated boxes replaced by the upright box around them")
+        steps.append(f"{rotated.sum()} rotated boxes replaced by the upright box around them")
     return Reading(
         boxes=boxes[choice.keep].reset_index(drop=True),
         recordings=recordings,
-        conversion="; ".join(told),
+        conversion="; ".join(steps),
         images=images,
         findings=(*merged(findings), *choice.findings),
     )
@@ -160,7 +160,7 @@ def oddity(
 
 def other_shapes(content: CvatFile, file: SourceFile, options: ReadOptions) -> list[Finding]:
     """Pedestrians that were drawn as anything but a box."""
-    shapes = [one for one in content.other_shapes if concerns_pedestrians(one[1], options)]
+    shapes = [shape for shape in content.other_shapes if concerns_pedestrians(shape[1], options)]
     if not shapes:
         return []
     kinds = Counter(kind for kind, _, _ in shapes)
@@ -181,12 +181,12 @@ def other_shapes(content: CvatFile, file: SourceFile, options: ReadOptions) -> l
 
 def merged(findings: Sequence[Finding]) -> list[Finding]:
     """Findings of several files, those that say the same in one, with the sum of their counts."""
-    found: dict[tuple[str, str], Finding] = {}
-    for one in findings:
-        key = (one.code, one.message)
-        first = found.get(key)
+    joined: dict[tuple[str, str], Finding] = {}
+    for finding in findings:
+        key = (finding.code, finding.message)
+        first = joined.get(key)
         if first is None:
-            found[key] = one
+            joined[key] = finding
         else:
-            found[key] = replace(first, count=first.count + one.count)
-    return list(found.values())
+            joined[key] = replace(first, count=first.count + finding.count)
+    return list(joined.values())

@@ -40,7 +40,7 @@ def recognise(name: str, head: str, role: Role) -> bool:
 def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     """Read CVAT for images files; pictures without boxes are evaluated frames.
 
-    Recording and frame are told by the names of the pictures; where one of a file has no number,
+    Recording and frame come from the names of the pictures; where one of a file has no number,
     the file is the recording and the ids of its pictures are the frames. Corners are 0-based and
     continuous.
 
@@ -125,7 +125,7 @@ def _places(
 def _places_by_id(
     content: CvatFile, strange: Owner, fallback: str, file: SourceFile, options: ReadOptions
 ) -> tuple[np.ndarray, np.ndarray, list[Finding]]:
-    n_strange = sum(recording_and_frame_of(one.name) is None for one in content.owners)
+    n_strange = sum(recording_and_frame_of(owner.name) is None for owner in content.owners)
     finding = oddity(
         "picture-without-number",
         n_strange,
@@ -135,8 +135,8 @@ def _places_by_id(
         options,
         f"line {strange.line}: {strange.name[:60]}",
     )
-    recordings = [_task_recording(content, one, fallback) for one in content.owners]
-    frames = np.array([one.number for one in content.owners], dtype=np.int64)
+    recordings = [_task_recording(content, owner, fallback) for owner in content.owners]
+    frames = np.array([owner.number for owner in content.owners], dtype=np.int64)
     return object_array(recordings), frames, [finding]
 
 
@@ -155,11 +155,11 @@ def _pictures(
         {
             "recording": recording,
             "frame": frame,
-            "number": np.array([one.number for one in content.owners], dtype=np.int64),
-            "width": np.array([one.width for one in content.owners], dtype=float),
-            "height": np.array([one.height for one in content.owners], dtype=float),
+            "number": np.array([owner.number for owner in content.owners], dtype=np.int64),
+            "width": np.array([owner.width for owner in content.owners], dtype=float),
+            "height": np.array([owner.height for owner in content.owners], dtype=float),
             "file": file.name,
-            "line": np.array([one.line for one in content.owners], dtype=np.int64),
+            "line": np.array([owner.line for owner in content.owners], dtype=np.int64),
         }
     )
 
@@ -186,16 +186,16 @@ def _sizes_that_differ(
     differs = ((pictures[["width", "height"]] != first) & first.notna()).any(axis=1)
     if not differs.any():
         return []
-    one = pictures[differs].iloc[0]
+    example = pictures[differs].iloc[0]
     return [
         oddity(
             "picture-size",
             int(differs.sum()),
             "Pictures differ in size from the first of their recording, whose size is taken.",
             "Give each size a recording of its own, or scale the boxes to one size.",
-            str(one["file"]),
+            str(example["file"]),
             options,
-            f"line {one['line']}: {one['width']:g} x {one['height']:g}",
+            f"line {example['line']}: {example['width']:g} x {example['height']:g}",
         )
     ]
 

@@ -115,11 +115,11 @@ def fill_between_keyframes(
     if n_filled.sum(dtype=float) > limit:
         raise TooManyFramesError(int(left[np.argmax(n_filled)]))
     n_rows = np.append(n_filled, 0)[: len(order)] + 1
-    at = np.repeat(np.arange(len(order)), n_rows)
+    keyframe_row = np.repeat(np.arange(len(order)), n_rows)
     # position of each row behind its keyframe: 0 is the keyframe itself
-    position = np.arange(len(at)) - np.repeat(np.cumsum(n_rows) - n_rows, n_rows)
-    start = order[at]
-    end = np.where(position > 0, order[np.minimum(at + 1, len(order) - 1)], start)
+    position = np.arange(len(keyframe_row)) - np.repeat(np.cumsum(n_rows) - n_rows, n_rows)
+    start = order[keyframe_row]
+    end = np.where(position > 0, order[np.minimum(keyframe_row + 1, len(order) - 1)], start)
     frames = frame[start] + position * step[start]
     length = np.maximum(frame[end] - frame[start], 1)
     return Filled(
@@ -160,7 +160,9 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         With file and line of what is not CVAT for video.
     """
     contents = [read_cvat(file, kind="track") for file in files]
-    units = [(number, task) for number, one in enumerate(contents) for task in one.tasks.values()]
+    units = [
+        (number, task) for number, content in enumerate(contents) for task in content.tasks.values()
+    ]
     names, facts = _recordings(files, contents, units, options)
     rows, listed, findings = [], [], []
     by_task: dict[tuple[int, str], str] = {}
@@ -171,10 +173,10 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         findings += odd
         listed.append(None if frames is None else (name, frames))
     tables = []
-    for number, (file, one) in enumerate(zip(files, contents, strict=True)):
-        table, odd = _boxes_of(one, file, number, by_task, options)
+    for number, (file, content) in enumerate(zip(files, contents, strict=True)):
+        table, odd = _boxes_of(content, file, number, by_task, options)
         tables.append(table)
-        findings += [*odd, *other_shapes(one, file, options)]
+        findings += [*odd, *other_shapes(content, file, options)]
     n_filled = sum(table.n_filled for table in tables)
     facts = [
         "frame numbers of the video kept (0-based)",
@@ -184,7 +186,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     ]
     images = None
     if all(frames is not None for frames in listed):
-        images = _images([one for one in listed if one is not None])
+        images = _images([task_frames for task_frames in listed if task_frames is not None])
         facts.append("evaluated frames from the task's size, start and step")
     return boxes_reading(
         tables, files, options, recordings_table(rows), images, facts=facts, findings=findings
@@ -302,7 +304,7 @@ def _boxes_of(
     left = filled.left[visible]
     corners = np.column_stack([columns[name] for name in ("x0", "y0", "x1", "y1")])
     recording = np.array([by_task[number, task.key] for task in tasks] + [None], dtype=object)
-    track = np.array([one.track for one in content.owners], dtype=np.int64)
+    track = np.array([cvat_track.track for cvat_track in content.owners], dtype=np.int64)
     return CvatBoxes(
         recording=recording[owner[left]],
         frame=filled.frame[visible],
@@ -346,16 +348,16 @@ def _findings(
         example = f"line {rows.line[row]}: track {track[row]}, frame {rows.frame[row]}"
         return [oddity(code, len(which), message, advice, file.name, options, example)]
 
-    track = np.array([one.track for one in content.owners], dtype=np.int64)[rows.owner]
+    track = np.array([owner.track for owner in content.owners], dtype=np.int64)[rows.owner]
     beside = ~rows.outside & ((rows.frame - rows.start) % rows.step != 0)
     order = np.lexsort((rows.frame, rows.owner))
     is_last = np.append(np.diff(rows.owner[order]) != 0, [True] * bool(len(order)))
     last = order[is_last.astype(bool)]
     # CVAT writes no end for a box in one of the last two frames
     endless = ~rows.outside[last] & (rows.frame[last] < rows.last[last] - rows.step[last])
-    ids = pd.Series([one.track for one in content.owners], dtype=np.int64)
+    ids = pd.Series([owner.track for owner in content.owners], dtype=np.int64)
     # a file of several tasks may number the tracks of each
-    tasks = pd.Series([one.task for one in content.owners], dtype=object)
+    tasks = pd.Series([owner.task for owner in content.owners], dtype=object)
     doubles = np.flatnonzero(pd.DataFrame({"i": ids, "t": tasks})[ids >= 0].duplicated())
     findings = [
         *found(

@@ -281,12 +281,12 @@ class _Parser:
             self.source = element.text
         elif element.path.endswith("/labels/label/name"):
             self.content.declared.append(element.text)
-        found = _TASK.fullmatch(element.path)
-        if found is None:
+        match = _TASK.fullmatch(element.path)
+        if match is None:
             return
         if self.task is None:
             self.task = Task()
-        fact = found["fact"]
+        fact = match["fact"]
         if fact is None:  # the end of the task
             in_project = "/project/" in element.path
             self.task.line = element.line
@@ -305,14 +305,14 @@ class _Parser:
         elif fact == "source":
             task.source = text
         elif fact == "frame_filter":
-            found = _STEP.fullmatch(text)
-            if found is None or (found["step"] is not None and int(found["step"]) == 0):
+            match = _STEP.fullmatch(text)
+            if match is None or (match["step"] is not None and int(match["step"]) == 0):
                 raise FormatError(
                     f"expected a frame filter such as step=5, found {text[:60]!r}",
                     file=self.file.name,
                     line=element.line,
                 )
-            task.step = int(found["step"] or 1)
+            task.step = int(match["step"] or 1)
         elif fact == "original_size/width":
             task.width = number(text, "width", self.file, element.line)
         elif fact == "original_size/height":

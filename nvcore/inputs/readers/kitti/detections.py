@@ -150,9 +150,9 @@ def _check(file: SourceFile, table: NumberTable) -> None:
     left, top, right, bottom = table.columns[1:5]
     first = _first_without_corners(left, top, right, bottom)
     if first is not None:
-        found = ",".join(f"{column[first]:g}" for column in (left, top, right, bottom))
+        edges = ",".join(f"{column[first]:g}" for column in (left, top, right, bottom))
         raise FormatError(
-            f"expected corners x1,y1,x2,y2 with x2 > x1 and y2 > y1, found {found}; if the columns "
+            f"expected corners x1,y1,x2,y2 with x2 > x1 and y2 > y1, found {edges}; if the columns "
             "are x,y,w,h, the format is kaist-results",
             file=file.name,
             line=int(table.line[first]),

@@ -45,8 +45,8 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     names = images["recording"].to_numpy()
     table, file = stacked(
         [
-            read_numbers(one, n_columns=(15, 16), delimiter=" ", what=FIELDS, label_at=0)
-            for one in files
+            read_numbers(frame_file, n_columns=(15, 16), delimiter=" ", what=FIELDS, label_at=0)
+            for frame_file in files
         ]
     )
     boxes, choice, facts = label_boxes(

@@ -1,4 +1,4 @@
-"""Which categories of a file count as pedestrians, told from their names.
+"""Which categories of a file count as pedestrians, by their names.
 
 For formats whose files bring their own categories or labels; `classes` is for formats with fixed
 ones, and sorts the rows by the rule that either gives.
@@ -105,7 +105,7 @@ def choose_categories(
     )
 
 
-def free_labels(found: Iterable[str], options: ReadOptions) -> ClassRule:
+def free_labels(labels: Iterable[str], options: ReadOptions) -> ClassRule:
     """The rule for labels that annotators chose (CVAT, Pascal VOC, YOLO with names).
 
     Where the classes are named, the usual pedestrian labels that are not among them are ignore
@@ -118,7 +118,7 @@ def free_labels(found: Iterable[str], options: ReadOptions) -> ClassRule:
     options
         `classes` is used.
     """
-    names = sorted(set(found))
+    names = sorted(set(labels))
     pedestrians = tuple(name for name in names if is_pedestrian(name))
     lookalikes = tuple(name for name in names if is_lookalike(name))
     others = tuple(name for name in names if not _concerns(name))

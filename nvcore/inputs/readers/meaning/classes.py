@@ -92,9 +92,9 @@ def choose_classes(
     InputError
         If a class is asked for that neither the format nor the files have.
     """
-    codes, found = pd.factorize(label)
+    codes, classes = pd.factorize(label)
     known = {name.casefold() for name in rule.known}
-    present = {str(name).casefold() for name in found}
+    present = {str(name).casefold() for name in classes}
     wanted = {name.casefold() for name in rule.counted}
     counted = rule.counted
     if options.classes is not None:
@@ -102,7 +102,7 @@ def choose_classes(
         wanted = {name.casefold() for name in counted}
         for name in counted:
             if name.casefold() not in known | present:
-                others = sorted(str(other) for other in found if other.casefold() not in known)
+                others = sorted(str(other) for other in classes if other.casefold() not in known)
                 raise InputError(
                     f"there is no class {name!r}; the classes are {', '.join(rule.known)}"
                     + (f", the files also have {', '.join(others)}" if others else ""),
@@ -112,8 +112,8 @@ def choose_classes(
     if options.role == "detections":
         neutral = set()
     # over the few different names, not over the rows
-    is_wanted = np.array([str(name).casefold() in wanted for name in found], dtype=bool)[codes]
-    is_neutral = np.array([str(name).casefold() in neutral for name in found], dtype=bool)[codes]
+    is_wanted = np.array([str(name).casefold() in wanted for name in classes], dtype=bool)[codes]
+    is_neutral = np.array([str(name).casefold() in neutral for name in classes], dtype=bool)[codes]
     fact = f"classes: {', '.join(counted)} counted"
     ignored = [name for name in rule.ignored if name.casefold() in neutral]
     if ignored:
@@ -122,7 +122,7 @@ def choose_classes(
     def place(row: int) -> tuple[str, str]:
         return files[file[row]].name, f"line {line[row]}: {label[row]}"
 
-    is_strange = np.array([str(n).casefold() not in known | wanted for n in found], bool)[codes]
+    is_strange = np.array([str(n).casefold() not in known | wanted for n in classes], bool)[codes]
     findings = rows_finding(
         is_strange,
         "unknown-class",
@@ -136,7 +136,7 @@ def choose_classes(
         np.full(len(label), not is_wanted.any()),
         "no-counted-class",
         f"No row is of a class that counts ({', '.join(counted)}); found "
-        f"{', '.join(sorted(str(name) for name in found))}.",
+        f"{', '.join(sorted(str(name) for name in classes))}.",
         "Name the classes that are pedestrians (--classes).",
         role=options.role,
         place=place,

@@ -1,4 +1,4 @@
-"""Which recording and which frame a file belongs to, told from its name."""
+"""Which recording and which frame a file belongs to, by its name."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from nvcore.inputs.readers.base import ReadOptions, SourceFile
 
 
 def listed_frames(files: Sequence[SourceFile], options: ReadOptions) -> pd.DataFrame:
-    """Recording and frame of each file, told from its name; files without boxes are frames, too.
+    """Recording and frame of each file, from its name; files without boxes are frames, too.
 
     Returns
     -------
@@ -32,15 +32,15 @@ def listed_frames(files: Sequence[SourceFile], options: ReadOptions) -> pd.DataF
     recordings, frames = [], []
     # a loop over files, each of which has a name of its own
     for file in files:
-        found = recording_and_frame_of(file.name, options.recordings)
-        if found is None:
+        place = recording_and_frame_of(file.name, options.recordings)
+        if place is None:
             raise InputError(
                 "expected one file per frame with the frame number at the end of its name, as in "
                 "I00019.txt or 000019.txt; found no number: rename the file or leave it out",
                 file=file.name,
             )
-        recordings.append(found[0])
-        frames.append(found[1])
+        recordings.append(place[0])
+        frames.append(place[1])
     # one known recording and one read: the same one, whatever the folders are called
     if len(options.recordings) == 1 and len(set(recordings)) == 1:
         recordings = list(options.recordings) * len(recordings)
@@ -96,9 +96,9 @@ def recording_of(name: str, known: tuple[str, ...] = ()) -> str:
     """
     path = PurePosixPath(name)
     parts = (*path.parts[:-1], path.stem)
-    found = known_recording(parts, known)
-    if found is not None:
-        return found
+    recording = known_recording(parts, known)
+    if recording is not None:
+        return recording
     for part in reversed(parts):
         if part.lower() not in NEUTRAL and part not in ("", "/", ".", ".."):
             return part
@@ -115,9 +115,9 @@ def known_recording(parts: tuple[str, ...], known: tuple[str, ...]) -> str | Non
     spellings = {name.replace("/", "_"): name for name in known} | {name: name for name in known}
     for end in range(len(parts), 0, -1):
         for start in range(end):
-            found = spellings.get("/".join(parts[start:end]))
-            if found is not None:
-                return found
+            recording = spellings.get("/".join(parts[start:end]))
+            if recording is not None:
+                return recording
     return None
 
 
@@ -151,7 +151,7 @@ def recordings_of(
     InputError
         If two files are of one recording.
     """
-    found, facts = [], []
+    recordings, facts = [], []
     for name, own in zip(names, stated or [None] * len(names), strict=True):
         recording = recording_of(name, known)
         if recording not in known and own is not None:
@@ -159,9 +159,9 @@ def recordings_of(
         elif recording not in known and len(names) == len(known) == 1:
             recording = known[0]
             facts.append(f"the only file taken for the only recording, {recording!r}")
-        found.append(recording)
+        recordings.append(recording)
     first: dict[str, str] = {}
-    for name, recording in zip(names, found, strict=True):
+    for name, recording in zip(names, recordings, strict=True):
         if recording in first:
             raise InputError(
                 f"holds recording {recording!r}, as {first[recording]} does; expected one file "
@@ -170,7 +170,7 @@ def recordings_of(
                 file=name,
             )
         first[recording] = name
-    return found, facts
+    return recordings, facts
 
 
 def recording_and_frame_of(name: str, known: tuple[str, ...] = ()) -> tuple[str, int] | None:
@@ -190,13 +190,13 @@ def recording_and_frame_of(name: str, known: tuple[str, ...] = ()) -> tuple[str,
     ('set06/V000', 19)
     """
     path = PurePosixPath(name)
-    found = _FRAME.match(path.stem)
-    if found is None or len(found["digits"].lstrip("0")) > _MAX_DIGITS:
+    match = _FRAME.match(path.stem)
+    if match is None or len(match["digits"].lstrip("0")) > _MAX_DIGITS:
         return None
-    prefix = found["prefix"].rstrip("_-. ")
+    prefix = match["prefix"].rstrip("_-. ")
     every = (*path.parts[:-1], prefix) if prefix else path.parts[:-1]
     recording = known_recording(every, known)
     if recording is None:
         parts = [*(part for part in path.parts[:-1] if part.lower() not in NEUTRAL), prefix]
         recording = "/".join(part for part in parts if part not in ("", "/", ".", ".."))
-    return recording or "recording", int(found["digits"])
+    return recording or "recording", int(match["digits"])

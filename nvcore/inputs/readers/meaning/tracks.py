@@ -9,7 +9,7 @@ from nvcore.inputs.readers.parse.text import MAX_INTEGER
 from nvcore.schema import NO_TRACK
 
 TEXT_IDS = "track ids that are no whole numbers were numbered by first appearance in the recording"
-"""Conversion to be told where `track_numbers` had to number text."""
+"""What to report as conversion where `track_numbers` had to number text."""
 
 
 def track_numbers(texts: pd.Series, recording: np.ndarray) -> tuple[np.ndarray, bool]:

@@ -56,8 +56,8 @@ def read_json(file: SourceFile) -> object:
     return document
 
 
-def found(value: object) -> str:
-    """What a value of a JSON file is, for an error: short text of it."""
+def short_json(value: object) -> str:
+    """A value of a JSON file as short text, for errors."""
     text = (
         json.dumps(value)
         if value is None or isinstance(value, (bool, dict, list))
@@ -93,12 +93,13 @@ class Records:
         if not isinstance(rows, list):
             where = f'"{key}"' if key else "the file"
             raise FormatError(
-                f"expected {where} to be a list of {what}s, found {found(rows)}", file=file.name
+                f"expected {where} to be a list of {what}s, found {short_json(rows)}",
+                file=file.name,
             )
         self.rows: list[dict[str, object]] = rows
         if not set(map(type, rows)) <= {dict}:
             first = next(i for i, row in enumerate(rows) if not isinstance(row, dict))
-            raise self.error(first, f"expected an object {{...}}, found {found(rows[first])}")
+            raise self.error(first, f"expected an object {{...}}, found {short_json(rows[first])}")
 
     def __len__(self) -> int:
         return len(self.rows)
@@ -167,7 +168,7 @@ class Records:
         if not set(map(type, values)) <= {list}:
             first = next(i for i, value in enumerate(values) if not isinstance(value, list))
             raise self.error(
-                first, f"expected bbox [x, y, width, height], found {found(values[first])}"
+                first, f"expected bbox [x, y, width, height], found {short_json(values[first])}"
             )
         boxes: list[list[object]] = values  # type: ignore[assignment]
         if not set(map(len, boxes)) <= {4}:
@@ -175,13 +176,13 @@ class Records:
             raise self.error(
                 first,
                 f"expected bbox [x, y, width, height], found {len(boxes[first])} values: "
-                f"{found(boxes[first])}",
+                f"{short_json(boxes[first])}",
             )
         flat = list(chain.from_iterable(boxes))
         if not set(map(type, flat)) <= {int, float}:
             first = next(i for i, value in enumerate(flat) if type(value) not in {int, float})
             raise self.error(
-                first // 4, f"expected four numbers as bbox, found {found(boxes[first // 4])}"
+                first // 4, f"expected four numbers as bbox, found {short_json(boxes[first // 4])}"
             )
         return self.to_floats(flat, "bbox").reshape(-1, 4)
 
@@ -190,7 +191,9 @@ class Records:
     ) -> None:
         if not set(map(type, values)) <= allowed:
             first = next(i for i, value in enumerate(values) if type(value) not in allowed)
-            raise self.error(first, f'expected {expected} as "{key}", found {found(values[first])}')
+            raise self.error(
+                first, f'expected {expected} as "{key}", found {short_json(values[first])}'
+            )
 
     def to_floats(self, values: list[object], key: str) -> np.ndarray:
         """Numbers of a field as float64, None as NaN."""

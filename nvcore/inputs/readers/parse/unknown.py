@@ -1,4 +1,4 @@
-"""What a file is that no reader takes: told from its first bytes, for errors that help."""
+"""What kind of file it is that no reader recognises, by its first bytes: for helpful errors."""
 
 from __future__ import annotations
 

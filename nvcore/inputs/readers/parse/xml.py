@@ -96,8 +96,8 @@ class _Collector:
 
 def root_of(head: str) -> str:
     """Name of the outermost element of an XML file, from its beginning; empty if it has none."""
-    found = _ROOT.match(head.removeprefix("\ufeff"))
-    return "" if found is None else found["root"]
+    match = _ROOT.match(head.removeprefix("\ufeff"))
+    return "" if match is None else match["root"]
 
 
 def read_elements(file: SourceFile, *, root: str) -> Iterator[Element]:
