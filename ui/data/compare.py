@@ -71,7 +71,7 @@ def _draw_choice() -> None:
 
 
 def _choose(letter: str) -> None:
-    """X or Y was chosen; chosen for both, the other place gets what was here before."""
+    """X or Y was chosen; the system of the other letter changes places with it."""
     x, y = state.systems()
     chosen = st.session_state[f"choice_{letter}"]
     if letter == "x":
@@ -191,7 +191,7 @@ def _draw_same_point(x: str, y: str) -> None:
 
 
 def _same_point_text(x: str, y: str, moved: str) -> str:
-    """What the thresholds that are in force now give."""
+    """What the thresholds in use now result in."""
     dataset, params = state.opened().dataset, state.params()
     points = {
         "X": _point(dataset, x, params, params.threshold_x),

@@ -1,4 +1,4 @@
-"""Data page: what chosen files turn out to be, told before anything is opened."""
+"""Data page: what chosen files turn out to be, shown before anything is opened."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from nvcore.inputs.session import Source
 from ui.shell.messages import without_paths
 from ui.widgets.text import plain
 
-_KEPT: Final = "data_looks"
+_CHECKS: Final = "file_checks"
 MOST_KEPT: Final = 40
-"""Sources that are remembered, so that files are read once and not at every click."""
+"""Sources that are remembered, so that files are not read again at every click."""
 
 
 _RATE: Final[dict[Role, frozenset[str]]] = {"truth": frozenset({"fps"}), "detections": frozenset()}
@@ -27,7 +27,7 @@ _RATE: Final[dict[Role, frozenset[str]]] = {"truth": frozenset({"fps"}), "detect
 
 @dataclass(frozen=True, eq=False)
 class FileCheck:
-    """What one source holds, read by itself; each look is a thing of its own, also as a key.
+    """What one source holds, read by itself. Compared by identity, so that it can be a key.
 
     Attributes
     ----------
@@ -77,14 +77,14 @@ def check_files(
     truth
         What the ground truth is, for detections.
     """
-    checks: dict[Hashable, FileCheck] = st.session_state.setdefault(_KEPT, {})
+    checks: dict[Hashable, FileCheck] = st.session_state.setdefault(_CHECKS, {})
     known = None if truth is None else truth.reading
-    of_both = (key, None if known is None else truth)  # without a reading it tells nothing
+    of_both = (key, None if known is None else truth)  # without a reading it makes no difference
     check = checks.pop(of_both, None)
     if check is None:
         with st.spinner("Reading the files"):
             check = _check(source, role, folder, known)
-    checks[of_both] = check  # at the end: the longest unused goes first
+    checks[of_both] = check  # moved to the end: the least recently used goes first
     while len(checks) > MOST_KEPT:
         del checks[next(iter(checks))]
     return check
@@ -98,13 +98,13 @@ def _check(
         made = source()
         chosen = find_files(made, folder, role)[1]
         name, title = chosen.name, chosen.title
-        if role == "detections" and known is None:  # some need to know the ground truth
+        if role == "detections" and known is None:  # some formats cannot be read without it
             return FileCheck(format=name, summary=title)
         reading = read_source(made, role=role, folder=folder, size=_size(known), truth=known)
     except MissingFactError as error:
         if not error.facts:
             return FileCheck(trouble=without_paths(error))
-        # what needs the size to be read never holds a frame rate
+        # formats that need the size never hold a frame rate
         return FileCheck(lacking=frozenset(error.facts) | _RATE[role], format=name)
     except NvcoreError as error:
         return FileCheck(trouble=without_paths(error))
@@ -159,7 +159,7 @@ def draw_file_check(check: FileCheck | None, truth: FileCheck | None = None) -> 
 
 
 def unusable(checks: Iterable[tuple[str, FileCheck | None]]) -> str:
-    """What stops an opening, in words; empty: nothing.
+    """Why the files cannot be opened, in words; empty: they can.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Data page: the list of evaluated frames, where only some frames of a recording were looked at."""
+"""Data page: the list of evaluated frames, where only some frames of a recording were annotated."""
 
 from __future__ import annotations
 
@@ -46,14 +46,14 @@ class FrameList:
 
     @property
     def stops(self) -> str:
-        """Why nothing is opened yet; empty: nothing stands against it."""
+        """Why nothing is opened yet; empty: no reason."""
         if not self.trouble:
             return ""
         return "The list of evaluated frames cannot be used: the reason stands at its field."
 
 
 def check_frame_list(path: str, folder: Path) -> FrameList:
-    """Read a list; once for the file as it is.
+    """Read a list, unless it was read before and has not changed since.
 
     Parameters
     ----------

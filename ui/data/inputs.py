@@ -76,7 +76,7 @@ def _inputs(dataset: Dataset) -> pd.DataFrame:
 
 
 def _without_old_name(conversion: str) -> str:
-    """The text without what the file calls the only recording: its name stands in the next table.
+    """The text without the name that the file gives the only recording: the next table has it.
 
     Examples
     --------
@@ -147,7 +147,7 @@ def _draw_pictures(space: Workspace) -> None:
 def picture_choices(
     space: Workspace, session: Session, current: str | None
 ) -> dict[str, str | None]:
-    """What can show a recording: its own pictures and what was sent; paths by label."""
+    """Pictures to choose from for a recording: its own and those that were sent; paths by label."""
     choices: dict[str, str | None] = {}
     if current is not None:
         choices[PurePosixPath(current).name] = current

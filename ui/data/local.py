@@ -122,7 +122,7 @@ def _draw_frame_list(root: LocalRoot, entries: list[Entry], recordings: Sequence
 
 
 def _find(root: LocalRoot, paths: Sequence[str]) -> tuple[dict[str, Path], list[str]]:
-    """Where the paths lead, and what is wrong with those that lead nowhere any more."""
+    """Where the paths lead, and what is wrong with those that no longer exist."""
     places, gone = {}, []
     for path in paths:
         try:
@@ -152,9 +152,9 @@ def _check(
 
 
 def _state_of(root: LocalRoot, files: Sequence[Path]) -> tuple[tuple[str, int, int], ...]:
-    """Changes when a file does: a folder stays as it is when a file in it is mended.
+    """A key that changes when a file does: a folder does not when one in it is edited.
 
-    Read along with them: seqinfo.ini beside MOTChallenge's files or up to two folders above.
+    Includes what is read with them: seqinfo.ini beside MOTChallenge's files or up to two folders above.
     """
     folders = {folder for file in files for folder in file.parents[:3]}
     beside = [folder / "seqinfo.ini" for folder in sorted(folders)]
@@ -162,7 +162,7 @@ def _state_of(root: LocalRoot, files: Sequence[Path]) -> tuple[tuple[str, int, i
     for file in (*files, *(path for path in beside if path.is_relative_to(root.folder))):
         try:
             status = file.stat()
-        except OSError:  # told when it is read
+        except OSError:  # reported when it is read
             continue
         states.append((str(file), status.st_mtime_ns, status.st_size))
     return tuple(states)

@@ -17,7 +17,7 @@ from nvcore.pictures.open import open_pictures
 from ui.data.opening import MISSING_WORDS, trouble_of
 from ui.session.opening import checked_frames
 
-_CHECKS: Final = "picture_looks"
+_CHECKS: Final = "picture_checks"
 MOST_CHECKS: Final = 256
 """Pictures that are remembered: a long video takes time to open."""
 MAX_SIZE_PX: Final = 100_000
@@ -119,10 +119,10 @@ def ask_for_missing(
     pictures
         Pictures of the recordings, whose size and frame rate are proposed.
     lacking
-        What the files are known not to say; what they left open when they were last opened is
-        asked as well.
+        What the files are known not to say; asked as well: what was missing when they were last
+        opened.
     format_name
-        Format of the ground truth, whose usual facts are proposed where pictures tell none.
+        Format of the ground truth, whose usual values are proposed where pictures give none.
     """
     trouble = trouble_of(place)
     asked = st.session_state.setdefault(f"asked_{place}", set())
@@ -184,7 +184,7 @@ def _draw_size(
 
 
 def _is_typed(name: str, proposed: float | None) -> bool:
-    """Whether a person changed what was proposed: that stays, whatever is proposed later."""
+    """Whether a person changed the proposal: what was typed outlasts later proposals."""
     return st.session_state.get(f"{name}_{proposed}") not in (None, proposed)
 
 
@@ -219,12 +219,12 @@ def _draw_rate(place: str, of_pictures: float | None, usual: UsualInputs | None)
 
 
 def forget_missing(place: str) -> None:
-    """Ask nothing from now on, until files leave something open again."""
+    """Ask for nothing until files turn out to be incomplete again."""
     st.session_state.pop(f"asked_{place}", None)
 
 
 def draw_reading(role: Role, key: str, changed: Callable[[], None]) -> dict[str, Any]:
-    """Fields of `nvcore.inputs.session.Source` that hardly ever have to be given."""
+    """Fields of `nvcore.inputs.session.Source` that are rarely needed."""
     titles = {form.title: form.name for form in FORMATS if role in form.roles}
     title = st.selectbox("Format", [AUTOMATIC, *titles], key=f"format_{key}", on_change=changed)
     frame_base = st.selectbox(
@@ -280,9 +280,9 @@ class PictureCheck:
 
 
 def check_pictures(path: Path) -> PictureCheck:
-    """Open pictures to see what they are; once in a session for the file as it is.
+    """Open pictures to see what they are, unless that was done before and the file is the same.
 
-    A folder with trouble is opened again: it stays as it is when a picture in it is mended.
+    A folder with trouble is opened again: it does not change when a picture in it is replaced.
     """
     try:
         status = path.stat()
@@ -292,7 +292,7 @@ def check_pictures(path: Path) -> PictureCheck:
     key = (path, status.st_mtime_ns, status.st_size)
     check = checks.pop(key, None) or _check_pictures(path)
     if not (check.trouble and path.is_dir()):
-        checks[key] = check  # at the end: the longest unused goes first
+        checks[key] = check  # moved to the end: the least recently used goes first
         while len(checks) > MOST_CHECKS:
             del checks[next(iter(checks))]
     return check

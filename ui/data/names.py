@@ -45,7 +45,7 @@ def proposed_names(
 
 
 def draw_name(label: str, proposed: str, *, key: str, changed: Callable[[], None]) -> str:
-    """A field that follows what the files tell until a person types a name."""
+    """A field that shows the proposed name until a person types another."""
     last_proposal = f"told_{key}"
     if st.session_state.get(key, "") in ("", st.session_state.get(last_proposal, "")):
         st.session_state[key] = proposed
@@ -71,7 +71,7 @@ def draw_recording(
     place: str,
     changed: Callable[[], None],
 ) -> str:
-    """The field for the name of the only recording; empty where there is not a single one.
+    """The field for the name of the only recording; empty where there are none or several.
 
     Where its file is only called ``gt`` or the like, the pictures propose the name.
     """
@@ -86,7 +86,7 @@ def draw_recording(
 
 
 def with_recording_name(session: Session, recordings: Sequence[str], name: str) -> Session:
-    """The session that calls the only recording so."""
+    """The session with this name for its only recording."""
     if len(recordings) != 1 or not name or name == recordings[0]:
         return session
     facts = next(iter(session.recordings), RecordingFacts(name))

@@ -26,7 +26,7 @@ MISSING_WORDS: Final = {
     "fps": "the frame rate",
     "frames": "which frames are evaluated",
 }
-"""Facts of `MissingFactError` in words."""
+"""What `MissingFactError` says is missing, in words."""
 _TO_TOP = st.components.v2.component(
     "nvcore_to_top",
     js="""
@@ -35,12 +35,12 @@ _TO_TOP = st.components.v2.component(
     }
     """,
 )
-"""Shows the top of the page: whoever opens something is far below it."""
+"""Scrolls to the top of the page: the buttons that open something are far below."""
 
 
 @dataclass(frozen=True)
 class Trouble:
-    """Why something could not be opened, what it was called, and which facts would help."""
+    """Why something could not be opened, what it was called, and which inputs are missing."""
 
     text: str
     label: str
@@ -69,7 +69,7 @@ def try_to_open(
         trouble = Trouble(_question(error.facts) or without_paths(error), label, error.facts)
     except NvcoreError as error:
         trouble = Trouble(without_paths(error), label)
-    # only reached when it failed: what opens starts the run again
+    # only reached when it failed: opening something starts the run again
     st.session_state[_key(place)] = trouble
     st.rerun()
 

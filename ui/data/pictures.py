@@ -1,4 +1,4 @@
-"""Data page: pictures that cannot be used are told at their field, and never left out silently."""
+"""Data page: pictures that cannot be used are listed at their field, never dropped silently."""
 
 from __future__ import annotations
 

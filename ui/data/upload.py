@@ -42,7 +42,7 @@ FILES_HELP: Final = (
 
 @dataclass(frozen=True)
 class _Chosen:
-    """What the form says of one source, and where on the page more is said of it."""
+    """What the form says of one source, and the places on the page for more about it."""
 
     title: str
     slot: str
@@ -53,7 +53,7 @@ class _Chosen:
 
     @property
     def ids(self) -> tuple[str, ...]:
-        """Stand for the content of the files."""
+        """Identify the content of the files."""
         return tuple(file.file_id for file in self.files)
 
 
@@ -79,7 +79,7 @@ class _Stored:
         return Source(path=self.paths[chosen.slot], **chosen.reading)
 
     def known_paths(self, chosen: _Chosen) -> list[str]:
-        """Paths as the sender knows them: what is put before them here is left out."""
+        """Paths as the sender knows them, without the folders that are added here."""
         n_own = 1 + len(ANNOTATION_FOLDERS.parts)
         return ["/".join(path.split("/")[n_own:]) for path in self.paths.get(chosen.slot, ())]
 
@@ -106,7 +106,7 @@ def draw() -> None:
         "Files stay on this server only while this browser tab is open; nobody else sees them."
     )
     truth, systems, listed = _draw_truth(), _draw_systems(), _draw_frame_list()
-    with st.container():  # for spinners: what comes below keeps its place, and its uploads
+    with st.container():  # spinners go here: what comes below keeps its place, and its uploads
         stored = _store(space, [truth, *systems, listed])
         truth_check = _check(stored, truth, None)
         checks = [_check(stored, system, truth_check) for system in systems]

@@ -21,7 +21,7 @@ SIDES: Final = ("left", "top", "right", "bottom")
 
 
 def choose(dataset: Dataset) -> Protocol:
-    """The chosen protocol, with what its filters leave out told below."""
+    """The chosen protocol; below the fields, what its filters leave out."""
     start = _start()
     left, middle, right = st.columns([1, 1, 1], vertical_alignment="top")
     name = left.selectbox(
@@ -98,7 +98,7 @@ def _start() -> Protocol:
 
 
 def filtered(dataset: Dataset, protocol: Protocol) -> FilteredTruth:
-    """The ground truth under a protocol, kept while it is shown."""
+    """The ground truth under a protocol, cached while it is shown."""
     return state.workspace().cached(
         "protocol_truth", protocol, lambda: filter_truth(dataset, protocol), most=2
     )

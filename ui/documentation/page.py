@@ -1,4 +1,4 @@
-"""Metrics page: the pages of the documentation, with links that work inside the app."""
+"""Documentation page: the pages of the documentation, with links that work inside the app."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ _HEADING: Final = re.compile(r"(#{1,6}) +(.*)")
 _LINK: Final = re.compile(r"\[((?:[^\]\[]|\[[^\]]*\])*)\]\(([^)\s]+)\)")
 _CODE: Final = re.compile(r"(`+)(?:.*?[^`])?\1(?!`)", re.DOTALL)
 _FENCE: Final = "```"
-# A browser goes to the section of the address once, when its heading comes; on a slow machine more
-# comes above it later. Until the reader does something the heading is kept in sight.
+# A browser scrolls to the section in the address once, when its heading appears; on a slow machine
+# more appears above it later. So the heading is kept in sight until the reader does something.
 _KEEP_IN_SIGHT: Final = """
 const PATIENCE_MS = 10000;
 let done = null;

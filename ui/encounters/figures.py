@@ -21,7 +21,7 @@ from ui.widgets.text import UNDEFINED, docs_link
 
 TABLE_PX: Final = 800
 MANY_BOXES: Final = 300_000
-"""Boxes of all sources from which a fusion takes so long that it waits to be asked for."""
+"""Boxes of all sources from which on a fusion is computed only on request."""
 
 
 def draw_classes(result: Result, encounters: pd.DataFrame) -> None:

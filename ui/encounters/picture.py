@@ -22,7 +22,7 @@ ASPECT: Final = 1.6
 
 
 def draw(result: Result, encounter: int, row: int) -> None:
-    """The part of a frame around the pedestrian; without pictures the boxes stand on a blank.
+    """The part of a frame around the pedestrian; without pictures, the boxes on a blank.
 
     Parameters
     ----------

@@ -79,7 +79,7 @@ def _draw_table(encounters: pd.DataFrame) -> None:
         persist_state="session",
         help="Also lag, gap, tail, frames, pose and more, to the right.",
     )
-    # other rows, other table: a selection must not slip to another pedestrian
+    # a key for these rows: a selection must not move to another pedestrian
     key = f"encounters_table_{hash(tuple(shown.index))}"
     st.dataframe(
         shown,

@@ -94,7 +94,7 @@ def numbers_of(result: Result, recording: int) -> np.ndarray:
 
 
 def nearest_row(numbers: np.ndarray, wanted: int, row: int) -> int:
-    """Row of the evaluated frame for a number, one further at least: steps must not stick.
+    """Row of the evaluated frame for a number, one further at least: a step always moves.
 
     Examples
     --------

@@ -85,7 +85,7 @@ def draw(result: Result) -> None:
 
 
 def _ask_for_map(result: Result, job: FileJob | None) -> bool | None:
-    """Whether with the stability maps; None where so few frames are there that they always are."""
+    """Whether with the stability maps; None where there are so few frames that they always are."""
     if len(result.dataset.frames) <= AT_ONCE:
         return None
     if job is not None:

@@ -14,7 +14,7 @@ from ui.session import state
 PLACES: Final = {"timeline": "Timeline, at the current frame", "": "Overview"}
 PAGE: Final = "export"
 NO_STATE: Final = ("doc", "category")
-"""What pages keep in their address that is of no use elsewhere."""
+"""Entries of the address that are of no use on other pages."""
 
 COMPLETE: Final = (
     "It opens the sample recordings with these parameters, for everybody who can open this app."

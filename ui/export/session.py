@@ -1,8 +1,8 @@
-"""The session and the findings as they may leave the machine: no path of it is in them.
+"""The session and the findings as they may leave the machine: without its paths.
 
 A session is written with paths that start beside the file. Where the inputs lie in folders of
-their owner (the sample, the local root) those are kept. Uploads lie in a temporary folder: of
-them the bare file names are written, as their sender knows them.
+their owner (the sample, the local root) those are kept. Uploads lie in a temporary folder: they
+are written as bare file names, as their sender knows them.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from ui.session.workspace import PICTURES
 BESIDE: Final = Path()
 """Folder of a session that is written with relative paths."""
 OWN_FOLDER: Final = "data"
-"""Folder for files that need one; the readers take no recording's name from it."""
+"""Folder for files that need one; the readers name no recording after it."""
 
 AnySource = TypeVar("AnySource", Source, SystemSource)
 

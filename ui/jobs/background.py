@@ -16,18 +16,18 @@ from nvcore.errors import NvcoreError
 from ui.session.workspace import Workspace
 
 MOST_AT_ONCE: Final = 2
-"""Jobs that all sessions together run at a time; further ones wait."""
+"""Jobs of all sessions together that run at a time; further ones wait."""
 WAIT_S: Final = 0.2
 
 Output = TypeVar("Output")
 Progress = Callable[[float], bool]
-"""Told the share that is done; says whether to go on."""
+"""Called with the share that is done; returns whether to go on."""
 
 _slots = threading.BoundedSemaphore(MOST_AT_ONCE)
 
 
 def while_open(space: Workspace) -> Callable[[], bool]:
-    """Whether the session still has open what it has open now, for `BackgroundJob`.
+    """A function for `BackgroundJob`: whether the session still has open what it has open now.
 
     It does not hold the workspace: a thread that did would keep the session's files alive.
     """
@@ -68,7 +68,7 @@ class BackgroundJob:
     Attributes
     ----------
     key
-        What it is made from, for a page to compare with what it shows; None: it does not matter.
+        What it is made from, so that a page can tell whether it fits; None: it does not matter.
     share
         What is done, 0..1.
     error

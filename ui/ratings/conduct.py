@@ -21,7 +21,7 @@ RESULTS: Final = "Results"
 SESSION: Final = "Rating session"
 PART: Final = "ratings_part"
 NEWS_S: Final = 5.0
-"""How often the progress is looked up."""
+"""Interval at which the progress is updated, seconds."""
 
 
 def choose_part() -> str:

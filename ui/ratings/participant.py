@@ -19,7 +19,7 @@ from ui.widgets.text import plain
 from ui.widgets.viewer import n_plays_in, viewer
 
 ENDS: Final = ("not annoying at all", "very annoying")
-"""Of the scale (paper, figure 9)."""
+"""Ends of the scale, as in figure 9 of the paper."""
 HEIGHT_PX: Final = 640
 WAITING: Final = "rating_waiting"
 KNOWN: Final = "rating_known_name"

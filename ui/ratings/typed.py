@@ -33,7 +33,7 @@ def typed(result: Result) -> pd.DataFrame | None:
     """
     _ask_for_rows(result)
     token = state.workspace().token
-    if st.session_state.setdefault(DRAWN_OF, token) != token:  # taken back after a reload
+    if st.session_state.setdefault(DRAWN_OF, token) != token:  # restored after a reload
         st.session_state[DRAWN_OF] = token
         _draw_anew()
     key = f"{EDITOR}_{st.session_state.setdefault(DRAWN, 0)}"

@@ -1,4 +1,4 @@
-"""What the address of a page asks for, checked before anything believes it."""
+"""What the address of a page asks for, checked before it is used."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Closes a workspace some time after its browser has gone.
 
 Streamlit lets go of a session whose browser stays away for two minutes, but only when the next
-visitor comes: until then the uploads would lie about.
+visitor comes: until then the uploads would stay on disk.
 """
 
 from __future__ import annotations
@@ -86,7 +86,7 @@ def sweep(now_s: float) -> None:
             entry.seen_s = now_s
         elif what is None or now_s - entry.seen_s > GRACE_S:
             with _lock:
-                _watched.remove(entry)  # first: what cannot be closed is not tried for ever
+                _watched.remove(entry)  # first: what cannot be closed is not tried again
                 is_last = not any(other.what() is what for other in _watched)
             if is_last:  # another session may have taken it over
                 _close(what)
@@ -96,7 +96,7 @@ def _close(what: Closable | None) -> None:
     try:
         if what is not None:
             what.close()
-    except OSError as error:  # one must not keep the others from being closed
+    except OSError as error:  # the others are closed all the same
         _LOG.warning("what a session left could not be removed: %s", error)
 
 

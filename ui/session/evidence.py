@@ -33,7 +33,7 @@ def miss_rate_evidence(result: Result) -> Evidence:
 
 
 def _cached_miss_rate(result: Result, units: Units) -> Evidence:
-    """No slider but those of matching changes it, unless it changes the blocks of time."""
+    """Depends on the settings of matching alone, and on the blocks of time."""
     protocol = state.protocol()
     key = (
         result.x.name,

@@ -32,7 +32,7 @@ _NAME: Final = re.compile(r"[0-9a-f]{16}")
 """Names of the folders made here."""
 
 _held: list[FileLock] = []
-"""Locks of this process; the system lets go of them when it ends, however it ends."""
+"""Locks of this process; the system releases them when it ends, however it ends."""
 
 
 def new_folder() -> Path:

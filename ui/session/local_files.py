@@ -38,7 +38,7 @@ class Entry:
 
 
 class LocalRoot:
-    """The folder that may be looked at; nothing outside, links followed, is told or read."""
+    """The folder that may be looked at; nothing outside, links followed, is revealed or read."""
 
     def __init__(self, folder: Path):
         """Take the folder.

@@ -89,7 +89,7 @@ def uploaded_session(content: bytes, folder: Path, files: Sequence[str], picture
     try:
         session = read_session(place)
     finally:
-        place.unlink()  # what it says is in the session; it would be of no upload's size
+        place.unlink()  # it is read; no upload accounts for its size
     sent = _Sent(folder, files)
     frames = None if session.frames is None else sent.frames(session.frames)
     return replace(
@@ -181,10 +181,10 @@ def check_confined(session: Session, root: Path) -> None:
     real_root = os.path.realpath(root)
     for text in session.paths():
         path = session.folder / text
-        # os.path: Path.exists refuses names that are too long; that is told when they are opened
+        # os.path: Path.exists raises for names that are too long; they are refused when opened
         if glob.has_magic(text) and not os.path.exists(path):  # noqa: PTH110
             start = Path(*_before_magic(path.parts))
-            # looked at first: matching a pattern outside would already tell what is there
+            # checked first: matching a pattern outside would already reveal what is there
             is_inside = Path(os.path.realpath(start)).is_relative_to(real_root) and all(
                 is_below(session.folder / name, root)
                 for name in glob.glob(text, root_dir=session.folder, recursive=True)  # noqa: PTH207
@@ -247,7 +247,7 @@ def with_recordings(
     """
     facts = {recording.name: recording for recording in session.recordings}
     if len(names) == len(facts) == 1 and names[0] not in facts:
-        # the only one's facts count whatever name they have
+        # with a single recording its name does not matter
         facts = {names[0]: replace(session.recordings[0], name=names[0])}
     for name, change in changes.items():
         facts[name] = replace(facts.get(name, RecordingFacts(name)), **change)  # type: ignore[arg-type]

@@ -78,7 +78,7 @@ async def boxes(request: Request) -> Response:
     start = begin + chunk * ROWS_PER_CHUNK
     if start >= end:
         return _not_found("there are no such frames")
-    # boxes of a newer analysis than the address says are shown, but not kept under that address
+    # boxes of a newer result than the address says are shown, but not cached under that address
     kept = KEPT if request.query_params.get("v") == compared.version else NOT_KEPT
     content = await run_in_threadpool(pack_boxes, result, start, min(start + ROWS_PER_CHUNK, end))
     return Response(content, media_type="application/octet-stream", headers=_headers(kept))

@@ -34,14 +34,14 @@ MAX_SESSION_BYTES: Final = 8 << 30
 """All uploads of one session."""
 MAX_FILES: Final = 100_000
 SPARE_BYTES: Final = 1 << 30
-"""What has to stay free on the disk."""
+"""Space that has to stay free on the disk."""
 MAX_UNPACKED_BYTES: Final = 2 << 30
 """All annotations in one archive."""
 MAX_NAME_BYTES: Final = 120
 WRITE_BYTES: Final = 1 << 20
 HEAD_BYTES: Final = 400
 
-# the readers take these folder names for no recording's (nvcore.readers.naming)
+# the readers name no recording after these folders (nvcore.inputs.readers.meaning.names)
 ANNOTATION_FOLDERS: Final = PurePosixPath("annotations", "data")
 
 
@@ -62,7 +62,7 @@ _UNSAFE = re.compile(r'[<>:"/\\|?*\x00-\x1f\x7f]')
 
 
 class UploadError(NvcoreError):
-    """A file is not taken.
+    """A file is refused.
 
     Parameters
     ----------

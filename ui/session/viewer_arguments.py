@@ -1,4 +1,4 @@
-"""What the viewer needs of a recording, whatever it is shown for."""
+"""What the viewer needs to know of a recording, on whichever page."""
 
 from __future__ import annotations
 

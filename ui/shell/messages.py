@@ -108,7 +108,7 @@ def _folders() -> list[Path]:
     folders = [state.ROOT]
     try:
         root = local_files.local_root()
-    except NvcoreError:  # told where files are chosen
+    except NvcoreError:  # reported where files are chosen
         root = None
     if root is not None:
         folders.append(root.folder)
@@ -124,7 +124,7 @@ _LOG = logging.getLogger("nvcore.ui")
 
 
 def error_banner(error: Exception) -> bool:
-    """Tell what is wrong with the data, or that the program is; True: Streamlit adds nothing.
+    """Say what is wrong with the data, or that the program is at fault; True: handled.
 
     Parts of a page that run again by themselves, and what buttons call, end here; the page as a
     whole has its own place for errors in the data.

@@ -26,7 +26,7 @@ def draw_all(result: Result) -> None:
         state.settle(state.recording(), settled)
     cursor = state.row_in_all()
     left, right = st.columns([3, 1], gap="medium")
-    with st.container():  # first: while a slider moves one waits for the plot
+    with st.container():  # first: while a slider moves, the plot is what people wait for
         _draw_plot(result, cursor)
     with left:
         viewer.draw(result)

@@ -13,7 +13,7 @@ def clicked_point(key: str) -> tuple[Any, int] | None:
     if not points or "customdata" not in points[0]:
         return None
     value = points[0]["customdata"]
-    # Plotly hands a single value on as it is or as a list of one
+    # Plotly passes a single value as it is or in a list
     return (value[0] if isinstance(value, list) else value), int(points[0]["curve_number"])
 
 

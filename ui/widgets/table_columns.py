@@ -100,7 +100,7 @@ def measures_as_text(rows: Sequence[ScoreRow]) -> pd.DataFrame:
 
 
 def rows_told(n_rows: int, which: str) -> str:
-    """What is said under a table of which not all rows are listed; empty if all are.
+    """A note for a table that does not list all rows; empty if it does.
 
     Parameters
     ----------

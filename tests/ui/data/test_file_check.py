@@ -22,15 +22,15 @@ TRUTH = ("frame,x,y,w,h", "1,2,3,40,90", "2,2,3,40,90")
 
 
 @pytest.fixture
-def look(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], FileCheck]:
-    """Looks at one file of ground truth under a key, with nothing remembered before."""
+def check(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], FileCheck]:
+    """Checks one file of ground truth under a key, with nothing remembered before."""
     monkeypatch.setattr(file_check.st, "session_state", {})
     write(tmp_path / "t.csv", *TRUTH)
     return lambda key: check_files(key, lambda: Source(("t.csv",)), role="truth", folder=tmp_path)
 
 
-def test_the_boxes_of_a_look_are_let_go_of(
-    look: Callable[[str], FileCheck], monkeypatch: pytest.MonkeyPatch
+def test_the_boxes_of_a_checked_file_are_not_kept(
+    check: Callable[[str], FileCheck], monkeypatch: pytest.MonkeyPatch
 ):
     tables: list[weakref.ref[np.ndarray]] = []
 
@@ -45,21 +45,21 @@ def test_the_boxes_of_a_look_are_let_go_of(
         return Reading(boxes, found.recordings, "", annotated=annotated)
 
     monkeypatch.setattr(file_check, "read_source", read)
-    found = look("mine")
+    found = check("mine")
     gc.collect()
-    assert found.told.startswith("plain CSV: 1,000 boxes")
+    assert found.summary.startswith("plain CSV: 1,000 boxes")
     assert len(tables) == 1
     assert tables[0]() is None
     assert found.reading is not None
     assert found.reading.annotated is None
 
 
-def test_the_look_that_was_not_used_for_longest_goes_first(
-    look: Callable[[str], FileCheck], monkeypatch: pytest.MonkeyPatch
+def test_the_least_recently_used_check_goes_first(
+    check: Callable[[str], FileCheck], monkeypatch: pytest.MonkeyPatch
 ):
     monkeypatch.setattr(file_check, "MOST_KEPT", 2)
-    truth, first = look("truth"), look("first")
-    assert look("truth") is truth
-    look("second")
-    assert look("truth") is truth
-    assert look("first") is not first
+    truth, first = check("truth"), check("first")
+    assert check("truth") is truth
+    check("second")
+    assert check("truth") is truth
+    assert check("first") is not first

@@ -52,7 +52,7 @@ def test_a_time_offset_found_is_applied_with_one_click(tmp_path: Path):
     assert "3 frames too late" in texts(page)
     keys = [b.key for b in page.button if (b.key or "").startswith("apply_")]
     press(page, keys[0])
-    assert space_of(page).session.systems[1].offset_frames == -3
+    assert space_of(page).opened.session.systems[1].offset_frames == -3
     assert "frames too late" not in texts(page)
 
 

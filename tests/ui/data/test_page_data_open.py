@@ -244,7 +244,7 @@ def test_a_local_list_of_evaluated_frames_is_followed(
     assert "Read as 3 frames, 0 to 9." in texts(page)
     answer(page, "local", width=640, height=480, fps=20.0)
     press(page, "open_local")
-    assert space_of(page).dataset.frames["frame"].tolist() == [0, 3, 9]
+    assert space_of(page).opened.dataset.frames["frame"].tolist() == [0, 3, 9]
 
 
 def test_a_local_list_of_frames_that_goes_stops_the_opening(

@@ -58,7 +58,7 @@ def test_a_fact_that_the_files_hold_is_not_asked_for(tmp_path: Path):
     assert page.error == []
     assert page.warning == [] or "Frames per second" not in texts(page)
     assert page.table[1].value["Recording"].tolist() == ["A", "B"]
-    assert space_of(page).dataset.systems == ("one", "<b>two</b>")
+    assert space_of(page).opened.dataset.systems == ("one", "<b>two</b>")
 
 
 def test_hostile_names_are_shown_as_text(tmp_path: Path):
@@ -218,7 +218,7 @@ def test_names_that_are_typed_name_systems_and_recording():
     page.text_input(key="recording_name_upload").set_value("crossing")
     answer(page, width=1242, height=375, fps=10.0)
     press(page, "open_upload")
-    assert space_of(page).dataset.systems == ("RRC", "PointRCNN")
+    assert space_of(page).opened.dataset.systems == ("RRC", "PointRCNN")
     assert page.table[1].value["Recording"].tolist() == ["crossing"]
 
 
@@ -375,5 +375,5 @@ def test_what_was_read_does_not_call_the_recording_by_its_old_name():
     page.text_input(key="recording_name_upload").set_value("crossing")
     press(page, "open_upload")
     told = [text.replace("\\", "") for text in page.table[0].value["Read as"]]
-    assert space_of(page).dataset.recordings["name"].tolist() == ["crossing"]
+    assert space_of(page).opened.dataset.recordings["name"].tolist() == ["crossing"]
     assert not any("0016" in text for text in told)
