@@ -1,24 +1,37 @@
-"""Steps of a long computation: side by side, with progress, and stopped on a wish."""
+"""How far a long computation is: the one callback for it, and steps that run side by side."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, wait
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from typing import Final, TypeVar
 
 T = TypeVar("T")
-Progress = Callable[[int, int], None]
-"""Told how many of how many steps are done."""
+Progress = Callable[[float, str], None]
+"""Called with the share that is done, 0..1, and in a few words what comes next.
+
+It may raise `concurrent.futures.CancelledError`: the work then ends and leaves nothing.
+"""
 
 POLL_S: Final = 0.05
-"""How long a wish to stop may go unheard while other threads work."""
+"""Poll interval for cancellation while other threads work, seconds."""
+
+
+def no_progress(_share: float, _what: str) -> None:
+    """A `Progress` that nobody looks at."""
+
+
+def part_of(progress: Progress, start: float, end: float) -> Progress:
+    """Progress of a part of the work, from one share of the whole to another."""
+
+    def tell(share: float, what: str) -> None:
+        progress(start + (end - start) * share, what)
+
+    return tell
 
 
 def run_steps(
-    jobs: Sequence[Callable[[], T]],
-    executor: Executor | None,
-    progress: Progress | None,
-    is_cancelled: Callable[[], bool] | None,
+    jobs: Sequence[Callable[[], T]], executor: Executor | None, progress: Progress, what: str
 ) -> list[T]:
     """Results of all jobs, in their order.
 
@@ -27,37 +40,28 @@ def run_steps(
     executor
         Runs the jobs; None: this thread, one after the other.
     progress
-        Called from this thread, after each job.
-    is_cancelled
-        Asked between jobs. Those under way in other threads end by themselves, the others are
-        taken back.
-
-    Raises
-    ------
-    concurrent.futures.CancelledError
-        If `is_cancelled` said so.
+        Called from this thread before each job and at the end, and now and then while other
+        threads work. If it raises, jobs under way in other threads end by themselves, the others
+        are never begun.
+    what
+        For `progress`.
     """
-    tell = progress or (lambda _done, _total: None)
-    stop = is_cancelled or (lambda: False)
     if executor is None:
         results: list[T] = []
         for job in jobs:
-            if stop():
-                raise CancelledError
+            progress(len(results) / len(jobs), what)
             results.append(job())
-            tell(len(results), len(jobs))
+        progress(1.0, what)
         return results
     futures: list[Future[T]] = [executor.submit(job) for job in jobs]
-    pending, n_done = set(futures), 0
+    pending = set(futures)
     try:
         while pending:
-            if stop():
-                raise CancelledError
+            progress((len(jobs) - len(pending)) / len(jobs), what)
             done, pending = wait(pending, POLL_S, FIRST_COMPLETED)
             for future in done:
-                future.result()  # an error ends the map here
-                n_done += 1
-                tell(n_done, len(jobs))
+                future.result()  # an error ends the work here
+        progress(1.0, what)
     finally:
         for future in pending:
             future.cancel()

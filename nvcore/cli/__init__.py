@@ -75,7 +75,12 @@ class _Steps:
             self.bar.finish()
             self.bar.__exit__(None, None, None)
 
-    def __call__(self, label: str) -> None:
+    def __call__(self, _share: float, what: str) -> None:
+        """Progress of a part of the steps: one of them begins."""
+        self.begin(what)
+
+    def begin(self, label: str) -> None:
+        """Go on to the next step."""
         is_late = time.monotonic() - self.started > self.PATIENCE_S
         if self.bar is None and is_late and sys.stderr.isatty():
             self.bar = click.progressbar(length=self.n_steps, file=sys.stderr, width=24)
@@ -133,11 +138,11 @@ def compare(out: Path | None, as_json: bool, strict: bool, **options: Any) -> No
     n_steps = 6 + len(session.systems) + (10 if out is not None else 0)
     with pasteable_errors(session.folder, sources), _Steps(n_steps) as steps:
         dataset = load(session, progress=steps)
-        steps("auditing the inputs")
+        steps.begin("auditing the inputs")
         findings = audit(dataset)
-        steps("analysing")
+        steps.begin("analysing")
         result = compare(dataset)
-        steps("what fusion would do")
+        steps.begin("what fusion would do")
         text = (
             summary_json(result)
             if as_json
@@ -193,7 +198,7 @@ def check(strict: bool, **options: Any) -> None:
     sources = sources_of(session)
     with pasteable_errors(session.folder, sources), _Steps(4 + len(session.systems)) as steps:
         dataset = load(session, progress=steps)
-        steps("auditing the inputs")
+        steps.begin("auditing the inputs")
         findings = audit(dataset)
     shown = paths_to_show(session.folder, sources)
     click.echo(render_dataset(_for_terminal(dataset, shown)))
@@ -212,7 +217,7 @@ def sample(folder: Path) -> None:
     """Generate the sample recordings again, into FOLDER (default: sample_data)."""
     from nvcore.sample import generate
 
-    def tell(name: str, share: float) -> None:
+    def tell(share: float, name: str) -> None:
         if name:
             click.echo(f"{share:4.0%} {name}", err=True)
 

@@ -21,6 +21,7 @@ from nvcore.cli.options import (
     sources_of,
 )
 from nvcore.cli.steps import compare_session, exit_on_findings, refuse_to_replace
+from nvcore.progress import Progress
 from nvcore.wording import one_line
 
 REPORT = "Report"
@@ -68,23 +69,24 @@ def report(stability: bool | None, out: Path, strict: bool, **options: Any) -> N
     session = session_from(options, needs_y=True)
     refuse_to_replace([out], files_read(session))
     sources = sources_of(session)
+    progress = _terminal_progress()
     with pasteable_errors(session.folder, sources):
-        result, findings = compare_session(session, progress=_show)
-        write_html_report(
-            result, session, findings, out, stability=stability, progress=_goes_on
-        )  # fmt: skip
+        result, findings = compare_session(session, progress=progress)
+        write_html_report(result, session, findings, out, stability=stability, progress=progress)
     shown = paths_to_show(session.folder, sources)
     click.echo(render_findings(findings_at_paths(findings, shown)))
     click.echo(one_line(f"written to {out}"), err=True)
     exit_on_findings(findings, strict)
 
 
-def _goes_on(_share: float, what: str) -> bool:
-    _show(what)
-    return True
+def _terminal_progress() -> Progress:
+    """Names on a terminal what is being done, each thing once."""
+    shown = ""
 
+    def show(_share: float, what: str) -> None:
+        nonlocal shown
+        if what != shown and sys.stderr.isatty():
+            click.echo(one_line(what), err=True)
+        shown = what
 
-def _show(what: str) -> None:
-    """What is being done, on a terminal."""
-    if sys.stderr.isatty():
-        click.echo(one_line(what), err=True)
+    return show

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from nvcore.inputs.session import Session
+from nvcore.progress import Progress, no_progress
 from nvcore.wording import one_line
 
 if TYPE_CHECKING:
@@ -38,14 +39,14 @@ def refuse_to_replace(outputs: Iterable[Path], inputs: Iterable[Path]) -> None:
 
 
 def compare_session(
-    session: Session, *, progress: Callable[[str], None] | None = None
+    session: Session, *, progress: Progress = no_progress
 ) -> tuple[Result, tuple[Finding, ...]]:
     """The comparison that a session asks for, and what the audit found.
 
     Parameters
     ----------
     progress
-        Told what is being read.
+        Of the reading.
     """
     from nvcore.auditing import audit
     from nvcore.comparison import compare

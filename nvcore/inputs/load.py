@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
@@ -32,9 +32,7 @@ from nvcore.inputs.readers.table import FORMAT as TABLE
 from nvcore.inputs.readers.table import read_table, table_as_file
 from nvcore.inputs.recordings import NO_BOX, contradicted_facts, describe_recordings
 from nvcore.inputs.session import Session, Source, SystemSource
-
-Progress = Callable[[str], None]
-"""Told what is being done next, in a few words."""
+from nvcore.progress import Progress, no_progress
 
 
 @dataclass(frozen=True)
@@ -52,7 +50,7 @@ def load(
     session: Session,
     *,
     tables: Mapping[Source, pd.DataFrame] | None = None,
-    progress: Progress | None = None,
+    progress: Progress = no_progress,
 ) -> Dataset:
     """Read everything that a session names.
 
@@ -72,8 +70,8 @@ def load(
     MissingFactError
         If image size, frame rate or truth are needed and unknown; with the flag to give.
     """
-    tell = progress or (lambda _: None)
-    tell("reading the ground truth")
+    n_steps = 2 + len(session.systems)
+    progress(0.0, "reading the ground truth")
     tables = tables or {}
     truth = _read(session, session.truth, "truth", "truth", None, tables.get(session.truth))
     names = truth.reading.recordings["name"].tolist()
@@ -83,11 +81,11 @@ def load(
         name = source.name or by_path
         while name in {other.subject for other in loaded}:
             name += " (2)"
-        tell(f"reading {name}")
+        progress(len(loaded) / n_steps, f"reading {name}")
         table = tables.get(source)
         system = _read(session, source, name, "detections", truth.reading, table)
         loaded.append(_corrected(system, source))
-    tell("placing boxes in frames")
+    progress(len(loaded) / n_steps, "placing boxes in frames")
     return _place(session, _named_by_session(session, loaded))
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from fractions import Fraction
 from pathlib import Path
 from typing import Final
@@ -18,6 +18,7 @@ from nvcore.overlay.annotate import annotate, provenance
 from nvcore.overlay.draw import BLANK_RGB, Canvas
 from nvcore.pictures.base import Pictures
 from nvcore.pictures.index import picture_index
+from nvcore.progress import Progress, no_progress
 from nvcore.wording import one_line
 
 _QUALITY: Final = "23"
@@ -35,14 +36,14 @@ def write_video(
     path: Path,
     *,
     fps: float,
-    progress: Callable[[float], bool] | None = None,
+    progress: Progress = no_progress,
     first_picture: int | None = None,
     indices: NDArray[np.int64] | None = None,
     lo: float = 0.0,
     hi: float = 100.0,
     labels: bool = False,
-) -> bool:
-    """Write frames ``row_start:row_stop`` with boxes and captions; whether it was finished.
+) -> None:
+    """Write frames ``row_start:row_stop`` with boxes and captions.
 
     Version, fingerprint and settings are in the container's metadata (title, comment).
 
@@ -59,7 +60,7 @@ def write_video(
     fps
         Frames per second of the video, 0.1..240.
     progress
-        Called after every frame with the share that is done, 0..1; returns False to stop.
+        Called after every frame.
     indices
         Picture of every frame of the recording, -1 none, as `nvcore.pictures.picture_index` gives
         it; None: by that function, with `first_picture`.
@@ -116,9 +117,7 @@ def write_video(
                     rest = np.full((height - len(shown), width, 3), BLANK_RGB, np.uint8)
                     shown = np.concatenate([shown, rest])
                 container.mux(stream.encode(av.VideoFrame.from_ndarray(shown, format="rgb24")))
-                share = (row + 1 - row_start) / (row_stop - row_start)
-                if progress is not None and not progress(share):
-                    return False
+                progress((row + 1 - row_start) / (row_stop - row_start), "frames")
             container.mux(stream.encode(None))
         is_done = True
     except (av.error.FFmpegError, OSError) as error:
@@ -129,4 +128,3 @@ def write_video(
     finally:
         if not is_done and path.is_file():
             path.unlink()
-    return True

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import json
 import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -25,6 +25,7 @@ from nvcore.inputs.load import source_hashes
 from nvcore.inputs.readers.table import FORMAT as TABLE
 from nvcore.inputs.session import Session
 from nvcore.inputs.session_toml import write_session
+from nvcore.progress import Progress, no_progress
 from nvcore.settings import Settings
 from nvcore.tables.result import (
     encounters_table,
@@ -83,13 +84,23 @@ def summary_json(result: Result) -> str:
     return json.dumps(summary(result), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
+def _written(
+    result: Result, session: Settings, findings: tuple[Finding, ...], progress: Progress
+) -> Iterator[tuple[str, bytes]]:
+    """Names and contents of the files of a report, one after the other."""
+    files = export_files(result, session, findings)
+    for done, (name, make) in enumerate(files.items()):
+        progress(done / len(files), f"writing {name}")
+        yield name, make()
+
+
 def write_report(
     result: Result,
     session: Settings,
     folder: Path,
     findings: tuple[Finding, ...] = (),
     *,
-    progress: Callable[[str], None] | None = None,
+    progress: Progress = no_progress,
 ) -> None:
     """Write all files of a report into a folder, which is made if it is missing.
 
@@ -100,10 +111,8 @@ def write_report(
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        for name, make in export_files(result, session, findings).items():
-            if progress is not None:
-                progress(f"writing {name}")
-            (folder / name).write_bytes(make())
+        for name, content in _written(result, session, findings, progress):
+            (folder / name).write_bytes(content)
     except OSError as error:
         raise InputError(f"cannot be written ({error.strerror})", file=folder) from error
 
@@ -113,17 +122,15 @@ def report_zip(
     session: Session,
     findings: tuple[Finding, ...] = (),
     *,
-    progress: Callable[[str], None] | None = None,
+    progress: Progress = no_progress,
 ) -> bytes:
     """A zip of the files of a report, byte for byte those of `write_report`."""
     content = io.BytesIO()
     with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, make in export_files(result, session, findings).items():
-            if progress is not None:
-                progress(f"writing {name}")
+        for name, text in _written(result, session, findings, progress):
             entry = zipfile.ZipInfo(name, ZIP_TIME)
             entry.compress_type = zipfile.ZIP_DEFLATED
             entry.create_system = 3  # the same bytes on every system
             entry.external_attr = 0o644 << 16
-            archive.writestr(entry, make())
+            archive.writestr(entry, text)
     return content.getvalue()

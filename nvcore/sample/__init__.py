@@ -9,11 +9,12 @@ writing, ratings        files; simulated ratings
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from pathlib import Path
 
 import pandas as pd
 
+from nvcore.progress import Progress, no_progress
 from nvcore.sample.ratings import ratings_text, simulate_ratings
 from nvcore.sample.recordings import all_recordings
 from nvcore.sample.render import pictures
@@ -48,7 +49,7 @@ def tables(recordings: Iterable[Recording]) -> dict[str, pd.DataFrame]:
     return {path: pd.concat(part, ignore_index=True) for path, part in parts.items()}
 
 
-def generate(folder: Path, *, progress: Callable[[str, float], None] | None = None) -> None:
+def generate(folder: Path, *, progress: Progress = no_progress) -> None:
     """Write the sample data into a folder; files of the same names are replaced.
 
     Parameters
@@ -56,8 +57,7 @@ def generate(folder: Path, *, progress: Callable[[str, float], None] | None = No
     folder
         Made if it does not exist.
     progress
-        Called with the name of the recording that comes next and the share of all that is done,
-        0 to 1; at the end with an empty name and 1.
+        Called with the name of the recording that comes next; at the end with an empty name.
     """
     folder.mkdir(parents=True, exist_ok=True)
     recordings = all_recordings()
@@ -69,8 +69,6 @@ def generate(folder: Path, *, progress: Callable[[str, float], None] | None = No
     (folder / RATINGS_FILE).write_bytes(ratings_text(simulate_ratings(session)).encode())
     (folder / "README.md").write_bytes(readme_text(recordings, made[TRUTH_FILE]).encode())
     for done, recording in enumerate(recordings):
-        if progress is not None:
-            progress(recording.name, done / len(recordings))
+        progress(done / len(recordings), recording.name)
         write_video(folder / f"{recording.name}.mp4", pictures(recording))
-    if progress is not None:
-        progress("", 1.0)
+    progress(1.0, "")

@@ -7,8 +7,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import CancelledError, Executor
+from collections.abc import Mapping, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Final, get_args
@@ -17,7 +17,7 @@ import numpy as np
 
 from nvcore.comparison import Result
 from nvcore.errors import ParameterError
-from nvcore.progress import Progress, run_steps
+from nvcore.progress import Progress, no_progress, run_steps
 from nvcore.stability.axes import Axis, Plane, axes_of
 from nvcore.stability.equal_alarms import (
     EqualAlarms,
@@ -50,6 +50,8 @@ from nvcore.stability.turns import (
 
 N_POINTS: Final = 41
 """Points of an axis, and one more where the analysed setting lies between them."""
+MAPS: Final = "stability maps"
+"""What `Progress` is told."""
 CONTINUOUS: Final = ("alpha", "edge_weight", "midpoint", "midpoint_m")
 """Settings in which mean similarity makes no steps; in thresholds and IoU it does."""
 
@@ -198,10 +200,9 @@ def map_stability(
     *,
     n_points: int = N_POINTS,
     executor: Executor | None = None,
-    progress: Progress | None = None,
-    is_cancelled: Callable[[], bool] | None = None,
+    progress: Progress = no_progress,
 ) -> StabilityMap:
-    """Who is better at other settings: every cell is what `analyse` would give there.
+    """Who is better at other settings: every cell is what `compare` would give there.
 
     Parameters
     ----------
@@ -220,9 +221,7 @@ def map_stability(
         Runs the settings side by side; threads do, for the kernels release the lock. None: one
         after the other in this thread.
     progress
-        Called from this thread after each step.
-    is_cancelled
-        Asked before and between steps, such as ``threading.Event().is_set``.
+        Called from this thread before and between steps.
 
     Raises
     ------
@@ -230,8 +229,6 @@ def map_stability(
         If there is no such plane or criterion, or there are fewer than 3 points.
     InputError
         If no axis is left.
-    concurrent.futures.CancelledError
-        If `is_cancelled` said so.
 
     Notes
     -----
@@ -242,8 +239,7 @@ def map_stability(
             f"criterion: expected one of {', '.join(get_args(Criterion))}, got {criterion!r}"
         )
     axes = axes_of(result, plane, n_points=n_points)
-    if is_cancelled is not None and is_cancelled():
-        raise CancelledError
+    progress(0.0, MAPS)
     keys = {letter: keys_of(result, criterion, letter, axes) for letter in LETTERS}
     wanted: dict[Key, list[Letter]] = {}
     for letter in LETTERS:
@@ -261,7 +257,7 @@ def map_stability(
         partial(score_setting, result, criterion, key, letters, full)
         for key, letters in wanted.items()
     ]
-    found = dict(zip(wanted, run_steps(jobs, executor, progress, is_cancelled), strict=True))
+    found = dict(zip(wanted, run_steps(jobs, executor, progress, MAPS), strict=True))
     alpha = result.params.alpha
     scores = {letter: _score_grid(keys[letter], found, letter, axes, alpha) for letter in LETTERS}
     difference = _difference(scores, criterion)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from typing import Final
@@ -12,19 +12,20 @@ import pandas as pd
 
 from nvcore.comparison import Result
 from nvcore.errors import InputError
-from nvcore.progress import Progress
+from nvcore.progress import Progress, no_progress, part_of
 from nvcore.stability.axes import Plane
 from nvcore.stability.map import StabilityMap, map_stability
 from nvcore.stability.scores import Criterion
 from nvcore.stability.words import CRITERIA, PLANES, nearest_text, share_text, winner_text
 
 SURVEY_PLANES: Final[tuple[Plane, ...]] = (
-    "alpha-midpoint", "thresholds", "matching", "edge-weight-alpha",
-)  # fmt: skip
+    "alpha-midpoint",
+    "thresholds",
+    "matching",
+    "edge-weight-alpha",
+)
 """Every setting that a map moves is in one of them."""
 NOTHING: Final = "–"
-STEPS: Final = 1000
-"""Steps of progress of one map."""
 SURVEY_COLUMNS: Final = ("plane", "criterion", "settings", "by", "verdict", "share", "nearest")
 
 
@@ -57,29 +58,15 @@ def survey_stability(
     result: Result,
     *,
     executor: Executor | None = None,
-    progress: Progress | None = None,
-    is_cancelled: Callable[[], bool] | None = None,
+    progress: Progress = no_progress,
 ) -> tuple[SurveyRow, ...]:
-    """The maps of `SURVEY_PLANES` by every criterion; parameters as of `map_stability`.
-
-    Raises
-    ------
-    concurrent.futures.CancelledError
-        If `is_cancelled` said so.
-    """
+    """The maps of `SURVEY_PLANES` by every criterion; parameters as of `map_stability`."""
     wanted: list[tuple[Plane, Criterion]] = [(p, c) for p in SURVEY_PLANES for c in CRITERIA]
     rows = []
     for number, (plane, criterion) in enumerate(wanted):
-
-        def tell(done: int, total: int, before: int = number) -> None:
-            if progress is not None:
-                progress(before * STEPS + STEPS * done // total, len(wanted) * STEPS)
-
+        part = part_of(progress, number / len(wanted), (number + 1) / len(wanted))
         try:
-            stability = map_stability(
-                result, plane, criterion, executor=executor, progress=tell,
-                is_cancelled=is_cancelled,
-            )  # fmt: skip
+            stability = map_stability(result, plane, criterion, executor=executor, progress=part)
         except InputError as error:
             rows.append(SurveyRow(plane, criterion, None, str(error)))
         else:
@@ -101,10 +88,8 @@ def survey_table(survey: Sequence[SurveyRow]) -> pd.DataFrame:
         if stability is not None:
             verdict = winner_text(row.criterion, stability.verdict, stability.present_difference)
             nearest = nearest_text(stability) if row.is_dependent else NOTHING
-        rows.append((
-            row.plane, row.criterion, PLANES[row.plane], CRITERIA[row.criterion], verdict,
-            held_text(row), nearest,
-        ))  # fmt: skip
+        settings, by = PLANES[row.plane], CRITERIA[row.criterion]
+        rows.append((row.plane, row.criterion, settings, by, verdict, held_text(row), nearest))
     return pd.DataFrame(rows, columns=list(SURVEY_COLUMNS))
 
 

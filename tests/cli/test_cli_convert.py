@@ -285,8 +285,8 @@ def test_sample_tells_its_progress_and_where_it_wrote(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     def generate(folder: Path, *, progress) -> None:
-        progress("urban", 0.25)
-        progress("", 1.0)
+        progress(0.25, "urban")
+        progress(1.0, "")
         write(folder / "truth.csv", "frame")
 
     monkeypatch.setattr(nvcore_sample, "generate", generate)
@@ -327,8 +327,8 @@ def test_the_progress_bar_appears_only_when_the_work_takes_long(
     monkeypatch.setattr(sys, "stderr", terminal)
     monkeypatch.setattr(_Steps, "PATIENCE_S", patience_s)
     with _Steps(2) as steps:
-        steps("reading fir")
-        steps("analysing")
+        steps(0.0, "reading fir")
+        steps.begin("analysing")
     assert ("analysing" in terminal.text) == is_shown
 
 
@@ -342,7 +342,7 @@ def test_the_progress_bar_is_finished_when_an_error_ends_the_work(
 
     def work() -> None:
         with steps:
-            steps("reading fir")
+            steps(0.0, "reading fir")
             raise ValueError("broken")
 
     with pytest.raises(ValueError, match="broken"):

@@ -278,7 +278,7 @@ def test_no_frame_at_all_asks_for_frames(tmp_path: Path):
 
 def test_progress_names_each_step(tmp_path: Path):
     told: list[str] = []
-    load(session_of(drive(tmp_path)), progress=told.append)
+    load(session_of(drive(tmp_path)), progress=lambda _share, what: told.append(what))
     assert told == ["reading the ground truth", "reading fir", "reading nir",
                     "placing boxes in frames"]  # fmt: skip
 

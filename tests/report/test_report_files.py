@@ -50,7 +50,7 @@ def test_a_report_is_eight_files(result: Result, session: Session, tmp_path: Pat
 
 def test_progress_names_each_file(result: Result, session: Session, tmp_path: Path):
     told: list[str] = []
-    write_report(result, session, tmp_path, progress=told.append)
+    write_report(result, session, tmp_path, progress=lambda _share, what: told.append(what))
     assert told == [f"writing {name}" for name in FILES]
 
 
@@ -148,5 +148,5 @@ def test_files_of_a_zip_have_a_fixed_time_and_can_be_read(result: Result, sessio
 
 def test_progress_names_each_file_of_a_zip(result: Result, session: Session):
     told: list[str] = []
-    report_zip(result, session, progress=told.append)
+    report_zip(result, session, progress=lambda _share, what: told.append(what))
     assert told == [f"writing {name}" for name in FILES]

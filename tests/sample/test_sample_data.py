@@ -118,8 +118,8 @@ def test_the_generator_writes_all_files_and_reports_progress(
     monkeypatch.setattr(
         sample, "pictures", lambda _: iter([np.zeros((480, 640), dtype=np.uint8)] * 3)
     )
-    steps: list[tuple[str, float]] = []
-    sample.generate(tmp_path / "new", progress=lambda name, share: steps.append((name, share)))
+    steps: list[tuple[float, str]] = []
+    sample.generate(tmp_path / "new", progress=lambda share, name: steps.append((share, name)))
     written = sorted(path.name for path in (tmp_path / "new").iterdir())
     assert written == sorted([*TABLES, "README.md", RATINGS_FILE, "session.toml", "rural_road.mp4"])
-    assert steps == [("rural_road", 0.0), ("", 1.0)]
+    assert steps == [(0.0, "rural_road"), (1.0, "")]

@@ -223,29 +223,36 @@ def test_threads_give_the_same_map() -> None:
 
 
 @pytest.mark.parametrize("n_threads", [0, 2])
-def test_progress_counts_every_step_once(n_threads: int) -> None:
-    told: list[tuple[int, int]] = []
+def test_progress_goes_from_nothing_to_all(n_threads: int) -> None:
+    shares: list[float] = []
     result = tied()
 
     def draw(executor: ThreadPoolExecutor | None) -> None:
         map_stability(
-            result, "edge-weight", n_points=7, executor=executor,
-            progress=lambda done, total: told.append((done, total)),
-        )  # fmt: skip
+            result,
+            "edge-weight",
+            n_points=7,
+            executor=executor,
+            progress=lambda share, _what: shares.append(share),
+        )
 
     if n_threads:
         with ThreadPoolExecutor(n_threads) as pool:
             draw(pool)
     else:
         draw(None)
-    assert told == [(i, 7) for i in range(1, 8)]
+    assert shares == sorted(shares)
+    assert set(shares) <= {i / 7 for i in range(8)}
+    assert (shares[0], shares[-1]) == (0, 1)
+    if not n_threads:
+        assert len(shares) == 1 + 8
 
 
 @pytest.mark.parametrize("n_threads", [0, 1])
 def test_a_cancelled_map_stops_between_steps(
     n_threads: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    stop, is_let_go, started = Event(), Event(), []
+    is_let_go, started = Event(), []
     from nvcore.stability.map import score_setting as original
 
     def score(*arguments: Any) -> Any:
@@ -254,30 +261,31 @@ def test_a_cancelled_map_stops_between_steps(
             is_let_go.wait(10)  # the second step runs until the wish to stop was heard
         return original(*arguments)
 
-    def progress(done: int, total: int) -> None:
-        if done == 2:
-            stop.set()
+    def progress(share: float, _what: str) -> None:
+        if share > 0.04:  # two of 41 steps
+            raise CancelledError
 
     monkeypatch.setattr("nvcore.stability.map.score_setting", score)
     pool = ThreadPoolExecutor(n_threads) if n_threads else None
     with pytest.raises(CancelledError):
-        map_stability(
-            tied(), "edge-weight", executor=pool, progress=progress, is_cancelled=stop.is_set
-        )
+        map_stability(tied(), "edge-weight", executor=pool, progress=progress)
     is_let_go.set()
     if pool is not None:
         pool.shutdown()
     assert 2 <= len(started) <= 3  # of 41
 
 
-def test_a_map_cancelled_beforehand_does_nothing() -> None:
-    told: list[int] = []
+def test_a_map_cancelled_beforehand_does_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    started: list[object] = []
+    monkeypatch.setattr("nvcore.stability.map.match_fully", started.append)
+
+    def progress(share: float, _what: str) -> None:
+        assert share == 0
+        raise CancelledError
+
     with pytest.raises(CancelledError):
-        map_stability(
-            tied(), "edge-weight", progress=lambda done, _: told.append(done),
-            is_cancelled=lambda: True,
-        )  # fmt: skip
-    assert told == []
+        map_stability(tied(), "edge-weight", progress=progress)
+    assert not started
 
 
 def test_an_error_of_a_step_ends_the_map(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -154,7 +154,8 @@ def _check(
 def _state_of(root: LocalRoot, files: Sequence[Path]) -> tuple[tuple[str, int, int], ...]:
     """A key that changes when a file does: a folder does not when one in it is edited.
 
-    Includes what is read with them: seqinfo.ini beside MOTChallenge's files or up to two folders above.
+    Includes what is read with them: seqinfo.ini beside MOTChallenge's files or up to two folders
+    above.
     """
     folders = {folder for file in files for folder in file.parents[:3]}
     beside = [folder / "seqinfo.ini" for folder in sorted(folders)]

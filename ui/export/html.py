@@ -12,11 +12,12 @@ from nvcore.comparison import Result
 from nvcore.findings import Finding
 from nvcore.inputs.session import Session
 from nvcore.params import Params
+from nvcore.progress import Progress
 from nvcore.protocols import Protocol
 from nvcore.report.html import RecordingPictures, write_html_report
 from nvcore.report.html.evidence_sections import AT_ONCE
 from ui.export.session import public_findings
-from ui.jobs.background import FileJob, JobState, Progress, new_path, while_open
+from ui.jobs.background import FileJob, JobState, new_path, while_open
 from ui.jobs.progress import draw_file, draw_job, start_as_made
 from ui.session import state
 from ui.session.workspace import Workspace
@@ -129,15 +130,15 @@ def start_job(
 ) -> FileJob:
     """Start writing; it ends with the session, and when the session opens something else."""
 
-    def write(progress: Progress) -> bool:
-        return write_html_report(
+    def write(progress: Progress) -> None:
+        write_html_report(
             result,
             session,
             findings,
             path,
             pictures=pictures,
             stability=key.with_map,
-            progress=lambda share, _what: progress(share),
+            progress=progress,
         )
 
     return FileJob(path, NAME, write, while_open(space), key=key)

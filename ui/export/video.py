@@ -11,8 +11,9 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.overlay import FPS_RANGE, write_video
+from nvcore.progress import Progress
 from ui.export.frame import file_stem, numbers_of
-from ui.jobs.background import FileJob, JobState, Progress, new_path, while_open
+from ui.jobs.background import FileJob, JobState, new_path, while_open
 from ui.jobs.progress import draw_file, draw_job
 from ui.session import state
 from ui.session.workspace import Workspace
@@ -177,8 +178,8 @@ def start_job(
     pictures, indices = space.pictures, space.picture_rows.get(recording)
     start = int(result.dataset.frame_columns.first[recording])
 
-    def write(progress: Progress) -> bool:
-        return write_video(
+    def write(progress: Progress) -> None:
+        write_video(
             result,
             pictures,
             recording,

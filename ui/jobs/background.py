@@ -13,6 +13,7 @@ from typing import Any, Final, Generic, TypeVar
 
 from nvcore.dataset import Dataset
 from nvcore.errors import NvcoreError
+from nvcore.progress import Progress
 from ui.session.workspace import Workspace
 
 MOST_AT_ONCE: Final = 2
@@ -20,8 +21,6 @@ MOST_AT_ONCE: Final = 2
 WAIT_S: Final = 0.2
 
 Output = TypeVar("Output")
-Progress = Callable[[float], bool]
-"""Called with the share that is done; returns whether to go on."""
 
 _slots = threading.BoundedSemaphore(MOST_AT_ONCE)
 
@@ -62,7 +61,7 @@ class JobState(Enum):
         return self in (JobState.WAITING, JobState.RUNNING)
 
 
-class BackgroundJob:
+class BackgroundJob(Generic[Output]):
     """One piece of work; starts at once, or when another has ended.
 
     Attributes
@@ -79,7 +78,7 @@ class BackgroundJob:
 
     def __init__(
         self,
-        work: Callable[[Progress], bool],
+        work: Callable[[Progress], Output],
         is_wanted: Callable[[], bool],
         *,
         key: Any = None,
@@ -89,7 +88,7 @@ class BackgroundJob:
         Parameters
         ----------
         work
-            Says whether it was finished; `CancelledError` says that it was not. It must not hold
+            Is given the job's `Progress`, which ends it where it is cancelled. It must not hold
             the session's workspace, which would then never end.
         is_wanted
             False once the session has ended or shows something else: the job then ends, too.
@@ -98,6 +97,7 @@ class BackgroundJob:
         self.share, self.error = 0.0, ""
         self.state = JobState.WAITING
         self.is_wanted = is_wanted
+        self._output: Output | None = None
         self._stop, self._ending = threading.Event(), threading.Lock()
         self._thread = threading.Thread(
             target=self._run, args=(work,), name=type(self).__name__, daemon=True
@@ -108,6 +108,11 @@ class BackgroundJob:
     def is_busy(self) -> bool:
         """Whether it has not ended yet."""
         return self.state.is_busy
+
+    @property
+    def output(self) -> Output | None:
+        """What came out; None before that is done."""
+        return self._output if self.state is JobState.DONE else None
 
     @property
     def is_stopping(self) -> bool:
@@ -132,14 +137,15 @@ class BackgroundJob:
     def _goes_on(self) -> bool:
         return not self._stop.is_set() and self.is_wanted()
 
-    def _progress(self, share: float) -> bool:
+    def _progress(self, share: float, _what: str) -> None:
         self.share = share
-        return self._goes_on()
+        if not self._goes_on():
+            raise CancelledError
 
     def _remove(self) -> None:
         """Remove what the work left; to be overridden by jobs that leave something."""
 
-    def _run(self, work: Callable[[Progress], bool]) -> None:
+    def _run(self, work: Callable[[Progress], Output]) -> None:
         while not _slots.acquire(timeout=WAIT_S):
             if not self._goes_on():
                 self.state = JobState.CANCELLED
@@ -147,8 +153,9 @@ class BackgroundJob:
         state = JobState.FAILED  # unless it comes to an end
         try:
             self.state = JobState.RUNNING
-            is_done = self._goes_on() and work(self._progress)
-            state = JobState.DONE if is_done else JobState.CANCELLED
+            self._progress(0.0, "")
+            self._output = work(self._progress)
+            state = JobState.DONE
         except CancelledError:
             state = JobState.CANCELLED
         except NvcoreError as error:
@@ -162,46 +169,6 @@ class BackgroundJob:
             _slots.release()
 
 
-class Computation(BackgroundJob, Generic[Output]):
-    """Something that is computed in the background."""
-
-    def __init__(
-        self,
-        compute: Callable[[Computation[Output]], Output],
-        is_wanted: Callable[[], bool],
-        *,
-        key: Any = None,
-    ):
-        """Start; `compute` calls `tell` after its steps. See `BackgroundJob`."""
-        self._output: Output | None = None
-
-        def work(_: Progress) -> bool:
-            self._output = compute(self)
-            return True
-
-        super().__init__(work, is_wanted, key=key)
-
-    @property
-    def output(self) -> Output | None:
-        """What was computed; None before that is done."""
-        return self._output if self.state is JobState.DONE else None
-
-    def tell(self, done: int, of: int) -> None:
-        """Say how many of the steps are done.
-
-        Raises
-        ------
-        concurrent.futures.CancelledError
-            If there should be no further one.
-        """
-        if not self._progress(done / of):
-            raise CancelledError
-
-    def has_to_stop(self) -> bool:
-        """Whether there should be no further step."""
-        return not self._goes_on()
-
-
 FOLDER: Final = "exports"
 
 
@@ -212,7 +179,7 @@ def new_path(space: Workspace, suffix: str) -> Path:
     return folder / f"{secrets.token_hex(8)}{suffix}"
 
 
-class FileJob(BackgroundJob):
+class FileJob(BackgroundJob[None]):
     """One file.
 
     Attributes
@@ -227,7 +194,7 @@ class FileJob(BackgroundJob):
         self,
         path: Path,
         name: str,
-        write: Callable[[Progress], bool],
+        write: Callable[[Progress], None],
         is_wanted: Callable[[], bool],
         *,
         key: Any = None,

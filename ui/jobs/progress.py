@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Any, Final
 
 import streamlit as st
 
@@ -13,7 +13,7 @@ POLL_S: Final = 0.4
 MIME: Final = {".html": "text/html", ".mp4": "video/mp4"}
 
 
-def start_as_made(job: BackgroundJob, kind: str, **choices: object) -> None:
+def start_as_made(job: BackgroundJob[Any], kind: str, **choices: object) -> None:
     """Give the widgets of these keys the values of the job, before they are drawn.
 
     Only when the session sees the job for the first time: after a reload of the page the session
@@ -25,7 +25,7 @@ def start_as_made(job: BackgroundJob, kind: str, **choices: object) -> None:
             st.session_state[key] = value
 
 
-def draw_job(job: BackgroundJob, kind: str, *, thing: str, doing: str) -> JobState:
+def draw_job(job: BackgroundJob[Any], kind: str, *, thing: str, doing: str) -> JobState:
     """Progress with a button to cancel, or why there is nothing; how far the job was.
 
     Parameters
@@ -48,7 +48,7 @@ def draw_job(job: BackgroundJob, kind: str, *, thing: str, doing: str) -> JobSta
 
 
 @st.fragment(run_every=POLL_S)
-def _draw_progress(job: BackgroundJob, kind: str, doing: str) -> None:
+def _draw_progress(job: BackgroundJob[Any], kind: str, doing: str) -> None:
     if not job.is_busy:
         st.rerun()
     if job.is_stopping:

@@ -11,9 +11,10 @@ import streamlit as st
 from nvcore.comparison import Result, compare
 from nvcore.errors import InputError
 from nvcore.params import SETTINGS, Params
+from nvcore.progress import Progress
 from nvcore.studies.ratings.fit import Fit, fit_saliency
 from nvcore.wording import count_text
-from ui.jobs.background import Computation, JobState, while_open
+from ui.jobs.background import BackgroundJob, JobState, while_open
 from ui.jobs.progress import draw_job
 from ui.ratings import applied_fit
 from ui.ratings.applied_fit import AppliedFit
@@ -82,7 +83,7 @@ def _keep(key: Any, fit: Fit) -> Fit:
 
 def _ask(result: Result, start: Params, clips: pd.DataFrame, key: Any) -> Fit | None:
     """The button, or the progress of the fit; the fit where it was made at once."""
-    job: Computation[Fit] | None = state.workspace().job(JOB)
+    job: BackgroundJob[Fit] | None = state.workspace().job(JOB)
     if job is not None and job.key == key:
         job_state = draw_job(job, JOB, thing="fit", doing="Fitting")
         if job_state.is_busy:
@@ -96,8 +97,8 @@ def _ask(result: Result, start: Params, clips: pd.DataFrame, key: Any) -> Fit | 
         st.rerun()
     bar = st.progress(0.0, "Fitting")
 
-    def show(n_done: int, n_steps: int) -> None:
-        bar.progress(n_done / n_steps, "Fitting")
+    def show(share: float, _what: str) -> None:
+        bar.progress(share, "Fitting")
 
     try:
         fit = fit_saliency(
@@ -114,11 +115,11 @@ def _ask(result: Result, start: Params, clips: pd.DataFrame, key: Any) -> Fit | 
 
 
 def _begin(result: Result, start: Params, clips: pd.DataFrame, key: Any) -> None:
-    def compute(job: Computation[Fit]) -> Fit:
-        return fit_saliency(_with(result, start), clips, progress=job.tell)
+    def compute(progress: Progress) -> Fit:
+        return fit_saliency(_with(result, start), clips, progress=progress)
 
     space = state.workspace()
-    space.put_job(JOB, Computation(compute, while_open(space), key=key))
+    space.put_job(JOB, BackgroundJob(compute, while_open(space), key=key))
 
 
 def _draw_worth(fit: Fit, start: str) -> None:

@@ -1,4 +1,7 @@
-"""The bytes in which the viewer gets the boxes of some frames; read by `widgets/viewer/data/boxes.js`.
+"""The bytes in which the viewer gets the boxes of some frames.
+
+`widgets/viewer/data/boxes.js` reads them.
+
 
 Little endian: uint32 number of frames, uint32 number of boxes, uint32 offsets (those of the i-th
 and the next one are the first and the last + 1 of the i-th frame's boxes; one more than there are

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from typing import Final
 
 import pandas as pd
@@ -10,9 +11,10 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.params import Params
+from nvcore.progress import Progress, no_progress
 from nvcore.stability.survey import SURVEY_PLANES, SurveyRow, held_text, survey_stability
 from nvcore.stability.words import CRITERIA, PLANES
-from ui.jobs.background import Computation, JobState, while_open
+from ui.jobs.background import BackgroundJob, JobState, while_open
 from ui.jobs.progress import draw_job
 from ui.session import state
 
@@ -71,7 +73,7 @@ def _cell(row: SurveyRow) -> str:
 def _survey_rows(result: Result) -> tuple[SurveyRow, ...] | None:
     space = state.workspace()
     key: SurveyKey = (space.version, result.params)
-    job: Computation[tuple[SurveyRow, ...]] | None = space.job(JOB)
+    job: BackgroundJob[tuple[SurveyRow, ...]] | None = space.job(JOB)
     if job is not None and job.key == key:
         job_state = draw_job(job, JOB, thing="table", doing="Trying all settings")
         if job_state.is_busy:
@@ -91,17 +93,12 @@ def _survey_rows(result: Result) -> tuple[SurveyRow, ...] | None:
     return None
 
 
-def _survey(result: Result) -> tuple[SurveyRow, ...]:
+def _survey(result: Result, progress: Progress = no_progress) -> tuple[SurveyRow, ...]:
     with ThreadPoolExecutor(THREADS) as pool:
-        return survey_stability(result, executor=pool)
+        return survey_stability(result, executor=pool, progress=progress)
 
 
 def _start(result: Result, key: SurveyKey) -> None:
-    def compute(job: Computation[tuple[SurveyRow, ...]]) -> tuple[SurveyRow, ...]:
-        with ThreadPoolExecutor(THREADS) as pool:
-            return survey_stability(
-                result, executor=pool, progress=job.tell, is_cancelled=job.has_to_stop
-            )
-
     space = state.workspace()
-    space.put_job(JOB, Computation(compute, while_open(space), key=key))
+    job = BackgroundJob(partial(_survey, result), while_open(space), key=key)
+    space.put_job(JOB, job)

@@ -12,12 +12,13 @@ from nvcore.comparison import Result
 from nvcore.errors import InputError
 from nvcore.figures.stability import stability_map
 from nvcore.params import Params
+from nvcore.progress import Progress
 from nvcore.stability.axes import Plane
 from nvcore.stability.map import StabilityMap, map_stability
 from nvcore.stability.scores import Criterion
 from nvcore.stability.survey import SURVEY_PLANES
 from nvcore.stability.words import CRITERIA, PLANES, describe_chance, describe_stability
-from ui.jobs.background import Computation, JobState, while_open
+from ui.jobs.background import BackgroundJob, JobState, while_open
 from ui.jobs.progress import draw_job, start_as_made
 from ui.session import state
 from ui.session.evidence import measure_evidence
@@ -81,8 +82,8 @@ def _choose(result: Result) -> MapKey:
     return MapKey(version, result.params, plane or first_plane, criterion or first_criterion)
 
 
-def _job() -> Computation[StabilityMap] | None:
-    job: Computation[StabilityMap] | None = state.workspace().job(JOB)
+def _job() -> BackgroundJob[StabilityMap] | None:
+    job: BackgroundJob[StabilityMap] | None = state.workspace().job(JOB)
     return job
 
 
@@ -116,19 +117,12 @@ def _stability_map(result: Result, key: MapKey) -> StabilityMap | None:
 
 
 def _start(result: Result, key: MapKey) -> None:
-    def compute(job: Computation[StabilityMap]) -> StabilityMap:
+    def compute(progress: Progress) -> StabilityMap:
         with ThreadPoolExecutor(THREADS) as pool:
-            return map_stability(
-                result,
-                key.plane,
-                key.criterion,
-                executor=pool,
-                progress=job.tell,
-                is_cancelled=job.has_to_stop,
-            )
+            return map_stability(result, key.plane, key.criterion, executor=pool, progress=progress)
 
     space = state.workspace()
-    space.put_job(JOB, Computation(compute, while_open(space), key=key))
+    space.put_job(JOB, BackgroundJob(compute, while_open(space), key=key))
 
 
 def _draw_map(result: Result, stability: StabilityMap) -> None:

@@ -12,7 +12,6 @@ from __future__ import annotations
 import base64
 import hashlib
 from collections.abc import Sequence
-from concurrent.futures import CancelledError
 from pathlib import Path
 from typing import Final
 
@@ -24,9 +23,10 @@ from nvcore.errors import InputError
 from nvcore.figures.style import CONFIG
 from nvcore.findings import Finding
 from nvcore.inputs.session import Session
+from nvcore.progress import Progress, no_progress
 from nvcore.report.html.blocks import Chart
 from nvcore.report.html.charts import figure_json, packed_plotly
-from nvcore.report.html.content import Content, Progress, report_content
+from nvcore.report.html.content import Content, report_content
 from nvcore.report.html.frames import RecordingPictures, decisive_moments, session_pictures
 from nvcore.settings import Settings
 from nvcore.wording import shortened
@@ -46,8 +46,8 @@ def write_html_report(
     *,
     pictures: RecordingPictures | None = None,
     stability: bool | None = None,
-    progress: Progress | None = None,
-) -> bool:
+    progress: Progress = no_progress,
+) -> None:
     """Write the report; with an existing file it is replaced.
 
     Parameters
@@ -63,11 +63,7 @@ def write_html_report(
     stability
         Whether to compute the stability maps; None: for up to 20,000 frames.
     progress
-        Told the share that is done and what comes next; says whether to go on.
-
-    Returns
-    -------
-    Whether it was finished; if not, nothing was written.
+        Called before each part; if it raises, nothing is written.
 
     Raises
     ------
@@ -79,24 +75,23 @@ def write_html_report(
         own = _needed_pictures(result, session)
     try:
         content = report_content(
-            result, findings, pictures=own or pictures or RecordingPictures(),
-            protocol=session.protocol, stability=stability,
-            progress=progress or (lambda _share, _what: True),
-        )  # fmt: skip
-    except CancelledError:
-        return False
+            result,
+            findings,
+            pictures=own or pictures or RecordingPictures(),
+            protocol=session.protocol,
+            stability=stability,
+            progress=progress,
+        )
     finally:
         if own is not None:
             own.close()
     page = render(content).encode()
+    progress(1.0, "done")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_bytes(page)
     except OSError as error:
         raise InputError(f"cannot be written ({error.strerror})", file=path) from error
-    if progress is not None:
-        progress(1.0, "done")
-    return True
 
 
 def _needed_pictures(result: Result, session: Session) -> RecordingPictures:

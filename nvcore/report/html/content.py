@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from concurrent.futures import CancelledError
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from nvcore import __version__
@@ -11,6 +10,7 @@ from nvcore.comparison import Result
 from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.evidence.table import evidence_table
 from nvcore.findings import Finding
+from nvcore.progress import Progress, part_of
 from nvcore.protocols import Protocol
 from nvcore.report.html import words
 from nvcore.report.html.blocks import Section, Sentences
@@ -32,6 +32,7 @@ from nvcore.report.html.result_sections import (
     scorecard_section,
     similarity_section,
 )
+from nvcore.stability.map import MAPS
 from nvcore.wording import UNDEFINED, one_line
 
 CAUTION = {
@@ -41,9 +42,6 @@ CAUTION = {
     "subgroups": words.SHORT_TESTS,
 }
 """What stands first in these sections, by their anchors."""
-
-Progress = Callable[[float, str], bool]
-"""Told the share that is done and what comes next; says whether to go on."""
 
 
 @dataclass(frozen=True)
@@ -81,24 +79,13 @@ def report_content(
     stability: bool | None,
     progress: Progress,
 ) -> Content:
-    """Gather the report.
-
-    Raises
-    ------
-    CancelledError
-        If `progress` said so.
-    """
-
-    def tell(share: float, what: str) -> None:
-        if not progress(share, what):
-            raise CancelledError
-
-    tell(0.0, "testing the differences")
+    """Gather the report."""
+    progress(0.0, "testing the differences")
     evidence = evidence_table(result, protocol)
     subgroups = subgroup_table(result, protocol=protocol)
-    tell(0.15, "detection curves")
+    progress(0.15, "detection curves")
     detection = detection_section(result, protocol)
-    tell(0.3, "tables")
+    progress(0.3, "tables")
     sections = [
         verdict_section(result, findings, evidence),
         Section(
@@ -113,16 +100,13 @@ def report_content(
         subgroups_section(subgroups),
         detection,
     ]
-
-    def tell_maps(done: int, total: int) -> None:
-        tell(0.4 + 0.2 * done / total, "stability maps")
-
-    tell_maps(0, 1)
-    sections.append(stability_section(result, evidence, wanted=stability, progress=tell_maps))
+    progress(0.4, MAPS)
+    maps = part_of(progress, 0.4, 0.6)
+    sections.append(stability_section(result, evidence, wanted=stability, progress=maps))
     moments = decisive_moments(result)
     photos = []
     for number, moment in enumerate(moments):
-        tell(0.6 + 0.3 * number / len(moments), "evidence frames")
+        progress(0.6 + 0.3 * number / len(moments), "evidence frames")
         photos.append(photo(result, moment, pictures))
     sections += [
         frames_section(photos, pictures.troubles),
@@ -131,7 +115,7 @@ def report_content(
         inputs_section(result),
         parameters_section(result),
     ]
-    tell(0.9, "the page")
+    progress(0.9, "the page")
     return Content(
         title=f"{one_line(result.x.name)} (X) and {one_line(result.y.name)} (Y) compared",
         names=(one_line(result.x.name), one_line(result.y.name)),

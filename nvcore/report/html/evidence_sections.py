@@ -21,7 +21,7 @@ from nvcore.figures.detection import CurveKind, curve_plot, legend_figure
 from nvcore.figures.forest import subgroup_forest
 from nvcore.figures.stability import stability_map
 from nvcore.measures import evidence_form, inference_of
-from nvcore.progress import Progress
+from nvcore.progress import Progress, no_progress
 from nvcore.protocols import Protocol
 from nvcore.report.html import words
 from nvcore.report.html.blocks import Block, Chart, Photo, Photos, Section, Sentences, Table, table
@@ -212,7 +212,7 @@ def stability_section(
     evidence: pd.DataFrame,
     *,
     wanted: bool | None,
-    progress: Progress | None = None,
+    progress: Progress = no_progress,
 ) -> Section:
     """All maps of the verdict in a table, and one of them drawn; or why there is none.
 
@@ -223,7 +223,7 @@ def stability_section(
     wanted
         None: if there are at most `AT_ONCE` frames.
     progress
-        Called after each step of the maps.
+        Of the maps.
     """
     n_frames = len(result.dataset.frames)
     if wanted is False or (wanted is None and n_frames > AT_ONCE):

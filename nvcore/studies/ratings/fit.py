@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any, Final
@@ -15,6 +15,7 @@ from nvcore.errors import InputError
 from nvcore.evidence.bootstrap import CONFIDENCE, MIN_UNITS, N_RESAMPLES, SEED, count_units
 from nvcore.metrics.saliency import recency_weight
 from nvcore.params import MIDPOINT_SHARE, SPREAD_SHARE, Aggregate, Params
+from nvcore.progress import Progress, no_progress
 
 LEAST_RECORDINGS: Final = 5
 """Two are left out at a time: fewer leave nothing to fit to."""
@@ -76,7 +77,7 @@ def fit_saliency(
     result: Result,
     clips: pd.DataFrame,
     *,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress = no_progress,
 ) -> Fit:
     """Fit tolerance, recency, aggregate and height sigmoid to the ratings.
 
@@ -91,7 +92,7 @@ def fit_saliency(
     clips
         Of `nvcore.studies.ratings.validation.join_clips`.
     progress
-        Called with sigmoids and tolerances done, and their number.
+        Called after each sigmoid and tolerance.
 
     Notes
     -----
@@ -124,8 +125,7 @@ def fit_saliency(
         for setting in _back_settings(front):
             tried.append(setting)
             saliency.append(_of_clips(*events, setting, clips, result))
-        if progress is not None:
-            progress(done, len(steps))
+        progress(done / len(steps), "fitting")
     agreement = _agreement(np.array(saliency), wanted)
     total = agreement.sum(axis=(1, 2))
     best = int(total.argmax())

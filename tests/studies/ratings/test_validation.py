@@ -168,8 +168,8 @@ def test_each_pair_is_judged_without_its_recordings(result):
 def test_progress_is_told_and_few_recordings_are_refused(result):
     ratings = rated(result, np.arange(20.0))
     told = []
-    fit_saliency(result, ratings, progress=lambda done, of: told.append((done, of)))
-    assert told == [(i, len(told)) for i in range(1, len(told) + 1)]
+    fit_saliency(result, ratings, progress=lambda share, _what: told.append(share))
+    assert told == [i / len(told) for i in range(1, len(told) + 1)]
     few = ratings[ratings["clip"].isin(ratings["clip"].unique()[:4])]
     with pytest.raises(InputError, match="there are 4"):
         fit_saliency(result, few)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from concurrent.futures import CancelledError
 from dataclasses import replace
 from pathlib import Path
 
@@ -65,7 +66,7 @@ def test_a_new_report_takes_the_place_of_the_one_before(page):
 
 
 def test_a_failure_is_told(page, monkeypatch):
-    def fail(*_arguments: object, **_options: object) -> bool:
+    def fail(*_arguments: object, **_options: object) -> None:
         from nvcore.errors import InputError
 
         raise InputError("no room on the disk")
@@ -77,8 +78,8 @@ def test_a_failure_is_told(page, monkeypatch):
 
 
 def test_a_cancelled_report_leaves_nothing(page, monkeypatch):
-    def stop(*_arguments: object, **_options: object) -> bool:
-        return False
+    def stop(*_arguments: object, **_options: object) -> None:
+        raise CancelledError
 
     monkeypatch.setattr("ui.export.html.write_html_report", stop)
     made(page)

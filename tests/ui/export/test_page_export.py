@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from concurrent.futures import CancelledError
 from pathlib import Path
 
 import av
@@ -17,10 +18,11 @@ from nvcore.comparison import Result
 from nvcore.errors import MediaError
 from nvcore.overlay.annotate import annotate
 from nvcore.overlay.draw import Canvas
+from nvcore.progress import Progress
 from ui.export.frame import file_stem, nearest_row
 from ui.export.link import link
 from ui.export.video import JOB, LONGEST_S, Interval, chosen_interval, start_job, why_not
-from ui.jobs.background import FileJob, JobState, Progress, new_path, while_open
+from ui.jobs.background import FileJob, JobState, new_path, while_open
 
 PATIENCE_S = 20.0
 
@@ -112,9 +114,8 @@ def test_a_video_has_the_pictures_of_the_timeline(tmp_path: Path, monkeypatch: p
     space = page.session_state["workspace"]
     given = []
 
-    def written(*_: object, indices: np.ndarray, **__: object) -> bool:
+    def written(*_: object, indices: np.ndarray, **__: object) -> None:
         given.append(indices)
-        return True
 
     monkeypatch.setattr("ui.export.video.write_video", written)
     start_job(
@@ -218,7 +219,7 @@ def test_a_video_is_made_in_the_background_and_offered():
         assert str(ROOT) not in str(video.metadata)
 
 
-def put_video(page: AppTest, write: Callable[[Progress], bool]) -> FileJob:
+def put_video(page: AppTest, write: Callable[[Progress], None]) -> FileJob:
     """A video in the page's workspace that `write` writes."""
     space = page.session_state["workspace"]
     job = FileJob(new_path(space, ".mp4"), "night.mp4", write, while_open(space))
@@ -233,9 +234,9 @@ def buttons(page: AppTest) -> list[str]:
 def test_opening_something_else_takes_the_video_away(tmp_path: Path):
     may_go_on = threading.Event()
 
-    def write(progress: Progress) -> bool:
+    def write(progress: Progress) -> None:
         assert may_go_on.wait(PATIENCE_S)
-        return progress(1.0)
+        progress(1.0, "frames")
 
     page = opened_drive(tmp_path)
     job = put_video(page, write)
@@ -250,13 +251,16 @@ def test_opening_something_else_takes_the_video_away(tmp_path: Path):
 
 
 def test_a_cancelled_video_is_told_of():
+    def stop(_: Progress) -> None:
+        raise CancelledError
+
     page = opened()
-    put_video(page, lambda _: False).join()
+    put_video(page, stop).join()
     assert [one.value for one in checked(page.run()).info] == ["Cancelled. No video was made."]
 
 
 def test_a_video_that_fails_says_why_without_markup():
-    def fail(_: Progress) -> bool:
+    def fail(_: Progress) -> None:
         raise MediaError("no *room*")
 
     page = opened()
@@ -268,11 +272,11 @@ def test_a_video_that_fails_says_why_without_markup():
 def test_while_it_is_cancelled_the_video_says_so():
     is_halfway, may_go_on = threading.Event(), threading.Event()
 
-    def write(progress: Progress) -> bool:
-        progress(0.5)
+    def write(progress: Progress) -> None:
+        progress(0.5, "frames")
         is_halfway.set()
         assert may_go_on.wait(PATIENCE_S)
-        return progress(1.0)
+        progress(1.0, "frames")
 
     page = opened()
     job = put_video(page, write)

@@ -12,8 +12,9 @@ from places import ROOT
 from nvcore.errors import MediaError
 from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
+from nvcore.progress import Progress, no_progress
 from ui.jobs import background
-from ui.jobs.background import Computation, FileJob, JobState, Progress, new_path, while_open
+from ui.jobs.background import BackgroundJob, FileJob, JobState, new_path, while_open
 from ui.session.workspace import Opened, Workspace
 
 PATIENCE_S = 20.0
@@ -31,15 +32,12 @@ class Writer:
         self.path = path
         self.is_halfway, self.may_go_on = threading.Event(), threading.Event()
 
-    def __call__(self, progress: Progress) -> bool:
-        if not progress(0.5):
-            return False
+    def __call__(self, progress: Progress) -> None:
+        progress(0.5, "frames")
         self.is_halfway.set()
         assert self.may_go_on.wait(PATIENCE_S)
-        if not progress(1.0):
-            return False
+        progress(1.0, "frames")
         self.path.write_bytes(b"video")
-        return True
 
 
 def test_a_job_writes_its_video(tmp_path: Path):
@@ -76,7 +74,7 @@ def test_a_job_whose_session_has_ended_stops(tmp_path: Path):
 
 
 def test_a_job_that_fails_says_why(tmp_path: Path):
-    def write(_: Progress) -> bool:
+    def write(_: Progress) -> None:
         raise MediaError("there is no room", file="a.mp4")
 
     job = FileJob(tmp_path / "a.mp4", "a.mp4", write, always)
@@ -96,7 +94,7 @@ def test_discarding_removes_the_video(tmp_path: Path):
 
 def test_a_file_that_is_discarded_while_it_is_written_is_not_left(tmp_path: Path):
     writer = Writer(tmp_path / "a.mp4")
-    job = FileJob(writer.path, "a.mp4", lambda _: writer(lambda _: True), always)
+    job = FileJob(writer.path, "a.mp4", lambda _: writer(no_progress), always)
     assert writer.is_halfway.wait(PATIENCE_S)
     job.discard()  # does not wait for it
     assert job.is_stopping
@@ -119,7 +117,7 @@ def test_a_file_that_is_there_stays_when_cancelled_too_late(tmp_path: Path):
 def test_what_a_job_that_fails_has_written_is_removed(tmp_path: Path):
     path = tmp_path / "a.html"
 
-    def write(_: Progress) -> bool:
+    def write(_: Progress) -> None:
         path.write_text("half a report")
         raise MediaError("there is no room", file="a.html")
 
@@ -128,31 +126,27 @@ def test_what_a_job_that_fails_has_written_is_removed(tmp_path: Path):
 
 
 def test_a_computation_gives_what_it_found():
-    steps = []
-
-    def compute(job: Computation[int]) -> int:
-        job.tell(1, 4)
-        steps.append(job.share)
+    def compute(progress: Progress) -> int:
+        progress(0.25, "multiplying")
         return 42
 
-    job = Computation(compute, always, key="six times seven")
+    job = BackgroundJob(compute, always, key="six times seven")
     job.join()
-    assert (job.output, job.key, steps) == (42, "six times seven", [0.25])
+    assert (job.output, job.key, job.share) == (42, "six times seven", 0.25)
 
 
 def test_a_cancelled_computation_finds_nothing():
     is_started, may_go_on = threading.Event(), threading.Event()
 
-    def compute(job: Computation[int]) -> int:
+    def compute(progress: Progress) -> int:
         is_started.set()
         assert may_go_on.wait(PATIENCE_S)
-        job.tell(1, 2)
+        progress(0.5, "multiplying")
         raise AssertionError("a step too many")
 
-    job = Computation(compute, always)
+    job = BackgroundJob(compute, always)
     assert is_started.wait(PATIENCE_S)
     job.cancel()
-    assert job.has_to_stop()
     may_go_on.set()
     job.join()
     assert (job.state, job.output) == (JobState.CANCELLED, None)
