@@ -18,7 +18,7 @@ runpy.run_path({str(ROOT / "pages" / "export.py")!r})
 OPENING = """
 import streamlit as st
 from pathlib import Path
-from nvcore.session import Session, Source, SystemSource
+from nvcore.inputs.session import Session, Source, SystemSource
 from ui.session import state
 if "is_open" not in st.session_state:
     st.session_state["is_open"] = True
