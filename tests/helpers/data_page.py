@@ -9,7 +9,8 @@ from inputs import drive, write
 from places import ROOT
 from streamlit.testing.v1 import AppTest
 
-from ui.session.uploads import PICTURES, receive
+from ui.session.uploads import receive
+from ui.session.workspace import PICTURES
 
 PAGE = f"""
 import runpy

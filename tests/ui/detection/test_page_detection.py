@@ -165,7 +165,7 @@ def test_a_click_sets_the_threshold_where_there_is_a_score(clicked, threshold, m
     page = opened()
     points = {"selection": {"points": [{"curve_number": 4, "customdata": ["x", clicked]}]}}
     monkeypatch.setattr("ui.detection.curves.st.plotly_chart", lambda *_, **__: points)
-    monkeypatch.setattr("ui.detection.curves.is_new_click", once := Once())
+    monkeypatch.setattr("ui.widgets.charts.is_new_click", once := Once())
     checked(page.run())
     assert once.is_asked
     assert page.slider(key="threshold_x").value == threshold

@@ -110,8 +110,7 @@ def test_the_token_of_an_ended_session_finds_nothing(
 
 def test_one_session_does_not_get_anothers_boxes(space: Workspace):
     other = Workspace()
-    other.dataset = make_dataset(truth=[at(0, 10)], n_frames=1)
-    other.compared = Compared(result_of(other.dataset), "v1")
+    other.compared = Compared(result_of(make_dataset(truth=[at(0, 10)], n_frames=1)), "v1")
     mine, theirs = (ask(f"{address(one)}/boxes/0/0").body for one in (space, other))
     assert theirs == pack_boxes(other.result, 0, 1)
     assert mine != theirs

@@ -20,7 +20,6 @@ from nvcore.inputs.session import Session, Source
 from ui.session import uploads
 from ui.session.uploads import (
     ANNOTATION_FOLDERS,
-    PICTURES,
     UploadError,
     free_name,
     kind_of,
@@ -30,7 +29,7 @@ from ui.session.uploads import (
     safe_name,
     store_annotations,
 )
-from ui.session.workspace import Opened, Workspace
+from ui.session.workspace import PICTURES, Opened, Workspace
 
 PNG = b"\x89PNG\r\n\x1a\n" + bytes(100)
 
