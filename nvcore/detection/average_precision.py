@@ -1,4 +1,4 @@
-"""Areas under the precision-recall curve, in the three ways that are in use."""
+"""Areas under the precision-recall curve, in the three common forms."""
 
 from __future__ import annotations
 
@@ -44,18 +44,18 @@ def average_precision_coco(curve: DetectionCurve) -> float:
     """
     if curve.why_undefined:
         return np.nan
-    at = np.searchsorted(curve.recall, COCO_RECALLS, side="left")
-    reached = at < len(curve)
-    return float(_envelope(curve)[at[reached]].sum() / len(COCO_RECALLS))
+    index = np.searchsorted(curve.recall, COCO_RECALLS, side="left")
+    is_reached = index < len(curve)
+    return float(_envelope(curve)[index[is_reached]].sum() / len(COCO_RECALLS))
 
 
 def pr_auc(curve: DetectionCurve) -> float:
     """Area under the precision-recall curve with non-linear interpolation, 1 is best.
 
-    Between two points true positives go up one by one, and false positives with the local skew,
-    ``(fp_b - fp_a) / (tp_b - tp_a)`` for each; between these are trapezoids. A straight line
-    between two points would promise too much. Up to the largest recall that is reached. Without
-    detections 0; NaN where ``curve.why_undefined``.
+    Between two points true positives go up one by one, false positives with the local skew
+    ``(fp_b - fp_a) / (tp_b - tp_a)`` for each; trapezoids join these steps. A straight line
+    between two points would be too optimistic. Up to the largest recall. Without detections 0;
+    NaN where ``curve.why_undefined``.
 
     References
     ----------
@@ -67,7 +67,7 @@ def pr_auc(curve: DetectionCurve) -> float:
     with np.errstate(invalid="ignore"):
         left = (tp - 1) / (tp - 1 + before)
     right = tp / (tp + after)
-    # 0 of 0: nothing is found yet, and precision is that of the way to the first pedestrian
+    # 0 of 0: nothing is detected yet; take the precision on the way to the first pedestrian
     left = np.where(tp - 1 + before == 0, right, left)
     return float((0.5 * (left + right)).sum() / curve.n_truth)
 
@@ -77,8 +77,8 @@ def _steps(curve: DetectionCurve) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     tp_at = np.concatenate([[0], curve.tp])
     fp_at = np.concatenate([[0], curve.fp]).astype(float)
     tp = np.arange(1, tp_at[-1] + 1)
-    b = np.searchsorted(tp_at, tp, side="left")  # first point that has so many
-    a = b - 1  # last one that has fewer
+    b = np.searchsorted(tp_at, tp, side="left")  # first point with at least that many
+    a = b - 1  # last point with fewer
     skew = (fp_at[b] - fp_at[a]) / (tp_at[b] - tp_at[a])
     after = fp_at[a] + skew * (tp - tp_at[a])
     return tp, after - skew, after

@@ -28,18 +28,18 @@ class CurveSummary:
     average_precision_coco, average_precision, pr_auc
         101 recalls; area under the monotone curve; area by Davis and Goadrich. 1 is best.
     best_f1, best_f1_threshold
-        Largest F1 and the score at which it stands.
+        Largest F1 and the score that attains it.
     recall, precision, f1, fppi
         At the threshold in use.
     n_absorbed
         Detections at the threshold in use that are neither right nor wrong: an ignored box
         absorbs them.
     n_zero_references
-        At how many of the nine references of the log-average miss rate nobody is missed: one is
-        enough to make it 0.
+        At how many of the nine references of the log-average miss rate nobody is missed; one such
+        reference makes it 0.
     notes
-        What the log-average miss rate does not tell by itself: why it is 0, and what stands for
-        the miss rate where the curve does not reach the references.
+        What the log-average miss rate alone does not tell: why it is 0, and what stands for the
+        miss rate where the curve does not reach the references.
     why_undefined
         Why areas and averages are undefined (NaN); None where they are defined.
     """

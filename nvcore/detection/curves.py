@@ -20,8 +20,17 @@ MIXED_POINTS: Final = 25
 """Points of a curve if some detections have no score: each then takes a matching of its own."""
 
 CURVE_COLUMNS: Final = (
-    "threshold", "tp", "fp", "fn", "precision", "recall", "miss_rate", "f1", "fppi", "fppw",
-)  # fmt: skip
+    "threshold",
+    "tp",
+    "fp",
+    "fn",
+    "precision",
+    "recall",
+    "miss_rate",
+    "f1",
+    "fppi",
+    "fppw",
+)
 """Columns of `curve_table`."""
 
 
@@ -32,7 +41,7 @@ class CurvePoint:
     Attributes
     ----------
     threshold
-        Lowest score that counts; inf: only detections without a score do.
+        Lowest score that counts; inf: only detections without a score count.
     tp, fp, fn
         Matched pedestrians, detections that match nobody, missed pedestrians.
     precision, recall, f1
@@ -130,13 +139,13 @@ class DetectionCurve:
         Parameters
         ----------
         windows_per_image
-            Windows that the detector looks at in an image, the mean where images differ
+            Windows that the detector examines in an image, the mean where images differ
             (`nvcore.detection.windows`).
 
         Raises
         ------
         ParameterError
-            If that is no positive number.
+            If it is not a positive number.
         """
         if not 0 < windows_per_image < np.inf:
             raise ParameterError(
@@ -145,23 +154,28 @@ class DetectionCurve:
         return self.fppi / windows_per_image
 
     def at(self, threshold: float | None) -> CurvePoint:
-        """The operating point at a threshold: that of the lowest score which passes it.
+        """Operating point at a threshold: the point of the lowest score that passes it.
 
         None: every detection counts. Above all scores nothing is detected.
         """
         limit = -np.inf if threshold is None else threshold
         i = int(np.searchsorted(-self.threshold, -limit, side="right")) - 1
         if i < 0:
-            nothing, all_of_it = np.array([0]), np.array([limit])
-            return replace(self, threshold=all_of_it, tp=nothing, fp=nothing).at(None)
+            none = np.array([0])
+            return replace(self, threshold=np.array([limit]), tp=none, fp=none).at(None)
         return CurvePoint(
-            float(self.threshold[i]), int(self.tp[i]), int(self.fp[i]),
-            int(self.n_truth - self.tp[i]), float(self.precision[i]), float(self.recall[i]),
-            float(self.f1[i]), float(self.fppi[i]),
-        )  # fmt: skip
+            threshold=float(self.threshold[i]),
+            tp=int(self.tp[i]),
+            fp=int(self.fp[i]),
+            fn=int(self.n_truth - self.tp[i]),
+            precision=float(self.precision[i]),
+            recall=float(self.recall[i]),
+            f1=float(self.f1[i]),
+            fppi=float(self.fppi[i]),
+        )
 
     def n_absorbed(self, threshold: float | None) -> int:
-        """Detections that ignored boxes absorb at a threshold; None: all that they absorb."""
+        """Detections that ignored boxes absorb at a threshold; None: at any score."""
         if threshold is None:
             return len(self.absorbed_score)
         return int(np.count_nonzero(~(self.absorbed_score < threshold)))
@@ -178,7 +192,7 @@ class DetectionCurve:
 
 @dataclass(frozen=True, eq=False)
 class Outcomes:
-    """What became of each counted detection of one system; a curve is made of their sums.
+    """What became of each counted detection of one system; their sums make a curve.
 
     Attributes
     ----------
@@ -226,7 +240,7 @@ def detection_curve(
     protocol
         Which pedestrians count.
     recordings
-        Recordings that may count, beside the protocol's tags; bool, (n_recordings,); None: all.
+        Recordings that may count, besides the protocol's tags; bool, (n_recordings,); None: all.
 
     Raises
     ------
@@ -235,9 +249,9 @@ def detection_curve(
 
     Notes
     -----
-    Detections take pedestrians in descending score, so one matching gives all points. Only
-    detections without a score come after all others and may take what a threshold sets free: a
-    system that has both is matched anew at each of at most `MIXED_POINTS` thresholds.
+    Detections take pedestrians in descending score, so one matching gives all points. Detections
+    without a score come after all others and may take what a threshold sets free: a system that
+    has both kinds is matched anew at each of at most `MIXED_POINTS` thresholds.
     """
     truth = filter_truth(dataset, protocol, recordings=recordings)
     detections = _taking_part(dataset, system, protocol)
@@ -253,20 +267,26 @@ def detection_curve(
     else:
         threshold = np.unique(score[is_scored])[::-1]
         if len(threshold) >= MIXED_POINTS:
-            chosen = np.linspace(0, len(threshold) - 1, MIXED_POINTS - 1).round().astype(np.int64)
-            threshold = threshold[chosen]
+            indices = np.linspace(0, len(threshold) - 1, MIXED_POINTS - 1).round().astype(np.int64)
+            threshold = threshold[indices]
         threshold = np.concatenate([[np.inf], threshold])
         points = []
         for t in threshold:
-            outcomes = _outcomes(dataset, truth, detections, params, at=t)
+            outcomes = _outcomes(dataset, truth, detections, params, threshold=t)
             points.append(outcomes.is_match)
         tp = np.array([np.count_nonzero(is_match) for is_match in points])
         fp = np.array([len(is_match) for is_match in points]) - tp
     return DetectionCurve(
-        system, protocol, threshold, tp.astype(np.int64), fp.astype(np.int64), truth.n_truth,
-        truth.n_images, is_ranked=bool(is_scored.all()),
+        system=system,
+        protocol=protocol,
+        threshold=threshold,
+        tp=tp.astype(np.int64),
+        fp=fp.astype(np.int64),
+        n_truth=truth.n_truth,
+        n_images=truth.n_images,
+        is_ranked=bool(is_scored.all()),
         absorbed_score=outcomes.absorbed_score,
-    )  # fmt: skip
+    )
 
 
 def detection_outcomes(
@@ -286,17 +306,26 @@ def detection_outcomes(
 
 
 def curve_table(curve: DetectionCurve, *, windows_per_image: float | None = None) -> pd.DataFrame:
-    """One row per point, thresholds descending: `CURVE_COLUMNS`; fppw is NaN if not asked for.
+    """One row per point, thresholds descending: `CURVE_COLUMNS`; fppw needs `windows_per_image`.
 
     The ROC is `recall` (detection rate) over `fppi` or `fppw`.
     """
-    nothing = np.full(len(curve), np.nan)
-    columns = (
-        curve.threshold, curve.tp, curve.fp, curve.n_truth - curve.tp, curve.precision,
-        curve.recall, curve.miss_rate, curve.f1, curve.fppi,
-        nothing if windows_per_image is None else curve.fppw(windows_per_image),
-    )  # fmt: skip
-    return pd.DataFrame(dict(zip(CURVE_COLUMNS, columns, strict=True)))
+    no_fppw = np.full(len(curve), np.nan)
+    return pd.DataFrame(
+        {
+            "threshold": curve.threshold,
+            "tp": curve.tp,
+            "fp": curve.fp,
+            "fn": curve.n_truth - curve.tp,
+            "precision": curve.precision,
+            "recall": curve.recall,
+            "miss_rate": curve.miss_rate,
+            "f1": curve.f1,
+            "fppi": curve.fppi,
+            "fppw": no_fppw if windows_per_image is None else curve.fppw(windows_per_image),
+        },
+        columns=list(CURVE_COLUMNS),
+    )
 
 
 def _outcomes(
@@ -305,10 +334,10 @@ def _outcomes(
     detections: BoxColumns,
     params: Params,
     *,
-    at: float | None = None,
+    threshold: float | None = None,
 ) -> Outcomes:
     frames = dataset.frame_columns
-    matches = match_boxes(truth.truth, detections, frames, params, threshold=at)
+    matches = match_boxes(truth.truth, detections, frames, params, threshold=threshold)
     is_here = truth.is_counted[detections.frame_index]
     rows = np.flatnonzero(is_here & matches.is_counted)
     rows = rows[np.argsort(-detections.score[rows], kind="stable")]
@@ -343,6 +372,6 @@ def _taking_part(dataset: Dataset, system: str, protocol: Protocol) -> BoxColumn
 def _ratio(part: np.ndarray, whole: np.ndarray | int) -> np.ndarray:
     """Quotient; NaN where the whole is 0."""
     divisor = np.broadcast_to(np.asarray(whole, dtype=float), part.shape)
-    answer = np.full(part.shape, np.nan)
-    np.divide(part, divisor, out=answer, where=divisor > 0)
-    return answer
+    quotient = np.full(part.shape, np.nan)
+    np.divide(part, divisor, out=quotient, where=divisor > 0)
+    return quotient

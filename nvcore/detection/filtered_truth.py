@@ -28,16 +28,16 @@ class FilteredTruth:
     Attributes
     ----------
     protocol
-        What was asked for.
+        Which pedestrians count.
     truth
         The same boxes in the same rows, with those that the protocol leaves out ignored.
     is_counted
         Frames of the recordings that count; bool, (n_frames,).
     n_left_out
-        Boxes that the ground truth flags, and the others that each filter leaves out, by filter;
-        a box that several leave out counts for each.
+        Boxes that the ground truth flags, and unflagged ones that each filter leaves out, by
+        filter; a box that several filters leave out counts for each.
     n_unknown_occlusion
-        Boxes not flagged whose occlusion is unknown.
+        Unflagged boxes whose occlusion is unknown.
     """
 
     protocol: Protocol
@@ -86,41 +86,44 @@ def filter_truth(
     Parameters
     ----------
     recordings
-        Recordings that may count, beside the protocol's own; bool, (n_recordings,); None: all.
+        Recordings that may count, besides the protocol's own; bool, (n_recordings,); None: all.
 
     Raises
     ------
     InputError
-        If no recording is left, or there is none of a name that the protocol chooses.
+        If no recording is left, or the protocol names one that does not exist.
     """
     truth, frames = dataset.truth, dataset.frame_columns
-    chosen = has_tags(dataset, protocol.tags) & _is_named(dataset, protocol)
+    is_chosen = has_tags(dataset, protocol.tags) & _is_named(dataset, protocol)
     if recordings is not None:
-        chosen = chosen & recordings
-    is_counted: np.ndarray = chosen[frames.recording]
+        is_chosen = is_chosen & recordings
+    is_counted: np.ndarray = is_chosen[frames.recording]
     if not is_counted.any():
         raise InputError(_no_recording(dataset, protocol))
     occlusion = dataset.boxes["occlusion"].to_numpy()[: len(truth)]
     recording = frames.recording[truth.frame_index]
+    width, height = frames.width[recording], frames.height[recording]
+    occlusion_or_0 = np.where(occlusion == UNKNOWN_OCCLUSION, 0, occlusion)
     is_out = {
         HEIGHT: ~_between(truth.h, protocol.height_px),
-        OCCLUSION: ~np.isin(np.where(occlusion == UNKNOWN_OCCLUSION, 0, occlusion),
-                            protocol.occlusion),
-        BORDER: _at_border(truth, frames.width[recording], frames.height[recording],
-                           protocol.border_px),
+        OCCLUSION: ~np.isin(occlusion_or_0, protocol.occlusion),
+        BORDER: _at_border(truth, width, height, protocol.border_px),
         ASPECT: ~_between(truth.h / truth.w, protocol.aspect),
-    }  # fmt: skip
-    here = is_counted[truth.frame_index]
-    unflagged = here & ~truth.ignore
-    n_left_out = {FLAGGED: int(np.count_nonzero(here & truth.ignore))} | {
-        name: int(np.count_nonzero(unflagged & out)) for name, out in is_out.items()
+    }
+    is_here = is_counted[truth.frame_index]
+    is_unflagged = is_here & ~truth.ignore
+    n_left_out = {FLAGGED: int(np.count_nonzero(is_here & truth.ignore))} | {
+        name: int(np.count_nonzero(is_unflagged & out)) for name, out in is_out.items()
     }
     ignore = np.logical_or.reduce([truth.ignore, *is_out.values()])
-    unknown = unflagged & (occlusion == UNKNOWN_OCCLUSION)
+    is_unknown = is_unflagged & (occlusion == UNKNOWN_OCCLUSION)
     return FilteredTruth(
-        protocol, replace(truth, ignore=ignore), is_counted, MappingProxyType(n_left_out),
-        int(np.count_nonzero(unknown)),
-    )  # fmt: skip
+        protocol=protocol,
+        truth=replace(truth, ignore=ignore),
+        is_counted=is_counted,
+        n_left_out=MappingProxyType(n_left_out),
+        n_unknown_occlusion=int(np.count_nonzero(is_unknown)),
+    )
 
 
 def filter_detections(detections: BoxColumns, protocol: Protocol) -> np.ndarray:
@@ -133,9 +136,10 @@ def filter_detections(detections: BoxColumns, protocol: Protocol) -> np.ndarray:
 
 def has_tags(dataset: Dataset, tags: tuple[str, ...]) -> np.ndarray:
     """Recordings that have all of the tags; bool, (n_recordings,)."""
-    wanted = set(tags)
-    found = [wanted <= set(own) for own in dataset.recordings["tags"]]  # hundreds at the most
-    return np.array(found, dtype=bool)
+    required = set(tags)
+    # a loop over recordings: hundreds at most
+    has_all = [required <= set(recording_tags) for recording_tags in dataset.recordings["tags"]]
+    return np.array(has_all, dtype=bool)
 
 
 def _is_named(dataset: Dataset, protocol: Protocol) -> np.ndarray:
@@ -149,27 +153,27 @@ def _is_named(dataset: Dataset, protocol: Protocol) -> np.ndarray:
             f"protocol {protocol.name!r}: there is no recording {unknown[0]!r}; there are "
             f"{len(names)}, the first is {names.iloc[0]!r}"
         )
-    found: np.ndarray = names.isin(protocol.recordings).to_numpy()
-    return found
+    is_named: np.ndarray = names.isin(protocol.recordings).to_numpy()
+    return is_named
 
 
 def known_tags(dataset: Dataset) -> tuple[str, ...]:
     """All tags of the recordings, sorted."""
-    return tuple(sorted({tag for own in dataset.recordings["tags"] for tag in own}))
+    return tuple(sorted({tag for tags in dataset.recordings["tags"] for tag in tags}))
 
 
 def _no_recording(dataset: Dataset, protocol: Protocol) -> str:
     if not len(dataset.frames):
         return "there are no frames"
     tags = known_tags(dataset)
-    known = (
+    available = (
         f"there are tags {', '.join(tags)}" if tags else "none has tags, which a session file gives"
     )
-    wanted = " and ".join(protocol.tags)
-    what = f"has the tags {wanted}" if protocol.tags else "is chosen"
+    required = " and ".join(protocol.tags)
+    condition = f"has the tags {required}" if protocol.tags else "is chosen"
     if protocol.tags and protocol.recordings:
-        what += " and is one of those chosen by name"
-    return f"protocol {protocol.name!r}: no recording with frames {what} ({known})"
+        condition += " and is one of those chosen by name"
+    return f"protocol {protocol.name!r}: no recording with frames {condition} ({available})"
 
 
 def _between(values: np.ndarray, limits: Range) -> np.ndarray:

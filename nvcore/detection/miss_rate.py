@@ -19,26 +19,26 @@ FEW_PEDESTRIANS: Final = 100
 ROUNDED_REFERENCES: Final = np.array(
     [0.0100, 0.0178, 0.0316, 0.0562, 0.1000, 0.1778, 0.3162, 0.5623, 1.0000]
 )
-"""The same as KAIST's Python script has them; one false positive can lie between."""
+"""The same, rounded as in KAIST's Python script; one false positive can make the difference."""
 ROUNDED_REFERENCES.flags.writeable = False
 
 
 def miss_rate_at(curve: DetectionCurve, fppi: np.ndarray | float) -> np.ndarray:
     """Miss rate at given false positives per image, 0 is best.
 
-    That of the last point with at most so many; 1.0 where there is none, as nothing is detected
-    at so few.
+    The miss rate of the last point with at most `fppi`; 1.0 where there is none, since nothing is
+    detected at so few.
 
     Parameters
     ----------
     fppi
         False positives per image, any shape; NaN results where ``curve.why_undefined``.
     """
-    wanted = np.asarray(fppi, dtype=float)
+    references = np.asarray(fppi, dtype=float)
     if curve.why_undefined:
-        return np.full(wanted.shape, np.nan)
+        return np.full(references.shape, np.nan)
     miss_rate = np.concatenate([[1.0], curve.miss_rate])
-    rates: np.ndarray = miss_rate[np.searchsorted(curve.fppi, wanted, side="right")]
+    rates: np.ndarray = miss_rate[np.searchsorted(curve.fppi, references, side="right")]
     return rates
 
 

@@ -1,4 +1,4 @@
-"""Operating points: what a score threshold leaves of a system, and thresholds that compare."""
+"""Operating points: what a score threshold leaves of a system, and thresholds that are fair."""
 
 from __future__ import annotations
 
@@ -14,17 +14,21 @@ from nvcore.params import Params
 from nvcore.schema import DetectionState
 
 CURVE_POINTS: Final = 200
-"""Points of a false-alarm curve, at most."""
+"""Most points of a false-alarm curve."""
 MIXED_POINTS: Final = 25
 """The same if some detections have no score: each point then takes a matching of its own."""
 LEAST_DECIMALS: Final = 2
-"""Decimals of a proposed threshold, at least: those of a slider's step."""
+"""Fewest decimals of a proposed threshold: those of a slider's step."""
 MAX_DECIMALS: Final = 6
-"""Decimals of a proposed threshold, at most."""
+"""Most decimals of a proposed threshold."""
 
 CURVE_COLUMNS: Final = (
-    "threshold", "n_kept", "n_false_alarms", "false_alarms_per_frame", "false_alarms_per_minute",
-)  # fmt: skip
+    "threshold",
+    "n_kept",
+    "n_false_alarms",
+    "false_alarms_per_frame",
+    "false_alarms_per_minute",
+)
 
 
 @dataclass(frozen=True)
@@ -38,7 +42,7 @@ class OperatingPoint:
     n_kept
         Detections that pass it.
     n_false_alarms
-        Those of them that match nobody and that no ignore region absorbs; 0 is best.
+        Of these, those that match nobody and that no ignore region absorbs; 0 is best.
     false_alarms_per_frame, false_alarms_per_minute
         Of listed frames, of recording time; NaN without frames.
     """
@@ -95,9 +99,9 @@ def false_alarm_curve(
     Notes
     -----
     Detections take pedestrians in descending score, so a threshold changes nothing for those
-    above it: one matching gives all points. Only detections without a score come after all others
-    and may take what a threshold sets free; a system that has both is matched anew at each of at
-    most `MIXED_POINTS` points.
+    above it: one matching gives all points. Detections without a score come after all others and
+    may take what a threshold sets free; a system that has both kinds is matched anew at each of
+    at most `MIXED_POINTS` points.
 
     Raises
     ------
@@ -110,8 +114,8 @@ def false_alarm_curve(
     if not is_scored.all():
         n_points = min(n_points, MIXED_POINTS)
     if len(thresholds) > n_points:
-        chosen = np.linspace(0, len(thresholds) - 1, n_points).round().astype(np.int64)
-        thresholds = thresholds[chosen]
+        indices = np.linspace(0, len(thresholds) - 1, n_points).round().astype(np.int64)
+        thresholds = thresholds[indices]
     if is_scored.all():
         matches = match_system(dataset, system, None, params)
         n_kept = _count_from(score, thresholds)
@@ -127,9 +131,9 @@ def false_alarm_curve(
 def same_operating_point(dataset: Dataset, params: Params, x: str, y: str) -> SameOperatingPoint:
     """The threshold at which Y has as many false alarms per frame as X at its own threshold.
 
-    X is taken at ``params.threshold_x``. Y has the number of false alarms closest to X's that a
-    threshold can give (of two equally close, the lower one), by the lowest round threshold that
-    gives it: so none of its matches is given away.
+    X is taken at ``params.threshold_x``. Y gets the number of false alarms closest to X's that a
+    threshold can give (of two equally close, the lower), by the lowest round threshold that gives
+    it, so that no match is lost needlessly.
 
     Raises
     ------
@@ -141,8 +145,8 @@ def same_operating_point(dataset: Dataset, params: Params, x: str, y: str) -> Sa
     return SameOperatingPoint(at_x, operating_point(dataset, y, params, threshold=threshold))
 
 
-def _threshold_with(dataset: Dataset, system: str, params: Params, n_wanted: int) -> float | None:
-    """Threshold that gives the number of false alarms closest to the wanted one; None: all."""
+def _threshold_with(dataset: Dataset, system: str, params: Params, n_target: int) -> float | None:
+    """Threshold that gives the number of false alarms closest to `n_target`; None: all."""
     score = dataset.system(system).score
     matches = match_system(dataset, system, None, params)
     is_scored = ~np.isnan(score)
@@ -151,45 +155,45 @@ def _threshold_with(dataset: Dataset, system: str, params: Params, n_wanted: int
     if not is_scored.all():
         curve = false_alarm_curve(dataset, system, params)
         n_alarms = curve["n_false_alarms"].to_numpy()[::-1]
-        best = int(np.argmin(np.abs(n_alarms - n_wanted)))
+        best = int(np.argmin(np.abs(n_alarms - n_target)))
         return float(curve["threshold"].to_numpy()[::-1][best])
     alarms = np.sort(score[matches.is_false_alarm])[::-1]
     # equal scores stay or go together
     possible = np.concatenate([[0], np.flatnonzero(np.diff(alarms)) + 1, [len(alarms)]])
-    n_left = int(possible[np.argmin(np.abs(possible - n_wanted))])
+    n_left = int(possible[np.argmin(np.abs(possible - n_target))])
     if n_left == len(alarms):
         return None
-    lost = float(alarms[n_left])
-    kept = float(alarms[n_left - 1]) if n_left else np.inf
-    threshold = round_between(lost, kept)
+    score_out = float(alarms[n_left])
+    score_in = float(alarms[n_left - 1]) if n_left else np.inf
+    threshold = round_between(score_out, score_in)
     if threshold is None:
-        threshold = kept if n_left else float(np.nextafter(lost, np.inf))
+        threshold = score_in if n_left else float(np.nextafter(score_out, np.inf))
     return threshold
 
 
-def threshold_for(scores: np.ndarray, n_wanted: int) -> float | None:
-    """A round threshold that keeps that many scores; None if none does, or all or none are kept.
+def threshold_for(scores: np.ndarray, n_scores: int) -> float | None:
+    """A round threshold that `n_scores` scores pass; None if there is none, or all or none pass.
 
     Parameters
     ----------
     scores
         In descending order, shape (n,).
     """
-    if not 0 < n_wanted < len(scores):
+    if not 0 < n_scores < len(scores):
         return None
-    return round_between(float(scores[n_wanted]), float(scores[n_wanted - 1]))
+    return round_between(float(scores[n_scores]), float(scores[n_scores - 1]))
 
 
-def round_between(lost: float, kept: float) -> float | None:
-    """The lowest threshold of few decimals with ``lost < threshold <= kept``; None: there is none.
+def round_between(score_out: float, score_in: float) -> float | None:
+    """The lowest threshold of few decimals with ``score_out < threshold <= score_in``, or None.
 
-    The lowest: what lies between the two false alarms are matches, and they should stay.
+    The lowest: scores between the two false alarms belong to matches, which should stay.
     """
     for decimals in range(LEAST_DECIMALS, MAX_DECIMALS + 1):  # a loop over a few decimals
         scale = 10**decimals
-        step = np.floor(lost * scale) + 1
-        for candidate in (float(step / scale), float((step + 1) / scale)):  # lost * scale rounds
-            if lost < candidate <= kept:
+        step = np.floor(score_out * scale) + 1
+        for candidate in (float(step / scale), float((step + 1) / scale)):  # the product rounds
+            if score_out < candidate <= score_in:
                 return candidate
     return None
 
@@ -224,8 +228,8 @@ def _count_from(score: np.ndarray, thresholds: np.ndarray) -> np.ndarray:
 def _rates(dataset: Dataset, n_alarms: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """False alarms per frame and per minute."""
     n_frames, duration_s = len(dataset.frames), dataset.frame_columns.duration_s
-    nothing = np.full(len(n_alarms), np.nan)
+    undefined = np.full(len(n_alarms), np.nan)
     return (
-        n_alarms / n_frames if n_frames else nothing,
-        n_alarms / duration_s * 60 if duration_s else nothing,
+        n_alarms / n_frames if n_frames else undefined,
+        n_alarms / duration_s * 60 if duration_s else undefined,
     )

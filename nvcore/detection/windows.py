@@ -1,4 +1,4 @@
-"""How many windows a sliding-window detector looks at in an image."""
+"""How many windows a sliding-window detector examines in an image."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from nvcore.errors import ParameterError
 
 WindowCount = Literal["whole", "area"]
 
-_TINY: Final = 1e-6  # px: a picture that is a rounding error too small for a window is not
+_TINY: Final = 1e-6  # px: tolerates a picture that is too small by a rounding error
 
 
 @dataclass(frozen=True)
 class WindowGrid:
-    """A window that slides over an image, which is shrunk by one scale after the other.
+    """A window that slides over an image, which is shrunk by one scale after another.
 
     Attributes
     ----------
@@ -27,7 +27,7 @@ class WindowGrid:
     stride
         Step between two windows, px of the shrunk image.
     scales
-        By which the image's size is divided.
+        Divisors of the image's size.
     count
         ``"whole"``: the windows that lie wholly in the shrunk image, counted exactly,
         ``(floor((W/s - w) / stride) + 1) * (floor((H/s - h) / stride) + 1)``. ``"area"``: the
@@ -56,7 +56,7 @@ class WindowGrid:
             raise ParameterError(f"count: expected whole or area, got {self.count!r}")
 
     def per_image(self, width: np.ndarray | float, height: np.ndarray | float) -> np.ndarray:
-        """Windows in images of a size, px; float64, of the shape that both have."""
+        """Windows in images of a size in px; float64, in the common shape of both."""
         scales = np.array(self.scales)
         across = np.asarray(width, dtype=float)[..., None] / scales - self.width
         down = np.asarray(height, dtype=float)[..., None] / scales - self.height
@@ -107,6 +107,6 @@ def windows_per_image(dataset: Dataset, is_counted: np.ndarray, grid: WindowGrid
 
 
 def _places(room: np.ndarray, stride: float) -> np.ndarray:
-    """Places of a window along a side that is so many px longer than it."""
+    """Positions of a window along a side that is `room` px longer than the window."""
     places: np.ndarray = np.floor((room + _TINY) / stride) + 1
     return places

@@ -14,7 +14,7 @@ from nvcore.params import Params
 from nvcore.schema import UNKNOWN_OCCLUSION, MissClass
 
 SHORT_SHARE: Final = 0.5
-"""Share of one-frame encounters above which they are frames rather than persons."""
+"""Share of one-frame encounters above which encounters are frames rather than people."""
 
 
 def mostly_one_frame(n_frames: np.ndarray) -> bool:
@@ -96,34 +96,34 @@ def find_encounters(
     order = group_rows(code, counts)[: int(counts.sum())]
     offsets = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
     starts = offsets[:-1]
-    at_frame = truth.frame_index[order]
-    first_row, last_row = at_frame[starts], at_frame[offsets[1:] - 1]
+    row_frame = truth.frame_index[order]
+    first_row, last_row = row_frame[starts], row_frame[offsets[1:] - 1]
     is_new_frame = np.ones(len(order), dtype=bool)  # a track id given twice in a frame counts once
-    is_new_frame[1:] = np.diff(at_frame) != 0
+    is_new_frame[1:] = np.diff(row_frame) != 0
     is_new_frame[starts] = True
     half = 0.5 * frames.width[recording[order]]
     centre = np.clip(truth.x[order] + 0.5 * truth.w[order], 0, 2 * half)
-    signed = (centre - half) / half
+    signed_offset = (centre - half) / half
     aspect = truth.h[order] / truth.w[order]
-    known = (occlusion[order] != UNKNOWN_OCCLUSION).astype(float)
-    occluded = (occlusion[order] > 0).astype(float)
+    is_known = (occlusion[order] != UNKNOWN_OCCLUSION).astype(float)
+    is_occluded = (occlusion[order] > 0).astype(float)
     # no encounter is empty, so reduceat has no empty segments
     mean_aspect = _sum(aspect, starts) / counts
-    n_known = _sum(known, starts)
+    n_known = _sum(is_known, starts)
     with np.errstate(invalid="ignore"):
-        occluded_share = _sum(occluded, starts) / n_known
+        occluded_share = _sum(is_occluded, starts) / n_known
     return Encounters(
         recording=key_recording,
         track=key_track,
         encounter_of=code,
         order=order,
         offsets=offsets,
-        frame_index=at_frame,
+        frame_index=row_frame,
         first_row=first_row,
         last_row=last_row,
         n_frames=_sum(is_new_frame, starts).astype(np.int64),
-        lateral_offset=_sum(np.abs(signed), starts) / counts,
-        lateral_position=_sum(signed, starts) / counts,
+        lateral_offset=_sum(np.abs(signed_offset), starts) / counts,
+        lateral_position=_sum(signed_offset, starts) / counts,
         peak_height=np.maximum.reduceat(truth.h[order], starts) if len(starts) else np.empty(0),
         aspect_ratio=mean_aspect,
         aspect_z=_z_scores(mean_aspect),
@@ -143,9 +143,9 @@ def _number_encounters(
     recording: np.ndarray, track: np.ndarray, is_member: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Encounter of each row (-1: none), and recording and track of each encounter, sorted."""
-    small, given = track, None
+    small, track_ids = track, None
     if len(track) and (track.min() < -1 or track.max() >= 2**31 - 1):
-        small, given = pd.factorize(track, sort=True)  # ids such as timestamps
+        small, track_ids = pd.factorize(track, sort=True)  # ids such as timestamps
     key = recording.astype(np.int64) << 32 | (small + 1)
     code = np.full(len(key), -1, np.int64)
     codes, keys = pd.factorize(key[is_member])
@@ -156,8 +156,8 @@ def _number_encounters(
     code[is_member] = rank[codes] if len(keys) else codes
     keys = keys[by_key]
     tracks = (keys & 0xFFFFFFFF) - 1
-    if given is not None:
-        tracks = np.asarray(given, dtype=np.int64)[tracks]
+    if track_ids is not None:
+        tracks = np.asarray(track_ids, dtype=np.int64)[tracks]
     return code, (keys >> 32).astype(np.int32), tracks
 
 
@@ -180,8 +180,8 @@ def judge_encounters(
     """How one system did in every encounter.
 
     Relevant frames have ``k >= 0.5``; the encounter is detected when the share of matched ones is
-    at least ``coverage`` and one is matched. Distant encounters (no relevant frame) have neither
-    class nor figures.
+    at least ``coverage`` and not 0. Distant encounters (no relevant frame) have neither class nor
+    measures.
 
     Returns
     -------
@@ -194,22 +194,25 @@ def judge_encounters(
     Paper 11-0360, figures 1 and 2; ``docs/metrics.md``, encounters.
     """
     n = len(encounters)
-    n_relevant, matched = np.empty(n, np.int64), np.empty(n, np.int64)
+    n_relevant, n_matched = np.empty(n, np.int64), np.empty(n, np.int64)
     peak_k, lag, gap, tail = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
     over_ranges(
-        encounter_frames, n, encounters.offsets, encounters.order, encounters.frame_index,
-        frames.frame, frames.gap, k_truth, is_matched, n_relevant, matched, peak_k, lag, gap, tail,
-    )  # fmt: skip
+        encounter_frames,
+        n,
+        *(encounters.offsets, encounters.order, encounters.frame_index),
+        *(frames.frame, frames.gap, k_truth, is_matched),
+        *(n_relevant, n_matched, peak_k, lag, gap, tail),
+    )
     rate = frames.fps[encounters.recording]
     with np.errstate(invalid="ignore"):
-        coverage = matched / n_relevant
-    is_detected = (coverage >= params.coverage) & (matched > 0)
+        coverage = n_matched / n_relevant
+    is_detected = (coverage >= params.coverage) & (n_matched > 0)
     lag_s, gap_s, tail_s = lag / rate, gap / rate, tail / rate
     classes = np.array([None, *(kind.value for kind in MissClass)], dtype=object)
     code = np.select(  # in the order of MissClass, 0 for distant ones: the first that holds
         [
             n_relevant == 0,
-            matched == 0,
+            n_matched == 0,
             lag_s > params.lag_s,
             gap_s > params.gap_s,
             tail_s > params.gap_s,
@@ -222,7 +225,7 @@ def judge_encounters(
     return pd.DataFrame(
         {
             "n_relevant": n_relevant,
-            "matched": matched,
+            "matched": n_matched,
             "peak_k": peak_k,
             "coverage": coverage,
             "is_detected": is_detected,

@@ -1,4 +1,4 @@
-"""False alarms and the episodes that a driver would notice as one."""
+"""False alarms, and the episodes that a driver would notice as a single alert."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ def find_episodes(
     """
     rows = np.flatnonzero(is_false_alarm)
     episode = link_boxes(detections, frames, rows)
-    at_frame = detections.frame_index[rows]
+    frame_index = detections.frame_index[rows]
     n_episodes = int(episode.max()) + 1 if len(episode) else 0
     first_row = np.empty(n_episodes, np.int64)
     last_row = np.empty(n_episodes, np.int64)
-    first_row[episode[::-1]] = at_frame[::-1]
-    last_row[episode] = at_frame
+    first_row[episode[::-1]] = frame_index[::-1]
+    last_row[episode] = frame_index
     passed = frames.passed
     recording = frames.recording[first_row]
     return pd.DataFrame(
@@ -56,7 +56,7 @@ class FalseAlarmSummary:
     per_frame, per_minute
         Of listed frames; of recording time.
     episodes, episodes_per_hour
-        Runs that a driver would notice as one false alert.
+        Runs that a driver would notice as a single false alert.
     mean_episode_s, longest_episode_s
         Duration; NaN without episodes.
     """

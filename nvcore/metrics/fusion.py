@@ -33,9 +33,12 @@ def pair_detections(
     """
     partner = np.full(len(x), -1, np.int64)
     over_ranges(
-        pair_frames, len(frames), x.offsets, x.x, x.y, x.w, x.h, is_kept_x,
-        y.offsets, y.x, y.y, y.w, y.h, is_kept_y, float(iou), partner,
-    )  # fmt: skip
+        pair_frames,
+        len(frames),
+        *(x.offsets, x.x, x.y, x.w, x.h, is_kept_x),
+        *(y.offsets, y.x, y.y, y.w, y.h, is_kept_y),
+        *(float(iou), partner),
+    )
     return partner
 
 
@@ -60,8 +63,8 @@ def fuse(
     unpaired_y = y.first_row + np.flatnonzero(is_kept_y & ~is_paired_y)
     either = np.concatenate([x.first_row + np.flatnonzero(is_kept_x), unpaired_y])
     both = x.first_row + np.flatnonzero(partner >= 0)
-    at_frame = dataset.boxes["frame_index"].to_numpy()
-    either = either[np.argsort(at_frame[either], kind="stable")]  # in a frame X's before Y's
+    frame_index = dataset.boxes["frame_index"].to_numpy()
+    either = either[np.argsort(frame_index[either], kind="stable")]  # in a frame X's before Y's
     n_truth = len(dataset.truth)
     rows = np.concatenate([np.arange(n_truth), either, both])
     # column by column: every box is copied once

@@ -28,7 +28,7 @@ compiled = njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=Tr
 """Compile on first use, keep the machine code on disk, run without the interpreter lock."""
 
 MIN_PER_THREAD: Final = 20_000
-"""Fewer frames than this a thread are not worth starting one."""
+"""Smallest number of frames that is worth a thread of its own."""
 
 
 def over_ranges(kernel: Callable[..., Any], n: int, *arguments: Any) -> list[Any]:
@@ -62,9 +62,30 @@ def intersection(
 
 @compiled
 def match_frames(
-    lo, hi, g_offsets, gx, gy, gw, gh, g_ignore, d_offsets, dx, dy, dw, dh, score,
-    threshold, min_iou, lateral, tolerance, recording, width, state, det_truth, truth_det,
-):  # fmt: skip
+    lo,
+    hi,
+    g_offsets,
+    gx,
+    gy,
+    gw,
+    gh,
+    g_ignore,
+    d_offsets,
+    dx,
+    dy,
+    dw,
+    dh,
+    score,
+    threshold,
+    min_iou,
+    lateral,
+    tolerance,
+    recording,
+    width,
+    state,
+    det_truth,
+    truth_det,
+):
     """Match detections to pedestrians, frame by frame, best score first.
 
     Writes `state` (`DetectionState`, int8) and `det_truth` (row of the matched pedestrian or -1)
@@ -85,14 +106,14 @@ def match_frames(
                 continue
             state[d] = DetectionState.FALSE_ALARM
             rank = -np.inf if np.isnan(score[d]) else score[d]
-            at = n  # insertion keeps file order among equals
-            while at > 0:
-                before = score[order[at - 1]]
+            slot = n  # insertion sort: file order among equals
+            while slot > 0:
+                before = score[order[slot - 1]]
                 if rank <= before or (np.isnan(before) and rank == -np.inf):
                     break
-                order[at] = order[at - 1]
-                at -= 1
-            order[at] = d
+                order[slot] = order[slot - 1]
+                slot -= 1
+            order[slot] = d
             n += 1
         for g in range(g0, g1):
             truth_det[g] = -1
@@ -137,9 +158,26 @@ def match_frames(
 
 @compiled
 def nearest_frames(
-    lo, hi, a_offsets, ax, ay, aw, ah, a_in, b_offsets, bx, by, bw, bh, b_in,
-    ground, recording, width, near_a, near_b,
-):  # fmt: skip
+    lo,
+    hi,
+    a_offsets,
+    ax,
+    ay,
+    aw,
+    ah,
+    a_in,
+    b_offsets,
+    bx,
+    by,
+    bw,
+    bh,
+    b_in,
+    ground,
+    recording,
+    width,
+    near_a,
+    near_b,
+):
     """Distance of each member of A to its nearest member of B and back, frame by frame, px.
 
     Lateral, or between foot points if `ground`. Infinite where the other set is empty.
@@ -172,13 +210,13 @@ def nearest_frames(
 def maximin_frames(
     lo, hi, offsets, x, w, k, near, member, track, edge_weight, recording, width, d, argmax
 ):
-    """Weighted MaxiMin distance D(A, B) of every frame and the row of A at which it stands.
+    """Weighted MaxiMin distance D(A, B) of every frame and the row of A that attains it.
 
     Ties go to the larger weight, then to the smaller track id. An empty A gives 0 and -1.
     """
     for f in range(lo, hi):
         W = width[recording[f]]
-        most, at = 0.0, -1
+        most, best = 0.0, -1
         for i in range(offsets[f], offsets[f + 1]):
             if not member[i]:
                 continue
@@ -186,13 +224,16 @@ def maximin_frames(
             border = edge_weight * 0.5 * W + (1.0 - edge_weight) * min(c, W - c)
             value = k[i] * min(border, near[i])
             if (
-                at < 0
+                best < 0
                 or value > most
-                or (value == most and (k[i] > k[at] or (k[i] == k[at] and track[i] < track[at])))
+                or (
+                    value == most
+                    and (k[i] > k[best] or (k[i] == k[best] and track[i] < track[best]))
+                )
             ):
-                most, at = value, i
+                most, best = value, i
         d[f] = most
-        argmax[f] = at
+        argmax[f] = best
 
 
 @compiled
@@ -210,10 +251,23 @@ def maximum_frames(lo, hi, offsets, x, w, k, near, member, edge_weight, recordin
 
 @compiled
 def encounter_frames(
-    lo, hi, offsets, order, frame_index, frame, gap, k, matched,
-    n_relevant, n_matched, peak_k, lag, longest_gap, tail,
-):  # fmt: skip
-    """Figures of one system for every encounter, lag, gap and tail in frames.
+    lo,
+    hi,
+    offsets,
+    order,
+    frame_index,
+    frame,
+    gap,
+    k,
+    matched,
+    n_relevant,
+    n_matched,
+    peak_k,
+    lag,
+    longest_gap,
+    tail,
+):
+    """Measures of one system for every encounter; lag, gap and tail in frames.
 
     ``order[offsets[e]:offsets[e + 1]]`` are the truth rows of encounter e by frame, and
     `frame_index` has the frames of these rows in the same order. Rows of one
@@ -258,23 +312,23 @@ def encounter_frames(
 @compiled
 def group_rows(code, counts):
     """Rows in the order of their group, the order inside a group kept (a counting sort)."""
-    at = np.zeros(counts.size + 1, np.int64)
+    position = np.zeros(counts.size + 1, np.int64)
     for g in range(counts.size):
-        at[g + 1] = at[g] + counts[g]
+        position[g + 1] = position[g] + counts[g]
     order = np.empty(code.size, np.int64)
     for i in range(code.size):
         if code[i] >= 0:
-            order[at[code[i]]] = i
-            at[code[i]] += 1
+            order[position[code[i]]] = i
+            position[code[i]] += 1
     return order
 
 
 @compiled
-def best_free(x, y, w, h, b0, b1, bx, by, bw, bh, b_in, taken, min_iou):
+def best_free(x, y, w, h, b0, b1, bx, by, bw, bh, b_in, is_taken, min_iou):
     """Largest IoU of a box with a free B of its frame, and that B's row; 0 and -1 for none."""
     most, best = 0.0, -1
     for b in range(b0, b1):
-        if not b_in[b] or taken[b - b0]:
+        if not b_in[b] or is_taken[b - b0]:
             continue
         shared = intersection(x, y, w, h, bx[b], by[b], bw[b], bh[b])
         if shared <= 0.0:
@@ -291,40 +345,52 @@ def pair_frames(
 ):
     """Pair the boxes of two systems, greedily by descending IoU; writes each A's B row or -1.
 
-    Each A keeps its best free B and looks again only when that one is taken: to try all pairs
-    anew for every pair made would be cubic, minutes for frames of hundreds of boxes.
+    Each A keeps its best free B and looks again only when that is taken: trying all pairs
+    anew after every pair would be cubic, minutes for frames of hundreds of boxes.
     """
-    taken = np.zeros(16, np.bool_)
+    is_taken = np.zeros(16, np.bool_)
     best, overlap = np.empty(16, np.int64), np.empty(16)
     for f in range(lo, hi):
         a0, a1 = a_offsets[f], a_offsets[f + 1]
         b0, b1 = b_offsets[f], b_offsets[f + 1]
-        if b1 - b0 > taken.size:
-            taken = np.zeros(2 * (b1 - b0), np.bool_)
+        if b1 - b0 > is_taken.size:
+            is_taken = np.zeros(2 * (b1 - b0), np.bool_)
         if a1 - a0 > best.size:
             best, overlap = np.empty(2 * (a1 - a0), np.int64), np.empty(2 * (a1 - a0))
         for b in range(b1 - b0):
-            taken[b] = False
+            is_taken[b] = False
         for a in range(a0, a1):
             partner[a] = -1
             overlap[a - a0] = 0.0
             if a_in[a]:
                 overlap[a - a0], best[a - a0] = best_free(
-                    ax[a], ay[a], aw[a], ah[a], b0, b1, bx, by, bw, bh, b_in, taken, min_iou
+                    ax[a], ay[a], aw[a], ah[a], b0, b1, bx, by, bw, bh, b_in, is_taken, min_iou
                 )
         while True:
-            most, at = 0.0, -1
+            most, leader = 0.0, -1
             for a in range(a0, a1):
                 if overlap[a - a0] > most:
-                    most, at = overlap[a - a0], a
-            if at < 0:
+                    most, leader = overlap[a - a0], a
+            if leader < 0:
                 break
-            b = best[at - a0]
-            if taken[b - b0]:
-                overlap[at - a0], best[at - a0] = best_free(
-                    ax[at], ay[at], aw[at], ah[at], b0, b1, bx, by, bw, bh, b_in, taken, min_iou
+            b = best[leader - a0]
+            if is_taken[b - b0]:
+                overlap[leader - a0], best[leader - a0] = best_free(
+                    ax[leader],
+                    ay[leader],
+                    aw[leader],
+                    ah[leader],
+                    b0,
+                    b1,
+                    bx,
+                    by,
+                    bw,
+                    bh,
+                    b_in,
+                    is_taken,
+                    min_iou,
                 )
                 continue
-            partner[at] = b
-            taken[b - b0] = True
-            overlap[at - a0] = 0.0
+            partner[leader] = b
+            is_taken[b - b0] = True
+            overlap[leader - a0] = 0.0

@@ -32,18 +32,18 @@ def assign(gain):
     owner = np.zeros(m + 1, np.int64)  # row (1-based) of each column, 0 free
     way = np.zeros(m + 1, np.int64)
     least = np.empty(m + 1)
-    used = np.zeros(m + 1, np.bool_)
+    is_used = np.zeros(m + 1, np.bool_)
     for i in range(1, n + 1):
         owner[0] = i
         j0 = 0
         for j in range(m + 1):
             least[j] = np.inf
-            used[j] = False
+            is_used[j] = False
         while True:
-            used[j0] = True
+            is_used[j0] = True
             i0, step, j1 = owner[j0], np.inf, 0
             for j in range(1, m + 1):
-                if used[j]:
+                if is_used[j]:
                     continue
                 cost = -gain[i0 - 1, j - 1] - row_price[i0] - column_price[j]
                 if cost < least[j]:
@@ -52,7 +52,7 @@ def assign(gain):
                 if least[j] < step:
                     step, j1 = least[j], j
             for j in range(m + 1):
-                if used[j]:
+                if is_used[j]:
                     row_price[owner[j]] += step
                     column_price[j] -= step
                 else:
@@ -74,7 +74,7 @@ def assign(gain):
 
 @compiled
 def link_rows(rows, frame_index, recording, x, y, w, h, min_iou, max_gap, track):
-    """Give every row the number of a track, counted from 0 over all recordings.
+    """Number the track of every row, counting from 0 over all recordings.
 
     Boxes of successive listed frames are assigned to the tracks seen at most `max_gap` listed
     frames before, by the largest total IoU over pairs with ``IoU >= min_iou``; a box without a
@@ -104,13 +104,13 @@ def link_rows(rows, frame_index, recording, x, y, w, h, min_iou, max_gap, track)
         stop = i
         while stop < rows.size and frame_index[rows[stop]] == f:
             stop += 1
-        kept = 0
+        n_kept = 0
         for t in range(n_live):
             last = frame_index[rows[live[t]]]
             if recording[last] == recording[f] and f - last <= max_gap + 1:
-                live[kept] = live[t]
-                kept += 1
-        n_live = kept
+                live[n_kept] = live[t]
+                n_kept += 1
+        n_live = n_kept
         n_new = stop - i
         column = np.empty(n_live, np.int64)
         for t in range(n_live):
@@ -118,7 +118,7 @@ def link_rows(rows, frame_index, recording, x, y, w, h, min_iou, max_gap, track)
         if n_live > 0:
             gain = np.zeros((n_live, max(n_live, n_new)))
             per_new = np.zeros(n_new, np.int64)
-            is_plain = True  # every box has one candidate at the most
+            is_plain = True  # every box has at most one candidate
             for t in range(n_live):
                 a = rows[live[t]]
                 candidates = 0
@@ -149,9 +149,9 @@ def link_rows(rows, frame_index, recording, x, y, w, h, min_iou, max_gap, track)
             track[i + j] = -1
         for t in range(n_live):
             if column[t] >= 0:  # never a padding column: those have no gain
-                at = i + column[t]
-                track[at] = track[live[t]]
-                live[t] = at
+                position = i + column[t]
+                track[position] = track[live[t]]
+                live[t] = position
         for j in range(n_new):
             if track[i + j] < 0:
                 track[i + j] = n_tracks

@@ -1,4 +1,4 @@
-"""Track ids where the files have none, and boxes of one system linked to episodes."""
+"""Track ids where the files have none, and one system's boxes linked into episodes."""
 
 from __future__ import annotations
 
@@ -47,16 +47,16 @@ def link_boxes(boxes: BoxColumns, frames: FrameColumns, rows: np.ndarray) -> np.
     """
     track = np.empty(len(rows), np.int64)
     link_rows(
-        rows, boxes.frame_index, frames.recording, boxes.x, boxes.y, boxes.w, boxes.h,
-        LINK_IOU, LINK_GAP, track,
-    )  # fmt: skip
+        *(rows, boxes.frame_index, frames.recording, boxes.x, boxes.y, boxes.w, boxes.h),
+        *(LINK_IOU, LINK_GAP, track),
+    )
     return track
 
 
 def track_truth(truth: BoxColumns, frames: FrameColumns) -> TruthTracks:
     """Track of every pedestrian; those without an id are linked over the frames.
 
-    New ids follow the largest id of their recording, so that they never meet a given one.
+    New ids follow the largest id of their recording, so that none of the file's is used twice.
     """
     rows = np.flatnonzero((truth.track == NO_TRACK) & ~truth.ignore)
     if not len(rows):
@@ -65,7 +65,7 @@ def track_truth(truth: BoxColumns, frames: FrameColumns) -> TruthTracks:
     recording = frames.recording[truth.frame_index]
     largest = np.zeros(len(frames.fps), np.int64)
     np.maximum.at(largest, recording, truth.track)
-    # tracks are numbered over all recordings: restart in each
+    # link_boxes numbers over all recordings: start again in each
     of_row = recording[rows]
     restart = np.full(len(frames.fps), np.iinfo(np.int64).max)
     np.minimum.at(restart, of_row, linked)

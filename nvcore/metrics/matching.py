@@ -34,8 +34,8 @@ class Matches:
     def is_counted(self) -> np.ndarray:
         """Detections that belong to S: above the threshold and not absorbed; bool, (n_det,)."""
         in_s = (DetectionState.MATCHED, DetectionState.FALSE_ALARM)
-        counted: np.ndarray = np.isin(self.state, in_s)
-        return counted
+        is_in_s: np.ndarray = np.isin(self.state, in_s)
+        return is_in_s
 
     @property
     def is_false_alarm(self) -> np.ndarray:
@@ -51,8 +51,8 @@ class Matches:
     @property
     def is_matched(self) -> np.ndarray:
         """Truth boxes that the system matched; bool, (n_truth,)."""
-        matched: np.ndarray = self.truth_det >= 0
-        return matched
+        has_detection: np.ndarray = self.truth_det >= 0
+        return has_detection
 
 
 def match_system(dataset: Dataset, name: str, threshold: float | None, params: Params) -> Matches:
@@ -87,7 +87,7 @@ def match_boxes(
         Of which `match`, `iou` and `lateral_tolerance` are read.
     threshold
         Detections with a lower score are left out; None: all count. A detection without a score
-        passes every threshold: its system has decided by itself.
+        passes every threshold: its system has already decided.
 
     Notes
     -----

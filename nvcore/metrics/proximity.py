@@ -13,11 +13,11 @@ from nvcore.errors import ParameterError
 from nvcore.params import MIDPOINT_SHARE, SPREAD_SHARE, Params
 
 BLOCK: Final = 262_144
-"""Boxes weighed at a time: bounds the memory of what lies between; in smaller blocks the two
+"""Boxes weighed at a time: bounds the memory of intermediate results; in smaller blocks the two
 systems' threads wait for each other."""
 
 LARGEST_EXPONENT: Final = 700.0
-"""``exp`` of more would overflow; a weight there is 1e-304, as good as none."""
+"""``exp`` of more would overflow; the weight there is 1e-304, practically 0."""
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class Weights:
         In (0, 1), larger is nearer (1 throughout without proximity); float64, shape (n,).
     n_without_distance
         Boxes that count (no ignore regions, nothing below the threshold) and are weighted by
-        height because proximity by distance was asked for and they have none.
+        height, because proximity is by distance and they have none.
     """
 
     k: np.ndarray
@@ -107,17 +107,17 @@ def _blocks(
     Parameters
     ----------
     settings
-        Of each recording, shape (n_recordings, n_settings); recordings that follow each other
-        with the same settings share blocks.
+        Of each recording, shape (n_recordings, n_settings); consecutive recordings with the same
+        settings share blocks.
     """
     if not len(settings):
         return
     changes = np.flatnonzero((settings[1:] != settings[:-1]).any(axis=1)) + 1
-    starts = np.concatenate([[0], changes])
-    edges = boxes.offsets[frames.first[np.concatenate([starts, [len(settings)]])]]
-    for i, recording in enumerate(starts):  # a loop over blocks: thousands of boxes each
-        for at in range(int(edges[i]), int(edges[i + 1]), BLOCK):
-            yield slice(at, min(at + BLOCK, int(edges[i + 1]))), int(recording)
+    first_recordings = np.concatenate([[0], changes])
+    edges = boxes.offsets[frames.first[np.concatenate([first_recordings, [len(settings)]])]]
+    for i, recording in enumerate(first_recordings):  # a loop over blocks: thousands of boxes each
+        for start in range(int(edges[i]), int(edges[i + 1]), BLOCK):
+            yield slice(start, min(start + BLOCK, int(edges[i + 1]))), int(recording)
 
 
 def _per_recording(value: float | None, default: np.ndarray) -> np.ndarray:

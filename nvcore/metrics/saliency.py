@@ -11,15 +11,22 @@ from nvcore.metrics.similarity import SetDistances
 from nvcore.params import Params
 
 EVENT_COLUMNS = (
-    "recording", "encounter", "track", "first_row", "last_row", "duration_s", "tau", "recency",
+    "recording",
+    "encounter",
+    "track",
+    "first_row",
+    "last_row",
+    "duration_s",
+    "tau",
+    "recency",
     "saliency_s",
-)  # fmt: skip
+)
 
 
 def qualify(distances: SetDistances, frames: FrameColumns, *, tolerance: float) -> np.ndarray:
     """Truth row of the pedestrian that qualifies in each frame, -1 none; int64, (n_frames,).
 
-    The pedestrian at whom D(G, S) stands, if ``D(G, S) > tolerance * W/2``: below that it is
+    The pedestrian that attains D(G, S), if ``D(G, S) > tolerance * W/2``: below that it is
     localisation noise, not a miss.
     """
     least = tolerance * 0.5 * frames.width[frames.recording]
@@ -70,16 +77,16 @@ def find_events(
     """
     rows = np.flatnonzero(salient_row >= 0)
     encounter = encounter_of[salient_row[rows]]
-    # an encounter lies in one recording: where it changes with the recording, so does the run
+    # an encounter lies in one recording: a run that ends with the recording changes it too
     goes_on = (rows[1:] == rows[:-1] + 1) & (encounter[1:] == encounter[:-1])
     starts = np.flatnonzero(np.concatenate([[True], ~goes_on])[: len(rows)])
     ends = np.concatenate([starts[1:] - 1, [len(rows) - 1]])[: len(starts)]
-    first, last, at = rows[starts], rows[ends], encounter[starts]
+    first, last, event_encounter = rows[starts], rows[ends], encounter[starts]
     recording = frames.recording[first]
     rate = frames.fps[recording]
     passed = frames.passed
     if params.saliency_scope == "encounter":
-        start, end = encounter_rows[0][at], encounter_rows[1][at]
+        start, end = encounter_rows[0][event_encounter], encounter_rows[1][event_encounter]
     else:
         start, end = frames.first[recording], frames.first[recording + 1] - 1
     whole = passed[end + 1] - passed[start]
@@ -89,7 +96,7 @@ def find_events(
     return pd.DataFrame(
         {
             "recording": recording,
-            "encounter": at,
+            "encounter": event_encounter,
             "track": track[salient_row[first]],
             "first_row": first,
             "last_row": last,

@@ -39,7 +39,7 @@ class SetDistances:
     d_false
         D(S, G), the effect of false alarms, px, 0 is best; float64, shape (n_frames,).
     salient_row
-        Truth row at which D(G, S) stands, -1 without pedestrians; int64, shape (n_frames,).
+        Truth row that attains D(G, S), -1 without pedestrians; int64, shape (n_frames,).
     """
 
     d_miss: np.ndarray
@@ -57,7 +57,7 @@ def find_nearest(
 ) -> Nearest:
     """Distance of every box to the nearest member of the other set, frame by frame.
 
-    Does not depend on alpha, edge weight or the sigmoid, so that these can be moved live.
+    Independent of alpha, edge weight and the sigmoid, so that these can be changed live.
 
     Parameters
     ----------
@@ -72,11 +72,12 @@ def find_nearest(
     """
     near_truth, near_detections = np.empty(len(truth)), np.empty(len(detections))
     over_ranges(
-        nearest_frames, len(frames),
-        truth.offsets, truth.x, truth.y, truth.w, truth.h, ~truth.ignore,
-        detections.offsets, detections.x, detections.y, detections.w, detections.h, is_counted,
-        distance == "ground", frames.recording, frames.width, near_truth, near_detections,
-    )  # fmt: skip
+        nearest_frames,
+        len(frames),
+        *(truth.offsets, truth.x, truth.y, truth.w, truth.h, ~truth.ignore),
+        *(detections.offsets, detections.x, detections.y, detections.w, detections.h, is_counted),
+        *(distance == "ground", frames.recording, frames.width, near_truth, near_detections),
+    )
     return Nearest(near_truth, near_detections)
 
 
@@ -100,7 +101,7 @@ def measure_sets(
     Parameters
     ----------
     track
-        Track of each truth box where it differs from ``truth.track`` (linked), for ties.
+        Track of each truth box for ties, if linked; None: ``truth.track``.
 
     References
     ----------
@@ -110,14 +111,18 @@ def measure_sets(
     d_miss, d_false = np.empty(n_frames), np.empty(n_frames)
     salient_row = np.empty(n_frames, np.int64)
     over_ranges(
-        maximin_frames, n_frames, truth.offsets, truth.x, truth.w, k_truth, nearest.truth,
-        ~truth.ignore, truth.track if track is None else track, float(edge_weight),
-        frames.recording, frames.width, d_miss, salient_row,
-    )  # fmt: skip
+        maximin_frames,
+        n_frames,
+        *(truth.offsets, truth.x, truth.w, k_truth, nearest.truth, ~truth.ignore),
+        *(truth.track if track is None else track, float(edge_weight)),
+        *(frames.recording, frames.width, d_miss, salient_row),
+    )
     over_ranges(
-        maximum_frames, n_frames, detections.offsets, detections.x, detections.w, k_detections,
-        nearest.detections, is_counted, float(edge_weight), frames.recording, frames.width, d_false,
-    )  # fmt: skip
+        maximum_frames,
+        n_frames,
+        *(detections.offsets, detections.x, detections.w, k_detections, nearest.detections),
+        *(is_counted, float(edge_weight), frames.recording, frames.width, d_false),
+    )
     return SetDistances(d_miss, d_false, salient_row)
 
 
@@ -131,25 +136,24 @@ def salient_detection(
     *,
     edge_weight: float = 0.0,
 ) -> int:
-    """Detection row at which D(S, G) of one frame stands; -1 if the frame has no member.
+    """Detection row that attains D(S, G) of one frame; -1 if the frame has no member.
 
-    As `SetDistances.salient_row` for the pedestrians; computed when asked for, as the maximum
-    alone is faster.
+    The counterpart of `SetDistances.salient_row`, computed on demand: the maximum alone is faster.
 
     Parameters
     ----------
     is_member
-        The detections that are S; bool, shape (n_det,).
+        Detections that belong to S; bool, shape (n_det,).
     row
-        Of the frames table.
+        Row of the frames table.
     """
-    d, at = np.empty(1), np.empty(1, np.int64)
+    d, argmax = np.empty(1), np.empty(1, np.int64)
     maximin_frames(
-        0, 1, detections.offsets[row : row + 2], detections.x, detections.w, k_detections,
-        nearest.detections, is_member, detections.track, float(edge_weight),
-        frames.recording[row : row + 1], frames.width, d, at,
-    )  # fmt: skip
-    return int(at[0])
+        *(0, 1, detections.offsets[row : row + 2], detections.x, detections.w, k_detections),
+        *(nearest.detections, is_member, detections.track, float(edge_weight)),
+        *(frames.recording[row : row + 1], frames.width, d, argmax),
+    )
+    return int(argmax[0])
 
 
 def trace_similarity(
@@ -176,7 +180,7 @@ def trace_similarity(
 def smooth(values: np.ndarray, frames: FrameColumns, *, window: float = 1.0) -> np.ndarray:
     """Moving mean over the frames within ``window / 2`` seconds, never across recordings.
 
-    Compared in frame numbers, so that a frame exactly half a window away always counts.
+    Frame numbers are compared, so that a frame exactly half a window away always counts.
     """
     start, stop = frames.within(window)
     total = np.concatenate([[0.0], np.cumsum(values)])
@@ -215,7 +219,7 @@ def find_low_intervals(
     -------
     One row per interval: recording (row of the recordings), first_row, last_row (of the frames),
     duration_s, severity_s (sum of ``(low - M) * time step``, seconds; larger is worse),
-    min_similarity and worst_row (the first frame where it stands).
+    min_similarity and worst_row (the first frame that has it).
     """
     is_low = similarity < low
     first, last = runs_of(np.where(is_low, 0, -1), frames.recording)
@@ -226,8 +230,8 @@ def find_low_intervals(
         starts = np.searchsorted(low_rows, first)
         least = np.minimum.reduceat(similarity[low_rows], starts)  # no run is empty
         lengths = last - first + 1
-        at_least = similarity[low_rows] == np.repeat(least, lengths)
-        hits = np.flatnonzero(at_least)
+        is_least = similarity[low_rows] == np.repeat(least, lengths)
+        hits = np.flatnonzero(is_least)
         worst = low_rows[hits[np.searchsorted(hits, starts)]]
     else:
         least, worst = np.empty(0), np.empty(0, np.int64)

@@ -42,7 +42,7 @@ class Venn:
 
 @dataclass(frozen=True)
 class Exclusivity:
-    """How exclusive the two systems' misses are, over the encounters that are not distant.
+    """How exclusive the two systems' misses are, over all but the distant encounters.
 
     Attributes
     ----------
