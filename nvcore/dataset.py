@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import hashlib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
@@ -241,6 +242,12 @@ class Dataset:
         if name not in self.systems:
             raise InputError(f"there is no system {name!r}; there are {', '.join(self.systems)}")
         return self._by_source[self.systems.index(name) + 1]
+
+    def with_settings(self, settings: Settings) -> Dataset:
+        """The same data, to be compared in another way; its columns are shared, not copied."""
+        other = copy.copy(self)
+        object.__setattr__(other, "settings", settings)
+        return other
 
     def compared(self, x: str | None = None, y: str | None = None) -> tuple[str | None, str | None]:
         """Names of X and Y: those given, else those of the settings, else the first that is left.

@@ -242,7 +242,7 @@ def test_notes_of_the_audit_are_no_caveat():
 
 
 def test_every_caveat_is_about_a_finding_that_the_audit_has():
-    audit = ROOT / "nvcore" / "audit"
+    audit = ROOT / "nvcore" / "auditing"
     source = "".join(path.read_text(encoding="utf-8") for path in audit.glob("*.py"))
     assert [code for code in CAVEATS if f'"{code}"' not in source] == []
 

@@ -89,8 +89,7 @@ def _swap() -> None:
 def _compare(x: str, y: str | None) -> None:
     opened = state.opened()
     session, thresholds = with_systems(opened.session, opened.dataset, state.params(), x=x, y=y)
-    state.change_session(session)
-    state.workspace().forget()
+    state.compare_as(session)
     for letter, name in (("x", x), ("y", y)):
         if name is not None:
             state.set_threshold(letter, thresholds[f"threshold_{letter}"])

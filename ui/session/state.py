@@ -221,12 +221,14 @@ def protocol() -> Protocol:
 def set_protocol(chosen: Protocol) -> None:
     """Evaluate detections by this protocol from now on."""
     if opened().session.protocol != chosen:
-        change_session(replace(opened().session, protocol=chosen))
+        workspace().opened = replace(opened(), session=replace(opened().session, protocol=chosen))
 
 
-def change_session(session: Session) -> None:
-    """Go on with a changed session of the same data."""
-    workspace().opened = replace(opened(), session=session)
+def compare_as(session: Session) -> None:
+    """Go on with the same data and a session that compares it in another way."""
+    dataset = opened().dataset.with_settings(session)
+    workspace().opened = replace(opened(), session=session, dataset=dataset)
+    workspace().forget()
 
 
 def theme() -> Theme:

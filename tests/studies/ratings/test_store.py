@@ -48,7 +48,7 @@ def test_a_rating_is_there_after_the_program_is_killed(tmp_path):
     code = f"""
 import os, signal
 from pathlib import Path
-from nvcore.ratings.store import RatingStore
+from nvcore.studies.ratings.store import RatingStore
 store = RatingStore(Path({str(path)!r}))
 study = store.begin("print", {CLIPS!r})
 clip = store.order(study, "P1")[0]
