@@ -9,7 +9,7 @@ from builders import Place, at, make_dataset, result_of
 
 from nvcore.comparison import Result, compare
 from nvcore.dataset import Dataset
-from nvcore.evidence.subgroup_table import DETECTED, subgroup_table
+from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.evidence.subgroups import find_subgroups
 from nvcore.params import Params
 
@@ -44,7 +44,7 @@ def tagged(dataset: Dataset, tags: list[tuple[str, ...]]) -> Dataset:
 
 
 def detected(result: Result) -> pd.DataFrame:
-    return subgroup_table(result, [DETECTED])
+    return subgroup_table(result, ["encounters_detected"])
 
 
 def parts(result: Result) -> dict[tuple[str, str], int]:
