@@ -2,7 +2,7 @@
 
     python -m scripts.mutants map [TESTS ...]      which test runs which line (again for TESTS)
     python -m scripts.mutants run [--sample 240]   a fixed sample of mutants against those tests
-    python -m scripts.mutants table                the share killed, by folder, as Markdown
+    python -m scripts.mutants table                the share killed, by folder, to docs/quality.md
 
 Every mutant lives in a copy of the project (.mutants/tree-N), never in the checkout. It meets the
 tests that run its line, quick ones first, until one fails or `--seconds` of them are through; what
@@ -33,6 +33,8 @@ from scripts.mutants.trial import ROOT, copy_project, run_tests, start_worker, t
 STORE = ROOT / ".mutants"
 RESULTS = STORE / "results.jsonl"
 EQUIVALENT = Path(__file__).with_name("equivalent.toml")
+QUALITY = ROOT / "docs" / "quality.md"
+MARKS = ("<!-- mutants: written by `scripts.mutants table` -->", "<!-- end of mutants -->")
 FOLDERS = ("nvcore/metrics", "nvcore/evidence", "nvcore/detection", "nvcore/inputs")
 WORKERS = 2
 
@@ -106,7 +108,7 @@ def fail_anyway(killers: Iterable[str], seconds: dict[str, float]) -> list[str]:
     """Which of the tests that killed mutants fail on the project as it is."""
     tests = sorted({test for test in killers if test in seconds}, key=seconds.__getitem__)
     failing = []
-    while tests and (failed := run_tests(tests, {}, 60 + 5 * sum(seconds[t] for t in tests))):
+    while tests and (failed := run_tests(tests, {}, 600 + 20 * sum(seconds[t] for t in tests))):
         failing.append(failed)
         if failed not in tests:
             break
@@ -148,6 +150,13 @@ def table(sample: dict[str, list[Mutant]]) -> str:
     return "\n".join(rows)
 
 
+def write_table(text: str) -> None:
+    """Put the table into the documentation, in place of the last one."""
+    before, _, rest = QUALITY.read_text("utf-8").partition(MARKS[0])
+    _, _, after = rest.partition(MARKS[1])
+    QUALITY.write_text(f"{before}{MARKS[0]}\n\n{text}\n\n{MARKS[1]}{after}", "utf-8")
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
@@ -174,6 +183,7 @@ def main() -> None:
         run(sample, given.seconds, again=given.again)
     else:
         print(table(sample))
+        write_table(table(sample))
 
 
 if __name__ == "__main__":

@@ -12,10 +12,12 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import pytest
 from coverage import CoverageData
@@ -23,7 +25,7 @@ from coverage import CoverageData
 from scripts.mutants.operators import Mutant
 
 NOT_OF_THE_LIBRARY = ("tests/ui", "tests/e2e")
-LIMIT_S = 90.0
+LIMIT_S = 30.0
 """Processor time of a test; a slower test takes no part."""
 FIRST_FILES, FIRST_S = 3, 5.0
 """First round: tests of so many files and seconds at most. Most mutants end there."""
@@ -38,6 +40,7 @@ class Limits:
 
     def __init__(self, seconds: dict[str, float]) -> None:
         self.seconds = seconds
+        self.started = 0.0
 
     def pytest_sessionstart(self) -> None:
         from hypothesis import settings
@@ -51,6 +54,7 @@ class Limits:
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_protocol(self, item: pytest.Item) -> Iterator[None]:
+        self.started = time.process_time()
         limit = self.seconds.get(item.nodeid, LIMIT_S)
         signal.setitimer(signal.ITIMER_PROF, limit, limit)
         try:
@@ -58,18 +62,23 @@ class Limits:
         finally:
             signal.setitimer(signal.ITIMER_PROF, 0)
 
+    @pytest.hookimpl(wrapper=True)
+    def pytest_runtest_makereport(self) -> Generator[None, Any, Any]:
+        report = yield
+        report.processor_s = time.process_time() - self.started
+        return report
+
 
 class Record:
-    """Pytest plugin: writes the seconds of each test that passed, null for the others."""
+    """Pytest plugin: writes each test's seconds of processor time, null where it did not pass."""
 
     def __init__(self, file: Path) -> None:
         self.file = file
         self.seconds: dict[str, float | None] = {}
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
-        before = self.seconds.get(report.nodeid, 0.0)
-        has_passed = before is not None and report.passed
-        self.seconds[report.nodeid] = (before or 0.0) + report.duration if has_passed else None
+        has_passed = report.passed and self.seconds.get(report.nodeid, 0.0) is not None
+        self.seconds[report.nodeid] = report.processor_s if has_passed else None
 
     def pytest_sessionfinish(self) -> None:
         known = json.loads(self.file.read_text()) if self.file.exists() else {}
@@ -89,6 +98,8 @@ def make_map(store: Path, tree: Path, tests: Sequence[str], workers: int) -> Non
     rules.write_text(
         f"[run]\nsource = nvcore\nrelative_files = true\ndata_file = {store / 'coverage'}\n"
     )
+    for left in store.glob("coverage.*"):  # of a run that was interrupted
+        left.unlink()
     if not tests:
         for name in ("coverage", "tests.json"):
             (store / name).unlink(missing_ok=True)

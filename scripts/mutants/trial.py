@@ -30,6 +30,8 @@ ROOT = Path(__file__).resolve().parents[2]
 LARGE = ("pandas", "numba", "scipy.stats", "plotly.graph_objects", "PIL")
 MEMORY_BYTES = 8 * 2**30
 """Of one trial, as some mutants ask for all there is."""
+CRASHES = [-number for number in (signal.SIGSEGV, signal.SIGABRT, signal.SIGBUS, signal.SIGFPE)]
+"""Exit codes of a process that its own code brought down, rather than somebody else."""
 
 tree: Path
 """This worker's copy."""
@@ -117,7 +119,7 @@ def run_tests(tests: Sequence[str], limits: dict[str, float], seconds: float) ->
         code, failed = receiver.recv() if receiver.poll(seconds) else (1, "time")
     except EOFError:
         child.join()
-        crashed = child.exitcode is not None and child.exitcode < 0
+        crashed = child.exitcode in CRASHES
         code, failed = (1, "crash") if crashed else (pytest.ExitCode.USAGE_ERROR, "")
     finally:
         if child.is_alive() and child.pid:
@@ -139,7 +141,7 @@ def try_mutant(mutant: Mutant, rounds: list[list[str]], seconds: dict[str, float
     try:
         for tests in rounds:
             limits = {test: 5 + 5 * seconds[test] for test in tests}
-            if noticed := run_tests(tests, limits, 60 + 5 * sum(seconds[t] for t in tests)):
+            if noticed := run_tests(tests, limits, 600 + 20 * sum(seconds[t] for t in tests)):
                 return noticed
         return ""
     finally:
