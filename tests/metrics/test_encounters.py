@@ -221,6 +221,19 @@ def test_tracks_may_be_huge_numbers_or_negative() -> None:
     assert result.encounters.track.tolist() == sorted(ids)
 
 
+def test_huge_track_ids_beside_small_ones_stay_apart_in_their_recording() -> None:
+    ids = [1, 2**32 + 1]  # equal in their lower 32 bits
+    result = result_of(make_dataset([at(0, 20 * i, track=t) for i, t in enumerate(ids)]))
+    assert result.encounters.track.tolist() == ids
+    assert result.encounters.recording.tolist() == [0, 0]
+
+
+def test_a_pedestrian_beyond_the_left_edge_is_at_the_edge() -> None:
+    encounters = result_of(make_dataset([Box(0, -35, 0, 40, 40, 1)])).encounters
+    assert encounters.lateral_position.tolist() == [-1]
+    assert encounters.lateral_offset.tolist() == [1]
+
+
 def test_a_track_given_twice_in_a_frame_is_one_frame_of_the_encounter() -> None:
     truth = [at(0, 50, track=1), at(0, 20, track=1), at(1, 50, track=1)]
     result = result_of(make_dataset(truth, [at(0, 20)]))

@@ -67,6 +67,10 @@ def test_nothing_to_link_makes_no_track() -> None:
     assert linked() == []
 
 
+def test_boxes_that_share_less_than_a_pixel_are_linked() -> None:
+    assert linked((0, 50, 50, 0.8, 0.8), (1, 50, 50, 0.8, 0.8)) == [0, 0]
+
+
 def test_a_moving_box_keeps_its_track() -> None:
     assert linked((0, 0, 0, 10, 10), (1, 3, 0, 10, 10), (2, 6, 0, 10, 10)) == [0, 0, 0]
 
