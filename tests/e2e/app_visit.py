@@ -7,6 +7,7 @@ from typing import Any
 from urllib.parse import urlsplit
 
 from app_server import PATIENCE_MS
+from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Locator, Page, expect
 
 SIZE = {"width": 1280, "height": 800}
@@ -40,6 +41,12 @@ SHARE = """(plot, [across, down]) => {
   const { w, h } = plot._fullLayout._size;
   return [across * w, down * h];
 }"""
+
+# Faded text has too little contrast. What waits for Python fades, at any time where a page asks for
+# news by itself: that is switched off. What is new fades in: that is waited for.
+NO_FADING = "[data-stale] { opacity: 1 !important; transition: none !important; }"
+IS_STILL = """() => document.getAnimations()
+  .every((motion) => !(motion instanceof CSSTransition) || motion.playState !== "running")"""
 
 
 class Visit:
@@ -77,6 +84,27 @@ class Visit:
     def wait_until_drawn(self) -> None:
         self.page.wait_for_function(IS_DRAWN)
         assert self.page.get_by_text("This page could not be drawn").count() == 0
+
+    def accessibility_faults(self) -> list[str]:
+        """What axe finds fault with; in the dark theme contrast only: all else is the same."""
+        self.wait_until_drawn()
+        self.page.add_style_tag(content=NO_FADING)
+        self.page.wait_for_function(IS_STILL)
+        options: dict[str, Any] = {"resultTypes": ["violations"]}
+        if self.is_dark:
+            options["runOnly"] = ["color-contrast"]
+        report = Axe().run(self.page, options=options).response
+        assert len(report["passes"]) > (0 if self.is_dark else 10)
+        return [
+            f"{self.page.url} {rule['impact']} {rule['id']}: {node['html'][:200]} "
+            f"{node['failureSummary']}"
+            for rule in report["violations"]
+            for node in rule["nodes"]
+        ]
+
+    @property
+    def is_dark(self) -> bool:
+        return self.page.evaluate("matchMedia('(prefers-color-scheme: dark)').matches")
 
     def heading(self, text: str | re.Pattern[str], *, level: int | None = None) -> Locator:
         if level is None:
