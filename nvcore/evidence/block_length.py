@@ -9,15 +9,15 @@ import numpy as np
 from scipy.signal import correlate
 
 INSIGNIFICANT: Final = 2.0
-"""Autocorrelations below this many times sqrt(log10(n) / n) are taken as none."""
+"""Autocorrelations below this many times sqrt(log10(n) / n) count as none."""
 
 
 def block_length(trace: np.ndarray, first: np.ndarray) -> int:
-    """Frames of a block for resampling a trace in blocks that do not overlap.
+    """Length in frames of the blocks for resampling a trace in blocks that do not overlap.
 
-    The automatic choice of Politis and White: the length at which the error of the bootstrap's
-    variance is least, from the trace's autocorrelations up to the lag at which they fade. Blocks
-    that do not overlap have a variance of ``2 * g(0)^2 * b / n``.
+    The automatic choice of Politis and White: the length that minimises the error of the
+    bootstrap's variance, from the trace's autocorrelations up to the lag at which they fade.
+    Blocks that do not overlap have a variance of ``2 * g(0)^2 * b / n``.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ def block_length(trace: np.ndarray, first: np.ndarray) -> int:
         return 1
     n_quiet = max(5, int(np.log10(n)))
     covariance = autocovariance(trace, first, n_lags=int(np.ceil(np.sqrt(n))) + n_quiet)
-    # a trace that does not move has no autocorrelation but that of rounding
+    # the autocorrelation of a constant trace is rounding
     if covariance[0] <= 1e-20 * max(1.0, float(np.abs(trace).max()) ** 2):
         return 1
     n_lags = len(covariance) - 1
@@ -60,9 +60,9 @@ def block_length(trace: np.ndarray, first: np.ndarray) -> int:
         return 1
     lag = np.arange(1, width + 1)
     window = np.minimum(1, 2 * (1 - lag / width))
-    weighted = window * covariance[1 : width + 1]
-    bias = 2 * float((lag * weighted).sum())
-    long_run = float(covariance[0] + 2 * weighted.sum())
+    tapered = window * covariance[1 : width + 1]
+    bias = 2 * float((lag * tapered).sum())
+    long_run = float(covariance[0] + 2 * tapered.sum())
     most = max(1, int(min(3 * np.sqrt(n), n / 3)))
     if long_run <= 0:
         return most
@@ -75,13 +75,13 @@ def autocovariance(trace: np.ndarray, first: np.ndarray, *, n_lags: int) -> np.n
 
     Fewer lags where the longest recording has fewer frames.
     """
-    centred = trace - trace.mean()
-    parts: Sequence[np.ndarray] = np.split(centred, first[1:-1])
+    deviation = trace - trace.mean()
+    parts: Sequence[np.ndarray] = np.split(deviation, first[1:-1])
     n_lags = min(n_lags, max(len(part) for part in parts) - 1)
     total = np.zeros(n_lags + 1)
-    for part in parts:  # a loop over recordings: blocks are for few of them
+    for part in parts:  # a loop over recordings: few where blocks are used
         if len(part):
-            found = correlate(part, part, method="fft")[len(part) - 1 :][: n_lags + 1]
-            total[: len(found)] += found
+            products = correlate(part, part, method="fft")[len(part) - 1 :][: n_lags + 1]
+            total[: len(products)] += products
     covariance: np.ndarray = total / len(trace)
     return covariance

@@ -1,4 +1,4 @@
-"""Whether the difference between X and Y is more than chance: measures with their evidence."""
+"""Is the difference between X and Y more than chance? Measures with their evidence."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ ODDS_RATIO: Final = "odds ratio"
 
 @dataclass(frozen=True, eq=False)
 class UnitMeasure:
-    """A measure that is a function of sums over units.
+    """A measure computed from sums over units.
 
     Attributes
     ----------
@@ -36,7 +36,7 @@ class UnitMeasure:
     better
         ``higher`` or ``lower``.
     x, y
-        Sums of each unit, shape (n_units, *columns); rows as numbered in `Units`.
+        Sums of each unit, shape (n_units, *columns); rows in the order of `Units`.
     statistic
         The measure from such sums (`nvcore.evidence.bootstrap.Statistic`).
     """
@@ -56,10 +56,10 @@ class Evidence:
     Attributes
     ----------
     figure, label, better
-        Key of the measure, as the column is called in the files; name with unit; ``higher`` or
+        Key of the measure (the files call this column `figure`); name with unit; ``higher`` or
         ``lower``.
     x, y, difference
-        Of both systems, and ``x - y``; NaN undefined.
+        Values of both systems, and ``x - y``; NaN undefined.
     low, high
         95 % interval of the difference; NaN where none can be given.
     p
@@ -69,11 +69,11 @@ class Evidence:
         units' parts in it; positive where X is higher), or the odds ratio of discordant encounters
         (above 1 where X detects more). NaN for d_z where there is neither interval nor p-value.
     n, unit
-        How many of what were compared: encounters, recordings, blocks.
+        How many were compared, and of what: encounters, recordings, blocks.
     method
-        How interval and p-value were made.
+        How interval and p-value were computed.
     note
-        Why something is not given, and what the numbers do not say.
+        Why something is missing, and what the numbers do not say.
     p_holm
         `p` by Holm's correction for all measures shown together.
     """
@@ -99,23 +99,50 @@ class Evidence:
     def undefined(
         cls, key: str, label: str, better: Better, *, unit: str, note: str, n: int = 0
     ) -> Evidence:
-        """Evidence of a measure that these data do not have; `note` says why."""
+        """Evidence of a measure that these data cannot give; `note` says why."""
         nan = float("nan")
         return cls(
-            figure=key, label=label, better=better, x=nan, y=nan, difference=nan, low=nan,
-            high=nan, p=nan, effect=nan, effect_name=D_Z, n=n, unit=unit, method="", note=note,
-        )  # fmt: skip
+            figure=key,
+            label=label,
+            better=better,
+            x=nan,
+            y=nan,
+            difference=nan,
+            low=nan,
+            high=nan,
+            p=nan,
+            effect=nan,
+            effect_name=D_Z,
+            n=n,
+            unit=unit,
+            method="",
+            note=note,
+        )
 
-    def withheld(self) -> Evidence:
-        """The values alone: without interval, test and effect size."""
+    def values_only(self) -> Evidence:
+        """The values without interval, test and effect size."""
         nan = float("nan")
         return replace(self, low=nan, high=nan, p=nan, effect=nan, method="")
 
 
 COLUMNS: Final = (
-    "figure", "label", "better", "x", "y", "difference", "low", "high", "p", "p_holm", "effect",
-    "effect_name", "n", "unit", "method", "note",
-)  # fmt: skip
+    "figure",
+    "label",
+    "better",
+    "x",
+    "y",
+    "difference",
+    "low",
+    "high",
+    "p",
+    "p_holm",
+    "effect",
+    "effect_name",
+    "n",
+    "unit",
+    "method",
+    "note",
+)
 
 
 def significance_table(
@@ -123,19 +150,19 @@ def significance_table(
 ) -> pd.DataFrame:
     """The scorecard's measures with interval, p-value and effect size.
 
-    `nvcore.evidence.table.evidence_table` has the log-average miss rate as well.
+    `nvcore.evidence.table.evidence_table` adds the log-average miss rate.
 
-    Encounters detected come twice: every encounter for itself (McNemar), and by units, which
-    allows for encounters of one recording being alike. Then the other measures that
-    `nvcore.measures.Inference` judges by units, and `extra`. Where too little is known for a
-    measure, or most encounters are single frames, it is NaN and `note` says so in words.
+    Encounters detected come twice: encounter by encounter (McNemar), and by units, which allows
+    for encounters of one recording being alike. Then come the other measures that
+    `nvcore.measures.Inference` judges by units, and `extra`. Where the data are too few for a
+    measure, or most encounters are single frames, it is NaN and `note` says why.
 
     Parameters
     ----------
     extra
-        Further measures, which Holm's correction then allows for.
+        Further measures, included in Holm's correction.
     units
-        ``find_units(result)``, if known already.
+        ``find_units(result)``, if already computed.
 
     Returns
     -------
@@ -147,12 +174,12 @@ def significance_table(
     >>> significance_table(result)[["figure", "difference", "low", "high"]]  # doctest: +SKIP
     """
     units = find_units(result) if units is None else units
-    judged = [
+    by_unit = [
         with_mean_over_recordings(result, units, judge_measure(measure, units))
         for measure in unit_measures(result, units)
     ]
     encounters = judge_encounters_detected(result)
-    rows = [encounters.withheld() if result.is_short else encounters, *judged, *extra]
+    rows = [encounters.values_only() if result.is_short else encounters, *by_unit, *extra]
     table = pd.DataFrame([vars(row) for row in rows])
     table["p_holm"] = holm(table["p"].to_numpy())
     return table[list(COLUMNS)]
@@ -160,8 +187,8 @@ def significance_table(
 
 def judge_encounters_detected(result: Result) -> Evidence:
     """Share of encounters detected, encounter by encounter: McNemar's test."""
-    found = mcnemar(result.venn)
-    notes = [found.reason]
+    test = mcnemar(result.venn)
+    notes = [test.reason]
     if result.is_short:
         notes.append(
             "most encounters are one frame long, so they are frames rather than persons, and not "
@@ -169,24 +196,35 @@ def judge_encounters_detected(result: Result) -> Evidence:
         )
     key = "encounters_detected"
     return Evidence(
-        figure=key, label=evidence_label(key, result, units=""), better=measure_of(key).better,
-        x=found.share_x, y=found.share_y, difference=found.difference, low=found.low,
-        high=found.high, p=found.p, effect=found.odds_ratio, effect_name=ODDS_RATIO, n=found.n,
-        unit="encounters", method=_mcnemar_method(found), note=_joined(notes),
-    )  # fmt: skip
+        figure=key,
+        label=evidence_label(key, result, units=""),
+        better=measure_of(key).better,
+        x=test.share_x,
+        y=test.share_y,
+        difference=test.difference,
+        low=test.low,
+        high=test.high,
+        p=test.p,
+        effect=test.odds_ratio,
+        effect_name=ODDS_RATIO,
+        n=test.n,
+        unit="encounters",
+        method=_mcnemar_method(test),
+        note=_join(notes),
+    )
 
 
-def _mcnemar_method(found: McNemar) -> str:
+def _mcnemar_method(test: McNemar) -> str:
     parts = []
-    if not np.isnan(found.low):
+    if not np.isnan(test.low):
         parts.append("Newcombe's interval for paired shares")
-    if not np.isnan(found.p):
-        parts.append(f"exact McNemar test of {found.x_only} to {found.y_only}")
+    if not np.isnan(test.p):
+        parts.append(f"exact McNemar test of {test.x_only} to {test.y_only}")
     return "; ".join(parts)
 
 
 def unit_measures(result: Result, units: Units) -> tuple[UnitMeasure, ...]:
-    """The measures that are made from sums over units."""
+    """The measures that are computed from sums over units."""
     sums = sum_units(result, units)
     measures = []
     for key in EVIDENCE_KEYS:
@@ -207,34 +245,44 @@ def judge_measure(measure: UnitMeasure, units: Units) -> Evidence:
     interval = bootstrap_difference(measure.x, measure.y, measure.statistic)
     test = swap_test(measure.x, measure.y, measure.statistic)
     notes = [*dict.fromkeys((interval.reason, test.reason)), units.note]
-    is_judged = np.isfinite(interval.low) or np.isfinite(test.p)
+    has_evidence = np.isfinite(interval.low) or np.isfinite(test.p)
     return Evidence(
-        figure=measure.key, label=measure.label, better=measure.better, x=interval.x,
-        y=interval.y, difference=interval.difference, low=interval.low, high=interval.high,
-        p=test.p, effect=_standardised(measure) if is_judged else np.nan, effect_name=D_Z,
-        n=len(units), unit=units.kind, method=_unit_method(interval, test, units),
-        note=_joined(notes),
-    )  # fmt: skip
+        figure=measure.key,
+        label=measure.label,
+        better=measure.better,
+        x=interval.x,
+        y=interval.y,
+        difference=interval.difference,
+        low=interval.low,
+        high=interval.high,
+        p=test.p,
+        effect=_effect_size(measure) if has_evidence else np.nan,
+        effect_name=D_Z,
+        n=len(units),
+        unit=units.kind,
+        method=_unit_method(interval, test, units),
+        note=_join(notes),
+    )
 
 
 def with_mean_over_recordings(result: Result, units: Units, row: Evidence) -> Evidence:
-    """The row; of a mean over recordings that blocks of time cannot share, at least its values."""
+    """The row, with values at least where blocks of time cannot share a mean over recordings."""
     inference, by_recording = inference_of(row.figure), measure_of(row.figure).by_recording
     if inference.per != "share_of_recording" or units.kind == RECORDINGS:
         return row
     if inference.parts is None or by_recording is None or inference.parts(result, result.x):
         return row
-    used = np.unique(units.recording)
-    x, y = (float(by_recording(result, system)[used].mean()) for _, system in result.sides)
-    note = _joined([inference.not_in_blocks, units.note])
+    recordings = np.unique(units.recording)
+    x, y = (float(by_recording(result, system)[recordings].mean()) for _, system in result.sides)
+    note = _join([inference.not_in_blocks, units.note])
     return replace(row, x=x, y=y, difference=x - y, note=note)
 
 
-def _standardised(measure: UnitMeasure) -> float:
+def _effect_size(measure: UnitMeasure) -> float:
     """Cohen's d_z from jackknife pseudo-values.
 
-    For a mean over units of equal weight that is the mean of their differences over the standard
-    deviation; for other measures each unit counts by what leaving it out changes.
+    For a mean over units of equal weight this is the mean of their differences over the standard
+    deviation; in other measures a unit counts by how much leaving it out changes the difference.
     """
     x, y, n = measure.x, measure.y, len(measure.x)
     if n < 2:
@@ -242,7 +290,7 @@ def _standardised(measure: UnitMeasure) -> float:
     difference = float(measure.statistic(x.sum(axis=0)) - measure.statistic(y.sum(axis=0)))
     without = measure.statistic(x.sum(axis=0) - x) - measure.statistic(y.sum(axis=0) - y)
     spread = (n - 1) * float(without.std(ddof=1))
-    # equal differences have a spread of a rounding error, not always 0
+    # the spread of equal differences may be a rounding error instead of 0
     if not spread > 1e-9 * abs(difference):
         return float("nan")
     return difference / spread
@@ -263,5 +311,5 @@ def _unit_method(interval: BootstrapDifference, test: SwapTest, units: Units) ->
     return "; ".join(parts)
 
 
-def _joined(notes: Sequence[str]) -> str:
+def _join(notes: Sequence[str]) -> str:
     return "; ".join(note for note in notes if note)

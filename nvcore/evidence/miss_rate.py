@@ -1,4 +1,4 @@
-"""The log-average miss rate from sums over units, so that its difference can be tested."""
+"""The log-average miss rate from sums over units, for testing its difference."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from nvcore.protocols import PROTOCOLS, Protocol
 
 KEY: Final = "log_average_miss_rate"
 N_POINTS: Final = 200
-"""Operating points besides the references: a resample finds its own among them."""
+"""Operating points besides the references, among which a resample looks up its own."""
 POINT_RANGE: Final = (0.002, 4.0)
 """False positives per image of these points; the references are 0.01 to 1."""
 
@@ -29,9 +29,9 @@ def log_average_miss_rate_measure(
 ) -> UnitMeasure | None:
     """The log-average miss rate for `nvcore.evidence.measures.judge_measure`.
 
-    Each system is counted at the same 200 levels of false positives per image, the nine
-    references among them; a resample or exchange looks up the references among these levels. Over
-    all units the measure is exactly `nvcore.detection.miss_rate.log_average_miss_rate`.
+    Each system is counted at the same levels of false positives per image, 200 and the nine
+    references; a resample or exchange looks up the references among these levels. Over all units
+    the measure is exactly `nvcore.detection.miss_rate.log_average_miss_rate`.
 
     Returns
     -------
@@ -41,14 +41,14 @@ def log_average_miss_rate_measure(
     ----------
     ``docs/detection.md``, log-average miss rate.
     """
-    made = []
+    sums = []
     for _, system in result.sides:
         outcomes = detection_outcomes(result.dataset, system.name, result.params, protocol)
         if np.isnan(outcomes.score).any() or not outcomes.truth.n_truth:
             return None
-        made.append(_sums(outcomes, units))
+        sums.append(_sums(outcomes, units))
     better = measure_of(KEY).better
-    x, y = made
+    x, y = sums
     return UnitMeasure(KEY, _label(protocol), better, x, y, statistic=_log_average)
 
 
@@ -57,7 +57,7 @@ def judge_miss_rate(
 ) -> Evidence:
     """Difference of the log-average miss rate; `note` says why it is undefined or 0.
 
-    Units are those within the recordings that the protocol counts.
+    The units are those within the recordings that the protocol counts.
     """
 
     def undefined(why: str) -> Evidence:
@@ -77,17 +77,17 @@ def judge_miss_rate(
         return undefined(
             "the log-average miss rate needs pedestrians that count, and detections with scores"
         )
-    found = judge_measure(measure, units)
+    evidence = judge_measure(measure, units)
     sums = (measure.x.sum(axis=0), measure.y.sum(axis=0))
-    notes = [found.note]
+    notes = [evidence.note]
     n_with = np.count_nonzero(measure.x[:, 1])
-    if np.isnan(found.low) and n_with < len(units):
+    if np.isnan(evidence.low) and n_with < len(units):
         notes.append(f"only {n_with} of {len(units)} {units.kind} have pedestrians that count")
     notes.append(explain_few(int(sums[0][1])))
-    for letter, one in zip("XY", sums, strict=True):
-        why_zero = explain_zero(_rates(one))
+    for letter, system_sums in zip("XY", sums, strict=True):
+        why_zero = explain_zero(_rates(system_sums))
         notes.append(f"log-average miss rate of {letter}: {why_zero}" if why_zero else "")
-    return replace(found, note="; ".join(filter(None, notes)))
+    return replace(evidence, note="; ".join(filter(None, notes)))
 
 
 def _label(protocol: Protocol) -> str:
@@ -111,7 +111,7 @@ def _sums(outcomes: Outcomes, units: Units) -> np.ndarray:
     truth = outcomes.truth
     n_images = np.bincount(unit[truth.is_counted], minlength=n)
     n_truth = np.bincount(unit[truth.truth.frame_index[truth.counts]], minlength=n)
-    # how many detections, from the highest score, pass at each level: equal scores together
+    # how many detections, from the highest score down, pass at each level: equal scores together
     fp = np.cumsum(~outcomes.is_match)
     is_last = np.ones(len(fp), dtype=bool)
     is_last[:-1] = outcomes.score[1:] != outcomes.score[:-1]
@@ -119,12 +119,12 @@ def _sums(outcomes: Outcomes, units: Units) -> np.ndarray:
     fppi = fp[ends] / max(truth.n_images, 1)
     last = np.searchsorted(fppi, _levels(), side="right") - 1
     n_passing = np.where(last < 0, 0, ends[np.maximum(last, 0)] + 1) if len(ends) else 0 * last
-    level = np.searchsorted(n_passing, np.arange(len(fp)), side="right")  # the first to count it
+    level = np.searchsorted(n_passing, np.arange(len(fp)), side="right")  # first that counts it
     of_unit = unit[outcomes.frame_index]
     counts = []
-    for is_it in (~outcomes.is_match, outcomes.is_match):
+    for is_kind in (~outcomes.is_match, outcomes.is_match):
         first = np.zeros((n, len(n_passing) + 1))
-        np.add.at(first, (of_unit[is_it], level[is_it]), 1)
+        np.add.at(first, (of_unit[is_kind], level[is_kind]), 1)
         counts.append(np.cumsum(first[:, :-1], axis=1))
     return np.column_stack([n_images, n_truth, *counts])
 
@@ -142,9 +142,9 @@ def _rates(sums: np.ndarray) -> np.ndarray:
     fp, tp = sums[..., 2 : 2 + n_levels], sums[..., 2 + n_levels :]
     most = sums[..., :1] * (FPPI_REFERENCES * (1 + 1e-12))
     n_within = _count_up_to(fp, most)
-    found = np.take_along_axis(tp, np.maximum(n_within - 1, 0), axis=-1)
+    tp_within = np.take_along_axis(tp, np.maximum(n_within - 1, 0), axis=-1)
     with np.errstate(invalid="ignore", divide="ignore"):
-        rates: np.ndarray = np.maximum(1 - np.where(n_within > 0, found, 0) / sums[..., 1:2], 0)
+        rates: np.ndarray = np.maximum(1 - np.where(n_within > 0, tp_within, 0) / sums[..., 1:2], 0)
     return rates
 
 
@@ -157,6 +157,6 @@ def _count_up_to(values: np.ndarray, limits: np.ndarray) -> np.ndarray:
     count = np.zeros(limits.shape, dtype=np.int64)
     for bit in reversed(range(n.bit_length())):
         more = count + (1 << bit)
-        at = np.take_along_axis(values, np.minimum(more, n) - 1, axis=-1)
-        count = np.where((more <= n) & (at <= limits), more, count)
+        probe = np.take_along_axis(values, np.minimum(more, n) - 1, axis=-1)
+        count = np.where((more <= n) & (probe <= limits), more, count)
     return count

@@ -14,26 +14,26 @@ from nvcore.evidence.bootstrap import CONFIDENCE, ROUNDING, ROWS_AT_ONCE, SEED, 
 from nvcore.metrics.venn import Venn, measure_exclusivity
 
 MIN_DISCORDANT: Final = 6
-"""Encounters that only one system detects, from which on a p-value is given: with 5 the most
-uneven split has p = 2 / 2^5 = 0.0625, so nothing could ever come out."""
+"""Fewest encounters detected by one system only for a p-value: with 5 the most uneven split has
+p = 2 / 2^5 = 0.0625, which can never be significant."""
 MIN_SWAPPED: Final = 6
-"""Units in which X and Y differ, from which on a p-value is given; for the same reason."""
+"""Fewest units in which X and Y differ for a p-value, for the same reason."""
 MIN_PAIRS: Final = 10
-"""Encounters from which on the shares' difference has an interval; fewer say little."""
+"""Fewest encounters for an interval of the shares' difference; fewer say little."""
 EXACT_UNITS: Final = 16
-"""Units up to which every exchange of X and Y is tried: 65,536 of them."""
+"""Most units for which every exchange of X and Y is tried: 65,536 exchanges."""
 N_PERMUTATIONS: Final = 10_000
-"""Random exchanges where there are more units."""
+"""Number of random exchanges where there are more units."""
 
 
 @dataclass(frozen=True)
 class McNemar:
-    """Who detects more of the same encounters.
+    """Which system detects more of the same encounters.
 
     Attributes
     ----------
     x_only, y_only, n
-        Encounters that only X, only Y detects; all that count.
+        Encounters that only X and only Y detects, and all that count.
     share_x, share_y, difference
         Share of encounters detected, 1 is best, and X - Y; NaN without any.
     low, high
@@ -45,7 +45,7 @@ class McNemar:
         ``x_only / y_only``, above 1 where X detects more, with its exact 95 % interval; infinite
         without `y_only`; NaN without discordant encounters.
     reason
-        What is not given and why; empty if all is.
+        What is missing and why; empty: nothing.
     """
 
     x_only: int
@@ -66,8 +66,8 @@ class McNemar:
 def mcnemar(venn: Venn, *, confidence: float = CONFIDENCE) -> McNemar:
     """Exact McNemar test with effect sizes, from the counts of encounters.
 
-    Only encounters that one system detects and the other does not tell the two apart. Encounters
-    are taken as independent of each other.
+    Only encounters detected by exactly one system tell the two apart. Encounters are assumed to be
+    independent of each other.
 
     References
     ----------
@@ -77,8 +77,8 @@ def mcnemar(venn: Venn, *, confidence: float = CONFIDENCE) -> McNemar:
 
     Examples
     --------
-    >>> found = mcnemar(Venn(both=36, x_only=12, y_only=2, neither=0, distant=0))
-    >>> round(found.p, 4), round(found.low, 4), round(found.high, 4)
+    >>> test = mcnemar(Venn(both=36, x_only=12, y_only=2, neither=0, distant=0))
+    >>> round(test.p, 4), round(test.low, 4), round(test.high, 4)
     (0.0129, 0.0569, 0.3404)
     """
     n, split = venn.n_near, venn.x_only + venn.y_only
@@ -105,26 +105,36 @@ def mcnemar(venn: Venn, *, confidence: float = CONFIDENCE) -> McNemar:
             for share in (venn.x_only / split, float(interval.low), float(interval.high))
         )
     return McNemar(
-        x_only=venn.x_only, y_only=venn.y_only, n=n, share_x=share_x, share_y=share_y,
-        difference=(venn.x_only - venn.y_only) / n if n else np.nan, low=low, high=high, p=p,
-        odds_ratio=odds, odds_low=odds_low, odds_high=odds_high, reason="; ".join(reasons),
-    )  # fmt: skip
+        x_only=venn.x_only,
+        y_only=venn.y_only,
+        n=n,
+        share_x=share_x,
+        share_y=share_y,
+        difference=(venn.x_only - venn.y_only) / n if n else np.nan,
+        low=low,
+        high=high,
+        p=p,
+        odds_ratio=odds,
+        odds_low=odds_low,
+        odds_high=odds_high,
+        reason="; ".join(reasons),
+    )
 
 
 def _newcombe(venn: Venn, confidence: float) -> tuple[float, float]:
-    """Newcombe's square-and-add interval: Wilson's of both shares, joined by their correlation."""
+    """Newcombe's square-and-add interval: Wilson's for each share, joined by their correlation."""
     n = venn.n_near
-    found_x, found_y = venn.both + venn.x_only, venn.both + venn.y_only
+    n_x, n_y = venn.both + venn.x_only, venn.both + venn.y_only
     ends_x, ends_y = (
-        binomtest(found, n).proportion_ci(confidence, method="wilson")
-        for found in (found_x, found_y)
+        binomtest(n_detected, n).proportion_ci(confidence, method="wilson")
+        for n_detected in (n_x, n_y)
     )
-    margins = found_x * (n - found_x) * found_y * (n - found_y)
+    margins = n_x * (n - n_x) * n_y * (n - n_y)
     cross = venn.both * venn.neither - venn.x_only * venn.y_only
-    corrected = max(cross - n / 2, 0) if cross > 0 else cross
-    phi = corrected / np.sqrt(float(margins)) if margins else 0.0
-    below_x, above_x = found_x / n - ends_x.low, ends_x.high - found_x / n
-    below_y, above_y = found_y / n - ends_y.low, ends_y.high - found_y / n
+    adjusted = max(cross - n / 2, 0) if cross > 0 else cross
+    phi = adjusted / np.sqrt(float(margins)) if margins else 0.0
+    below_x, above_x = n_x / n - ends_x.low, ends_x.high - n_x / n
+    below_y, above_y = n_y / n - ends_y.low, ends_y.high - n_y / n
     difference = (venn.x_only - venn.y_only) / n
     down = np.sqrt(max(below_x**2 - 2 * phi * below_x * above_y + above_y**2, 0))
     up = np.sqrt(max(above_x**2 - 2 * phi * above_x * below_y + below_y**2, 0))
@@ -133,16 +143,16 @@ def _newcombe(venn: Venn, confidence: float) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class SwapTest:
-    """Whether a difference would be as large if X and Y had changed places here and there.
+    """Whether the difference would be as large if X and Y had changed places in some units.
 
     Attributes
     ----------
     p
-        Two-sided p-value; NaN where none can be given, `reason` then says why.
+        Two-sided p-value; NaN where there is none, `reason` says why.
     n_swapped
         Units in which X and Y differ.
     n_permutations
-        Exchanges that were tried; all there are if `is_exact`.
+        Exchanges that were tried; all possible ones if `is_exact`.
     is_exact
         Whether every exchange was tried.
     seed
@@ -170,7 +180,7 @@ def swap_test(
     """Permutation test of the difference X - Y of a measure, X and Y exchanged unit by unit.
 
     If the systems are equally good, the results of a recording could as well have come from the
-    other one. Of a mean this is the sign-flip test. All exchanges are tried for up to
+    other system. For a mean this is the sign-flip test. All exchanges are tried for up to
     `EXACT_UNITS` units that differ, else `n_permutations` random ones.
 
     Parameters
@@ -180,8 +190,8 @@ def swap_test(
 
     Notes
     -----
-    As `scipy.stats.permutation_test` for paired samples, some twenty times as fast for a thousand
-    units and for measures of many columns.
+    As `scipy.stats.permutation_test` for paired samples, but some twenty times as fast for a
+    thousand units and for measures of many columns.
 
     References
     ----------
@@ -190,7 +200,7 @@ def swap_test(
     """
     n = len(x)
     shape = x.shape[1:]
-    flat_x, flat_y = (one.reshape(n, math.prod(shape)).astype(float) for one in (x, y))
+    flat_x, flat_y = (side_sums.reshape(n, math.prod(shape)).astype(float) for side_sums in (x, y))
     differs = np.any(flat_x != flat_y, axis=1)
     n_swapped = int(np.count_nonzero(differs))
     value_x, value_y = float(statistic(x.sum(axis=0))), float(statistic(y.sum(axis=0)))
@@ -207,26 +217,26 @@ def swap_test(
     n_tried = 2**n_swapped if is_exact else n_permutations
     sizes = []
     for is_swapped in _exchanges(n_swapped, n_tried, is_exact=is_exact, seed=seed):
-        moved = is_swapped.astype(float) @ change
+        shift = is_swapped.astype(float) @ change
         of_x, of_y = (
-            statistic(sums.reshape(-1, *shape)) for sums in (total_x + moved, total_y - moved)
+            statistic(sums.reshape(-1, *shape)) for sums in (total_x + shift, total_y - shift)
         )
         sizes.append(np.abs(of_x - of_y))
-    reached = np.concatenate(sizes)
-    # sums in another order differ by rounding, and equal differences have to count
-    grain = ROUNDING * max(abs(value_x), abs(value_y), float(reached.max()))
-    n_reached = int(np.count_nonzero(reached >= abs(value_x - value_y) - grain))
-    p = n_reached / len(reached) if is_exact else (n_reached + 1) / (n_tried + 1)
+    magnitudes = np.concatenate(sizes)
+    # sums in another order differ by rounding, but equal differences must count
+    grain = ROUNDING * max(abs(value_x), abs(value_y), float(magnitudes.max()))
+    n_reached = int(np.count_nonzero(magnitudes >= abs(value_x - value_y) - grain))
+    p = n_reached / len(magnitudes) if is_exact else (n_reached + 1) / (n_tried + 1)
     return SwapTest(p, n_swapped, n_tried, is_exact, seed, "")
 
 
-def _exchanges(n: int, n_tried: int, *, is_exact: bool, seed: int) -> Iterator[np.ndarray]:
-    """Which of n units are exchanged, some hundred ways at a time; shape (n_ways, n).
+def _exchanges(n: int, n_exchanges: int, *, is_exact: bool, seed: int) -> Iterator[np.ndarray]:
+    """Which of n units are exchanged, hundreds of ways at a time; shape (n_ways, n).
 
-    All ways: half of them, as exchanging all other units instead only turns the sign.
+    Half of all ways suffice if exact: exchanging all other units instead only flips the sign.
     """
     rng = np.random.default_rng(seed)
-    n_ways = n_tried // 2 if is_exact else n_tried
+    n_ways = n_exchanges // 2 if is_exact else n_exchanges
     batch = max(1, ROWS_AT_ONCE // n)
     for start in range(0, n_ways, batch):
         n_now = min(batch, n_ways - start)
@@ -237,7 +247,7 @@ def _exchanges(n: int, n_tried: int, *, is_exact: bool, seed: int) -> Iterator[n
 
 
 def holm(p: np.ndarray) -> np.ndarray:
-    """Holm's correction of p-values that are shown together; undefined ones (NaN) do not count.
+    """Holm's correction of p-values shown together; undefined ones (NaN) do not count.
 
     The i-th smallest of m is multiplied by m - i + 1, at most 1, never less than a smaller one's.
 
@@ -252,12 +262,12 @@ def holm(p: np.ndarray) -> np.ndarray:
     """
     p = np.asarray(p, dtype=float)
     corrected = np.full(len(p), np.nan)
-    known = np.flatnonzero(~np.isnan(p))
-    order = known[np.argsort(p[known], kind="stable")]
+    defined = np.flatnonzero(~np.isnan(p))
+    order = defined[np.argsort(p[defined], kind="stable")]
     factor = np.arange(len(order), 0, -1)
     corrected[order] = np.minimum(np.maximum.accumulate(factor * p[order]), 1)
     return corrected
 
 
 SIGNIFICANT: Final = 0.05
-"""Largest p-value at which a difference in detected encounters is called one."""
+"""Largest p-value at which a difference in detected encounters counts as a difference."""

@@ -23,12 +23,34 @@ from nvcore.evidence.units import find_units
 from nvcore.params import Params
 
 COLUMNS: Final = (
-    "x", "y", "n_encounters", "x_only", "y_only", "detected_x", "detected_y", "difference", "low",
-    "high", "odds_ratio", "mcnemar_p", "mcnemar_p_holm", "n_units", "unit", "detected_by_unit_low",
-    "detected_by_unit_high", "detected_by_unit_p", "detected_by_unit_p_holm", "similarity_x",
-    "similarity_y", "similarity_difference", "similarity_low", "similarity_high", "similarity_p",
-    "similarity_p_holm", "note",
-)  # fmt: skip
+    "x",
+    "y",
+    "n_encounters",
+    "x_only",
+    "y_only",
+    "detected_x",
+    "detected_y",
+    "difference",
+    "low",
+    "high",
+    "odds_ratio",
+    "mcnemar_p",
+    "mcnemar_p_holm",
+    "n_units",
+    "unit",
+    "detected_by_unit_low",
+    "detected_by_unit_high",
+    "detected_by_unit_p",
+    "detected_by_unit_p_holm",
+    "similarity_x",
+    "similarity_y",
+    "similarity_difference",
+    "similarity_low",
+    "similarity_high",
+    "similarity_p",
+    "similarity_p_holm",
+    "note",
+)
 CORRECTED: Final = ("mcnemar_p", "detected_by_unit_p", "similarity_p")
 
 
@@ -46,21 +68,21 @@ def pairwise_table(
     params
         Settings; the thresholds of X and Y are not used.
     systems
-        Names, in the order in which they become X and Y; None: all of the dataset.
+        Names; the earlier of a pair is X; None: all of the dataset.
     thresholds
         Score threshold of each system; without one every detection counts.
 
     Returns
     -------
     Columns `COLUMNS`, one row per pair: shares of encounters detected with interval and exact
-    McNemar p; interval and p of the same difference by units (recordings, or blocks of time);
-    mean similarity, 1 is best, with the same. Each kind of p is corrected by Holm over the pairs.
-    All differences are X - Y. What is not given is NaN, and `note` says why.
+    McNemar p; interval and p of the same difference by units (recordings or blocks of time);
+    mean similarity, 1 is best, with interval and p. Holm corrects each kind of p over the pairs.
+    All differences are X - Y. NaN: undefined, `note` says why.
 
     Raises
     ------
     InputError
-        If there are fewer than two systems, none of a given name, or one twice.
+        If there are fewer than two systems, an unknown one, or the same one twice.
     """
     params = params or Params()
     names = tuple(dataset.systems if systems is None else systems)
@@ -118,5 +140,5 @@ def _row(result: Result) -> dict[str, Any]:
 
 
 def _note(*evidence: Evidence) -> str:
-    notes = (part for one in evidence for part in one.note.split("; "))
+    notes = (part for row in evidence for part in row.note.split("; "))
     return "; ".join(part for part in dict.fromkeys(notes) if part)

@@ -1,4 +1,4 @@
-"""The measures of a comparison for parts of it, each with its evidence."""
+"""The measures of a comparison for parts of its encounters, each with its evidence."""
 
 from __future__ import annotations
 
@@ -28,10 +28,31 @@ from nvcore.protocols import PROTOCOLS, Protocol
 from nvcore.schema import Category
 
 COLUMNS: Final = (
-    "factor", "group", "figure", "label", "better", "n", "unit", "both", "x_only", "y_only",
-    "neither", "x", "y", "difference", "low", "high", "p", "p_holm", "effect", "effect_name",
-    "odds_low", "odds_high", "method", "note",
-)  # fmt: skip
+    "factor",
+    "group",
+    "figure",
+    "label",
+    "better",
+    "n",
+    "unit",
+    "both",
+    "x_only",
+    "y_only",
+    "neither",
+    "x",
+    "y",
+    "difference",
+    "low",
+    "high",
+    "p",
+    "p_holm",
+    "effect",
+    "effect_name",
+    "odds_low",
+    "odds_high",
+    "method",
+    "note",
+)
 
 
 def subgroup_table(
@@ -43,12 +64,12 @@ def subgroup_table(
 ) -> pd.DataFrame:
     """Difference X - Y of each measure, for all encounters and for every group of them.
 
-    Ready for forest plots: for each measure one row per group, the first one for all. A group of
-    recordings (a tag) has every measure, from the units within these recordings. Of a group of
-    pedestrians encounters detected are its own; saliency is that of its events, over the
-    recordings with such pedestrians; in the log-average miss rate all others are ignored, and the
-    false positives are those of all frames. Frames and false alerts belong to no such group: their
-    measures are NaN, `note` says so.
+    Ready for forest plots: for each measure one row per group, the first for all encounters. A
+    group of recordings (a tag) has every measure, from the units within these recordings. For a
+    group of pedestrians, encounters detected are its own; saliency is that of its events, over the
+    recordings with such pedestrians; the log-average miss rate ignores all others and counts the
+    false positives of all frames. Frames and false alerts belong to no such group: their measures
+    are NaN, `note` says so.
 
     Parameters
     ----------
@@ -57,15 +78,14 @@ def subgroup_table(
     protocol
         Which pedestrians count in the log-average miss rate.
     units
-        ``find_units(result)``, if known already.
+        ``find_units(result)``, if already computed.
 
     Returns
     -------
-    Columns `COLUMNS`: factor, group; both, x_only, y_only, neither: encounters of the group, near
-    ones, by who detects them; odds_low, odds_high: 95 % interval of the odds ratio; p_holm: p
-    corrected for all groups of the same measure (the row of all is not one). The others are
-    attributes of `measures.Evidence`. Groups of several factors overlap, and a tag's
-    with another's.
+    Columns `COLUMNS`: factor, group; both, x_only, y_only, neither: near encounters of the group
+    by who detects them; odds_low, odds_high: 95 % interval of the odds ratio; p_holm: p corrected
+    for all groups of the same measure (the row of all is not a group). The others are attributes
+    of `measures.Evidence`. Groups of different factors overlap, and so do those of tags.
 
     References
     ----------
@@ -77,28 +97,28 @@ def subgroup_table(
     """
     units = find_units(result) if units is None else units
     parts = (everyone(result), *find_subgroups(result))
-    judged = [_judge_part(result, part, keys, units=units, protocol=protocol) for part in parts]
+    by_part = [_judge_part(result, part, keys, units=units, protocol=protocol) for part in parts]
     tables = []
-    for of_measure in zip(*judged, strict=True):
+    for of_measure in zip(*by_part, strict=True):
         rows = [_row(result, *pair) for pair in zip(parts, of_measure, strict=True)]
         table = pd.DataFrame(rows)
-        table["label"] = of_measure[0].label  # that of a tag's miss rate would name the tag
+        table["label"] = of_measure[0].label  # the label of a tag's miss rate names the tag
         table["p_holm"] = np.concatenate([[np.nan], holm(table["p"].to_numpy()[1:])])
         tables.append(table[list(COLUMNS)])
     return pd.concat(tables, ignore_index=True)
 
 
-def _row(result: Result, part: Subgroup, judged: Evidence) -> dict[str, Any]:
+def _row(result: Result, part: Subgroup, evidence: Evidence) -> dict[str, Any]:
     venn = count_categories(result.category[part.is_member])
     counts = venn.counts()
     odds = (np.nan, np.nan)
-    if inference_of(judged.figure).test == "encounters":
-        found = mcnemar(venn)
-        odds = found.odds_low, found.odds_high
+    if inference_of(evidence.figure).test == "encounters":
+        test = mcnemar(venn)
+        odds = test.odds_low, test.odds_high
     return {
         "factor": part.factor,
         "group": part.group,
-        **vars(judged),
+        **vars(evidence),
         **{name: counts[name] for name in ("both", "x_only", "y_only", "neither")},
         "odds_low": odds[0],
         "odds_high": odds[1],
@@ -109,35 +129,40 @@ def _judge_part(
     result: Result, part: Subgroup, keys: Sequence[str], *, units: Units, protocol: Protocol
 ) -> list[Evidence]:
     """The measures of a group, in their order."""
-    narrowed = _narrowed(result, part)
+    part_result = _narrow(result, part)
     within = units_within(result, units, part.recordings)
-    of_units = {measure.key: measure for measure in unit_measures(narrowed, units)}
+    of_units = {measure.key: measure for measure in unit_measures(part_result, units)}
     is_within = part.recordings[units.recording]
 
     def judge(key: str) -> Evidence:
         inference = inference_of(key)
         if inference.test == "encounters":
-            split = judge_encounters_detected(narrowed)
-            return split.withheld() if result.is_short else split
+            split = judge_encounters_detected(part_result)
+            return split.values_only() if result.is_short else split
         if inference.test == "curve":
             return _miss_rate(result, part, units, protocol)
-        own = of_units[key]
+        measure = of_units[key]
         if inference.not_of_pedestrians and not part.has_frames:
             why = inference.not_of_pedestrians
-            return Evidence.undefined(own.key, own.label, own.better, unit=units.kind, note=why)
-        own = replace(own, x=own.x[is_within], y=own.y[is_within])
-        return with_mean_over_recordings(narrowed, within, judge_measure(own, within))
+            return Evidence.undefined(
+                measure.key, measure.label, measure.better, unit=units.kind, note=why
+            )
+        measure = replace(measure, x=measure.x[is_within], y=measure.y[is_within])
+        return with_mean_over_recordings(part_result, within, judge_measure(measure, within))
 
     return [judge(key) for key in keys]
 
 
-def _narrowed(result: Result, part: Subgroup) -> Result:
-    """The result whose encounters that count, and events, are those of a group."""
+def _narrow(result: Result, part: Subgroup) -> Result:
+    """The result in which only the encounters and events of a group count."""
     category = np.where(part.is_member, result.category, Category.DISTANT.value)
     return replace(
-        result, category=category, venn=count_categories(category),
-        x=_with_events_of(part, result.x), y=_with_events_of(part, result.y),
-    )  # fmt: skip
+        result,
+        category=category,
+        venn=count_categories(category),
+        x=_with_events_of(part, result.x),
+        y=_with_events_of(part, result.y),
+    )
 
 
 def _with_events_of(part: Subgroup, system: SystemResult) -> SystemResult:
@@ -152,8 +177,8 @@ def _miss_rate(result: Result, part: Subgroup, units: Units, protocol: Protocol)
     if part.factor == ALL:
         return judge_miss_rate(result, units, protocol)
     if part.has_frames:
-        tagged = replace(protocol, tags=(*protocol.tags, part.group))
-        return judge_miss_rate(result, units, tagged)
+        with_tag = replace(protocol, tags=(*protocol.tags, part.group))
+        return judge_miss_rate(result, units, with_tag)
     return judge_miss_rate(replace(result, dataset=_only(result, part)), units, protocol)
 
 

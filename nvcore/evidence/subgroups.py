@@ -13,8 +13,8 @@ from nvcore.params import MIDPOINT_SHARE
 from nvcore.schema import Category
 
 NEAR_MIDPOINTS: Final = 2.0
-"""Near: the largest box is this many times as high as one that counts half. Height goes with one
-over the distance: at half the distance of the step or closer."""
+"""Near: the largest box is this many times as high as a box that counts half. Height is inverse to
+distance: at half the distance of the step or closer."""
 CENTRE_OFFSET: Final = 0.5
 """Centre: on average in the middle half of the picture, where the road is."""
 OCCLUDED_SHARE: Final = 0.5
@@ -48,7 +48,7 @@ class Subgroup:
 
     @property
     def has_frames(self) -> bool:
-        """Whether it is made of whole recordings, so that frames and false alerts belong to it."""
+        """Whether it consists of whole recordings, so that frames and false alerts belong to it."""
         return self.factor in (ALL, TAG)
 
 
@@ -59,10 +59,10 @@ def everyone(result: Result) -> Subgroup:
 
 
 def find_subgroups(result: Result) -> tuple[Subgroup, ...]:
-    """The parts of the encounters that count; by the ground truth alone, the same for X and Y.
+    """The parts of the encounters that count: by the ground truth alone, the same for X and Y.
 
-    A factor is left out where the data do not know it (occlusion, tags) or do not divide by it
-    (a part would be empty), and a tag without frames. A recording may have several tags.
+    A factor is left out where the data do not have it (occlusion, tags) or do not divide by it
+    (a part would be empty), and so is a tag without frames. A recording may have several tags.
     """
     encounters, dataset = result.encounters, result.dataset
     is_near = result.category != Category.DISTANT.value
@@ -74,29 +74,28 @@ def find_subgroups(result: Result) -> tuple[Subgroup, ...]:
         half = np.full(len(encounters), midpoint)
     is_close = encounters.peak_height >= NEAR_MIDPOINTS * half
     is_central = encounters.lateral_offset < CENTRE_OFFSET
-    occluded, pose = encounters.occluded_share, encounters.aspect_z
+    occluded_share, pose = encounters.occluded_share, encounters.aspect_z
     is_usual = np.abs(pose) < ODD_POSE_Z
+    occlusions = {
+        "visible": occluded_share < OCCLUDED_SHARE,
+        "occluded": occluded_share >= OCCLUDED_SHARE,
+        "unknown": np.isnan(occluded_share),
+    }
     factors: tuple[tuple[str, dict[str, np.ndarray]], ...] = (
         ("distance", {"near": is_close, "far": ~is_close}),
         ("place", {"centre": is_central, "edge": ~is_central}),
-        ("occlusion", {
-            "visible": occluded < OCCLUDED_SHARE,
-            "occluded": occluded >= OCCLUDED_SHARE,
-            "unknown": np.isnan(occluded),
-        }),
-        ("pose", {
-            "usual": is_usual,
-            "wide": pose <= -ODD_POSE_Z,
-            "narrow": pose >= ODD_POSE_Z,
-        }),
-    )  # fmt: skip
-    found = []
+        ("occlusion", occlusions),
+        ("pose", {"usual": is_usual, "wide": pose <= -ODD_POSE_Z, "narrow": pose >= ODD_POSE_Z}),
+    )
+    subgroups = []
     for factor, groups in factors:
-        parts = [_part(result, factor, name, is_it & is_near) for name, is_it in groups.items()]
+        parts = [
+            _part(result, factor, name, is_member & is_near) for name, is_member in groups.items()
+        ]
         parts = [part for part in parts if part.is_member.any()]
         if len(parts) > 1:
-            found += parts
-    return (*found, *_tagged(result, is_near))
+            subgroups += parts
+    return (*subgroups, *_tag_groups(result, is_near))
 
 
 def _part(result: Result, factor: str, group: str, is_member: np.ndarray) -> Subgroup:
@@ -105,7 +104,7 @@ def _part(result: Result, factor: str, group: str, is_member: np.ndarray) -> Sub
     return Subgroup(factor, group, is_member, members > 0)
 
 
-def _tagged(result: Result, is_near: np.ndarray) -> list[Subgroup]:
+def _tag_groups(result: Result, is_near: np.ndarray) -> list[Subgroup]:
     has_frames = np.diff(result.dataset.frame_columns.first) > 0
     parts = []
     for tag in known_tags(result.dataset):

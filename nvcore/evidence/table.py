@@ -1,4 +1,4 @@
-"""Every measure with its evidence, as the verdict, the dashboard and the reports show it."""
+"""Every measure with its evidence, for the verdict, the dashboard and the reports."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def evidence_table(
     protocol
         Which pedestrians count in the log-average miss rate.
     units, miss_rate
-        ``find_units(result)``, and ``judge_miss_rate(result, units, protocol)``, if known already.
+        ``find_units(result)``, ``judge_miss_rate(result, units, protocol)``, if already computed.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""What is resampled: whole recordings, or blocks of time where there are too few of them."""
+"""What is resampled: whole recordings, or blocks of time where recordings are too few."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from nvcore.schema import Category
 RECORDINGS: Final = "recordings"
 BLOCKS: Final = "blocks"
 STRETCH: Final = 2
-"""Blocks are this many times as long as makes the variance's error least: with that length itself
-tests of 5 % rejected 8 to 10 % of equal traces in simulations, with twice the length 6 to 8 %."""
+"""Length of the blocks in lengths that minimise the variance's error: in simulations, tests at 5 %
+rejected 8 to 10 % of equal traces with that length, 6 to 8 % with twice the length."""
 MAX_BLOCKS: Final = 1000
-"""Blocks of all recordings, at most: more make no interval better, and longer ones are safer."""
+"""Most blocks of all recordings: more do not improve an interval, and longer ones are safer."""
 
 
 @dataclass(frozen=True)
@@ -81,28 +81,28 @@ def find_units(result: Result) -> Units:
     """
     frames = result.dataset.frame_columns
     n_of = np.diff(frames.first)
-    used = np.flatnonzero(n_of)
-    names = result.dataset.recordings["name"].to_numpy()[used].astype(str)
-    used = used[np.argsort(names, kind="stable")]
+    with_frames = np.flatnonzero(n_of)
+    names = result.dataset.recordings["name"].to_numpy()[with_frames].astype(str)
+    with_frames = with_frames[np.argsort(names, kind="stable")]
     n_blocks = np.zeros(len(n_of), np.int64)
-    if len(used) >= MIN_UNITS or not len(used):
+    if len(with_frames) >= MIN_UNITS or not len(with_frames):
         kind = RECORDINGS
-        n_blocks[used] = 1
+        n_blocks[with_frames] = 1
     else:
         kind = BLOCKS
-        needed = (STRETCH * block_length(trace, frames.first) for trace in _differences(result))
-        length = max(-(-len(frames) // MAX_BLOCKS), *needed)
-        n_blocks[used] = np.maximum(n_of[used] // length, 1)
+        lengths = (STRETCH * block_length(trace, frames.first) for trace in _differences(result))
+        length = max(-(-len(frames) // MAX_BLOCKS), *lengths)
+        n_blocks[with_frames] = np.maximum(n_of[with_frames] // length, 1)
     start = np.zeros(len(n_of), np.int64)
-    start[used] = np.cumsum(n_blocks[used]) - n_blocks[used]
-    at, recording = np.arange(len(frames)), frames.recording
-    place = (at - frames.first[recording]) * n_blocks[recording] // np.maximum(n_of[recording], 1)
+    start[with_frames] = np.cumsum(n_blocks[with_frames]) - n_blocks[with_frames]
+    row, recording = np.arange(len(frames)), frames.recording
+    place = (row - frames.first[recording]) * n_blocks[recording] // np.maximum(n_of[recording], 1)
     n_units = int(n_blocks.sum())
     return Units(
         kind=kind,
         unit_of_frame=(start[recording] + place).astype(np.int64),
-        recording=np.repeat(used, n_blocks[used]).astype(np.int64),
-        n_recordings=len(used),
+        recording=np.repeat(with_frames, n_blocks[with_frames]).astype(np.int64),
+        n_recordings=len(with_frames),
         block_s=result.duration_s / n_units if kind == BLOCKS else np.nan,
     )
 
@@ -117,22 +117,21 @@ def _differences(result: Result) -> tuple[np.ndarray, ...]:
 
 
 def sum_units(result: Result, units: Units) -> pd.DataFrame:
-    """Sums of every unit, from which the measures of all are made.
+    """Sums of every unit, from which measures over all units are computed.
 
     Returns
     -------
     One row per unit: recording (row of the recordings), n_frames, duration_s, share_of_recording
-    (1, or of a block its part), n_encounters (not distant); and with ``_x`` and ``_y`` the sum of
-    the parts of each measure that is judged by units, by its key (NaN for blocks of time to which
-    it cannot be shared out). Encounters, episodes and events belong to the unit in which they
-    begin.
+    (1, or a block's part of it), n_encounters (not distant); and, for each measure that is judged
+    by units, the sums of its parts: its key with ``_x`` and ``_y`` (NaN where it cannot be shared
+    out to blocks of time). Encounters, episodes and events belong to the unit in which they begin.
     """
     n, unit = len(units), units.unit_of_frame
     frames, encounters = result.dataset.frame_columns, result.encounters
     is_near = result.category != Category.DISTANT.value
 
-    def total(at: np.ndarray, weights: np.ndarray | None = None) -> np.ndarray:
-        sums: np.ndarray = np.bincount(at, weights=weights, minlength=n).astype(float)
+    def total(unit_of: np.ndarray, weights: np.ndarray | None = None) -> np.ndarray:
+        sums: np.ndarray = np.bincount(unit_of, weights=weights, minlength=n).astype(float)
         return sums
 
     begin = unit[encounters.first_row]
