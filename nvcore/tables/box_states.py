@@ -1,4 +1,4 @@
-"""The boxes of a stretch of frames, and what became of each."""
+"""The boxes of consecutive frames, and what became of each."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ class TruthBoxes:
     Attributes
     ----------
     frame
-        Frame of each box, counted from the first frame of the stretch; int64, shape (n,).
+        Frame of each box, counted from the first of these frames; int64, shape (n,).
     xywh
         px; float32, (n, 4).
     score
         NaN: none; float32, (n,).
     track
-        NO_TRACK where none; int32, (n,). If an id of the recording is no int32: the index of each
-        id among the recording's ids in ascending order.
+        NO_TRACK where none; int32, (n,). If an id of the recording does not fit int32: the rank of
+        each id among the recording's ids.
     state_x, state_y
         `TruthState` for each system; uint8, (n,).
     is_relevant
@@ -137,14 +137,14 @@ def _xywh(boxes: BoxColumns, rows: slice) -> np.ndarray:
 
 def _truth_state(system: SystemResult, boxes: slice, is_pedestrian: np.ndarray) -> np.ndarray:
     is_matched = system.matches.truth_det[boxes] >= 0
-    judged = np.where(is_matched, TruthState.MATCHED, TruthState.MISSED)
-    return np.where(is_pedestrian, judged, TruthState.NOT_JUDGED).astype(np.uint8)
+    state = np.where(is_matched, TruthState.MATCHED, TruthState.MISSED)
+    return np.where(is_pedestrian, state, TruthState.NOT_JUDGED).astype(np.uint8)
 
 
 def _is_salient(system: SystemResult, boxes: slice, row_start: int, row_stop: int) -> np.ndarray:
-    marked = system.salient_row[row_start:row_stop]
+    salient_rows = system.salient_row[row_start:row_stop]
     is_salient = np.zeros(boxes.stop - boxes.start, dtype=bool)
-    is_salient[marked[marked >= 0] - boxes.start] = True
+    is_salient[salient_rows[salient_rows >= 0] - boxes.start] = True
     return is_salient
 
 
@@ -154,15 +154,15 @@ def _short_tracks(
     """Tracks of the boxes of some frames, as int32."""
     start, stop = offsets[row_start], offsets[row_stop]
     short = np.empty(stop - start, np.int32)
-    touched = np.unique(frames.recording[row_start:row_stop])
-    for recording in touched:  # a loop over recordings, nearly always a single one
-        # the ids of the whole recording, so that every part of it is numbered alike
+    recordings = np.unique(frames.recording[row_start:row_stop])
+    for recording in recordings:  # a loop over recordings, nearly always just one
+        # the ids of the whole recording, so that all its parts are numbered alike
         first, last = offsets[frames.first[[recording, recording + 1]]]
         ids = track[first:last]
         part = slice(max(start, first) - start, min(stop, last) - start)
         long = track[start:stop][part]
         if len(ids) and (ids.min() < NO_TRACK or ids.max() > _LARGEST_TRACK):
-            known = np.unique(ids[ids != NO_TRACK])
-            long = np.where(long == NO_TRACK, NO_TRACK, np.searchsorted(known, long))
+            sorted_ids = np.unique(ids[ids != NO_TRACK])
+            long = np.where(long == NO_TRACK, NO_TRACK, np.searchsorted(sorted_ids, long))
         short[part] = long
     return short

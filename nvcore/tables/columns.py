@@ -1,6 +1,6 @@
-"""What every column of a report's files holds: unit, type, and a sentence.
+"""What every column of a report's files holds: unit, type and a sentence.
 
-`docs/report.md` shows these sentences, and whoever shows such a table takes its help from here.
+`docs/report.md` shows these sentences; tables on screen take their help texts from here.
 """
 
 from __future__ import annotations
@@ -29,15 +29,15 @@ class Column:
     Attributes
     ----------
     name
-        As in the file.
+        Its name in the file.
     kind
         What the cells are.
     unit
         Unit or range; empty: none.
     meaning
-        A sentence.
+        One sentence.
     better
-        ``"high"`` or ``"low"`` where it is a quality; empty: it is a fact.
+        ``"high"`` or ``"low"`` where one is better; empty: neither.
     empty
         When the cell is empty (in JSON: null); empty: never.
     """
@@ -58,7 +58,7 @@ def _of_both(*columns: Column) -> tuple[Column, ...]:
 
 
 def measure_column(measure: Measure) -> Column:
-    """Where the measure stands for a system over all recordings."""
+    """The column of a measure for a system over all recordings."""
     return Column(
         measure.key,
         Kind.INTEGER if measure.form == "d" else Kind.NUMBER,
@@ -94,119 +94,157 @@ _UNMATCHED = "distant encounter, or no relevant frame matched"
 _FRAMES = (
     _RECORDING,
     Column(
-        "frame", _INTEGER, "",
+        "frame",
+        _INTEGER,
+        "",
         "Frame number, as in the truth's files (with a frame base of 1: one less).",
     ),
     Column("time_s", _NUMBER, "s", "Time since the recording's first evaluated frame."),
     Column("n_truth", _INTEGER, "boxes", "Annotated pedestrians, ignore regions left out."),
     *_of_both(
         Column(
-            "n_det", _INTEGER, "boxes",
+            "n_det",
+            _INTEGER,
+            "boxes",
             "Detections that count: those that pass the threshold, without those that an ignore "
             "region absorbs. `matched` + `false_alarms`.",
         ),
         Column("matched", _INTEGER, "boxes", "Annotated pedestrians that were matched.", "high"),
         Column("false_alarms", _INTEGER, "boxes", "Detections that match nobody.", "low"),
         Column(
-            "d_miss", _NUMBER, "px",
+            "d_miss",
+            _NUMBER,
+            "px",
             "Effect of misses, D(G, S): the largest weighted distance of a pedestrian from its "
             "nearest detection, limited by the border; 0 without pedestrians.",
             "low",
         ),
         Column(
-            "d_false", _NUMBER, "px",
+            "d_false",
+            _NUMBER,
+            "px",
             "Effect of false alarms, D(S, G): the same of a detection from its nearest pedestrian; "
             "0 without detections.",
             "low",
         ),
         Column("similarity", _NUMBER, _SHARE, "Similarity M of this frame.", "high"),
         Column(
-            "similarity_window", _NUMBER, _SHARE,
+            "similarity_window",
+            _NUMBER,
+            _SHARE,
             "Mean similarity of the frames within half a `window` to either side.",
             "high",
         ),
         Column(
-            "salient_track", _INTEGER, "",
+            "salient_track",
+            _INTEGER,
+            "",
             "Track of the pedestrian at whom `d_miss` stands, if it is large enough for saliency.",
             empty="`d_miss` is at most `tolerance` of half the width",
         ),
     ),
-)  # fmt: skip
+)
 
 _ENCOUNTERS = (
     _RECORDING,
     Column(
-        "track", _INTEGER, "",
+        "track",
+        _INTEGER,
+        "",
         "Track of the pedestrian: the truth's id, or a number given by linking where it has none.",
     ),
     Column("first_frame", _INTEGER, "", "First evaluated frame in which it is annotated."),
     Column("last_frame", _INTEGER, "", "Last evaluated frame in which it is annotated."),
     Column("n_relevant", _INTEGER, "frames", "Relevant frames, in which it is near: k >= 0.5."),
     Column(
-        "category", _TEXT, "",
+        "category",
+        _TEXT,
+        "",
         "Who detected it: `both`, `x_only`, `y_only`, `neither`, `distant`.",
     ),
     *_of_both(
         Column("matched", _INTEGER, "frames", "Relevant frames in which it was matched.", "high"),
+        Column("coverage", _NUMBER, _SHARE, "`matched` / `n_relevant`.", "high", empty=_DISTANT),
         Column(
-            "coverage", _NUMBER, _SHARE, "`matched` / `n_relevant`.", "high", empty=_DISTANT
-        ),
-        Column(
-            "detected", Kind.TRUTH_VALUE, "",
+            "detected",
+            Kind.TRUTH_VALUE,
+            "",
             "Whether the system detected it: coverage is at least the parameter `coverage`, and "
             "a relevant frame is matched.",
-            "high", _DISTANT,
+            "high",
+            _DISTANT,
         ),
         Column(
-            "miss_class", _TEXT, "",
+            "miss_class",
+            _TEXT,
+            "",
             "How the system failed: `never`, `late`, `dropout`, `lost_early`, `brief`; `none` is a "
             "value, too: no failure.",
             empty=_DISTANT,
         ),
         Column(
-            "lag_s", _NUMBER, "s",
+            "lag_s",
+            _NUMBER,
+            "s",
             "Time from the first relevant frame to the first matched relevant one.",
-            "low", _UNMATCHED,
+            "low",
+            _UNMATCHED,
         ),
         Column(
-            "gap_s", _NUMBER, "s",
+            "gap_s",
+            _NUMBER,
+            "s",
             "Longest time of unmatched relevant frames between two matched ones.",
-            "low", _UNMATCHED,
+            "low",
+            _UNMATCHED,
         ),
         Column(
-            "tail_s", _NUMBER, "s",
+            "tail_s",
+            _NUMBER,
+            "s",
             "Time of the unmatched relevant frames after the last matched one.",
-            "low", _UNMATCHED,
+            "low",
+            _UNMATCHED,
         ),
     ),
     Column(
-        "lead_time_s", _NUMBER, "s",
+        "lead_time_s",
+        _NUMBER,
+        "s",
         "`lag_s_y` - `lag_s_x`: how much earlier X matched it; negative: Y was first.",
         empty="X or Y matched it in no relevant frame",
     ),
     Column("n_frames", _INTEGER, "frames", "Evaluated frames in which it is annotated."),
     Column(
-        "lateral_offset", _NUMBER, _SHARE,
+        "lateral_offset",
+        _NUMBER,
+        _SHARE,
         "Mean distance from the picture's middle over half the width: 0 middle, 1 edge.",
     ),
     Column(
-        "lateral_position", _NUMBER, "-1 to 1",
+        "lateral_position",
+        _NUMBER,
+        "-1 to 1",
         "Mean position: -1 left edge, 0 middle, 1 right edge.",
     ),
     Column("peak_height", _NUMBER, "px", "Largest height of its boxes."),
     Column("peak_k", _NUMBER, _SHARE, "Largest proximity weight k; below 0.5 it is distant."),
     Column("aspect_ratio", _NUMBER, "", "Mean height over width of its boxes."),
     Column(
-        "aspect_z", _NUMBER, "",
+        "aspect_z",
+        _NUMBER,
+        "",
         "How far that is from the mean of all encounters, in standard deviations.",
         empty="fewer than two encounters, or all of one ratio",
     ),
     Column(
-        "occluded_share", _NUMBER, _SHARE,
+        "occluded_share",
+        _NUMBER,
+        _SHARE,
         "Share of its boxes that are at least partly occluded, of those where it is known.",
         empty="occlusion unknown throughout",
     ),
-)  # fmt: skip
+)
 
 _SPAN = (
     Column("first_frame", _INTEGER, "", "Its first frame."),
@@ -221,12 +259,14 @@ _EVENTS = (
     Column("track", _INTEGER, "", "Track of the missed pedestrian, as in `encounters.csv`."),
     *_SPAN,
     Column(
-        "tau", _NUMBER, _SHARE,
+        "tau",
+        _NUMBER,
+        _SHARE,
         "Share of the recording (or encounter, by `saliency_scope`) that has passed at its end.",
     ),
     Column("recency", _NUMBER, _SHARE, "Weight of that moment: larger, the later it ends."),
     Column("saliency_s", _NUMBER, "s", "`duration_s` * `recency`.", "low"),
-)  # fmt: skip
+)
 
 _INTERVALS = (
     _SYSTEM,
@@ -244,7 +284,7 @@ VENN_COLUMNS: Final[tuple[Column, ...]] = (
     Column("neither", _INTEGER, "encounters", "Encounters that neither system detected."),
     Column("distant", _INTEGER, "encounters", "Encounters that never came near enough to count."),
 )
-"""Counts of encounters by who detected them, of a recording or of all."""
+"""Counts of encounters by who detected them, of one recording or of all."""
 
 _RECORDINGS = (
     _RECORDING,
@@ -255,12 +295,20 @@ _RECORDINGS = (
     Column("duration_s", _NUMBER, "s", "Sum of their time steps."),
     Column("n_truth", _INTEGER, "boxes", "Annotated pedestrians, ignore regions left out."),
     *VENN_COLUMNS,
-    *_of_both(*(_measure_by_recording(one) for one in MEASURES if one.by_recording is not None)),
+    *_of_both(
+        *(
+            _measure_by_recording(measure)
+            for measure in MEASURES
+            if measure.by_recording is not None
+        )
+    ),
 )
 
 _FINDINGS = (
     Column(
-        "severity", _TEXT, "",
+        "severity",
+        _TEXT,
+        "",
         "`error`: the figures are wrong until it is mended; `warning`: they may be; `note`: good "
         "to know.",
     ),
@@ -271,7 +319,7 @@ _FINDINGS = (
     Column("example", _TEXT, "", "The first case: line, recording, frame.", empty="no single case"),
     Column("message", _TEXT, "", "What was found."),
     Column("advice", _TEXT, "", "What to do about it."),
-)  # fmt: skip
+)
 
 _TOO_FEW = "too few data for one (`note`)"
 
@@ -285,21 +333,32 @@ _SIGNIFICANCE = (
     Column("low", _NUMBER, "figure's", "Lower end of its 95 % interval.", empty=_TOO_FEW),
     Column("high", _NUMBER, "figure's", "Upper end.", empty=_TOO_FEW),
     Column(
-        "p", _NUMBER, "0..1", "How often chance alone makes a difference as large.",
+        "p",
+        _NUMBER,
+        "0..1",
+        "How often chance alone makes a difference as large.",
         empty=_TOO_FEW,
     ),
     Column("p_holm", _NUMBER, "0..1", "The same, corrected for all rows.", empty=_TOO_FEW),
     Column(
-        "effect", _NUMBER, "", "Size of the difference.",
+        "effect",
+        _NUMBER,
+        "",
+        "Size of the difference.",
         empty="neither interval nor p, or an odds ratio that is infinite",
     ),
     Column("effect_name", _TEXT, "", "`Cohen's d_z` over the units, or `odds ratio`."),
     Column("n", _INTEGER, "units", "How many were compared."),
     Column("unit", _TEXT, "", "`encounters`, `recordings` or `blocks` of time."),
     Column("method", _TEXT, "", "How interval and p were made.", empty="neither could be"),
-    Column("note", _TEXT, "", "Why something is missing, and what it does not say.",
-           empty="nothing to say"),
-)  # fmt: skip
+    Column(
+        "note",
+        _TEXT,
+        "",
+        "Why something is missing, and what it does not say.",
+        empty="nothing to say",
+    ),
+)
 
 _EVIDENCE = {column.name: column for column in _SIGNIFICANCE}
 _NO_GROUP = "undefined for this group (`note`)"

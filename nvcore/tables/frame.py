@@ -1,4 +1,4 @@
-"""All that is to be said about one frame: who is there, who is missed by whom, false alarms."""
+"""One frame summarised: who is there, who is missed by which system, false alarms."""
 
 from __future__ import annotations
 
@@ -13,9 +13,16 @@ from nvcore.schema import DetectionState, TruthState
 from nvcore.tables.box_states import gather_boxes
 
 PEDESTRIAN_COLUMNS: Final = (
-    "track", "height_px", "distance_m", "k", "is_relevant", "found_x", "found_y", "is_salient_x",
+    "track",
+    "height_px",
+    "distance_m",
+    "k",
+    "is_relevant",
+    "found_x",
+    "found_y",
+    "is_salient_x",
     "is_salient_y",
-)  # fmt: skip
+)
 
 
 @dataclass(frozen=True)
@@ -89,7 +96,7 @@ class FrameSummary:
 
 
 def frame_summary(result: Result, row: int) -> FrameSummary:
-    """All about one frame, by its row in the frames table."""
+    """Summary of one frame, by its row in the frames table."""
     dataset, frames = result.dataset, result.dataset.frame_columns
     truth = dataset.truth
     boxes = gather_boxes(result, row, row + 1)

@@ -1,4 +1,4 @@
-"""Tables of what was read: one row per source, and what could not be placed."""
+"""Tables of the inputs: one row per source, and the rows that could not be placed."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from nvcore.dataset import Dataset
 
 
 def inputs_table(dataset: Dataset) -> pd.DataFrame:
-    """What each source was read from, and how.
+    """From what each source was read, and how.
 
     Returns
     -------

@@ -13,12 +13,19 @@ from nvcore.metrics.encounters import RELEVANT_K
 from nvcore.schema import NO_TRACK
 
 LANE_COLUMNS: Final = (
-    "encounter", "track", "system", "state", "first_row", "last_row", "start_s", "stop_s",
-)  # fmt: skip
+    "encounter",
+    "track",
+    "system",
+    "state",
+    "first_row",
+    "last_row",
+    "start_s",
+    "stop_s",
+)
 
 
 class LaneState(StrEnum):
-    """What a system made of a pedestrian in one frame."""
+    """How a system did with a pedestrian in one frame."""
 
     IGNORED = "ignored"
     """The ground truth says not to judge the pedestrian here."""
@@ -30,13 +37,13 @@ class LaneState(StrEnum):
     """Near enough to count, and matched."""
 
 
-# the larger code names a frame in which one track stands twice
+# where a track occurs twice in a frame, the larger code counts
 _CODES: Final = tuple(LaneState)
 _IGNORED, _NOT_RELEVANT, _MISSED, _MATCHED = range(len(_CODES))
 
 
 def lanes_table(result: Result, recording: int) -> pd.DataFrame:
-    """One row per run of frames in which a system makes the same of a pedestrian.
+    """One row per run of frames in which a system's state for a pedestrian stays the same.
 
     Frames in which the pedestrian is not annotated belong to no run and end the one before.
 
@@ -54,11 +61,11 @@ def lanes_table(result: Result, recording: int) -> pd.DataFrame:
     """
     time_s = result.dataset.frames["time_s"].to_numpy()
     step_s = result.dataset.frames["step_s"].to_numpy()
-    rows, encounter, at = _annotated(result, recording)
+    rows, encounter, frame_row = _annotated_rows(result, recording)
     runs = []
-    for which, (_, system) in enumerate(result.sides):
-        found = _runs(rows, encounter, at, _codes(result, system, rows))
-        runs.append((*found, np.full(len(found[0]), which)))
+    for side, (_, system) in enumerate(result.sides):
+        run = _runs(rows, encounter, frame_row, _codes(result, system, rows))
+        runs.append((*run, np.full(len(run[0]), side)))
     of, code, first, last, number = (np.concatenate(part) for part in zip(*runs, strict=True))
     order = np.argsort(2 * of + number, kind="stable")
     of, code, first, last, number = (part[order] for part in (of, code, first, last, number))
@@ -78,43 +85,43 @@ def lanes_table(result: Result, recording: int) -> pd.DataFrame:
 
 
 def miss_starts(result: Result, recording: int, system: SystemResult) -> np.ndarray:
-    """Frame rows in which a relevant pedestrian begins to be missed by one system.
+    """Frame rows in which one system begins to miss a relevant pedestrian.
 
     int64, increasing, unique; rows of the frames table.
     """
-    rows, encounter, at = _annotated(result, recording)
-    _, code, first, _ = _runs(rows, encounter, at, _codes(result, system, rows))
+    rows, encounter, frame_row = _annotated_rows(result, recording)
+    _, code, first, _ = _runs(rows, encounter, frame_row, _codes(result, system, rows))
     return np.unique(first[code == _MISSED])
 
 
-def _annotated(result: Result, recording: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _annotated_rows(result: Result, recording: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Truth rows that belong to encounters of a recording, their encounters and frame rows.
 
-    Sorted by encounter and frame; with the ignored boxes of the encounters' tracks.
+    Sorted by encounter and frame; includes the ignored boxes of the encounters' tracks.
     """
     encounters, truth = result.encounters, result.dataset.truth
     e0, e1 = np.searchsorted(encounters.recording, [recording, recording + 1])
     member = slice(encounters.offsets[e0], encounters.offsets[e1])
     rows = encounters.order[member]
     encounter = np.repeat(np.arange(e0, e1), np.diff(encounters.offsets[e0 : e1 + 1]))
-    at = encounters.frame_index[member]
+    frame_row = encounters.frame_index[member]
     t0, t1 = truth.offsets[result.dataset.frame_columns.first[[recording, recording + 1]]]
     track = result.tracks.track
-    ignored = t0 + np.flatnonzero(truth.ignore[t0:t1] & (track[t0:t1] != NO_TRACK))
-    if len(ignored) and e1 > e0:
-        of = e0 + np.searchsorted(encounters.track[e0:e1], track[ignored])
-        is_known = encounters.track[np.minimum(of, e1 - 1)] == track[ignored]
-        ignored, of = ignored[is_known], of[is_known]
-        rows = np.concatenate([rows, ignored])
+    ignored_rows = t0 + np.flatnonzero(truth.ignore[t0:t1] & (track[t0:t1] != NO_TRACK))
+    if len(ignored_rows) and e1 > e0:
+        of = e0 + np.searchsorted(encounters.track[e0:e1], track[ignored_rows])
+        is_known = encounters.track[np.minimum(of, e1 - 1)] == track[ignored_rows]
+        ignored_rows, of = ignored_rows[is_known], of[is_known]
+        rows = np.concatenate([rows, ignored_rows])
         encounter = np.concatenate([encounter, of])
-        at = np.concatenate([at, truth.frame_index[ignored]])
-        order = np.lexsort((at, encounter))
-        rows, encounter, at = rows[order], encounter[order], at[order]
-    return rows, encounter, at
+        frame_row = np.concatenate([frame_row, truth.frame_index[ignored_rows]])
+        order = np.lexsort((frame_row, encounter))
+        rows, encounter, frame_row = rows[order], encounter[order], frame_row[order]
+    return rows, encounter, frame_row
 
 
 def _codes(result: Result, system: SystemResult, rows: np.ndarray) -> np.ndarray:
-    """Index into `_CODES` of each of some truth rows."""
+    """Index into `_CODES` of each truth row."""
     code = np.where(system.matches.truth_det[rows] >= 0, _MATCHED, _MISSED)
     code[result.k_truth.k[rows] < RELEVANT_K] = _NOT_RELEVANT
     code[result.dataset.truth.ignore[rows]] = _IGNORED
@@ -122,17 +129,21 @@ def _codes(result: Result, system: SystemResult, rows: np.ndarray) -> np.ndarray
 
 
 def _runs(
-    rows: np.ndarray, encounter: np.ndarray, at: np.ndarray, code: np.ndarray
+    rows: np.ndarray, encounter: np.ndarray, frame_row: np.ndarray, code: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Encounter, code, first and last frame row of every run."""
     if not len(rows):
-        nothing = np.empty(0, np.int64)
-        return nothing, nothing, nothing, nothing
-    is_new = (encounter[1:] != encounter[:-1]) | (at[1:] != at[:-1])
+        empty = np.empty(0, np.int64)
+        return empty, empty, empty, empty
+    is_new = (encounter[1:] != encounter[:-1]) | (frame_row[1:] != frame_row[:-1])
     starts = np.flatnonzero(np.concatenate([[True], is_new]))
     code = np.maximum.reduceat(code, starts)
-    encounter, at = encounter[starts], at[starts]
-    ends = (encounter[1:] != encounter[:-1]) | (at[1:] != at[:-1] + 1) | (code[1:] != code[:-1])
+    encounter, frame_row = encounter[starts], frame_row[starts]
+    ends = (
+        (encounter[1:] != encounter[:-1])
+        | (frame_row[1:] != frame_row[:-1] + 1)
+        | (code[1:] != code[:-1])
+    )
     first = np.flatnonzero(np.concatenate([[True], ends]))
-    last = np.concatenate([first[1:] - 1, [len(at) - 1]])
-    return encounter[first], code[first], at[first], at[last]
+    last = np.concatenate([first[1:] - 1, [len(frame_row) - 1]])
+    return encounter[first], code[first], frame_row[first], frame_row[last]

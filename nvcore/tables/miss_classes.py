@@ -1,4 +1,4 @@
-"""Encounters counted: miss classes of X against Y, and what a fusion of both would gain."""
+"""Counts of encounters: miss classes of X against Y, and what a fusion of both would gain."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ ALL_CLASSES: Final = "all"
 
 
 def miss_class_counts(result: Result) -> pd.DataFrame:
-    """How many encounters have which miss class for X and which for Y; distant ones left out.
+    """Encounters by their miss class for X and for Y, distant ones left out.
 
     Returns
     -------
@@ -59,7 +59,7 @@ def fusion_table(result: Result) -> pd.DataFrame:
 
     Notes
     -----
-    Analyses both fused systems (``result.fusion``) at the first call for a result.
+    The first call for a result scores both fused systems (``result.fusion``).
     """
     fused = result.fusion
     rows = [
@@ -71,17 +71,17 @@ def fusion_table(result: Result) -> pd.DataFrame:
 
 def _fusion_row(result: Result, kind: str, system: SystemResult) -> dict[str, Any]:
     alarms = system.false_alarm_summary
-    detected, detected_x, detected_y = (
-        int(one.encounters["is_detected"].sum()) for one in (system, result.x, result.y)
+    n_detected, n_detected_x, n_detected_y = (
+        int(scored.encounters["is_detected"].sum()) for scored in (system, result.x, result.y)
     )
-    alone_x, alone_y = (one.false_alarm_summary for one in (result.x, result.y))
+    alone_x, alone_y = result.x.false_alarm_summary, result.y.false_alarm_summary
     return {
         "system": kind,
         "name": system.name,
-        "encounters_detected": detected,
+        "encounters_detected": n_detected,
         "encounters": result.venn.n_near,
-        "gain_on_x": detected - detected_x,
-        "gain_on_y": detected - detected_y,
+        "gain_on_x": n_detected - n_detected_x,
+        "gain_on_y": n_detected - n_detected_y,
         "false_alert_episodes": alarms.episodes,
         "episodes_per_hour": alarms.episodes_per_hour,
         "more_episodes_than_x": alarms.episodes - alone_x.episodes,

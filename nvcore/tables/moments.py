@@ -1,4 +1,4 @@
-"""The moments worth looking at: where each system does worst, and where the two differ most."""
+"""Moments worth looking at: where each system does worst, and where the two differ most."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from nvcore.tables.lanes import miss_starts
 
 ENCOUNTER_MOMENT_COLUMNS: Final = ("first_row", "missed_row_x", "missed_row_y", "shown_row")
 NEVER: Final = -1
-"""Frame row of what does not happen."""
+"""Frame row of an event that does not happen."""
 
 
 def encounter_moments(result: Result) -> pd.DataFrame:
@@ -25,29 +25,28 @@ def encounter_moments(result: Result) -> pd.DataFrame:
     One row per encounter, columns `ENCOUNTER_MOMENT_COLUMNS`, int64: first_row, the first relevant
     frame (of a distant encounter the first annotated one); missed_row_x and missed_row_y, the first
     relevant frame in which that system misses the pedestrian, -1 if it never does; shown_row, the
-    earlier
-    of these two, else first_row.
+    earlier of these two, else first_row.
     """
     encounters = result.encounters
     n, rows = len(encounters), encounters.order
     of = np.repeat(np.arange(n), np.diff(encounters.offsets))
-    at = encounters.frame_index
+    frame_row = encounters.frame_index
     is_relevant = result.k_truth.k[rows] >= RELEVANT_K
-    first = _earliest(n, of[is_relevant], at[is_relevant])
+    first = _earliest(n, of[is_relevant], frame_row[is_relevant])
     first = np.where(first == NEVER, encounters.first_row, first)
     moments = {"first_row": first}
-    # a track that stands twice in a frame is one pedestrian there, found if one box is
-    key = of * (len(result.dataset.frames) + 1) + at
+    # a track that occurs twice in a frame is one pedestrian, matched if either box is
+    key = of * (len(result.dataset.frames) + 1) + frame_row
     for letter, system in result.sides:
         is_matched = system.matches.is_matched[rows]
         is_missed = is_relevant & ~is_matched
-        found_twin = np.isin(key[is_missed], _twice(key[is_relevant & is_matched], key))
+        has_matched_twin = np.isin(key[is_missed], _twice(key[is_relevant & is_matched], key))
         moments[f"missed_row_{letter}"] = _earliest(
-            n, of[is_missed][~found_twin], at[is_missed][~found_twin]
+            n, of[is_missed][~has_matched_twin], frame_row[is_missed][~has_matched_twin]
         )
-    both = np.stack([moments["missed_row_x"], moments["missed_row_y"]])
-    earlier = np.where(both == NEVER, len(result.dataset.frames), both).min(axis=0)
-    is_missed_at_all = (both != NEVER).any(axis=0)
+    missed_rows = np.stack([moments["missed_row_x"], moments["missed_row_y"]])
+    earlier = np.where(missed_rows == NEVER, len(result.dataset.frames), missed_rows).min(axis=0)
+    is_missed_at_all = (missed_rows != NEVER).any(axis=0)
     moments["shown_row"] = np.where(is_missed_at_all, earlier, first)
     return pd.DataFrame(moments, columns=list(ENCOUNTER_MOMENT_COLUMNS)).astype("int64")
 
@@ -60,7 +59,7 @@ def encounter_box(result: Result, encounter: int, row: int) -> np.ndarray:
     encounter
         Row of ``result.encounters``.
     row
-        Row of the frames table, one in which the pedestrian is annotated. Where the track stands
+        Row of the frames table, one in which the pedestrian is annotated. If the track occurs
         there twice: its first box.
 
     Raises
@@ -68,40 +67,52 @@ def encounter_box(result: Result, encounter: int, row: int) -> np.ndarray:
     ValueError
         If the pedestrian is not annotated in this frame.
     """
-    of, truth = result.encounters, result.dataset.truth
-    start, stop = of.offsets[encounter : encounter + 2]
-    at = start + np.searchsorted(of.frame_index[start:stop], row)
-    if at == stop or of.frame_index[at] != row:
+    encounters, truth = result.encounters, result.dataset.truth
+    start, stop = encounters.offsets[encounter : encounter + 2]
+    position = start + np.searchsorted(encounters.frame_index[start:stop], row)
+    if position == stop or encounters.frame_index[position] != row:
         raise ValueError(f"encounter {encounter} has no box in row {row} of the frames table")
-    box = of.order[at]
+    box = encounters.order[position]
     return np.array([truth.x[box], truth.y[box], truth.w[box], truth.h[box]])
 
 
-def _twice(found: np.ndarray, keys: np.ndarray) -> np.ndarray:
-    """Those of `found` that stand more than once in the sorted `keys`."""
+def _twice(candidates: np.ndarray, keys: np.ndarray) -> np.ndarray:
+    """Those of `candidates` that occur more than once in the sorted `keys`."""
     several = keys[1:][keys[1:] == keys[:-1]]
-    return found[np.isin(found, several)] if len(several) else several
+    return candidates[np.isin(candidates, several)] if len(several) else several
 
 
-def _earliest(n: int, of: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """First value of each group, `NEVER` for a group without; sorted by group and value."""
+def _earliest(n: int, of: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """First value of each group, `NEVER` for an empty group; sorted by group and value."""
     earliest = np.full(n, NEVER, dtype=np.int64)
     is_first = np.ones(len(of), dtype=bool)
     is_first[1:] = of[1:] != of[:-1]
-    earliest[of[is_first]] = at[is_first]
+    earliest[of[is_first]] = values[is_first]
     return earliest
 
 
 MOMENT_COLUMNS: Final = (
-    "kind", "recording", "recording_index", "first_frame", "last_frame", "row", "frame", "time_s",
-    "duration_s", "severity_s", "similarity_x", "similarity_y", "track", "reason",
-)  # fmt: skip
+    "kind",
+    "recording",
+    "recording_index",
+    "first_frame",
+    "last_frame",
+    "row",
+    "frame",
+    "time_s",
+    "duration_s",
+    "severity_s",
+    "similarity_x",
+    "similarity_y",
+    "track",
+    "reason",
+)
 
 KINDS: Final = ("x", "y", "x_better", "y_better")
 """Kinds of moments: low similarity of X, of Y; X better than Y, and the other way."""
 
 LEAST_DIFFERENCE: Final = 0.01
-"""Difference of the similarities that belongs to an interval; less is noise of where boxes lie."""
+"""Least difference of similarities inside an interval; less is noise in the boxes' places."""
 
 
 class _Span(NamedTuple):
@@ -166,7 +177,7 @@ def worst_moments(result: Result, *, n: int = 5) -> pd.DataFrame:
 
 
 def next_misses(result: Result, recording: int) -> np.ndarray:
-    """Where a relevant pedestrian begins to be missed by X or by Y, for stepping through them.
+    """Where X or Y begins to miss a relevant pedestrian, for stepping through the misses.
 
     Returns
     -------
@@ -191,7 +202,7 @@ def _low_spans(result: Result, n: int) -> list[_Span]:
         worst = table.iloc[_largest(table["severity_s"].to_numpy(), n)]
         names = ("first_row", "last_row", "worst_row", "severity_s")
         values = zip(*(worst[name].tolist() for name in names), strict=True)
-        spans += [_Span(letter, *one) for one in values]
+        spans += [_Span(letter, *value) for value in values]
     return spans
 
 
@@ -212,7 +223,7 @@ def _difference_spans(result: Result, n: int) -> list[_Span]:
 
 
 def _reason(result: Result, span: _Span) -> tuple[int | None, str]:
-    """Whom a moment is about (None: nobody), and why it is as bad as it is.
+    """The track that a moment is about (None: no pedestrian), and why it is as bad as it is.
 
     The pedestrian (or the false alarms) with the largest effect on similarity summed over the
     interval, not only in its worst frame.
@@ -251,36 +262,38 @@ def _miss_reason(
     inside = start + np.searchsorted(
         encounters.frame_index[start:stop], [span.first, span.last + 1]
     )
-    rows, at = encounters.order[slice(*inside)], encounters.frame_index[slice(*inside)]
+    rows, frame_row = encounters.order[slice(*inside)], encounters.frame_index[slice(*inside)]
     track = int(encounters.track[encounter])
-    who = f"pedestrian {track} (up to {result.dataset.truth.h[rows].max():.0f} px tall)"
-    missed, missed_by_rival = (
-        # a track that stands twice in a frame is found if one of its boxes is
-        np.setdiff1d(at, at[one.matches.truth_det[rows] >= 0])
-        for one in (system, rival)
+    pedestrian = f"pedestrian {track} (up to {result.dataset.truth.h[rows].max():.0f} px tall)"
+    missed_rows, rival_missed_rows = (
+        # a track that occurs twice in a frame is matched if either box is
+        np.setdiff1d(frame_row, frame_row[scored.matches.truth_det[rows] >= 0])
+        for scored in (system, rival)
     )
-    if not len(missed):
+    if not len(missed_rows):
         apart_px = system.nearest.truth[rows].max()
-        return track, f"{letter}'s nearest detection is up to {apart_px:.0f} px from {who}."
-    found_by_rival = np.setdiff1d(missed, missed_by_rival)
-    if not len(found_by_rival):
+        return track, f"{letter}'s nearest detection is up to {apart_px:.0f} px from {pedestrian}."
+    rival_matched_rows = np.setdiff1d(missed_rows, rival_missed_rows)
+    if not len(rival_matched_rows):
         does = "misses it, too"
         if span.kind.endswith("better"):
             does += _nearer(system.nearest.truth[rows].max(), rival.nearest.truth[rows].max())
-    elif len(found_by_rival) == len(missed):
+    elif len(rival_matched_rows) == len(missed_rows):
         does = "finds it"
     else:
-        does = f"finds it for {_seconds(_time_s(result, found_by_rival))} of that time"
-    lasts = _share(_time_s(result, missed), _span_s(result, span))
-    return track, f"{letter} misses {who} for {lasts}; {other} {does}."
+        does = f"finds it for {_seconds(_time_s(result, rival_matched_rows))} of that time"
+    lasts = _share(_time_s(result, missed_rows), _span_s(result, span))
+    return track, f"{letter} misses {pedestrian} for {lasts}; {other} {does}."
 
 
 def _nearer(apart_px: float, rival_px: float) -> str:
-    """How a system that misses somebody, too, is nearer to them."""
+    """How much nearer the rival's detection is where both systems miss the pedestrian."""
     if not rival_px < apart_px:
         return ""
-    own = f"{apart_px:.0f} px" if np.isfinite(apart_px) else "no detection at all"
-    return f", but its nearest detection is closer (up to {rival_px:.0f} px away; the other: {own})"
+    apart = f"{apart_px:.0f} px" if np.isfinite(apart_px) else "no detection at all"
+    return (
+        f", but its nearest detection is closer (up to {rival_px:.0f} px away; the other: {apart})"
+    )
 
 
 def _alarm_reason(result: Result, span: _Span, letter: str, system: SystemResult) -> str:
@@ -308,7 +321,7 @@ def _span_s(result: Result, span: _Span) -> float:
 
 
 def _share(part_s: float, whole_s: float) -> str:
-    """A duration, of the whole one where they differ."""
+    """A duration, followed by the whole duration where they differ."""
     part, whole = _seconds(part_s), _seconds(whole_s)
     return part if part == whole else f"{part} of {whole}"
 

@@ -1,4 +1,4 @@
-"""Tables for people from a `Result`: what the CSV files hold and the web shows."""
+"""Tables made from a `Result`: what the CSV files hold and the dashboard shows."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def _names(result: Result, recording: np.ndarray) -> np.ndarray:
 
 def _integers(values: np.ndarray, is_known: np.ndarray) -> Any:
     """Whole numbers, missing where not known."""
-    # not by way of floats, which do not hold ids such as timestamps
+    # not via floats, which cannot hold ids such as timestamps
     return pd.arrays.IntegerArray(values.astype(np.int64), ~is_known)
 
 
@@ -59,7 +59,7 @@ def frames_table(result: Result) -> pd.DataFrame:
 
 
 def encounters_table(result: Result) -> pd.DataFrame:
-    """One row per encounter: category, how each system did, what the encounter itself is."""
+    """One row per encounter: category, how each system did, and facts about the encounter."""
     encounters, frame = result.encounters, result.dataset.frames["frame"].to_numpy()
     is_near = result.category != Category.DISTANT.value
     columns: dict[str, Any] = {
@@ -71,15 +71,15 @@ def encounters_table(result: Result) -> pd.DataFrame:
         "category": result.category,
     }
     for letter, system in result.sides:
-        judged = system.encounters
+        outcomes = system.encounters
         columns |= {
-            f"matched_{letter}": judged["matched"],
-            f"coverage_{letter}": judged["coverage"],
-            f"detected_{letter}": _booleans(judged["is_detected"].to_numpy(), is_near),
-            f"miss_class_{letter}": judged["miss_class"],
-            f"lag_s_{letter}": judged["lag_s"],
-            f"gap_s_{letter}": judged["gap_s"],
-            f"tail_s_{letter}": judged["tail_s"],
+            f"matched_{letter}": outcomes["matched"],
+            f"coverage_{letter}": outcomes["coverage"],
+            f"detected_{letter}": _booleans(outcomes["is_detected"].to_numpy(), is_near),
+            f"miss_class_{letter}": outcomes["miss_class"],
+            f"lag_s_{letter}": outcomes["lag_s"],
+            f"gap_s_{letter}": outcomes["gap_s"],
+            f"tail_s_{letter}": outcomes["tail_s"],
         }
     columns |= {
         "lead_time_s": result.lead_time_s,
@@ -115,7 +115,7 @@ def events_table(result: Result) -> pd.DataFrame:
 
 
 def located_events(result: Result) -> pd.DataFrame:
-    """`events_table`, with where to find each event in the other tables.
+    """`events_table`, with the rows of each event in the other tables.
 
     Returns
     -------
@@ -175,10 +175,10 @@ def recordings_table(result: Result) -> pd.DataFrame:
         "n_truth": per_recording(result, result.n_truth, frames.recording).astype(np.int64),
     }
     for category in Category:
-        is_it = result.category == category.value
-        columns[category.value] = per_recording(result, is_it, result.encounters.recording).astype(
-            np.int64
-        )
+        is_category = result.category == category.value
+        columns[category.value] = per_recording(
+            result, is_category, result.encounters.recording
+        ).astype(np.int64)
     for letter, system in result.sides:
         columns |= {
             f"{measure.key}_{letter}": measure.by_recording(result, system)
@@ -191,5 +191,5 @@ def recordings_table(result: Result) -> pd.DataFrame:
 def findings_table(findings: tuple[Finding, ...]) -> pd.DataFrame:
     """One row per finding of the audit, as given."""
     names = column_names("findings.csv")
-    rows = [{name: str(getattr(one, name)) for name in names} for one in findings]
+    rows = [{name: str(getattr(finding, name)) for name in names} for finding in findings]
     return pd.DataFrame(rows, columns=names).astype({"count": "int64"})

@@ -1,4 +1,4 @@
-"""Tables of measures, X beside Y: what the terminal prints, dashboard and reports show."""
+"""Tables of measures, X beside Y, for the terminal, the dashboard and the reports."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ class ScoreRow(NamedTuple):
     Attributes
     ----------
     label
-        What it is, with unit and denominator.
+        Name of the measure, with unit and denominator.
     x, y
         Values; NaN undefined.
     form
-        Python's format of the values.
+        Format specification of the values.
     better
         ``higher`` or ``lower``; empty: neither.
     level
@@ -42,7 +42,7 @@ def score_rows(result: Result, table: MeasureTable = MeasureTable.SCORECARD) -> 
     for measure in measures_in(table):
         if measure.of is None or (measure.of_several and not is_several):
             continue
-        # in the table of false alerts every row stands for itself
+        # no row is a part of another in the table of false alerts
         part = "" if table is MeasureTable.FALSE_ALERTS else measure.part
         x, y = (measure.of(result, system) for _, system in result.sides)
         label = (part or measure.label).format_map(words)

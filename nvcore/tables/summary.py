@@ -1,4 +1,4 @@
-"""The aggregates of ``summary.json``: every key with unit, type, a sentence, and its value."""
+"""The aggregates of ``summary.json``: every key with unit, type, a sentence and its value."""
 
 from __future__ import annotations
 
@@ -16,7 +16,9 @@ from nvcore.tables.columns import VENN_COLUMNS, Column, Kind, measure_column
 _TEXT, _INTEGER, _NUMBER = Kind.TEXT, Kind.INTEGER, Kind.NUMBER
 _NO_LEAD: Final = "no such encounter"
 
-_NAMED: Final = {measure.key: measure.of for measure in MEASURES if measure.meaning and measure.of}
+_OF_SYSTEM: Final = {
+    measure.key: measure.of for measure in MEASURES if measure.meaning and measure.of
+}
 """Measures of each system, by key."""
 
 SYSTEM_KEYS: Final[tuple[Column, ...]] = (
@@ -28,7 +30,7 @@ SYSTEM_KEYS: Final[tuple[Column, ...]] = (
         "Score below which detections are left out.",
         empty="none was given (every detection counts), or it is infinite",
     ),
-    *(measure_column(measure) for measure in MEASURES if measure.key in _NAMED),
+    *(measure_column(measure) for measure in MEASURES if measure.key in _OF_SYSTEM),
 )
 """Keys of each system: below `x` and `y`, and below `fusion` for their combinations."""
 
@@ -41,10 +43,10 @@ class _Entry(NamedTuple):
 
 
 def _lead_s(result: Result) -> np.ndarray:
-    """Lead of X over Y in encounters that both match."""
+    """Lead of X over Y, in the encounters that both match."""
     lead_s = result.lead_time_s
-    known: np.ndarray = lead_s[np.isfinite(lead_s)]
-    return known
+    finite: np.ndarray = lead_s[np.isfinite(lead_s)]
+    return finite
 
 
 def _venn_count(name: str) -> Callable[[Result], int]:
@@ -237,19 +239,19 @@ SUMMARY_KEYS: Final[tuple[Column, ...]] = tuple(entry.column for entry in _ENTRI
 
 def summary(result: Result) -> dict[str, Any]:
     """All aggregates, ready for JSON; None is undefined."""
-    content = _nested({entry.column.name: entry.of(result) for entry in _ENTRIES})
-    defined: dict[str, Any] = _without_nan(content)
-    return defined
+    content = _nest({entry.column.name: entry.of(result) for entry in _ENTRIES})
+    aggregates: dict[str, Any] = _without_nan(content)
+    return aggregates
 
 
 def system_summary(result: Result, system: SystemResult) -> dict[str, Any]:
     """Aggregates of one system over all recordings."""
-    measures = {key: of(result, system) for key, of in _NAMED.items()}
-    return _nested({"name": system.name, "threshold": system.threshold, **measures})
+    measures = {key: of(result, system) for key, of in _OF_SYSTEM.items()}
+    return _nest({"name": system.name, "threshold": system.threshold, **measures})
 
 
-def _nested(content: Mapping[str, Any]) -> dict[str, Any]:
-    """Entries named ``outer.inner`` in a dictionary of their own."""
+def _nest(content: Mapping[str, Any]) -> dict[str, Any]:
+    """Moves entries named ``outer.inner`` into a dictionary of their own."""
     nested: dict[str, Any] = {}
     for name, value in content.items():
         outer, _, inner = name.partition(".")
