@@ -5,7 +5,7 @@
     result = nv.compare("session.toml", alpha=0.8)
     print(result)
 
-Names are loaded when they are used: the command line's help need not wait for numpy.
+Names are loaded on first use, so that the command line's help need not wait for numpy.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ _HOMES = {
     "nvcore.params": ("Params",),
     "nvcore.protocols": ("PROTOCOLS", "Protocol"),
 }
-"""The names of `__all__` by the module that has them."""
+"""The names of `__all__` by the module that defines them."""
 _PACKAGES = ("detection", "evidence", "figures", "metrics", "pictures", "stability", "tables")
 _HOME_OF = {name: module for module, names in _HOMES.items() for name in names}
 

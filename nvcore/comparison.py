@@ -1,4 +1,4 @@
-"""The one call that command line and dashboard share: ``compare(dataset, params) -> Result``."""
+"""The call that everything else is built on: ``compare(dataset, params) -> Result``."""
 
 from __future__ import annotations
 
@@ -63,23 +63,23 @@ T = TypeVar("T")
 
 
 class Memo:
-    """What the stages made, by what it depends on; other settings repeat only what they change."""
+    """Results of the stages by what they depend on: a new setting repeats only what it changes."""
 
-    def __init__(self, params: Params, known: Mapping[tuple[Any, ...], Any]):
+    def __init__(self, params: Params, previous: Mapping[tuple[Any, ...], Any]):
         self._params = params
-        self._known = known
+        self._previous = previous
         self.used: dict[tuple[Any, ...], Any] = {}
 
-    def get(self, what: Hashable, make: Callable[[], T], *stages: Stage) -> T:
-        """What these stages make: from before if no setting that they depend on has changed.
+    def get(self, name: Hashable, make: Callable[[], T], *stages: Stage) -> T:
+        """The result of these stages: the previous one if none of their settings has changed.
 
         Parameters
         ----------
-        what
-            Names it; with the system and its threshold if it is of one.
+        name
+            Name of the result; with the system and its threshold if it belongs to one.
         """
-        key = (what, *self._params.values_for(*stages))
-        value = self._known[key] if key in self._known else make()
+        key = (name, *self._params.values_for(*stages))
+        value = self._previous[key] if key in self._previous else make()
         self.used[key] = value
         return value
 
@@ -105,7 +105,7 @@ class SystemResult:
     events
         Saliency events (`nvcore.metrics.saliency.find_events`).
     encounters
-        How it did in each encounter (`nvcore.metrics.encounters.judge_encounters`).
+        How the system did in each encounter (`nvcore.metrics.encounters.judge_encounters`).
     episodes
         False-alert episodes (`nvcore.metrics.false_alarms.find_episodes`).
     summary
@@ -160,16 +160,16 @@ class SystemResult:
 
 @dataclass(frozen=True, eq=False)
 class Result:
-    """Comparison of two systems. Tables for people are made by `nvcore.tables.result`.
+    """Comparison of two systems. `nvcore.tables.result` makes tables of it.
 
     Attributes
     ----------
     dataset, params
-        What was analysed, and how.
+        What was compared, and how.
     x, y
         The two systems.
     tracks
-        Tracks of the truth, and where they were made by linking.
+        Tracks of the truth, and where linking made them.
     encounters
         The encounters of the ground truth.
     k_truth
@@ -181,7 +181,7 @@ class Result:
     duration_s
         Recording time of all recordings.
     stages
-        What `compare` can take over when only some settings change.
+        What `compare` can reuse when only some settings change.
     """
 
     dataset: Dataset
@@ -201,7 +201,7 @@ class Result:
 
     @property
     def sides(self) -> tuple[tuple[str, SystemResult], tuple[str, SystemResult]]:
-        """The two systems with the letter that their columns end in."""
+        """The two systems, each with the letter that ends its columns' names."""
         return ("x", self.x), ("y", self.y)
 
     @property
@@ -263,7 +263,7 @@ def compare(
         other one.
     previous
         A result of the same dataset: stages whose settings are the same are taken from it, so
-        that moving alpha or the sigmoid costs little. The figures do not depend on it.
+        that changing alpha or the sigmoid costs little. No number depends on it.
 
     Raises
     ------
@@ -279,8 +279,8 @@ def compare(
     """
     names = _pick(dataset, x, y)
     params = dataset.params_of(*names) if params is None else params
-    known = previous.stages if previous and previous.dataset is dataset else {}
-    memo = Memo(params, known)
+    previous_stages = previous.stages if previous and previous.dataset is dataset else {}
+    memo = Memo(params, previous_stages)
     truth, frames = dataset.truth, dataset.frame_columns
     occlusion = dataset.boxes["occlusion"].to_numpy()[: len(truth)]
     tracks = memo.get("tracks", lambda: track_truth(truth, frames))
@@ -408,7 +408,7 @@ def score_system(
         ),
         EVENTS,
     )
-    judged = get(
+    outcomes = get(
         "judged",
         lambda: judge_encounters(encounters, k_truth.k, matches.is_matched, frames, params),
         ENCOUNTERS,
@@ -426,7 +426,7 @@ def score_system(
         matched=matched,
         false_alarms=false_alarms,
         events=events,
-        encounters=judged,
+        encounters=outcomes,
         episodes=episodes,
         summary=summarise_similarity(similarity, low=params.low),
         false_alarm_summary=summarise_false_alarms(

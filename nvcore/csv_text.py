@@ -1,7 +1,7 @@
 """Tables as CSV text: deterministic, fast, and harmless in a spreadsheet.
 
-By hand on pyarrow's columns: pandas with a format for floats takes seven times as long (measured on
-200,000 rows of six floats), pyarrow's own writer quotes every text and has no number of digits.
+Written by hand on pyarrow's columns: pandas with a format for floats takes seven times as long
+(200,000 rows of six floats), and pyarrow's own writer quotes every text and cannot limit digits.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ def _scalar(text: str) -> pa.Scalar:
 
 
 def spreadsheet_safe(text: str) -> str:
-    """The text as a cell that no spreadsheet runs as a formula: with an apostrophe before it.
+    """The text as a cell that no spreadsheet runs as a formula: with a leading apostrophe.
 
     Examples
     --------
@@ -37,7 +37,7 @@ def spreadsheet_safe(text: str) -> str:
 
 
 def without_safeguard(text: str) -> str:
-    """The text that `spreadsheet_safe` was given.
+    """The inverse of `spreadsheet_safe`.
 
     Examples
     --------
@@ -52,15 +52,15 @@ def to_csv_bytes(
 ) -> bytes:
     r"""The table as UTF-8 CSV with commas and LF line ends; the same table gives the same bytes.
 
-    Missing values (NaN, None, NaT) are empty, booleans 1 and 0, floats as ``%.{digits}g``, text
-    that a spreadsheet would run as a formula has an apostrophe before it.
+    Missing values (NaN, None, NaT) are empty, booleans 1 and 0, floats as ``%.{digits}g``; text
+    that a spreadsheet would run as a formula gets a leading apostrophe.
 
     Parameters
     ----------
     table
         Its index is not written.
     digits
-        Significant digits of floats, 1..15; None: as many as give back the same number.
+        Significant digits of floats, 1..15; None: as many as needed to read back the same number.
     header
         Whether the first line holds the names of the columns.
     missing
@@ -82,7 +82,7 @@ def to_csv_bytes(
         ]
         texts[-1] = pc.binary_join_element_wise(texts[-1], _scalar("\n"), _scalar(""))
         rows = pc.binary_join_element_wise(*texts, _scalar(","))
-        # the lines stand one after the other in the array's memory: that is the file
+        # the array's memory holds one line after another: that is the file
         parts.append(rows.buffers()[2].to_pybytes())
     return b"".join(parts)
 
@@ -92,14 +92,14 @@ def round_significant(values: np.ndarray, digits: int) -> np.ndarray:
     with np.errstate(divide="ignore", invalid="ignore"):
         places = digits - 1 - np.floor(np.log10(np.abs(values)))
     places = np.where(values == 0, 0, places)
-    # up to 10**22 a power of ten is exact, and so the quotient is the number nearest to the text
+    # powers of ten up to 10**22 are exact, so the quotient is the number nearest to the text
     is_near = np.abs(places) <= 22
     places = np.where(is_near, places, 0)
     up, down = 10.0 ** np.maximum(places, 0), 10.0 ** np.maximum(-places, 0)
-    rounded = np.where(is_near, np.rint(values * up / down) / up * down, values)
-    for i in np.flatnonzero(~is_near & np.isfinite(values)):  # 1e-13 and less, 1e32 and more: rare
-        rounded[i] = float(f"{values[i]:.{digits}g}")
-    return rounded + 0.0  # no negative zero
+    result = np.where(is_near, np.rint(values * up / down) / up * down, values)
+    for i in np.flatnonzero(~is_near & np.isfinite(values)):  # rare: below 1e-12, above 1e31
+        result[i] = float(f"{values[i]:.{digits}g}")
+    return result + 0.0  # no negative zero
 
 
 def _texts(column: pd.Series, digits: int | None, missing: str) -> pa.Array:
@@ -120,7 +120,7 @@ def _texts(column: pd.Series, digits: int | None, missing: str) -> pa.Array:
 
 
 def _other_texts(column: pd.Series) -> pa.Array:
-    """Cells of a column of text or of mixed kinds; every different value is looked at once."""
+    """Cells of a column of text or of mixed kinds; every distinct value is converted once."""
     codes, unique = pd.factorize(column.astype(object), use_na_sentinel=True)
     cells = pa.array([_cell(value) for value in unique], pa.large_string())
     return cells.take(pa.array(codes, mask=codes < 0))

@@ -66,9 +66,13 @@ class BoxColumns:
         return len(self.x)
 
 
+BOX_COLUMNS = ("x", "y", "w", "h", "score", "track", "ignore", "distance_m", "frame_index")
+"""Columns of the boxes table that `BoxColumns` holds."""
+
+
 @dataclass(frozen=True)
 class FrameColumns:
-    """What the kernels need to know of frames and recordings, as arrays.
+    """What the kernels need to know about frames and recordings, as arrays.
 
     Attributes
     ----------
@@ -111,7 +115,7 @@ class FrameColumns:
     def sampling_step(self) -> np.ndarray:
         """Median frames from one listed frame to the next; 1: every frame is listed.
 
-        Above 1 the frames between were not looked at, and events counted in listed frames (false
+        Above 1 the frames between were not evaluated, and events counted in listed frames (false
         alarms) are too few per minute of recording time by about this factor.
 
         Returns
@@ -130,28 +134,28 @@ class FrameColumns:
     def within(self, window_s: float) -> tuple[np.ndarray, np.ndarray]:
         """First row, and one past the last, of the frames at most half a window away from each.
 
-        Never across recordings. Compared in frame numbers, so that a frame exactly half a window
-        away always counts. The newest window is kept: it is the same for every system and alpha.
+        Never across recordings. Frame numbers are compared, so that a frame exactly half a window
+        away always counts. The latest window is cached: it is the same for all systems and alphas.
 
         Returns
         -------
         start, stop
             int64, shape (n_frames,).
         """
-        found = self._windows.get(window_s)
-        if found is None:
+        rows = self._windows.get(window_s)
+        if rows is None:
             half_width = 0.5 * window_s * self.fps[self.recording] * (1 + 1e-9)
             # one axis for all recordings, with more than a window between them
             is_other = np.concatenate([[False], np.diff(self.recording) != 0])
             step = np.concatenate([[0.0], np.diff(self.frame).astype(float)])
             axis = np.cumsum(np.where(is_other, 2 * half_width.max(initial=0) + 1, step))
-            found = (
+            rows = (
                 np.searchsorted(axis, axis - half_width, side="left"),
                 np.searchsorted(axis, axis + half_width, side="right"),
             )
             self._windows.clear()
-            self._windows[window_s] = found
-        return found
+            self._windows[window_s] = rows
+        return rows
 
     @cached_property
     def _windows(self) -> dict[float, tuple[np.ndarray, np.ndarray]]:
@@ -160,7 +164,7 @@ class FrameColumns:
 
 @dataclass(frozen=True, eq=False)
 class Dataset:
-    """Ground truth and systems of one comparison. Made by `build`; nothing changes it.
+    """Ground truth and systems of one comparison; immutable.
 
     Attributes
     ----------
@@ -181,14 +185,14 @@ class Dataset:
         Rows that could not be placed (frame not listed, recording unknown, coordinates that are
         no box), with subject, recording, frame, file, line and reason. Nothing is lost.
     findings
-        What readers and `build` had to report.
+        What was reported while the inputs were read.
     notes
-        Choices made for the user, in words: which frames are evaluated and why.
+        Choices made on the user's behalf, in words: which frames are evaluated and why.
     fingerprint
         sha256 over the input bytes and the reader settings; for data made in memory, over the
         tables.
     settings
-        How it is compared unless the caller says otherwise: the session that it was loaded from.
+        How to compare it unless the caller says otherwise: the session that it was loaded from.
     """
 
     recordings: pd.DataFrame
@@ -223,7 +227,7 @@ class Dataset:
 
     @cached_property
     def _by_source(self) -> tuple[BoxColumns, ...]:
-        # made once: every change of a parameter asks for them again
+        # cached: every change of a parameter needs them again
         return tuple(self._source(source) for source in range(len(self.systems) + 1))
 
     @property
@@ -254,11 +258,11 @@ class Dataset:
 
         None where no system is left.
         """
-        own_x, own_y = self.settings.x, self.settings.y
+        settings_x, settings_y = self.settings.x, self.settings.y
         return compared_names(
             self.systems,
-            x or (None if own_x == y else own_x),
-            y or (None if own_y == x else own_y),
+            x or (None if settings_x == y else settings_x),
+            y or (None if settings_y == x else settings_y),
         )
 
     def params_of(self, x: str | None = None, y: str | None = None) -> Params:
@@ -267,28 +271,23 @@ class Dataset:
         Parameters
         ----------
         x, y
-            As of `compared`.
+            As for `compared`.
         """
-        own = dict(zip(self.systems, self.settings.thresholds, strict=False))
+        threshold_of = dict(zip(self.systems, self.settings.thresholds, strict=False))
         name_x, name_y = self.compared(x, y)
         params = self.settings.params
         given_x, given_y = params.threshold_x, params.threshold_y
         return replace(
             params,
-            threshold_x=own.get(name_x or "") if given_x is None else given_x,
-            threshold_y=own.get(name_y or "") if given_y is None else given_y,
+            threshold_x=threshold_of.get(name_x or "") if given_x is None else given_x,
+            threshold_y=threshold_of.get(name_y or "") if given_y is None else given_y,
         )
 
     def _source(self, source: int) -> BoxColumns:
         start, stop = self.source_starts[source : source + 2]
-        column = {
-            name: self.boxes[name].to_numpy()[start:stop]
-            for name in (
-                "x", "y", "w", "h", "score", "track", "ignore", "distance_m", "frame_index",
-            )
-        }  # fmt: skip
-        offsets = offsets_of(column["frame_index"], len(self.frames))
-        return BoxColumns(**column, offsets=offsets, first_row=int(start))
+        columns = {name: self.boxes[name].to_numpy()[start:stop] for name in BOX_COLUMNS}
+        offsets = offsets_of(columns["frame_index"], len(self.frames))
+        return BoxColumns(**columns, offsets=offsets, first_row=int(start))
 
 
 def compared_names(
@@ -303,13 +302,13 @@ def compared_names(
 
 
 def offsets_of(frame_index: np.ndarray, n_frames: int) -> np.ndarray:
-    """Where each frame's boxes start in a sorted `frame_index`; int64, shape (n_frames + 1,)."""
+    """Row at which each frame's boxes start in a sorted `frame_index`; int64, (n_frames + 1,)."""
     counts = np.bincount(frame_index, minlength=n_frames)
     return np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
 
 
 def frame_gaps(frame: np.ndarray, first: np.ndarray) -> np.ndarray:
-    """Frames to the next listed frame; of a recording's last one, the median gap.
+    """Frames to the next listed frame; for a recording's last frame, the median gap.
 
     A recording of a single frame has a gap of 1.
 
@@ -346,8 +345,8 @@ def frames_table(
     frame = np.concatenate([*frames_by_recording, np.empty(0, np.int64)]).astype(np.int64)
     first = np.concatenate([[0], np.cumsum(lengths)]).astype(np.int64)
     rate = np.repeat(np.asarray(fps, dtype=float), lengths)
-    start = np.repeat(frame[first[:-1][np.array(lengths, dtype=int) > 0]],
-                      [n for n in lengths if n])  # fmt: skip
+    has_frames = np.array(lengths, dtype=int) > 0
+    start = np.repeat(frame[first[:-1][has_frames]], [n for n in lengths if n])
     gap = frame_gaps(frame, first)
     columns: dict[str, object] = {
         "recording": recording,
@@ -365,7 +364,7 @@ def dataset_from_tables(
     systems: Sequence[str],
     *,
     fingerprint: str | None = None,
-    **rest: object,
+    **other_fields: object,
 ) -> Dataset:
     """A dataset from tables in memory.
 
@@ -381,14 +380,14 @@ def dataset_from_tables(
     systems
         Names of the systems; source i + 1 is ``systems[i]``.
     fingerprint
-        sha256 of the inputs; None: made from the tables.
+        sha256 of the inputs; None: computed from the tables.
     rest
         Further fields of `Dataset`.
 
     Raises
     ------
     InputError
-        If the size or the frame rate of a recording is no positive number.
+        If the size or the frame rate of a recording is not a positive number.
     """
     if "tags" not in recordings:
         recordings = recordings.assign(tags=pd.Series([()] * len(recordings), dtype=object).array)
@@ -404,19 +403,19 @@ def dataset_from_tables(
                 f"{values[first]:g}; correct the size or the frame rate"
             )
     frames = frames_table(frames_by_recording, recordings["fps"].to_numpy())
-    given: dict[str, object] = {str(name): boxes[name].to_numpy() for name in boxes}
-    table = conform(given, DATASET_BOX_DTYPES, n_rows=len(boxes))
+    columns_given: dict[str, object] = {str(name): boxes[name].to_numpy() for name in boxes}
+    table = conform(columns_given, DATASET_BOX_DTYPES, n_rows=len(boxes))
     key = table["source"].to_numpy().astype(np.int64) * max(len(frames), 1)
     key = key + table["frame_index"].to_numpy()
     if len(key) > 1 and np.any(np.diff(key) < 0):
         table = table.iloc[np.argsort(key, kind="stable")].reset_index(drop=True)
     if fingerprint is None:
         fingerprint = tables_fingerprint([without_empty_tags(recordings), frames, table], systems)
-    return Dataset(recordings, frames, table, tuple(systems), fingerprint, **rest)  # type: ignore[arg-type]
+    return Dataset(recordings, frames, table, tuple(systems), fingerprint, **other_fields)  # type: ignore[arg-type]
 
 
 def without_empty_tags(recordings: pd.DataFrame) -> pd.DataFrame:
-    """The recordings as they enter a fingerprint: without the tags if there are none."""
+    """The recordings as a fingerprint includes them: without the tags if all are empty."""
     return recordings if any(recordings["tags"]) else recordings.drop(columns="tags")
 
 

@@ -9,7 +9,7 @@
     │   └── SessionError            a session file says something that cannot be done
     └── ParameterError              a live parameter is outside its range
 
-Every text says what is wrong, where, what was expected, what was found and what to do.
+Every message says what is wrong, where, what was expected, what was found and what to do.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ class MissingFactError(InputError):
     message, file, line
         See `InputError`.
     facts
-        What has to be given: ``size``, ``fps``, ``frames``; empty where none of these helps.
+        What the user has to give: ``size``, ``fps``, ``frames``; empty where none of these helps.
     """
 
     def __init__(

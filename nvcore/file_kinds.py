@@ -1,4 +1,4 @@
-"""What a binary file is, told from its first bytes."""
+"""The kind of a binary file, from its first bytes."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ _MAGIC: Final[tuple[tuple[int, bytes, str], ...]] = (
     (0, b"\xff\xfe", "UTF-16 text: save it as UTF-8"),
     (0, b"\xfe\xff", "UTF-16 text: save it as UTF-8"),
 )
-"""Offset, bytes that stand there, and what such a file is."""
+"""Offset, the bytes there, and the kind of such a file."""
 
-_LOOKED_AT: Final = 4096
+_BYTES_CHECKED: Final = 4096
 
 
 def binary_kind(content: bytes) -> str | None:
@@ -50,4 +50,4 @@ def binary_kind(content: bytes) -> str | None:
     for offset, magic, kind in _MAGIC:
         if content.startswith(magic, offset):
             return kind
-    return "a binary file" if b"\x00" in content[:_LOOKED_AT] else None
+    return "a binary file" if b"\x00" in content[:_BYTES_CHECKED] else None

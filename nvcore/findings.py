@@ -1,7 +1,7 @@
-"""What is wrong or suspicious in the inputs, one `Finding` each.
+"""What is wrong or suspicious in the inputs, as `Finding` objects.
 
 Readers, the dataset builder and the audit report through the same type, so that the command line
-and the web show one list, worst first.
+and the dashboard show a single list, worst first.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from enum import StrEnum
 
 
 class Severity(StrEnum):
-    """How bad a finding is: an error makes figures wrong, a warning may, a note does not."""
+    """How bad a finding is: an error makes measures wrong, a warning may, a note does not."""
 
     ERROR = "error"
     WARNING = "warning"
@@ -29,12 +29,12 @@ class Finding:
     Attributes
     ----------
     severity
-        `error`: the figures are wrong until it is mended; `warning`: they may be; `note`: good to
+        `error`: the measures are wrong until it is mended; `warning`: they may be; `note`: good to
         know.
     code
         Short stable name in kebab case, such as ``duplicate-track``.
     subject
-        Whom it is about: ``truth`` or the name of a system.
+        What it is about: ``truth`` or the name of a system.
     count
         How many rows, frames or recordings it concerns.
     message
@@ -42,11 +42,11 @@ class Finding:
     advice
         What to do about it, in a sentence.
     file
-        File it was first seen in; empty where no single file is to blame.
+        File in which it was first seen; empty where no single file is to blame.
     example
         The first case: line, recording, frame.
     suggestion
-        Corrections by the name of the session key that takes them, such as
+        Corrections, each with its key in the session file, such as
         ``(("offset_frames", -2.0),)``, for a page that offers to apply them; empty: none.
     """
 

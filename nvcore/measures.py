@@ -1,10 +1,10 @@
-"""Every measure of a comparison, said once; what shows measures is made from `MEASURES`.
+"""Every measure of a comparison, defined once in `MEASURES`.
 
-A measure is a number of a system (a figure is a chart). From its entry come the row of the
-scorecard, the key of ``summary.json``, the columns of ``recordings.csv``, the name in rules of the
-gate, the rows of the table of evidence and of its groups, the axes of forest plots and of the
-report's intervals, and the tables of ``docs/report.md``. How its difference is resampled and tested
-is known to `nvcore.evidence`; an entry only says of what sums over frames it is made.
+A measure is a number that describes a system (a figure is a chart). From its entry come the row of
+the scorecard, the key of ``summary.json``, the columns of ``recordings.csv``, the name in rules of
+the gate, the rows of the table of evidence and of its groups, the axes of forest plots and of the
+report's intervals, and the tables of ``docs/report.md``. `nvcore.evidence` resamples and tests its
+difference; the entry only says which sums over frames make the measure.
 """
 
 from __future__ import annotations
@@ -39,14 +39,14 @@ class MeasureTable(StrEnum):
 
 
 class Parts(NamedTuple):
-    """What a measure adds up, each part in the frame where it begins.
+    """The summands of a measure, each in the frame where it begins.
 
     Attributes
     ----------
     frame
         Row of the frames table; int64, shape (n,).
     value
-        What it adds, shape (n,); None: 1 each.
+        The summand, shape (n,); None: 1 each.
     """
 
     frame: np.ndarray
@@ -55,16 +55,16 @@ class Parts(NamedTuple):
 
 @dataclass(frozen=True)
 class AxisScale:
-    """How differences of a measure are drawn; shares (``%``) in percentage points.
+    """Axes on which differences of a measure are drawn; shares (``%``) in percentage points.
 
     Attributes
     ----------
     form
-        Python's format of X and Y beside a forest plot.
+        Format specification of X and Y beside a forest plot.
     least, least_reach
-        What a forest plot's axis spans at least; half of what the report's own axis spans.
+        Least span of a forest plot's axis; half the least span of the report's own axis.
     unit
-        In words, as it follows "difference"; empty: none, or a share.
+        Unit in words, to follow "difference"; empty: none, or a share.
     """
 
     form: str
@@ -80,7 +80,7 @@ class AxisScale:
 
 @dataclass(frozen=True)
 class Inference:
-    """How the difference of a measure is judged, and how it is shown with its evidence.
+    """How the difference of a measure is judged and shown with its evidence.
 
     Attributes
     ----------
@@ -88,20 +88,20 @@ class Inference:
         ``encounters``: McNemar's test; ``units``: bootstrap and permutation of sums over units;
         ``curve``: the same of a detection curve (`nvcore.evidence.miss_rate`).
     scale
-        Of its axes.
+        Scale of its axes.
     label, form
-        Where they are not the measure's own; a label may name ``{units}``.
+        Where they differ from the measure's; a label may contain ``{units}``.
     parts, per, factor
         For ``units``: the measure is `factor` times the sum of its parts over the sum of `per`, a
         column of `nvcore.evidence.units.sum_units`. Parts are None where they cannot be shared out
-        to blocks of time. Per ``share_of_recording`` it is a mean over recordings: where these are
-        the units, `by_recording` counts.
+        to blocks of time. ``share_of_recording`` makes it a mean over recordings: if these are the
+        units, `by_recording` is used.
     not_in_blocks, not_of_pedestrians
         Why blocks of time, and groups of pedestrians, may lack it; empty: they have it.
     noun, noun_unit
-        What the verdict calls it among the measures that it puts side by side; empty: it does not.
+        What the verdict calls it where it lists measures; empty: not listed.
     needs_tracks
-        Whether it means little where encounters are single frames.
+        Whether it means little if encounters are single frames.
     """
 
     test: Literal["encounters", "units", "curve"]
@@ -125,33 +125,33 @@ class Measure:
     Attributes
     ----------
     key
-        Its name in files and rules; with a dot: of an entry within another in ``summary.json``.
+        Its name in files and rules; a dot marks a nested entry of ``summary.json``.
     label
-        What it is, for people, with unit and denominator. May name ``{low}``, ``{aggregate}``,
+        Its name for people, with unit and denominator. May contain ``{low}``, ``{aggregate}``,
         ``{n_near}`` and ``{n_boxes}`` (`label_words`).
     form
-        Python's format of its values; ``d``: whole numbers.
+        Format specification of its values; ``d``: whole numbers.
     better
         ``higher``, ``lower``; empty: neither.
     of
         Its value for a system; NaN undefined.
     of_curve
-        Its value for a detection curve, in place of `of`.
+        Its value for a detection curve, instead of `of`.
     unit, meaning, empty
         Unit or range, a sentence, and when it is undefined, for ``summary.json`` and
-        ``recordings.csv``; those without meaning are not in ``summary.json``.
+        ``recordings.csv``; a measure without meaning is not in ``summary.json``.
     by_recording
-        Its value for every recording, shape (n_recordings,); None: not in ``recordings.csv``.
+        Its values by recording, shape (n_recordings,); None: not in ``recordings.csv``.
     meaning_by_recording
         The sentence there, where it differs.
     tables
-        Where it has a row.
+        Tables in which it has a row.
     part
-        Label as a part of the row above.
+        Its label where it is a part of the row above.
     of_several
-        Whether it is shown only where two recordings or more have frames.
+        Whether it is shown only if two recordings or more have frames.
     rule
-        Name in rules of the gate, for detection curves; that of others is the key.
+        Its name in rules of the gate, for detection curves; others go by their key.
     inference
         How its difference is judged; None: it is not in the table of evidence.
     """
@@ -187,7 +187,7 @@ def duration_of_recordings(result: Result) -> np.ndarray:
 
 
 def label_words(result: Result, units: str = "") -> dict[str, Any]:
-    """What labels name: settings and counts of a result.
+    """Settings and counts of a result that labels contain.
 
     Parameters
     ----------
@@ -259,7 +259,7 @@ def _episodes_by_recording(result: Result, system: SystemResult) -> np.ndarray:
 def _rate_by_recording(
     counts: Callable[[Result, SystemResult], np.ndarray], *, per_s: float
 ) -> Callable[[Result, SystemResult], np.ndarray]:
-    """Counts of each recording per so many seconds of it."""
+    """Counts of each recording per `per_s` seconds of it."""
 
     def rate(result: Result, system: SystemResult) -> np.ndarray:
         with np.errstate(invalid="ignore"):  # a recording without frames has no rates
@@ -596,11 +596,11 @@ _INFERENCE: Final = {
 EVIDENCE_KEYS: Final = tuple(
     sorted(_INFERENCE, key=lambda key: _INFERENCE[key].per != "n_encounters")
 )
-"""Keys of the rows of the table of evidence: encounters first, then in the order of `MEASURES`."""
+"""Keys of the table of evidence: encounters first, then in the order of `MEASURES`."""
 
 
 def measures_in(table: MeasureTable) -> tuple[Measure, ...]:
-    """The measures that have a row in a table."""
+    """The measures of a table."""
     return tuple(measure for measure in MEASURES if table in measure.tables)
 
 
@@ -615,7 +615,7 @@ def inference_of(key: str) -> Inference:
 
 
 def evidence_form(key: str) -> str:
-    """Python's format of a measure of `EVIDENCE_KEYS` beside its evidence."""
+    """Format specification of a measure of `EVIDENCE_KEYS` beside its evidence."""
     return inference_of(key).form or _BY_KEY[key].form
 
 

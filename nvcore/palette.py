@@ -1,6 +1,6 @@
 """The colours of X, Y and the truth: the same in every figure, picture and video.
 
-Told apart by colour-blind people; a second sign (dash, thickness) goes with each of them.
+Colour-blind people can tell them apart; dash and thickness distinguish them a second time.
 """
 
 from __future__ import annotations

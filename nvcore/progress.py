@@ -1,4 +1,4 @@
-"""How far a long computation is: the one callback for it, and steps that run side by side."""
+"""Progress of a long computation: the callback type, and steps that run side by side."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from typing import Final, TypeVar
 
 T = TypeVar("T")
 Progress = Callable[[float, str], None]
-"""Called with the share that is done, 0..1, and in a few words what comes next.
+"""Called with the share done, 0..1, and a few words on what comes next.
 
-It may raise `concurrent.futures.CancelledError`: the work then ends and leaves nothing.
+It may raise `concurrent.futures.CancelledError`: the work then stops and leaves nothing behind.
 """
 
 POLL_S: Final = 0.05
@@ -18,11 +18,11 @@ POLL_S: Final = 0.05
 
 
 def no_progress(_share: float, _what: str) -> None:
-    """A `Progress` that nobody looks at."""
+    """A `Progress` that does nothing."""
 
 
 def part_of(progress: Progress, start: float, end: float) -> Progress:
-    """Progress of a part of the work, from one share of the whole to another."""
+    """Progress of a part of the work, which is the share from `start` to `end` of the whole."""
 
     def tell(share: float, what: str) -> None:
         progress(start + (end - start) * share, what)
@@ -38,13 +38,12 @@ def run_steps(
     Parameters
     ----------
     executor
-        Runs the jobs; None: this thread, one after the other.
+        Runs the jobs; None: this thread, one after another.
     progress
         Called from this thread before each job and at the end, and now and then while other
-        threads work. If it raises, jobs under way in other threads end by themselves, the others
-        are never begun.
+        threads work. If it raises, jobs that run in other threads finish, and no other job starts.
     what
-        For `progress`.
+        Passed on to `progress`.
     """
     if executor is None:
         results: list[T] = []
@@ -60,7 +59,7 @@ def run_steps(
             progress((len(jobs) - len(pending)) / len(jobs), what)
             done, pending = wait(pending, POLL_S, FIRST_COMPLETED)
             for future in done:
-                future.result()  # an error ends the work here
+                future.result()  # raises the job's error
         progress(1.0, what)
     finally:
         for future in pending:

@@ -1,4 +1,4 @@
-"""Evaluation protocols: which pedestrians count in the detection figures."""
+"""Evaluation protocols: which pedestrians count in the detection measures."""
 
 from __future__ import annotations
 
@@ -14,28 +14,28 @@ OCCLUSION_WORDS: Final = ("none", "partial", "heavy")
 """Levels of occlusion in words."""
 
 OWN: Final = "own filters"
-"""Name of a protocol that is none of the named ones."""
+"""Name of a protocol other than `PROTOCOLS`."""
 
 MOST_NAMED: Final = 12
-"""Recordings that the filters name one by one."""
+"""Most recordings that the description lists one by one."""
 
 Range = tuple[float, float]
 
 
 @dataclass(frozen=True)
 class Protocol:
-    """Which pedestrians and recordings count; every filter is an option.
+    """Which pedestrians and recordings count; every filter is optional.
 
-    A pedestrian that a filter leaves out is ignored: it is neither a miss nor, for who detects
-    it, a false positive.
+    A pedestrian that a filter leaves out is ignored: it is not a miss, and detecting it is not a
+    false positive.
 
     Attributes
     ----------
     name, text
         Its name and one sentence.
     height_px
-        Lowest and highest box, both included, pixels of the recording's own picture. The named
-        protocols follow Caltech and KAIST, whose pictures are 480 and 512 px high: with other
+        Lowest and highest box, both included, in pixels of the recording's own picture. The named
+        protocols follow Caltech and KAIST, whose pictures are 480 and 512 px high: in other
         pictures the same number means another distance.
     occlusion
         Levels that count (0 none, 1 partial, 2 heavy). A box whose level is unknown counts where
@@ -45,13 +45,13 @@ class Protocol:
     aspect
         Lowest and highest ratio of height to width, both included.
     tags
-        Tags that a recording must all have; (): every recording counts.
+        Tags that a recording must have, all of them; (): every recording counts.
     recordings
-        Names of the recordings that count, of those with the tags; (): every one.
+        Names of the recordings that count, among those with the tags; (): all of them.
     expand
-        Detections that are lower than the lowest height divided by this, or higher than the
-        highest times this, are left out before matching (expanded filtering, Dollár et al. 2012,
-        section 3.3); None: all detections are matched.
+        Detections lower than the lowest height divided by this, or higher than the highest times
+        this, are left out before matching (expanded filtering, Dollár et al. 2012, section 3.3);
+        None: all detections are matched.
 
     Raises
     ------
@@ -92,14 +92,14 @@ class Protocol:
 
     @property
     def title(self) -> str:
-        """Its name and what it asks of recordings, such as ``reasonable, night``."""
+        """Its name and the recordings that it asks for, such as ``reasonable, night``."""
         n = len(self.recordings)
-        chosen = self.recordings if n < 2 else (f"{n} recordings",)
-        return ", ".join((self.name, *self.tags, *chosen))
+        recordings_part = self.recordings if n < 2 else (f"{n} recordings",)
+        return ", ".join((self.name, *self.tags, *recordings_part))
 
     @property
     def filters(self) -> tuple[str, ...]:
-        """What it asks for, in words; empty where it takes what the ground truth does not flag."""
+        """What it asks for, in words; empty: all that the ground truth does not flag."""
         parts = []
         if self.height_px != (0, math.inf):
             parts.append(f"height {_range(self.height_px)} px")
@@ -118,14 +118,14 @@ class Protocol:
         if self.tags:
             parts.append("recordings tagged " + " and ".join(self.tags))
         if self.recordings:
-            parts.append(_chosen(self.recordings))
+            parts.append(_only(self.recordings))
         if self.expand is not None and self.height_px != (0, math.inf):
             low, high = self.height_px
             parts.append(f"detections {_range((low / self.expand, high * self.expand))} px high")
         return tuple(parts)
 
     def given(self) -> dict[str, object]:
-        """What a session file says of it: a name and which recordings, or all its filters."""
+        """The entries of a session file: its name and recordings, or all its filters."""
         start = PROTOCOLS.get(self.name, PROTOCOLS["all"])
         if _of_recordings(start, self) == self:
             name: dict[str, object] = {} if self.name == "all" else {"name": self.name}
@@ -143,7 +143,7 @@ FILTERS: Final = tuple(spec.name for spec in fields(Protocol) if spec.name not i
 """The filters, by their names in a session file."""
 
 OF_RECORDINGS: Final = ("tags", "recordings")
-"""Those that choose recordings: with them a named protocol keeps its name."""
+"""Filters that choose recordings: with them a named protocol keeps its name."""
 
 
 def protocol_from(values: Mapping[str, object]) -> Protocol:
@@ -152,14 +152,14 @@ def protocol_from(values: Mapping[str, object]) -> Protocol:
     Parameters
     ----------
     values
-        ``name``, one of `PROTOCOLS`, and filters by their names, which replace those of that one;
-        without a name they are added to ``all``. With filters other than `OF_RECORDINGS` it is
-        called `OWN`.
+        ``name``, one of `PROTOCOLS`, and filters by their names, which replace the protocol's;
+        without a name they are added to ``all``. With filters other than `OF_RECORDINGS` the name
+        becomes `OWN`.
 
     Raises
     ------
     ParameterError
-        If a name is unknown or a value is none that the filter can have.
+        If a name is unknown or a filter cannot have this value.
     """
     for key in values:
         if key != "name" and key not in FILTERS:
@@ -167,17 +167,17 @@ def protocol_from(values: Mapping[str, object]) -> Protocol:
                 f"there is no filter {key!r}; the keys are {', '.join(('name', *FILTERS))}"
             )
     start = protocol_named(values.get("name", "all"))
-    given: dict[str, Any] = {
+    filters: dict[str, Any] = {
         key: _value(key, value) for key, value in values.items() if key != "name"
     }
-    found = replace(start, **given)
-    if found == _of_recordings(start, found):
-        return found
-    return replace(found, name=OWN, text="")
+    protocol = replace(start, **filters)
+    if protocol == _of_recordings(start, protocol):
+        return protocol
+    return replace(protocol, name=OWN, text="")
 
 
 def _of_recordings(protocol: Protocol, other: Protocol) -> Protocol:
-    """A protocol for the recordings of another one."""
+    """A protocol with the recordings of another."""
     return replace(protocol, tags=other.tags, recordings=other.recordings)
 
 
@@ -195,8 +195,8 @@ def protocol_named(name: object) -> Protocol:
 
 
 def _value(key: str, value: object) -> object:
-    """The value of a filter as `Protocol` has it."""
-    kind, wanted, lengths = {
+    """The value of a filter in the type that `Protocol` has."""
+    kind, expected, lengths = {
         "height_px": (float, "two numbers, such as [50, inf]", (2,)),
         "aspect": (float, "two numbers, such as [1, inf]", (2,)),
         "border_px": (float, "four numbers: left, top, right, bottom", (4,)),
@@ -205,23 +205,23 @@ def _value(key: str, value: object) -> object:
         "recordings": (str, "a list of names", range(1, 100_000)),
         "expand": (float, "a number", ()),
     }[key]
-    many = value if isinstance(value, list) else [value]
+    items = value if isinstance(value, list) else [value]
     of_kind = (int, float) if kind is float else (kind,)
     is_list = isinstance(value, list)
     if (
         is_list != bool(lengths)
-        or (is_list and len(many) not in lengths)
-        or not all(isinstance(one, of_kind) and not isinstance(one, bool) for one in many)
+        or (is_list and len(items) not in lengths)
+        or not all(isinstance(item, of_kind) and not isinstance(item, bool) for item in items)
     ):
-        raise ParameterError(f"{key}: expected {wanted}, got {value!r}")
+        raise ParameterError(f"{key}: expected {expected}, got {value!r}")
     try:
-        made = tuple(kind(one) for one in many)
+        converted = tuple(kind(item) for item in items)
     except OverflowError as error:  # a whole number of hundreds of digits
-        raise ParameterError(f"{key}: expected {wanted}, got too large a number") from error
-    return made if is_list else made[0]
+        raise ParameterError(f"{key}: expected {expected}, got too large a number") from error
+    return converted if is_list else converted[0]
 
 
-def _chosen(recordings: tuple[str, ...]) -> str:
+def _only(recordings: tuple[str, ...]) -> str:
     if len(recordings) == 1:
         return f"only recording {recordings[0]}"
     if len(recordings) <= MOST_NAMED:
@@ -239,26 +239,54 @@ def _range(limits: Range) -> str:
 _CALTECH: Final = Protocol(
     "reasonable",
     "Pedestrians of 50 px or more that are at most partly occluded, as on Caltech.",
-    height_px=(50, math.inf), occlusion=(0, 1), border_px=(5, 5, 5, 5), expand=1.25,
-)  # fmt: skip
+    height_px=(50, math.inf),
+    occlusion=(0, 1),
+    border_px=(5, 5, 5, 5),
+    expand=1.25,
+)
 
 _NAMED: Final = (
     Protocol("all", "Every pedestrian that the ground truth does not flag as ignored."),
     _CALTECH,
-    replace(_CALTECH, name="near", text="Unoccluded pedestrians of 80 px or more, as on Caltech.",
-            height_px=(80, math.inf), occlusion=(0,)),
-    replace(_CALTECH, name="medium", text="Unoccluded pedestrians of 30 to 80 px, as on Caltech.",
-            height_px=(30, 80), occlusion=(0,)),
-    replace(_CALTECH, name="far", text="Unoccluded pedestrians of 20 to 30 px, as on Caltech.",
-            height_px=(20, 30), occlusion=(0,)),
-    replace(_CALTECH, name="occlusion", occlusion=(1, 2),
-            text="Partly or heavily occluded pedestrians of 50 px or more."),
-    Protocol("kaist-reasonable",
-             "Pedestrians of 55 px or more, at most partly occluded, not at the border: KAIST.",
-             height_px=(55, math.inf), occlusion=(0, 1), border_px=(5, 5, 5, 5)),
-)  # fmt: skip
+    replace(
+        _CALTECH,
+        name="near",
+        text="Unoccluded pedestrians of 80 px or more, as on Caltech.",
+        height_px=(80, math.inf),
+        occlusion=(0,),
+    ),
+    replace(
+        _CALTECH,
+        name="medium",
+        text="Unoccluded pedestrians of 30 to 80 px, as on Caltech.",
+        height_px=(30, 80),
+        occlusion=(0,),
+    ),
+    replace(
+        _CALTECH,
+        name="far",
+        text="Unoccluded pedestrians of 20 to 30 px, as on Caltech.",
+        height_px=(20, 30),
+        occlusion=(0,),
+    ),
+    replace(
+        _CALTECH,
+        name="occlusion",
+        occlusion=(1, 2),
+        text="Partly or heavily occluded pedestrians of 50 px or more.",
+    ),
+    Protocol(
+        "kaist-reasonable",
+        "Pedestrians of 55 px or more, at most partly occluded, not at the border: KAIST.",
+        height_px=(55, math.inf),
+        occlusion=(0, 1),
+        border_px=(5, 5, 5, 5),
+    ),
+)
 
-PROTOCOLS: Final[Mapping[str, Protocol]] = MappingProxyType({one.name: one for one in _NAMED})
+PROTOCOLS: Final[Mapping[str, Protocol]] = MappingProxyType(
+    {protocol.name: protocol for protocol in _NAMED}
+)
 """The named protocols; their heights are pixels of pictures 480 (Caltech) or 512 px (KAIST) high.
 
 The border rule of both is x 5..635 in pictures 640 px wide, y 5..475 and 5..507.

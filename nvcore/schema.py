@@ -1,7 +1,7 @@
 """Names, types and units of the tables, and the categories with one sentence each.
 
-Every table of the program is made of these columns; whoever needs a column name or a category
-takes it from here.
+Every table of the program consists of these columns; column names and categories are defined here
+and nowhere else.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ BOX_DTYPES: Final[dict[str, str]] = {
     "h": "float64",  # height, px
     "score": "float64",  # detector's confidence, any scale; NaN: none given
     "track": "int64",  # NO_TRACK: none given
-    "ignore": "bool",  # truth only: neither right nor wrong to detect
+    "ignore": "bool",  # truth only: detecting it is neither right nor wrong
     "distance_m": "float64",  # metres from the camera; NaN: unknown
     "occlusion": "int8",  # 0 none, 1 partial, 2 heavy; UNKNOWN_OCCLUSION
     "file": "int32",  # index into the files of the reading or the dataset
@@ -62,7 +62,7 @@ RECORDING_DTYPES: Final[dict[str, str]] = {
     "height": "float64",  # px
     "fps": "float64",  # frames per second
     "horizon": "float64",  # row of the horizon, px; NaN: unknown
-    "tags": "object",  # words by which recordings are chosen, tuple of str
+    "tags": "object",  # words for choosing recordings, tuple of str
 }
 
 LEFT_OUT_DTYPES: Final[dict[str, str]] = {
@@ -117,10 +117,10 @@ MISS_CLASS_TEXT: Final[dict[MissClass, str]] = {
 
 
 class TruthState(IntEnum):
-    """What a system made of a truth box."""
+    """How a system did with a truth box."""
 
     NOT_JUDGED = 0
-    """The truth ignores it: neither right nor wrong to detect."""
+    """The truth ignores it: detecting it is neither right nor wrong."""
     MISSED = 1
     """A pedestrian without a detection."""
     MATCHED = 2
@@ -141,7 +141,7 @@ class DetectionState(IntEnum):
 
 
 def conform(columns: dict[str, object], dtypes: dict[str, str], *, n_rows: int) -> pd.DataFrame:
-    """Table with exactly the columns of `dtypes`; what is not given is "unknown".
+    """Table with exactly the columns of `dtypes`; columns that are not given hold "unknown".
 
     Parameters
     ----------

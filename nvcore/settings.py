@@ -10,16 +10,16 @@ from nvcore.protocols import PROTOCOLS, Protocol
 
 @dataclass(frozen=True, kw_only=True)
 class Settings:
-    """What a dataset knows of its own comparison; `nvcore.inputs.session.Session` is the usual one.
+    """How a dataset is to be compared; usually an `nvcore.inputs.session.Session`.
 
     Attributes
     ----------
     x, y
         Names of the two systems to compare; None: the first that is not the other one.
     params
-        Settings of the analysis. Thresholds given here go before those of the systems.
+        Settings of the analysis. Thresholds given here override those of the systems.
     protocol
-        Which pedestrians count in the detection figures.
+        Which pedestrians count in the detection measures.
     """
 
     x: str | None = None

@@ -1,6 +1,6 @@
-"""Small words that every output shares: numbers, differences, counts, names from files.
+"""Wording that all outputs share: numbers, differences, counts, names from files.
 
-One function makes text from others harmless for each target: `one_line` for terminals and text
+Foreign text is made harmless by one function for each target: `one_line` for terminals and text
 files, `markdown_text` for Markdown, `figures.style.plain` for Plotly; HTML is escaped by Jinja.
 """
 
@@ -12,7 +12,7 @@ from typing import Final
 
 UNDEFINED: Final = "–"
 ARROWS: Final = {"higher": " ↑", "lower": " ↓", "": ""}
-"""Which way is better, as it stands behind a label."""
+"""Which way is better, as a label's suffix."""
 
 _MARKUP: Final = re.compile(r"([\\`*_{}\[\]<>()#+.!|$~:&^=@-])")
 
@@ -36,10 +36,10 @@ def count_text(n: int, noun: str) -> str:
 
 
 def one_line(text: str) -> str:
-    r"""The text as one harmless line: what a terminal would act on is shown as an escape.
+    r"""The text as one harmless line: characters that a terminal would act on become escapes.
 
-    Names of files, recordings and systems come from others; none of them may move the cursor,
-    set a colour or begin a line of its own.
+    Names of files, recordings and systems come from outside; none of them may move the cursor, set
+    a colour or start a line of its own.
 
     Examples
     --------

@@ -48,10 +48,11 @@
 Paths are relative to the session file. A session written by the program also holds the version
 and the sha256 of every input.
 
-The tables are decoded by hand, by the types of the dataclasses' fields. Tried in its place: msgspec
-refuses unknown keys only for classes of its own, so that every field would be declared twice;
-cattrs turns anything into texts and numbers unless told otherwise for each type; pydantic weighs
-11 MB. Each needs its errors translated into plain words, which is as long as the decoding here.
+The tables are decoded by hand, by the types of the dataclasses' fields. The alternatives, weighed
+by licence, size and dependencies: msgspec rejects unknown keys only for its own classes, so that
+every field would be declared twice; cattrs converts anything to text or numbers unless told
+otherwise for each type; pydantic adds 11 MB. Each would need its errors translated into plain
+words, which takes as much code as decoding here.
 """
 
 from __future__ import annotations
