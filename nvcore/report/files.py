@@ -1,4 +1,4 @@
-"""A `Result` as files: CSV tables, a summary, and the session that makes them again."""
+"""A `Result` as files: CSV tables, a summary, and a session that reproduces them."""
 
 from __future__ import annotations
 
@@ -38,15 +38,15 @@ from nvcore.tables.result import (
 from nvcore.tables.summary import summary
 
 ZIP_TIME: Final = (1980, 1, 1, 0, 0, 0)
-"""Time of every file in a zip, the earliest there is: the same report, the same bytes."""
+"""Time of every file in a zip, the earliest possible: the same report gives the same bytes."""
 
 
 def export_files(
     result: Result, session: Settings, findings: tuple[Finding, ...] = ()
 ) -> dict[str, Callable[[], bytes]]:
-    """Every file of a report by name, each made when called; the same input, the same bytes.
+    """Every file of a report by name, written when called; the same input gives the same bytes.
 
-    There is a ``session.toml`` only where the session names files, as one of tables does not.
+    There is a ``session.toml`` only if the session names files; tables in memory have none.
     """
     files = {
         "frames.csv": lambda: to_csv_bytes(frames_table(result)),
@@ -69,8 +69,8 @@ def _session_toml(result: Result, session: Session) -> bytes:
         replace(system, name=name)
         for system, name in zip(session.systems, result.dataset.systems, strict=True)
     )
-    written = replace(session, systems=systems, hashes=source_hashes(result.dataset))
-    text = write_session(written, version=__version__, fingerprint=result.dataset.fingerprint)
+    complete = replace(session, systems=systems, hashes=source_hashes(result.dataset))
+    text = write_session(complete, version=__version__, fingerprint=result.dataset.fingerprint)
     return text.encode()
 
 
@@ -84,13 +84,13 @@ def summary_json(result: Result) -> str:
     return json.dumps(summary(result), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
-def _written(
+def _file_contents(
     result: Result, session: Settings, findings: tuple[Finding, ...], progress: Progress
 ) -> Iterator[tuple[str, bytes]]:
-    """Names and contents of the files of a report, one after the other."""
+    """Names and contents of the files of a report, one after another."""
     files = export_files(result, session, findings)
-    for done, (name, make) in enumerate(files.items()):
-        progress(done / len(files), f"writing {name}")
+    for n_done, (name, make) in enumerate(files.items()):
+        progress(n_done / len(files), f"writing {name}")
         yield name, make()
 
 
@@ -102,7 +102,7 @@ def write_report(
     *,
     progress: Progress = no_progress,
 ) -> None:
-    """Write all files of a report into a folder, which is made if it is missing.
+    """Write all files of a report into a folder, which is created if missing.
 
     Raises
     ------
@@ -111,7 +111,7 @@ def write_report(
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        for name, content in _written(result, session, findings, progress):
+        for name, content in _file_contents(result, session, findings, progress):
             (folder / name).write_bytes(content)
     except OSError as error:
         raise InputError(f"cannot be written ({error.strerror})", file=folder) from error
@@ -127,7 +127,7 @@ def report_zip(
     """A zip of the files of a report, byte for byte those of `write_report`."""
     content = io.BytesIO()
     with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, text in _written(result, session, findings, progress):
+        for name, text in _file_contents(result, session, findings, progress):
             entry = zipfile.ZipInfo(name, ZIP_TIME)
             entry.compress_type = zipfile.ZIP_DEFLATED
             entry.create_system = 3  # the same bytes on every system

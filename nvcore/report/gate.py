@@ -1,4 +1,4 @@
-"""Rules that a comparison has to pass, for nightly runs: what they say, and whether they hold."""
+"""Rules that a comparison has to pass, such as in nightly runs: reading and judging them."""
 
 from __future__ import annotations
 
@@ -26,14 +26,28 @@ from nvcore.tables.summary import SUMMARY_KEYS, SYSTEM_KEYS, summary, system_sum
 from nvcore.wording import one_line
 
 COMPARISONS: Final[dict[str, Callable[[float, float], bool]]] = {
-    "<=": operator.le, ">=": operator.ge, "==": operator.eq, "!=": operator.ne,
-    "<": operator.lt, ">": operator.gt,
-}  # fmt: skip
-_OF_CURVE: Final = {one.rule: one.of_curve for one in MEASURES if one.rule and one.of_curve}
+    "<=": operator.le,
+    ">=": operator.ge,
+    "==": operator.eq,
+    "!=": operator.ne,
+    "<": operator.lt,
+    ">": operator.gt,
+}
+_OF_CURVE: Final = {
+    measure.rule: measure.of_curve for measure in MEASURES if measure.rule and measure.of_curve
+}
 """Measures of the detection curve, by their names in rules."""
-_MISTAKEN: Final = {
-    "=": "==", "===": "==", "=<": "<=", "=>": ">=", "<>": "!=", "≤": "<=", "≥": ">=", "≠": "!=",
-}  # fmt: skip
+_CORRECTIONS: Final = {
+    "=": "==",
+    "===": "==",
+    "=<": "<=",
+    "=>": ">=",
+    "<>": "!=",
+    "≤": "<=",
+    "≥": ">=",
+    "≠": "!=",
+}
+"""What was probably meant by a comparison that does not exist."""
 _RULE: Final = re.compile(
     r"\s*([A-Za-z][A-Za-z0-9_.]*)\s*([<>=!≤≥≠]+)\s*([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?)\s*(%?)"
     r"\s*(\bor\s+undefined)?\s*"
@@ -46,35 +60,40 @@ COUNTED_ENCOUNTERS: Final = {
     "venn.y_only": Category.Y_ONLY,
     "venn.neither": Category.NEITHER,
 }
-"""Measures that count encounters, which are listed where the rule fails."""
+"""Measures that count encounters; a failed rule lists them."""
 COUNTED_FINDINGS: Final = {"audit_errors": Severity.ERROR, "audit_warnings": Severity.WARNING}
-"""Measures that count findings of the audit, likewise."""
+"""Measures that count findings of the audit; likewise."""
 MAX_LISTED: Final = 10
 _OTHERS: Final = (
-    "new_misses", "mended_misses", "missed_by_both", "encounters", "mcnemar_p", *COUNTED_FINDINGS,
-)  # fmt: skip
+    "new_misses",
+    "mended_misses",
+    "missed_by_both",
+    "encounters",
+    "mcnemar_p",
+    *COUNTED_FINDINGS,
+)
 
 
 def _numeric(columns: Iterable[Column]) -> list[str]:
-    return [one.name for one in columns if one.kind in (Kind.INTEGER, Kind.NUMBER)]
+    return [column.name for column in columns if column.kind in (Kind.INTEGER, Kind.NUMBER)]
 
 
 SUMMARY_NAMES: Final = (
     *_numeric(SUMMARY_KEYS),
     *(f"fusion.{kind}.{name}" for kind in ("x_or_y", "x_and_y") for name in _numeric(SYSTEM_KEYS)),
 )
-"""Measures in ``summary.json`` that are not of X or Y; worked out where a rule names one."""
+"""Measures in ``summary.json`` of neither X nor Y; computed only if a rule names one."""
 
 
 def measure_names() -> list[str]:
     """Names of all measures that a rule may name."""
     of_systems = [*_numeric(SYSTEM_KEYS), *_OF_CURVE]
-    ended = [f"{name}_{end}" for name in of_systems for end in ("x", "y", "difference")]
-    return [*ended, *_OTHERS, *SUMMARY_NAMES]
+    with_endings = [f"{name}_{end}" for name in of_systems for end in ("x", "y", "difference")]
+    return [*with_endings, *_OTHERS, *SUMMARY_NAMES]
 
 
 def value_text(value: float) -> str:
-    """The value of a measure with six digits."""
+    """The value of a measure, with six digits."""
     return "undefined" if math.isnan(value) else f"{value:.6g}"
 
 
@@ -102,10 +121,9 @@ class Outcome:
     Attributes
     ----------
     value
-        Of the measure; NaN undefined: the rule then fails, unless it says otherwise.
+        Of the measure; NaN undefined: the rule fails unless it allows this.
     details
-        What a failed rule counts: encounters or findings, one line each, as they are named in the
-        inputs.
+        What a failed rule counts: encounters or findings, one line each, named as in the inputs.
     """
 
     rule: Rule
@@ -115,57 +133,57 @@ class Outcome:
 
     @property
     def message(self) -> str:
-        """What was found, in words."""
-        found = f"{self.rule.name} is {value_text(self.value)}"
+        """The value of the measure, in words."""
+        text = f"{self.rule.name} is {value_text(self.value)}"
         if not math.isnan(self.value):
-            return found
+            return text
         if self.is_passed:
-            return f"{found}, which the rule allows"
-        return f"{found}; add 'or undefined' to the rule if that is fine"
+            return f"{text}, which the rule allows"
+        return f"{text}; add 'or undefined' to the rule if that is fine"
 
 
 def parse_rule(text: str) -> Rule:
-    """A rule: a measure, one of ``<= >= == != < >``, a number (10% is 0.1), maybe ``or undefined``.
+    """A rule: a measure, one of ``<= >= == != < >``, a number (10% is 0.1), and ``or undefined``.
 
     Raises
     ------
     ParameterError
-        If the text is no such rule.
+        If the text is not a rule.
     """
-    found = _RULE.fullmatch(text)
+    match = _RULE.fullmatch(text)
     try:
-        if found is None:
+        if match is None:
             raise ValueError
-        limit = float(found[3]) / (100 if found[4] else 1)
+        limit = float(match[3]) / (100 if match[4] else 1)
     except ValueError as error:
         raise ParameterError(
             f"{one_line(text)!r}: expected a figure, a comparison and a number, such as "
             "'lamr_y <= 0.10' or 'new_misses == 0'"
         ) from error
-    said = " ".join(text.split())
-    if found[2] not in COMPARISONS:
-        meant = _MISTAKEN.get(found[2])
+    rule_text = " ".join(text.split())
+    if match[2] not in COMPARISONS:
+        correction = _CORRECTIONS.get(match[2])
         hint = (
-            f"did you mean {said.replace(found[2], meant, 1)!r}?"
-            if meant
+            f"did you mean {rule_text.replace(match[2], correction, 1)!r}?"
+            if correction
             else f"there are {' '.join(COMPARISONS)}"
         )
-        raise ParameterError(f"{said!r}: there is no comparison {found[2]!r}; {hint}")
-    return Rule(found[1], found[2], limit, said, allows_undefined=found[5] is not None)
+        raise ParameterError(f"{rule_text!r}: there is no comparison {match[2]!r}; {hint}")
+    return Rule(match[1], match[2], limit, rule_text, allows_undefined=match[5] is not None)
 
 
 def read_rules(
     lines: Iterable[tuple[str, str]], names: Sequence[str]
 ) -> tuple[list[Rule], list[str]]:
-    """Rules from lines, and what is wrong with the others, in words.
+    """Rules from lines, and what is wrong with the lines that are none.
 
     Parameters
     ----------
     lines
-        Where each one stands, such as ``rules.txt, line 3``, and its text. Empty ones, and what
-        follows a ``#``, are left out.
+        The place of each, such as ``rules.txt, line 3``, and its text. Empty lines, and whatever
+        follows a ``#``, are skipped.
     names
-        Of the measures that there are.
+        Names of the existing measures.
     """
     rules, problems = [], []
     for where, line in lines:
@@ -183,10 +201,10 @@ def read_rules(
 
 
 def _check_name(rule: Rule, names: Iterable[str]) -> None:
-    known = list(names)
-    if rule.name in known:
+    existing = list(names)
+    if rule.name in existing:
         return
-    close = get_close_matches(rule.name, known, n=3, cutoff=0.5)
+    close = get_close_matches(rule.name, existing, n=3, cutoff=0.5)
     hint = f"; did you mean {', '.join(close)}?" if close else ""
     raise ParameterError(
         f"{rule.text!r}: there is no figure {rule.name!r}{hint} (nvcore gate --list shows all)"
@@ -194,37 +212,37 @@ def _check_name(rule: Rule, names: Iterable[str]) -> None:
 
 
 def audit_rules(rules: Iterable[Rule], *, strict: bool) -> list[Rule]:
-    """The rules that the audit finds no errors, and if `strict` no warnings either.
+    """Rules that allow no errors of the audit and, if `strict`, no warnings.
 
-    One is left out where `rules` say themselves how many there may be.
+    Left out where `rules` themselves limit the number.
     """
-    named = {rule.name for rule in rules}
-    wanted = ["audit_errors", *(["audit_warnings"] if strict else [])]
-    return [parse_rule(f"{name} == 0") for name in wanted if name not in named]
+    measures = {rule.name for rule in rules}
+    counts = ["audit_errors", *(["audit_warnings"] if strict else [])]
+    return [parse_rule(f"{name} == 0") for name in counts if name not in measures]
 
 
 def gate_measures(
-    result: Result, findings: Sequence[Finding], protocol: Protocol, wanted: Iterable[str]
+    result: Result, findings: Sequence[Finding], protocol: Protocol, names: Iterable[str]
 ) -> dict[str, float]:
-    """The measures that rules may name; those that take time only where they are wanted.
+    """The measures that rules may name; slow ones only if they are needed.
 
     ``new_misses`` are the encounters that X detects and Y does not, ``mended_misses`` the other
-    way round: with the release in use as X and the candidate as Y.
+    way round: X is the release in use, Y the candidate.
 
     Parameters
     ----------
     protocol
         Of the detection curves.
-    wanted
-        Names in rules. Measures of detection curves and those of `SUMMARY_NAMES` are worked out
-        if one of them is among these.
+    names
+        Names in rules. Measures of detection curves and those of `SUMMARY_NAMES` are computed if
+        one of them is among these.
     """
-    asked = set(wanted)
+    needed = set(names)
     values: dict[str, float] = {}
     for letter, system in result.sides:
         for name, value in _numbers(system_summary(result, system)):
             values[f"{name}_{letter}"] = value
-    if any(name.rsplit("_", 1)[0] in _OF_CURVE for name in asked):
+    if any(name.rsplit("_", 1)[0] in _OF_CURVE for name in needed):
         for letter, system in result.sides:
             curve = detection_curve(result.dataset, system.name, result.params, protocol)
             of_curve = summarise_curve(curve, system.threshold)
@@ -232,19 +250,19 @@ def gate_measures(
                 values[f"{name}_{letter}"] = float(value_of(of_curve))
     for name in [key.removesuffix("_x") for key in values if key.endswith("_x")]:
         values[f"{name}_difference"] = values[f"{name}_x"] - values[f"{name}_y"]
-    if not asked.isdisjoint(SUMMARY_NAMES):
+    if not needed.isdisjoint(SUMMARY_NAMES):
         of_all = dict(_numbers(summary(result)))
         values |= {name: of_all[name] for name in SUMMARY_NAMES}
     count = Counter(finding.severity for finding in findings)
     venn = result.venn
-    # without an encounter nothing can be missed: undefined, so that no rule passes by that
-    defined = 1.0 if venn.n_near else math.nan
+    # without encounters nothing can be missed: undefined, lest a rule pass because of that
+    one_or_nan = 1.0 if venn.n_near else math.nan
     return values | {
-        "new_misses": venn.x_only * defined,
-        "mended_misses": venn.y_only * defined,
-        "missed_by_both": venn.neither * defined,
+        "new_misses": venn.x_only * one_or_nan,
+        "mended_misses": venn.y_only * one_or_nan,
+        "missed_by_both": venn.neither * one_or_nan,
         "encounters": float(venn.n_near),
-        "mcnemar_p": result.exclusivity.mcnemar_p * defined,
+        "mcnemar_p": result.exclusivity.mcnemar_p * one_or_nan,
         "audit_errors": float(count[Severity.ERROR]),
         "audit_warnings": float(count[Severity.WARNING]),
     }
@@ -283,34 +301,34 @@ def judge(rules: Iterable[Rule], values: Mapping[str, float]) -> list[Outcome]:
 def explain(
     outcomes: Iterable[Outcome], result: Result, findings: Sequence[Finding]
 ) -> list[Outcome]:
-    """The outcomes; failed ones with the encounters or findings that they count."""
-    explained = []
-    for one in outcomes:
+    """The outcomes, failed ones with the encounters or findings that they count."""
+    with_details = []
+    for outcome in outcomes:
         details: list[str] = []
-        if not one.is_passed and one.rule.name in COUNTED_ENCOUNTERS:
-            details = encounters_of(result, COUNTED_ENCOUNTERS[one.rule.name])
-        elif not one.is_passed and one.rule.name in COUNTED_FINDINGS:
-            severity = COUNTED_FINDINGS[one.rule.name]
+        if not outcome.is_passed and outcome.rule.name in COUNTED_ENCOUNTERS:
+            details = encounters_of(result, COUNTED_ENCOUNTERS[outcome.rule.name])
+        elif not outcome.is_passed and outcome.rule.name in COUNTED_FINDINGS:
+            severity = COUNTED_FINDINGS[outcome.rule.name]
             details = [
                 f"{finding.subject}: {finding.message}"
                 for finding in findings
                 if finding.severity is severity
             ]
-        explained.append(replace(one, details=tuple(details)))
-    return explained
+        with_details.append(replace(outcome, details=tuple(details)))
+    return with_details
 
 
 def encounters_of(result: Result, category: Category) -> list[str]:
-    """The first encounters of a category, by recording, track and frames, at most `MAX_LISTED`."""
+    """Recording, track and frames of a category's encounters, the first `MAX_LISTED`."""
     rows = np.flatnonzero(result.category == category.value)
     encounters, frame = result.encounters, result.dataset.frames["frame"].to_numpy()
     recordings = result.dataset.recordings["name"].to_numpy()
-    told = []
+    lines = []
     for row in rows[:MAX_LISTED]:
         first, last = frame[encounters.first_row[row]], frame[encounters.last_row[row]]
         when = f"frame {first}" if first == last else f"frames {first} to {last}"
-        told.append(
+        lines.append(
             f"{recordings[encounters.recording[row]]}, track {encounters.track[row]}, {when}"
         )
-    n_more = len(rows) - len(told)
-    return [*told, f"and {n_more} more"] if n_more else told
+    n_more = len(rows) - len(lines)
+    return [*lines, f"and {n_more} more"] if n_more else lines

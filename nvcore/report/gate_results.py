@@ -1,4 +1,4 @@
-"""What a gate found, for people and CI: lines for the terminal, JUnit XML, Markdown."""
+"""Results of a gate for people and CI: lines for the terminal, JUnit XML, Markdown."""
 
 from __future__ import annotations
 
@@ -16,45 +16,46 @@ MARKDOWN_HEAD: Final = b"## Gate: "
 
 
 def terminal_lines(outcomes: Sequence[Outcome]) -> list[str]:
-    """A line for each rule, and below a failed one the encounters that it counts."""
+    """A line for each rule; below a failed one, the encounters that it counts."""
     lines = []
-    for one in outcomes:
-        lines.append(f"{'passed' if one.is_passed else 'FAILED'}  {one.rule.text}  ({one.message})")
-        lines += [f"        {one_line(detail)}" for detail in _encounters(one)]
+    for outcome in outcomes:
+        mark = "passed" if outcome.is_passed else "FAILED"
+        lines.append(f"{mark}  {outcome.rule.text}  ({outcome.message})")
+        lines += [f"        {one_line(detail)}" for detail in _encounters(outcome)]
     return lines
 
 
 def _encounters(outcome: Outcome) -> tuple[str, ...]:
-    """Those that a failed rule counts; findings are shown with the audit."""
+    """Encounters that a failed rule counts; findings are shown with the audit."""
     return () if outcome.rule.name in COUNTED_FINDINGS else outcome.details
 
 
 def junit_xml(outcomes: Sequence[Outcome], title: str, findings: Sequence[Finding] = ()) -> bytes:
-    """The outcomes as JUnit XML, a test case for each rule; the audit is the suite's output.
+    """The outcomes as JUnit XML, one test case per rule; the audit is the suite's output.
 
     Parameters
     ----------
     title
         Name of the test suite.
     """
-    n_failed = sum(not one.is_passed for one in outcomes)
+    n_failed = sum(not outcome.is_passed for outcome in outcomes)
     root, suite = _suite(title, tests=len(outcomes), failures=n_failed)
-    for one in outcomes:
+    for outcome in outcomes:
         case = ElementTree.SubElement(
-            suite, "testcase", {"classname": "nvcore.gate", "name": one.rule.text}
+            suite, "testcase", {"classname": "nvcore.gate", "name": outcome.rule.text}
         )
-        if one.is_passed:
-            ElementTree.SubElement(case, "system-out").text = one.message
+        if outcome.is_passed:
+            ElementTree.SubElement(case, "system-out").text = outcome.message
             continue
-        message = f"{one.message}; wanted {one.rule.text}"
+        message = f"{outcome.message}; wanted {outcome.rule.text}"
         failure = ElementTree.SubElement(case, "failure", {"message": message})
-        failure.text = "\n".join([message, *map(one_line, one.details)])
+        failure.text = "\n".join([message, *map(one_line, outcome.details)])
     ElementTree.SubElement(suite, "system-out").text = render_findings(findings)
     return _xml(root)
 
 
 def junit_error(problem: str) -> bytes:
-    """JUnit XML of a gate that could not be run: one test case, with an error.
+    """JUnit XML of a gate that could not be run: a single test case with an error.
 
     Parameters
     ----------
@@ -86,9 +87,9 @@ def _xml(root: ElementTree.Element) -> bytes:
 
 
 def markdown(outcomes: Sequence[Outcome], title: str, findings: Sequence[Finding] = ()) -> str:
-    """The outcomes as Markdown: a table, failing rules first, what these count, the audit."""
-    rows = sorted(outcomes, key=lambda one: one.is_passed)
-    n_failed = sum(not one.is_passed for one in outcomes)
+    """The outcomes as Markdown: a table with failed rules first, what these count, the audit."""
+    rows = sorted(outcomes, key=lambda outcome: outcome.is_passed)
+    n_failed = sum(not outcome.is_passed for outcome in outcomes)
     verdict = f"{n_failed} of {len(outcomes)} rules failed" if n_failed else "all rules passed"
     lines = [
         f"## Gate: {verdict}",
@@ -99,13 +100,13 @@ def markdown(outcomes: Sequence[Outcome], title: str, findings: Sequence[Finding
         "|---|---|---|",
     ]
     lines += [
-        f"| `{one.rule.text}` | {value_text(one.value)} | "
-        f"{'passed' if one.is_passed else '**failed**'} |"
-        for one in rows
+        f"| `{outcome.rule.text}` | {value_text(outcome.value)} | "
+        f"{'passed' if outcome.is_passed else '**failed**'} |"
+        for outcome in rows
     ]
-    for one in rows:
-        if encounters := _encounters(one):
-            lines += ["", f"`{one.rule.text}` failed:", ""]
+    for outcome in rows:
+        if encounters := _encounters(outcome):
+            lines += ["", f"`{outcome.rule.text}` failed:", ""]
             lines += [f"- {markdown_text(detail)}" for detail in encounters]
     lines += ["", *_audit(findings)]
     return "\n".join(lines) + "\n"

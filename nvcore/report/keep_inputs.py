@@ -1,4 +1,4 @@
-"""That nothing is written over the files it is made from."""
+"""Protects inputs: no output may replace a file that it is made from."""
 
 from __future__ import annotations
 
@@ -17,33 +17,35 @@ if TYPE_CHECKING:
 
 
 def replaced_input(outputs: Iterable[Path], inputs: Iterable[Path]) -> Path | None:
-    """The first file to write that is also one to read, by whatever name or link; None: none is.
+    """The first output that is also an input, under whatever name or link; None: there is none.
 
     Parameters
     ----------
     inputs
-        Files; of a folder the pictures in it are meant.
+        Files; a folder stands for the pictures in it.
     """
     by_path = {file.resolve(): file for file in outputs}
-    if not by_path:  # then the inputs need not be looked for
+    if not by_path:  # spares reading the inputs
         return None
     by_identity = {_identity(path): file for path, file in by_path.items()}
-    by_identity.pop(None, None)  # of those that do not exist
+    by_identity.pop(None, None)  # outputs that do not exist yet
     for path in inputs:
         clash = by_path.get(path.resolve()) or by_identity.get(_identity(path))
         if clash is None and path.is_dir():
-            clash = next((file for known, file in by_path.items() if _shows(known, path)), None)
+            clash = next(
+                (file for output, file in by_path.items() if _is_picture_in(output, path)), None
+            )
         if clash is not None:
             return clash
     return None
 
 
 def files_read(session: Session) -> Iterator[Path]:
-    """The files that a session makes the program read; folders of pictures as such."""
+    """The files that the program reads for a session; folders of pictures as folders."""
     sources: list[tuple[Source, Role]] = [(session.truth, "truth")]
     sources += [(system, "detections") for system in session.systems]
     for source, role in sources:
-        with suppress(InputError):  # told when the files are read
+        with suppress(InputError):  # reported when the files are read
             yield from (file.path for file in find_files(source, session.folder, role)[0])
     for frames in (session.frames, *(facts.frames for facts in session.recordings)):
         if frames is not None and not is_frame_range(frames):
@@ -61,6 +63,6 @@ def _identity(path: Path) -> tuple[int, int] | None:
     return status.st_dev, status.st_ino
 
 
-def _shows(path: Path, folder: Path) -> bool:
+def _is_picture_in(path: Path, folder: Path) -> bool:
     """Whether the path is a picture in the folder."""
     return path.suffix.lower() in IMAGE_SUFFIXES and path.is_relative_to(folder.resolve())

@@ -22,7 +22,7 @@ from nvcore.tables.scorecard import ScoreRow, score_rows
 from nvcore.wording import difference, number, one_line, shortened
 
 NAME_WIDTH = 16
-"""Longest name of a system in the head of a column; it stands in full above the table."""
+"""Longest name of a system in the head of a column; the full name is above the table."""
 
 
 def render_scorecard(
@@ -37,11 +37,11 @@ def render_scorecard(
     Parameters
     ----------
     findings
-        Of the audit: the verdict says which of them it depends on.
+        Of the audit; the verdict says on which of them it depends.
     protocol
         Which pedestrians count in the detection measures.
     evidence
-        ``evidence_table(result, protocol)``, if known already.
+        ``evidence_table(result, protocol)``, if already computed.
     """
     evidence = evidence_table(result, protocol) if evidence is None else evidence
     parts = [
@@ -56,21 +56,21 @@ def render_scorecard(
 
 
 def render_findings(findings: Sequence[Finding]) -> str:
-    """The audit's findings, one paragraph each, worst first as given."""
+    """The audit's findings, one paragraph each, in the order given."""
     if not findings:
         return "Audit: nothing found."
     counts = [
         f"{n} {kind.value}{'s' if n != 1 else ''}"
         for kind in Severity
-        if (n := sum(one.severity == kind for one in findings))
+        if (n := sum(finding.severity == kind for finding in findings))
     ]
     lines = [f"Audit: {', '.join(counts)}."]
-    for one in findings:
-        where = ", ".join(part for part in (one.file, one.example) if part)
-        lines.append(f"  {one.severity.value:<8}{one.subject}: {one.message}")
+    for finding in findings:
+        where = ", ".join(part for part in (finding.file, finding.example) if part)
+        lines.append(f"  {finding.severity.value:<8}{finding.subject}: {finding.message}")
         if where:
             lines.append(f"          first: {where}")
-        lines.append(f"          {one.advice}")
+        lines.append(f"          {finding.advice}")
     return _text(lines)
 
 
@@ -79,27 +79,27 @@ def render_dataset(dataset: Dataset) -> str:
     lines = []
     for row in inputs_table(dataset).to_dict("records"):
         first, n_files = row["first_file"], row["n_files"]
-        what = first if n_files == 1 else f"{n_files} files, {first} ..."
-        lines.append(f"{row['subject']}: {what} ({row['format']}; {row['conversion']})")
+        files = first if n_files == 1 else f"{n_files} files, {first} ..."
+        lines.append(f"{row['subject']}: {files} ({row['format']}; {row['conversion']})")
     return _text([*lines, *dataset.notes])
 
 
 def render_inputs(result: Result) -> str:
-    """`render_dataset`, and what the analysis had to make up for."""
+    """`render_dataset`, and the gaps that the analysis had to fill."""
     lines = [render_dataset(result.dataset)]
-    linked = len(result.tracks.linked_recordings)
-    if linked:
+    n = len(result.tracks.linked_recordings)
+    if n:
         lines.append(
-            f"the truth of {linked} recording{'s' if linked > 1 else ''} has pedestrians without "
+            f"the truth of {n} recording{'s' if n > 1 else ''} has pedestrians without "
             "track ids: they were linked to encounters by overlap from frame to frame"
         )
-    for who, without in (
+    for boxes, without in (
         ("truth boxes", result.k_truth.n_without_distance),
         ("boxes of X", result.x.weights.n_without_distance),
         ("boxes of Y", result.y.weights.n_without_distance),
     ):
         if without:
-            lines.append(f"{without} {who} have no distance and are weighted by height")
+            lines.append(f"{without} {boxes} have no distance and are weighted by height")
     return "\n".join(lines)
 
 
@@ -141,8 +141,8 @@ def _head(letter: str, system: SystemResult) -> str:
 
 def _row(row: ScoreRow) -> tuple[str, ...]:
     label = "  " * row.level + row.label
-    shown = (number(row.x, row.form), number(row.y, row.form), difference(row.x, row.y, row.form))
-    return (label, *shown, row.better)
+    values = (number(row.x, row.form), number(row.y, row.form), difference(row.x, row.y, row.form))
+    return (label, *values, row.better)
 
 
 def _venn(result: Result) -> str:
@@ -168,16 +168,18 @@ def _venn(result: Result) -> str:
         f"boxes matched by: both {boxes.both}, only X {boxes.x_only}, only Y {boxes.y_only}, "
         f"neither {boxes.neither} (all boxes, distant ones too)"
     )
-    absorbed = [f"{letter.upper()} {system.matches.n_absorbed}" for letter, system in result.sides]
+    n_absorbed = [
+        f"{letter.upper()} {system.matches.n_absorbed}" for letter, system in result.sides
+    ]
     lines.append(
         "detections on people or regions that the truth ignores, not counted: "
-        + ", ".join(absorbed)
+        + ", ".join(n_absorbed)
     )
     return _text(lines)
 
 
 def describe_exclusivity(exclusivity: Exclusivity, x_only: int, y_only: int) -> str:
-    """How exclusive the misses are, in words that go no further than the numbers."""
+    """How exclusive the misses are, in words that claim no more than the numbers show."""
     e = exclusivity
     text = (
         f"encounters not detected: {e.missed_by_x} by X, {e.missed_by_y} by Y, of these "
@@ -190,7 +192,7 @@ def describe_exclusivity(exclusivity: Exclusivity, x_only: int, y_only: int) -> 
 
 
 def _lead(result: Result) -> str:
-    """Who is first, in the encounters that both systems match."""
+    """Which system is first, in the encounters that both match."""
     lead = result.lead_time_s
     lead = lead[np.isfinite(lead)]
     if not len(lead):
@@ -204,13 +206,13 @@ def _lead(result: Result) -> str:
 
 
 def _fusion(result: Result) -> str:
-    fused = result.fusion
+    fusion = result.fusion
     lines = []
-    for label, system in (("X or Y", fused.x), ("X and Y", fused.y)):
-        detected = int(system.encounters["is_detected"].sum())
+    for label, system in (("X or Y", fusion.x), ("X and Y", fusion.y)):
+        n_detected = int(system.encounters["is_detected"].sum())
         alerts = system.false_alarm_summary.episodes_per_hour
         lines.append(
-            f"fusion {label}: {detected} of {result.venn.n_near} encounters, "
+            f"fusion {label}: {n_detected} of {result.venn.n_near} encounters, "
             f"{number(alerts, '.1f')} false-alert episodes/h, "
             f"mean similarity {number(system.summary.mean, '.4f')}"
         )
@@ -234,5 +236,5 @@ def _worst(result: Result, letter: str, system: SystemResult) -> str:
 
 
 def _text(lines: Sequence[str]) -> str:
-    """The lines as text; names in them cannot make lines of their own."""
+    """The lines as text; names in them cannot start lines of their own."""
     return "\n".join(one_line(line) for line in lines)

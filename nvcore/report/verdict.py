@@ -1,4 +1,4 @@
-"""What a comparison supports, in sentences that go no further than its measures."""
+"""What a comparison supports, in sentences that claim no more than its measures show."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from nvcore.evidence.paired_tests import MIN_DISCORDANT, MIN_SWAPPED, SIGNIFICAN
 from nvcore.findings import Finding, Severity
 from nvcore.measures import EVIDENCE_KEYS, inference_of
 
-NAMED: Final = tuple(key for key in EVIDENCE_KEYS if inference_of(key).noun)
-"""Keys of the measures that stand side by side."""
+SIDE_BY_SIDE: Final = tuple(key for key in EVIDENCE_KEYS if inference_of(key).noun)
+"""Keys of the measures that the verdict puts side by side."""
 
 BLOCKS: Final = "blocks"
 UNITS: Final = {
@@ -46,20 +46,20 @@ CAVEATS: Final = {
 def verdict(
     result: Result, findings: Sequence[Finding] = (), *, evidence: pd.DataFrame | None = None
 ) -> tuple[str, ...]:
-    """Which system detects more pedestrians, and what the other measures say; plain sentences.
+    """Which system detects more pedestrians, and what the other measures say, in plain sentences.
 
-    The first sentence is about encounters, one system dominates, is better beyond chance, or these
+    The first sentence is about encounters: one system dominates, is better beyond chance, or these
     data show no difference. The second puts measures side by side, and says which of their
-    differences are more than chance. A last one says which warnings and errors of the audit it all
-    depends on. X and Y are called ``X`` and ``Y``.
+    differences are more than chance. The last one lists the warnings and errors of the audit that
+    all this depends on. X and Y are called ``X`` and ``Y``.
 
     Parameters
     ----------
     findings
         Of the audit of the same inputs.
     evidence
-        `nvcore.evidence.measures.significance_table` of the result; None: that the differences are
-        not tested is said.
+        `nvcore.evidence.measures.significance_table` of the result; None: the text says that the
+        differences are not tested.
 
     Notes
     -----
@@ -71,7 +71,7 @@ def verdict(
     >>> print(" ".join(verdict(result)))  # doctest: +SKIP
     X detects every encounter that Y detects, and 9 more of 40 (p = 0.0039).
     """
-    codes = {one.code for one in findings}
+    codes = {finding.code for finding in findings}
     sentences = [_encounters(result, codes, evidence) + _by_units(result, codes, evidence)]
     side_by_side = _side_by_side(result, evidence)
     if side_by_side:
@@ -79,25 +79,27 @@ def verdict(
     unlimited = _without_threshold(result)
     if unlimited:
         sentences.append(unlimited)
-    grave = [one for one in findings if one.severity is not Severity.NOTE]
-    if grave:
-        sentences.append(_caveat(grave))
+    serious = [finding for finding in findings if finding.severity is not Severity.NOTE]
+    if serious:
+        sentences.append(_caveat(serious))
     return tuple(sentences)
 
 
-def _caveat(grave: Sequence[Finding]) -> str:
-    known = list(dict.fromkeys(CAVEATS[one.code] for one in grave if one.code in CAVEATS))
-    others = [one.code for one in grave if one.code not in CAVEATS]
+def _caveat(serious: Sequence[Finding]) -> str:
+    causes = list(
+        dict.fromkeys(CAVEATS[finding.code] for finding in serious if finding.code in CAVEATS)
+    )
+    others = [finding.code for finding in serious if finding.code not in CAVEATS]
     if others:
-        known.append(
-            f"{len(others)} {'other ' if known else ''}finding{'s' if len(others) > 1 else ''} "
+        causes.append(
+            f"{len(others)} {'other ' if causes else ''}finding{'s' if len(others) > 1 else ''} "
             "that it lists"
         )
-    return f"This depends on what the audit found: {'; '.join(known)}."
+    return f"This depends on what the audit found: {'; '.join(causes)}."
 
 
 def _without_threshold(result: Result) -> str:
-    """Whose every detection counts, though it has scores."""
+    """Which systems have scores but no threshold."""
     letters = [
         letter.upper()
         for letter, system in result.sides
@@ -114,12 +116,12 @@ def _encounters(result: Result, codes: Set[str], evidence: pd.DataFrame | None) 
         return "Two of the inputs have the same boxes: this is no comparison of two systems."
     is_testable = not result.is_short
     n_split = venn.x_only + venn.y_only
-    tested = f"p = {result.exclusivity.mcnemar_p:.2g}"
+    test_text = f"p = {result.exclusivity.mcnemar_p:.2g}"
     if p != result.exclusivity.mcnemar_p:
-        tested += f", corrected for all figures {p:.2g}"
+        test_text += f", corrected for all figures {p:.2g}"
     if n_split < MIN_DISCORDANT:
-        tested = "too few to test"
-    chance = f" ({tested})" if is_testable else ""
+        test_text = "too few to test"
+    chance = f" ({test_text})" if is_testable else ""
     if not venn.n_near:
         return (
             "There is no encounter near enough to count: these data do not show which system "
@@ -163,18 +165,18 @@ def _p_of_encounters(result: Result, evidence: pd.DataFrame | None) -> float:
 
 
 def _by_units(result: Result, codes: Set[str], evidence: pd.DataFrame | None) -> str:
-    """What encounters of one recording being alike leaves of the evidence, where it matters.
+    """What is left of the evidence once similar encounters of one recording are allowed for.
 
-    That is where single encounters would make a claim, or are frames rather than persons.
+    Empty unless single encounters support a claim, or are frames rather than persons.
     """
     venn, short = result.venn, result.is_short
-    is_claimed = short or _p_of_encounters(result, evidence) <= SIGNIFICANT
-    if evidence is None or "same-boxes" in codes or not is_claimed or venn.x_only == venn.y_only:
+    has_claim = short or _p_of_encounters(result, evidence) <= SIGNIFICANT
+    if evidence is None or "same-boxes" in codes or not has_claim or venn.x_only == venn.y_only:
         return ""
     row = evidence[evidence["figure"] == "encounters_detected_by_unit"]
     p = np.nan if row.empty else float(row["p_holm"].iloc[0])
-    is_shown = p <= SIGNIFICANT
-    if row.empty or (is_shown and not short):
+    is_significant = p <= SIGNIFICANT
+    if row.empty or (is_significant and not short):
         return ""
     n, kind = int(row["n"].iloc[0]), str(row["unit"].iloc[0])
     unit = f"{n:,} {kind.removesuffix('s') if n == 1 else kind}"
@@ -183,7 +185,7 @@ def _by_units(result: Result, codes: Set[str], evidence: pd.DataFrame | None) ->
         outcome = "cannot be tested: there are too few of them"
     elif np.isnan(p):
         outcome = "cannot be tested: too few of them tell X and Y apart"
-    elif is_shown:
+    elif is_significant:
         outcome = f"is more than chance (p = {p:.2g})"
     else:
         outcome = "is not shown to be more than chance"
@@ -204,75 +206,75 @@ def _side_by_side(result: Result, evidence: pd.DataFrame | None) -> str:
             unit=f" in {_duration(result.duration_s)}",
         ),
     ]
-    known = [part for part in parts if part]
-    if not known:
+    defined = [part for part in parts if part]
+    if not defined:
         return ""
-    text = known[0] if len(known) == 1 else ", ".join(known[:-1]) + ", and " + known[-1]
+    text = defined[0] if len(defined) == 1 else ", ".join(defined[:-1]) + ", and " + defined[-1]
     return f"{text[0].upper()}{text[1:]}"
 
 
 def _mean_saliency(result: Result, evidence: pd.DataFrame | None) -> str:
-    """That the mean over recordings, which is tested, speaks for the other system."""
+    """A clause if the mean over recordings, which is tested, favours the other system."""
     rows = None if evidence is None else evidence[evidence["figure"] == "saliency"]
     if rows is None or rows.empty:
         return ""
-    tested = float(rows["difference"].iloc[0])
-    if not tested * (result.x.saliency_s - result.y.saliency_s) < 0:
+    mean_difference = float(rows["difference"].iloc[0])
+    if not mean_difference * (result.x.saliency_s - result.y.saliency_s) < 0:
         return ""
     means = sorted((float(rows["x"].iloc[0]), float(rows["y"].iloc[0])))
-    winner = "X" if tested < 0 else "Y"
+    winner = "X" if mean_difference < 0 else "Y"
     return f", but {winner} in the mean over recordings ({means[0]:.2f} to {means[1]:.2f} s)"
 
 
 def _chance(evidence: pd.DataFrame | None, short: bool) -> str:
-    """Which of the differences side by side are more than chance, by their corrected p-values."""
+    """Which of these differences are more than chance, by their corrected p-values."""
     if evidence is None:
         return "whether these differences are more than chance is not tested"
-    judged = [key for key in NAMED if not (short and inference_of(key).needs_tracks)]
-    told = _beyond_chance(evidence[evidence["figure"].isin(judged)])
-    return f"{told}; saliency and episodes mean little here and are not judged" if short else told
+    keys = [key for key in SIDE_BY_SIDE if not (short and inference_of(key).needs_tracks)]
+    text = _beyond_chance(evidence[evidence["figure"].isin(keys)])
+    return f"{text}; saliency and episodes mean little here and are not judged" if short else text
 
 
-def _beyond_chance(shown: pd.DataFrame) -> str:
-    tested = shown[np.isfinite(shown["p_holm"])]
+def _beyond_chance(rows: pd.DataFrame) -> str:
+    tested = rows[np.isfinite(rows["p_holm"])]
     if tested.empty:
         return "there are too few data to test these differences for chance"
     beyond = tested[tested["p_holm"] <= SIGNIFICANT]
     by = f"by these {int(tested['n'].iloc[0]):,} {UNITS[tested['unit'].iloc[0]]}"
-    if beyond.empty and len(shown) == 1:
-        noun = inference_of(shown["figure"].iloc[0]).noun
+    if beyond.empty and len(rows) == 1:
+        noun = inference_of(rows["figure"].iloc[0]).noun
         return f"{by}, the difference in {noun} is not shown to be more than chance"
     if beyond.empty:
         return f"{by}, none of these differences is shown to be more than chance"
-    told = [
-        f"{inference_of(key).noun} (for {_favoured(difference, better)}, "
+    parts = [
+        f"{inference_of(key).noun} (for {_winner(difference, better)}, "
         f"{_interval(key, low, high)}p = {p:.2g})"
         for key, difference, better, low, high, p in zip(
             *(beyond[name] for name in ("figure", "difference", "better", "low", "high", "p_holm")),
             strict=True,
         )
     ]
-    listed = told[0] if len(told) < 2 else ", ".join(told[:-1]) + " and " + told[-1]
-    is_one = len(told) == 1
-    others = "" if len(beyond) == len(shown) else "; the others are not shown to be"
+    listing = parts[0] if len(parts) < 2 else ", ".join(parts[:-1]) + " and " + parts[-1]
+    is_one = len(parts) == 1
+    others = "" if len(beyond) == len(rows) else "; the others are not shown to be"
     noun, verb = ("difference", "is") if is_one else ("differences", "are")
-    return f"{by}, the {noun} in {listed} {verb} more than chance{others}"
+    return f"{by}, the {noun} in {listing} {verb} more than chance{others}"
 
 
-def _favoured(difference: float, better: str) -> str:
-    """Whom a difference X - Y speaks for."""
+def _winner(difference: float, better: str) -> str:
+    """The system that a difference X - Y favours."""
     return "X" if (difference > 0) == (better == "higher") else "Y"
 
 
 def _interval(key: str, low: float, high: float) -> str:
     if not np.isfinite(low):
         return ""
-    ends = f"{_signed(low)} to {_signed(high)}"
+    ends = f"{_with_sign(low)} to {_with_sign(high)}"
     return f"X - Y 95 % interval {ends}{inference_of(key).noun_unit}, "
 
 
-def _signed(value: float) -> str:
-    """Three digits at the least, without an exponent."""
+def _with_sign(value: float) -> str:
+    """With sign and at least three digits, without exponent."""
     return f"{value:+,.0f}" if abs(value) >= 100 else f"{value:+.3g}"
 
 
@@ -285,15 +287,17 @@ def _mean(system: SystemResult) -> float:
 
 
 def _better(
-    what: str, x: float, y: float, form: str, *, unit: str = "", is_high_better: bool = False
+    quality: str, x: float, y: float, form: str, *, unit: str = "", is_high_better: bool = False
 ) -> str:
-    """Who has it, with both values, the better one first; empty where undefined."""
+    """Who has the quality, with both values, the better one first; empty where undefined."""
     if np.isnan(x) or np.isnan(y):
         return ""
     shown_x, shown_y = format(x, form), format(y, form)
     if shown_x == shown_y:
-        noun = what.split(" ", 2)[-1] if what.startswith("the ") else what.split(" ", 1)[-1]
+        noun = (
+            quality.split(" ", 2)[-1] if quality.startswith("the ") else quality.split(" ", 1)[-1]
+        )
         return f"both have the same {noun} ({shown_x}{unit})"
     is_x = (x > y) == is_high_better
     winner, first, second = ("X", shown_x, shown_y) if is_x else ("Y", shown_y, shown_x)
-    return f"{winner} has {what} ({first} to {second}{unit})"
+    return f"{winner} has {quality} ({first} to {second}{unit})"

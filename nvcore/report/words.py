@@ -1,6 +1,6 @@
-"""Exclusivity, fusion and saliency of a comparison in sentences that say no more than the numbers.
+"""Exclusivity, fusion and saliency of a comparison, in sentences that claim no more than numbers.
 
-The systems are called X and Y; no name from a file stands in these sentences.
+The systems are called X and Y; these sentences contain no names from files.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ from nvcore.comparison import Result, SystemResult
 from nvcore.evidence.paired_tests import SIGNIFICANT
 
 FEW_MISSES: Final = 5
-"""Misses of a system below which phi is not explained."""
+"""Fewest misses of a system for an explanation of phi."""
 
 
 def describe_misses(result: Result) -> tuple[str, ...]:
     """Whether X and Y miss the same pedestrians, in sentences.
 
-    Who misses how many, how much the two sets of misses share (Jaccard index), how they are
-    correlated (phi), and whether the split between them may be chance (exact McNemar test; not
+    How many each system misses, how much the two sets of misses share (Jaccard index), how they
+    correlate (phi), and whether the split between them may be chance (exact McNemar test; omitted
     where most encounters are one frame long).
     """
     venn, e = result.venn, result.exclusivity
@@ -36,9 +36,9 @@ def describe_misses(result: Result) -> tuple[str, ...]:
         f"and Y does not detect {e.missed_by_y}; {_shared(n_missed, venn.neither)} (Jaccard "
         f"index {e.jaccard:.2f})."
     ]
-    related = _relation(e.phi, min(e.missed_by_x, e.missed_by_y))
-    if related:
-        sentences.append(related)
+    relation = _relation(e.phi, min(e.missed_by_x, e.missed_by_y))
+    if relation:
+        sentences.append(relation)
     short = result.is_short
     sentences.append(_split(venn.x_only, venn.y_only, e.mcnemar_p, short=short))
     return tuple(sentences)
@@ -69,49 +69,49 @@ def _split(x_only: int, y_only: int, p: float, *, short: bool) -> str:
     n = x_only + y_only
     if not n:
         return "No encounter is detected by one system alone: none tells the two apart."
-    what = (
+    split = (
         f"Of the {n} encounters that only one system detects, X detects {x_only} and Y {y_only}"
         if n > 1
         else f"Only one encounter is detected by a single system, by {'X' if x_only else 'Y'}"
     )
     if x_only == y_only:
-        return f"{what}: in this they do not differ."
+        return f"{split}: in this they do not differ."
     if short:
         return (
-            f"{what}. Most encounters are one frame long and not independent, so no test of "
+            f"{split}. Most encounters are one frame long and not independent, so no test of "
             "single encounters is given."
         )
     if p <= SIGNIFICANT:
         return (
-            f"{what}: a split so uneven is unlikely if both are equally good (exact McNemar test, "
+            f"{split}: a split so uneven is unlikely if both are equally good (exact McNemar test, "
             f"p = {p:.2g})."
         )
     return (
-        f"{what}: two equally good systems could well differ so much by chance (exact McNemar "
+        f"{split}: two equally good systems could well differ so much by chance (exact McNemar "
         f"test, p = {p:.2g})."
     )
 
 
 def describe_lead(result: Result) -> str:
-    """Who matches a pedestrian first, by mean and median of the lead time (positive: X first)."""
+    """Which system matches a pedestrian first: mean and median lead time (positive: X first)."""
     lead_s = result.lead_time_s
     lead_s = lead_s[np.isfinite(lead_s)]
     if not len(lead_s):
         return "No encounter is matched by both systems, so there is no lead time."
     first_x, first_y = int(np.count_nonzero(lead_s > 0)), int(np.count_nonzero(lead_s < 0))
     mean, median = round(float(lead_s.mean()), 2), round(float(np.median(lead_s)), 2)
-    said = (
+    text = (
         f"Of {_count(len(lead_s), 'encounter')} that both match, X matches {first_x} first, Y "
         f"{first_y}, and {len(lead_s) - first_x - first_y} at once. X's lead is {mean:+z.2f} s on "
         f"average, median {median:+z.2f} s"
     )
     if not mean and not median:
-        return f"{said}: neither leads."
+        return f"{text}: neither leads."
     if not median:
-        return f"{said}: in the middle neither leads; the mean comes from those that differ."
+        return f"{text}: in the middle neither leads; the mean comes from those that differ."
     if mean * median < 0:
-        return f"{said}: the two point in different directions, so neither leads clearly."
-    return f"{said}."
+        return f"{text}: the two point in different directions, so neither leads clearly."
+    return f"{text}."
 
 
 def describe_fusion(fusion: pd.DataFrame) -> tuple[str, ...]:
@@ -126,7 +126,7 @@ def describe_fusion(fusion: pd.DataFrame) -> tuple[str, ...]:
     n = rows["x"]["encounters"]
     if not n:
         return ("No pedestrian came near enough to count, so a fusion can neither gain nor lose.",)
-    # against the single system that detects more; X where they are equal
+    # against the single system that detects more; X if they are equal
     best = max("xy", key=lambda letter: rows[letter]["encounters_detected"])
     return tuple(
         _fused_sentence(rows[kind], name, best, n)
@@ -156,7 +156,7 @@ def _fused_sentence(row: dict[Hashable, Any], name: str, best: str, n: int) -> s
 
 
 def describe_saliency(result: Result) -> tuple[str, ...]:
-    """How the saliency of each system over all recordings comes about, one sentence each."""
+    """How each system's saliency over all recordings comes about, a sentence each."""
     return tuple(_saliency(result, letter.upper(), system) for letter, system in result.sides)
 
 

@@ -3,7 +3,7 @@
     with_pictures = session_pictures(session, dataset)
     write_html_report(result, session, findings, Path("report.html"), pictures=with_pictures)
 
-Its charts are drawn by Plotly, which is inside the file. The same inputs, parameters and version
+Plotly, which is inside the file, draws its charts. The same inputs, parameters and version
 give the same bytes.
 """
 
@@ -48,18 +48,18 @@ def write_html_report(
     stability: bool | None = None,
     progress: Progress = no_progress,
 ) -> None:
-    """Write the report; with an existing file it is replaced.
+    """Write the report; an existing file is replaced.
 
     Parameters
     ----------
     session
-        Names the protocol of the detection figures and, if it is a `Session`, the recordings'
+        Names the protocol of the detection measures and, if it is a `Session`, the recordings'
         pictures.
     findings
         Of the audit of the same inputs.
     pictures
-        Open already; None: those that the session names and that are shown are opened, and closed
-        again.
+        Pictures that are open already; None: the session's pictures that the report shows are
+        opened, and closed again.
     stability
         Whether to compute the stability maps; None: for up to 20,000 frames.
     progress
@@ -70,21 +70,21 @@ def write_html_report(
     InputError
         If the file cannot be written.
     """
-    own = None
+    opened = None
     if pictures is None and isinstance(session, Session):
-        own = _needed_pictures(result, session)
+        opened = _needed_pictures(result, session)
     try:
         content = report_content(
             result,
             findings,
-            pictures=own or pictures or RecordingPictures(),
+            pictures=opened or pictures or RecordingPictures(),
             protocol=session.protocol,
             stability=stability,
             progress=progress,
         )
     finally:
-        if own is not None:
-            own.close()
+        if opened is not None:
+            opened.close()
     page = render(content).encode()
     progress(1.0, "done")
     try:
@@ -95,34 +95,43 @@ def write_html_report(
 
 
 def _needed_pictures(result: Result, session: Session) -> RecordingPictures:
-    """Those of the recordings that are shown: opening a video takes time."""
+    """Pictures of the recordings that the report shows: opening a video takes time."""
     recording = result.dataset.frame_columns.recording
-    shown = {int(recording[one.row]) for one in decisive_moments(result)}
-    return session_pictures(session, result.dataset, shown)
+    recordings = {int(recording[moment.row]) for moment in decisive_moments(result)}
+    return session_pictures(session, result.dataset, recordings)
 
 
 def render(content: Content) -> str:
     """The page as text."""
     environment = Environment(
-        loader=FileSystemLoader(FOLDER), autoescape=True, undefined=StrictUndefined,
-        trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True,
-    )  # fmt: skip
+        loader=FileSystemLoader(FOLDER),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
     charts = {
-        block.name: Markup(figure_json(block.figure))  # noqa: S704  # escaped there
+        block.name: Markup(figure_json(block.figure))  # noqa: S704  # figure_json escapes it
         for section in content.sections
         for block in section.blocks
         if isinstance(block, Chart)
     }
     nonce = hashlib.sha256(f"{content.fingerprint} {content.version}".encode()).hexdigest()[:32]
     return environment.get_template("page.html").render(
-        content=content, charts=charts, plotly=packed_plotly(), nonce=nonce, config=CHART_CONFIG,
-        base64=lambda picture: base64.b64encode(picture).decode(), is_long=_is_long,
+        content=content,
+        charts=charts,
+        plotly=packed_plotly(),
+        nonce=nonce,
+        config=CHART_CONFIG,
+        base64=lambda picture: base64.b64encode(picture).decode(),
+        is_long=_is_long,
         css_text=css_text,
-    )  # fmt: skip
+    )
 
 
 def css_text(text: str, most: int) -> Markup:
-    """A text as a string of CSS that can end neither it nor the style, cut to `most` signs."""
+    """A CSS string of the text, cut to `most` characters; no text can end the string or style."""
     signs = (
         sign if sign == " " or (sign.isascii() and sign.isalnum()) else f"\\{ord(sign):x} "
         for sign in shortened(text, most)
@@ -131,5 +140,5 @@ def css_text(text: str, most: int) -> Markup:
 
 
 def _is_long(cell: str) -> bool:
-    """Whether a word of it may be broken anywhere: a hash, a path."""
+    """Whether it has a word that may be broken anywhere, such as a hash or a path."""
     return max(map(len, cell.split()), default=0) > LONG_WORD

@@ -11,15 +11,15 @@ import plotly.graph_objects as go
 from nvcore.wording import one_line, shortened
 
 MAX_ROWS = 200
-"""Rows of a table that are shown."""
+"""Most rows of a table that are shown."""
 MAX_CELL = 400
 MAX_NOTE = 3000
-"""Signs of a cell, and of what stands below a table; the rest is cut off with an ellipsis."""
+"""Most characters of a cell, and of the note below a table; an ellipsis replaces the rest."""
 
 
 @dataclass(frozen=True)
 class Intro:
-    """What a reader has to know before the figures of a section.
+    """What a reader has to know before the content of a section.
 
     Attributes
     ----------
@@ -39,7 +39,7 @@ class Intro:
     limits: str = ""
 
     def parts(self) -> list[tuple[str, str]]:
-        """The parts that say something, each with its label."""
+        """The parts that are not empty, each with its label."""
         labels = ("What it is", "How it comes about", "Best", "What it does not say")
         texts = (self.what, self.how, self.best, self.limits)
         return [(label, text) for label, text in zip(labels, texts, strict=True) if text]
@@ -47,7 +47,7 @@ class Intro:
 
 @dataclass(frozen=True)
 class Sentences:
-    """Paragraphs; `is_strong`: the first one stands out."""
+    """Paragraphs; if `is_strong`, the first stands out."""
 
     kind: ClassVar[str] = "sentences"
     texts: tuple[str, ...]
@@ -56,7 +56,7 @@ class Sentences:
 
 @dataclass(frozen=True)
 class Table:
-    """A table of texts; made by `table`.
+    """A table of texts; use `table` to make one.
 
     Attributes
     ----------
@@ -65,9 +65,9 @@ class Table:
     head, rows
         Texts, as many in each row as in the head.
     right
-        Columns that are aligned to the right: numbers.
+        Columns aligned to the right: numbers.
     note
-        What stands below; empty: nothing.
+        Text below the table; empty: none.
     """
 
     kind: ClassVar[str] = "table"
@@ -80,14 +80,14 @@ class Table:
 
 @dataclass(frozen=True)
 class Chart:
-    """A figure of Plotly and, for who cannot see it, its words.
+    """A Plotly figure and, for those who cannot see it, its description.
 
     Attributes
     ----------
     name
         Identifier within the page.
     figure
-        Light theme.
+        In the light theme.
     words
         What it shows, in a sentence.
     """
@@ -110,20 +110,20 @@ class Photo:
         Recording, frame and time.
     text
         What happens there.
-    figures
-        Similarity of both systems.
+    measures
+        Similarity of both systems, in words.
     jpeg
         The picture.
     is_wide
-        Whether it takes a row of its own.
+        Whether it fills a row of its own.
     why_blank
-        Why the boxes are on an empty ground; empty: they are on the picture.
+        Why the boxes are drawn on an empty background; empty: they are drawn on the picture.
     """
 
     title: str
     place: str
     text: str
-    figures: str
+    measures: str
     jpeg: bytes
     is_wide: bool = False
     why_blank: str = ""
@@ -142,7 +142,7 @@ Block = Sentences | Table | Chart | Photos
 
 @dataclass(frozen=True)
 class Section:
-    """A heading, its introduction, and what follows."""
+    """A heading, its introduction, and its blocks."""
 
     anchor: str
     title: str
@@ -159,12 +159,12 @@ def table(
     note: str = "",
     most: int = MAX_ROWS,
 ) -> Table:
-    """A table of anything as text; signs that cannot be seen are shown as escapes."""
-    told = [note] if note else []
+    """A table of any values as text; invisible characters are shown as escapes."""
+    notes = [note] if note else []
     if len(rows) > most:
-        told.append(f"The first {most:,} of {len(rows):,} rows are shown.")
-    shown = tuple(tuple(_cell(cell) for cell in row) for row in rows[:most])
-    return Table(title, tuple(head), shown, frozenset(right), shortened(" ".join(told), MAX_NOTE))
+        notes.append(f"The first {most:,} of {len(rows):,} rows are shown.")
+    cells = tuple(tuple(_cell(cell) for cell in row) for row in rows[:most])
+    return Table(title, tuple(head), cells, frozenset(right), shortened(" ".join(notes), MAX_NOTE))
 
 
 def _cell(cell: object) -> str:

@@ -1,4 +1,4 @@
-"""A figure that only the report has, and Plotly for a page without network."""
+"""A figure that only the report has, and Plotly for a page that works offline."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ from nvcore.wording import difference
 THEME: Final[Theme] = "light"
 INTERVAL_PX: Final = 82
 WORDS_PX: Final = 30
-"""Height of the row of a measure with an interval, and of one without."""
+"""Height of a measure's row with an interval, and without."""
 STRIP_PX: Final = (28, 56)
 """Top and bottom of the axis within its row."""
 MARGIN_PX: Final = (76, 16)
 """Above and below the rows."""
 REACH: Final = 1.12
-"""Half an axis, in the largest value that it shows."""
+"""Half the length of an axis, as a multiple of the largest value on it."""
 
 
 @cache
@@ -38,8 +38,8 @@ def packed_plotly() -> str:
 
 
 def figure_json(figure: go.Figure) -> str:
-    """The figure as JSON that may stand in a ``script`` element: it cannot end it."""
-    # to_json by the standard library's encoder: the same text wherever it is made
+    """The figure as JSON that is safe inside a ``script`` element: it cannot end the element."""
+    # the standard library's encoder writes the same text on every machine
     text = json.dumps(json.loads(figure.to_json(engine="json")), separators=(",", ":"))
     for sign, escape in (("<", "\\u003c"), (">", "\\u003e"), ("&", "\\u0026")):
         text = text.replace(sign, escape)
@@ -50,39 +50,52 @@ def interval_plot(evidence: pd.DataFrame) -> go.Figure:
     """Difference X - Y of every measure with its 95 % interval, each on an axis of its own.
 
     Right of the line X is better in all of them: where less is better, the axis runs backwards. A
-    measure without interval has its difference in words and no place on an axis: nothing says
-    whether it would be a large or a small one there.
+    measure without interval has its difference in words and no place on an axis, because nothing
+    tells whether the difference is large or small.
 
     Parameters
     ----------
     evidence
         `nvcore.evidence.measures.significance_table`; shares are drawn in percentage points.
     """
-    known = evidence[np.isfinite(evidence["difference"])]
-    if known.empty:
+    defined = evidence[np.isfinite(evidence["difference"])]
+    if defined.empty:
         return empty_figure("No figure is defined for both systems.", theme=THEME)
-    has_interval = np.isfinite(known["low"].to_numpy()) & np.isfinite(known["high"].to_numpy())
+    has_interval = np.isfinite(defined["low"].to_numpy()) & np.isfinite(defined["high"].to_numpy())
     heights = np.where(has_interval, INTERVAL_PX, WORDS_PX)
     ends = np.cumsum(heights)
     total = float(ends[-1])
     figure = go.Figure()
-    for one, top, is_drawn in zip(
-        known.to_dict("records"), (ends - heights).tolist(), has_interval.tolist(), strict=True
+    for row, top, has_ends in zip(
+        defined.to_dict("records"), (ends - heights).tolist(), has_interval.tolist(), strict=True
     ):
-        form = evidence_form(one["figure"])
-        told = f"{plain(one['label'], max_length=80)}: <b>{_told(one['difference'], form)}</b>"
-        if is_drawn:
-            span = f"{_told(one['low'], form)} to {_told(one['high'], form)}"
-            told += f"   (95 % interval {span})"
-            _add_axis(figure, one, form, [1 - (top + edge) / total for edge in STRIP_PX[::-1]])
+        form = evidence_form(row["figure"])
+        text = (
+            f"{plain(row['label'], max_length=80)}: <b>{_signed_text(row['difference'], form)}</b>"
+        )
+        if has_ends:
+            span = f"{_signed_text(row['low'], form)} to {_signed_text(row['high'], form)}"
+            text += f"   (95 % interval {span})"
+            _add_axis(figure, row, form, [1 - (top + edge) / total for edge in STRIP_PX[::-1]])
         else:
-            told += "   (no interval can be given)"
+            text += "   (no interval can be given)"
         figure.add_annotation(
-            text=told, x=0, xref="paper", xanchor="left", y=1 - (top + 4) / total, yref="paper",
-            yanchor="top", showarrow=False, font={"size": 12.5, "color": LOOK[THEME].ink},
-        )  # fmt: skip
+            text=text,
+            x=0,
+            xref="paper",
+            xanchor="left",
+            y=1 - (top + 4) / total,
+            yref="paper",
+            yanchor="top",
+            showarrow=False,
+            font={"size": 12.5, "color": LOOK[THEME].ink},
+        )
     sides = "every axis has its own scale; right of the line X is better, left of it Y"
     above, below = MARGIN_PX
+    # without any axis Plotly would draw its own
+    no_axes = (
+        {} if has_interval.any() else {"xaxis": {"visible": False}, "yaxis": {"visible": False}}
+    )
     figure.update_layout(
         layout(
             THEME,
@@ -91,20 +104,18 @@ def interval_plot(evidence: pd.DataFrame) -> go.Figure:
             height=int(above + total + below),
             showlegend=False,
             margin={"l": 24, "r": 24, "t": above, "b": below},
-            # without any axis Plotly would draw its own
-            **({} if has_interval.any() else {"xaxis": {"visible": False},
-                                              "yaxis": {"visible": False}}),
+            **no_axes,
         )
-    )  # fmt: skip
+    )
     return figure
 
 
-def _told(value: float, form: str) -> str:
+def _signed_text(value: float, form: str) -> str:
     return difference(value, 0, form).replace("-", "−")
 
 
 def _add_axis(
-    figure: go.Figure, one: Mapping[Hashable, Any], form: str, domain: Sequence[float]
+    figure: go.Figure, row: Mapping[Hashable, Any], form: str, domain: Sequence[float]
 ) -> None:
     """The interval and the difference of a measure."""
     look = LOOK[THEME]
@@ -112,32 +123,39 @@ def _add_axis(
     key = str(number) if number > 1 else ""
     is_share = form.endswith("%")
     low, high, middle = (
-        (100.0 if is_share else 1.0) * one[name] for name in ("low", "high", "difference")
+        (100.0 if is_share else 1.0) * row[name] for name in ("low", "high", "difference")
     )
-    least = inference_of(one["figure"]).scale.least_reach
+    least = inference_of(row["figure"]).scale.least_reach
     reach = max(REACH * max(abs(low), abs(high), abs(middle)), least)
-    sign = 1 if one["better"] == "higher" else -1
-    figure.add_scatter(
-        x=[low, high], y=[0, 0], mode="lines", hoverinfo="skip", xaxis=f"x{key}", yaxis=f"y{key}",
-        line={"color": look.muted, "width": 3},
-    )  # fmt: skip
-    figure.add_scatter(
-        x=[middle], y=[0], mode="markers", hoverinfo="x", xaxis=f"x{key}", yaxis=f"y{key}",
-        marker={"color": _side(sign * middle), "size": 12, "symbol": "circle"},
-    )  # fmt: skip
-    figure.update_layout({
-        f"xaxis{key}": axis(
-            THEME, range=[-sign * reach, sign * reach], fixedrange=True, nticks=7, zeroline=True,
-            zerolinewidth=1.5, zerolinecolor=look.muted, anchor=f"y{key}",
-            ticksuffix=" pp" if is_share else "",
-        ),
-        f"yaxis{key}": {"visible": False, "range": [-1, 1], "fixedrange": True,
-                        "domain": list(domain), "anchor": f"x{key}"},
-    })  # fmt: skip
+    sign = 1 if row["better"] == "higher" else -1
+    axes = {"xaxis": f"x{key}", "yaxis": f"y{key}"}
+    line = {"color": look.muted, "width": 3}
+    figure.add_scatter(x=[low, high], y=[0, 0], mode="lines", hoverinfo="skip", **axes, line=line)
+    marker = {"color": _side(sign * middle), "size": 12, "symbol": "circle"}
+    figure.add_scatter(x=[middle], y=[0], mode="markers", hoverinfo="x", **axes, marker=marker)
+    x_axis = axis(
+        THEME,
+        range=[-sign * reach, sign * reach],
+        fixedrange=True,
+        nticks=7,
+        zeroline=True,
+        zerolinewidth=1.5,
+        zerolinecolor=look.muted,
+        anchor=f"y{key}",
+        ticksuffix=" pp" if is_share else "",
+    )
+    y_axis = {
+        "visible": False,
+        "range": [-1, 1],
+        "fixedrange": True,
+        "domain": list(domain),
+        "anchor": f"x{key}",
+    }
+    figure.update_layout({f"xaxis{key}": x_axis, f"yaxis{key}": y_axis})
 
 
 def _side(gain: float) -> str:
-    """Colour of the system that is better; grey where they are equal."""
+    """Colour of the better system; grey if they are equal."""
     look: Any = LOOK[THEME]
     colour: str = look.x if gain > 0 else look.y if gain < 0 else look.muted
     return colour

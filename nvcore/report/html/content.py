@@ -1,4 +1,4 @@
-"""Everything that the report says, in order: sections of texts, tables, charts and frames."""
+"""The content of the report in order: sections of texts, tables, charts and frames."""
 
 from __future__ import annotations
 
@@ -41,23 +41,23 @@ CAUTION = {
     "significance": words.SHORT_TESTS,
     "subgroups": words.SHORT_TESTS,
 }
-"""What stands first in these sections, by their anchors."""
+"""First sentences of these sections, by their anchors."""
 
 
 @dataclass(frozen=True)
 class Content:
-    """What stands on the page.
+    """The content of the page.
 
     Attributes
     ----------
     title
         Which systems are compared.
     names
-        Of X and Y.
+        Names of X and Y.
     facts
-        Label and text of what was compared.
+        Labels and texts that say what was compared.
     sections
-        In order.
+        Sections, in order.
     version, fingerprint
         Of the program and of the inputs.
     """
@@ -102,7 +102,7 @@ def report_content(
     ]
     progress(0.4, MAPS)
     maps = part_of(progress, 0.4, 0.6)
-    sections.append(stability_section(result, evidence, wanted=stability, progress=maps))
+    sections.append(stability_section(result, evidence, is_wanted=stability, progress=maps))
     moments = decisive_moments(result)
     photos = []
     for number, moment in enumerate(moments):
@@ -120,19 +120,20 @@ def report_content(
         title=f"{one_line(result.x.name)} (X) and {one_line(result.y.name)} (Y) compared",
         names=(one_line(result.x.name), one_line(result.y.name)),
         facts=_facts(result, protocol),
-        sections=tuple(_cautioned(sections) if result.is_short else sections),
+        sections=tuple(_with_caution(sections) if result.is_short else sections),
         version=__version__,
         fingerprint=result.dataset.fingerprint,
     )
 
 
-def _cautioned(sections: Sequence[Section]) -> list[Section]:
-    """With a word where figures of encounters mean little, as most are one frame long."""
+def _with_caution(sections: Sequence[Section]) -> list[Section]:
+    """The sections with a caution where measures mean little as most encounters are one frame."""
     return [
-        replace(one, blocks=(Sentences((CAUTION[one.anchor],)), *one.blocks))
-        if one.anchor in CAUTION else one
-        for one in sections
-    ]  # fmt: skip
+        replace(section, blocks=(Sentences((CAUTION[section.anchor],)), *section.blocks))
+        if section.anchor in CAUTION
+        else section
+        for section in sections
+    ]
 
 
 def _facts(result: Result, protocol: Protocol) -> tuple[tuple[str, str], ...]:

@@ -1,4 +1,4 @@
-"""Sections of what the figures were made from: findings, files, recordings, parameters."""
+"""Sections on what the measures are computed from: findings, files, recordings, parameters."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from nvcore.tables.inputs import inputs_table, left_out_table
 from nvcore.wording import UNDEFINED, count_text, number
 
 MOST_FILES: Final = 60
-"""Input files that are listed one by one; there is a hash of all in any case."""
+"""Most input files that are listed one by one; the hash of all is always shown."""
 FROM_HEIGHT: Final = {
     name: setting.height_share
     for name, setting in SETTINGS.items()
@@ -39,14 +39,17 @@ def audit_section(findings: Sequence[Finding]) -> Section:
         return Section("audit", "Audit of the inputs", words.AUDIT, (nothing,))
     rows = [
         (
-            one.severity.value, one.subject, one.message,
-            ", ".join(part for part in (one.file, one.example) if part) or UNDEFINED, one.advice,
+            finding.severity.value,
+            finding.subject,
+            finding.message,
+            ", ".join(part for part in (finding.file, finding.example) if part) or UNDEFINED,
+            finding.advice,
         )
-        for one in findings
-    ]  # fmt: skip
+        for finding in findings
+    ]
     head = ("Severity", "About", "What was found", "First case", "What to do")
-    found = table(f"{count_text(len(findings), 'finding')}, worst first", head, rows)
-    return Section("audit", "Audit of the inputs", words.AUDIT, (found,))
+    listing = table(f"{count_text(len(findings), 'finding')}, worst first", head, rows)
+    return Section("audit", "Audit of the inputs", words.AUDIT, (listing,))
 
 
 def inputs_section(result: Result) -> Section:
@@ -58,12 +61,13 @@ def inputs_section(result: Result) -> Section:
     blocks.append(_recordings(result))
     if dataset.notes:
         blocks.append(Sentences(tuple(f"{note[0].upper()}{note[1:]}." for note in dataset.notes)))
-    linked = len(result.tracks.linked_recordings)
-    if linked:
-        blocks.append(Sentences((
-            f"The truth of {count_text(linked, 'recording')} has pedestrians without track ids: "
-            "they were linked to encounters by overlap from frame to frame.",
-        )))  # fmt: skip
+    n_linked = len(result.tracks.linked_recordings)
+    if n_linked:
+        text = (
+            f"The truth of {count_text(n_linked, 'recording')} has pedestrians without track ids: "
+            "they were linked to encounters by overlap from frame to frame."
+        )
+        blocks.append(Sentences((text,)))
     left_out = left_out_table(dataset)
     if len(left_out):
         rows = [tuple(row) for row in left_out.itertuples(index=False)]
@@ -82,10 +86,17 @@ def _files(result: Result) -> list[Block]:
     dataset = result.dataset
     hashes = source_hashes(dataset)
     sources = [
-        (one["subject"], _role(result, one["subject"]), one["format"], one["conversion"],
-         f"{one['n_files']:,}", f"{one['n_boxes']:,}", hashes[one["subject"]])
-        for one in inputs_table(dataset).to_dict("records")
-    ]  # fmt: skip
+        (
+            row["subject"],
+            _role(result, row["subject"]),
+            row["format"],
+            row["conversion"],
+            f"{row['n_files']:,}",
+            f"{row['n_boxes']:,}",
+            hashes[row["subject"]],
+        )
+        for row in inputs_table(dataset).to_dict("records")
+    ]
     head = (
         "Source",
         "Role",
@@ -125,26 +136,39 @@ def _recordings(result: Result) -> Table:
     midpoint, spread = (in_use(result, name).tolist() for name in FROM_HEIGHT)
     rows = [
         (
-            one["name"], f"{one['width']:g} x {one['height']:g}", f"{one['fps']:g}",
-            f"{n_frames[i]:,}", f"{midpoint[i]:.4g}", f"{spread[i]:.4g}",
-            number(one["horizon"], "g"), ", ".join(one["tags"]) or UNDEFINED,
+            row["name"],
+            f"{row['width']:g} x {row['height']:g}",
+            f"{row['fps']:g}",
+            f"{n_frames[i]:,}",
+            f"{midpoint[i]:.4g}",
+            f"{spread[i]:.4g}",
+            number(row["horizon"], "g"),
+            ", ".join(row["tags"]) or UNDEFINED,
         )
-        for i, one in enumerate(dataset.recordings.to_dict("records"))
-    ]  # fmt: skip
-    head = ("Recording", "Size (px)", "Frames per second", "Evaluated frames", "Midpoint (px)",
-            "Spread (px)", "Horizon (px)", "Tags")  # fmt: skip
+        for i, row in enumerate(dataset.recordings.to_dict("records"))
+    ]
+    head = (
+        "Recording",
+        "Size (px)",
+        "Frames per second",
+        "Evaluated frames",
+        "Midpoint (px)",
+        "Spread (px)",
+        "Horizon (px)",
+        "Tags",
+    )
     return table("Recordings", head, rows, right=range(1, 7))
 
 
 def parameters_section(result: Result) -> Section:
-    """Every setting with its meaning, and the fixed numbers."""
+    """Every setting with its meaning, and the constants."""
     rows = []
     for name, setting in SETTINGS.items():
         value = getattr(result.params, name)
         rows.append(
             (
                 name,
-                _value(value) if value is not None else _taken(result, name),
+                _value(value) if value is not None else _fallback(result, name),
                 setting.unit,
                 "default" if value == setting.default else "changed",
                 _value(setting.default),
@@ -153,7 +177,7 @@ def parameters_section(result: Result) -> Section:
             )
         )
     head = ("Parameter", "Value", "Unit", "Changed", "Default", "Range", "Meaning")
-    fixed = (
+    constants = (
         ("weight of nearness from which a frame is relevant", f"{RELEVANT_K:g}"),
         ("share of a detection on an ignored region that absorbs it", f"{ABSORB_SHARE:g}"),
         ("smallest overlap of linked boxes", f"{LINK_IOU:g}"),
@@ -165,16 +189,18 @@ def parameters_section(result: Result) -> Section:
         ("version of nvcore", __version__),
     )
     return Section(
-        "parameters", "Parameters", words.PARAMETERS,
+        "parameters",
+        "Parameters",
+        words.PARAMETERS,
         (
             table("Parameters", head, rows, right=(1,)),
-            table("Fixed numbers", ("What", "Value"), fixed, right=(1,)),
+            table("Fixed numbers", ("What", "Value"), constants, right=(1,)),
         ),
-    )  # fmt: skip
+    )
 
 
-def _taken(result: Result, name: str) -> str:
-    """What stands in for a setting without a value."""
+def _fallback(result: Result, name: str) -> str:
+    """The value in place of a setting that is not set, in words."""
     return span_in_use(result, name) if name in FROM_HEIGHT else "not set"
 
 

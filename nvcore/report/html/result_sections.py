@@ -1,4 +1,4 @@
-"""Sections of what was found: scorecard, encounters, similarity, saliency, false alerts."""
+"""Sections with the results: scorecard, encounters, similarity, saliency, false alerts."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from nvcore.wording import UNDEFINED, count_text, difference, number
 
 MEASURES_HEAD = ("Figure", "X", "Y", "X - Y", "Better")
 N_WORST = 3
-"""Intervals, events and episodes of each system that are listed."""
+"""How many intervals, events and episodes of each system are listed."""
 
 
 def names_of(result: Result) -> tuple[str, str]:
@@ -46,20 +46,22 @@ def scorecard_section(result: Result) -> Section:
     rows.append((f"how the {result.venn.n_near} encounters went:", "", "", "", ""))
     rows += [score_row(row) for row in score_rows(result, MeasureTable.MISS_CLASSES)]
     return Section(
-        "scorecard", "Scorecard", words.scorecard(result.params),
+        "scorecard",
+        "Scorecard",
+        words.scorecard(result.params),
         (table("Figures of X and Y", MEASURES_HEAD, rows, right=(1, 2, 3)),),
-    )  # fmt: skip
+    )
 
 
 def score_row(row: ScoreRow) -> tuple[str, ...]:
-    """Cells of a measure, as `MEASURES_HEAD` names them."""
+    """Cells of a measure, under `MEASURES_HEAD`."""
     label = ("– " if row.level else "") + row.label
-    shown = (number(row.x, row.form), number(row.y, row.form), difference(row.x, row.y, row.form))
-    return (label, *shown, row.better)
+    values = (number(row.x, row.form), number(row.y, row.form), difference(row.x, row.y, row.form))
+    return (label, *values, row.better)
 
 
 def encounters_section(result: Result) -> Section:
-    """Who detects whom, and how those missed are missed."""
+    """Which system detects which pedestrians, and how the others are missed."""
     counts = result.venn.counts()
     in_words = ", ".join(f"{WORDS[kind]} {counts[kind]}" for kind in Category)
     classes = [
@@ -68,38 +70,46 @@ def encounters_section(result: Result) -> Section:
             score_rows(result, MeasureTable.MISS_CLASSES), MISS_CLASS_TEXT, strict=True
         )
     ]
-    said = (*describe_misses(result), describe_lead(result))
+    sentences = (*describe_misses(result), describe_lead(result))
     fusion = fusion_table(result)
     names = names_of(result)
     return Section(
-        "encounters", "Who detects whom", words.who(result.params),
+        "encounters",
+        "Who detects whom",
+        words.who(result.params),
         (
-            table("Encounters by who detects them", ("Category", "Encounters", "Meaning"),
-                  [(WORDS[kind], counts[kind], CATEGORY_TEXT[kind]) for kind in Category],
-                  right=(1,)),
+            table(
+                "Encounters by who detects them",
+                ("Category", "Encounters", "Meaning"),
+                [(WORDS[kind], counts[kind], CATEGORY_TEXT[kind]) for kind in Category],
+                right=(1,),
+            ),
             Chart("venn", venn_figure(result.venn, names, theme=THEME), f"Encounters: {in_words}"),
-            Sentences(said),
-            Chart("classes", miss_classes_plot(encounters_table(result), names, theme=THEME),
-                  "How many encounters each system fails in which way"),
+            Sentences(sentences),
+            Chart(
+                "classes",
+                miss_classes_plot(encounters_table(result), names, theme=THEME),
+                "How many encounters each system fails in which way",
+            ),
             table("How they were missed", ("Class", "X", "Y", "Meaning"), classes, right=(1, 2)),
             _boxes(result),
             Sentences(describe_fusion(fusion)),
             _fusion(fusion),
         ),
-    )  # fmt: skip
+    )
 
 
 def _boxes(result: Result) -> Table:
-    """Which system matches how many boxes of the truth."""
+    """How many boxes of the truth each system matches."""
     boxes = result.boxes
     counts = (boxes.both, boxes.x_only, boxes.y_only, boxes.neither)
     head = ("Matched by both", "Only by X", "Only by Y", "By neither")
-    ignored = " and ".join(
+    n_absorbed = " and ".join(
         f"{system.matches.n_absorbed:,} detections of {letter.upper()}"
         for letter, system in result.sides
     )
     note = (
-        f"Near and distant pedestrians, frame by frame. {ignored} lie on people or regions that "
+        f"Near and distant pedestrians, frame by frame. {n_absorbed} lie on people or regions that "
         "the ground truth ignores and do not count."
     )
     rows = [[f"{n:,}" for n in counts]]
@@ -107,18 +117,19 @@ def _boxes(result: Result) -> Table:
 
 
 def _fusion(fusion: pd.DataFrame) -> Table:
-    """Both systems as one, beside each of them."""
+    """Both systems as one system, beside each of them."""
     names = {"x": "X alone", "y": "Y alone", "x_or_y": "X or Y", "x_and_y": "X and Y"}
     rows = [
         (
-            names[one["system"]], f"{one['encounters_detected']:,}",
-            f"{one['false_alert_episodes']:,}", number(one["episodes_per_hour"], ".1f"),
-            number(one["mean_similarity"], ".4f"),
+            names[row["system"]],
+            f"{row['encounters_detected']:,}",
+            f"{row['false_alert_episodes']:,}",
+            number(row["episodes_per_hour"], ".1f"),
+            number(row["mean_similarity"], ".4f"),
         )
-        for one in fusion.to_dict("records")
-    ]  # fmt: skip
-    head = ("System", "Encounters detected", "False-alert episodes", "Per hour",
-            "Mean similarity")  # fmt: skip
+        for row in fusion.to_dict("records")
+    ]
+    head = ("System", "Encounters detected", "False-alert episodes", "Per hour", "Mean similarity")
     note = (
         "What if both were one system: \u201cX or Y\u201d shows what either shows (a pair of boxes "
         "that overlap once), \u201cX and Y\u201d only what both show."
@@ -129,78 +140,103 @@ def _fusion(fusion: pd.DataFrame) -> Table:
 def similarity_section(result: Result) -> Section:
     """Mean similarity by recording, and the worst intervals."""
     recordings = recordings_table(result)
-    listed, note = _most_different(recordings)
+    recordings_shown, note = _most_different(recordings)
     rows = [
         (
-            one["recording"], f"{one['n_frames']:,}",
-            *(number(one[f"mean_similarity_{letter}"], ".4f") for letter in "xy"),
-            difference(one["mean_similarity_x"], one["mean_similarity_y"], ".4f"),
-            *(number(one[f"share_low_{letter}"], ".1%") for letter in "xy"),
+            row["recording"],
+            f"{row['n_frames']:,}",
+            *(number(row[f"mean_similarity_{letter}"], ".4f") for letter in "xy"),
+            difference(row["mean_similarity_x"], row["mean_similarity_y"], ".4f"),
+            *(number(row[f"share_low_{letter}"], ".1%") for letter in "xy"),
         )
-        for one in listed.to_dict("records")
-    ]  # fmt: skip
+        for row in recordings_shown.to_dict("records")
+    ]
     low = f"below {result.params.low:g}"
     head = ("Recording", "Frames", "Mean X", "Mean Y", "X - Y", f"{low}, X", f"{low}, Y")
     return Section(
-        "similarity", "Similarity", words.similarity(
+        "similarity",
+        "Similarity",
+        words.similarity(
             result.params, span_in_use(result, "midpoint"), span_in_use(result, "spread")
         ),
         (
-            Chart("recordings", recordings_plot(recordings, names_of(result), theme=THEME),
-                  "Mean similarity of X and Y in every recording"),
+            Chart(
+                "recordings",
+                recordings_plot(recordings, names_of(result), theme=THEME),
+                "Mean similarity of X and Y in every recording",
+            ),
             table("Similarity by recording", head, rows, right=range(1, 7), note=note),
             _intervals(result),
         ),
-    )  # fmt: skip
+    )
 
 
 def _most_different(recordings: pd.DataFrame) -> tuple[pd.DataFrame, str]:
-    """The recordings that are listed, in their order, and what is left out."""
+    """The recordings to list, in their order, and a note on those left out."""
     if len(recordings) <= MAX_ROWS:
         return recordings, ""
     apart = (recordings["mean_similarity_x"] - recordings["mean_similarity_y"]).abs()
-    chosen = apart.sort_values(ascending=False, kind="stable").index[:MAX_ROWS].sort_values()
+    largest = apart.sort_values(ascending=False, kind="stable").index[:MAX_ROWS].sort_values()
     note = (
         f"The {MAX_ROWS} recordings in which the systems differ most are shown, "
         f"{len(recordings) - MAX_ROWS:,} are left out."
     )
-    return recordings.loc[chosen], note
+    return recordings.loc[largest], note
 
 
 def _intervals(result: Result) -> Table:
     worst = pd.concat([worst_intervals(result, letter, n=N_WORST) for letter in "xy"])
     rows = [
         (
-            one["system"].upper(), one["recording"], f"{one['first_frame']} to {one['last_frame']}",
-            f"{one['start_s']:.2f}", f"{one['duration_s']:.2f}", f"{one['severity_s']:.3f}",
-            f"{one['min_similarity']:.3f}",
+            row["system"].upper(),
+            row["recording"],
+            f"{row['first_frame']} to {row['last_frame']}",
+            f"{row['start_s']:.2f}",
+            f"{row['duration_s']:.2f}",
+            f"{row['severity_s']:.3f}",
+            f"{row['min_similarity']:.3f}",
         )
-        for one in worst.to_dict("records")
-    ]  # fmt: skip
+        for row in worst.to_dict("records")
+    ]
     head = ("System", "Recording", "Frames", "Start (s)", "Duration (s)", "Severity (s)", "Lowest")
     return table("The worst low intervals", head, rows, right=range(3, 7))
 
 
 def saliency_section(result: Result) -> Section:
-    """How saliency comes about, and the largest events."""
+    """How saliency is computed, and the largest events."""
     worst = pd.concat([worst_events(result, letter, n=N_WORST) for letter in "xy"])
     rows = [
         (
-            one["system"].upper(), one["recording"], one["track"], f"{one['start_s']:.2f}",
-            f"{one['duration_s']:.2f}", f"{one['tau']:.3f}", f"{one['recency']:.3f}",
-            f"{one['saliency_s']:.3f}",
+            row["system"].upper(),
+            row["recording"],
+            row["track"],
+            f"{row['start_s']:.2f}",
+            f"{row['duration_s']:.2f}",
+            f"{row['tau']:.3f}",
+            f"{row['recency']:.3f}",
+            f"{row['saliency_s']:.3f}",
         )
-        for one in worst.to_dict("records")
-    ]  # fmt: skip
-    head = ("System", "Recording", "Pedestrian", "Start (s)", "Duration (s)", "Passed at its end",
-            "Recency", "Saliency (s)")  # fmt: skip
+        for row in worst.to_dict("records")
+    ]
+    head = (
+        "System",
+        "Recording",
+        "Pedestrian",
+        "Start (s)",
+        "Duration (s)",
+        "Passed at its end",
+        "Recency",
+        "Saliency (s)",
+    )
     return Section(
-        "saliency", "Saliency", words.saliency(result.params),
+        "saliency",
+        "Saliency",
+        words.saliency(result.params),
         (
             Sentences(describe_saliency(result)),
             table("The most salient events", head, rows, right=range(3, 8)),
         ),
-    )  # fmt: skip
+    )
 
 
 def false_alerts_section(result: Result) -> Section:
@@ -208,12 +244,14 @@ def false_alerts_section(result: Result) -> Section:
     rows = [score_row(row) for row in score_rows(result, MeasureTable.FALSE_ALERTS)]
     head = ("System", "Recording", "Frames", "Start (s)", "Duration (s)", "Boxes")
     return Section(
-        "false-alerts", "False alerts", words.FALSE_ALERTS,
+        "false-alerts",
+        "False alerts",
+        words.FALSE_ALERTS,
         (
             table("False alarms and episodes", MEASURES_HEAD, rows, right=(1, 2, 3)),
             table("The longest episodes", head, _episodes(result), right=range(3, 6)),
         ),
-    )  # fmt: skip
+    )
 
 
 def _episodes(result: Result) -> list[tuple[Any, ...]]:
@@ -221,53 +259,79 @@ def _episodes(result: Result) -> list[tuple[Any, ...]]:
     rows = []
     for letter, system in result.sides:
         longest = system.episodes.sort_values("duration_s", ascending=False, kind="stable")
-        for one in longest.head(N_WORST).to_dict("records"):
-            first, last = (int(frames["frame"].iloc[one[key]]) for key in ("first_row", "last_row"))
-            start = f"{frames['time_s'].iloc[one['first_row']]:.2f}"
-            rows.append((letter.upper(), name.iloc[one["recording"]], f"{first} to {last}", start,
-                         f"{one['duration_s']:.2f}", one["n_boxes"]))  # fmt: skip
+        for episode in longest.head(N_WORST).to_dict("records"):
+            first, last = (
+                int(frames["frame"].iloc[episode[key]]) for key in ("first_row", "last_row")
+            )
+            start = f"{frames['time_s'].iloc[episode['first_row']]:.2f}"
+            rows.append(
+                (
+                    letter.upper(),
+                    name.iloc[episode["recording"]],
+                    f"{first} to {last}",
+                    start,
+                    f"{episode['duration_s']:.2f}",
+                    episode["n_boxes"],
+                )
+            )
     return rows
 
 
 def only_one_section(result: Result) -> Section:
-    """Encounters that only one system detects, row by row, the gravest first."""
+    """Encounters that only one system detects, row by row, the worst first."""
     encounters = encounters_table(result)
     moments = encounter_moments(result)
     weights = {letter: _missed_weighted_s(result, system) for letter, system in result.sides}
     time_s = result.dataset.frames["time_s"].to_numpy()
     category = encounters["category"].to_numpy()
-    chosen = np.flatnonzero(np.isin(category, [Category.X_ONLY.value, Category.Y_ONLY.value]))
-    is_x_only = category[chosen] == Category.X_ONLY.value
-    missed_s = np.where(is_x_only, weights["y"][chosen], weights["x"][chosen])
+    exclusive = np.flatnonzero(np.isin(category, [Category.X_ONLY.value, Category.Y_ONLY.value]))
+    is_x_only = category[exclusive] == Category.X_ONLY.value
+    missed_s = np.where(is_x_only, weights["y"][exclusive], weights["x"][exclusive])
     order = np.argsort(-missed_s, kind="stable")
     rows: list[tuple[Any, ...]] = []
-    for place in order[:MAX_ROWS].tolist():
-        one = encounters.iloc[chosen[place]]
-        letter, other = ("x", "y") if is_x_only[place] else ("y", "x")
-        row = int(moments[f"missed_row_{other}"].iloc[chosen[place]])
-        rows.append((
-            f"only {letter.upper()}", one["recording"], one["track"],
-            f"{time_s[row]:.2f}" if row >= 0 else UNDEFINED, f"{missed_s[place]:.2f}",
-            one["n_relevant"], f"{one['peak_height']:.0f}",
-            number(one["coverage_x"], ".0%"), number(one["coverage_y"], ".0%"),
-            str(one[f"miss_class_{other}"]).replace("_", " "),
-        ))  # fmt: skip
-    head = ("Detected by", "Recording", "Pedestrian", "Missed from (s)", "Weighted missed time (s)",
-            "Relevant frames", "Height (px)", "Coverage X", "Coverage Y",
-            "The other's failure")  # fmt: skip
-    title = f"{count_text(len(chosen), 'encounter')} that only one system detects"
-    left_out = len(chosen) - len(rows)
+    for index in order[:MAX_ROWS].tolist():
+        encounter = encounters.iloc[exclusive[index]]
+        letter, other = ("x", "y") if is_x_only[index] else ("y", "x")
+        row = int(moments[f"missed_row_{other}"].iloc[exclusive[index]])
+        rows.append(
+            (
+                f"only {letter.upper()}",
+                encounter["recording"],
+                encounter["track"],
+                f"{time_s[row]:.2f}" if row >= 0 else UNDEFINED,
+                f"{missed_s[index]:.2f}",
+                encounter["n_relevant"],
+                f"{encounter['peak_height']:.0f}",
+                number(encounter["coverage_x"], ".0%"),
+                number(encounter["coverage_y"], ".0%"),
+                str(encounter[f"miss_class_{other}"]).replace("_", " "),
+            )
+        )
+    head = (
+        "Detected by",
+        "Recording",
+        "Pedestrian",
+        "Missed from (s)",
+        "Weighted missed time (s)",
+        "Relevant frames",
+        "Height (px)",
+        "Coverage X",
+        "Coverage Y",
+        "The other's failure",
+    )
+    title = f"{count_text(len(exclusive), 'encounter')} that only one system detects"
+    left_out = len(exclusive) - len(rows)
     note = f"The gravest {len(rows):,} are shown, {left_out:,} are left out." if left_out else ""
-    shown = table(title, head, rows, right=range(3, 9), note=note)
-    return Section("only-one", "Encounters that only one detects", words.ONLY_ONE, (shown,))
+    listing = table(title, head, rows, right=range(3, 9), note=note)
+    return Section("only-one", "Encounters that only one detects", words.ONLY_ONE, (listing,))
 
 
 def _missed_weighted_s(result: Result, system: SystemResult) -> np.ndarray:
-    """Time in which a system misses each encounter, times weight of nearness, s; shape (n,)."""
+    """Time in which a system misses each encounter, weighted by nearness, s; shape (n,)."""
     encounters, frames = result.encounters, result.dataset.frame_columns
-    rows, at = encounters.order, encounters.frame_index
+    rows, frame_rows = encounters.order, encounters.frame_index
     of = np.repeat(np.arange(len(encounters)), np.diff(encounters.offsets))
-    step_s = frames.gap[at] / frames.fps[frames.recording[at]]
+    step_s = frames.gap[frame_rows] / frames.fps[frames.recording[frame_rows]]
     is_missed = ~system.matches.is_matched[rows] & (result.k_truth.k[rows] >= RELEVANT_K)
     weights = np.where(is_missed, result.k_truth.k[rows] * step_s, 0.0)
     return np.bincount(of, weights=weights, minlength=len(encounters))

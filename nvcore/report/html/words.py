@@ -1,4 +1,4 @@
-"""What the sections of the report are about, for a reader who does not have the program."""
+"""Introductions to the sections of the report, for a reader who does not have the program."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from nvcore.report.html.frames import APART_S, MOST
 
 
 def reading(params: Params) -> tuple[str, ...]:
-    """What X, Y, truth, match and encounter are."""
+    """What X, Y, truth, match and encounter mean."""
     rule = (
         f"if the boxes overlap by an intersection over union of at least {params.iou:g}"
         if params.match == "iou"
@@ -111,17 +111,19 @@ def similarity(params: Params, midpoint: str, spread: str) -> Intro:
         "where the distance is unknown",
         "none": "1 for everybody",
     }
-    own = [
+    values_in_use = [
         f"{name} {value} px"
-        + ("" if given is not None else f" ({share} of the height of each recording's picture)")
-        for name, value, given, share in (
+        + ("" if setting is not None else f" ({share} of the height of each recording's picture)")
+        for name, value, setting, share in (
             ("midpoint", midpoint, params.midpoint, _percent(MIDPOINT_SHARE)),
             ("spread", spread, params.spread, _percent(SPREAD_SHARE)),
         )
     ]
     if params.proximity == "distance":
-        own.insert(0, f"midpoint_m {params.midpoint_m:g} m, spread_m {params.spread_m:g} m")
-    here = "" if params.proximity == "none" else f", here with {' and '.join(own)}"
+        values_in_use.insert(
+            0, f"midpoint_m {params.midpoint_m:g} m, spread_m {params.spread_m:g} m"
+        )
+    in_use = "" if params.proximity == "none" else f", here with {' and '.join(values_in_use)}"
     return Intro(
         what="How near what a system shows is to what is there, for each frame: 1 means that the "
         "detections fit the pedestrians.",
@@ -131,7 +133,7 @@ def similarity(params: Params, midpoint: str, spread: str) -> Intro:
         "detection that is farthest from any pedestrian. Similarity is 1 - "
         f"({a:g} × D(truth, system) + {1 - a:.4g} × D(system, truth)) / (half the picture's "
         "width). "
-        f"The weight of nearness is {weights[params.proximity]}{here}. The border is the nearer "
+        f"The weight of nearness is {weights[params.proximity]}{in_use}. The border is the nearer "
         "edge of the picture (edge_weight 0, urban), half the picture's width away (1, rural), or "
         f"between; here {params.edge_weight:g}. A low interval is a run of frames with a "
         f"similarity below {params.low:g}; its severity is the sum of how far below, times the "

@@ -110,7 +110,7 @@ def test_the_picture_is_that_of_the_frame(pictures):
     drawn = photo(result, moment, pictures)
     assert decoded(drawn.jpeg)[-20, 20].mean() == pytest.approx(30 * 3, abs=6)  # row 2: picture 3
     assert drawn.place == "r0, frame 2, 0.20 s"
-    assert drawn.figures == "similarity of this frame: X 0.28, Y 1.00"
+    assert drawn.measures == "similarity of this frame: X 0.28, Y 1.00"
 
 
 def test_without_pictures_boxes_stand_on_a_light_ground():
