@@ -14,7 +14,7 @@ from nvcore.figures.style import LOOK, axis, click_markers, empty_figure, faded,
 from nvcore.palette import Theme
 from nvcore.stability.axes import Axis
 from nvcore.stability.map import StabilityMap
-from nvcore.stability.turns import outer
+from nvcore.stability.flips import combine_axes
 from nvcore.stability.words import (
     CRITERIA,
     QUANTITY,
@@ -204,7 +204,7 @@ def _marked(stability: StabilityMap) -> dict[str, list[tuple[float, float]]]:
     if np.isfinite(stability.present_difference):
         marked["as analysed"] = [_point(at, height) for at, height in places]
     if (overturn := stability.overturn) is not None:
-        marked["nearest that overturns it"] = [_point(overturn.at, overturn.difference)]
+        marked["nearest that overturns it"] = [_point(overturn.place, overturn.difference)]
     return marked
 
 
@@ -265,7 +265,7 @@ def _obstacles(stability: StabilityMap) -> list[tuple[np.ndarray, float]]:
     drawn = np.zeros(stability.winner.shape, dtype=bool)
     for point in chain(*_marked(stability).values(), _equal_alarms(stability).tolist()):
         drawn[_cell_at(stability, point)] = True
-    framed = outer([one.is_plausible(one.values) for one in stability.axes], np.logical_and)
+    framed = combine_axes([one.is_plausible(one.values) for one in stability.axes], np.logical_and)
     return [(drawn, 10.0), (framed & ~binary_erosion(framed), 5.0)]
 
 

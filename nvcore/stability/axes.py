@@ -1,4 +1,4 @@
-"""The settings that a stability map moves: their values, and which of them are plausible."""
+"""The settings that a stability map changes: their values, and which of them are plausible."""
 
 from __future__ import annotations
 
@@ -16,34 +16,34 @@ from nvcore.params import MIDPOINT_SHARE, SETTINGS
 Plane = Literal["alpha-midpoint", "thresholds", "matching", "edge-weight", "edge-weight-alpha"]
 
 ALPHA_PLAUSIBLE: Final = (0.5, 1.0)
-"""A warning system exists for the pedestrian who is missed: a miss counts at least as much as a
-false alarm."""
+"""A warning system exists for the pedestrian who would be missed: a miss counts at least as much as
+a false alarm."""
 MIDPOINT_PLAUSIBLE: Final = (0.06, 0.15)
 """Shares of a picture's height: from the preset for rural roads to that for towns, with the default
-between them. Of the lowest picture and of the tallest one, so that every recording's own is in."""
+between them. Taken of the lowest and the tallest picture, to include every recording's own."""
 MIDPOINT_M_PLAUSIBLE: Final = (22.0, 56.0)
-"""Metres: where a person of 1.75 m has these shares of the height, by a camera as that of the
-default (focal length 720 px, picture 375 px high)."""
+"""Metres: where a person of 1.75 m has these shares of the height, in a camera like the default's
+(focal length 720 px, picture 375 px high)."""
 EDGE_WEIGHT_PLAUSIBLE: Final = (0.0, 1.0)
-"""From the preset for towns to that for rural roads, which are the ends of the setting."""
+"""From the preset for towns to that for rural roads: the whole range of the setting."""
 IOU_PLAUSIBLE: Final = (0.3, 0.7)
-"""0.5 is the pedestrian benchmarks' limit. At 0.3 a match still is the same person (the limit of
-linking); above 0.7 the annotators' own boxes of small pedestrians disagree."""
+"""Pedestrian benchmarks use 0.5. At 0.3 a match is still the same person (the limit of linking);
+above 0.7 annotators' own boxes of small pedestrians disagree."""
 ALARMS_PLAUSIBLE: Final = (0.01, 1.0)
-"""False alarms per frame at thresholds that are used: the range over which pedestrian benchmarks
-average the miss rate (Dollár et al. 2012)."""
+"""False alarms per frame at usable thresholds: the range over which pedestrian benchmarks average
+the miss rate (Dollár et al. 2012)."""
 
 ALPHA_DRAWN: Final = (0.0, 1.0)
 MIDPOINT_DRAWN: Final = (0.02, 0.25)
 MIDPOINT_M_DRAWN: Final = (10.0, 90.0)
 IOU_DRAWN: Final = (0.1, 0.9)
-"""Drawn beyond what is plausible, so that a turn just outside is seen."""
+"""Drawn beyond the plausible range, so that a flip just outside can be seen."""
 
 MIN_POINTS: Final = 3
 DIGITS: Final = 10
-"""Digits of a value below the first of the axis' length."""
+"""Digits to which values are rounded, counted from the first digit of the axis' length."""
 ON_GRID: Final = 1e-6
-"""A value this near to a point, in shares of the distance between points, is that point."""
+"""A value this close to a point, as a share of the distance between points, is that point."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,19 +55,19 @@ class Axis:
     name
         Field of `Params`.
     title, unit
-        In words, within a sentence; the unit is empty for shares and scores.
+        Words for use within a sentence; the unit is empty for shares and scores.
     label
-        The setting's name where it is set, with the parameter's in brackets if it is another.
+        The setting's label, with the parameter's name in brackets if it differs.
     values
-        Increasing, float64, shape (n,), read-only; positions 0, 1, ... of `labels` if there are.
+        Increasing, float64, shape (n,), read-only; for a choice the indices of `labels`.
     plausible
         Ends of the range that an analyst may reasonably choose from, within `values`.
     reason
         Why this range, in words.
     present
-        Ends of where the analysed setting lies: equal, unless the recordings' own values differ.
+        Lowest and highest analysed value: equal unless the recordings' own values differ.
     labels, words
-        Of a choice: the values of the parameter, and what they are called.
+        For a choice, the values of the parameter and their names.
     """
 
     name: str
@@ -89,11 +89,11 @@ class Axis:
         return self.labels[i] if self.labels else float(self.values[i])
 
     def setting_at(self, value: float) -> float | str:
-        """Value of the parameter at a place on the axis."""
+        """Value of the parameter at a value of the axis."""
         return self.labels[round(value)] if self.labels else float(value)
 
     def is_plausible(self, values: np.ndarray | float) -> np.ndarray:
-        """Whether places on the axis lie in the plausible range; bool, the same shape."""
+        """Whether values lie in the plausible range; bool, the same shape."""
         low, high = self.plausible
         room = ON_GRID * (high - low)  # 22.2 px is not below 0.06 * 370
         return (np.asarray(values) >= low - room) & (np.asarray(values) <= high + room)
@@ -105,7 +105,7 @@ class Axis:
 
     @property
     def present_index(self) -> int | None:
-        """Point at which the analysed setting lies; None if the recordings' own values differ."""
+        """Index of the analysed setting; None if the recordings' own values differ."""
         low, high = self.present
         return int(np.argmin(np.abs(self.values - low))) if low == high else None
 
@@ -113,7 +113,7 @@ class Axis:
     def weights(self) -> np.ndarray:
         """Share of the plausible range that each point stands for; float64, (n,), sums to 1.
 
-        A point stands for what lies nearer to it than to any other.
+        A point stands for the values nearer to it than to any other.
         """
         if self.labels:
             return np.full(len(self), 1 / len(self))
@@ -124,7 +124,7 @@ class Axis:
         return share
 
     def distance(self, values: np.ndarray) -> np.ndarray:
-        """How far places are from the analysed setting, in plausible ranges; float64, (n,).
+        """How far values are from the analysed setting, in plausible ranges; float64, (n,).
 
         Another choice is a whole range away.
         """
@@ -136,15 +136,15 @@ class Axis:
         return share
 
     def range_text(self, low: float, high: float) -> str:
-        """A range on this axis: "28.8 to 72 px", or all choices."""
+        """A range on this axis, such as "28.8 to 72 px"; for a choice, all its values."""
         if self.labels:
             return " or ".join(self.words)
         return self.number_text(high) if low == high else f"{low:.4g} to {self.number_text(high)}"
 
     def text(self, value: float) -> str:
-        """A place in words, such as "alpha 0.3" or "counts half at 48 px"."""
-        said = self.words[round(value)] if self.labels else self.number_text(value)
-        return f"{self.title} {said}"
+        """A value in words, such as "alpha 0.3" or "counts half at 48 px"."""
+        value_text = self.words[round(value)] if self.labels else self.number_text(value)
+        return f"{self.title} {value_text}"
 
     def number_text(self, value: float) -> str:
         """A value on this axis with its unit."""
@@ -152,14 +152,14 @@ class Axis:
 
 
 def axes_of(result: Result, plane: Plane, *, n_points: int) -> tuple[Axis, ...]:
-    """The axes of a map, one or two; what these data cannot show is left out.
+    """The axes of a map, one or two; those that these data do not have are left out.
 
     Without proximity there is no midpoint, and without scores no threshold.
 
     Raises
     ------
     ParameterError
-        If there is no such plane, or fewer than `MIN_POINTS` points are asked for.
+        If there is no such plane, or `n_points` is less than `MIN_POINTS`.
     InputError
         If no threshold changes anything: neither system has scores that differ.
     """
@@ -167,19 +167,19 @@ def axes_of(result: Result, plane: Plane, *, n_points: int) -> tuple[Axis, ...]:
         raise ParameterError(f"plane: expected one of {', '.join(get_args(Plane))}, got {plane!r}")
     if n_points < MIN_POINTS:
         raise ParameterError(f"n_points: expected at least {MIN_POINTS}, got {n_points}")
-    found: tuple[Axis | None, ...]
+    candidates: tuple[Axis | None, ...]
     match plane:
         case "alpha-midpoint":
-            found = (_alpha(result, n_points), _midpoint(result, n_points))
+            candidates = (_alpha(result, n_points), _midpoint(result, n_points))
         case "thresholds":
-            found = (_threshold(result, "x", n_points), _threshold(result, "y", n_points))
+            candidates = (_threshold(result, "x", n_points), _threshold(result, "y", n_points))
         case "matching":
-            found = (_iou(result, n_points), _match_mode(result))
+            candidates = (_iou(result, n_points), _match_mode(result))
         case "edge-weight":
-            found = (_edge_weight(result, n_points),)
+            candidates = (_edge_weight(result, n_points),)
         case "edge-weight-alpha":
-            found = (_edge_weight(result, n_points), _alpha(result, n_points))
-    axes = tuple(axis for axis in found if axis is not None)
+            candidates = (_edge_weight(result, n_points), _alpha(result, n_points))
+    axes = tuple(axis for axis in candidates if axis is not None)
     if not axes:
         raise InputError(
             "neither system has scores that differ: no threshold changes anything; read "
@@ -285,7 +285,7 @@ def _midpoint(result: Result, n_points: int) -> Axis | None:
 
 
 def _threshold(result: Result, letter: Literal["x", "y"], n_points: int) -> Axis | None:
-    """Score threshold of a system; None if all its scores are the same, or it has none."""
+    """Score threshold of a system; None if all its scores are equal, or it has none."""
     system = getattr(result, letter)
     score = result.dataset.system(system.name).score
     score = score[np.isfinite(score)]
@@ -329,11 +329,11 @@ def _numeric(
     drawn: tuple[float, float],
     reason: str,
 ) -> Axis:
-    """Values over what is drawn, plausible and present, evenly spaced but for two things.
+    """Values over the drawn, plausible and present range, evenly spaced with two exceptions.
 
-    The ends of the plausible range are points, in the place of the nearest even ones: what is told
-    to lie inside of it does, and no point stands for settings on both sides. The present setting is
-    one point more where it lies between two, so that the map shows it.
+    The ends of the plausible range replace the nearest even points: whatever is said to lie inside
+    the range does, and no point stands for settings on both sides. The present setting is an extra
+    point if it lies between two, so that the map shows it.
     """
     place = present if isinstance(present, tuple) else (float(present), float(present))
     low, high = min(drawn[0], plausible[0], place[0]), max(drawn[1], plausible[1], place[1])

@@ -1,7 +1,7 @@
 """Thresholds at which X and Y have equally many false alarms: the fair pairs among all thresholds.
 
-A system at a lax threshold detects more than one at a strict threshold; that says nothing of the
-systems. Along these pairs it does.
+A system at a lax threshold detects more than one at a strict threshold; that says nothing about the
+systems. At these pairs it does.
 """
 
 from __future__ import annotations
@@ -15,15 +15,15 @@ import pandas as pd
 from nvcore.comparison import Result, SystemResult
 from nvcore.detection.operating_point import false_alarm_curve
 from nvcore.stability.axes import ALARMS_PLAUSIBLE
+from nvcore.stability.flips import Winner, winners
 from nvcore.stability.scores import LETTERS, Letter
-from nvcore.stability.turns import Winner, winners
 
 N_RATES: Final = 41
-"""Rates of false alarms, in steps of equal ratio as where the miss rate is averaged."""
+"""Number of false-alarm rates, in equal ratios like those over which the miss rate is averaged."""
 CURVE_POINTS: Final = 100_000
-"""Thresholds of a system that are tried, at most."""
+"""Most thresholds of a system that are tried."""
 ALIKE: Final = 0.1
-"""Numbers of false alarms that differ by no more than this share of the larger are equal."""
+"""Numbers of false alarms count as equal if they differ by at most this share of the larger."""
 
 COLUMNS: Final = ("alarms_per_frame", "threshold_x", "threshold_y")
 
@@ -35,11 +35,11 @@ class EqualAlarms:
     Attributes
     ----------
     alarms_per_frame
-        Increasing in steps of equal ratio, float64, shape (n,); n is 0 if no thresholds do it.
+        Increasing in equal ratios, float64, shape (n,); n is 0 if no thresholds are equal in this.
     threshold_x, threshold_y
-        That give it, float64, shape (n,).
+        Thresholds that give these rates, float64, shape (n,).
     difference
-        There; positive: X is better; float64, shape (n,).
+        Difference at these thresholds; positive: X is better; float64, shape (n,).
     present_x, present_y
         False alarms per frame as analysed.
     """
@@ -52,7 +52,7 @@ class EqualAlarms:
     present_y: float
 
     def share(self, winner: Winner) -> float:
-        """Share of these pairs in which this is so, 0..1; NaN if there are none."""
+        """Share of these pairs with this winner, 0..1; NaN without pairs."""
         if not len(self.difference):
             return np.nan
         return float(np.mean(winners(self.difference) == winner))
@@ -64,9 +64,9 @@ def equal_alarm_thresholds(result: Result) -> pd.DataFrame:
     Returns
     -------
     Columns `COLUMNS`, at most `N_RATES` rows, rates increasing from the least to the greatest of
-    `nvcore.stability.axes.ALARMS_PLAUSIBLE`: the lowest thresholds that give no more than the rate.
-    Rates that a system does not reach are left out, and those at which the numbers differ, as
-    where many detections have one score. No rows without scores.
+    `nvcore.stability.axes.ALARMS_PLAUSIBLE`: the lowest thresholds that give at most the rate.
+    Left out are rates that a system does not reach, and those at which the numbers differ, as when
+    many detections have the same score. No rows without scores.
     """
     rates = np.geomspace(*ALARMS_PLAUSIBLE, N_RATES)
     columns: dict[str, np.ndarray] = {"alarms_per_frame": rates}
@@ -89,7 +89,7 @@ def equal_alarm_thresholds(result: Result) -> pd.DataFrame:
 
 
 def keys_along(pairs: pd.DataFrame) -> dict[Letter, np.ndarray]:
-    """What each system's figure depends on in each pair of thresholds; object, one `Key` each."""
+    """What each system's measure depends on at each pair of thresholds; object, one `Key` each."""
     names: dict[Letter, str] = {letter: f"threshold_{letter}" for letter in LETTERS}
     return {
         letter: np.fromiter((((name, value),) for value in pairs[name].tolist()), object)

@@ -1,8 +1,8 @@
 """Whether the verdict depends on the analyst: the difference X - Y over settings of the analysis.
 
 >>> with ThreadPoolExecutor() as pool:  # doctest: +SKIP
-...     found = map_stability(result, "alpha-midpoint", "similarity", executor=pool)
->>> found.share_held, found.overturn  # doctest: +SKIP
+...     stability = map_stability(result, "alpha-midpoint", "similarity", executor=pool)
+>>> stability.share_held, stability.overturn  # doctest: +SKIP
 """
 
 from __future__ import annotations
@@ -25,6 +25,17 @@ from nvcore.stability.equal_alarms import (
     equal_alarm_thresholds,
     keys_along,
 )
+from nvcore.stability.flips import (
+    Field,
+    Flip,
+    Interval,
+    Winner,
+    combine_axes,
+    find_flips,
+    find_interval,
+    find_plausible_flip,
+    winners,
+)
 from nvcore.stability.scores import (
     LETTERS,
     Criterion,
@@ -36,24 +47,13 @@ from nvcore.stability.scores import (
     match_fully,
     score_setting,
 )
-from nvcore.stability.turns import (
-    Field,
-    Stretch,
-    Turn,
-    Winner,
-    find_plausible_turn,
-    find_stretch,
-    find_turns,
-    outer,
-    winners,
-)
 
 N_POINTS: Final = 41
-"""Points of an axis, and one more where the analysed setting lies between them."""
+"""Points of an axis, plus one if the analysed setting lies between them."""
 MAPS: Final = "stability maps"
-"""What `Progress` is told."""
+"""Description of this work for `Progress`."""
 CONTINUOUS: Final = ("alpha", "edge_weight", "midpoint", "midpoint_m")
-"""Settings in which mean similarity makes no steps; in thresholds and IoU it does."""
+"""Settings in which mean similarity changes without steps; not so thresholds and IoU."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,17 +67,17 @@ class StabilityMap:
     axes
         One or two.
     difference
-        X - Y with the sign turned so that positive always means X is better: mean similarity
-        X - Y; encounters that X alone detects less those that Y alone detects; saliency Y - X in
-        seconds. float64, shape (len(axes[0]), ...), NaN undefined; read-only.
+        Positive means that X is better: mean similarity X - Y; encounters that only X detects
+        minus those that only Y detects; saliency Y - X in seconds. float64, shape
+        (len(axes[0]), ...), NaN undefined; read-only.
     winner
         `Winner` of every cell; object, the same shape; read-only.
     present_difference
-        At the analysed setting.
+        Difference at the analysed setting.
     is_moved_by
-        Of each axis: whether the criterion depends on it at all.
+        For each axis, whether the criterion depends on it at all.
     equal_alarms
-        Over both thresholds: where X and Y have equally many false alarms; else None.
+        In the plane of both thresholds: where X and Y have equally many false alarms; else None.
     """
 
     plane: Plane
@@ -97,27 +97,32 @@ class StabilityMap:
     @property
     def present_cell(self) -> int | None:
         """Flat index of the analysed setting; None if the recordings' own values differ."""
-        at = [axis.present_index for axis in self.axes]
-        known = [i for i in at if i is not None]
-        if len(known) < len(at):
+        indices = self._present_indices
+        if indices is None:
             return None
-        return int(np.ravel_multi_index(known, self.difference.shape))
+        return int(np.ravel_multi_index(indices, self.difference.shape))
+
+    @property
+    def _present_indices(self) -> list[int] | None:
+        """Index of the analysed setting on each axis; None if the recordings' own values differ."""
+        indices = [i for axis in self.axes if (i := axis.present_index) is not None]
+        return indices if len(indices) == len(self.axes) else None
 
     def settings(self, cell: int) -> dict[str, float | str]:
         """Parameters of a cell, by flat index, for ``dataclasses.replace(params, **settings)``."""
-        at = np.unravel_index(cell, self.difference.shape)
-        return {axis.name: axis.setting(int(i)) for axis, i in zip(self.axes, at, strict=True)}
+        indices = np.unravel_index(cell, self.difference.shape)
+        return {axis.name: axis.setting(int(i)) for axis, i in zip(self.axes, indices, strict=True)}
 
     @cached_property
     def share_held(self) -> float:
         """Share of the plausible range in which the present verdict holds, 0..1; 1 is stable.
 
-        Of what is defined there; NaN if nothing is, or the present verdict is not.
+        Undefined cells do not count; NaN if all are undefined, or the present verdict is.
         """
         if self.verdict == "undefined" or not self.share_defined:
             return np.nan
-        held = float(self._weights[self.winner == self.verdict].sum())
-        return min(1.0, held / self.share_defined)
+        share = float(self._weights[self.winner == self.verdict].sum())
+        return min(1.0, share / self.share_defined)
 
     @cached_property
     def share_defined(self) -> float:
@@ -127,38 +132,37 @@ class StabilityMap:
     @cached_property
     def _weights(self) -> np.ndarray:
         """Share of the plausible range that each cell stands for."""
-        return outer([axis.weights for axis in self.axes], np.multiply)
+        return combine_axes([axis.weights for axis in self.axes], np.multiply)
 
     @cached_property
-    def end(self) -> Turn | None:
+    def end(self) -> Flip | None:
         """The nearest setting on the map at which the verdict does not hold: a tie is enough."""
         is_other = (self.winner != self.verdict) & (self.winner != "undefined")
-        found = (
-            () if self.verdict == "undefined" else find_turns(self.field, self.verdict, is_other)
-        )
-        return found[0] if found else None
+        if self.verdict == "undefined":
+            return None
+        return next(iter(find_flips(self.field, self.verdict, is_other)), None)
 
     @cached_property
-    def overturns(self) -> tuple[Turn, ...]:
+    def overturns(self) -> tuple[Flip, ...]:
         """The nearest setting in each separate part of the map in which the other system is better.
 
-        The nearest part first. With a tie at present: in which one of them is better.
+        The nearest part first. If it is a tie at present: in which either system is better.
         """
         if self.verdict == "undefined":
             return ()
-        return find_turns(self.field, self.verdict, self._is_overturned)
+        return find_flips(self.field, self.verdict, self._is_overturned)
 
     @property
-    def overturn(self) -> Turn | None:
+    def overturn(self) -> Flip | None:
         """The nearest setting on the map that overturns the verdict; None: nowhere."""
         return self.overturns[0] if self.overturns else None
 
     @cached_property
-    def plausible_overturn(self) -> Turn | None:
+    def plausible_overturn(self) -> Flip | None:
         """The nearest setting that overturns the verdict and is plausible; None: nowhere."""
         if self.verdict == "undefined":
             return None
-        return find_plausible_turn(self.field, self.verdict, self._is_overturned)
+        return find_plausible_flip(self.field, self.verdict, self._is_overturned)
 
     @property
     def _is_overturned(self) -> np.ndarray:
@@ -170,24 +174,23 @@ class StabilityMap:
 
     @cached_property
     def field(self) -> Field:
-        """The cells, for the search of turns."""
+        """The cells, for the search for flips."""
         is_continuous = tuple(
             self.criterion == "similarity" and axis.name in CONTINUOUS for axis in self.axes
         )
         return Field(self.axes, self.difference, self.winner, is_continuous)
 
     @cached_property
-    def stretches(self) -> tuple[Stretch, ...]:
+    def intervals(self) -> tuple[Interval, ...]:
         """For each numeric axis that matters, how far the verdict holds along it alone.
 
-        Empty where the verdict is undefined or the analysed setting is no one point of the map.
+        Empty if the verdict is undefined or the analysed setting is not a single point of the map.
         """
-        at = [axis.present_index for axis in self.axes]
-        known = [i for i in at if i is not None]
-        if self.verdict == "undefined" or len(known) < len(at):
+        present = self._present_indices
+        if self.verdict == "undefined" or present is None:
             return ()
         return tuple(
-            find_stretch(self.field, self.verdict, i, known)
+            find_interval(self.field, self.verdict, i, present)
             for i, axis in enumerate(self.axes)
             if not axis.labels and self.is_moved_by[i]
         )
@@ -207,19 +210,19 @@ def map_stability(
     Parameters
     ----------
     result
-        The comparison at the present setting; what a setting leaves alone is taken from it.
+        The comparison at the present setting; whatever a setting does not change comes from it.
     plane
-        Which settings move: ``"alpha-midpoint"``, ``"thresholds"`` (of X, of Y), ``"matching"``
-        (IoU, mode), ``"edge-weight"``, ``"edge-weight-alpha"``. An axis that these data cannot
-        show is left out: the midpoint without proximity, a threshold without scores.
+        Which settings change: ``"alpha-midpoint"``, ``"thresholds"`` (of X, of Y), ``"matching"``
+        (IoU, mode), ``"edge-weight"``, ``"edge-weight-alpha"``. An axis that these data do not have
+        is left out: the midpoint without proximity, a threshold without scores.
     criterion
-        ``"similarity"`` (mean), ``"encounters"`` (detected by X alone less by Y alone),
+        ``"similarity"`` (mean), ``"encounters"`` (detected by only X minus by only Y),
         ``"saliency"``.
     n_points
         Points of each numeric axis.
     executor
-        Runs the settings side by side; threads do, for the kernels release the lock. None: one
-        after the other in this thread.
+        Runs the settings side by side; threads suffice, as the kernels release the lock. None: one
+        after another in this thread.
     progress
         Called from this thread before and between steps.
 
@@ -232,7 +235,7 @@ def map_stability(
 
     Notes
     -----
-    Undefined cells: no frames; for encounters, none near enough to count at that setting.
+    Undefined cells: no frames; for encounters, none near enough to count there.
     """
     if criterion not in get_args(Criterion):
         raise ParameterError(
@@ -241,34 +244,39 @@ def map_stability(
     axes = axes_of(result, plane, n_points=n_points)
     progress(0.0, MAPS)
     keys = {letter: keys_of(result, criterion, letter, axes) for letter in LETTERS}
-    wanted: dict[Key, list[Letter]] = {}
+    letters_of: dict[Key, list[Letter]] = {}
     for letter in LETTERS:
         for key in dict.fromkeys(keys[letter].ravel()):
-            wanted.setdefault(key, []).append(letter)
+            letters_of.setdefault(key, []).append(letter)
     is_by_alarms = plane == "thresholds" and len(axes) == len(LETTERS)
     pairs = equal_alarm_thresholds(result) if is_by_alarms else None
     along = {} if pairs is None else keys_along(pairs)
-    for letter, keys_there in along.items():
-        for key in keys_there:
-            if letter not in wanted.setdefault(key, []):
-                wanted[key].append(letter)
+    for letter, keys_on_line in along.items():
+        for key in keys_on_line:
+            if letter not in letters_of.setdefault(key, []):
+                letters_of[key].append(letter)
     full = match_fully(result, [axis.name for axis in axes])
     jobs = [
         partial(score_setting, result, criterion, key, letters, full)
-        for key, letters in wanted.items()
+        for key, letters in letters_of.items()
     ]
-    found = dict(zip(wanted, run_steps(jobs, executor, progress, MAPS), strict=True))
+    scores_of = dict(zip(letters_of, run_steps(jobs, executor, progress, MAPS), strict=True))
     alpha = result.params.alpha
-    scores = {letter: _score_grid(keys[letter], found, letter, axes, alpha) for letter in LETTERS}
+    scores = {
+        letter: _score_grid(keys[letter], scores_of, letter, axes, alpha) for letter in LETTERS
+    }
     difference = _difference(scores, criterion)
     equal_alarms = None
     if pairs is not None:
-        there = {letter: _score_grid(of, found, letter, (), alpha) for letter, of in along.items()}
+        on_line = {
+            letter: _score_grid(line_keys, scores_of, letter, (), alpha)
+            for letter, line_keys in along.items()
+        }
         equal_alarms = EqualAlarms(
             alarms_per_frame=pairs["alarms_per_frame"].to_numpy(),
             threshold_x=pairs["threshold_x"].to_numpy(),
             threshold_y=pairs["threshold_y"].to_numpy(),
-            difference=_difference(there, criterion),
+            difference=_difference(on_line, criterion),
             present_x=alarms_per_frame(result, result.x),
             present_y=alarms_per_frame(result, result.y),
         )
@@ -276,13 +284,19 @@ def map_stability(
     difference = np.broadcast_to(difference, shape).copy()
     winner = winners(difference)
     difference.flags.writeable = winner.flags.writeable = False
-    moved = tuple(
+    is_moved_by = tuple(
         any(enters(axis.name, criterion, letter, result) for letter in LETTERS) for axis in axes
     )
     return StabilityMap(
-        plane, criterion, axes, difference, winner, present_difference(result, criterion), moved,
-        equal_alarms,
-    )  # fmt: skip
+        plane=plane,
+        criterion=criterion,
+        axes=axes,
+        difference=difference,
+        winner=winner,
+        present_difference=present_difference(result, criterion),
+        is_moved_by=is_moved_by,
+        equal_alarms=equal_alarms,
+    )
 
 
 def present_difference(result: Result, criterion: Criterion) -> float:
@@ -297,20 +311,20 @@ def present_difference(result: Result, criterion: Criterion) -> float:
 
 
 def _difference(scores: Mapping[Letter, np.ndarray], criterion: Criterion) -> np.ndarray:
-    """Positive: X is better."""
+    """Difference of the scores; positive: X is better."""
     difference: np.ndarray = scores["x"] - scores["y"]
     return 0.0 - difference if criterion == "saliency" else difference  # no negative zeros
 
 
 def _score_grid(
     keys: np.ndarray,
-    found: Mapping[Key, Mapping[Letter, Score]],
+    scores_of: Mapping[Key, Mapping[Letter, Score]],
     letter: Letter,
     axes: Sequence[Axis],
     present_alpha: float,
 ) -> np.ndarray:
-    """A system's figure in each cell; float64, broadcasts to the map's shape."""
-    scores = [found[key][letter] for key in keys.ravel()]
+    """A system's measure in each cell; float64, broadcasts to the map's shape."""
+    scores = [scores_of[key][letter] for key in keys.ravel()]
     at_0 = np.array([score.at_0 for score in scores]).reshape(keys.shape)
     at_1 = np.array([score.at_1 for score in scores]).reshape(keys.shape)
     alpha: np.ndarray = np.array(present_alpha)

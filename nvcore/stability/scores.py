@@ -1,4 +1,4 @@
-"""A criterion's figure of each system at another setting, by repeating only what it changes."""
+"""A criterion's measure of each system at another setting, repeating only what that changes."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ STAGE_OF: Final[dict[Criterion, Stage]] = {
     "encounters": ENCOUNTERS,
     "saliency": SALIENCY,
 }
-"""The stage of the comparison that gives each criterion."""
+"""The stage of the comparison that computes each criterion."""
 
 Key = tuple[tuple[str, float | str], ...]
 """Settings by name that differ from the analysed ones; alpha is never among them."""
@@ -37,12 +37,12 @@ Key = tuple[tuple[str, float | str], ...]
 
 @dataclass(frozen=True)
 class Score:
-    """A system's figure as a function of alpha: a straight line between two ends.
+    """A system's measure as a function of alpha: a straight line between two ends.
 
     Attributes
     ----------
     at_0, at_1
-        The figure at alpha 0 and 1; equal where alpha does not enter. NaN: undefined.
+        The measure at alpha 0 and 1; equal where alpha does not matter. NaN: undefined.
     """
 
     at_0: float
@@ -54,7 +54,7 @@ def enters(name: str, criterion: Criterion, letter: Letter, result: Result) -> b
     if name.startswith("threshold_"):
         return name == f"threshold_{letter}"
     if name in settings_for(MATCH) and criterion != "encounters":
-        # the sets depend on the matching only by who is absorbed by ignore regions
+        # the sets depend on matching only through what ignore regions absorb
         return bool(result.dataset.truth.ignore.any())
     return name in settings_for(STAGE_OF[criterion])
 
@@ -62,28 +62,31 @@ def enters(name: str, criterion: Criterion, letter: Letter, result: Result) -> b
 def keys_of(
     result: Result, criterion: Criterion, letter: Letter, axes: Sequence[Axis]
 ) -> np.ndarray:
-    """What a system's figure depends on in each cell; object, one `Key` each.
+    """What a system's measure depends on in each cell; object, one `Key` each.
 
-    Shape: that of the map, with 1 for axes that do not change it, and for alpha.
+    The map's shape, with 1 for axes that do not change it and for alpha.
     """
     moved = [axis.name != "alpha" and enters(axis.name, criterion, letter, result) for axis in axes]
     shape = tuple(len(axis) if is_moved else 1 for axis, is_moved in zip(axes, moved, strict=True))
     keys = np.empty(shape, dtype=object)
-    for at in product(*map(range, shape)):  # a loop over settings, not over frames
-        at_each = zip(axes, at, moved, strict=True)
-        named = [(axis.name, axis.setting(i)) for axis, i, is_moved in at_each if is_moved]
-        if ("match", "lateral") in named:  # by lateral position no overlap is asked for
-            named = [one for one in named if one[0] != "iou"]
-        keys[at] = tuple(named)
+    for indices in product(*map(range, shape)):  # a loop over settings, not over frames
+        settings = [
+            (axis.name, axis.setting(i))
+            for axis, i, is_moved in zip(axes, indices, moved, strict=True)
+            if is_moved
+        ]
+        if ("match", "lateral") in settings:  # matching by lateral position ignores overlap
+            settings = [setting for setting in settings if setting[0] != "iou"]
+        keys[indices] = tuple(settings)
     return keys
 
 
 def match_fully(result: Result, names: Sequence[str]) -> dict[Letter, Matches]:
-    """Matching of all detections of the systems whose thresholds move.
+    """Matching of all detections of the systems whose thresholds change.
 
     Detections take pedestrians in descending score, so a threshold changes nothing for those
-    above it: one matching serves all thresholds. Only a system that has detections without a
-    score, which come last and may take what a threshold sets free, is matched anew at each.
+    above it: one matching serves all thresholds. A system that has detections without a score,
+    which come last and may take what a threshold sets free, is matched anew at each threshold.
     """
     full: dict[Letter, Matches] = {}
     for letter in LETTERS:
@@ -107,16 +110,16 @@ def score_setting(
     letters: Sequence[Letter],
     full: Mapping[Letter, Matches],
 ) -> dict[Letter, Score]:
-    """The criterion's figure of some systems at one setting.
+    """The criterion's measure of some systems at one setting.
 
     Mean similarity (1 is best), number of encounters detected, or saliency in seconds (0 is best);
-    the same as `nvcore.comparison.compare` gives at that setting, to rounding. NaN without frames,
-    and for encounters where none is near enough to count.
+    as `nvcore.comparison.compare` gives at that setting, up to rounding. NaN without frames and,
+    for encounters, if none is near enough to count.
 
     Parameters
     ----------
     letters
-        "x", "y" or both: what the truth weighs is found once for them.
+        "x", "y" or both; the truth is weighed once for both.
     full
         From `match_fully`.
     """
@@ -124,9 +127,9 @@ def score_setting(
     params = replace(result.params, **changes)
     dataset = result.dataset
     frames = dataset.frame_columns
-    is_weighed_anew = _is_changed(PROXIMITY, changes)
+    has_new_weights = _is_changed(PROXIMITY, changes)
     k_truth = result.k_truth.k
-    if is_weighed_anew:
+    if has_new_weights:
         k_truth = weigh_proximity(dataset.truth, ~dataset.truth.ignore, frames, params).k
     scores: dict[Letter, Score] = {}
     for letter in letters:
@@ -150,7 +153,7 @@ def _system(result: Result, letter: Letter) -> SystemResult:
 
 
 def _is_changed(stage: Stage, changes: Mapping[str, Any]) -> bool:
-    """Whether a change moves the result of a stage; thresholds aside."""
+    """Whether the changes affect a stage's result, thresholds aside."""
     return not changes.keys().isdisjoint(settings_for(stage))
 
 
@@ -172,14 +175,14 @@ def _matches(
 
 
 def _above(full: Matches, score: np.ndarray, threshold: float) -> Matches:
-    """What a threshold leaves of the matching of all detections."""
+    """What a threshold leaves of a matching of all detections."""
     is_below = score < threshold
-    kept = full.truth_det >= 0
-    kept &= ~is_below[full.truth_det]
+    is_kept = full.truth_det >= 0
+    is_kept &= ~is_below[full.truth_det]
     return Matches(
         state=np.where(is_below, np.int8(DetectionState.BELOW), full.state),
         det_truth=np.where(is_below, -1, full.det_truth),
-        truth_det=np.where(kept, full.truth_det, -1),
+        truth_det=np.where(is_kept, full.truth_det, -1),
     )
 
 
@@ -200,7 +203,7 @@ def _distances(
     nearest, k = system.nearest, system.weights.k
     if matches is not system.matches:
         nearest = find_nearest(truth, detections, is_counted, frames, distance=params.distance)
-    # saliency looks at misses only: the weights of detections do not enter
+    # saliency considers misses only: the weights of detections do not matter
     if criterion == "similarity" and _is_changed(PROXIMITY, changes):
         k = weigh_proximity(detections, is_counted, frames, params).k
     return measure_sets(
@@ -217,7 +220,7 @@ def _distances(
 
 
 def _similarity(distances: SetDistances, result: Result) -> Score:
-    """Mean similarity is a straight line in alpha: misses only at 1, false alarms only at 0."""
+    """Mean similarity, a straight line in alpha: only misses at 1, only false alarms at 0."""
     frames = result.dataset.frame_columns
     half_width = 0.5 * frames.width
     per_frame = half_width[0] if len(half_width) == 1 else half_width[frames.recording]
@@ -228,12 +231,12 @@ def _similarity(distances: SetDistances, result: Result) -> Score:
 
 
 def _count_detected(result: Result, k_truth: np.ndarray, matches: Matches, params: Params) -> float:
-    judged = judge_encounters(
+    outcomes = judge_encounters(
         result.encounters, k_truth, matches.is_matched, result.dataset.frame_columns, params
     )
-    if not (judged["n_relevant"] > 0).any():
+    if not (outcomes["n_relevant"] > 0).any():
         return np.nan
-    return float(judged["is_detected"].sum())
+    return float(outcomes["is_detected"].sum())
 
 
 def _saliency(distances: SetDistances, result: Result, params: Params) -> float:

@@ -1,4 +1,4 @@
-"""All maps at once: on which settings the verdict depends, and on which it does not."""
+"""All maps in one table: on which settings the verdict depends, and on which not."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ SURVEY_PLANES: Final[tuple[Plane, ...]] = (
     "matching",
     "edge-weight-alpha",
 )
-"""Every setting that a map moves is in one of them."""
+"""Planes that together contain every setting that a map can change."""
 NOTHING: Final = "–"
 SURVEY_COLUMNS: Final = ("plane", "criterion", "settings", "by", "verdict", "share", "nearest")
 
@@ -37,10 +37,10 @@ class SurveyRow:
     ----------
     plane, criterion
         Which map.
-    found
-        None if these data have no such map.
+    stability
+        The map; None if these data do not have it.
     why_not
-        In words; empty if there is one.
+        Why there is no map; empty if there is one.
     """
 
     plane: Plane
@@ -50,7 +50,7 @@ class SurveyRow:
 
     @property
     def is_dependent(self) -> bool:
-        """Whether there is a map, and any of its settings enters into the criterion."""
+        """Whether there is a map and the criterion depends on any of its settings."""
         return self.stability is not None and any(self.stability.is_moved_by)
 
 
@@ -61,10 +61,10 @@ def survey_stability(
     progress: Progress = no_progress,
 ) -> tuple[SurveyRow, ...]:
     """The maps of `SURVEY_PLANES` by every criterion; parameters as of `map_stability`."""
-    wanted: list[tuple[Plane, Criterion]] = [(p, c) for p in SURVEY_PLANES for c in CRITERIA]
+    maps: list[tuple[Plane, Criterion]] = [(p, c) for p in SURVEY_PLANES for c in CRITERIA]
     rows = []
-    for number, (plane, criterion) in enumerate(wanted):
-        part = part_of(progress, number / len(wanted), (number + 1) / len(wanted))
+    for number, (plane, criterion) in enumerate(maps):
+        part = part_of(progress, number / len(maps), (number + 1) / len(maps))
         try:
             stability = map_stability(result, plane, criterion, executor=executor, progress=part)
         except InputError as error:
@@ -93,14 +93,14 @@ def survey_table(survey: Sequence[SurveyRow]) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=list(SURVEY_COLUMNS))
 
 
-def held_text(one: SurveyRow) -> str:
-    """In which share of the plausible range the verdict holds, in a few words."""
-    if one.stability is None:
+def held_text(row: SurveyRow) -> str:
+    """The share of the plausible range in which the verdict holds, in a few words."""
+    if row.stability is None:
         return "no such map"
-    if one.stability.verdict == "undefined":
+    if row.stability.verdict == "undefined":
         return "undefined"
-    if not one.is_dependent:
+    if not row.is_dependent:
         return "does not depend on them"
-    if np.isnan(one.stability.share_held):
+    if np.isnan(row.stability.share_held):
         return "undefined there"
-    return share_text(one.stability.share_held)
+    return share_text(row.stability.share_held)

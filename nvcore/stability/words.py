@@ -1,6 +1,6 @@
-"""What a stability map shows, in sentences that say no more than its cells.
+"""What a stability map shows, in sentences that claim no more than its cells show.
 
-The systems are called X and Y; no name from a file stands in these sentences.
+The systems are called X and Y; these sentences contain no names from files.
 """
 
 from __future__ import annotations
@@ -12,10 +12,10 @@ import numpy as np
 import pandas as pd
 
 from nvcore.evidence.paired_tests import SIGNIFICANT
-from nvcore.stability.axes import Plane
+from nvcore.stability.axes import Axis, Plane
+from nvcore.stability.flips import Flip, Interval, Winner, winners
 from nvcore.stability.map import StabilityMap
 from nvcore.stability.scores import Criterion
-from nvcore.stability.turns import Stretch, Turn, Winner, winners
 
 PLANES: Final[dict[Plane, str]] = {
     "alpha-midpoint": "Alpha and what counts as near",
@@ -60,13 +60,13 @@ TESTED: Final[dict[Criterion, tuple[str, ...]]] = {
     "encounters": ("encounters_detected", "encounters_detected_by_unit"),
     "saliency": ("saliency",),
 }
-"""Rows of the table of evidence that are about a criterion."""
+"""Rows of the table of evidence that test a criterion."""
 ALL: Final = 1e-9
-"""A share this near to all or none is that: shares are sums of rounded parts."""
+"""A share this close to 1 or 0 counts as all or none: shares are sums of rounded parts."""
 
 
 def difference_text(criterion: Criterion, difference: float) -> str:
-    """The size of a difference, digits as in the tables: "0.0123", "3 encounters", "0.50 s"."""
+    """The size of a difference, rounded as in tables: "0.0123", "3 encounters", "0.50 s"."""
     size = abs(difference)
     if criterion == "encounters":
         return f"{size:.0f} encounter{'' if size == 1 else 's'}"
@@ -87,34 +87,35 @@ def winner_text(criterion: Criterion, winner: Winner, difference: float) -> str:
     return f"{winner.upper()} {BETTER[criterion]}, by {size}"
 
 
-def describe_stability(found: StabilityMap) -> tuple[str, ...]:
+def describe_stability(stability: StabilityMap) -> tuple[str, ...]:
     """Whether the verdict depends on the settings of the map, in sentences.
 
-    What holds as analysed; in which share of the plausible range, what makes that plausible, and
+    The verdict as analysed; the share of the plausible range in which it holds, why that range, and
     whether the settings in use lie in it; how far each setting can be moved alone; and the nearest
-    setting that overturns it, in every separate part of the map. All of this is about these
-    settings and these data: whether a difference is more than chance is another question, which
-    `describe_chance` answers.
+    setting that overturns it, in every separate part of the map. All this concerns these settings
+    and these data; `describe_chance` says whether a difference is more than chance.
     """
-    verdict, present = found.verdict, found.present_difference
-    said = winner_text(found.criterion, verdict, present)
+    verdict, present = stability.verdict, stability.present_difference
+    text = winner_text(stability.criterion, verdict, present)
     if verdict == "undefined":
-        return (f"As analysed the verdict is {said}.",)
-    sentences = [f"As analysed, {said}."]
+        return (f"As analysed the verdict is {text}.",)
+    sentences = [f"As analysed, {text}."]
     still = [
-        axis.title for axis, moves in zip(found.axes, found.is_moved_by, strict=True) if not moves
+        axis.title
+        for axis, moves in zip(stability.axes, stability.is_moved_by, strict=True)
+        if not moves
     ]
     if still:
-        said = f"{_and(still)} {'do' if len(still) > 1 else 'does'} not enter into it."
-        sentences.append(f"{said[0].upper()}{said[1:]}")
-    if not any(found.is_moved_by):
+        text = f"{_and(still)} {'do' if len(still) > 1 else 'does'} not enter into it."
+        sentences.append(f"{text[0].upper()}{text[1:]}")
+    if not any(stability.is_moved_by):
         return tuple(sentences)
-    sentences.append(_share(found))
-    sentences += filter(None, [describe_equal_alarms(found)])
-    sentences += _present(found)
-    sentences += [_stretch(found, one) for one in found.stretches]
-    sentences += _choices(found)
-    sentences += _nearest(found)
+    sentences.append(_share(stability))
+    sentences += filter(None, [describe_equal_alarms(stability)])
+    sentences += _present(stability)
+    sentences += [_interval(stability, interval) for interval in stability.intervals]
+    sentences += _choices(stability)
+    sentences += _nearest(stability)
     return tuple(sentences)
 
 
@@ -122,22 +123,28 @@ def _and(words: list[str]) -> str:
     return "".join(words) if len(words) < 2 else f"{', '.join(words[:-1])} and {words[-1]}"
 
 
-def _share(found: StabilityMap) -> str:
-    moved = [axis for axis, moves in zip(found.axes, found.is_moved_by, strict=True) if moves]
-    said = [f"{_lower(axis.label)} {axis.range_text(*axis.plausible)}" for axis in moved]
-    reasons = [f" ({axis.reason})" for axis in moved]
+def _axes_that_matter(stability: StabilityMap) -> list[Axis]:
+    axes = zip(stability.axes, stability.is_moved_by, strict=True)
+    return [axis for axis, moves in axes if moves]
+
+
+def _share(stability: StabilityMap) -> str:
+    axes = _axes_that_matter(stability)
+    settings = [f"{_lower(axis.label)} {axis.range_text(*axis.plausible)}" for axis in axes]
+    reasons = [f" ({axis.reason})" for axis in axes]
     if len(set(reasons)) == 1:
         reasons[:-1] = [""] * (len(reasons) - 1)
-    ranges = _and([range_ + reason for range_, reason in zip(said, reasons, strict=True)])
-    if np.isnan(found.share_held):
+    ranges = _and([range_ + reason for range_, reason in zip(settings, reasons, strict=True)])
+    if np.isnan(stability.share_held):
         return f"In the plausible range it is undefined: {ranges}."
-    partly = "" if found.share_defined > 1 - ALL else ", where that is defined"
+    partly = "" if stability.share_defined > 1 - ALL else ", where that is defined"
     pairs = (
         ", all pairs of a strict threshold with a lax one among them"
-        if found.equal_alarms is not None else ""
-    )  # fmt: skip
+        if stability.equal_alarms is not None
+        else ""
+    )
     return (
-        f"The verdict holds in {share_text(found.share_held)} of the plausible range{partly}: "
+        f"The verdict holds in {share_text(stability.share_held)} of the plausible range{partly}: "
         f"{ranges}{pairs}."
     )
 
@@ -147,9 +154,9 @@ def _lower(label: str) -> str:
     return label[0].lower() + label[1:]
 
 
-def describe_equal_alarms(found: StabilityMap) -> str:
-    """Who is better where both raise equally many false alarms; empty but over both thresholds."""
-    criterion, line = found.criterion, found.equal_alarms
+def describe_equal_alarms(stability: StabilityMap) -> str:
+    """Who is better at equally many false alarms; empty unless the map is over both thresholds."""
+    criterion, line = stability.criterion, stability.equal_alarms
     if line is None:
         return ""
     present = (
@@ -158,164 +165,178 @@ def describe_equal_alarms(found: StabilityMap) -> str:
     if not len(line.difference):
         return f"No thresholds give X and Y equally many false alarms; {present}."
     least, most = line.alarms_per_frame[[0, -1]]
-    who: dict[Winner, str] = {
-        "x": f"X {BETTER[criterion]}", "y": f"Y {BETTER[criterion]}",
-        "even": f"X and Y {SAME[criterion]}", "undefined": "it is undefined",
-    }  # fmt: skip
-    held = [f"{said} in {share_text(line.share(one))}" for one, said in who.items()
-            if line.share(one)]  # fmt: skip
+    claims: dict[Winner, str] = {
+        "x": f"X {BETTER[criterion]}",
+        "y": f"Y {BETTER[criterion]}",
+        "even": f"X and Y {SAME[criterion]}",
+        "undefined": "it is undefined",
+    }
+    parts = [
+        f"{claim} in {share_text(line.share(winner))}"
+        for winner, claim in claims.items()
+        if line.share(winner)
+    ]
     return (
-        f"With equally many false alarms, {least:.2g} to {most:.2g} per frame, {_and(held)} of "
+        f"With equally many false alarms, {least:.2g} to {most:.2g} per frame, {_and(parts)} of "
         f"these pairs of thresholds; {present}."
     )
 
 
-def describe_chance(found: StabilityMap, evidence: pd.DataFrame) -> str:
-    """Whether the difference as analysed is more than chance; empty where there is none.
+def describe_chance(stability: StabilityMap, evidence: pd.DataFrame) -> str:
+    """Whether the difference as analysed is more than chance; empty if there is no difference.
 
     Parameters
     ----------
     evidence
-        `evidence_table` of the same result. Of several tests of the criterion the
-        one with the largest p-value counts.
+        `evidence_table` of the same result. Of several tests of the criterion, the one with the
+        largest p-value counts.
     """
-    rows = evidence[evidence["figure"].isin(TESTED[found.criterion])]
-    if found.verdict in ("even", "undefined") or rows.empty:
+    rows = evidence[evidence["figure"].isin(TESTED[stability.criterion])]
+    if stability.verdict in ("even", "undefined") or rows.empty:
         return ""
-    what = "this difference"
-    if found.criterion == "saliency":
-        what = "the difference in the mean saliency of the recordings"
-        if rows["difference"].iloc[0] * found.present_difference > 0:  # less is better
-            what += f", which speaks for {'Y' if found.verdict == 'x' else 'X'},"
+    subject = "this difference"
+    if stability.criterion == "saliency":
+        subject = "the difference in the mean saliency of the recordings"
+        if rows["difference"].iloc[0] * stability.present_difference > 0:  # less is better
+            subject += f", which speaks for {'Y' if stability.verdict == 'x' else 'X'},"
     tested = rows[np.isfinite(rows["p_holm"])]
     no_evidence = "a verdict that holds at other settings is no evidence against chance"
     if tested.empty:
         why = rows["note"].iloc[-1].split("; ")[0]
         because = f" ({why})" if why else ""
-        return f"Whether {what} is more than chance cannot be tested here{because}: {no_evidence}."
+        return (
+            f"Whether {subject} is more than chance cannot be tested here{because}: {no_evidence}."
+        )
     worst = tested.loc[tested["p_holm"].idxmax()]
     by = f"by {int(worst['n']):,} {worst['unit']}"
     if worst["unit"] == "blocks":
         by += " of time, which say nothing of other recordings"
     p = f"p = {worst['p_holm']:.2g}, corrected for all figures tested; {by}"
     if worst["p_holm"] <= SIGNIFICANT:
-        return f"{what[0].upper()}{what[1:]} is more than chance ({p})."
-    return f"{what[0].upper()}{what[1:]} is not shown to be more than chance ({p}): {no_evidence}."
+        return f"{subject[0].upper()}{subject[1:]} is more than chance ({p})."
+    return (
+        f"{subject[0].upper()}{subject[1:]} is not shown to be more than chance ({p}): "
+        f"{no_evidence}."
+    )
 
 
 def share_text(share: float) -> str:
-    """A share as "all", "none" or in whole per cent, neither 0 nor 100 of them."""
+    """A share as "all", "none" or a whole percentage from 1 to 99."""
     if share > 1 - ALL:
         return "all"
     return "none" if share < ALL else f"{min(max(round(100 * share), 1), 99)} %"
 
 
-def _present(found: StabilityMap) -> list[str]:
-    """What the reader must know of the settings in use to read the rest."""
-    moved = [axis for axis, moves in zip(found.axes, found.is_moved_by, strict=True) if moves]
+def _present(stability: StabilityMap) -> list[str]:
+    """What the reader must know about the settings in use to understand the rest."""
+    axes = _axes_that_matter(stability)
     sentences = [
         f"\"{axis.label}\" is each recording's own here, {axis.range_text(*axis.present)}: the "
         "settings in use are no single point of this map."
-        for axis in moved if axis.present_index is None
-    ]  # fmt: skip
+        for axis in axes
+        if axis.present_index is None
+    ]
     outside = [
         f"{axis.title} {axis.range_text(*axis.present)}"
-        for axis in moved if not axis.is_present_plausible
-    ]  # fmt: skip
+        for axis in axes
+        if not axis.is_present_plausible
+    ]
     if outside:
-        said = "The settings in use lie outside the plausible range themselves"
-        sentences.append(f"{said}: {_and(outside)}.")
+        sentences.append(
+            f"The settings in use lie outside the plausible range themselves: {_and(outside)}."
+        )
     return sentences
 
 
-def _stretch(found: StabilityMap, stretch: Stretch) -> str:
-    """Where the verdict holds along one axis alone, and where it turns."""
-    axis = found.axes[stretch.axis]
-    turns = [
-        f"at {axis.number_text(turn)} it {BECOMES[winner]}"
-        for turn, winner in (
-            (stretch.turns_below, stretch.below),
-            (stretch.turns_above, stretch.above),
+def _interval(stability: StabilityMap, interval: Interval) -> str:
+    """Where the verdict holds along one axis alone, and where it flips."""
+    axis = stability.axes[interval.axis]
+    flips = [
+        f"at {axis.number_text(value)} it {BECOMES[winner]}"
+        for value, winner in (
+            (interval.flips_below, interval.below),
+            (interval.flips_above, interval.above),
         )
-        if not np.isnan(turn)
+        if not np.isnan(value)
     ]
-    where = f"every value tried from {axis.range_text(stretch.low, stretch.high)}"
-    if stretch.low == stretch.high:
-        where = f"{axis.number_text(stretch.low)} only"
+    where = f"every value tried from {axis.range_text(interval.low, interval.high)}"
+    if interval.low == interval.high:
+        where = f"{axis.number_text(interval.low)} only"
     title = axis.title[0].upper() + axis.title[1:]
-    said = f"{title}: all else as it is, it holds for {where}"
-    return f"{said}; {_and(turns)}." if turns else f"{said}, the whole map."
+    text = f"{title}: all else as it is, it holds for {where}"
+    return f"{text}; {_and(flips)}." if flips else f"{text}, the whole map."
 
 
-def _choices(found: StabilityMap) -> list[str]:
-    """Who is better with the other values of a choice, all else as it is."""
-    at = [axis.present_index for axis in found.axes]
-    if found.present_cell is None:
+def _choices(stability: StabilityMap) -> list[str]:
+    """Who is better with the other values of a choice, all else unchanged."""
+    present_indices = [axis.present_index for axis in stability.axes]
+    if stability.present_cell is None:
         return []
     sentences = []
-    for i, axis in enumerate(found.axes):
-        if not axis.labels or not found.is_moved_by[i]:
+    for i, axis in enumerate(stability.axes):
+        if not axis.labels or not stability.is_moved_by[i]:
             continue
         for label in range(len(axis)):
-            if label == at[i]:
+            if label == present_indices[i]:
                 continue
-            cell = tuple(label if j == i else place for j, place in enumerate(at))
-            difference = float(found.difference[cell])
+            cell = tuple(label if j == i else index for j, index in enumerate(present_indices))
+            difference = float(stability.difference[cell])
             winner = winners(np.array([difference]))[0]
-            said = winner_text(found.criterion, winner, difference)
-            sentences.append(f"With {axis.text(float(label))}, all else as it is, {said}.")
+            text = winner_text(stability.criterion, winner, difference)
+            sentences.append(f"With {axis.text(float(label))}, all else as it is, {text}.")
     return sentences
 
 
-def settings_text(found: StabilityMap, at: Sequence[float]) -> str:
-    """A place on the map in words, of the settings that matter: "alpha 0.3 and midpoint 48 px"."""
-    return _and([
-        axis.text(value)
-        for axis, value, moves in zip(found.axes, at, found.is_moved_by, strict=True) if moves
-    ])  # fmt: skip
+def settings_text(stability: StabilityMap, place: Sequence[float]) -> str:
+    """A place on the map in words, without irrelevant settings: "alpha 0.3 and midpoint 48 px"."""
+    axes = zip(stability.axes, place, stability.is_moved_by, strict=True)
+    return _and([axis.text(value) for axis, value, moves in axes if moves])
 
 
-def nearest_text(found: StabilityMap) -> str:
-    """The nearest setting that overturns the verdict, or that none does, in a few words."""
-    if found.verdict == "undefined":
+def nearest_text(stability: StabilityMap) -> str:
+    """The nearest setting that overturns the verdict, if any, in a few words."""
+    if stability.verdict == "undefined":
         return "-"
-    return _turn(found, found.overturn) if found.overturn is not None else "nowhere on the map"
+    if stability.overturn is None:
+        return "nowhere on the map"
+    return _flip(stability, stability.overturn)
 
 
-def _nearest(found: StabilityMap) -> list[str]:
+def _nearest(stability: StabilityMap) -> list[str]:
     """The nearest setting that overturns the verdict, overall and in each part of the map."""
-    end, other = found.end, "Y" if found.verdict == "x" else "X"
-    if not found.overturns:
+    end, other = stability.end, "Y" if stability.verdict == "x" else "X"
+    if not stability.overturns:
         if end is not None:
-            return [f"Nowhere on this map is {other} better; the nearest tie: {_turn(found, end)}."]
-        if found.verdict == "even":
+            tie = _flip(stability, end)
+            return [f"Nowhere on this map is {other} better; the nearest tie: {tie}."]
+        if stability.verdict == "even":
             return ["It is a tie all over this map."]
         return [f"Nowhere on this map does {other} come level."]
-    first, *more = found.overturns
-    what = "overturns this" if found.verdict != "even" else "ends the tie"
-    sentences = [f"The nearest setting on this map that {what}: {_turn(found, first)}."]
-    inside = found.plausible_overturn
+    first, *more = stability.overturns
+    effect = "overturns this" if stability.verdict != "even" else "ends the tie"
+    sentences = [f"The nearest setting on this map that {effect}: {_flip(stability, first)}."]
+    inside = stability.plausible_overturn
     if inside is not None and inside != first:
-        sentences.append(f"The nearest within the plausible range: {_turn(found, inside)}.")
+        sentences.append(f"The nearest within the plausible range: {_flip(stability, inside)}.")
     if more:
-        who = other if found.verdict != "even" else "X or Y"
+        better_system = other if stability.verdict != "even" else "X or Y"
         where = "another part" if len(more) == 1 else f"{len(more)} other parts"
+        nearest = _flip(stability, more[0])
         sentences.append(
-            f"{who} is also better in {where} of this map, nearest: {_turn(found, more[0])}."
+            f"{better_system} is also better in {where} of this map, nearest: {nearest}."
         )
     return sentences
 
 
-def _turn(found: StabilityMap, turn: Turn) -> str:
-    """Where a turn is, what it turns to, and how far away."""
-    said = settings_text(found, turn.at)
-    if turn.winner != "even":
-        ahead = (
-            f"{turn.winner.upper()} ahead by {difference_text(found.criterion, turn.difference)}"
-        )
-        said += f" ({ahead})" if turn.difference else f", where it turns to {turn.winner.upper()}"
-    side = "inside" if turn.is_plausible else "outside"
-    away = f"{turn.distance:.2g} times its width away"
-    if not turn.distance:
+def _flip(stability: StabilityMap, flip: Flip) -> str:
+    """Where a flip is, who is better there, and how far away it is."""
+    text = settings_text(stability, flip.place)
+    if flip.winner != "even":
+        lead = difference_text(stability.criterion, flip.difference)
+        ahead = f"{flip.winner.upper()} ahead by {lead}"
+        text += f" ({ahead})" if flip.difference else f", where it turns to {flip.winner.upper()}"
+    side = "inside" if flip.is_plausible else "outside"
+    away = f"{flip.distance:.2g} times its width away"
+    if not flip.distance:
         away = "among the recordings' own values"
-    return f"{said}, {side} the plausible range and {away}"
+    return f"{text}, {side} the plausible range and {away}"

@@ -36,10 +36,10 @@ def test_the_verdict_turns_where_the_means_cross() -> None:
     assert [axis.name for axis in found.axes] == ["alpha"]  # without proximity: no midpoint
     assert found.difference == pytest.approx(0.5 - 1.5 * np.linspace(0, 1, 41))
     assert (found.verdict, found.share_held) == ("y", 1.0)
-    (stretch,) = found.stretches
-    assert (stretch.low, stretch.high) == (pytest.approx(0.35), 1.0)
-    assert stretch.turns_below == pytest.approx(1 / 3)
-    assert np.isnan(stretch.turns_above)
+    (interval,) = found.intervals
+    assert (interval.low, interval.high) == (pytest.approx(0.35), 1.0)
+    assert interval.flips_below == pytest.approx(1 / 3)
+    assert np.isnan(interval.flips_above)
 
 
 def test_the_nearest_overturning_setting_is_named_with_its_distance() -> None:
@@ -160,7 +160,7 @@ def test_recordings_of_different_height_have_no_single_midpoint() -> None:
     found = map_stability(compare(data, Params()), "alpha-midpoint", "similarity", n_points=11)
     assert found.axes[1].present == (10, 30)
     assert found.present_cell is None
-    assert found.stretches == ()
+    assert found.intervals == ()
     assert found.axes[1].distance(np.array([9.0, 10, 20, 30, 40])) == pytest.approx(
         [1 / 39, 0, 0, 0, 10 / 39]  # plausible: 6 to 45 px
     )
@@ -174,7 +174,7 @@ def test_without_frames_nothing_is_defined(criterion: Criterion) -> None:
     assert set(found.winner) == {"undefined"} == {found.verdict}
     assert np.isnan(found.share_held)
     assert found.overturn is None
-    assert found.stretches == ()
+    assert found.intervals == ()
 
 
 def test_encounters_are_undefined_where_none_is_near() -> None:

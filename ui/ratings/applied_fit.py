@@ -12,7 +12,7 @@ import pandas as pd
 from nvcore.comparison import Result
 from nvcore.params import Params
 from nvcore.studies.ratings.fit import Fit
-from nvcore.studies.ratings.reading import folded
+from nvcore.studies.ratings.reading import fold_name
 from ui.ratings.source import RatingSource
 from ui.session import state
 from ui.shell import live_params
@@ -68,7 +68,7 @@ def _who_rates_what(rating_source: RatingSource) -> np.ndarray:
     rated = rating_source.ratings.dropna(subset="rating")
     of = pd.DataFrame(
         {
-            "participant": rated["participant"].map(folded),
+            "participant": rated["participant"].map(fold_name),
             "clip": rated["clip"],
             "system": rated["system"].where(rated["system"] != "", rating_source.system),
         }

@@ -61,7 +61,7 @@ def conducted() -> Study | None:
     secret: str | None = asked or st.session_state.get(OPEN)
     if secret is None:
         return None
-    study = store().conducted(secret)
+    study = store().study_of_conductor(secret)
     if study is None:
         st.session_state.pop(OPEN, None)
         st.query_params.pop(CONDUCT, None)

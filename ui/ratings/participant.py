@@ -50,7 +50,7 @@ def draw() -> None:
         _welcome(study, store)
         return
     order = store.order(study, name)
-    rated = store.rated(study, name)
+    rated = store.ratings_of(study, name)
     left = [clip for clip in order if clip not in rated]
     done = [clip for clip in order if clip in rated]
     if done and st.session_state.get(CHANGING, False):
@@ -136,14 +136,14 @@ def _welcome(study: Study, store: RatingStore) -> None:
     if is_sent:
         st.session_state[KNOWN] = ""
         given = (name or "").strip()
-        if store.rated(study, given):
+        if store.ratings_of(study, given):
             st.session_state[KNOWN] = given
         else:
             _join(study, store, given)
     if known := st.session_state.get(KNOWN, ""):
         st.info(
-            f"{plain(known)} has rated {len(store.rated(study, known))} of {n} clips already. If "
-            "that was somebody else, choose another name."
+            f"{plain(known)} has rated {len(store.ratings_of(study, known))} of {n} clips already. "
+            "If that was somebody else, choose another name."
         )
         if st.button(f"I am {plain(known)}: go on", key="rating_known"):
             st.session_state[KNOWN] = ""
@@ -184,7 +184,7 @@ def _offer_change() -> None:
 
 def _change(result: Result, study: Study, store: RatingStore, name: str, clip: int) -> None:
     """The clip that was rated last, once more; it may be rated without being watched again."""
-    rating, key = store.rated(study, name)[clip], f"again_{clip}_of_{name}"
+    rating, key = store.ratings_of(study, name)[clip], f"again_{clip}_of_{name}"
     st.markdown("# Your last clip")
     st.markdown(f"You gave it **{rating}**. You may watch it again, and give another rating.")
     _played(result, study, clip, key)

@@ -8,7 +8,7 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.studies.ratings.reading import check_ratings, folded
+from nvcore.studies.ratings.reading import check_ratings, fold_name
 from nvcore.studies.ratings.store import MOST_NAME
 from nvcore.wording import count_text
 from ui.session import state
@@ -90,9 +90,9 @@ def _ask_for_rows(result: Result) -> None:
         return
     before = _before()
     known = {
-        folded(str(person)): str(person) for person in reversed(before["participant"].dropna())
+        fold_name(str(person)): str(person) for person in reversed(before["participant"].dropna())
     }
-    person = known.get(folded(name or ""), (name or "").strip())
+    person = known.get(fold_name(name or ""), (name or "").strip())
     if not person:
         st.info("A participant needs a name or a code.")
         return

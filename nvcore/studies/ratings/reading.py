@@ -130,12 +130,12 @@ def check_ratings(
     return ratings
 
 
-def folded(participant: str) -> str:
+def fold_name(participant: str) -> str:
     """What names of one person have in common, however they are typed.
 
     Examples
     --------
-    >>> folded(" Anna  K") == folded("anna k")
+    >>> fold_name(" Anna  K") == fold_name("anna k")
     True
     """
     return " ".join(participant.split()).casefold()
@@ -143,7 +143,7 @@ def folded(participant: str) -> str:
 
 def _one_spelling(names: pd.Series) -> pd.Series:
     """Every name as it is spelt the first time."""
-    first = names.groupby(names.map(folded), sort=False).transform("first")
+    first = names.groupby(names.map(fold_name), sort=False).transform("first")
     return first.where(names != "", names)
 
 

@@ -15,10 +15,10 @@ import numpy as np
 import pandas as pd
 
 from nvcore.errors import InputError
-from nvcore.studies.ratings.reading import folded
+from nvcore.studies.ratings.reading import fold_name
 
 
-def counterbalanced(n_clips: int, participant: int) -> np.ndarray:
+def counterbalanced_order(n_clips: int, participant: int) -> np.ndarray:
     """Clips in the order for one participant: a row of Williams' balanced Latin square (1949).
 
     Over `n_clips` participants (twice as many where that is odd) every clip stands in every place
@@ -31,7 +31,7 @@ def counterbalanced(n_clips: int, participant: int) -> np.ndarray:
 
     Examples
     --------
-    >>> counterbalanced(4, 0).tolist(), counterbalanced(4, 1).tolist()
+    >>> counterbalanced_order(4, 0).tolist(), counterbalanced_order(4, 1).tolist()
     ([0, 1, 3, 2], [1, 2, 0, 3])
     """
     steps = np.arange(n_clips)
@@ -189,7 +189,7 @@ class RatingStore:
         """The study that participants know by that name, if there is one."""
         return self._study("SELECT * FROM study WHERE token = ?", token)
 
-    def conducted(self, conductor: str) -> Study | None:
+    def study_of_conductor(self, conductor: str) -> Study | None:
         """The study that its conductor knows by that name, if there is one."""
         return self._study("SELECT * FROM study WHERE conductor = ?", conductor)
 
@@ -228,9 +228,9 @@ class RatingStore:
                 "SELECT number FROM participant WHERE study = ? AND name = ?",
                 (study.token, known or name),
             ).fetchone()
-        return [int(clip) for clip in counterbalanced(len(study.clips), number)]
+        return [int(clip) for clip in counterbalanced_order(len(study.clips), number)]
 
-    def rated(self, study: Study, participant: str) -> dict[int, int]:
+    def ratings_of(self, study: Study, participant: str) -> dict[int, int]:
         """Ratings that this participant has given, by clip."""
         with self._connect() as base:
             return dict(
@@ -329,5 +329,5 @@ def _spelling(base: sqlite3.Connection, study: Study, participant: str) -> str |
     ]
     if participant.strip() in names:  # files of earlier versions may have two spellings
         return participant.strip()
-    wanted = folded(participant)
-    return next((name for name in names if folded(name) == wanted), None)
+    wanted = fold_name(participant)
+    return next((name for name in names if fold_name(name) == wanted), None)

@@ -14,7 +14,7 @@ import pytest
 from nvcore.csv_text import to_csv_bytes
 from nvcore.errors import InputError
 from nvcore.studies.ratings.reading import read_ratings
-from nvcore.studies.ratings.store import RatingStore, counterbalanced
+from nvcore.studies.ratings.store import RatingStore, counterbalanced_order
 
 CLIPS = (("A", "FIR"), ("B", "FIR"), ("A", "NIR"), ("B", "NIR"))
 
@@ -26,7 +26,7 @@ def store(tmp_path):
 
 @pytest.mark.parametrize("n", [1, 2, 3, 4, 5, 8, 9])
 def test_orders_are_balanced(n):
-    rows = [counterbalanced(n, i).tolist() for i in range(n if n % 2 == 0 else 2 * n)]
+    rows = [counterbalanced_order(n, i).tolist() for i in range(n if n % 2 == 0 else 2 * n)]
     assert all(sorted(row) == list(range(n)) for row in rows)
     places = Counter((place, clip) for row in rows for place, clip in enumerate(row))
     assert set(places.values()) == {len(rows) // n}
@@ -65,7 +65,7 @@ os.kill(os.getpid(), signal.SIGKILL)
     study = store.study(token)
     assert study is not None
     assert study.clips == CLIPS
-    assert store.rated(study, "P1") == {int(clip): 6}
+    assert store.ratings_of(study, "P1") == {int(clip): 6}
 
 
 def test_the_table_is_what_a_file_of_it_gives(store, tmp_path):
@@ -115,7 +115,7 @@ def test_what_is_not_on_the_scale_is_refused(store, clip, rating, words):
     store.order(study, "P1")
     with pytest.raises(InputError, match=words):
         store.rate(study, "P1", clip, rating)
-    assert store.rated(study, "P1") == {}
+    assert store.ratings_of(study, "P1") == {}
 
 
 def test_strangers_empty_names_and_empty_studies_are_refused(store):
@@ -136,8 +136,8 @@ def test_the_file_is_nobody_elses(store, tmp_path):
 
 def test_the_conductors_name_is_not_the_participants(store):
     study = store.begin("print", CLIPS, thresholds={"FIR": 0.4, "NIR": None})
-    assert store.study(study.token) == store.conducted(study.conductor) == study
-    assert store.conducted(study.token) is None
+    assert store.study(study.token) == store.study_of_conductor(study.conductor) == study
+    assert store.study_of_conductor(study.token) is None
     assert store.study(study.conductor) is None
 
 
@@ -187,7 +187,7 @@ def test_names_in_other_capitals_are_one_participant(store):
     assert store.order(study, "Bob") != order
     assert store.order(study, " ANNA ") == order
     store.rate(study, "anna", 2, 4)
-    assert store.rated(study, "aNNa") == {2: 4}
+    assert store.ratings_of(study, "aNNa") == {2: 4}
     assert store.participants(study).to_numpy().tolist() == [["Anna", 1], ["Bob", 0]]
 
 

@@ -29,7 +29,7 @@ def begun(page: AppTest, store: RatingStore, *recordings: str, whose: str = "bot
     page.multiselect(key="rating_recordings").set_value(list(recordings))
     page.button_group(key="rating_whose").set_value(whose)
     checked(page.button(key="rating_start").click().run())
-    study = store.conducted(only(page, "conduct"))
+    study = store.study_of_conductor(only(page, "conduct"))
     assert study is not None
     return study
 
@@ -83,7 +83,7 @@ def test_a_participant_sees_clips_only_and_every_rating_is_kept(
         names = [one.name for one in read_session(state.SAMPLE).recordings]
         assert shown[-1] == (names.index(recording), "x" if system == "FIR" else "y")
         checked(page.button(key=f"rating_{clip}_{number + 2}").click().run())
-        assert store.rated(study, "Ann")[clip] == number + 2
+        assert store.ratings_of(study, "Ann")[clip] == number + 2
     assert page.title[0].value == "Thank you"
 
 

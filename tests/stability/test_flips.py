@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from nvcore.stability.axes import Axis
 from nvcore.stability.map import StabilityMap, map_stability
 from nvcore.stability.scores import Criterion
-from nvcore.stability.turns import winners
+from nvcore.stability.flips import winners
 from nvcore.stability.words import describe_stability
 
 NAMES = ("alpha", "midpoint", "iou")
@@ -70,9 +70,9 @@ def maps(draw: st.DrawFn) -> StabilityMap:
 @given(maps())
 def test_no_turn_along_an_axis_is_nearer_than_the_nearest(found: StabilityMap) -> None:
     other = {"x": ["y"], "y": ["x"], "even": ["x", "y"], "undefined": []}[found.verdict]
-    for stretch in found.stretches:
-        axis = found.axes[stretch.axis]
-        ends = ((stretch.turns_below, stretch.below), (stretch.turns_above, stretch.above))
+    for interval in found.intervals:
+        axis = found.axes[interval.axis]
+        ends = ((interval.flips_below, interval.below), (interval.flips_above, interval.above))
         for turn, winner in ends:
             if winner not in other:
                 continue
@@ -102,10 +102,11 @@ def test_inside_or_outside_is_that_of_the_numbers_told(found: StabilityMap) -> N
             continue
         inside = [
             axis.plausible[0] - 1e-6 <= value <= axis.plausible[1] + 1e-6
-            for axis, value in zip(found.axes, turn.at, strict=True)
+            for axis, value in zip(found.axes, turn.place, strict=True)
         ]
         assert turn.is_plausible == all(inside)
-        assert turn.settings == dict(zip([axis.name for axis in found.axes], turn.at, strict=True))
+        names = [axis.name for axis in found.axes]
+        assert turn.settings == dict(zip(names, turn.place, strict=True))
 
 
 @few
@@ -139,7 +140,7 @@ def test_the_zero_between_two_points_is_nearer_than_the_point_beyond() -> None:
     # along the second axis from 3 to -1: zero at 3/4 of the way
     turn = plain_map([[9, 9, 9], [9, 3, -1], [9, 9, 9]], (1, 1)).overturn
     assert turn is not None
-    assert turn.at == (1.0, 1.75)
+    assert turn.place == (1.0, 1.75)
     assert (turn.winner, turn.difference) == ("y", 0)
     assert turn.distance == pytest.approx(0.75 / 2)
 
@@ -147,23 +148,23 @@ def test_the_zero_between_two_points_is_nearer_than_the_point_beyond() -> None:
 def test_a_tie_at_one_point_of_a_continuous_setting_is_where_it_turns() -> None:
     found = plain_map([[9, 3, 0, -2], [9, 9, 9, 9]], (0, 1))
     assert found.overturn is not None
-    assert (found.overturn.at, found.overturn.winner) == ((0.0, 2.0), "y")
-    assert found.stretches[1].turns_above == 2
-    assert found.stretches[1].above == "y"
+    assert (found.overturn.place, found.overturn.winner) == ((0.0, 2.0), "y")
+    assert found.intervals[1].flips_above == 2
+    assert found.intervals[1].above == "y"
 
 
 def test_an_oblique_turn_is_nearer_than_both_along_the_axes() -> None:
     found = plain_map([[8, 8, 8, -8], [8, 8, -1, -8], [8, -8, -8, -8], [-8, -8, -8, -8]], (0, 0))
-    assert [stretch.turns_above for stretch in found.stretches] == [2.5, 2.5]
+    assert [interval.flips_above for interval in found.intervals] == [2.5, 2.5]
     assert found.overturn is not None
-    assert found.overturn.at == (1.5, 1.0)
+    assert found.overturn.place == (1.5, 1.0)
     assert found.overturn.distance == pytest.approx(np.hypot(1.5, 1) / 3)
 
 
 def test_where_the_difference_makes_steps_the_point_beyond_is_told() -> None:
     found = replace(plain_map([[9, 9], [3, -1]], (1, 0)), criterion="encounters")
     assert found.overturn is not None
-    assert (found.overturn.at, found.overturn.difference) == ((1.0, 1.0), -1)
+    assert (found.overturn.place, found.overturn.difference) == ((1.0, 1.0), -1)
 
 
 def test_every_separate_part_of_the_map_is_told() -> None:
@@ -184,11 +185,11 @@ def test_turns_of_a_comparison_agree_with_the_sentences() -> None:
     data = make_dataset([at(0, 50)], [], [at(0, 50, score=0.9), at(0, 25, score=0.4)])
     for n_points in (3, 10, 41):
         found = map_stability(result_of(data), "alpha-midpoint", "similarity", n_points=n_points)
-        (stretch,) = found.stretches
+        (interval,) = found.intervals
         assert found.overturn is not None
-        assert found.overturn.at == (pytest.approx(1 / 3),)
-        assert stretch.turns_below == pytest.approx(found.overturn.at[0])
-        assert stretch.below == "x"
+        assert found.overturn.place == (pytest.approx(1 / 3),)
+        assert interval.flips_below == pytest.approx(found.overturn.place[0])
+        assert interval.below == "x"
 
 
 def test_a_turn_among_the_recordings_own_values_is_no_distance_away() -> None:
