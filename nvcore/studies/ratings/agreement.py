@@ -1,4 +1,4 @@
-"""Whether people agree: ranks of each participant, Kendall's W, and who goes another way."""
+"""Whether people agree: ranks of each participant, Kendall's W, and outliers."""
 
 from __future__ import annotations
 
@@ -12,34 +12,34 @@ from scipy import stats
 
 CLIP: Final = ["clip", "system"]
 LEAST_CLIPS: Final = 3
-"""Two participants, or a participant and the others, are compared over at least so many clips."""
+"""Fewest common clips for comparing two participants, or a participant with the others."""
 LEAST_FOR_OUTLIERS: Final = 4
-"""With fewer participants nobody can say who of them goes another way."""
+"""Fewest participants for telling who of them is an outlier."""
 CHANCE: Final = 0.05
-"""Agreement with a p-value below it is more than chance."""
+"""Agreement with a p-value below this is more than chance."""
 N_PERMUTATIONS: Final = 2_000
 SEED: Final = 20_110_360
 BATCH_CELLS: Final = 2_000_000
-"""Ranks looked at at once: bounds the memory of the permutations."""
+"""Ranks processed at a time: bounds the memory of the permutations."""
 FENCE: Final = 1.5
-"""Outliers lie so many interquartile ranges below the lower quartile (Tukey)."""
+"""Outliers lie more than this many interquartile ranges below the lower quartile (Tukey)."""
 
 
 @dataclass(frozen=True)
 class Agreement:
-    """How far participants rank clips alike.
+    """How similarly participants rank clips.
 
     Attributes
     ----------
     n_participants, n_clips, n_missing
-        Counts; missing are the ratings that the table of both would have and has not.
+        Counts; missing: pairs of participant and clip without a rating.
     w
         Kendall's coefficient of concordance, corrected for ties: 0 no agreement, 1 the same
         ranks; NaN with fewer than two participants or three clips.
     p
         How often ranks by chance would agree as much. NaN where `w` is.
     method
-        Where `w` and `p` are from, or why there are none, in words.
+        How `w` and `p` were computed, or why there are none, in words.
     participants
         Per participant: ``participant``, ``n_rated``, ``agreement`` (Spearman's correlation with
         the mean rank that the others give; NaN: too few clips) and ``is_outlier``, which nobody
@@ -61,7 +61,7 @@ class Agreement:
 
     @property
     def knows_outliers(self) -> bool:
-        """Whether there are enough participants, and an agreement that somebody may leave."""
+        """Whether there are enough participants, and an agreement to depart from."""
         return self.n_participants >= LEAST_FOR_OUTLIERS and self.is_more_than_chance
 
 
@@ -99,12 +99,12 @@ def measure_agreement(ranks: pd.DataFrame) -> Agreement:
     """
     values = ranks.to_numpy(dtype=float)
     m, n = values.shape
-    missing = int(np.isnan(values).sum())
+    n_missing = int(np.isnan(values).sum())
     w, p, method = _concordance(values)
-    found = Agreement(m, n, missing, w, p, method, _participants(ranks))
-    if not found.knows_outliers:
-        found.participants["is_outlier"] = False
-    return found
+    agreement = Agreement(m, n, n_missing, w, p, method, _participants(ranks))
+    if not agreement.knows_outliers:
+        agreement.participants["is_outlier"] = False
+    return agreement
 
 
 def _concordance(values: np.ndarray) -> tuple[float, float, str]:
@@ -116,28 +116,28 @@ def _concordance(values: np.ndarray) -> tuple[float, float, str]:
     if not np.isnan(values).any():
         chi2, p = stats.friedmanchisquare(*values.T)
         return float(chi2) / (m * (n - 1)), float(p), "Friedman test, corrected for ties"
-    found = float(_mean_correlations(values[None])[0])
-    if np.isnan(found):
+    correlation = float(_mean_correlations(values[None])[0])
+    if np.isnan(correlation):
         return np.nan, np.nan, "no two participants rated three clips in common"
     rng = np.random.default_rng(SEED)
-    at_once = int(np.clip(BATCH_CELLS // values.size, 1, N_PERMUTATIONS))
-    sizes = [min(at_once, N_PERMUTATIONS - k) for k in range(0, N_PERMUTATIONS, at_once)]
-    by_chance = np.concatenate([_mean_correlations(_shuffled(values, k, rng)) for k in sizes])
-    p = (1 + np.count_nonzero(by_chance >= found - 1e-12)) / (1 + N_PERMUTATIONS)
+    batch = int(np.clip(BATCH_CELLS // values.size, 1, N_PERMUTATIONS))
+    sizes = [min(batch, N_PERMUTATIONS - k) for k in range(0, N_PERMUTATIONS, batch)]
+    by_chance = np.concatenate([_mean_correlations(_shuffle(values, k, rng)) for k in sizes])
+    p = (1 + np.count_nonzero(by_chance >= correlation - 1e-12)) / (1 + N_PERMUTATIONS)
     text = f"mean correlation of pairs, {N_PERMUTATIONS:,} permutations, seed {SEED}"
-    return (1 + (m - 1) * found) / m, p, text
+    return (1 + (m - 1) * correlation) / m, p, text
 
 
-def _shuffled(values: np.ndarray, n_times: int, rng: np.random.Generator) -> np.ndarray:
-    """The ranks of each participant in other orders, the missing ones where they are.
+def _shuffle(values: np.ndarray, n_times: int, rng: np.random.Generator) -> np.ndarray:
+    """The ranks of each participant in random orders; missing ones stay in place.
 
     Shape (n_times, participants, clips).
     """
-    mixed = np.repeat(values[None], n_times, axis=0)
+    shuffles = np.repeat(values[None], n_times, axis=0)
     for i, row in enumerate(values):
         is_rated = ~np.isnan(row)
-        mixed[:, i, is_rated] = rng.permuted(mixed[:, i, is_rated], axis=1)
-    return mixed
+        shuffles[:, i, is_rated] = rng.permuted(shuffles[:, i, is_rated], axis=1)
+    return shuffles
 
 
 def _mean_correlations(tables: np.ndarray) -> np.ndarray:
@@ -151,27 +151,27 @@ def _mean_correlations(tables: np.ndarray) -> np.ndarray:
     tables
         Ranks, NaN in the same places of all; float64, (tables, participants, clips).
     """
-    known = ~np.isnan(tables[0])
-    patterns, member = np.unique(known, axis=0, return_inverse=True)
+    is_rated = ~np.isnan(tables[0])
+    patterns, member = np.unique(is_rated, axis=0, return_inverse=True)
     total, n_pairs = np.zeros(len(tables)), np.zeros(len(tables))
     for p, q in combinations_with_replacement(range(len(patterns)), 2):
-        both = patterns[p] & patterns[q]
-        if np.count_nonzero(both) < LEAST_CLIPS:
+        is_common = patterns[p] & patterns[q]
+        if np.count_nonzero(is_common) < LEAST_CLIPS:
             continue
-        one, n_one = _summed(tables[:, member == p][:, :, both])
-        if p == q:  # without each with itself
-            total += 0.5 * ((one * one).sum(axis=1) - n_one)
-            n_pairs += 0.5 * n_one * (n_one - 1)
+        sum_p, n_p = _sum_ranks(tables[:, member == p][:, :, is_common])
+        if p == q:  # leave out each with itself
+            total += 0.5 * ((sum_p * sum_p).sum(axis=1) - n_p)
+            n_pairs += 0.5 * n_p * (n_p - 1)
         else:
-            other, n_other = _summed(tables[:, member == q][:, :, both])
-            total += (one * other).sum(axis=1)
-            n_pairs += n_one * n_other
+            sum_q, n_q = _sum_ranks(tables[:, member == q][:, :, is_common])
+            total += (sum_p * sum_q).sum(axis=1)
+            n_pairs += n_p * n_q
     mean = np.full(len(tables), np.nan)
     np.divide(total, n_pairs, out=mean, where=n_pairs > 0)
     return mean
 
 
-def _summed(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _sum_ranks(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Sum over participants of their standardised ranks, and how many tell clips apart."""
     ranks = stats.rankdata(values, axis=2)
     ranks -= ranks.mean(axis=2, keepdims=True)
@@ -181,14 +181,14 @@ def _summed(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _spearman(a: np.ndarray, b: np.ndarray) -> float:
-    """Spearman's correlation over what both have; NaN if that is too little or all the same."""
-    both = ~np.isnan(a) & ~np.isnan(b)
-    if np.count_nonzero(both) < LEAST_CLIPS:
+    """Spearman's correlation over common values; NaN if they are too few or all equal."""
+    is_common = ~np.isnan(a) & ~np.isnan(b)
+    if np.count_nonzero(is_common) < LEAST_CLIPS:
         return np.nan
-    one, other = stats.rankdata(a[both]), stats.rankdata(b[both])
-    if np.ptp(one) == 0 or np.ptp(other) == 0:
+    ranks_a, ranks_b = stats.rankdata(a[is_common]), stats.rankdata(b[is_common])
+    if np.ptp(ranks_a) == 0 or np.ptp(ranks_b) == 0:
         return np.nan
-    return float(np.corrcoef(one, other)[0, 1])
+    return float(np.corrcoef(ranks_a, ranks_b)[0, 1])
 
 
 def _participants(ranks: pd.DataFrame) -> pd.DataFrame:
@@ -196,12 +196,12 @@ def _participants(ranks: pd.DataFrame) -> pd.DataFrame:
     agreement = np.full(len(values), np.nan)
     for i in range(len(values)):
         others = np.delete(values, i, axis=0)
-        rated = ~np.isnan(others).all(axis=0)
+        is_rated = ~np.isnan(others).all(axis=0)
         mean = np.full(values.shape[1], np.nan)
-        mean[rated] = np.nanmean(others[:, rated], axis=0)
+        mean[is_rated] = np.nanmean(others[:, is_rated], axis=0)
         agreement[i] = _spearman(values[i], mean)
-    known = agreement[~np.isnan(agreement)]
-    low, high = np.percentile(known, [25, 75]) if len(known) else (np.nan, np.nan)
+    defined = agreement[~np.isnan(agreement)]
+    low, high = np.percentile(defined, [25, 75]) if len(defined) else (np.nan, np.nan)
     return pd.DataFrame(
         {
             "participant": ranks.index.to_numpy(),

@@ -1,4 +1,4 @@
-"""Saliency parameters fitted to ratings, and how well the fit orders clips it has not seen."""
+"""Saliency parameters fitted to ratings, and how well the fit orders unseen clips."""
 
 from __future__ import annotations
 
@@ -18,19 +18,27 @@ from nvcore.params import MIDPOINT_SHARE, SPREAD_SHARE, Aggregate, Params
 from nvcore.progress import Progress, no_progress
 
 LEAST_RECORDINGS: Final = 5
-"""Two are left out at a time: fewer leave nothing to fit to."""
+"""Fewest recordings: two are left out at a time, and the rest must suffice for a fit."""
 HEIGHT_SHARES: Final = (0.05, 0.075, 0.15, 0.2)
-"""Midpoints of the height sigmoid that are tried beside the one in use, shares of the picture's
+"""Midpoints of the height sigmoid that are tried besides the one in use, as shares of the picture's
 height."""
 TOLERANCES: Final = (0.02, 0.05, 0.1, 0.2)
 RECENCY_MIDPOINTS: Final = (0.0, 0.25, 0.5, 0.75)
 RECENCY_SPREADS: Final = (0.05, 0.1, 0.2, 0.4)
 AGGREGATES: Final[tuple[Aggregate, ...]] = ("max", "sum")
+FITTED_SETTINGS: Final = (
+    "tolerance",
+    "recency_midpoint",
+    "recency_spread",
+    "saliency_aggregate",
+    "midpoint",
+    "spread",
+)
 
 
 @dataclass(frozen=True)
 class Fit:
-    """The parameters that order the clips best, and what they are worth on clips left out.
+    """The parameters that order the clips best, and how well they do on clips left out.
 
     Attributes
     ----------
@@ -42,19 +50,19 @@ class Fit:
         Share of the pairs of clips that saliency with the settings in use puts in the order of
         the mean ranks; ties of saliency count half. 0.5 is chance.
     share_fitted
-        The same for the fit, of pairs whose recordings it was not fitted to: this is its worth.
+        The same for the fit, over pairs whose recordings it was not fitted to: the honest value.
     share_training
-        The same of the pairs that it was fitted to. Too good by construction: no result.
+        The same over the pairs that it was fitted to; too good by construction, not a result.
     n_pairs, n_clips, n_settings
         Pairs of clips with different mean ranks, clips, combinations of parameters tried.
     low, high
         95 % interval of `share_fitted`, from resampling the recordings; NaN: `reason` says why.
     gain_low, gain_high
-        The same of ``share_fitted - share_default``, what the fit gains.
+        The same for ``share_fitted - share_default``, the gain of the fit.
     n_recordings
         Recordings that were resampled.
     reason
-        Why there is no interval; else empty.
+        Why there is no interval; empty if there is one.
     """
 
     params: Params
@@ -113,46 +121,45 @@ def fit_saliency(
             f"recordings; there are {recording.max(initial=-1) + 1}"
         )
     rank = clips["mean_rank"].to_numpy(dtype=float)
-    wanted = np.sign(np.subtract.outer(rank, rank))
-    if not wanted.any():
+    order = np.sign(np.subtract.outer(rank, rank))
+    if not order.any():
         raise InputError("all clips have the same mean rank: there is nothing to fit to")
-    tried = [result.params]
+    settings = [result.params]
     saliency = [_of_clips(*_events(result), result.params, clips, result)]
     steps = list(_front_settings(result))
-    for done, front in enumerate(steps, 1):
-        found = compare(result.dataset, front, x=result.x.name, y=result.y.name, previous=result)
-        events = _events(found)
+    for n_done, front in enumerate(steps, 1):
+        comparison = compare(result.dataset, front, x=result.x.name, y=result.y.name, previous=result)
+        events = _events(comparison)
         for setting in _back_settings(front):
-            tried.append(setting)
+            settings.append(setting)
             saliency.append(_of_clips(*events, setting, clips, result))
-        progress(done / len(steps), "fitting")
-    agreement = _agreement(np.array(saliency), wanted)
+        progress(n_done / len(steps), "fitting")
+    agreement = _agreement(np.array(saliency), order)
     total = agreement.sum(axis=(1, 2))
     best = int(total.argmax())
-    n_pairs = int(np.count_nonzero(wanted))
-    judged = _left_out(agreement, recording)
-    start, counted = (_by_recording(one, recording) for one in (agreement[0], np.abs(wanted)))
-    (low, high), (gain_low, gain_high), reason = _intervals(judged, start, counted)
+    n_pairs = int(np.count_nonzero(order))
+    held_out = _agreement_held_out(agreement, recording)
+    start, counts = (_by_recording(pairs, recording) for pairs in (agreement[0], np.abs(order)))
+    (low, high), (gain_low, gain_high), reason = _intervals(held_out, start, counts)
     changed = {
-        name: getattr(tried[best], name)
-        for name in ("tolerance", "recency_midpoint", "recency_spread", "saliency_aggregate",
-                     "midpoint", "spread")
-        if getattr(tried[best], name) != getattr(result.params, name)
-    }  # fmt: skip
+        name: getattr(settings[best], name)
+        for name in FITTED_SETTINGS
+        if getattr(settings[best], name) != getattr(result.params, name)
+    }
     return Fit(
-        params=tried[best],
+        params=settings[best],
         changed=changed,
         share_default=_share(total[0], n_pairs),
-        share_fitted=_share(judged.sum(), n_pairs),
+        share_fitted=_share(held_out.sum(), n_pairs),
         share_training=_share(total[best], n_pairs),
         n_pairs=n_pairs // 2,
         n_clips=len(clips),
-        n_settings=len(tried),
+        n_settings=len(settings),
         low=low,
         high=high,
         gain_low=gain_low,
         gain_high=gain_high,
-        n_recordings=len(judged),
+        n_recordings=len(held_out),
         reason=reason,
     )
 
@@ -181,10 +188,13 @@ def _events(result: Result) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Clip (recording, those of Y after those of X), duration in seconds and tau of each event."""
     n = len(result.dataset.recordings)
     columns = [
-        (system.events["recording"].to_numpy() + n * side, system.events["duration_s"].to_numpy(),
-         system.events["tau"].to_numpy())
+        (
+            system.events["recording"].to_numpy() + n * side,
+            system.events["duration_s"].to_numpy(),
+            system.events["tau"].to_numpy(),
+        )
         for side, (_, system) in enumerate(result.sides)
-    ]  # fmt: skip
+    ]
     clip, duration_s, tau = (np.concatenate(parts) for parts in zip(*columns, strict=True))
     return clip, duration_s, tau
 
@@ -212,67 +222,69 @@ def _of_clips(
     return of_clips
 
 
-def _agreement(saliency: np.ndarray, wanted: np.ndarray) -> np.ndarray:
-    """1 for pairs in the wanted order, -1 in the other, 0 for ties; int8, (settings, n, n)."""
-    ordered = np.empty((len(saliency), *wanted.shape), dtype=np.int8)
-    for setting, of_clips in zip(ordered, saliency, strict=True):  # all at once would be gigabytes
-        setting[:] = np.sign(np.subtract.outer(of_clips, of_clips)) * wanted
-    return ordered
+def _agreement(saliency: np.ndarray, order: np.ndarray) -> np.ndarray:
+    """1 for pairs in the order of the ratings, -1 in the other, 0 for ties; (settings, n, n)."""
+    agreement = np.empty((len(saliency), *order.shape), dtype=np.int8)
+    for setting, of_clips in zip(agreement, saliency, strict=True):  # at once: gigabytes
+        setting[:] = np.sign(np.subtract.outer(of_clips, of_clips)) * order
+    return agreement
 
 
 def _by_recording(pairs: np.ndarray, recording: np.ndarray) -> np.ndarray:
-    """Sums over the pairs of clips of each two recordings; float64, (recordings, recordings)."""
+    """Sums over the pairs of clips of every two recordings; float64, (recordings, recordings)."""
     member = (recording[:, None] == np.arange(recording.max() + 1)).astype(np.float64)
     sums: np.ndarray = member.T @ pairs @ member
     return sums
 
 
-def _left_out(agreement: np.ndarray, recording: np.ndarray) -> np.ndarray:
-    """Agreement of each two recordings, by the setting that is best without the two."""
+def _agreement_held_out(agreement: np.ndarray, recording: np.ndarray) -> np.ndarray:
+    """Agreement on every two recordings, by the setting that is best without both."""
     n = int(recording.max()) + 1
-    blocks = np.array([_by_recording(one, recording) for one in agreement])
+    blocks = np.array([_by_recording(pairs, recording) for pairs in agreement])
     total, row = blocks.sum(axis=(1, 2)), blocks.sum(axis=2)
-    own = np.einsum("saa->sa", blocks)
-    outside = 2 * row - own  # what leaves with a recording: its row, its column, once itself
+    within = np.einsum("saa->sa", blocks)
+    outside = 2 * row - within  # leaves with a recording: its row and column, itself only once
     best = np.empty((n, n), dtype=np.int64)
-    for one in range(n):  # over recordings: the whole cube of scores would not fit in memory
-        left = total[:, None] - outside[:, [one]] - outside + 2 * blocks[:, one, :]
-        left[:, one] = total - outside[:, one]
-        best[one] = left.argmax(axis=0)
-    chosen: np.ndarray = np.take_along_axis(blocks, best[None], axis=0)[0]
-    return chosen
+    for i in range(n):  # over recordings: the whole cube of scores would not fit in memory
+        remaining = total[:, None] - outside[:, [i]] - outside + 2 * blocks[:, i, :]
+        remaining[:, i] = total - outside[:, i]
+        best[i] = remaining.argmax(axis=0)
+    held_out: np.ndarray = np.take_along_axis(blocks, best[None], axis=0)[0]
+    return held_out
 
 
 def _intervals(
-    fitted: np.ndarray, start: np.ndarray, counted: np.ndarray
+    fitted: np.ndarray, start: np.ndarray, counts: np.ndarray
 ) -> tuple[tuple[float, float], tuple[float, float], str]:
     """Intervals of the fit's share and of its gain, and why there are none.
 
     Parameters
     ----------
-    fitted, start, counted
+    fitted, start, counts
         Agreement by the fits and by the settings in use, and number, of the pairs of clips of each
         two recordings; float64, (n, n).
     """
-    n, none = len(counted), (np.nan, np.nan)
+    n, none = len(counts), (np.nan, np.nan)
     if n < MIN_UNITS:
         return none, none, f"an interval needs {MIN_UNITS} recordings; there are {n}"
     rng = np.random.default_rng(SEED)
     weight = count_units(rng.integers(0, n, (N_RESAMPLES, n)), n)
 
-    def resampled(sums: np.ndarray) -> np.ndarray:
-        own = np.diag(sums)
-        across = ((weight @ (sums - np.diag(own))) * weight).sum(axis=1)
-        total: np.ndarray = across + weight @ own
+    def resample(sums: np.ndarray) -> np.ndarray:
+        within = np.diag(sums)
+        across = ((weight @ (sums - np.diag(within))) * weight).sum(axis=1)
+        total: np.ndarray = across + weight @ within
         return total
 
     with np.errstate(invalid="ignore", divide="ignore"):
-        share, before = (0.5 + 0.5 * resampled(one) / resampled(counted) for one in (fitted, start))
+        share, before = (0.5 + 0.5 * resample(sums) / resample(counts) for sums in (fitted, start))
     ends = [50 * (1 - CONFIDENCE), 50 * (1 + CONFIDENCE)]
-    found, gain = (tuple(np.nanpercentile(one, ends).tolist()) for one in (share, share - before))
-    return found, gain, ""
+    interval, gain = (
+        tuple(np.nanpercentile(values, ends).tolist()) for values in (share, share - before)
+    )
+    return interval, gain, ""
 
 
 def _share(agreement: float | np.floating, n_pairs: int) -> float:
-    """Share of pairs in the wanted order, from agreement of -1..1 in sum."""
+    """Share of pairs in the order of the ratings, from the sum of agreements of -1..1."""
     return 0.5 + 0.5 * float(agreement) / n_pairs

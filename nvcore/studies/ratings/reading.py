@@ -29,7 +29,7 @@ def parse_ratings(content: bytes, *, name: str) -> pd.DataFrame:
     """Ratings from CSV text with the columns participant, clip, rating, and perhaps system.
 
     Fields are separated by comma, semicolon or tab, whichever is commonest in the first line. With
-    semicolons a rating may have a decimal comma.
+    semicolons, ratings may have a decimal comma.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ def parse_ratings(content: bytes, *, name: str) -> pd.DataFrame:
         ``clip`` is the name of a recording; ``system`` the one whose boxes were shown. A higher
         rating means more annoying. An empty rating is a missing one.
     name
-        Of the file, for messages.
+        Name of the file, for messages.
 
     Returns
     -------
@@ -77,8 +77,9 @@ def _rows(text: str, separator: str, name: str) -> tuple[list[list[str]], np.nda
             if rows and len(row) != len(rows[0]):
                 raise FormatError(
                     f"expected {len(rows[0])} fields, as in the first line; found {len(row)}",
-                    file=name, line=reader.line_num,
-                )  # fmt: skip
+                    file=name,
+                    line=reader.line_num,
+                )
             if len(rows) > MOST_ROWS:
                 raise FormatError(f"more than {MOST_ROWS:,} ratings", file=name)
             rows.append(row)
@@ -97,7 +98,7 @@ def check_ratings(
     lines: np.ndarray | None = None,
     has_decimal_comma: bool = False,
 ) -> pd.DataFrame:
-    """Ratings from a table of text; else as `parse_ratings`.
+    """Ratings from a table of text, otherwise like `parse_ratings`.
 
     Parameters
     ----------
@@ -111,8 +112,9 @@ def check_ratings(
             f"the columns {', '.join(REQUIRED)} are needed, separated by commas, semicolons or "
             f"tabs; {', '.join(lacking)} is missing, found "
             f"{', '.join(map(str, table.columns[:8]))}",
-            file=name, line=1,
-        )  # fmt: skip
+            file=name,
+            line=1,
+        )
     if twice := [column for column in (*REQUIRED, SYSTEM) if (table.columns == column).sum() > 1]:
         raise FormatError(f"there are several columns {twice[0]}", file=name, line=1)
     line = np.arange(1, len(table) + 1) if lines is None else lines
@@ -131,7 +133,7 @@ def check_ratings(
 
 
 def fold_name(participant: str) -> str:
-    """What names of one person have in common, however they are typed.
+    """A person's name in the form that is the same however it is typed.
 
     Examples
     --------
@@ -142,7 +144,7 @@ def fold_name(participant: str) -> str:
 
 
 def _one_spelling(names: pd.Series) -> pd.Series:
-    """Every name as it is spelt the first time."""
+    """Every name as it is first spelt."""
     first = names.groupby(names.map(fold_name), sort=False).transform("first")
     return first.where(names != "", names)
 
@@ -154,8 +156,9 @@ def _numbers(text: pd.Series, file: str, line: np.ndarray) -> np.ndarray:
     if len(wrong):
         raise FormatError(
             f"a rating is a number, or empty where it is missing; found {text.iloc[wrong[0]]!r}",
-            file=file, line=int(line[wrong[0]]),
-        )  # fmt: skip
+            file=file,
+            line=int(line[wrong[0]]),
+        )
     return numbers
 
 
@@ -168,16 +171,18 @@ def _check(ratings: pd.DataFrame, file: str, line: np.ndarray) -> None:
     if is_silent.any() and not is_silent.all():
         raise FormatError(
             "the system is empty, while other lines name it: name it in all or in none",
-            file=file, line=int(line[np.argmax(is_silent)]),
-        )  # fmt: skip
+            file=file,
+            line=int(line[np.argmax(is_silent)]),
+        )
     twice = np.flatnonzero(ratings.duplicated(["participant", "clip", SYSTEM]).to_numpy())
     if len(twice):
         row = ratings.iloc[twice[0]]
-        shown = f" with the boxes of {row[SYSTEM]}" if row[SYSTEM] else ""
+        with_boxes = f" with the boxes of {row[SYSTEM]}" if row[SYSTEM] else ""
         raise FormatError(
-            f"{row['participant']} rates the clip {row['clip']}{shown} a second time",
-            file=file, line=int(line[twice[0]]),
-        )  # fmt: skip
+            f"{row['participant']} rates the clip {row['clip']}{with_boxes} a second time",
+            file=file,
+            line=int(line[twice[0]]),
+        )
 
 
 RATINGS_FILE: Final = "ratings_simulated.csv"

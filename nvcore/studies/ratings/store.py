@@ -1,4 +1,4 @@
-"""Rating sessions in a database file: each rating is on the disk before the next clip is shown."""
+"""Rating sessions in a database file: each rating is on disk before the next clip is shown."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def counterbalanced_order(n_clips: int, participant: int) -> np.ndarray:
 MOST_NAME: Final = 64
 MOST_CLIPS: Final = 500
 WAIT_S: Final = 10.0
-"""How long a write waits for another one."""
+"""Timeout of a write that waits for another, seconds."""
 TABLES: Final = """
 CREATE TABLE IF NOT EXISTS study (
     token TEXT PRIMARY KEY, conductor TEXT NOT NULL UNIQUE, fingerprint TEXT NOT NULL,
@@ -61,7 +61,7 @@ CREATE TABLE IF NOT EXISTS rating (
 """
 
 ADDED: Final = ("n_plays", "first_rating")
-"""Columns of ratings that files of earlier versions have not."""
+"""Columns of ratings that files of earlier versions lack."""
 RATE: Final = """
 INSERT INTO rating (study, participant, clip, rating, n_plays) VALUES (?, ?, ?, ?, ?)
 ON CONFLICT (study, participant, clip) DO UPDATE SET
@@ -80,9 +80,9 @@ class Study:
     Attributes
     ----------
     token
-        Name of the study for participants, not to be guessed.
+        Name of the study for participants; cannot be guessed.
     conductor
-        Its name for who conducts it and sees the ratings; does not follow from `token`.
+        Its name for whoever conducts it and sees the ratings; cannot be derived from `token`.
     fingerprint
         Of the dataset that the clips are from.
     clips
@@ -109,7 +109,7 @@ class RatingStore:
     Parameters
     ----------
     path
-        The file; it and its folder are made if need be.
+        The file; it and its folder are created if necessary.
 
     Notes
     -----
@@ -167,9 +167,9 @@ class RatingStore:
             raise InputError(f"a rating session needs 1 to {MOST_CLIPS} clips, each once")
         if low >= high:
             raise InputError(f"the scale must rise; it goes from {low} to {high}")
-        shown = dict(thresholds or {})
+        thresholds_shown = dict(thresholds or {})
         token, conductor = secrets.token_urlsafe(16), secrets.token_urlsafe(16)
-        study = Study(token, conductor, fingerprint, tuple(clips), low, high, shown)
+        study = Study(token, conductor, fingerprint, tuple(clips), low, high, thresholds_shown)
         with self._connect() as base:
             base.execute(
                 "INSERT INTO study VALUES (?, ?, ?, ?, ?, ?, ?)",
@@ -180,7 +180,7 @@ class RatingStore:
                     json.dumps(study.clips),
                     low,
                     high,
-                    json.dumps(shown),
+                    json.dumps(thresholds_shown),
                 ),
             )
         return study
@@ -217,8 +217,8 @@ class RatingStore:
             raise InputError(f"a participant's name or code has 1 to {MOST_NAME} characters")
         with self._connect() as base:
             base.execute("BEGIN IMMEDIATE")  # nobody else joins between the two
-            known = _spelling(base, study, name)
-            if known is None:
+            joined_name = _spelling(base, study, name)
+            if joined_name is None:
                 base.execute(
                     "INSERT INTO participant SELECT ?, ?, COUNT(*) FROM participant "
                     "WHERE study = ?",
@@ -226,7 +226,7 @@ class RatingStore:
                 )
             (number,) = base.execute(
                 "SELECT number FROM participant WHERE study = ? AND name = ?",
-                (study.token, known or name),
+                (study.token, joined_name or name),
             ).fetchone()
         return [int(clip) for clip in counterbalanced_order(len(study.clips), number)]
 
@@ -308,10 +308,10 @@ class RatingStore:
 
 
 def _add_columns(base: sqlite3.Connection) -> None:
-    """Give the file of an earlier version the columns that it has not."""
-    known = {row[1] for row in base.execute("PRAGMA table_info(rating)")}
+    """Add the columns that a file of an earlier version lacks."""
+    existing = {row[1] for row in base.execute("PRAGMA table_info(rating)")}
     for column in ADDED:
-        if column not in known:
+        if column not in existing:
             try:
                 base.execute(f"ALTER TABLE rating ADD COLUMN {column} INTEGER")
             except sqlite3.OperationalError as error:
@@ -329,5 +329,5 @@ def _spelling(base: sqlite3.Connection, study: Study, participant: str) -> str |
     ]
     if participant.strip() in names:  # files of earlier versions may have two spellings
         return participant.strip()
-    wanted = fold_name(participant)
-    return next((name for name in names if fold_name(name) == wanted), None)
+    folded = fold_name(participant)
+    return next((name for name in names if fold_name(name) == folded), None)

@@ -1,4 +1,4 @@
-"""Saliency against people: whether the figure rises with the mean rank of annoyance."""
+"""Saliency against people: whether it rises with the mean rank of annoyance."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from nvcore.errors import InputError
 from nvcore.metrics.saliency import aggregate_saliency
 
 LEAST_CLIPS: Final = 5
-"""Fewer clips give no correlation worth telling."""
+"""Fewest clips for a meaningful correlation."""
 N_RESAMPLES: Final = 5_000
 SEED: Final = 20_110_360
 BATCH_CELLS: Final = 2_000_000
-"""Pairs of clips looked at at once: bounds the memory of the bootstrap."""
+"""Pairs of clips processed at a time: bounds the memory of the bootstrap."""
 MOST_IN_PAIRS: Final = 120
-"""Clips up to which all pairs of all resamples are looked at at once."""
+"""Most clips for which all pairs of all resamples are processed at once."""
 Statistic = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 
@@ -76,7 +76,7 @@ def clip_saliency(result: Result) -> pd.DataFrame:
 def split_known(
     ratings: pd.DataFrame, saliency: pd.DataFrame, *, system: str = ""
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """The ratings of clips of this comparison, and those of others, which belong in no figure.
+    """The ratings of clips of this comparison, and those of others, which enter no measure.
 
     Parameters
     ----------
@@ -92,18 +92,18 @@ def split_known(
     InputError
         If no rated clip is a recording of this comparison.
     """
-    said = ratings.assign(system=ratings["system"].where(ratings["system"] != "", system))
+    complete = ratings.assign(system=ratings["system"].where(ratings["system"] != "", system))
     clips = pd.MultiIndex.from_frame(saliency[["clip", "system"]])
-    is_known = pd.MultiIndex.from_frame(said[["clip", "system"]]).isin(clips)
+    is_known = pd.MultiIndex.from_frame(complete[["clip", "system"]]).isin(clips)
     if not is_known.any():
-        raise _none_known(said["clip"])
-    return said[is_known].reset_index(drop=True), said[~is_known].reset_index(drop=True)
+        raise _none_known(complete["clip"])
+    return complete[is_known].reset_index(drop=True), complete[~is_known].reset_index(drop=True)
 
 
 def _none_known(clips: pd.Series) -> InputError:
-    shown = ", ".join(clips.drop_duplicates().head(3))
+    examples = ", ".join(clips.drop_duplicates().head(3))
     return InputError(
-        f"none of the rated clips ({shown}, ...) is a recording of this comparison with the "
+        f"none of the rated clips ({examples}, ...) is a recording of this comparison with the "
         "boxes of X or Y: the clip's name must be the recording's, the system's that of X or Y"
     )
 
@@ -129,44 +129,44 @@ def join_clips(ranks: pd.DataFrame, saliency: pd.DataFrame) -> pd.DataFrame:
     InputError
         If no rated clip is a recording of this comparison.
     """
-    rated = pd.DataFrame({"mean_rank": ranks.mean(), "n_ratings": ranks.notna().sum()})
-    rated = rated.reset_index()
-    joined: pd.DataFrame = rated.merge(saliency, on=["clip", "system"], how="inner")
-    if joined.empty:
-        raise _none_known(rated["clip"])
-    return joined[["clip", "system", "mean_rank", "n_ratings", "saliency_s"]]
+    rank_of_clip = pd.DataFrame({"mean_rank": ranks.mean(), "n_ratings": ranks.notna().sum()})
+    rank_of_clip = rank_of_clip.reset_index()
+    clips: pd.DataFrame = rank_of_clip.merge(saliency, on=["clip", "system"], how="inner")
+    if clips.empty:
+        raise _none_known(rank_of_clip["clip"])
+    return clips[["clip", "system", "mean_rank", "n_ratings", "saliency_s"]]
 
 
-def _pearson(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+def _pearson(x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """Over the last axis; NaN where all values are the same."""
-    a = one - one.mean(axis=-1, keepdims=True)
-    b = other - other.mean(axis=-1, keepdims=True)
+    a = x - x.mean(axis=-1, keepdims=True)
+    b = y - y.mean(axis=-1, keepdims=True)
     with np.errstate(invalid="ignore", divide="ignore"):
         r: np.ndarray = (a * b).sum(-1) / np.sqrt((a * a).sum(-1) * (b * b).sum(-1))
     return r
 
 
-def _spearman(one: np.ndarray, other: np.ndarray) -> np.ndarray:
-    return _pearson(stats.rankdata(one, axis=-1), stats.rankdata(other, axis=-1))
+def _spearman(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    return _pearson(stats.rankdata(x, axis=-1), stats.rankdata(y, axis=-1))
 
 
-def _kendall(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+def _kendall(x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """Tau-b over the last axis: the cosine between the signs of all differences."""
-    if one.shape[-1] > MOST_IN_PAIRS:
-        return _kendall_by_sorting(one, other)
-    a = np.sign(one[..., :, None] - one[..., None, :])
-    b = np.sign(other[..., :, None] - other[..., None, :])
+    if x.shape[-1] > MOST_IN_PAIRS:
+        return _kendall_by_sorting(x, y)
+    a = np.sign(x[..., :, None] - x[..., None, :])
+    b = np.sign(y[..., :, None] - y[..., None, :])
     across = (-2, -1)
     with np.errstate(invalid="ignore", divide="ignore"):
         tau: np.ndarray = (a * b).sum(across) / np.sqrt((a * a).sum(across) * (b * b).sum(across))
     return tau
 
 
-def _kendall_by_sorting(one: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """Tau-b in n log n, one resample after the other."""
-    a, b = (x.reshape(-1, x.shape[-1]) for x in np.broadcast_arrays(one, other))
-    values = [stats.kendalltau(x, y).statistic for x, y in zip(a, b, strict=True)]
-    tau: np.ndarray = np.array(values).reshape(np.broadcast_shapes(one.shape, other.shape)[:-1])
+def _kendall_by_sorting(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Tau-b in n log n, one resample after another."""
+    rows_x, rows_y = (values.reshape(-1, values.shape[-1]) for values in np.broadcast_arrays(x, y))
+    taus = [stats.kendalltau(a, b).statistic for a, b in zip(rows_x, rows_y, strict=True)]
+    tau: np.ndarray = np.array(taus).reshape(np.broadcast_shapes(x.shape, y.shape)[:-1])
     return tau
 
 
@@ -193,31 +193,36 @@ def correlate(saliency_s: np.ndarray, mean_rank: np.ndarray) -> list[Correlation
     elif np.ptp(saliency_s) == 0 or np.ptp(mean_rank) == 0:
         note = "all clips have the same value: there is nothing to correlate"
     else:
-        return [_correlation(*one, saliency_s, mean_rank) for one in COEFFICIENTS]
+        return [_correlation(*coefficient, saliency_s, mean_rank) for coefficient in COEFFICIENTS]
     return [Correlation(label, np.nan, np.nan, np.nan, np.nan, note) for label, *_ in COEFFICIENTS]
 
 
 def _over_last_axis(value: Statistic) -> Callable[..., np.ndarray]:
     """The statistic as `scipy.stats.bootstrap` calls it: always with the last axis."""
 
-    def called(one: np.ndarray, other: np.ndarray, *, axis: int) -> np.ndarray:
+    def statistic(x: np.ndarray, y: np.ndarray, *, axis: int) -> np.ndarray:
         assert axis == -1
-        return value(one, other)
+        return value(x, y)
 
-    return called
+    return statistic
 
 
 def _correlation(
-    label: str, value: Statistic, test: Any, one: np.ndarray, other: np.ndarray
+    label: str, value: Statistic, test: Any, x: np.ndarray, y: np.ndarray
 ) -> Correlation:
-    found = test(one, other)
+    outcome = test(x, y)
     with warnings.catch_warnings():  # a resample may hold one clip only, many times
         warnings.simplefilter("ignore")
         interval = stats.bootstrap(
-            (one, other), _over_last_axis(value), paired=True, vectorized=True,
-            n_resamples=N_RESAMPLES, method="BCa", rng=np.random.default_rng(SEED),
-            batch=max(1, BATCH_CELLS // len(one) ** 2),
-        ).confidence_interval  # fmt: skip
+            (x, y),
+            _over_last_axis(value),
+            paired=True,
+            vectorized=True,
+            n_resamples=N_RESAMPLES,
+            method="BCa",
+            rng=np.random.default_rng(SEED),
+            batch=max(1, BATCH_CELLS // len(x) ** 2),
+        ).confidence_interval
     low, high = float(interval.low), float(interval.high)
     note = "" if np.isfinite([low, high]).all() else "the clips allow no interval"
-    return Correlation(label, float(found.statistic), low, high, float(found.pvalue), note)
+    return Correlation(label, float(outcome.statistic), low, high, float(outcome.pvalue), note)
