@@ -128,8 +128,8 @@ def fit_saliency(
     saliency = [_of_clips(*_events(result), result.params, clips, result)]
     steps = list(_front_settings(result))
     for n_done, front in enumerate(steps, 1):
-        comparison = compare(result.dataset, front, x=result.x.name, y=result.y.name, previous=result)
-        events = _events(comparison)
+        names = {"x": result.x.name, "y": result.y.name}
+        events = _events(compare(result.dataset, front, **names, previous=result))
         for setting in _back_settings(front):
             settings.append(setting)
             saliency.append(_of_clips(*events, setting, clips, result))
