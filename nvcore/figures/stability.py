@@ -13,8 +13,8 @@ from scipy.ndimage import binary_dilation, binary_erosion, distance_transform_ed
 from nvcore.figures.style import LOOK, axis, click_markers, empty_figure, faded, layout
 from nvcore.palette import Theme
 from nvcore.stability.axes import Axis
-from nvcore.stability.map import StabilityMap
 from nvcore.stability.flips import combine_axes
+from nvcore.stability.map import StabilityMap
 from nvcore.stability.words import (
     CRITERIA,
     QUANTITY,

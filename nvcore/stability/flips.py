@@ -154,9 +154,7 @@ def find_interval(field: Field, verdict: Winner, i: int, present: Sequence[int])
         difference_inside, difference_outside = line[[inside, outside]]
         if not field.is_continuous[i] or not difference_inside * difference_outside < 0:
             return float(values[outside])
-        return float(
-            _cross(values[inside], values[outside], difference_inside, difference_outside)
-        )
+        return float(_cross(values[inside], values[outside], difference_inside, difference_outside))
 
     def beyond(outside: int, step: int) -> Winner:
         winner: Winner = along[outside]
@@ -209,7 +207,7 @@ def _by_distance(
         place = tuple(places[i].tolist())
         yield Flip(
             cell=int(cell[i]),
-            at=place,
+            place=place,
             settings={
                 axis.name: axis.setting_at(value)
                 for axis, value in zip(field.axes, place, strict=True)

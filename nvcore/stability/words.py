@@ -231,7 +231,7 @@ def _present(stability: StabilityMap) -> list[str]:
     """What the reader must know about the settings in use to understand the rest."""
     axes = _axes_that_matter(stability)
     sentences = [
-        f"\"{axis.label}\" is each recording's own here, {axis.range_text(*axis.present)}: the "
+        f'"{axis.label}" is each recording\'s own here, {axis.range_text(*axis.present)}: the '
         "settings in use are no single point of this map."
         for axis in axes
         if axis.present_index is None

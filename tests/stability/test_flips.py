@@ -11,9 +11,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from nvcore.stability.axes import Axis
+from nvcore.stability.flips import winners
 from nvcore.stability.map import StabilityMap, map_stability
 from nvcore.stability.scores import Criterion
-from nvcore.stability.flips import winners
 from nvcore.stability.words import describe_stability
 
 NAMES = ("alpha", "midpoint", "iou")
