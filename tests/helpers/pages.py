@@ -3,11 +3,53 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Final
 
+import pytest
 from inputs import drive
+from places import ROOT
 from streamlit.testing.v1 import AppTest
 
 from nvcore.inputs.session import Session, Source, SystemSource
+from ui.session import sample, state
+from ui.shell.pages import START
+
+TIMEOUT_S: Final = 600
+"""Of a run that hangs: a fresh clone compiles first, and the machine may do other work too."""
+
+
+def opened(name: str = START, **address: str) -> AppTest:
+    """The app, opened at this address on this page: no other is drawn before it."""
+    app = AppTest.from_file(str(ROOT / "ui" / "main.py"), default_timeout=TIMEOUT_S)
+    for key, value in address.items():
+        app.query_params[key] = value
+    return app.run() if name == START else to_page(app, name)
+
+
+def to_page(app: AppTest, name: str) -> AppTest:
+    return app.switch_page(str(ROOT / "pages" / f"{name}.py")).run()
+
+
+def alone(name: str, *, before: str = "", **address: str) -> AppTest:
+    """A page without navigation and sidebar; `before` runs before it."""
+    script = f"{before}\nfrom ui.session import state\nstate.begin_run()\n"
+    script += f"import runpy\nrunpy.run_path({str(ROOT / 'pages' / f'{name}.py')!r})\n"
+    return scripted(script, **address)
+
+
+def scripted(script: str, **address: str) -> AppTest:
+    app = AppTest.from_string(script, default_timeout=TIMEOUT_S)
+    for key, value in address.items():
+        app.query_params[key] = value
+    return app
+
+
+def begin_with(comparison: Session | Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let the app open this, or a session file, instead of the sample."""
+    if isinstance(comparison, Session):
+        monkeypatch.setattr(sample, "read_session", lambda _: comparison)
+        comparison = comparison.folder / "session.toml"
+    monkeypatch.setattr(state, "SAMPLE", comparison)
 
 
 def checked(page: AppTest) -> AppTest:
@@ -17,8 +59,11 @@ def checked(page: AppTest) -> AppTest:
 
 def texts(page: AppTest) -> str:
     """All that is said in words, markup taken away."""
-    kinds = (page.markdown, page.caption, page.warning, page.info, page.header)
-    return "\n".join(one.value for kind in kinds for one in kind).replace("\\", "")
+    kinds = (
+        *(page.markdown, page.caption, page.error, page.warning, page.info, page.success),
+        page.header,
+    )
+    return "\n".join(item.value for kind in kinds for item in kind).replace("\\", "")
 
 
 def session(folder: Path, *systems: str) -> Session:
@@ -26,7 +71,7 @@ def session(folder: Path, *systems: str) -> Session:
     return Session(
         folder,
         Source(("truth.csv",)),
-        tuple(SystemSource((one,)) for one in systems),
+        tuple(SystemSource((path,)) for path in systems),
         size=(640, 480),
         fps=20.0,
     )

@@ -9,7 +9,6 @@ import streamlit as st
 
 from nvcore.errors import InputError, NvcoreError
 from nvcore.inputs.session import Session
-from nvcore.inputs.session_toml import read_session
 from ui.data import local, upload
 from ui.data.inputs import sent_pictures
 from ui.data.missing_inputs import MissingInputs, ask_for_missing, forget_missing
@@ -58,7 +57,7 @@ def _draw_sample() -> None:
     st.markdown(SAMPLE_TEXT)
     draw_trouble("sample")
     if st.button("Open the sample recordings", key="open_sample"):
-        try_to_open(lambda: read_session(state.SAMPLE), label=state.SAMPLE_LABEL, place="sample")
+        try_to_open(state.sample_session, label=state.SAMPLE_LABEL, place="sample")
 
 
 PLACE: Final = "session_file"

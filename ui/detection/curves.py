@@ -134,7 +134,7 @@ def _draw_evidence(result: Result, remarks: list[str]) -> None:
 
 def _curve(result: Result, system: str, protocol: Protocol) -> DetectionCurve:
     rule = result.params.only_for(MATCH)
-    return state.workspace().cached(
+    return state.cached(
         "curves",
         (system, protocol, rule),
         lambda: detection_curve(result.dataset, system, rule, protocol),

@@ -98,10 +98,8 @@ def _start() -> Protocol:
 
 
 def filtered(dataset: Dataset, protocol: Protocol) -> FilteredTruth:
-    """The ground truth under a protocol, cached while it is shown."""
-    return state.workspace().cached(
-        "protocol_truth", protocol, lambda: filter_truth(dataset, protocol), most=2
-    )
+    """The ground truth under a protocol, kept while it is shown."""
+    return state.cached("protocol_truth", protocol, lambda: filter_truth(dataset, protocol), most=2)
 
 
 def _start_own(before: Protocol) -> None:

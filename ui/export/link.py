@@ -8,7 +8,6 @@ from urllib.parse import urlencode
 
 import streamlit as st
 
-from nvcore.inputs.session_toml import read_session
 from ui.session import state
 
 PLACES: Final = {"timeline": "Timeline, at the current frame", "": "Overview"}
@@ -66,4 +65,4 @@ def link(here: str, page: str, params: dict[str, str]) -> str:
 
 def _is_sample() -> bool:
     """Whether the sample is open as it comes: systems and corrections are in no address."""
-    return state.opened().session == replace(read_session(state.SAMPLE), protocol=state.protocol())
+    return state.opened().session == replace(state.sample_session(), protocol=state.protocol())

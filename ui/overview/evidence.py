@@ -91,7 +91,7 @@ def _draw_subgroups(result: Result, evidence: pd.DataFrame) -> None:
             return subgroup_table(result, [chosen], protocol=protocol)
 
     key = (result.params, result.x.name, result.y.name, protocol, chosen)
-    table = state.workspace().cached("subgroups", key, make, most=len(EVIDENCE_KEYS))
+    table = state.cached("subgroups", key, make, most=len(EVIDENCE_KEYS))
     draw_chart(subgroup_forest(table, theme=state.theme()), "subgroups")
     if why := inference_of(chosen).not_of_pedestrians:
         st.caption(

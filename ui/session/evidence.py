@@ -24,7 +24,7 @@ def measure_evidence(result: Result) -> pd.DataFrame:
         )
 
     key = (result.params, result.x.name, result.y.name, protocol)
-    return state.workspace().cached("evidence", key, make)
+    return state.cached("evidence", key, make)
 
 
 def miss_rate_evidence(result: Result) -> Evidence:
@@ -42,6 +42,6 @@ def _cached_miss_rate(result: Result, units: Units) -> Evidence:
         protocol,
         units.unit_of_frame.tobytes(),
     )
-    return state.workspace().cached(
+    return state.cached(
         "miss_rate_evidence", key, lambda: judge_miss_rate(result, units, protocol), most=4
     )

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any, Final, Literal
+from typing import Any, Final, Literal, TypeVar
 
 import numpy as np
 import streamlit as st
@@ -18,19 +18,20 @@ from nvcore.dataset import Dataset
 from nvcore.findings import Finding, worst_first
 from nvcore.inputs.load import load
 from nvcore.inputs.session import Session
-from nvcore.inputs.session_toml import read_session
 from nvcore.params import SETTINGS, Params
 from nvcore.params.metadata import MATCH, PROXIMITY, SALIENT, THRESHOLD
 from nvcore.protocols import Protocol
 from ui.session.address import changed_parameters, read_parameters, read_place
 from ui.session.ending import end_with_session, is_in_use
 from ui.session.pictures import Picturing, find_pictures
+from ui.session.sample import sample_of, shared_sample
 from ui.session.workspace import Compared, Opened, Workspace, workspace_of
 
 ROOT: Final = Path(__file__).resolve().parents[2]
 SAMPLE: Final = ROOT / "sample_data" / "session.toml"
 SAMPLE_LABEL: Final = "Sample recordings"
 Theme = Literal["light", "dark"]
+Made = TypeVar("Made")
 
 MOST_THUMBNAILS: Final = 64
 
@@ -52,7 +53,7 @@ def _workspace_and_opened() -> tuple[Workspace, Opened]:
     if space.opened is not None:
         return space, space.opened
     with st.spinner("Opening the sample recordings"):
-        return space, _open(space, read_session(SAMPLE), SAMPLE_LABEL)
+        return space, _open(space, shared_sample(SAMPLE, label=SAMPLE_LABEL).opened)
 
 
 def open_session(session: Session, *, label: str) -> None:
@@ -65,8 +66,15 @@ def open_session(session: Session, *, label: str) -> None:
     """
     space = workspace()
     with st.spinner("Reading the files"):
-        _open(space, session, label)
+        sample = shared_sample(SAMPLE, label=SAMPLE_LABEL).opened
+        is_sample = session is sample.session and label == sample.label
+        _open(space, sample if is_sample else Opened(session, load(session), label))
     st.rerun()  # the widgets of this run are drawn: they take their new values in the next one
+
+
+def sample_session() -> Session:
+    """The session of the sample recordings: to open it costs little."""
+    return shared_sample(SAMPLE, label=SAMPLE_LABEL).opened.session
 
 
 def restore(token: str) -> None:
@@ -125,10 +133,22 @@ def reset_params() -> None:
     st.session_state["wants_reset"] = True
 
 
+def cached(kind: str, key: Hashable, make: Callable[[], Made], *, most: int = 1) -> Made:
+    """As `Workspace.cached`; of the sample as it opens, made once for all sessions.
+
+    For values that follow from what is open and the key alone, and that nobody changes.
+    """
+    space, is_changed = workspace(), params() != session_params()
+    sample = None if is_changed else sample_of(opened())
+    if sample is None:
+        return space.cached(kind, key, make, most=most)
+    return space.cached(kind, key, lambda: sample.cached(kind, key, make, most=most), most=most)
+
+
 def score_span(system: str) -> tuple[float, float] | None:
     """Lowest and highest score of a system; None without scores or with a single one."""
     dataset = opened().dataset
-    return workspace().cached("score_span", system, lambda: _score_span(dataset, system), most=20)
+    return cached("score_span", system, lambda: _score_span(dataset, system), most=20)
 
 
 def _score_span(dataset: Dataset, system: str) -> tuple[float, float] | None:
@@ -165,7 +185,7 @@ def result() -> Result | None:
         space.compared = None
         return None
     settings = params()
-    newest = space.cached(
+    newest = cached(
         "result", (settings, x, y), lambda: _compare(dataset, settings, x, y, space.result)
     )
     if newest is not space.result:
@@ -191,20 +211,19 @@ def of_boxes(settings: Params) -> Params:
 
 def findings() -> tuple[Finding, ...]:
     """What the audit found in the open inputs, worst first."""
-    space = workspace()
     x, y = systems()
     relevant = params().only_for(THRESHOLD, MATCH, PROXIMITY)
-    return space.cached("findings", (relevant, x, y), lambda: _audit(relevant, x, y))
+    return cached("findings", (relevant, x, y), lambda: _audit(relevant, x, y))
 
 
 def _audit(settings: Params, x: str, y: str | None) -> tuple[Finding, ...]:
     """As `nvcore.auditing.audit`, in parts: another threshold audits no file anew."""
-    space, dataset = workspace(), opened().dataset
+    dataset = opened().dataset
     with st.spinner("Auditing the inputs"):
-        findings = [*space.cached("audit_inputs", (), lambda: audit_inputs(dataset))]
+        findings = [*cached("audit_inputs", (), lambda: audit_inputs(dataset))]
         for name in dataset.systems:
             threshold, letter = role_of(name, (x, y), settings)
-            findings += space.cached(
+            findings += cached(
                 "audit_system",
                 (name, threshold, letter),
                 partial(audit_system, dataset, name, threshold, letter=letter),
@@ -339,16 +358,15 @@ def _frame_numbers(recording_index: int) -> np.ndarray:
     return frames.frame[first:last]
 
 
-def _open(space: Workspace, session: Session, label: str) -> Opened:
-    dataset = load(session)
-    pictures: Picturing = find_pictures(session, dataset)
+def _open(space: Workspace, opened: Opened) -> Opened:
+    pictures: Picturing = find_pictures(opened.session, opened.dataset)
     space.forget()  # first: nothing should go on to read the pictures
     space.close_pictures()
-    space.opened = Opened(session, dataset, label)
+    space.opened = opened
     space.pictures, space.picture_rows = pictures.sources, pictures.indices
     space.picture_notes = pictures.notes
     space.n_opened += 1
-    return space.opened
+    return opened
 
 
 def _forget_widgets() -> None:
@@ -367,9 +385,8 @@ def choose_category(category: str) -> None:
 
 def thumbnail(row_of_all: int, draw: Callable[[], bytes]) -> bytes:
     """A drawn picture, cached while nothing that shows in it changes."""
-    space = workspace()
-    key = (space.version, space.pictures_version, stretch(), row_of_all)
-    return space.cached("thumbnails", key, draw, most=MOST_THUMBNAILS)
+    key = (workspace().version, stretch(), row_of_all)  # other pictures forget all
+    return cached("thumbnails", key, draw, most=MOST_THUMBNAILS)
 
 
 STRETCH: Final = (0.5, 99.8)

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
-from places import ROOT
 from streamlit.testing.v1 import AppTest
 
+import pages
 from nvcore.detection.curve_summary import summarise_curve
 from nvcore.detection.curves import detection_curve
 from nvcore.inputs.load import load
@@ -18,14 +18,8 @@ from nvcore.tables.scorecard import curve_rows
 from ui.session.state import SAMPLE
 
 
-@pytest.fixture(autouse=True)
-def surroundings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("NVCORE_UPLOAD_DIR", str(tmp_path / "uploads"))
-
-
 def opened() -> AppTest:
-    app = AppTest.from_file(str(ROOT / "ui" / "main.py"), default_timeout=60).run()
-    return checked(app.switch_page(str(ROOT / "pages" / "detection.py")).run())
+    return checked(pages.opened("detection"))
 
 
 def checked(page: AppTest) -> AppTest:
@@ -239,7 +233,7 @@ def test_the_threshold_moves_the_figures_at_it_and_not_the_curve():
 
 
 def to_page(app: AppTest, name: str) -> AppTest:
-    return checked(app.switch_page(str(ROOT / "pages" / f"{name}.py")).run())
+    return checked(pages.to_page(app, name))
 
 
 def evidence_labels(page: AppTest) -> list[str]:
@@ -268,9 +262,8 @@ def sample_with(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
         own = SAMPLE.read_text().replace('pictures = "', f'pictures = "{SAMPLE.parent}/')
         file = tmp_path / "session.toml"
         file.write_text(own.replace('path = "', f'path = "{SAMPLE.parent}/') + text)
-        monkeypatch.setattr("ui.session.state.SAMPLE", file)
-        app = AppTest.from_file(str(ROOT / "ui" / "main.py"), default_timeout=60).run()
-        return app.switch_page(str(ROOT / "pages" / "detection.py")).run()
+        pages.begin_with(file, monkeypatch)
+        return pages.opened("detection")
 
     return open_it
 

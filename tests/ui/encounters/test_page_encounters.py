@@ -5,29 +5,19 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 import pytest
-from places import ROOT
 from streamlit.testing.v1 import AppTest
 
 from nvcore.inputs.session import Session
-from pages import checked, session, texts
+from pages import alone, begin_with, checked, session, texts
 from ui.encounters import figures, table
 from ui.encounters.filters import Filters
 from ui.encounters.picture import cut_out
 from ui.session import state
 from ui.widgets import table_columns
 
-PAGE = f"""
-import runpy
-from ui.session import state
-state.begin_run()
-runpy.run_path({str(ROOT / "pages" / "encounters.py")!r})
-"""
-
 
 def opened(*, handed: str | None = None, **link: str) -> AppTest:
-    page = AppTest.from_string(PAGE, default_timeout=60)
-    for name, value in link.items():
-        page.query_params[name] = value
+    page = alone("encounters", **link)
     if handed is not None:
         page.session_state["category"] = handed
     return checked(page.run())
@@ -175,7 +165,7 @@ def test_a_fusion_of_many_boxes_waits_to_be_asked_for(monkeypatch: pytest.Monkey
 
 
 def with_session(session: Session, monkeypatch: pytest.MonkeyPatch) -> AppTest:
-    monkeypatch.setattr(state, "read_session", lambda _: session)
+    begin_with(session, monkeypatch)
     return opened()
 
 

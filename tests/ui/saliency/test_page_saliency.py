@@ -4,23 +4,14 @@ from __future__ import annotations
 
 import pandas as pd
 import pytest
-from places import ROOT
 from streamlit.testing.v1 import AppTest
 
-from pages import checked, session, texts
+from pages import alone, begin_with, checked, session, texts
 from ui.saliency import events, figures
-from ui.session import state
-
-PAGE = f"""
-import runpy
-from ui.session import state
-state.begin_run()
-runpy.run_path({str(ROOT / "pages" / "saliency.py")!r})
-"""
 
 
 def opened() -> AppTest:
-    return checked(AppTest.from_string(PAGE, default_timeout=60).run())
+    return checked(alone("saliency").run())
 
 
 def listed(page: AppTest) -> pd.DataFrame:
@@ -86,14 +77,14 @@ def test_the_most_salient_event_of_a_system_opens_by_a_button(monkeypatch: pytes
 
 
 def test_one_system_alone_is_sent_to_the_data_page(tmp_path, monkeypatch):
-    monkeypatch.setattr(state, "read_session", lambda _: session(tmp_path, "fir.csv"))
+    begin_with(session(tmp_path, "fir.csv"), monkeypatch)
     assert "Only one system is open" in texts(opened())
 
 
 def test_without_a_miss_there_is_no_event(tmp_path, monkeypatch):
     alike = session(tmp_path, "fir.csv", "fir2.csv")
     (tmp_path / "fir2.csv").write_bytes((tmp_path / "fir.csv").read_bytes())
-    monkeypatch.setattr(state, "read_session", lambda _: alike)
+    begin_with(alike, monkeypatch)
     page = opened()
     assert [one.value for one in page.metric] == ["0.00 s", "0.00 s"]
     assert "No event here" in texts(page)

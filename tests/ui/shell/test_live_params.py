@@ -5,25 +5,18 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from places import ROOT
 from streamlit.testing.v1 import AppTest
 
+from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
 from nvcore.params import Params
-from pages import FRAMES, rows, write
+from pages import FRAMES, begin_with, checked, opened, rows, to_page, write
 from ui.session import state
+from ui.session.workspace import Opened
 
 
 def app(**query: str) -> AppTest:
-    page = AppTest.from_file(str(ROOT / "ui" / "main.py"), default_timeout=60)
-    for name, value in query.items():
-        page.query_params[name] = value
-    return checked(page.run())
-
-
-def checked(page: AppTest) -> AppTest:
-    assert not page.exception
-    return page
+    return checked(opened(**query))
 
 
 def live(page: AppTest) -> Params:
@@ -94,10 +87,10 @@ def test_a_threshold_does_not_stick_to_a_system_without_scores_that_differ(
     scored = "".join(f"night,{frame},300,200,40,120,0.{frame % 9}\n" for frame in FRAMES)
     constant = "".join(f"night,{frame},300,200,40,120,0.3\n" for frame in FRAMES)
     session = write(tmp_path, {"one": scored, "two": constant}, truth=rows(300))
-    monkeypatch.setattr(state, "SAMPLE", session)
+    begin_with(session, monkeypatch)
     page = app()
     checked(page.slider(key="threshold_x").set_value(0.5).run())
-    checked(page.switch_page(str(ROOT / "pages" / "data.py")).run())
+    checked(to_page(page, "data"))
     swap = next(one for one in page.button if "Swap" in one.label)
     checked(swap.click().run())
     assert live(page).threshold_x is None
@@ -113,7 +106,8 @@ def test_whatever_cuts_off_the_opening_of_a_session_leaves_the_app_alive(
     boxes = "".join(f"night,{frame},300,200,40,120,0.5\n" for frame in FRAMES)
     other = write(tmp_path, {"one": boxes, "two": boxes}, truth=rows(300))
     space = page.session_state["workspace"]
-    state._open(space, read_session(other), "Other")
+    session = read_session(other)
+    state._open(space, Opened(session, load(session), "Other"))
     checked(page.run())
     assert page.session_state["place"] == (0, 0)
     assert live(page).alpha == Params().alpha
@@ -124,7 +118,7 @@ def test_without_a_horizon_the_last_settings_stay_and_the_sidebar_asks_for_it(
 ):
     boxes = "".join(f"night,{frame},300,200,40,120,0.{frame % 9}\n" for frame in FRAMES)
     session = write(tmp_path, {"one": boxes, "two": boxes}, truth=rows(300))
-    monkeypatch.setattr(state, "SAMPLE", session)
+    begin_with(session, monkeypatch)
     page = app()
     checked(page.selectbox(key="proximity").set_value("horizon").run())
     assert "type it above" in page.error[0].value

@@ -6,20 +6,16 @@ import threading
 
 import pytest
 from inputs import write
-from places import ROOT
 from streamlit.testing.v1 import AppTest
 
-from pages import session
+import pages
+from pages import TIMEOUT_S, begin_with, session
 from ui.jobs.background import JobState
-from ui.session import state
 from ui.stability import survey, verdict_map
-
-PATIENCE_S = 20
 
 
 def opened() -> AppTest:
-    app = AppTest.from_file(str(ROOT / "ui" / "main.py"), default_timeout=60).run()
-    return checked(app.switch_page(str(ROOT / "pages" / "stability.py")).run())
+    return checked(pages.opened("stability"))
 
 
 def checked(page: AppTest) -> AppTest:
@@ -56,7 +52,7 @@ def test_single_frames_are_not_tested_as_if_they_were_persons(tmp_path, monkeypa
     for name, found in (("fir", rows), ("nir", rows[:1])):
         scored = (f"{row},0.9" for row in found)
         write(tmp_path / f"{name}.csv", "recording,frame,x,y,w,h,score", *scored)
-    monkeypatch.setattr(state, "read_session", lambda _: frames)
+    begin_with(frames, monkeypatch)
     page = opened()
     checked(page.button_group(key="stability_criterion").set_value("encounters").run())
     assert "As analysed, X detects more encounters, by 19 encounters." in words(page)
@@ -93,7 +89,7 @@ def test_what_the_audit_warns_of_stands_above_the_map(tmp_path, monkeypatch: pyt
     for name, floor in (("fir", 0.01), ("nir", 0.5)):
         scores = (f"{row},{min(0.99, floor + i / 200):.3f}" for i, row in enumerate(rows))
         write(tmp_path / f"{name}.csv", "recording,frame,x,y,w,h,score", *scores)
-    monkeypatch.setattr(state, "read_session", lambda _: two_floors)
+    begin_with(two_floors, monkeypatch)
     told = [one.value.replace("\\", "") for one in opened().warning]
     assert any("X and Y are compared at different operating points" in one for one in told)
 
@@ -140,13 +136,13 @@ def test_a_map_can_be_cancelled(monkeypatch: pytest.MonkeyPatch):
 
     def waits(*of, **more):
         is_started.set()
-        assert may_go_on.wait(PATIENCE_S)
+        assert may_go_on.wait(TIMEOUT_S)
         return real(*of, **more)
 
     monkeypatch.setattr(verdict_map, "map_stability", waits)
     page = opened()
     checked(page.button(key="stability_start").click().run())
-    assert is_started.wait(PATIENCE_S)
+    assert is_started.wait(TIMEOUT_S)
     checked(page.button(key="stability_cancel").click().run())
     may_go_on.set()
     job = page.session_state["workspace"].job(verdict_map.JOB)
