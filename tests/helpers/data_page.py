@@ -9,6 +9,7 @@ from inputs import drive, write
 from places import ROOT
 from streamlit.testing.v1 import AppTest
 
+from pages import checked, scripted
 from ui.session.uploads import receive
 from ui.session.workspace import PICTURES
 
@@ -25,24 +26,11 @@ PNG = b"\x89PNG\r\n\x1a\n" + bytes(100)
 
 
 def opened() -> AppTest:
-    page = AppTest.from_string(PAGE, default_timeout=60)
-    return checked(page.run())
-
-
-def checked(page: AppTest) -> AppTest:
-    assert [error.message for error in page.exception] == []
-    return page
+    return checked(scripted(PAGE).run())
 
 
 def press(page: AppTest, key: str) -> AppTest:
     return checked(page.button(key=key).click().run())
-
-
-def texts(page: AppTest) -> str:
-    """All that is said in words, markup taken away."""
-    kinds = (page.markdown, page.caption, page.error, page.warning, page.info, page.success,
-             page.header)  # fmt: skip
-    return "\n".join(one.value for kind in kinds for one in kind).replace("\\", "")
 
 
 def send(page: AppTest, key: str, *files: tuple[str, bytes]) -> None:

@@ -5,16 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from inputs import drive
-from places import DATA
 from streamlit.testing.v1 import AppTest
 
-ROOT = DATA.parents[1]
-PAGE = f"""
-import runpy
-from ui.session import state
-state.begin_run()
-runpy.run_path({str(ROOT / "pages" / "export.py")!r})
-"""
+from pages import alone, checked
+
 OPENING = """
 import streamlit as st
 from pathlib import Path
@@ -30,21 +24,13 @@ if "is_open" not in st.session_state:
 SYSTEMS = (("fir", "fir.csv"), ("nir", "nir.csv"))
 
 
-def checked(page: AppTest) -> AppTest:
-    assert [error.message for error in page.exception] == []
-    return page
-
-
-def opened(script: str = PAGE, **address: str) -> AppTest:
-    page = AppTest.from_string(script, default_timeout=60)
-    for name, value in address.items():
-        page.query_params[name] = value
-    return checked(page.run())
+def opened(before: str = "", **address: str) -> AppTest:
+    return checked(alone("export", before=before, **address).run())
 
 
 def opened_folder(folder: Path, *systems: tuple[str, str]) -> AppTest:
     """With truth.csv and the files of these systems, by name, in the folder."""
-    return opened(OPENING.format(folder=str(folder), systems=systems or SYSTEMS) + PAGE)
+    return opened(OPENING.format(folder=str(folder), systems=systems or SYSTEMS))
 
 
 def opened_drive(folder: Path, *systems: tuple[str, str]) -> AppTest:

@@ -6,23 +6,15 @@ import pandas as pd
 from places import ROOT
 from streamlit.testing.v1 import AppTest
 
+import pages
+from pages import checked
 from ui.ratings import source
 
 SIMULATED = ROOT / "sample_data" / "ratings_simulated.csv"
 
 
 def opened(**address: str) -> AppTest:
-    app = AppTest.from_file(str(ROOT / "ui" / "main.py"), default_timeout=60)
-    app.run()
-    app.switch_page(str(ROOT / "pages" / "ratings.py"))
-    for name, value in address.items():
-        app.query_params[name] = value
-    return checked(app.run())
-
-
-def checked(page: AppTest) -> AppTest:
-    assert not page.exception
-    return page
+    return checked(pages.opened("ratings", **address))
 
 
 def words(page: AppTest) -> str:

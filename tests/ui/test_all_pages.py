@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from places import ROOT
 from streamlit.testing.v1 import AppTest
 
-from pages import FRAMES, rows, write
-from ui.session import state
+from pages import FRAMES, begin_with, checked, opened, rows, to_page, write
+from ui.shell.pages import SECTIONS
 
-PAGES = [
-    *("data", "overview", "timeline", "encounters", "saliency", "detection", "stability"),
-    *("ratings", "export", "metrics"),
-]
+PAGES = [name for section in SECTIONS.values() for name in section]
 
 
 def detections(x: int) -> str:
@@ -23,47 +20,51 @@ def detections(x: int) -> str:
 
 def situation(name: str, folder: Path) -> Path:
     truth = rows(300)
-    if name == "sample":
-        return state.SAMPLE
     if name == "one system":
         return write(folder, {"only": detections(300)}, truth=truth)
     if name == "no pictures":
         return write(folder, {"one": detections(300), "two": detections(310)}, truth=truth)
     if name == "nobody detected":
         return write(folder, {"one": "", "two": detections(300)}, truth=truth)
+    if name == "frames pass for encounters":
+        single = "".join(
+            rows(300, track=frame).splitlines(keepends=True)[frame] for frame in FRAMES
+        )
+        return write(folder, {"one": detections(300), "two": detections(310)}, truth=single)
     # five frames off, and boxes of no area
     late = detections(300).replace("night,", "night,1", 5) + "night,3,1,1,0,0,0.5\n"
     return write(folder, {"one": late, "two": detections(300)}, truth=truth)
 
 
+SITUATIONS = [
+    *("sample", "one system", "no pictures", "nobody detected", "audit errors"),
+    "frames pass for encounters",
+]
+
+
+@pytest.fixture(scope="module", params=SITUATIONS)
+def app(
+    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[tuple[str, AppTest]]:
+    """One visit in each situation, which goes from page to page."""
+    with pytest.MonkeyPatch.context() as patch:
+        folder = tmp_path_factory.mktemp("situation")
+        patch.setenv("NVCORE_UPLOAD_DIR", str(folder / "uploads"))
+        if request.param != "sample":
+            begin_with(situation(request.param, folder), patch)
+        yield request.param, opened()
+
+
 @pytest.mark.parametrize("page", PAGES)
-@pytest.mark.parametrize(
-    "name", ["sample", "one system", "no pictures", "nobody detected", "audit errors"]
-)
-def test_a_page_shows_what_there_is(
-    page: str, name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-):
-    monkeypatch.setattr(state, "SAMPLE", situation(name, tmp_path))
-    app = AppTest.from_file(str(ROOT / "ui" / "main.py"), default_timeout=90).run()
-    app.switch_page(str(ROOT / "pages" / f"{page}.py")).run()
-    assert not app.exception
-    assert app.title
-    shown = " ".join(one.value for one in [*app.info, *app.error, *app.warning])
+def test_a_page_shows_what_there_is(page: str, app: tuple[str, AppTest]):
+    name, visit = app
+    checked(to_page(visit, page))
+    assert visit.title
+    shown = " ".join(item.value for item in [*visit.info, *visit.error, *visit.warning])
     assert "fault of the program" not in shown
     if name == "one system" and page in ("overview", "timeline"):
         assert "A comparison needs two" in shown
     if name in ("nobody detected", "audit errors") and page == "overview":
         assert "depends on what the audit found" in shown
-
-
-@pytest.mark.parametrize("page", ["encounters", "saliency"])
-def test_frames_that_pass_for_encounters_are_told_where_the_figures_are(
-    page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-):
-    single = "".join(rows(300, track=frame).splitlines(keepends=True)[frame] for frame in FRAMES)
-    session = write(tmp_path, {"one": detections(300), "two": detections(310)}, truth=single)
-    monkeypatch.setattr(state, "SAMPLE", session)
-    app = AppTest.from_file(str(ROOT / "ui" / "main.py"), default_timeout=90).run()
-    app.switch_page(str(ROOT / "pages" / f"{page}.py")).run()
-    assert not app.exception
-    assert any("one frame long" in one.value for one in app.warning)
+    if name == "frames pass for encounters" and page in ("encounters", "saliency"):
+        assert "one frame long" in shown

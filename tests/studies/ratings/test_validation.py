@@ -162,7 +162,7 @@ def test_each_pair_is_judged_without_its_recordings(result):
             kept = ~np.isin(recording, [recording[i], recording[j]])
             best = cube[:, kept][:, :, kept].sum(axis=(1, 2)).argmax()
             total += cube[best, i, j]
-    assert module._left_out(cube, recording).sum() == pytest.approx(total)
+    assert module._agreement_held_out(cube, recording).sum() == pytest.approx(total)
 
 
 def test_progress_is_told_and_few_recordings_are_refused(result):

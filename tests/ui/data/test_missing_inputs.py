@@ -14,6 +14,7 @@ from streamlit.testing.v1 import AppTest
 
 from nvcore.errors import SessionError
 from nvcore.inputs.session import Session, Source
+from pages import TIMEOUT_S
 from ui.data import missing_inputs
 from ui.data.missing_inputs import MissingInputs, check_pictures, picture_rate, picture_size
 
@@ -98,7 +99,7 @@ def size_in_a_session(path: str) -> None:
 def test_what_pictures_are_is_kept_for_one_session(tmp_path: Path, opened: list[Path]):
     video = shutil.copy(VIDEO, tmp_path / "drive.mp4")
     mine, other = (
-        AppTest.from_function(size_in_a_session, args=(str(video),), default_timeout=30)
+        AppTest.from_function(size_in_a_session, args=(str(video),), default_timeout=TIMEOUT_S)
         for _ in range(2)
     )
     mine.run().run()

@@ -4,18 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from data_page import (
-    answer,
-    checked,
-    late_drive,
-    late_page,
-    opened,
-    press,
-    send,
-    send_video,
-    space_of,
-    texts,
-)
+from data_page import answer, late_drive, late_page, opened, press, send, send_video, space_of
+
+from pages import checked, texts
 
 
 def test_the_page_opens_on_the_sample():

@@ -7,19 +7,12 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from data_page import (
-    answer,
-    checked,
-    opened,
-    opened_drive,
-    press,
-    send,
-    texts,
-)
+from data_page import answer, opened, opened_drive, press, send
 from inputs import drive
 from streamlit.testing.v1 import AppTest
 
 from nvcore.dataset import dataset_from_tables
+from pages import checked, texts
 from ui.shell.messages import sampling_note
 
 

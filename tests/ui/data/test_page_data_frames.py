@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from data_page import answer, checked, opened, press, send, send_drive, space_of, texts
+from data_page import answer, opened, press, send, send_drive, space_of
 from streamlit.testing.v1 import AppTest
+
+from pages import checked, texts
 
 
 def sampled_page() -> AppTest:

@@ -6,19 +6,11 @@ import shutil
 from pathlib import Path
 
 import pytest
-from data_page import (
-    PNG,
-    ROOT,
-    answer,
-    checked,
-    opened,
-    press,
-    send,
-    space_of,
-    texts,
-)
+from data_page import PNG, ROOT, answer, opened, press, send, space_of
 from inputs import drive, mot_layout, write
 from streamlit.testing.v1 import AppTest
+
+from pages import checked, texts
 
 
 def test_a_session_file_opens_with_the_files_it_names(tmp_path: Path):

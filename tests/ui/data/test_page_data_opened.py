@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from data_page import ROOT, checked, opened_drive, press, texts
-from streamlit.testing.v1 import AppTest
+from data_page import opened_drive, press
+
+from pages import checked, opened, texts, to_page
 
 
 def test_what_was_opened_and_the_next_step_stand_first(tmp_path: Path):
@@ -25,13 +26,9 @@ def test_the_next_step_stays_while_one_works_on_the_page_and_leads_to_the_overvi
 
 
 def test_the_next_step_is_gone_when_one_comes_back_to_the_page():
-    page = AppTest.from_file(str(ROOT / "app.py"), default_timeout=60)
-    page.switch_page(str(ROOT / "pages" / "data.py"))
-    press(checked(page.run()), "open_sample")
+    page = press(checked(opened("data")), "open_sample")
     assert "Opened: Sample recordings" in texts(page)
-    page.switch_page(str(ROOT / "pages" / "metrics.py"))
-    checked(page.run())
-    page.switch_page(str(ROOT / "pages" / "data.py"))
-    checked(page.run())
+    checked(to_page(page, "metrics"))
+    checked(to_page(page, "data"))
     assert "Open now: Sample recordings" in texts(page)
     assert "Opened: Sample recordings" not in texts(page)

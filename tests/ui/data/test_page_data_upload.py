@@ -10,7 +10,6 @@ import pytest
 from data_page import (
     PNG,
     answer,
-    checked,
     late_drive,
     late_page,
     opened,
@@ -20,11 +19,11 @@ from data_page import (
     send_drive,
     send_video,
     space_of,
-    texts,
 )
 from inputs import mot_layout
 from streamlit.testing.v1 import AppTest
 
+from pages import checked, texts
 from ui.data import upload
 from ui.session import uploads
 

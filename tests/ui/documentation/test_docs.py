@@ -8,18 +8,14 @@ import pytest
 from places import ROOT
 from streamlit.testing.v1 import AppTest
 
+from pages import checked, scripted
 from ui.documentation.page import PAGES, in_app_links, sections_of, split_sections
 
 PAGE = f"import runpy\nrunpy.run_path({str(ROOT / 'pages' / 'metrics.py')!r})\n"
 
 
 def opened(**address: str) -> AppTest:
-    page = AppTest.from_string(PAGE, default_timeout=60)
-    for name, value in address.items():
-        page.query_params[name] = value
-    page.run()
-    assert [error.message for error in page.exception] == []
-    return page
+    return checked(scripted(PAGE, **address).run())
 
 
 def headings(page: AppTest) -> list[str]:

@@ -7,10 +7,11 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from export_page import checked, downloads, job_of, opened_drive
+from export_page import downloads, job_of, opened_drive
 from streamlit.testing.v1 import AppTest
 
 from nvcore.protocols import PROTOCOLS
+from pages import checked
 from ui.export.html import JOB, NAME
 from ui.jobs.background import JobState
 

@@ -10,8 +10,9 @@ from pathlib import Path
 import av
 import numpy as np
 import pytest
-from export_page import ROOT, checked, downloads, job_of, opened, opened_drive, opened_folder
+from export_page import downloads, job_of, opened, opened_drive, opened_folder
 from inputs import drive
+from places import ROOT
 from streamlit.testing.v1 import AppTest
 
 from nvcore.comparison import Result
@@ -19,12 +20,12 @@ from nvcore.errors import MediaError
 from nvcore.overlay.annotate import annotate
 from nvcore.overlay.draw import Canvas
 from nvcore.progress import Progress
+from pages import TIMEOUT_S, checked
 from ui.export.frame import file_stem, nearest_row
 from ui.export.link import link
 from ui.export.video import JOB, LONGEST_S, Interval, chosen_interval, start_job, why_not
 from ui.jobs.background import FileJob, JobState, new_path, while_open
 
-PATIENCE_S = 20.0
 
 
 def texts(page: AppTest) -> str:
@@ -235,7 +236,7 @@ def test_opening_something_else_takes_the_video_away(tmp_path: Path):
     may_go_on = threading.Event()
 
     def write(progress: Progress) -> None:
-        assert may_go_on.wait(PATIENCE_S)
+        assert may_go_on.wait(TIMEOUT_S)
         progress(1.0, "frames")
 
     page = opened_drive(tmp_path)
@@ -275,12 +276,12 @@ def test_while_it_is_cancelled_the_video_says_so():
     def write(progress: Progress) -> None:
         progress(0.5, "frames")
         is_halfway.set()
-        assert may_go_on.wait(PATIENCE_S)
+        assert may_go_on.wait(TIMEOUT_S)
         progress(1.0, "frames")
 
     page = opened()
     job = put_video(page, write)
-    assert is_halfway.wait(PATIENCE_S)
+    assert is_halfway.wait(TIMEOUT_S)
     assert progress_of(checked(page.run())) == [r"Making night\.mp4: 50%"]
     checked(page.button(key="video_cancel").click().run())
     assert progress_of(page) == ["Cancelling"]

@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 import pytest
-from places import ROOT
 from streamlit.testing.v1 import AppTest
 
-MAIN = ROOT / "ui" / "main.py"
+from pages import checked, opened, texts
 
 
 @pytest.fixture
 def app() -> AppTest:
     """The app on the sample recordings, at the Overview."""
-    return AppTest.from_file(str(MAIN), default_timeout=60).run()
-
-
-def texts(app: AppTest) -> str:
-    return "\n".join(one.value for one in [*app.markdown, *app.caption, *app.warning, *app.error])
+    return checked(opened())
 
 
 def scorecard(app: AppTest) -> dict[str, tuple[str, str, str]]:
@@ -51,11 +46,7 @@ def test_a_changed_parameter_stands_in_the_address(app: AppTest):
 
 
 def test_the_address_sets_parameters_and_place():
-    app = AppTest.from_file(str(MAIN), default_timeout=60)
-    app.query_params["alpha"] = "0.4"
-    app.query_params["recording"] = "rural_child"
-    app.query_params["frame"] = "57"
-    app.run()
+    app = opened(alpha="0.4", recording="rural_child", frame="57")
     assert app.slider(key="alpha").value == 0.4
     assert app.query_params["recording"] == "rural_child"
     assert app.query_params["frame"] == "57"
@@ -63,11 +54,7 @@ def test_the_address_sets_parameters_and_place():
 
 
 def test_a_bad_address_is_told_and_the_app_lives_on():
-    app = AppTest.from_file(str(MAIN), default_timeout=60)
-    app.query_params["alpha"] = "seven"
-    app.query_params["recording"] = "<script>"
-    app.run()
-    assert not app.exception
+    app = checked(opened(alpha="seven", recording="<script>"))
     assert app.slider(key="alpha").value == 0.9
     assert "could not be followed" in app.warning[0].value
     assert "alpha" in app.warning[0].value

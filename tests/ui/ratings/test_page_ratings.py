@@ -7,8 +7,9 @@ from io import BytesIO
 
 import pandas as pd
 import pytest
-from ratings_page import SIMULATED, checked, from_file, metrics, opened, table, words
+from ratings_page import SIMULATED, from_file, metrics, opened, table, words
 
+from pages import TIMEOUT_S, checked
 from ui.jobs.background import JobState
 from ui.ratings import fit
 
@@ -117,13 +118,13 @@ def test_a_fit_in_the_background_can_be_cancelled(monkeypatch: pytest.MonkeyPatc
 
     def waits(*of, **more):
         is_started.set()
-        assert may_go_on.wait(20)
+        assert may_go_on.wait(TIMEOUT_S)
         return real(*of, **more)
 
     monkeypatch.setattr(fit, "fit_saliency", waits)
     page = opened()
     checked(page.button(key="rating_fit").click().run())
-    assert is_started.wait(20)
+    assert is_started.wait(TIMEOUT_S)
     checked(page.button(key="rating_fit_cancel").click().run())
     may_go_on.set()
     job = page.session_state["workspace"].job(fit.JOB)

@@ -6,7 +6,6 @@ import pandas as pd
 import pytest
 from ratings_page import (
     SIMULATED,
-    checked,
     from_file,
     keys,
     metrics,
@@ -14,8 +13,10 @@ from ratings_page import (
     table,
     warnings,
     words,
-)  # fmt: skip
+)
 from streamlit.testing.v1 import AppTest
+
+from pages import checked
 
 TRAINING = "These settings were fitted to these ratings: plot and correlations are training"
 OF_SIMULATED = "The settings in use were fitted to simulated ratings."

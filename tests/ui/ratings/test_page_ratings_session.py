@@ -7,11 +7,12 @@ from contextlib import closing
 from pathlib import Path
 
 import pytest
-from ratings_page import checked, keys, metrics, only, opened, table, warnings, words
+from ratings_page import keys, metrics, only, opened, table, warnings, words
 from streamlit.testing.v1 import AppTest
 
 from nvcore.inputs.session_toml import read_session
 from nvcore.studies.ratings.store import RatingStore, Study
+from pages import checked
 from ui.ratings import links, participant, source
 from ui.session import state
 from ui.widgets import viewer

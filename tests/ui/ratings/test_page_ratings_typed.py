@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import pandas as pd
 import pytest
-from ratings_page import checked, metrics, opened, warnings, words
+from ratings_page import metrics, opened, warnings, words
 from streamlit.testing.v1 import AppTest
 
+from pages import checked
 from ui.ratings import source, typed
 
 

@@ -7,6 +7,7 @@ from streamlit.testing.v1 import AppTest
 from nvcore.auditing import audit
 from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
+from pages import TIMEOUT_S
 from ui.session.state import SAMPLE
 
 SCRIPT = """
@@ -22,7 +23,7 @@ st.session_state["inputs"] = id(state.workspace().cached("audit_inputs", (), lam
 
 def test_findings_follow_the_threshold_and_those_of_the_files_are_made_once():
     dataset = load(read_session(SAMPLE))
-    app = AppTest.from_string(SCRIPT, default_timeout=60).run()
+    app = AppTest.from_string(SCRIPT, default_timeout=TIMEOUT_S).run()
     assert app.session_state["found"] == audit(dataset)
     inputs = app.session_state["inputs"]
     app.session_state["threshold_x"] = 2.0  # above every score

@@ -12,6 +12,7 @@ import pytest
 from places import ROOT
 from streamlit.testing.v1 import AppTest
 
+from pages import TIMEOUT_S, checked, scripted
 from ui.export import html
 from ui.jobs.background import JobState
 from ui.ratings import fit
@@ -33,7 +34,6 @@ PAGE = """
 import runpy
 runpy.run_path({path!r})
 """
-PATIENCE_S = 20.0
 
 
 @pytest.fixture(autouse=True)
@@ -45,18 +45,12 @@ def no_browser(monkeypatch: pytest.MonkeyPatch) -> None:
 def page(name: str = "", **query: str) -> AppTest:
     """The script of every page, and the page of that name."""
     drawn = PAGE.format(path=str(ROOT / "pages" / f"{name}.py")) if name else ""
-    app = AppTest.from_string(SCRIPT + drawn, default_timeout=60)
-    for key, value in query.items():
-        app.query_params[key] = value
-    app.run()
-    assert not app.exception
-    return app
+    return checked(scripted(SCRIPT + drawn, **query).run())
 
 
 def claiming(app: AppTest, token: str) -> Workspace:
     app.session_state["claims"] = token
-    app.run()
-    assert not app.exception
+    checked(app.run())
     return app.session_state["workspace"]
 
 
@@ -93,7 +87,7 @@ class Gate:
 
     def __call__(self, *given: Any, **more: Any) -> Any:
         self.is_reached.set()
-        assert self.is_open.wait(PATIENCE_S)
+        assert self.is_open.wait(TIMEOUT_S)
         return self.real(*given, **more)
 
 
@@ -130,8 +124,7 @@ def keys(app: AppTest) -> list[str | None]:
 def ended(app: AppTest, kind: str) -> AppTest:
     """The page once its job has ended."""
     app.session_state["workspace"].job(kind).join()
-    app.run()
-    assert not app.exception
+    checked(app.run())
     return app
 
 
@@ -140,7 +133,7 @@ def test_a_map_goes_on_after_a_reload_of_its_page(gated):
     before = page("stability")
     before.button_group(key="stability_criterion").set_value("encounters").run()
     press(before, "stability_start")
-    assert gate.is_reached.wait(PATIENCE_S)
+    assert gate.is_reached.wait(TIMEOUT_S)
     job = before.session_state["workspace"].job(verdict_map.JOB)
     after = reloaded(before, "stability")
     assert after.session_state["workspace"].job(verdict_map.JOB) is job
@@ -154,7 +147,7 @@ def test_a_map_goes_on_after_a_reload_of_its_page(gated):
 def test_after_a_reload_a_map_can_be_cancelled(gated):
     gate = gated(verdict_map, "map_stability")
     before = press(page("stability"), "stability_start")
-    assert gate.is_reached.wait(PATIENCE_S)
+    assert gate.is_reached.wait(TIMEOUT_S)
     after = press(reloaded(before, "stability"), "stability_cancel")
     gate.is_open.set()
     ended(after, verdict_map.JOB)
@@ -165,7 +158,7 @@ def test_after_a_reload_a_map_can_be_cancelled(gated):
 def test_a_fit_goes_on_after_a_reload_of_its_page(gated):
     gate = gated(fit, "fit_saliency")
     before = press(page("ratings"), "rating_fit")
-    assert gate.is_reached.wait(PATIENCE_S)
+    assert gate.is_reached.wait(TIMEOUT_S)
     after = reloaded(before, "ratings")
     assert "rating_fit_cancel" in keys(after)
     gate.is_open.set()
@@ -177,7 +170,7 @@ def test_a_report_goes_on_after_a_reload_of_its_page(gated):
     before = page("export")
     before.toggle(key="html_stability").set_value(True).run()
     press(before, "make_html")
-    assert gate.is_reached.wait(PATIENCE_S)
+    assert gate.is_reached.wait(TIMEOUT_S)
     after = reloaded(before, "export")
     assert after.toggle(key="html_stability").value is True
     assert after.button(key="make_html").disabled
@@ -270,7 +263,7 @@ def shown(app: AppTest) -> pd.DataFrame:
 def test_a_workspace_that_nobody_comes_back_to_ends_its_jobs(gated):
     gate = gated(verdict_map, "map_stability")
     space = press(page("stability"), "stability_start").session_state["workspace"]
-    assert gate.is_reached.wait(PATIENCE_S)
+    assert gate.is_reached.wait(TIMEOUT_S)
     job = space.job(verdict_map.JOB)
     space.close()  # as `ui.session.ending` does it
     gate.is_open.set()

@@ -7,6 +7,8 @@ import logging
 import pytest
 from streamlit.testing.v1 import AppTest
 
+from pages import TIMEOUT_S
+
 
 def page(kind: str) -> None:
     from nvcore.errors import InputError
@@ -17,7 +19,7 @@ def page(kind: str) -> None:
 
 
 def shown(kind: str) -> str:
-    (error,) = AppTest.from_function(page, args=(kind,), default_timeout=30).run().error
+    (error,) = AppTest.from_function(page, args=(kind,), default_timeout=TIMEOUT_S).run().error
     return error.value
 
 

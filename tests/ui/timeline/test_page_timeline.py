@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import pytest
-from places import ROOT
 from streamlit.testing.v1 import AppTest
+
+from pages import checked, opened
 
 
 @pytest.fixture
 def app() -> AppTest:
     """The app on the sample recordings, at frame 57 of rural_child."""
-    app = AppTest.from_file(str(ROOT / "ui" / "main.py"), default_timeout=60)
-    app.query_params["recording"] = "rural_child"
-    app.query_params["frame"] = "57"
-    return app.run().switch_page(str(ROOT / "pages" / "timeline.py")).run()
+    return checked(opened("timeline", recording="rural_child", frame="57"))
 
 
 def test_the_page_opens_at_the_frame_of_the_address(app: AppTest):
