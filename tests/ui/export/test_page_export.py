@@ -27,7 +27,6 @@ from ui.export.video import JOB, LONGEST_S, Interval, chosen_interval, start_job
 from ui.jobs.background import FileJob, JobState, new_path, while_open
 
 
-
 def texts(page: AppTest) -> str:
     kinds = (page.markdown, page.caption, page.error, page.warning, page.info, page.header)
     return "\n".join(one.value for kind in kinds for one in kind).replace("\\", "")

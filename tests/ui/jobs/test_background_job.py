@@ -13,11 +13,11 @@ from nvcore.errors import MediaError
 from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
 from nvcore.progress import Progress, no_progress
+from pages import TIMEOUT_S
 from ui.jobs import background
 from ui.jobs.background import BackgroundJob, FileJob, JobState, new_path, while_open
 from ui.session.workspace import Opened, Workspace
 
-PATIENCE_S = 20.0
 SAMPLE = ROOT / "sample_data" / "session.toml"
 
 
@@ -35,7 +35,7 @@ class Writer:
     def __call__(self, progress: Progress) -> None:
         progress(0.5, "frames")
         self.is_halfway.set()
-        assert self.may_go_on.wait(PATIENCE_S)
+        assert self.may_go_on.wait(TIMEOUT_S)
         progress(1.0, "frames")
         self.path.write_bytes(b"video")
 
@@ -52,7 +52,7 @@ def test_a_job_writes_its_video(tmp_path: Path):
 def test_a_cancelled_job_stops_at_the_next_frame(tmp_path: Path):
     writer = Writer(tmp_path / "a.mp4")
     job = FileJob(writer.path, "a.mp4", writer, always)
-    assert writer.is_halfway.wait(PATIENCE_S)
+    assert writer.is_halfway.wait(TIMEOUT_S)
     assert (job.state, job.share) == (JobState.RUNNING, 0.5)
     job.cancel()
     writer.may_go_on.set()
@@ -66,7 +66,7 @@ def test_a_job_whose_session_has_ended_stops(tmp_path: Path):
     session = threading.Event()
     session.set()
     job = FileJob(writer.path, "a.mp4", writer, session.is_set)
-    assert writer.is_halfway.wait(PATIENCE_S)
+    assert writer.is_halfway.wait(TIMEOUT_S)
     session.clear()
     writer.may_go_on.set()
     job.join()
@@ -95,7 +95,7 @@ def test_discarding_removes_the_video(tmp_path: Path):
 def test_a_file_that_is_discarded_while_it_is_written_is_not_left(tmp_path: Path):
     writer = Writer(tmp_path / "a.mp4")
     job = FileJob(writer.path, "a.mp4", lambda _: writer(no_progress), always)
-    assert writer.is_halfway.wait(PATIENCE_S)
+    assert writer.is_halfway.wait(TIMEOUT_S)
     job.discard()  # does not wait for it
     assert job.is_stopping
     writer.may_go_on.set()
@@ -140,12 +140,12 @@ def test_a_cancelled_computation_finds_nothing():
 
     def compute(progress: Progress) -> int:
         is_started.set()
-        assert may_go_on.wait(PATIENCE_S)
+        assert may_go_on.wait(TIMEOUT_S)
         progress(0.5, "multiplying")
         raise AssertionError("a step too many")
 
     job = BackgroundJob(compute, always)
-    assert is_started.wait(PATIENCE_S)
+    assert is_started.wait(TIMEOUT_S)
     job.cancel()
     may_go_on.set()
     job.join()
@@ -166,7 +166,7 @@ def test_a_job_ends_with_what_its_workspace_has_open(ending: str, tmp_path: Path
     jobs = [FileJob(one.path, "a.mp4", one, while_open(space)) for one in writers]
     for number, job in enumerate(jobs):
         space.put_job(f"kind {number}", job)
-    assert all(one.is_halfway.wait(PATIENCE_S) for one in writers)
+    assert all(one.is_halfway.wait(TIMEOUT_S) for one in writers)
     getattr(space, ending)()
     for writer, job in zip(writers, jobs, strict=True):
         writer.may_go_on.set()
@@ -199,7 +199,7 @@ def test_a_job_does_not_keep_its_workspace():
     writer = Writer(new_path(space, ".mp4"))
     job = FileJob(writer.path, "a.mp4", writer, while_open(space))
     space.put_job("video", job)
-    assert writer.is_halfway.wait(PATIENCE_S)
+    assert writer.is_halfway.wait(TIMEOUT_S)
     folder = space.folder
     del space
     gc.collect()
@@ -212,11 +212,11 @@ def test_a_job_does_not_keep_its_workspace():
 def test_a_further_job_waits_until_another_has_ended(tmp_path: Path):
     writers = [Writer(tmp_path / f"{number}.mp4") for number in range(background.MOST_AT_ONCE + 1)]
     jobs = [FileJob(one.path, one.path.name, one, always) for one in writers[:-1]]
-    assert all(one.is_halfway.wait(PATIENCE_S) for one in writers[:-1])
+    assert all(one.is_halfway.wait(TIMEOUT_S) for one in writers[:-1])
     waiting = FileJob(writers[-1].path, "last.mp4", writers[-1], always)
     assert waiting.state is JobState.WAITING
     writers[0].may_go_on.set()
-    assert writers[-1].is_halfway.wait(PATIENCE_S)
+    assert writers[-1].is_halfway.wait(TIMEOUT_S)
     assert waiting.state is JobState.RUNNING
     for writer, job in zip(writers, [*jobs, waiting], strict=True):
         writer.may_go_on.set()
@@ -226,7 +226,7 @@ def test_a_further_job_waits_until_another_has_ended(tmp_path: Path):
 def test_a_waiting_job_can_be_cancelled(tmp_path: Path):
     writers = [Writer(tmp_path / f"{number}.mp4") for number in range(background.MOST_AT_ONCE)]
     jobs = [FileJob(one.path, one.path.name, one, always) for one in writers]
-    assert all(one.is_halfway.wait(PATIENCE_S) for one in writers)
+    assert all(one.is_halfway.wait(TIMEOUT_S) for one in writers)
     waiting = FileJob(tmp_path / "last.mp4", "last.mp4", Writer(tmp_path / "last.mp4"), always)
     waiting.cancel()
     waiting.join()
