@@ -46,10 +46,11 @@ def scripted(script: str, **address: str) -> AppTest:
 
 def begin_with(comparison: Session | Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Let the app open this, or a session file, instead of the sample."""
+    path = comparison
     if isinstance(comparison, Session):
         monkeypatch.setattr(sample, "read_session", lambda _: comparison)
-        comparison = comparison.folder / "session.toml"
-    monkeypatch.setattr(state, "SAMPLE", comparison)
+        path = comparison.folder / "session.toml"
+    monkeypatch.setattr(state, "SAMPLE", path)
 
 
 def checked(page: AppTest) -> AppTest:
