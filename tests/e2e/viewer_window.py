@@ -39,7 +39,8 @@ class ViewerWindow:
     def _rest(self) -> None:
         """Wait until Python knows the viewer's row: Streamlit can lose a click meanwhile."""
         viewer = viewer_of(self.page)
-        if viewer.count() == 0:
+        is_empty = self.page.get_by_text(re.compile("^settled .* kind empty ")).count() > 0
+        if viewer.count() == 0 or is_empty:  # without frames there is no row to settle on
             return
         if viewer.get_attribute("data-playing") == "true":
             press(self.page, " ")
