@@ -62,6 +62,7 @@ def painted(page: sync_api.Page, row: int) -> int:
     """The row on the canvas, once it is this one or has had the time to be."""
     with suppress(sync_api.TimeoutError):
         page.wait_for_selector(f'.viewer[data-shown-row="{row}"]')
+        return row
     return int(viewer_of(page).get_attribute("data-shown-row") or -1)
 
 
