@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -131,7 +131,7 @@ def _dataset(
     settings = with_choices(
         source.settings, choices["name_x"], choices["name_y"], choices.get("protocol")
     )
-    return source if settings == source.settings else replace(source, settings=settings)
+    return source if settings == source.settings else source.with_settings(settings)
 
 
 @dataclass(frozen=True)

@@ -156,7 +156,7 @@ def with_params(dataset: Dataset, given: Mapping[str, Any]) -> Dataset:
             for name, system in zip(dataset.systems, settings.systems, strict=True)
         )
         settings = replace(settings, systems=systems)
-    return replace(dataset, settings=settings)
+    return dataset.with_settings(settings)
 
 
 def _frames(frames: str | range | None) -> str | None:
