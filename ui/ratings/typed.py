@@ -133,7 +133,7 @@ def _complete(table: pd.DataFrame) -> pd.DataFrame:
     if numbered["system"].notna().any():  # else the page asks whose boxes they were
         needed.append("system")
     cells = numbered[needed]
-    blank = cells.isna() | cells.astype(str).map(lambda text: not text.strip())
+    blank = cells.isna() | cells.map(lambda cell: not str(cell).strip())
     is_short = blank.any(axis=1)
     if is_short.any():
         words = {"participant": "no participant", "clip": "no clip", "system": "whose boxes?"}
