@@ -1,6 +1,7 @@
 # make run   the dashboard, on the sample recordings
 #            (make run LOCAL_ROOT=DIR: it may also open what lies below that folder)
-# make test  lint, types, import contract, all tests with coverage
+# make check lint, types, import contracts, the tests of the library: for every day
+# make test  the same with the tests of the pages and of the app in a browser, and coverage
 # make bench benchmarks against other tools, written to docs/benchmarks.md
 #            (make bench BENCH=--quick: a minute, nothing written)
 # make mutants  small mistakes put into the library: which do the tests not notice?
@@ -13,10 +14,13 @@ DEVELOP := $(BIN)/.installed-dev
 TOOLS := .venv-bench/tools/.installed
 MOTMETRICS := .venv-bench/motmetrics/.installed
 
-.PHONY: run test bench mutants lint chromium clean
+.PHONY: run check test bench mutants lint chromium clean
 
 run: $(LIBRARY)
 	$(BIN)/streamlit run app.py $(if $(LOCAL_ROOT),-- --local-root "$(LOCAL_ROOT)")
+
+check: $(DEVELOP) lint
+	$(BIN)/python -m pytest -q -n auto --dist loadfile --ignore=tests/ui --ignore=tests/e2e
 
 # The browser tests run by themselves: they look at what is painted in time.
 test: $(DEVELOP) chromium lint
