@@ -2,69 +2,44 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
-import numpy as np
 import pytest
 from places import DATA
+from reader_files import rows, source
 
 from nvcore.errors import FormatError, InputError
 from nvcore.inputs.readers.base import ReadOptions, SourceFile
 from nvcore.inputs.readers.kitti.object import read, recognise
 
-GOLDEN = DATA / "kitti_object" / "label_2"
+FOLDER = DATA / "kitti_object" / "label_2"
+NAME = "label_2/000007.txt"
 ROW = "Pedestrian 0.00 1 -0.20 712.40 143.00 810.73 307.92 1.89 0.48 1.20 1.84 1.47 8.41 0.01"
 
 
-def golden() -> list[SourceFile]:
-    names = ("000007.txt", "000008.txt")
-    return [SourceFile(GOLDEN / name, f"training/label_2/{name}") for name in names]
-
-
-def source(tmp_path: Path, content: str, name: str = "label_2/000007.txt") -> SourceFile:
-    path = tmp_path / name
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(content)
-    return SourceFile(path, name)
-
-
-def test_inclusive_corners_become_position_and_size():
-    boxes = read(golden(), ReadOptions()).boxes
-    assert boxes.iloc[1][["x", "y", "w", "h"]].tolist() == [100, 150, 20, 50]
-    assert boxes.iloc[0]["w"] == pytest.approx(99.33)
-
-
-def test_a_sitting_person_and_dontcare_are_ignored_and_a_cyclist_left_out():
-    reading = read(golden(), ReadOptions())
-    assert reading.boxes["ignore"].tolist() == [False, True, True]
-    assert reading.boxes["line"].tolist() == [1, 2, 4]
-    assert "others left out" in reading.conversion
-
-
-def test_distance_and_occlusion_are_kept_where_known():
-    boxes = read(golden(), ReadOptions()).boxes
-    assert boxes["distance_m"].tolist()[:2] == [8.41, 9.5]
-    assert np.isnan(boxes["distance_m"][2])
-    assert boxes["occlusion"].tolist() == [1, 0, -1]
-
-
-def test_a_file_without_rows_is_an_evaluated_frame():
+def test_labels_become_boxes_and_files_evaluated_frames():
+    # a sitting person and DontCare are ignore regions, a cyclist (line 3) is left out.
     # peers.md 29: frames without boxes were dropped elsewhere
-    images = read(golden(), ReadOptions()).images
-    assert images["recording"].tolist() == ["training", "training"]
-    assert images["frame"].tolist() == [7, 8]
+    names = ("000007.txt", "000008.txt")
+    reading = read(
+        [SourceFile(FOLDER / name, f"training/label_2/{name}") for name in names], ReadOptions()
+    )
+    assert rows(reading.boxes, "line frame x y w h ignore distance_m occlusion") == [
+        [1, 7, 712.4, 143, 99.33, 165.92, False, 8.41, 1],
+        [2, 7, 100, 150, 20, 50, True, 9.5, 0],
+        [4, 7, 503.89, 169.71, 87.72, 21.42, True, None, -1],
+    ]
+    assert rows(reading.images, "recording frame") == [["training", 7], ["training", 8]]
+    assert "others left out" in reading.conversion
 
 
 def test_results_have_their_score_in_column_16_and_the_recording_of_the_truth(tmp_path):
     options = ReadOptions(role="detections", recordings=("training",))
     reading = read([source(tmp_path, f"{ROW} 0.75\n", "out/000007.txt")], options)
-    assert reading.boxes["score"].tolist() == [0.75]
-    assert reading.boxes["recording"].tolist() == ["training"]
+    assert rows(reading.boxes, "score recording") == [[0.75, "training"]]
 
 
 def test_a_fault_is_named_by_file_and_line(tmp_path):
     with pytest.raises(FormatError, match=r"label_2/000007\.txt, line 2: expected 15 or 16 fields"):
-        read([source(tmp_path, f"{ROW}\nPedestrian 1 2\n")], ReadOptions())
+        read([source(tmp_path, f"{ROW}\nPedestrian 1 2\n", NAME)], ReadOptions())
 
 
 def test_a_file_name_without_a_number_is_an_error(tmp_path):
@@ -72,14 +47,11 @@ def test_a_file_name_without_a_number_is_an_error(tmp_path):
         read([source(tmp_path, ROW, "label_2/readme.txt")], ReadOptions())
 
 
-def test_own_rows_are_recognised():
-    assert recognise("000007.txt", (GOLDEN / "000007.txt").read_text(), "truth")
-    assert recognise("000007.txt", f"{ROW} 0.5", "detections")
-
-
 @pytest.mark.parametrize(
     "text",
     ["", f"0 5 {ROW}", "person 1 2 3 4 0 0 0 0 0\n", " ".join(["1"] * 15), "0 0.5 0.5 0.1 0.1"],
 )
-def test_rows_of_other_formats_are_not_claimed(text):
+def test_own_rows_are_recognised_and_those_of_other_formats_are_not(text):
+    assert recognise("000007.txt", (FOLDER / "000007.txt").read_text(), "truth")
+    assert recognise("000007.txt", f"{ROW} 0.5", "detections")
     assert not recognise("000007.txt", text, "truth")

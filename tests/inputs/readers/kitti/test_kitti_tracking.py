@@ -2,112 +2,73 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
-import numpy as np
 import pytest
 from places import DATA
+from reader_files import golden, rows, source
 
 from nvcore.errors import FormatError, InputError
 from nvcore.inputs.readers.base import ReadOptions, SourceFile
 from nvcore.inputs.readers.kitti.tracking import read, recognise
-from nvcore.schema import NO_TRACK, UNKNOWN_OCCLUSION
 
-GOLDEN = DATA / "kitti_tracking" / "0016.txt"
+NAME = "label_02/0016.txt"
 ROW = "0 5 Pedestrian 0 0 1.0 100 150 119 199 1.7 0.6 0.8 -3.0 1.4 14.2 0.8"
 
 
-def golden() -> SourceFile:
-    return SourceFile(GOLDEN, "label_02/0016.txt")
-
-
-def source(tmp_path: Path, content: str, name: str = "label_02/0016.txt") -> SourceFile:
-    path = tmp_path / name
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(content)
-    return SourceFile(path, name)
-
-
-def test_inclusive_corners_become_position_and_size():
-    # peers.md 43: a pixel more or less flips matches
-    boxes = read([golden()], ReadOptions()).boxes
-    assert boxes.iloc[1][["x", "y", "w", "h"]].tolist() == [100, 150, 20, 50]
-    assert boxes.iloc[3][["x", "y", "w", "h"]].tolist() == [110.5, 150, 10.75, 50]
-
-
-def test_frames_tracks_and_lines_are_kept():
-    boxes = read([golden()], ReadOptions()).boxes
-    assert boxes["frame"].tolist() == [0, 0, 0, 2]
-    assert boxes["track"].tolist() == [NO_TRACK, 5, 6, 5]
-    assert boxes["line"].tolist() == [1, 2, 3, 6]
-    assert set(boxes["recording"]) == {"0016"}
-
-
-def test_a_dontcare_row_and_a_sitting_person_become_ignore_regions():
-    boxes = read([golden()], ReadOptions()).boxes
-    assert boxes["ignore"].tolist() == [True, False, True, False]
-
-
-def test_cyclists_and_cars_are_left_out_and_that_is_said():
-    reading = read([golden()], ReadOptions())
-    assert len(reading.boxes) == 4
+def test_labels_become_boxes_with_track_distance_and_occlusion():
+    # peers.md 43: a pixel more or less flips matches. DontCare and Person are ignore regions, a
+    # cyclist (line 4) and a car (line 5) are left out; occlusion 3 is unknown
+    reading = read(golden("kitti_tracking", "0016.txt"), ReadOptions())
+    assert rows(reading.boxes, "line frame track x y w h ignore distance_m occlusion") == [
+        [1, 0, -1, 534.9, 163.4, 42.11, 27.73, True, None, -1],
+        [2, 0, 5, 100, 150, 20, 50, False, 14.2, 2],
+        [3, 0, 6, 200, 150, 20, 50, True, 12.5, 0],
+        [6, 2, 5, 110.5, 150, 10.75, 50, False, 13.9, -1],
+    ]
+    assert set(reading.boxes["recording"]) == {"0016"}
     assert reading.conversion.endswith(
         "Pedestrian counted; Person, Person_sitting, DontCare ignored; others left out"
     )
     assert reading.findings == ()
 
 
-def test_depth_becomes_the_distance_and_dontcare_has_none():
-    boxes = read([golden()], ReadOptions()).boxes
-    assert np.isnan(boxes["distance_m"][0])
-    assert boxes["distance_m"].tolist()[1:] == [14.2, 12.5, 13.9]
-
-
-def test_occlusion_3_is_unknown():
-    boxes = read([golden()], ReadOptions()).boxes
-    assert boxes["occlusion"].tolist() == [UNKNOWN_OCCLUSION, 2, 0, UNKNOWN_OCCLUSION]
-
-
 def test_named_classes_count_and_neutral_ones_among_them_are_not_ignored():
-    boxes = read([golden()], ReadOptions(classes=("person", "cyclist"))).boxes
-    assert boxes["x"].tolist() == [534.9, 200, 300]
-    assert boxes["ignore"].tolist() == [True, False, False]
+    options = ReadOptions(classes=("person", "cyclist"))
+    boxes = read(golden("kitti_tracking", "0016.txt"), options).boxes
+    assert rows(boxes, "x ignore") == [[534.9, True], [200, False], [300, False]]
 
 
 def test_an_unknown_class_is_answered_with_the_known_ones():
     with pytest.raises(InputError, match=r"0016\.txt: .*no class 'dog'; the classes are Ped"):
-        read([golden()], ReadOptions(classes=("dog",)))
+        read(golden("kitti_tracking", "0016.txt"), ReadOptions(classes=("dog",)))
 
 
 def test_results_have_their_score_in_column_18_and_no_ignore_regions(tmp_path):
-    rows = f"{ROW} 0.75\n" + ROW.replace("Pedestrian", "Person") + " 0.5\n"
-    reading = read([source(tmp_path, rows)], ReadOptions(role="detections"))
-    assert reading.boxes["score"].tolist() == [0.75]
-    assert not reading.boxes["ignore"].any()
+    text = f"{ROW} 0.75\n" + ROW.replace("Pedestrian", "Person") + " 0.5\n"
+    reading = read([source(tmp_path, text, NAME)], ReadOptions(role="detections"))
+    assert rows(reading.boxes, "score ignore") == [[0.75, False]]
     assert "Pedestrian counted; others left out" in reading.conversion
 
 
 def test_results_without_scores_are_said_to_have_none(tmp_path):
-    reading = read([source(tmp_path, ROW)], ReadOptions(role="detections"))
+    reading = read([source(tmp_path, ROW, NAME)], ReadOptions(role="detections"))
     assert reading.boxes["score"].isna().all()
     assert "no score column: no scores" in reading.conversion
 
 
 def test_a_blank_at_the_end_of_a_row_is_no_further_field(tmp_path):
-    boxes = read([source(tmp_path, f"{ROW} \r\n" * 100)], ReadOptions()).boxes
+    boxes = read([source(tmp_path, f"{ROW} \r\n" * 100, NAME)], ReadOptions()).boxes
     assert boxes["line"].tolist() == list(range(1, 101))
 
 
 def test_several_recordings_are_told_apart(tmp_path):
     files = [source(tmp_path, ROW, "0013.txt"), source(tmp_path, f"{ROW}\n{ROW}", "0015.txt")]
     reading = read(files, ReadOptions())
-    assert reading.boxes["recording"].tolist() == ["0013", "0015", "0015"]
-    assert reading.boxes["file"].tolist() == [0, 1, 1]
+    assert rows(reading.boxes, "recording file") == [["0013", 0], ["0015", 1], ["0015", 1]]
     assert reading.recordings["name"].tolist() == ["0013", "0015"]
 
 
 def test_an_empty_file_is_a_recording_without_boxes(tmp_path):
-    reading = read([source(tmp_path, "")], ReadOptions())
+    reading = read([source(tmp_path, "", NAME)], ReadOptions())
     assert len(reading.boxes) == 0
     assert reading.recordings["name"].tolist() == ["0016"]
     assert reading.images is None
@@ -124,19 +85,16 @@ def test_an_empty_file_is_a_recording_without_boxes(tmp_path):
 )
 def test_a_fault_is_named_by_file_and_line(tmp_path, row, words):
     with pytest.raises(FormatError, match=rf"label_02/0016\.txt, line 2: {words}"):
-        read([source(tmp_path, f"{ROW}\n{row}\n")], ReadOptions())
-
-
-def test_own_rows_are_recognised():
-    assert recognise("0016.txt", GOLDEN.read_text(), "truth")
-    assert recognise("0016.txt", f"{ROW} 0.5\n", "detections")
+        read([source(tmp_path, f"{ROW}\n{row}\n", NAME)], ReadOptions())
 
 
 @pytest.mark.parametrize(
     "text",
     ["", "1 2 3 4 5 6 7\n", ROW[4:], "person 1 2 3 4 0 0 0 0 0\n", " ".join(["1"] * 17)],
 )
-def test_rows_of_other_formats_are_not_claimed(text):
+def test_own_rows_are_recognised_and_those_of_other_formats_are_not(text):
+    assert recognise("0016.txt", (DATA / "kitti_tracking" / "0016.txt").read_text(), "truth")
+    assert recognise("0016.txt", f"{ROW} 0.5\n", "detections")
     assert not recognise("0016.txt", text, "truth")
 
 
