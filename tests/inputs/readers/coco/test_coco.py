@@ -5,26 +5,24 @@ from pathlib import Path
 
 import pytest
 from places import DATA
+from reader_files import golden, rows, source
 
 from nvcore.errors import FormatError
 from nvcore.inputs.readers.base import Reading, ReadOptions, SourceFile
 from nvcore.inputs.readers.coco import truth as reader
-from nvcore.schema import NO_TRACK
 
 FOLDER = DATA / "coco"
 
 
 def read_golden(name: str, **options: object) -> Reading:
-    return reader.read([SourceFile(FOLDER / name, name)], ReadOptions(**options))
+    return reader.read(golden("coco", name), ReadOptions(**options))
 
 
 @pytest.fixture
 def read_document(tmp_path: Path):
     def read_one(document: object, name: str = "truth.json", **options: object) -> Reading:
-        path = tmp_path / "truth.json"
         text = document if isinstance(document, str) else json.dumps(document)
-        path.write_text(text, encoding="utf-8")
-        return reader.read([SourceFile(path, name)], ReadOptions(**options))
+        return reader.read([source(tmp_path, text, name)], ReadOptions(**options))
 
     return read_one
 
@@ -42,59 +40,66 @@ def annotation(**fields: object) -> dict[str, object]:
     return {"id": 1, "image_id": 1, "category_id": 1, "bbox": [1, 2, 3, 4], **fields}
 
 
-def test_boxes_are_kept_as_they_are():
-    boxes = read_golden("kaist.json").boxes
-    assert boxes[["x", "y", "w", "h"]].to_numpy().tolist() == [
-        [505, 212, 20, 50], [10.5, 20, 5, 12], [100, 200, 30, 60],
-    ]  # fmt: skip
-
-
-def test_recording_and_frame_come_from_kaists_image_name():
-    boxes = read_golden("kaist.json").boxes
-    assert boxes["recording"].tolist() == ["set06/V000", "set06/V000", "set09/V000"]
-    assert boxes["frame"].tolist() == [19, 19, 19]
-
-
-def test_image_and_annotation_ids_may_start_at_zero():
-    # peers 34: other tools take id 0 for "no match"
+def test_kaists_truth_has_recordings_and_frames_in_its_image_names():
+    # peers 34: other tools take id 0 for "no match"; 30: an image without annotations, here frame
+    # 39, is an evaluated frame. A flagged box and a cyclist are ignore regions
     reading = read_golden("kaist.json")
-    assert len(reading.boxes) == 3
-    assert reading.images["image_id"].tolist() == [0, 1, 2]
+    assert rows(reading.boxes, "recording frame x y w h ignore occlusion") == [
+        ["set06/V000", 19, 505, 212, 20, 50, False, 0],
+        ["set06/V000", 19, 10.5, 20, 5, 12, True, 2],
+        ["set09/V000", 19, 100, 200, 30, 60, True, 1],
+    ]
+    assert rows(reading.images, "recording frame image_id") == [
+        ["set06/V000", 19, 0],
+        ["set06/V000", 39, 1],
+        ["set09/V000", 19, 2],
+    ]
 
 
-def test_an_image_without_annotations_is_an_evaluated_frame():
-    # peers 30
-    images = read_golden("kaist.json").images
-    assert list(zip(images["recording"], images["frame"], strict=True)) == [
-        ("set06/V000", 19), ("set06/V000", 39), ("set09/V000", 19),
-    ]  # fmt: skip
+def test_flirs_truth_has_tracks_and_words_for_occlusion():
+    reading = read_golden("flir.json")
+    assert rows(reading.boxes, "recording frame track occlusion") == [
+        ["BzZs", 123, 0, 0],
+        ["BzZs", 124, 0, 1],
+        ["BzZs", 124, 1, 2],
+    ]
+    assert "numbered by first appearance" in reading.conversion
+    assert "bike (2), car (3) left out" in reading.conversion
 
 
-def test_flagged_boxes_and_cyclists_are_ignore_regions():
-    assert read_golden("kaist.json").boxes["ignore"].tolist() == [False, True, True]
+@pytest.mark.parametrize(
+    ("fields", "column", "expected"),
+    [
+        # peers 35 (cocoapi PR#307): iscrowd 0 overwrote ignore 1
+        (
+            [{"ignore": 1, "iscrowd": 0}, {"ignore": 0, "iscrowd": 1}, {"ignore": 0, "iscrowd": 0}],
+            "ignore",
+            [True, True, False],
+        ),
+        ([{}], "ignore", [False]),
+        # category 0 that is on no list, as in CityPersons
+        ([{"category_id": 0}, {}], "ignore", [True, False]),
+        ([{"vis_ratio": share} for share in (1.0, 0.65, 0.64)], "occlusion", [0, 1, 2]),
+        # NightOwls
+        ([{"occluded": False}, {"occluded": True}], "occlusion", [0, 2]),
+        ([{"occlusion": 2}, {"occlusion": True}], "occlusion", [2, 1]),
+        ([{"track_id": 12}, {"track_id": 3.0}, {}], "track", [12, 3, -1]),
+        ([{"distance_m": 31.5}], "distance_m", [31.5]),
+        ([{"bbox": [float("nan"), 2, 3, 4]}], "x", [None]),
+    ],
+)
+def test_fields_of_annotations_become_columns(read_document, fields, column, expected):
+    annotations = [annotation(id=i, **more) for i, more in enumerate(fields)]
+    boxes = read_document(document(annotations=annotations)).boxes
+    assert rows(boxes, column) == [[value] for value in expected]
 
 
-def test_ignore_is_kept_beside_iscrowd(read_document):
-    # peers 35 (cocoapi PR#307): iscrowd 0 overwrote ignore 1
-    flags = [(1, 0), (0, 1), (0, 0)]
-    rows = [annotation(id=i, ignore=a, iscrowd=b) for i, (a, b) in enumerate(flags)]
-    assert read_document(document(annotations=rows)).boxes["ignore"].tolist() == [True, True, False]
-
-
-def test_iscrowd_may_be_absent(read_document):
-    boxes = read_document(document(annotations=[annotation()])).boxes
-    assert boxes["ignore"].tolist() == [False]
-
-
-def test_classes_option_counts_cyclists_and_ignores_persons():
-    reading = read_golden("kaist.json", classes=("cyclist",))
-    assert reading.boxes["ignore"].tolist() == [True, True, False]
-
-
-def test_classes_option_takes_numbers():
-    assert read_golden("kaist.json", classes=("1", "2")).boxes["ignore"].tolist() == [
-        False, True, False,
-    ]  # fmt: skip
+@pytest.mark.parametrize(
+    ("classes", "ignored"),
+    [(("cyclist",), [True, True, False]), (("1", "2"), [False, True, False])],
+)
+def test_classes_that_count_are_named_or_numbered(classes, ignored):
+    assert read_golden("kaist.json", classes=classes).boxes["ignore"].tolist() == ignored
 
 
 def test_an_unknown_class_is_an_error_that_lists_the_known():
@@ -104,33 +109,27 @@ def test_an_unknown_class_is_an_error_that_lists_the_known():
         read_golden("kaist.json", classes=("walker",))
 
 
-def test_a_category_called_nothing_like_a_person_is_an_error(read_document):
-    with pytest.raises(FormatError, match=r"found car \(1\); name the classes"):
-        read_document(document(categories=[{"id": 1, "name": "car"}]))
-
-
-def test_cars_are_left_out_and_the_conversion_says_so():
-    reading = read_golden("flir.json")
-    assert len(reading.boxes) == 3
-    assert "bike (2), car (3) left out" in reading.conversion
-
-
-def test_occlusion_levels_of_kaist_are_kept():
-    assert read_golden("kaist.json").boxes["occlusion"].tolist() == [0, 2, 1]
-
-
-def test_occlusion_words_of_flir_become_levels():
-    assert read_golden("flir.json").boxes["occlusion"].tolist() == [0, 1, 2]
-
-
-def test_visible_share_becomes_levels(read_document):
-    rows = [annotation(id=i, vis_ratio=share) for i, share in enumerate([1.0, 0.65, 0.64])]
-    assert read_document(document(annotations=rows)).boxes["occlusion"].tolist() == [0, 1, 2]
-
-
-def test_occluded_yes_or_no_is_read_as_nightowls_does(read_document):
-    rows = [annotation(id=i, occluded=flag) for i, flag in enumerate([False, True])]
-    assert read_document(document(annotations=rows)).boxes["occlusion"].tolist() == [0, 2]
+@pytest.mark.parametrize(
+    ("parts", "message"),
+    [
+        ({"categories": [{"id": 1, "name": "car"}]}, r"found car \(1\); name the classes"),
+        (
+            {"images": [{"id": 1, "file_name": f"a/I{n}.png"} for n in (5, 6)]},
+            "image 2 of 2: id 1 stands for two different images",
+        ),
+        (
+            {"images": [{"id": i, "file_name": "a/I5.png", "frame_index": 5} for i in (1, 2)]},
+            "two images are frame 5 of recording 'a'",
+        ),
+        (
+            {"annotations": [annotation(occlusion=10**400)]},
+            'numbers below 1e308 as "occlusion"',
+        ),
+    ],
+)
+def test_what_a_document_contradicts_or_lacks_is_an_error(read_document, parts, message):
+    with pytest.raises(FormatError, match=message):
+        read_document(document(**parts))
 
 
 def test_an_odd_occlusion_level_is_reported(read_document):
@@ -139,45 +138,12 @@ def test_an_odd_occlusion_level_is_reported(read_document):
     assert [finding.code for finding in reading.findings] == ["unknown-occlusion"]
 
 
-def test_recording_and_frame_come_from_flirs_file_name():
-    boxes = read_golden("flir.json").boxes
-    assert boxes["recording"].unique().tolist() == ["BzZs"]
-    assert boxes["frame"].tolist() == [123, 124, 124]
-
-
-def test_text_track_ids_are_numbered_by_first_appearance():
-    reading = read_golden("flir.json")
-    assert reading.boxes["track"].tolist() == [0, 0, 1]
-    assert "numbered by first appearance" in reading.conversion
-
-
-def test_whole_track_ids_are_kept_and_missing_ones_are_none(read_document):
-    rows = [annotation(id=1, track_id=12), annotation(id=2, track_id=3.0), annotation(id=3)]
-    boxes = read_document(document(annotations=rows)).boxes
-    assert boxes["track"].tolist() == [12, 3, NO_TRACK]
-
-
-def test_distance_is_kept(read_document):
-    rows = [annotation(distance_m=31.5)]
-    assert read_document(document(annotations=rows)).boxes["distance_m"].tolist() == [31.5]
-
-
-def test_category_zero_that_is_on_no_list_is_ignored_as_in_citypersons(read_document):
-    rows = [annotation(category_id=0), annotation(id=2)]
-    assert read_document(document(annotations=rows)).boxes["ignore"].tolist() == [True, False]
-
-
 def test_video_table_gives_name_size_and_frame_rate(read_document):
+    image = {"id": 1, "file_name": "x.png", "video_id": 3, "frame_index": 40}
+    videos = [{"id": 3, "name": "night drive", "fps": 20}]
     reading = read_document(
-        document(
-            images=[
-                {"id": 1, "file_name": "x.png", "video_id": 3, "frame_index": 40, "width": 640,
-                 "height": 480},
-            ],
-            annotations=[annotation()],
-            videos=[{"id": 3, "name": "night drive", "fps": 20}],
-        )
-    )  # fmt: skip
+        document([image | {"width": 640, "height": 480}], [annotation()], videos=videos)
+    )
     assert reading.recordings.to_numpy().tolist() == [["night drive", 640, 480, 20]]
     assert reading.boxes["frame"].tolist() == [40]
 
@@ -190,19 +156,18 @@ def test_names_without_number_are_numbered_by_their_order_and_reported(read_docu
     assert "order of the list" in reading.conversion
 
 
-def test_hashes_as_names_do_not_become_recordings(read_document):
-    names = ["58c5a1.png", "58c5b2.png", "58c6c7.png", "59d8d9.png"]
+@pytest.mark.parametrize(
+    ("names", "frames"),
+    [
+        (["58c5a1.png", "58c5b2.png", "58c6c7.png", "59d8d9.png"], [0, 1, 2, 3]),
+        (["000012.png"], [12]),
+    ],
+    ids=["hashes are no recordings", "without folder"],
+)
+def test_pictures_belong_to_the_files_recording(read_document, names, frames):
     images = [{"id": i, "file_name": name} for i, name in enumerate(names)]
     reading = read_document(document(images=images), name="night.json")
-    assert reading.images["recording"].tolist() == ["night"] * 4
-    assert reading.images["frame"].tolist() == [0, 1, 2, 3]
-
-
-def test_pictures_without_folder_belong_to_the_files_recording(read_document):
-    reading = read_document(
-        document(images=[{"id": 1, "file_name": "000012.png"}]), name="dusk.json"
-    )
-    assert reading.images[["recording", "frame"]].to_numpy().tolist() == [["dusk", 12]]
+    assert rows(reading.images, "recording frame") == [["night", frame] for frame in frames]
 
 
 def test_pictures_of_one_recording_that_differ_in_size_are_reported(read_document):
@@ -216,8 +181,11 @@ def test_pictures_of_one_recording_that_differ_in_size_are_reported(read_documen
     assert reading.findings[0].count == 1
 
 
-def test_missing_picture_size_is_unknown(read_document):
-    assert read_document(document()).recordings[["width", "height"]].isna().all(axis=None)
+def test_no_annotations_and_no_sizes_give_an_empty_table_and_all_frames(read_document):
+    reading = read_document(document())
+    assert reading.boxes.empty
+    assert len(reading.images) == 1
+    assert rows(reading.recordings, "width height") == [[None, None]]
 
 
 def test_an_annotation_of_an_unknown_image_is_kept_out_and_reported(read_document):
@@ -235,44 +203,16 @@ def test_an_image_listed_twice_in_the_same_words_is_taken_once(read_document):
     assert [finding.code for finding in reading.findings] == ["duplicate-image"]
 
 
-def test_one_id_for_two_images_is_an_error(read_document):
-    images = [{"id": 1, "file_name": "a/I5.png"}, {"id": 1, "file_name": "a/I6.png"}]
-    with pytest.raises(FormatError, match="image 2 of 2: id 1 stands for two different images"):
-        read_document(document(images=images))
+def test_equal_ids_in_two_files_are_kept_apart_and_equal_frames_are_an_error(tmp_path):
+    def read_files(*pictures: str) -> Reading:
+        images = [[{"id": 1, "file_name": name}] for name in pictures]
+        texts = [json.dumps(document(image, [annotation()])) for image in images]
+        files = [source(tmp_path, text, f"{i}.json") for i, text in enumerate(texts)]
+        return reader.read(files, ReadOptions())
 
-
-def test_two_images_of_one_frame_are_an_error(read_document):
-    images = [{"id": i, "file_name": "a/I5.png", "frame_index": 5} for i in (1, 2)]
-    with pytest.raises(FormatError, match="two images are frame 5 of recording 'a'"):
-        read_document(document(images=images))
-
-
-def test_one_frame_in_two_files_is_an_error(tmp_path):
-    path = tmp_path / "a.json"
-    path.write_text(json.dumps(document()), encoding="utf-8")
-    with pytest.raises(
-        FormatError, match=r"second.json: frame 5 of recording 'a' is in an earlier"
-    ):
-        reader.read(
-            [SourceFile(path, "first.json"), SourceFile(path, "second.json")], ReadOptions()
-        )
-
-
-def test_equal_ids_in_two_files_are_kept_apart(tmp_path):
-    sources = []
-    for name in ("a", "b"):
-        path = tmp_path / f"{name}.json"
-        images = [{"id": 1, "file_name": f"{name}/I5.png"}]
-        path.write_text(json.dumps(document(images, [annotation()])), encoding="utf-8")
-        sources.append(SourceFile(path, path.name))
-    boxes = reader.read(sources, ReadOptions()).boxes
-    assert boxes["recording"].tolist() == ["a", "b"]
-    assert boxes["file"].tolist() == [0, 1]
-
-
-def test_nan_in_a_box_is_passed_on(read_document):
-    boxes = read_document(document(annotations=[annotation(bbox=[float("nan"), 2, 3, 4])])).boxes
-    assert boxes["x"].isna().tolist() == [True]
+    assert rows(read_files("a/I5.png", "b/I5.png").boxes, "recording file") == [["a", 0], ["b", 1]]
+    with pytest.raises(FormatError, match=r"1.json: frame 5 of recording 'a' is in an earlier"):
+        read_files("a/I5.png", "a/I5.png")
 
 
 @pytest.mark.parametrize(
@@ -325,16 +265,6 @@ def test_absurd_json_is_an_error_with_the_file(read_document, text, message):
         read_document(text)
 
 
-def test_occlusion_as_number_and_truth_value_in_one_file_is_a_level(read_document):
-    rows = [annotation(occlusion=2), annotation(id=2, occlusion=True)]
-    assert read_document(document(annotations=rows)).boxes["occlusion"].tolist() == [2, 1]
-
-
-def test_a_number_beyond_all_floats_is_an_error(read_document):
-    with pytest.raises(FormatError, match='numbers below 1e308 as "occlusion"'):
-        read_document(document(annotations=[annotation(occlusion=10**400)]))
-
-
 def test_no_categories_and_one_category_id_counts_all(read_document):
     content = document(annotations=[annotation(category_id=4)])
     del content["categories"]
@@ -349,20 +279,13 @@ def test_no_categories_and_several_ids_ask_for_the_classes(read_document):
     assert len(read_document(content, classes=("2",)).boxes) == 1
 
 
-def test_no_annotations_give_an_empty_table_and_all_frames(read_document):
-    reading = read_document(document())
-    assert reading.boxes.empty
-    assert len(reading.images) == 1
-
-
 def test_truth_is_recognised_and_results_are_not():
     truth = (FOLDER / "kaist.json").read_text(encoding="utf-8")
-    results = (FOLDER / "results.json").read_text(encoding="utf-8")
     assert reader.recognise("a.json", truth, "truth")
     assert not reader.recognise("a.json", truth, "detections")
-    assert not reader.recognise("a.json", results, "truth")
-    assert not reader.recognise("a.json", '{"openlabel": {}}', "truth")
-    assert not reader.recognise("a.txt", "1,2,3,4,5,6,1", "truth")
+    results = (FOLDER / "results.json").read_text(encoding="utf-8")
+    for other in (results, '{"openlabel": {}}', "1,2,3,4,5,6,1"):
+        assert not reader.recognise("a.json", other, "truth")
 
 
 @pytest.mark.realdata

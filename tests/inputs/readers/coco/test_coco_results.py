@@ -7,9 +7,10 @@ import numpy as np
 import pandas as pd
 import pytest
 from places import DATA
+from reader_files import golden, rows, source
 
 from nvcore.errors import FormatError, MissingFactError
-from nvcore.inputs.readers.base import Reading, ReadOptions, SourceFile
+from nvcore.inputs.readers.base import Reading, ReadOptions
 from nvcore.inputs.readers.coco import result_columns, results
 from nvcore.inputs.readers.coco.truth import read as read_truth
 
@@ -24,51 +25,41 @@ def result(**fields: object) -> dict[str, object]:
 @pytest.fixture
 def read_results(tmp_path: Path):
     def read_one(document: object, name: str = "results.json", **options: object) -> Reading:
-        path = tmp_path / "results.json"
         text = document if isinstance(document, str) else json.dumps(document)
-        path.write_text(text, encoding="utf-8")
         given = {"role": "detections", "images": IMAGES} | options
-        return results.read([SourceFile(path, name)], ReadOptions(**given))
+        return results.read([source(tmp_path, text, name)], ReadOptions(**given))
 
     return read_one
 
 
+def golden_images(name: str) -> pd.DataFrame | None:
+    return read_truth(golden("coco", name), ReadOptions()).images
+
+
+def read_golden(name: str, images: pd.DataFrame | None) -> Reading:
+    return results.read(golden("coco", name), ReadOptions(role="detections", images=images))
+
+
 def test_results_take_recording_and_frame_from_the_truths_images():
-    truth = read_truth([SourceFile(FOLDER / "kaist.json", "kaist.json")], ReadOptions())
-    reading = results.read(
-        [SourceFile(FOLDER / "results.json", "results.json")],
-        ReadOptions(role="detections", images=truth.images),
-    )
-    columns = ["recording", "frame", "x", "y", "w", "h", "score"]
-    assert reading.boxes[columns].to_numpy().tolist() == [
+    boxes = read_golden("results.json", golden_images("kaist.json")).boxes
+    assert rows(boxes, "recording frame x y w h score") == [
         ["set06/V000", 19, 500.5, 210.25, 20, 51, 0.75],
         ["set09/V000", 19, 99, 200, 31, 60, 0.5],
     ]
 
 
 def test_flir_results_take_the_frame_from_the_picture():
-    truth = read_truth([SourceFile(FOLDER / "flir.json", "flir.json")], ReadOptions())
-    for images in (truth.images, None):
-        reading = results.read(
-            [SourceFile(FOLDER / "flir_results.json", "flir_results.json")],
-            ReadOptions(role="detections", images=images),
-        )
-        columns = ["recording", "frame", "track", "score"]
-        assert reading.boxes[columns].to_numpy().tolist() == [["BzZs", 124, 4, 0.9]]
+    for images in (golden_images("flir.json"), None):
+        boxes = read_golden("flir_results.json", images).boxes
+        assert rows(boxes, "recording frame track score") == [["BzZs", 124, 4, 0.9]]
 
 
-def test_pictures_are_found_among_known_recordings(read_results):
-    reading = read_results(
-        [{"bbox": [1, 2, 3, 4], "image_filepath": "out/set06/V000/I00019.png"}],
-        images=None,
-        recordings=("set06/V000",),
-    )
-    assert reading.boxes[["recording", "frame"]].to_numpy().tolist() == [["set06/V000", 19]]
-
-
-def test_a_picture_without_number_is_an_error(read_results):
+def test_pictures_are_found_among_known_recordings_and_need_a_number(read_results):
+    known = {"images": None, "recordings": ("set06/V000",)}
+    picture = {"bbox": [1, 2, 3, 4], "image_filepath": "out/set06/V000/I00019.png"}
+    assert rows(read_results([picture], **known).boxes, "recording frame") == [["set06/V000", 19]]
     with pytest.raises(FormatError, match=r"results.json.*frame number .* found 'left.png'"):
-        read_results([{"bbox": [1, 2, 3, 4], "image_filepath": "left.png"}], images=None)
+        read_results([picture | {"image_filepath": "left.png"}], **known)
 
 
 def test_an_empty_list_is_a_system_that_detected_nothing(read_results):
@@ -78,14 +69,11 @@ def test_an_empty_list_is_a_system_that_detected_nothing(read_results):
     assert "nothing was detected" in reading.conversion
 
 
-def test_results_may_be_wrapped_in_an_object(read_results):
-    assert read_results({"annotations": [result()]}).boxes["frame"].tolist() == [25]
-
-
-def test_a_wrapped_image_list_of_its_own_comes_first(read_results):
-    images = [{"id": 1, "file_name": "drive/I00077.png"}]
-    boxes = read_results({"images": images, "annotations": [result()]}).boxes
-    assert boxes[["recording", "frame"]].to_numpy().tolist() == [["drive", 77]]
+def test_results_may_be_wrapped_in_an_object_with_images_of_its_own(read_results):
+    wrapped = {"annotations": [result()]}
+    assert read_results(wrapped).boxes["frame"].tolist() == [25]
+    wrapped["images"] = [{"id": 1, "file_name": "drive/I00077.png"}]
+    assert rows(read_results(wrapped).boxes, "recording frame") == [["drive", 77]]
 
 
 def test_ids_as_text_and_as_numbers_are_one(read_results):
@@ -127,9 +115,16 @@ def test_classes_are_taken_as_numbers_or_as_person(read_results):
     assert len(read_results(rows, classes=("person", "3")).boxes) == 2
 
 
-def test_class_names_cannot_be_found_in_numbered_results(read_results):
-    with pytest.raises(FormatError, match="give the classes as numbers"):
-        read_results([result(), result(category_id=3)], classes=("person", "cyclist"))
+@pytest.mark.parametrize(
+    ("categories", "classes", "message"),
+    [
+        ((1, 3), ("person", "cyclist"), "give the classes as numbers"),
+        ((2, 3), None, "expected results of category_id 1"),
+    ],
+)
+def test_classes_that_cannot_be_found_are_an_error(read_results, categories, classes, message):
+    with pytest.raises(FormatError, match=message):
+        read_results([result(category_id=number) for number in categories], classes=classes)
 
 
 def test_a_single_category_other_than_one_counts_with_a_warning(read_results):
@@ -138,19 +133,10 @@ def test_a_single_category_other_than_one_counts_with_a_warning(read_results):
     assert [finding.code for finding in reading.findings] == ["unusual-category"]
 
 
-def test_several_categories_without_a_person_are_an_error(read_results):
-    with pytest.raises(FormatError, match="expected results of category_id 1"):
-        read_results([result(category_id=2), result(category_id=3)])
-
-
-def test_a_missing_score_is_unknown(read_results):
-    row = result()
+def test_a_missing_score_is_unknown_and_track_ids_are_kept(read_results):
+    row = result(track_id=3)
     del row["score"]
-    assert read_results([row, result()]).boxes["score"].isna().tolist() == [True, False]
-
-
-def test_track_ids_are_kept(read_results):
-    assert read_results([result(track_id=3)]).boxes["track"].tolist() == [3]
+    assert rows(read_results([row, result()]).boxes, "score track") == [[None, 3], [0.5, -1]]
     assert read_results([result(track_id="p")]).boxes["track"].tolist() == [0]
 
 
@@ -189,40 +175,33 @@ def test_half_a_character_is_an_error_and_a_whole_pair_is_not(read_results):
 
 def test_fast_and_careful_parser_agree(tmp_path, monkeypatch):
     generator = np.random.default_rng(1)
-    rows = [
+    random_results = [
         result(image_id=int(i % 3), bbox=box, score=score)
         for i, (*box, score) in enumerate(generator.random((50, 5)).tolist())
     ]
-    path = tmp_path / "results.json"
-    path.write_text(json.dumps(rows), encoding="utf-8")
     options = ReadOptions(role="detections", images=IMAGES)
-    source = [SourceFile(path, "results.json")]
-    assert result_columns._fast(source[0]) is not None
-    fast = results.read(source, options)
+    file = source(tmp_path, json.dumps(random_results), "results.json")
+    assert result_columns._fast(file) is not None
+    fast = results.read([file], options)
     monkeypatch.setattr(result_columns, "_fast", lambda _: None)
-    careful = results.read(source, options)
+    careful = results.read([file], options)
     pd.testing.assert_frame_equal(fast.boxes, careful.boxes, check_exact=True)
     assert fast.conversion == careful.conversion
 
 
 def test_the_fast_parser_leaves_what_is_unusual_to_the_careful_one(tmp_path):
-    path = tmp_path / "results.json"
     for row in (
         result(score=None), result(bbox=[1, 2, 3]), result(image_id="x"), result(note="},{"),
         result(category_id=True),
     ):  # fmt: skip
-        path.write_text(json.dumps([result(), row]), encoding="utf-8")
-        assert result_columns._fast(SourceFile(path, "results.json")) is None
+        file = source(tmp_path, json.dumps([result(), row]), "results.json")
+        assert result_columns._fast(file) is None
 
 
 def test_results_are_recognised_and_truth_is_not():
-    truth = (FOLDER / "kaist.json").read_text(encoding="utf-8")
-    for name in ("results.json", "flir_results.json"):
-        text = (FOLDER / name).read_text(encoding="utf-8")
+    golden_texts = [(FOLDER / f"{name}results.json").read_text("utf-8") for name in ("", "flir_")]
+    for text in (*golden_texts, "[]\n", '{"annotations": ['):
         assert results.recognise("a.json", text, "detections")
         assert not results.recognise("a.json", text, "truth")
-    assert results.recognise("a.json", "[]\n", "detections")
-    assert results.recognise("a.json", '{"annotations": [', "detections")
-    assert not results.recognise("a.json", truth, "truth")
-    assert not results.recognise("a.json", '[{"a": 1}]', "detections")
-    assert not results.recognise("a.csv", "frame,x,y,w,h", "detections")
+    for text in ('[{"a": 1}]', "frame,x,y,w,h"):
+        assert not results.recognise("a.json", text, "detections")
