@@ -4,84 +4,59 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
 import pytest
-from places import DATA
+from reader_files import golden, only_finding, rows, source
 
 from nvcore.errors import FormatError, InputError, MissingFactError
-from nvcore.inputs.readers.base import Reading, ReadOptions, SourceFile
-from nvcore.inputs.readers.yolo import FORMAT, read, recognise
+from nvcore.inputs.readers.base import Reading, ReadOptions
+from nvcore.inputs.readers.yolo import read, recognise
 
-FOLDER = DATA / "yolo"
-NAMES = ("drive1/000001.txt", "drive1/000002.txt", "drive1/000003.txt")
+NAMES = [f"drive1/00000{number}.txt" for number in (1, 2, 3)]
 SIZE = (640, 480)
+PERSON = "0 .5 .5 .1 .1"
 
 
-def golden(**options: object) -> Reading:
-    files = [SourceFile(FOLDER / name, name) for name in NAMES]
-    return read(files, ReadOptions(**{"size": SIZE, **options}))  # type: ignore[arg-type]
+def read_golden(**options: object) -> Reading:
+    return read(golden("yolo", *NAMES), ReadOptions(**{"size": SIZE, **options}))  # type: ignore[arg-type]
 
 
-def read_files(tmp_path: Path, files: dict[str, str], **options: object) -> Reading:
-    given = []
-    for name, text in files.items():
-        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
-        (tmp_path / name).write_text(text, encoding="utf-8")
-        given.append(SourceFile(tmp_path / name, name))
+def read_files(folder: Path, files: dict[str, str], **options: object) -> Reading:
+    given = [source(folder, text, name) for name, text in files.items()]
     return read(given, ReadOptions(**{"size": SIZE, **options}))  # type: ignore[arg-type]
 
 
-def test_shares_become_pixels() -> None:
-    boxes = golden().boxes
+def read_text(folder: Path, text: str, **options: object) -> Reading:
+    return read_files(folder, {"d/1.txt": text}, **options)
+
+
+def test_shares_become_pixels_and_an_empty_file_an_evaluated_frame() -> None:
     # 0.5 ± 0.125 of 640 and 0.5 ± 0.25 of 480; 0.25 ± 0.05 of 640 and 0.75 ± 0.1 of 480
-    assert boxes[["x", "y", "w", "h"]].to_numpy() == pytest.approx(
-        np.array([[240, 120, 160, 240], [128, 312, 64, 96]])
-    )
-    assert boxes["line"].tolist() == [1, 1]
-    assert boxes["file"].tolist() == [0, 2]
-
-
-def test_an_empty_file_is_an_evaluated_frame() -> None:
-    reading = golden()
-    assert reading.boxes["frame"].tolist() == [1, 3]
-    assert reading.images is not None
-    assert reading.images[["recording", "frame"]].to_numpy().tolist() == [
-        ["drive1", 1],
-        ["drive1", 2],
-        ["drive1", 3],
+    reading = read_golden()
+    assert rows(reading.boxes, "file frame line x y w h ignore") == [
+        [0, 1, 1, 240, 120, 160, 240, False],
+        [2, 3, 1, 128, 312, 64, 96, False],
     ]
-
-
-def test_the_size_is_that_of_the_recording() -> None:
-    recordings = golden().recordings
-    assert recordings[["name", "width", "height"]].to_numpy().tolist() == [["drive1", 640, 480]]
+    assert rows(reading.images, "recording frame") == [["drive1", frame] for frame in (1, 2, 3)]
+    assert rows(reading.recordings, "name width height") == [["drive1", 640, 480]]
+    assert "classes: 0 counted" in reading.conversion
+    assert "left out: 1 (1)" in reading.conversion
 
 
 def test_without_a_size_the_error_names_the_flag() -> None:
     with pytest.raises(MissingFactError, match="--size WIDTHxHEIGHT"):
-        golden(size=None)
+        read_golden(size=None)
 
 
-def test_class_0_counts_and_others_are_left_out() -> None:
-    reading = golden()
-    assert "classes: 0 counted" in reading.conversion
-    assert "left out: 1 (1)" in reading.conversion
-    assert not reading.boxes["ignore"].any()
-
-
-def test_other_class_numbers_can_be_chosen() -> None:
-    assert golden(classes=("0", "1")).boxes["frame"].tolist() == [1, 1, 3]
+def test_other_class_numbers_can_be_chosen_but_no_names() -> None:
+    assert read_golden(classes=("0", "1")).boxes["frame"].tolist() == [1, 1, 3]
+    with pytest.raises(InputError, match=r"class numbers, found the class 'person'.*classes\.txt"):
+        read_golden(classes=("person",))
 
 
 def test_a_class_that_does_not_occur_is_a_finding() -> None:
-    reading = golden(classes=("7",))
+    reading = read_golden(classes=("7",))
     assert len(reading.boxes) == 0
-    assert [one.code for one in reading.findings] == ["no-counted-class"]
-
-
-def test_class_names_need_a_list_of_names() -> None:
-    with pytest.raises(InputError, match=r"class numbers, found the class 'person'.*classes\.txt"):
-        golden(classes=("person",))
+    only_finding(reading, "no-counted-class")
 
 
 def test_classes_txt_names_the_classes_and_is_no_picture(tmp_path: Path) -> None:
@@ -91,10 +66,7 @@ def test_classes_txt_names_the_classes_and_is_no_picture(tmp_path: Path) -> None
         "d/1.txt": "0 .5 .5 .1 .1\n1 .5 .5 .1 .1\n2 .5 .5 .1 .1\n",
     }
     reading = read_files(tmp_path, files)
-    assert reading.boxes[["line", "file", "ignore"]].to_numpy().tolist() == [
-        [2, 2, False],
-        [3, 2, True],
-    ]
+    assert rows(reading.boxes, "line file ignore") == [[2, 2, False], [3, 2, True]]
     assert "class names from classes.txt" in reading.conversion
     assert "not read as pictures: classes.txt, data.yaml" in reading.conversion
     assert "left out: car (1)" in reading.conversion
@@ -112,51 +84,48 @@ def test_classes_txt_above_the_labels_is_found(tmp_path: Path) -> None:
     assert reading.boxes["line"].tolist() == [2]
 
 
-def test_a_confidence_in_the_last_field_is_told_from_the_boxes(tmp_path: Path) -> None:
-    # with the confidence second, the first box would reach from 0.05 to 1.15
-    reading = read_files(tmp_path, {"d/1.txt": "0 .2 .6 .3 .8 .9\n"}, role="detections")
-    assert reading.boxes["score"].tolist() == [0.9]
-    assert reading.boxes["w"].tolist() == pytest.approx([0.3 * 640])
-    assert "confidence in the last field" in reading.conversion
+@pytest.mark.parametrize(
+    ("text", "place"),
+    [
+        # with the confidence second, the first box would reach from 0.05 to 1.15
+        ("0 .2 .6 .3 .8 .9\n", "last"),
+        # with the confidence last, the box would be 0.6 wide about 0.9
+        ("0 .9 .2 .6 .3 .8\n", "second"),
+    ],
+)
+def test_the_confidence_s_field_is_told_from_the_boxes(
+    tmp_path: Path, text: str, place: str
+) -> None:
+    reading = read_text(tmp_path, text, role="detections")
+    assert rows(reading.boxes, "score w") == [[0.9, 0.3 * 640]]
+    assert f"confidence in the {place} field" in reading.conversion
     assert reading.findings == ()
 
 
-def test_a_confidence_in_the_second_field_is_told_from_the_boxes(tmp_path: Path) -> None:
-    # with the confidence last, the box would be 0.6 wide about 0.9
-    reading = read_files(tmp_path, {"d/1.txt": "0 .9 .2 .6 .3 .8\n"}, role="detections")
-    assert reading.boxes["score"].tolist() == [0.9]
-    assert reading.boxes["w"].tolist() == pytest.approx([0.3 * 640])
-    assert "confidence in the second field" in reading.conversion
-
-
 def test_a_confidence_that_could_be_either_is_reported(tmp_path: Path) -> None:
-    reading = read_files(tmp_path, {"d/1.txt": "0 .5 .5 .4 .3 .2\n"}, role="detections")
+    reading = read_text(tmp_path, "0 .5 .5 .4 .3 .2\n", role="detections")
     assert reading.boxes["score"].tolist() == [0.2]
-    assert [one.code for one in reading.findings] == ["confidence-field"]
+    only_finding(reading, "confidence-field")
 
 
 def test_rows_without_confidence_keep_their_places(tmp_path: Path) -> None:
     text = "0 .9 .2 .6 .3 .8\n0 .2 .6 .3 .8\n"
-    boxes = read_files(tmp_path, {"d/1.txt": text}, role="detections").boxes
-    assert boxes["w"].tolist() == pytest.approx([0.3 * 640] * 2)
-    assert boxes["score"].isna().tolist() == [False, True]
+    boxes = read_text(tmp_path, text, role="detections").boxes
+    assert rows(boxes, "w score") == [[0.3 * 640, 0.9], [0.3 * 640, None]]
 
 
 def test_whole_numbers_in_the_last_field_are_track_ids(tmp_path: Path) -> None:
-    reading = read_files(tmp_path, {"d/1.txt": "0 .5 .5 .1 .1 1\n0 .5 .5 .1 .1 12\n"})
-    assert reading.boxes["track"].tolist() == [1, 12]
-    assert reading.boxes["score"].isna().all()
+    reading = read_text(tmp_path, f"{PERSON} 1\n{PERSON} 12\n")
+    assert rows(reading.boxes, "track score") == [[1, None], [12, None]]
     assert "last field = track id" in reading.conversion
 
 
 def test_seven_fields_have_confidence_and_track_id(tmp_path: Path) -> None:
-    boxes = read_files(tmp_path, {"d/1.txt": "0 .5 .5 .1 .1 .75 3\n"}).boxes
-    assert boxes[["score", "track"]].to_numpy().tolist() == [[0.75, 3]]
+    assert rows(read_text(tmp_path, f"{PERSON} .75 3\n").boxes, "score track") == [[0.75, 3]]
 
 
 def test_empty_numbers_are_passed_on(tmp_path: Path) -> None:
-    boxes = read_files(tmp_path, {"d/1.txt": "0 nan .5 .1 .1\n"}).boxes
-    assert boxes["x"].isna().all()
+    assert rows(read_text(tmp_path, "0 nan .5 .1 .1\n").boxes, "x") == [[None]]
 
 
 @pytest.mark.parametrize(
@@ -171,27 +140,36 @@ def test_empty_numbers_are_passed_on(tmp_path: Path) -> None:
 )
 def test_what_is_wrong_is_named_with_its_line(tmp_path: Path, text: str, message: str) -> None:
     with pytest.raises(FormatError, match=r"d/2\.txt, " + message):
-        read_files(tmp_path, {"d/1.txt": "0 .5 .5 .1 .1\n", "d/2.txt": text})
+        read_files(tmp_path, {"d/1.txt": f"{PERSON}\n", "d/2.txt": text})
 
 
-def test_a_file_name_without_number_is_an_error(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"left\.txt: .*frame number"):
-        read_files(tmp_path, {"left.txt": ""})
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("left.txt", r"left\.txt: .*frame number"),
+        ("classes.txt", "one text file per picture"),
+    ],
+)
+def test_files_that_belong_to_no_picture_are_an_error(
+    tmp_path: Path, name: str, message: str
+) -> None:
+    with pytest.raises(InputError, match=message):
+        read_files(tmp_path, {name: "person\n"})
 
 
-def test_nothing_but_class_names_is_an_error(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="one text file per picture"):
-        read_files(tmp_path, {"classes.txt": "person\n"})
-
-
-def test_own_files_are_recognised_and_no_others() -> None:
-    assert recognise("1.txt", "0 0.5 0.5 0.25 0.5\n", "truth")
-    assert recognise("1.txt", "0 0.5 0.5 0.25 0.5 0.9\n", "detections")
-    assert recognise("labels/classes.txt", "car\nperson\n", "truth")
-    assert not recognise("1.txt", "", "truth")
-    assert not recognise("1.txt", "1,1,1,1,1,1,1\n", "truth")
-    assert not recognise("1.txt", "0 320 240 64 96\n", "truth")
-    assert not recognise("1.txt", '"0" "0.5" "0.5" "0.1" "0.1"\n', "truth")
-    assert not recognise("1.txt", "Car 0.0 0 -1.5 1 2 3 4 1 1 1 1 1 1 1\n", "truth")
-    assert not recognise("train.txt", "images/1.jpg\n", "truth")
-    assert FORMAT.name == "yolo"
+@pytest.mark.parametrize(
+    ("name", "text", "expected"),
+    [
+        ("1.txt", "0 0.5 0.5 0.25 0.5\n", True),
+        ("1.txt", "0 0.5 0.5 0.25 0.5 0.9\n", True),
+        ("labels/classes.txt", "car\nperson\n", True),
+        ("1.txt", "", False),
+        ("1.txt", "1,1,1,1,1,1,1\n", False),
+        ("1.txt", "0 320 240 64 96\n", False),
+        ("1.txt", '"0" "0.5" "0.5" "0.1" "0.1"\n', False),
+        ("1.txt", "Car 0.0 0 -1.5 1 2 3 4 1 1 1 1 1 1 1\n", False),
+        ("train.txt", "images/1.jpg\n", False),
+    ],
+)
+def test_own_files_are_recognised_and_no_others(name: str, text: str, expected: bool) -> None:
+    assert recognise(name, text, "truth") is expected
