@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from nvcore.errors import InputError, UnknownFormatError
+from nvcore.errors import InputError
 from nvcore.inputs.convert import write
 from nvcore.inputs.readers import csv, mot
 from nvcore.inputs.readers.base import (
@@ -62,46 +62,42 @@ def one_recording(reading: Reading) -> Reading:
     return Reading(boxes, reading.recordings.head(1), "")
 
 
-def without_origin(boxes: pd.DataFrame) -> pd.DataFrame:
-    return boxes.drop(columns=["file", "line"])
+READERS = {"csv": csv.read, "coco": read_coco, "mot": mot.read}
 
 
-def test_truth_comes_back_from_csv_exactly(tmp_path):
-    path = tmp_path / "truth.csv"
-    assert write(truth(), "csv", path, role="truth") == [path]
-    back = csv.read([SourceFile(path, "truth.csv")], ReadOptions())
+def written(path: Path, reading: Reading, format_name: str, **options: object) -> list[str]:
+    """The lines of the file that is written."""
+    assert write(reading, format_name, path, **{"role": "truth", **options}) == [path]
+    return path.read_text(encoding="utf-8").splitlines()
+
+
+def assert_same_boxes(back: Reading, reading: Reading) -> None:
     pd.testing.assert_frame_equal(
-        without_origin(back.boxes), without_origin(truth().boxes), check_exact=True
+        back.boxes.drop(columns=["file", "line"]),
+        reading.boxes.drop(columns=["file", "line"]),
+        check_exact=True,
     )
 
 
-def test_detections_come_back_from_csv_exactly(tmp_path):
-    path = tmp_path / "x.csv"
-    write(detections(), "csv", path, role="detections")
-    back = csv.read([SourceFile(path, "x.csv")], ReadOptions(role="detections"))
-    pd.testing.assert_frame_equal(
-        without_origin(back.boxes), without_origin(detections().boxes), check_exact=True
-    )
+@pytest.mark.parametrize(
+    ("reading", "format_name", "role"),
+    [(truth(), "csv", "truth"), (detections(), "csv", "detections"), (truth(), "coco", "truth")],
+)
+def test_boxes_come_back_exactly(tmp_path, reading, format_name, role):
+    path = tmp_path / "boxes"
+    written(path, reading, format_name, role=role)
+    back = READERS[format_name]([SourceFile(path, "boxes")], ReadOptions(role=role))
+    assert_same_boxes(back, reading)
+    assert back.findings == ()
+    if format_name == "coco":
+        urban = back.recordings.set_index("name").loc["urban"]
+        assert urban[["width", "height", "fps"]].tolist() == [640, 512, 20]
 
 
 def test_csv_has_the_documented_columns_and_neutralised_names(tmp_path):
-    path = tmp_path / "truth.csv"
-    write(truth(), "csv", path, role="truth")
-    lines = path.read_text(encoding="utf-8").splitlines()
+    lines = written(tmp_path / "truth.csv", truth(), "csv")
     assert lines[0] == "recording,frame,x,y,w,h,track,ignore,distance_m,occlusion"
     assert lines[3] == "'=rural,0,-4.5,20,5,12,7,0,8,"
-
-
-def test_truth_comes_back_from_coco_exactly(tmp_path):
-    path = tmp_path / "truth.json"
-    write(truth(), "coco", path, role="truth")
-    back = read_coco([SourceFile(path, "truth.json")], ReadOptions())
-    pd.testing.assert_frame_equal(
-        without_origin(back.boxes), without_origin(truth().boxes), check_exact=True
-    )
-    urban = back.recordings.set_index("name").loc["urban"]
-    assert urban[["width", "height", "fps"]].tolist() == [640, 512, 20]
-    assert back.findings == ()
 
 
 def test_frames_without_boxes_come_back_from_coco(tmp_path):
@@ -118,9 +114,7 @@ def test_frames_without_boxes_come_back_from_coco(tmp_path):
 
 def test_coco_annotation_ids_start_at_one(tmp_path):
     # peers 34: pycocotools takes id 0 for "no match"
-    path = tmp_path / "truth.json"
-    write(truth(), "coco", path, role="truth")
-    document = json.loads(path.read_text(encoding="utf-8"))
+    document = json.loads("".join(written(tmp_path / "truth.json", truth(), "coco")))
     assert [row["id"] for row in document["annotations"]] == [1, 2, 3]
 
 
@@ -129,14 +123,9 @@ def test_coco_results_name_the_truths_images(tmp_path):
     path = tmp_path / "x.json"
     write(detections(), "coco", path, role="detections", images=images)
     rows = json.loads(path.read_text(encoding="utf-8"))
-    assert rows[0] == {
-        "image_id": 12, "category_id": 1, "bbox": [1.25, 3.0, 5.0, 7.0], "score": 0.5,
-    }  # fmt: skip
+    assert rows[0] == {"image_id": 12, "category_id": 1, "bbox": [1.25, 3, 5, 7], "score": 0.5}
     options = ReadOptions(role="detections", images=images)
-    back = read_coco_results([SourceFile(path, "x.json")], options)
-    pd.testing.assert_frame_equal(
-        without_origin(back.boxes), without_origin(detections().boxes), check_exact=True
-    )
+    assert_same_boxes(read_coco_results([SourceFile(path, "x.json")], options), detections())
 
 
 def test_coco_results_without_image_list_name_recording_and_frame(tmp_path):
@@ -158,50 +147,39 @@ def test_coco_cannot_hold_a_box_without_coordinates(tmp_path):
         write(reading, "coco", tmp_path / "x.json", role="truth")
 
 
-def test_no_detections_give_an_empty_coco_list(tmp_path):
-    path = tmp_path / "x.json"
+def test_no_detections_give_an_empty_coco_list_and_the_header_of_a_csv_file(tmp_path):
     empty = Reading(reading_boxes(0), recordings_table([]), "")
-    write(empty, "coco", path, role="detections")
-    assert json.loads(path.read_text(encoding="utf-8")) == []
+    assert written(tmp_path / "x.json", empty, "coco", role="detections") == ["[]"]
+    (header,) = written(tmp_path / "x.csv", empty, "csv", role="detections")
+    assert header.startswith("recording,frame,x,y,w,h,score")
 
 
 def test_mot_truth_is_one_based_with_ignored_rows_at_confidence_zero(tmp_path):
-    path = tmp_path / "gt.txt"
-    write(one_recording(truth(x=[282.0, 0.5, -4.5])), "mot", path, role="truth")
-    assert path.read_text(encoding="utf-8").splitlines() == [
+    reading = one_recording(truth(x=[282.0, 0.5, -4.5]))
+    assert written(tmp_path / "gt.txt", reading, "mot") == [
         "9,1,283,206,20,43,1,1,1",
         "29,-1,1.5,206.1,37,42,0,1,0.4",
         "0,7,-3.5,21,5,12,1,1,-1",
     ]
 
 
-def test_mot_detections_have_their_score_and_no_id(tmp_path):
-    path = tmp_path / "det.txt"
-    write(one_recording(detections()), "mot", path, role="detections")
-    assert path.read_text(encoding="utf-8").splitlines() == [
-        "9,-1,2.25,4,5,7,0.5,-1,-1,-1",
-        "0,4,3,5,6,8,-3.25,-1,-1,-1",
+@pytest.mark.parametrize(
+    ("scores", "fields"),
+    [([0.5, -3.25], ["0.5", "-3.25"]), (np.nan, ["-1", "-1"]), ([-0.5, np.nan], ["-0.5", "nan"])],
+    ids=["scores", "none", "one missing"],
+)
+def test_mot_detections_have_their_score_and_no_id(tmp_path, scores, fields):
+    reading = one_recording(detections(score=scores))
+    assert written(tmp_path / "det.txt", reading, "mot", role="detections") == [
+        f"9,-1,2.25,4,5,7,{fields[0]},-1,-1,-1",
+        f"0,4,3,5,6,8,{fields[1]},-1,-1,-1",
     ]
-
-
-def test_mot_detections_without_scores_have_minus_one(tmp_path):
-    path = tmp_path / "det.txt"
-    write(one_recording(detections(score=np.nan)), "mot", path, role="detections")
-    lines = path.read_text(encoding="utf-8").splitlines()
-    assert [line.split(",")[6] for line in lines] == ["-1", "-1"]
-
-
-def test_a_missing_mot_score_among_others_is_nan(tmp_path):
-    path = tmp_path / "det.txt"
-    write(one_recording(detections(score=[-0.5, np.nan])), "mot", path, role="detections")
-    back = mot.read([SourceFile(path, "urban.txt")], ReadOptions(role="detections"))
-    assert back.boxes["score"].isna().tolist() == [False, True]
 
 
 def test_truth_comes_back_from_mot(tmp_path):
     path = tmp_path / "gt.txt"
     reading = one_recording(truth())
-    write(reading, "mot", path, role="truth")
+    written(path, reading, "mot")
     back = mot.read([SourceFile(path, "urban/gt.txt")], ReadOptions()).boxes
     columns = ["frame", "track", "ignore", "occlusion"]
     pd.testing.assert_frame_equal(back[columns], reading.boxes[columns])
@@ -218,14 +196,12 @@ def test_several_recordings_become_mot_files_with_harmless_names(tmp_path):
     assert [len(path.read_text(encoding="utf-8").splitlines()) for path in paths] == [1, 1, 1]
 
 
-def test_an_unknown_format_is_an_error_that_lists_the_known(tmp_path):
-    with pytest.raises(UnknownFormatError, match="csv, coco, mot"):
-        write(truth(), "voc", tmp_path / "x", role="truth")
-
-
-def test_a_path_that_cannot_be_written_is_an_error(tmp_path):
-    with pytest.raises(InputError, match="cannot be written"):
-        write(truth(), "csv", tmp_path, role="truth")
+@pytest.mark.parametrize(
+    ("format_name", "words"), [("voc", "csv, coco, mot"), ("csv", "cannot be written")]
+)
+def test_a_format_and_a_path_that_cannot_be_written_are_errors(tmp_path, format_name, words):
+    with pytest.raises(InputError, match=words):
+        write(truth(), format_name, tmp_path, role="truth")
 
 
 @pytest.mark.realdata
@@ -234,9 +210,6 @@ def test_kaists_truth_comes_back(realdata: Path, tmp_path, format_name):
     name = "kaist/KAIST_annotation.json"
     reading = read_coco([SourceFile(realdata / name, name)], ReadOptions())
     path = tmp_path / "copy"
-    write(reading, format_name, path, role="truth")
-    read = csv.read if format_name == "csv" else read_coco
-    back = read([SourceFile(path, "copy")], ReadOptions())
-    pd.testing.assert_frame_equal(
-        without_origin(back.boxes), without_origin(reading.boxes), check_exact=True
-    )
+    written(path, reading, format_name)
+    back = READERS[format_name]([SourceFile(path, "copy")], ReadOptions())
+    assert_same_boxes(back, reading)

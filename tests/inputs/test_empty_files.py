@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from inputs import FACTS, drive, mot_layout, nvcore, session_of, write
+from inputs import drive, mot_layout, session_of, write
 
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError
@@ -68,14 +68,6 @@ def test_all_empty_files_of_a_mot_layout_have_no_detections(tmp_path: Path):
     assert len(load(session).system("X")) == 0
 
 
-def test_no_detections_convert_to_a_file_with_the_header_only(tmp_path: Path):
-    (tmp_path / "fir.txt").write_text("")
-    arguments = (tmp_path / "fir.txt", tmp_path / "fir.csv", "--to", "csv")
-    assert nvcore("convert", *arguments, "--role", "detections").exit_code == 0
-    (header,) = (tmp_path / "fir.csv").read_text().splitlines()
-    assert header.startswith("recording,frame,x,y,w,h,score")
-
-
 def test_reading_empty_detections_alone_gives_no_recording(tmp_path: Path):
     (tmp_path / "fir.txt").write_text("")
     reading = read_source(Source(("fir.txt",)), role="detections", folder=tmp_path)
@@ -83,9 +75,6 @@ def test_reading_empty_detections_alone_gives_no_recording(tmp_path: Path):
 
 
 def test_ground_truth_of_a_header_only_says_what_may_be_wrong(tmp_path: Path):
-    folder = drive(tmp_path)
-    write(folder / "truth.csv", "frame,x,y,w,h,track")
-    result = nvcore("check", "--truth", folder / "truth.csv", "--x", folder / "fir.csv", *FACTS)
-    assert result.exit_code == 2
-    assert "the ground truth holds no box (only a header, or other classes?)" in result.stderr
-    assert "Check that it is the right file" in result.stderr
+    write(drive(tmp_path) / "truth.csv", "frame,x,y,w,h,track")
+    with pytest.raises(InputError, match=r"no box \(only a header, or other .*right file"):
+        load(session_of(tmp_path))

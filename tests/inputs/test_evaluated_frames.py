@@ -31,24 +31,11 @@ def test_a_range_includes_its_last_frame(text: str, expected: list[int]):
     assert parse_frames(text, HERE).tolist() == expected
 
 
-@pytest.mark.parametrize("text", ["3:0", "0:3:0"])
-def test_a_range_without_frames_says_what_is_expected(text: str):
-    with pytest.raises(InputError, match=f"frames '{text}': expected first:last"):
-        parse_frames(text, HERE)
-
-
-def test_a_range_longer_than_any_recording_is_refused():
-    with pytest.raises(InputError, match="expected at most 10000000 frames"):
-        parse_frames("0:100000000000", HERE)
-
-
-def test_a_file_gives_its_numbers_sorted_and_once(tmp_path: Path):
-    write(tmp_path / "frames.txt", "29", "", " 9 ", "29")
-    assert parse_frames("frames.txt", tmp_path).tolist() == [9, 29]
-
-
-def test_a_byte_order_mark_before_a_frame_list_is_no_number(tmp_path: Path):
-    (tmp_path / "frames.txt").write_bytes(b"\xef\xbb\xbf9\r\n29\r\n")
+@pytest.mark.parametrize(
+    "content", [b"29\n\n 9 \n29\n", b"\xef\xbb\xbf9\r\n29\r\n"], ids=["LF", "BOM and CRLF"]
+)
+def test_a_file_gives_its_numbers_sorted_and_once(tmp_path: Path, content: bytes):
+    (tmp_path / "frames.txt").write_bytes(content)
     assert parse_frames("frames.txt", tmp_path).tolist() == [9, 29]
 
 
@@ -59,27 +46,24 @@ def test_a_line_that_is_no_frame_number_is_named(tmp_path: Path, line: str):
         parse_frames("frames.txt", tmp_path)
 
 
-def test_an_empty_frame_list_is_named(tmp_path: Path):
-    write(tmp_path / "frames.txt", "")
-    with pytest.raises(InputError, match=r"frames\.txt: holds no frame number"):
-        parse_frames("frames.txt", tmp_path)
-
-
-def test_a_missing_frame_list_says_what_may_be_given(tmp_path: Path):
-    with pytest.raises(InputError, match=r"no\.txt: .*first:last.*\(No such file or directory\)"):
-        parse_frames("no.txt", tmp_path)
-
-
-@pytest.mark.parametrize("name", ["a\0b", "a" * 5000])
-def test_a_name_that_no_file_can_have_is_an_input_error(name: str):
-    with pytest.raises(InputError, match="cannot be read as a frame list"):
-        parse_frames(name, HERE)
-
-
-def test_a_picture_is_no_frame_list(tmp_path: Path):
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("3:0", "frames '3:0': expected first:last"),
+        ("0:3:0", "frames '0:3:0': expected first:last"),
+        ("0:100000000000", "expected at most 10000000 frames"),
+        ("empty.txt", r"empty\.txt: holds no frame number"),
+        ("no.txt", r"no\.txt: .*first:last.*\(No such file or directory\)"),
+        ("a\0b", "cannot be read as a frame list"),
+        ("a" * 5000, "cannot be read as a frame list"),
+        ("a.png", "not UTF-8 text"),
+    ],
+)
+def test_what_gives_no_frames_is_an_input_error(tmp_path: Path, text: str, words: str):
+    write(tmp_path / "empty.txt", "")
     (tmp_path / "a.png").write_bytes(b"\x89PNG\r\n\x1a\n")
-    with pytest.raises(InputError, match="not UTF-8 text"):
-        parse_frames("a.png", tmp_path)
+    with pytest.raises(InputError, match=words):
+        parse_frames(text, tmp_path)
 
 
 def test_every_frame_from_the_first_to_the_last_annotated_one_is_evaluated():

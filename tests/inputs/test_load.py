@@ -23,7 +23,7 @@ from places import DATA
 
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError, MissingFactError
-from nvcore.inputs.load import load, read_source
+from nvcore.inputs.load import load
 from nvcore.inputs.session import Session, Source, SystemSource
 
 
@@ -53,15 +53,11 @@ def test_the_assumption_that_single_recordings_are_the_same_is_reported(tmp_path
     assert "recording 'city' taken for the truth's only recording 'urban'" in conversion[1]
 
 
-def test_mot_layout_gives_one_recording_per_folder(tmp_path: Path):
-    dataset = load(mot_session(mot_layout(tmp_path), ".", "."))
-    assert names(dataset) == ["A", "B"]
-    assert len(dataset.left_out) == 0
-
-
-def test_globs_give_the_same_as_the_folder(tmp_path: Path):
+def test_mot_layout_gives_one_recording_per_folder_and_globs_the_same(tmp_path: Path):
     mot_layout(tmp_path)
     by_folder = load(mot_session(tmp_path, ".", "."))
+    assert names(by_folder) == ["A", "B"]
+    assert len(by_folder.left_out) == 0
     by_glob = load(mot_session(tmp_path, "*/gt/gt.txt", "*/det/det.txt"))
     assert by_glob.boxes.equals(by_folder.boxes)
     assert by_glob.frames.equals(by_folder.frames)
@@ -78,26 +74,27 @@ def test_a_list_of_files_gives_their_recordings(tmp_path: Path):
 
 def test_one_file_per_picture_below_folders_gives_recordings_by_folder(tmp_path: Path):
     for name in ("set06/V000/I00019", "set06/V000/I00039", "set09/V000/I00019"):
-        write(tmp_path / "gt" / f"{name}.txt", "% bbGt version=3",
-              "person 10 20 20 50 0 0 0 0 0 0 0")  # fmt: skip
+        write(tmp_path / "gt" / f"{name}.txt", "person 10 20 20 50 0 0 0 0 0")
     write(tmp_path / "fir.csv", "recording," + DETECTIONS, "set06/V000,19,10,20,20,50,0.5")
     dataset = load(session_of(tmp_path, "gt", "fir.csv"))
     assert names(dataset) == ["set06/V000", "set09/V000"]
     assert dataset.frames["frame"].tolist() == [19, 39, 19]
 
 
-def test_two_systems_of_one_name_are_told_apart(tmp_path: Path):
-    one_box(tmp_path, "0,1,1,5,10,0.5")
-    dataset = load(session_of(tmp_path, "truth.csv", "fir.csv", "fir.csv"))
-    assert dataset.systems == ("fir", "fir (2)")
-
-
-def test_systems_in_files_of_one_name_are_called_by_their_folders(tmp_path: Path):
+@pytest.mark.parametrize(
+    ("paths", "systems"),
+    [
+        (("fir.csv", "fir.csv"), ("fir", "fir (2)")),
+        (("faster/out.csv", "tracker/out.csv"), ("faster", "tracker")),
+    ],
+)
+def test_systems_in_files_of_one_name_are_told_apart(
+    tmp_path: Path, paths: tuple[str, ...], systems: tuple[str, ...]
+):
     one_box(tmp_path)
-    for folder in ("faster", "tracker"):
-        write(tmp_path / folder / "out.csv", DETECTIONS, "0,1,1,5,10,0.5")
-    dataset = load(session_of(tmp_path, "truth.csv", "faster/out.csv", "tracker/out.csv"))
-    assert dataset.systems == ("faster", "tracker")
+    for path in paths:
+        write(tmp_path / path, DETECTIONS, "0,1,1,5,10,0.5")
+    assert load(session_of(tmp_path, "truth.csv", *paths)).systems == systems
 
 
 def test_a_system_without_detections_has_all_frames(tmp_path: Path):
@@ -115,15 +112,17 @@ def test_a_truth_without_a_recording_is_an_input_error(tmp_path: Path):
 # size and frame rate
 
 
-def test_size_and_frame_rate_come_from_seqinfo(tmp_path: Path):
-    row = load(mot_session(mot_layout(tmp_path), ".", ".")).recordings.iloc[0]
-    assert (row["width"], row["height"], row["fps"]) == (640, 480, 10)
-
-
-def test_a_flag_goes_before_the_data(tmp_path: Path):
-    session = mot_session(mot_layout(tmp_path), ".", ".")
-    row = load(replace(session, size=(1280, 960), fps=25.0)).recordings.iloc[0]
-    assert (row["width"], row["height"], row["fps"]) == (1280, 960, 25)
+@pytest.mark.parametrize(
+    ("given", "expected"),
+    [({}, (640, 480, 10)), ({"size": (1280, 960), "fps": 25.0}, (1280, 960, 25))],
+    ids=["from seqinfo", "given by a flag"],
+)
+def test_a_given_size_and_frame_rate_go_before_those_of_the_data(
+    tmp_path: Path, given: dict, expected: tuple[int, ...]
+):
+    session = replace(mot_session(mot_layout(tmp_path), ".", "."), **given)
+    row = load(session).recordings.iloc[0]
+    assert (row["width"], row["height"], row["fps"]) == expected
 
 
 def test_what_a_session_says_of_a_recording_goes_before_its_defaults(tmp_path: Path):
@@ -140,11 +139,9 @@ def test_what_a_session_says_of_a_recording_goes_before_its_defaults(tmp_path: P
 
 
 def test_the_only_recording_of_session_and_truth_is_the_same(tmp_path: Path):
-    session = session_of(
-        one_box(tmp_path), "truth.csv", "fir.csv", fps=None,
-        recordings=(facts_of("night", fps=12.5, frames="0:3"),),
-    )  # fmt: skip
-    dataset = load(session)
+    facts = (facts_of("night", fps=12.5, frames="0:3"),)
+    folder = one_box(tmp_path)
+    dataset = load(session_of(folder, "truth.csv", "fir.csv", fps=None, recordings=facts))
     assert dataset.recordings["fps"].tolist() == [12.5]
     assert dataset.frames["frame"].tolist() == [0, 1, 2, 3]
 
@@ -158,8 +155,8 @@ def test_the_session_names_the_only_recording_and_no_box_is_lost(tmp_path: Path)
 
 def test_a_recording_does_not_get_the_name_of_another_that_a_system_holds(tmp_path: Path):
     write(tmp_path / "truth.csv", "recording," + TRUTH, "day,0,1,1,5,10,1")
-    write(tmp_path / "fir.csv", "recording," + DETECTIONS, "day,0,1,1,5,10,0.5",
-          "dusk,0,1,1,5,10,0.5")  # fmt: skip
+    rows = [f"{name},0,1,1,5,10,0.5" for name in ("day", "dusk")]
+    write(tmp_path / "fir.csv", "recording," + DETECTIONS, *rows)
     dataset = load(session_of(tmp_path, "truth.csv", "fir.csv", recordings=(facts_of("dusk"),)))
     assert len(dataset.system("fir")) == 1
 
@@ -167,15 +164,9 @@ def test_a_recording_does_not_get_the_name_of_another_that_a_system_holds(tmp_pa
 @pytest.mark.parametrize(
     ("unknown", "words"),
     [
-        (
-            ("size",),
-            "image size of .* is not in the data; give --size WIDTHxHEIGHT, or width",
-        ),
-        (("fps",), "frame rate of .* is not in the data; give --fps FPS, or fps in the session"),
-        (
-            ("size", "fps"),
-            "size and frame rate of .* are not .* give --size .* and --fps FPS",
-        ),
+        (("size",), "image size of .* is not .* give --size WIDTHxHEIGHT, or width"),
+        (("fps",), "frame rate of .* is not .* give --fps FPS, or fps in the session"),
+        (("size", "fps"), "size and frame rate of .* are not .* give --size .* and --fps FPS"),
     ],
 )
 def test_an_error_names_all_unknown_facts_and_their_flags(tmp_path: Path, unknown, words: str):
@@ -277,65 +268,41 @@ def test_no_frame_at_all_asks_for_frames(tmp_path: Path):
 
 
 def test_progress_names_each_step(tmp_path: Path):
-    told: list[str] = []
-    load(session_of(drive(tmp_path)), progress=lambda _share, what: told.append(what))
-    assert told == ["reading the ground truth", "reading fir", "reading nir",
-                    "placing boxes in frames"]  # fmt: skip
+    steps: list[str] = []
+    load(session_of(drive(tmp_path)), progress=lambda _share, what: steps.append(what))
+    assert steps == [
+        *(f"reading {what}" for what in ("the ground truth", "fir", "nir")),
+        "placing boxes in frames",
+    ]
 
 
-def test_one_source_can_be_read_by_itself():
-    reading = read_source(Source(("kaist.json",)), role="truth", folder=DATA / "coco")
-    assert len(reading.boxes) == 3
+KITTI = "0 0 0 10 20 40 80 1 1 1 0 0 20 0"
 
 
 @pytest.mark.parametrize(
-    ("format_name", "car", "pedestrian"),
+    ("format_name", "header", "car", "pedestrian"),
     [
-        ("mot", "{f},7,10,20,30,60,1,3,1", "{f},1,10,20,30,60,1,1,1"),
-        (
-            "kitti-tracking",
-            "{f} 7 Car 0 0 0 10 20 40 80 1 1 1 0 0 20 0",
-            "{f} 1 Pedestrian 0 0 0 10 20 40 80 1 1 1 0 0 20 0",
-        ),
+        ("mot", (), "{},7,10,20,30,60,1,3,1", "{},1,10,20,30,60,1,1,1"),
+        ("kitti-tracking", (), f"{{}} 7 Car {KITTI}", f"{{}} 1 Pedestrian {KITTI}"),
+        ("csv", ("frame,x,y,w,h,class",), "{},1,1,9,9,car", "{},1,1,9,9,person"),
     ],
 )
 def test_frames_with_other_classes_only_are_annotated_frames(
-    tmp_path: Path, format_name: str, car: str, pedestrian: str
+    tmp_path: Path, format_name: str, header: tuple[str, ...], car: str, pedestrian: str
 ):
-    rows = [car.format(f=f) for f in (1, 2, 3)] + [pedestrian.format(f=f) for f in (5, 6)]
+    rows = [car.format(frame) for frame in (1, 2, 3, 9)]
+    rows += [pedestrian.format(frame) for frame in (5, 6)]
     one_box(tmp_path)
-    write(tmp_path / "drive.txt", *rows, car.format(f=9))
+    write(tmp_path / "drive.txt", *header, *rows)
     dataset = load(session_of(tmp_path, "drive.txt", "fir.csv"))
     assert dataset.inputs["format"].iloc[0] == format_name
     assert dataset.frames["frame"].tolist() == list(range(1, 10))
 
 
-def test_frames_with_other_classes_only_are_annotated_frames_of_a_csv(tmp_path: Path):
-    one_box(tmp_path)
-    rows = ("1,1,1,9,9,car", "4,1,1,9,9,person")
-    write(tmp_path / "drive.csv", "frame,x,y,w,h,class", *rows)
-    dataset = load(session_of(tmp_path, "drive.csv", "fir.csv"))
-    assert dataset.frames["frame"].tolist() == [1, 2, 3, 4]
-
-
 def test_a_given_size_and_rate_that_contradict_the_data_are_reported(tmp_path: Path):
-    mot_layout(tmp_path / "truth")
-    session = replace(
-        session_of(tmp_path, "truth", SystemSource(("truth/*/gt/gt.txt",), name="x")),
-        size=(11, 12),
-        fps=99.0,
-    )
-    findings = {one.message: one for one in load(session).findings if "given" in one.message}
-    assert len(findings) == 2
-    assert {one.code for one in findings.values()} == {"contradicted-fact"}
-    assert {one.count for one in findings.values()} == {2}
-    assert any("frame rate given (99) is not that of the data" in text for text in findings)
-
-
-def test_a_given_size_that_the_data_say_as_well_is_not_reported(tmp_path: Path):
-    mot_layout(tmp_path / "truth")
-    plain = session_of(tmp_path, "truth", SystemSource(("truth/*/gt/gt.txt",), name="x"))
-    own = load(replace(plain, size=None, fps=None)).recordings
-    size = (int(own["width"][0]), int(own["height"][0]))
-    dataset = load(replace(plain, size=size, fps=float(own["fps"][0])))
-    assert "contradicted-fact" not in {one.code for one in dataset.findings}
+    session = replace(mot_session(mot_layout(tmp_path), ".", "."), size=(11, 12), fps=99.0)
+    findings = [one for one in load(session).findings if one.code == "contradicted-fact"]
+    assert [one.count for one in findings] == [2, 2]
+    assert any("frame rate given (99) is not that of the data" in one.message for one in findings)
+    findings = load(replace(session, size=(640, 480), fps=10.0)).findings
+    assert "contradicted-fact" not in {one.code for one in findings}

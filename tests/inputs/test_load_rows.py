@@ -22,19 +22,14 @@ def test_frame_numbers_are_moved_by_the_offset(tmp_path: Path):
     assert "frame numbers moved by -2" in dataset.inputs["conversion"].iloc[-1]
 
 
-def test_boxes_are_scaled_first_and_then_moved(tmp_path: Path):
-    system = SystemSource(("fir.csv",), scale=(2.0, 0.5), offset_px=(10.0, -1.0))
-    dataset = load(session_of(one_box(tmp_path, "0,1,4,5,10,0.5"), "truth.csv", system))
-    assert boxes_of(dataset, 1) == [[12, 1, 10, 5]]
-    told = dataset.inputs["conversion"].iloc[-1]
-    assert "coordinates scaled by 2, 0.5; boxes moved by 10, -1 px" in told
-
-
-def test_corrections_of_one_system_leave_the_others_alone(tmp_path: Path):
+def test_boxes_of_one_system_are_scaled_first_and_then_moved(tmp_path: Path):
     one_box(tmp_path, "0,1,4,5,10,0.5")
-    system = SystemSource(("fir.csv",), name="moved", offset_px=(10.0, 0.0))
+    system = SystemSource(("fir.csv",), name="moved", scale=(2.0, 0.5), offset_px=(10.0, -1.0))
     dataset = load(session_of(tmp_path, "truth.csv", system, "fir.csv"))
+    assert boxes_of(dataset, 1) == [[12, 1, 10, 5]]
     assert boxes_of(dataset, 2) == [[1, 4, 5, 10]]
+    conversion = dataset.inputs["conversion"][1]
+    assert "coordinates scaled by 2, 0.5; boxes moved by 10, -1 px" in conversion
 
 
 # nothing is lost

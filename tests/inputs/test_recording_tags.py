@@ -23,8 +23,8 @@ def test_tags_of_the_session_reach_the_dataset(tmp_path: Path):
 
 
 def test_tags_survive_a_session_file(tmp_path: Path):
-    session = session_of(drive(tmp_path), recordings=(facts_of("rural", tags=("night",)),
-                                                      facts_of("urban", fps=20.0)))  # fmt: skip
+    facts = (facts_of("rural", tags=("night",)), facts_of("urban", fps=20.0))
+    session = session_of(drive(tmp_path), recordings=facts)
     text = write_session(session, version="1", fingerprint="2")
     assert text.count("tags = ") == 1
     again = read_session(write(tmp_path / "session.toml", text))

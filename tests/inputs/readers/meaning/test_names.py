@@ -7,6 +7,8 @@ import pytest
 from nvcore.errors import InputError
 from nvcore.inputs.readers.meaning.names import recording_and_frame_of, recording_of, recordings_of
 
+SETS = ("set06/V000", "set07/V000")
+
 
 @pytest.mark.parametrize(
     ("name", "recording"),
@@ -23,45 +25,44 @@ def test_the_nearest_part_that_is_no_neutral_word_names_the_recording(name, reco
     assert recording_of(name) == recording
 
 
-def test_a_known_recording_in_the_path_wins_over_nearer_folders():
-    name = "mot15/TUD-Campus/det_frcnn/det.txt"
-    assert recording_of(name, known=("TUD-Campus", "PETS")) == "TUD-Campus"
+@pytest.mark.parametrize(
+    ("name", "known", "recording"),
+    [
+        # wins over nearer folders
+        ("mot15/TUD-Campus/det_frcnn/det.txt", ("TUD-Campus", "PETS"), "TUD-Campus"),
+        # parts of the path together
+        ("MBNet/set07/V000.txt", SETS, "set07/V000"),
+        ("MBNet/set06_V000.txt", SETS, "set06/V000"),
+        # the longest at the same place
+        ("a/set06/V000.txt", ("V000", "set06/V000"), "set06/V000"),
+        # not in the path
+        ("other/PETS.txt", ("TUD-Campus",), "PETS"),
+    ],
+)
+def test_a_known_recording_in_the_path_is_taken(name, known, recording):
+    assert recording_of(name, known) == recording
 
 
-def test_parts_of_the_path_name_a_known_recording_together():
-    known = ("set06/V000", "set07/V000")
-    assert recording_of("MBNet/set07/V000.txt", known) == "set07/V000"
-    assert recording_of("MBNet/set06_V000.txt", known) == "set06/V000"
+ASSUMED = ["the only file taken for the only recording, 'drive'"]
 
 
-def test_the_longest_known_recording_at_the_same_place_wins():
-    assert recording_of("a/set06/V000.txt", ("V000", "set06/V000")) == "set06/V000"
-
-
-def test_without_a_known_recording_in_the_path_the_own_name_stays():
-    assert recording_of("other/PETS.txt", known=("TUD-Campus",)) == "PETS"
-
-
-def test_what_the_data_state_wins_over_an_unknown_name():
-    names, facts = recordings_of(["a/gt.txt"], ("TUD-Campus", "PETS"), stated=["PETS"])
-    assert names == ["PETS"]
-    assert facts == []
-
-
-def test_a_known_recording_in_the_path_wins_over_what_the_data_state():
-    names, _ = recordings_of(["PETS.txt"], ("TUD-Campus", "PETS"), stated=["TUD-Campus"])
-    assert names == ["PETS"]
-
-
-def test_the_only_file_is_taken_for_the_only_recording_and_that_is_said():
-    names, facts = recordings_of(["system_x.txt"], ("drive",))
-    assert names == ["drive"]
-    assert facts == ["the only file taken for the only recording, 'drive'"]
-
-
-def test_the_only_file_is_not_taken_for_a_recording_that_its_data_contradict():
-    names, facts = recordings_of(["system_x.txt"], ("drive",), stated=["other"])
-    assert (names, facts) == (["other"], [])
+@pytest.mark.parametrize(
+    ("name", "known", "stated", "recording", "facts"),
+    [
+        ("a/gt.txt", ("TUD-Campus", "PETS"), ["PETS"], "PETS", []),
+        ("PETS.txt", ("TUD-Campus", "PETS"), ["TUD-Campus"], "PETS", []),
+        ("system_x.txt", ("drive",), None, "drive", ASSUMED),
+        ("system_x.txt", ("drive",), ["other"], "other", []),
+    ],
+    ids=[
+        "stated beside an unknown name",
+        "a known name wins over what is stated",
+        "the only file and the only recording",
+        "contradicted by the data",
+    ],
+)
+def test_the_recording_is_told_by_name_data_and_number(name, known, stated, recording, facts):
+    assert recordings_of([name], known, stated=stated) == ([recording], facts)
 
 
 def test_two_files_of_one_recording_are_an_error():
@@ -93,6 +94,5 @@ def test_a_name_without_a_usable_number_has_no_frame(name):
 
 
 def test_a_frame_finds_its_known_recording_behind_other_folders():
-    known = ("set06/V000", "set07/V000")
-    assert recording_and_frame_of("out/yolo/set07/V000/I00019.txt", known) == ("set07/V000", 19)
-    assert recording_and_frame_of("yolo/set06_V000_I00019.txt", known) == ("set06/V000", 19)
+    assert recording_and_frame_of("out/yolo/set07/V000/I00019.txt", SETS) == ("set07/V000", 19)
+    assert recording_and_frame_of("yolo/set06_V000_I00019.txt", SETS) == ("set06/V000", 19)

@@ -6,20 +6,17 @@ import math
 from pathlib import Path
 
 import pytest
+import reader_files
 
 from nvcore.errors import FormatError
 from nvcore.inputs.readers.base import SourceFile
 from nvcore.inputs.readers.meaning.seqinfo import SequenceInfo, sequence_info
 
 
-def source(tmp_path: Path, info: str | bytes | None, folder: str = "A/gt") -> SourceFile:
-    path = tmp_path / folder / "gt.txt"
-    path.parent.mkdir(parents=True)
-    path.touch()
-    if info is not None:
-        content = info if isinstance(info, bytes) else info.encode()
-        (tmp_path / "A" / "seqinfo.ini").write_bytes(content)
-    return SourceFile(path, f"{folder}/gt.txt")
+def source(folder: Path, info: str | bytes, inside: str = "A/gt") -> SourceFile:
+    """A file of ground truth, and seqinfo.ini in folder A."""
+    reader_files.source(folder, info, "A/seqinfo.ini")
+    return reader_files.source(folder, "", f"{inside}/gt.txt")
 
 
 FULL = "[Sequence]\nname=A\nframeRate=12.5\nseqLength=3\nimWidth=640\nimHeight=480\n"
@@ -36,16 +33,12 @@ def test_a_byte_order_mark_and_windows_line_ends_are_no_fault(tmp_path, change):
     assert sequence_info(source(tmp_path, change)).n_frames == 3
 
 
-def test_without_the_file_nothing_is_known(tmp_path):
-    info = sequence_info(source(tmp_path, None))
-    assert info.name is None
-    assert info.n_frames is None
+def test_without_the_file_or_its_keys_nothing_is_known(tmp_path):
+    info = sequence_info(reader_files.source(tmp_path, "", "B/gt.txt"))
+    assert (info.name, info.n_frames) == (None, None)
     assert math.isnan(info.width)
-
-
-def test_keys_that_are_absent_stay_unknown(tmp_path):
     info = sequence_info(source(tmp_path, "[Sequence]\nseqLength=3\n"))
-    assert info.n_frames == 3
+    assert (info.name, info.n_frames) == (None, 3)
     assert math.isnan(info.fps)
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import reader_files
 
 from nvcore.errors import FormatError, InputError
 from nvcore.inputs.readers.base import SourceFile
@@ -23,10 +24,11 @@ MANY = 500
 """Rows that make a file large enough for the quick parser."""
 
 
-def source(tmp_path: Path, content: str | bytes) -> SourceFile:
-    path = tmp_path / "table.txt"
-    path.write_bytes(content if isinstance(content, bytes) else content.encode())
-    return SourceFile(path, "drive/table.txt")
+def source(folder: Path, content: str | bytes) -> SourceFile:
+    return reader_files.source(folder, content, "drive/table.txt")
+
+
+NO_NUMBERS = ["person", "1_000", '"1', "0x10", "1;2"]
 
 
 def three(file: SourceFile, **options: object):
@@ -63,66 +65,61 @@ def test_every_kind_of_line_end_and_blank_lines_keep_the_line_numbers(tmp_path, 
     assert len(table.line) == len(table.columns[0])
 
 
+@pytest.mark.parametrize("tail", [padded(""), ""], ids=["large", "small"])
 @pytest.mark.parametrize(
-    "row",
-    ["1, 2,\t3", " 1 ,2 ,3 ", '"1","2","3"', "+1,2e0,3.", "\ufeff1,2,3"],
+    ("row", "second"),
+    [
+        ("1, 2,\t3", 2),
+        (" 1 ,2 ,3 ", 2),
+        ('"1","2","3"', 2),
+        ("+1,2e0,3.", 2),
+        ("\ufeff1,2,3", 2),
+        ("1,,3", np.nan),
+        ("1, ,3", np.nan),
+        ("1,nan,3", np.nan),
+        ("1,NaN,3", np.nan),
+    ],
 )
-@pytest.mark.parametrize("is_large", [False, True])
-def test_blanks_quotes_signs_and_the_byte_order_mark_are_no_fault(tmp_path, row, is_large):
-    content = padded(row + "\n") if is_large else row
-    table = three(source(tmp_path, content))
-    assert [column[0] for column in table.columns[:3]] == [1, 2, 3]
-
-
-@pytest.mark.parametrize("is_large", [False, True])
-@pytest.mark.parametrize("field", ["", " ", "nan", "NaN"])
-def test_an_empty_field_and_nan_are_passed_on_as_nan(tmp_path, field, is_large):
-    content = f"1,{field},3\n"
-    table = three(source(tmp_path, padded(content) if is_large else content))
-    assert np.isnan(table.columns[1][0])
-    assert table.columns[2][0] == 3
+def test_blanks_quotes_signs_empty_fields_and_the_byte_order_mark_are_no_fault(
+    tmp_path, row, second, tail
+):
+    table = three(source(tmp_path, f"{row}\n{tail}"))
+    np.testing.assert_array_equal([column[0] for column in table.columns[:3]], [1, second, 3])
 
 
 def test_rows_of_different_allowed_lengths_are_filled_with_nan(tmp_path):
     table = three(source(tmp_path, padded("1,2,3\n1,2,3,4\n")))
-    assert np.isnan(table.columns[3][0])
-    assert table.columns[3][1] == 4
+    np.testing.assert_array_equal(table.columns[3][:2], [np.nan, 4])
     assert len(table) == MANY + 2
 
 
-@pytest.mark.parametrize("is_large", [False, True])
-def test_a_row_of_the_wrong_length_is_named_by_file_and_line(tmp_path, is_large):
-    content = "1,2,3\n\n1,2\n"
-    with pytest.raises(FormatError, match=r"drive/table\.txt, line 3: expected 3 or 4 fields"):
-        three(source(tmp_path, padded(content) if is_large else content))
+@pytest.mark.parametrize("tail", [padded(""), ""], ids=["large", "small"])
+@pytest.mark.parametrize(
+    ("row", "words"),
+    [
+        ("1,2", r"3 or 4 fields"),
+        *((f"1,{wrong},3", r"numbers \(a,b,c\), found") for wrong in NO_NUMBERS),
+        ('1,"2,5",3', "numbers"),  # a decimal comma
+        (f"1,2,{'x' * 5000}", r"numbers .*x{59}…'$"),
+    ],
+)
+def test_a_row_of_the_wrong_length_or_with_text_is_named_by_file_and_line(
+    tmp_path, row, words, tail
+):
+    with pytest.raises(FormatError, match=rf"drive/table\.txt, line 3: expected {words}"):
+        three(source(tmp_path, f"1,2,3\n\n{row}\n{tail}"))
 
 
-@pytest.mark.parametrize("wrong", ["person", "1_000", '"1', "0x10", "1;2"])
-@pytest.mark.parametrize("is_large", [False, True])
-def test_text_where_a_number_belongs_is_named_by_line(tmp_path, wrong, is_large):
-    content = f"1,2,3\n1,{wrong},3\n"
-    with pytest.raises(FormatError, match=r"line 2: expected numbers \(a,b,c\), found"):
-        three(source(tmp_path, padded(content) if is_large else content))
-
-
-def test_a_quoted_number_with_a_decimal_comma_is_not_two_numbers(tmp_path):
-    with pytest.raises(FormatError, match="line 1: expected numbers"):
-        three(source(tmp_path, '1,"2,5",3\n'))
-
-
-def test_a_picture_is_told_from_text(tmp_path):
-    with pytest.raises(FormatError, match="found a PNG picture"):
-        three(source(tmp_path, b"\x89PNG\r\n\x1a\n" + bytes(range(256)) * 20))
-
-
-def test_utf_16_text_is_told_from_utf_8(tmp_path):
-    with pytest.raises(FormatError, match="found UTF-16 text: save it as UTF-8"):
-        three(source(tmp_path, "1,2,3\n".encode("utf-16")))
-
-
-def test_a_long_field_is_cut_in_the_error(tmp_path):
-    with pytest.raises(FormatError, match=r"x{59}…'$"):
-        three(source(tmp_path, f"1,2,{'x' * 5000}\n"))
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (b"\x89PNG\r\n\x1a\n" + bytes(range(256)) * 20, "found a PNG picture"),
+        ("1,2,3\n".encode("utf-16"), "found UTF-16 text: save it as UTF-8"),
+    ],
+)
+def test_what_is_no_utf_8_text_is_called_what_it_is(tmp_path, content, words):
+    with pytest.raises(FormatError, match=words):
+        three(source(tmp_path, content))
 
 
 def test_a_missing_file_is_named(tmp_path):
