@@ -1,66 +1,105 @@
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
-from audit_comparison import N, codes, dataset, find, truth_walk, walk, with_lines
+import pytest
+from audit_comparison import N, codes, dataset, find, reported, truth_walk, walk, with_lines
 from builders import Box, Place, make_dataset
 
 from nvcore.auditing import audit
 from nvcore.auditing.boxes import repeated_rows
 from nvcore.dataset import Dataset
-from nvcore.findings import Severity
+
+STILL = [Box(f, 100, 200, 40, 100, track=1, score=0.5 + f / 100) for f in range(N)]
+FRACTIONS = [Box(f, 0.3, 0.4, 0.1, 0.2, score=0.5 + f / 100) for f in range(N)]
+REGION = Box(7, 400, 200, 40, 100, track=1, ignore=True)
 
 
-def test_a_box_wholly_outside_the_picture_is_a_warning() -> None:
-    made = dataset(x=[*walk(), Box(3, 641, 100, 40, 100, score=0.6)])
-    assert find(made, "outside-picture").severity is Severity.WARNING
+def with_box(x: float) -> dict[str, Any]:
+    """X with a box more at this place, 40 px wide in a picture of 640."""
+    return {"x": [*walk(), Box(3, x, 100, 40, 100, score=0.6)]}
 
 
-def test_a_box_cut_by_the_edge_is_no_finding() -> None:
-    assert codes(dataset(x=[*walk(), Box(3, 610, 100, 40, 100, score=0.6)])) == []
+def gap_of(n_frames: int, fps: float = 10) -> dict[str, Any]:
+    """A track of 10 frames, unseen for a while, seen for 10 frames again."""
+    seen = [*range(10), *range(10 + n_frames, 20 + n_frames)]
+    boxes = [Box(f, 100 + f, 200, 40, 100, track=4, score=0.5 + f / 500) for f in seen]
+    return {"truth": boxes, "x": boxes, "y": boxes, "n_frames": max(seen) + 1, "fps": fps}
 
 
-def test_a_box_with_most_of_its_area_outside_is_a_note() -> None:
-    made = dataset(x=[*walk(), Box(3, 630, 100, 40, 100, score=0.6)])
-    assert find(made, "mostly-outside-picture").severity is Severity.NOTE
+def two_recordings() -> dict[str, Any]:
+    boxes = [*walk(track=1), *walk(track=1, recording=1)]
+    places = [Place(range(N), 640, 480, 1.0)] * 2
+    return {"truth": boxes, "x": boxes, "y": boxes, "places": places}
 
 
-def test_many_boxes_outside_point_to_the_image_size() -> None:
-    made = dataset(width=150.0, height=480.0)
-    assert "--size" in next(f for f in audit(made) if f.code == "outside-picture").advice
+FINDINGS = {
+    "a box wholly outside": (with_box(641), "outside-picture", "warning", "x", 1),
+    "most of a box outside": (with_box(630), "mostly-outside-picture", "note", "x", 1),
+    "fractions of the picture": ({"x": FRACTIONS}, "boxes-in-fractions", "error", "x", N),
+    "a detection twice": ({"x": [*walk(), walk()[5]]}, "duplicate-box", "warning", "x", 1),
+    "a truth box twice": (
+        {"truth": [*truth_walk(), truth_walk()[5]._replace(track=2)]},
+        "duplicate-box",
+        "warning",
+        "truth",
+        1,
+    ),
+    # peers.md 41: another tool accepted it silently
+    "a track id twice": (
+        {"truth": [*truth_walk(), REGION._replace(ignore=False)]},
+        "duplicate-track",
+        "error",
+        "truth",
+        1,
+    ),
+    "a track id after a long gap": (gap_of(60), "track-reused", "warning", "truth", 1),
+}
 
 
-def test_boxes_in_fractions_of_the_picture_are_an_error() -> None:
-    fractions = [Box(f, 0.3, 0.4, 0.1, 0.2, score=0.5 + f / 100) for f in range(N)]
-    finding = find(dataset(x=fractions), "boxes-in-fractions")
-    assert (finding.severity, finding.count) == (Severity.ERROR, N)
+@pytest.mark.parametrize("case", FINDINGS)
+def test_is_reported(case: str) -> None:
+    given, code, *expected = FINDINGS[case]
+    assert reported(dataset(**given), code) == tuple(expected)
 
 
-def test_the_same_detection_twice_in_a_frame_is_a_warning() -> None:
-    finding = find(dataset(x=[*walk(), walk()[5]]), "duplicate-box")
-    assert (finding.severity, finding.count) == (Severity.WARNING, 1)
-    assert "frame 5" in finding.example
+NO_FINDINGS = {
+    "a box cut by the edge": with_box(610),
+    "an ignore region twice": {"truth": [*truth_walk(), *[REGION._replace(track=-1)] * 2]},
+    "an ignore region of a pedestrian's track": {"truth": [*truth_walk(), REGION]},
+    "two recordings with the same track id": two_recordings(),
+}
 
 
-def test_the_same_truth_box_twice_in_a_frame_is_a_warning() -> None:
+@pytest.mark.parametrize("case", NO_FINDINGS)
+def test_is_not_reported(case: str) -> None:
+    assert codes(dataset(**NO_FINDINGS[case])) == []
+
+
+@pytest.mark.parametrize(
+    ("made", "code"),
+    [
+        (dataset(STILL, STILL, STILL), "duplicate-box"),
+        (make_dataset(STILL, STILL, STILL, n_frames=N, width=640, height=480), "duplicate-box"),
+        (dataset([*walk(), Box(7, 400, 200, 40, 100)]), "duplicate-track"),
+        (dataset(**gap_of(40)), "track-reused"),
+        (dataset(**gap_of(9, fps=1)), "track-reused"),
+    ],
+    ids=["other frames", "other systems", "no track ids", "short gap", "few listed frames"],
+)
+def test_what_is_no_double_is_not_reported(made: Dataset, code: str) -> None:
+    assert code not in codes(made)
+
+
+def test_findings_say_where_and_what_follows() -> None:
+    made = with_lines(dataset([*truth_walk(), Box(7, 400, 200, 40, 100, track=1)]))
+    assert find(made, "duplicate-track").example == "line 9, recording r0, frame 7"
     made = dataset([*truth_walk(), truth_walk()[5]._replace(track=2)])
-    finding = find(made, "duplicate-box")
-    assert (finding.severity, finding.subject) == (Severity.WARNING, "truth")
-    assert "can never be detected" in finding.advice
-
-
-def test_the_same_box_in_two_frames_is_no_double() -> None:
-    still = [Box(f, 100, 200, 40, 100, track=1, score=0.5 + f / 100) for f in range(N)]
-    assert "duplicate-box" not in codes(dataset(still, still, still))
-
-
-def test_the_same_box_by_two_systems_is_no_double() -> None:
-    made = make_dataset(truth_walk(), walk(), walk(), n_frames=N, width=640, height=480)
-    assert "duplicate-box" not in codes(made)
-
-
-def test_repeated_ignore_regions_are_no_finding() -> None:
-    region = Box(3, 400, 100, 50, 50, ignore=True)
-    assert codes(dataset([*truth_walk(), region, region])) == []
+    assert "can never be detected" in find(made, "duplicate-box").advice
+    finding = find(dataset(**gap_of(60)), "track-reused")
+    assert "id 4, after 6.1 s" in finding.message
+    assert finding.example == "recording r0, frame 70"
 
 
 def test_repeated_rows_are_found_as_comparing_all_pairs_finds_them() -> None:
@@ -68,70 +107,19 @@ def test_repeated_rows_are_found_as_comparing_all_pairs_finds_them() -> None:
     a, b = rng.integers(0, 40, 200), rng.integers(0, 5, 200) / 2
     expected = [i for i in range(200) if any(a[j] == a[i] and b[j] == b[i] for j in range(i))]
     assert repeated_rows(np.arange(200), (a, b)).tolist() == expected
-
-
-def test_minus_zero_repeats_zero() -> None:
     assert repeated_rows(np.arange(2), (np.array([0.0, -0.0]),)).tolist() == [1]
-
-
-def test_a_track_id_twice_in_a_frame_is_an_error() -> None:
-    # peers.md 41: another tool accepted it silently
-    made = with_lines(dataset([*truth_walk(), Box(7, 400, 200, 40, 100, track=1)]))
-    finding = find(made, "duplicate-track")
-    assert (finding.severity, finding.count) == (Severity.ERROR, 1)
-    assert finding.example == "line 9, recording r0, frame 7"
-
-
-def test_an_ignore_region_may_share_a_track_id() -> None:
-    region = Box(7, 400, 200, 40, 100, track=1, ignore=True)
-    assert codes(dataset([*truth_walk(), region])) == []
-
-
-def test_boxes_without_a_track_id_share_none() -> None:
-    made = dataset([*walk(), Box(7, 400, 200, 40, 100)])
-    assert "duplicate-track" not in codes(made)
-
-
-def gap_of(n_frames: int, fps: float = 10) -> Dataset:
-    """A track of 10 frames, unseen for a while, seen for 10 frames again."""
-    seen = [*range(10), *range(10 + n_frames, 20 + n_frames)]
-    boxes = [Box(f, 100 + f, 200, 40, 100, track=4, score=0.5 + f / 500) for f in seen]
-    return dataset(boxes, boxes, boxes, n_frames=max(seen) + 1, fps=fps)
-
-
-def test_a_track_id_used_again_after_a_long_gap_is_a_warning() -> None:
-    finding = find(gap_of(60), "track-reused")
-    assert (finding.severity, finding.count) == (Severity.WARNING, 1)
-    assert "id 4, after 6.1 s" in finding.message
-    assert finding.example == "recording r0, frame 70"
-
-
-def test_a_track_id_used_again_after_a_short_gap_is_no_finding() -> None:
-    assert "track-reused" not in codes(gap_of(40))
-
-
-def test_a_long_gap_of_few_listed_frames_is_no_finding() -> None:
-    assert "track-reused" not in codes(gap_of(9, fps=1))
-
-
-def test_the_same_id_in_two_recordings_is_no_reuse() -> None:
-    boxes = [*walk(track=1), *walk(track=1, recording=1)]
-    places = [Place(range(N), 640, 480, 1.0), Place(range(N), 640, 480, 1.0)]
-    assert codes(dataset(boxes, boxes, boxes, places=places)) == []
 
 
 def test_boxes_mostly_outside_count_when_the_size_is_in_doubt() -> None:
     # x = 100 + 3 f, 40 px wide, of 190 px: less than half is inside from frame 24 on. X has four
     # such boxes of 28, none wholly outside, and one that is
-    x = [*walk(stop=28), walk()[39]]
-    made = dataset(x=x, width=190.0, height=480.0)
-    found = {one.code: one for one in audit(made) if one.subject == "x"}
-    assert found["outside-picture"].count == 1
-    assert found["mostly-outside-picture"].count == 4
-    for code in ("outside-picture", "mostly-outside-picture"):
-        assert "check the image size (--size)" in found[code].advice.lower()
+    made = dataset(x=[*walk(stop=28), walk()[39]], width=190.0, height=480.0)
+    findings = {one.code: one for one in audit(made) if one.subject == "x"}
+    for code, count in (("outside-picture", 1), ("mostly-outside-picture", 4)):
+        assert findings[code].count == count
+        assert "check the image size (--size)" in findings[code].advice.lower()
 
 
 def test_a_few_boxes_mostly_outside_do_not_put_the_size_in_doubt() -> None:
-    made = dataset(x=[*walk(), Box(3, 630, 100, 40, 100, score=0.6)])
-    assert find(made, "mostly-outside-picture").advice.startswith("Nothing to do")
+    finding = find(dataset(**with_box(630)), "mostly-outside-picture")
+    assert finding.advice.startswith("Nothing to do")

@@ -75,7 +75,15 @@ def codes(made: Dataset, params: Params | None = None, **names: str) -> list[str
     return [finding.code for finding in audit(made, params, **names)]
 
 
-def find(made: Dataset, code: str, params: Params | None = None) -> Finding:
+def find(made: Dataset, code: str, params: Params | None = None, **names: str) -> Finding:
     """The only finding of that code."""
-    (finding,) = [one for one in audit(made, params) if one.code == code]
+    (finding,) = [one for one in audit(made, params, **names) if one.code == code]
     return finding
+
+
+def reported(
+    made: Dataset, code: str, params: Params | None = None, **names: str
+) -> tuple[str, str, int]:
+    """Severity, subject and count of the only finding of that code."""
+    finding = find(made, code, params, **names)
+    return str(finding.severity), finding.subject, finding.count

@@ -147,11 +147,9 @@ def test_coco_cannot_hold_a_box_without_coordinates(tmp_path):
         write(reading, "coco", tmp_path / "x.json", role="truth")
 
 
-def test_no_detections_give_an_empty_coco_list_and_the_header_of_a_csv_file(tmp_path):
+def test_no_detections_give_an_empty_coco_list(tmp_path):
     empty = Reading(reading_boxes(0), recordings_table([]), "")
     assert written(tmp_path / "x.json", empty, "coco", role="detections") == ["[]"]
-    (header,) = written(tmp_path / "x.csv", empty, "csv", role="detections")
-    assert header.startswith("recording,frame,x,y,w,h,score")
 
 
 def test_mot_truth_is_one_based_with_ignored_rows_at_confidence_zero(tmp_path):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from inputs import drive, mot_layout, session_of, write
+from inputs import drive, mot_layout, nvcore, session_of, write
 
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError
@@ -66,6 +66,14 @@ def test_all_empty_files_of_a_mot_layout_have_no_detections(tmp_path: Path):
         (tmp_path / name / "det" / "det.txt").write_text("")
     session = Session(tmp_path, Source((".",)), (SystemSource(("*/det/det.txt",), name="X"),))
     assert len(load(session).system("X")) == 0
+
+
+def test_no_detections_convert_to_a_file_with_the_header_only(tmp_path: Path):
+    (tmp_path / "fir.txt").write_text("")
+    arguments = (tmp_path / "fir.txt", tmp_path / "fir.csv", "--to", "csv")
+    assert nvcore("convert", *arguments, "--role", "detections").exit_code == 0
+    (header,) = (tmp_path / "fir.csv").read_text().splitlines()
+    assert header.startswith("recording,frame,x,y,w,h,score")
 
 
 def test_reading_empty_detections_alone_gives_no_recording(tmp_path: Path):
