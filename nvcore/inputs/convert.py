@@ -185,6 +185,7 @@ def _coco_truth(reading: Reading, sides: np.ndarray) -> dict[str, object]:
     images = _image_list(reading)
     videos = {name: number for number, name in enumerate(images["recording"].unique(), 1)}
     facts = reading.recordings.set_index("name")
+    sizes = {name: _known(facts, name, ("width", "height")) for name in videos}
     entries = []
     for recording, frame, image_id in images[["recording", "frame", "image_id"]].itertuples(
         index=False, name=None
@@ -195,7 +196,7 @@ def _coco_truth(reading: Reading, sides: np.ndarray) -> dict[str, object]:
             "video_id": videos[recording],
             "frame_index": frame,
         }
-        entries.append(entry | _known(facts, recording, ("width", "height")))
+        entries.append(entry | sizes[recording])
     ids = _ids(boxes, images)
     rows = []
     # one object a box is what JSON wants: a loop
