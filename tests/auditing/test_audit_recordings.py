@@ -1,5 +1,8 @@
 from __future__ import annotations
 
+from typing import Any
+
+import pytest
 from audit_comparison import N, codes, dataset, find, truth_walk, walk
 from builders import Box, Place
 
@@ -16,11 +19,6 @@ def crowd(right: float, bottom: float, *, recording: int = 0) -> list[Box]:
     return boxes
 
 
-def of_size(right: float, bottom: float, n: int = 2 * N, **more: float) -> list[str]:
-    boxes = crowd(right, bottom)[:n]
-    return codes(dataset(boxes, boxes, boxes, **more))
-
-
 def test_a_picture_twice_as_large_as_the_boxes_reach_is_a_warning() -> None:
     boxes = crowd(639, 479)
     finding = find(dataset(boxes, boxes, boxes, width=1280, height=960), "size-too-large")
@@ -29,37 +27,32 @@ def test_a_picture_twice_as_large_as_the_boxes_reach_is_a_warning() -> None:
     assert "the boxes would fit 640x480" in finding.advice
 
 
-def test_an_edge_that_is_crossed_by_a_little_does_not_change_the_size_that_fits() -> None:
-    boxes = crowd(643, 433)
-    advice = find(dataset(boxes, boxes, boxes, width=1280, height=1024), "size-too-large").advice
-    assert "would fit 640x512" in advice
+@pytest.mark.parametrize(
+    ("right", "bottom", "width", "height", "fits"),
+    [
+        (643, 433, 1280, 1024, "640x512"),
+        (630, 470, 1200, 900, "640x480"),
+        (1990, 1490, 4000, 3000, "2000x1500"),
+    ],
+    ids=["crosses an edge by a little", "a usual size, no part of 1200", "no usual size"],
+)
+def test_the_size_that_would_fit_is_named(
+    right: float, bottom: float, width: float, height: float, fits: str
+) -> None:
+    boxes = crowd(right, bottom)
+    finding = find(dataset(boxes, boxes, boxes, width=width, height=height), "size-too-large")
+    assert f"would fit {fits}" in finding.advice
 
 
-def test_boxes_that_fit_no_part_of_the_size_are_held_against_usual_sizes() -> None:
-    # beyond 3 % of half the width of 1200, within 60 % of it
-    boxes = crowd(630, 470)
-    advice = find(dataset(boxes, boxes, boxes, width=1200, height=900), "size-too-large").advice
-    assert "would fit 640x480" in advice
-
-
-def test_boxes_larger_than_any_usual_size_are_held_against_the_half() -> None:
-    boxes = crowd(1990, 1490)
-    advice = find(dataset(boxes, boxes, boxes, width=4000, height=3000), "size-too-large").advice
-    assert "would fit 2000x1500" in advice
-
-
-def test_boxes_that_reach_far_down_fit_their_picture() -> None:
-    # 639 of 1280 across, but 577 of 960 down: 60.1 %
-    assert "size-too-large" not in of_size(639, 577, width=1280, height=960)
-
-
-def test_boxes_that_reach_far_right_fit_their_picture() -> None:
-    assert "size-too-large" not in of_size(770, 479, width=1280, height=960)
-
-
-def test_few_boxes_tell_nothing_of_the_size() -> None:
-    # 66 boxes of truth, X and Y each: 198 in all
-    assert "size-too-large" not in of_size(639, 479, n=66, width=1280, height=960)
+@pytest.mark.parametrize(
+    ("right", "bottom", "n"),
+    # 577 of 960 down are 60.1 %; 66 boxes of truth, X and Y each are 198 in all
+    [(639, 577, 2 * N), (770, 479, 2 * N), (639, 479, 66)],
+    ids=["far down", "far right", "few boxes"],
+)
+def test_boxes_fit_their_picture(right: float, bottom: float, n: int) -> None:
+    boxes = crowd(right, bottom)[:n]
+    assert "size-too-large" not in codes(dataset(boxes, boxes, boxes, width=1280, height=960))
 
 
 def test_recordings_of_one_size_are_looked_at_together() -> None:
@@ -100,20 +93,20 @@ def test_many_frames_before_the_first_box_are_a_warning() -> None:
     assert finding.example == "recording r0, frame 0"
 
 
-def test_few_frames_beyond_the_boxes_are_no_finding() -> None:
-    # 19 frames are too few
-    assert codes(dataset(n_frames=59)) == []
+LONG = [Box(f, 100 + f, 200, 40, 100, track=1, score=0.5 + f / 500) for f in range(100)]
 
 
-def test_a_small_share_of_frames_beyond_the_boxes_is_no_finding() -> None:
-    # 30 of 130 frames: 23 %
-    long = [Box(f, 100 + f, 200, 40, 100, track=1, score=0.5 + f / 500) for f in range(100)]
-    assert codes(dataset(long, long, long, n_frames=130)) == []
-
-
-def test_a_false_alarm_late_in_the_recording_shows_that_its_frames_exist() -> None:
-    made = dataset(x=[*walk(), Box(58, 300, 200, 40, 100, score=0.6)], n_frames=60)
-    assert "frames-beyond-boxes" not in codes(made)
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"n_frames": 59},
+        {"truth": LONG, "x": LONG, "y": LONG, "n_frames": 130},
+        {"x": [*walk(), Box(58, 300, 200, 40, 100, score=0.6)], "n_frames": 60},
+    ],
+    ids=["19 frames are too few", "30 of 130 are 23 %", "a late false alarm"],
+)
+def test_few_frames_beyond_the_boxes_are_no_finding(given: dict[str, Any]) -> None:
+    assert codes(dataset(**given)) == []
 
 
 def test_a_recording_without_any_box_has_no_ends() -> None:

@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 import pytest
-from audit_comparison import N, codes, dataset, find, with_left_out
+from audit_comparison import N, codes, dataset, find, reported, with_left_out
 from builders import Box
 
 from nvcore.auditing.cases import place
@@ -9,41 +9,27 @@ from nvcore.dataset import Dataset
 from nvcore.findings import Severity
 
 
-def test_a_coordinate_that_is_no_number_is_an_error() -> None:
-    made = with_left_out(dataset(), ("x", "r0", 7, "not a number"), ("x", "r0", 9, "not a number"))
-    finding = find(made, "not-a-number")
-    assert (finding.severity, finding.count) == (Severity.ERROR, 2)
-    assert (finding.file, finding.example) == ("x.txt", "line 1, recording r0, frame 7")
-
-
-def test_a_box_of_no_area_is_an_error() -> None:
+def test_rows_without_numbers_or_area_are_an_error() -> None:
     # peers.md 46: a box of size 0 stopped another tool; here it is left out and reported
-    finding = find(with_left_out(dataset(), ("truth", "r0", 7, "no area")), "no-area")
-    assert (finding.severity, finding.subject) == (Severity.ERROR, "truth")
-
-
-def test_rows_of_two_files_say_so() -> None:
-    made = with_left_out(dataset(), ("x", "r0", 7, "no area"), ("x", "r0", 9, "no area"))
+    made = with_left_out(dataset(), ("x", "r0", 7, "not a number"), ("x", "r0", 9, "not a number"))
+    assert reported(made, "not-a-number") == ("error", "x", 2)
+    finding = find(made, "not-a-number")
+    assert (finding.file, finding.example) == ("x.txt", "line 1, recording r0, frame 7")
     made.left_out["file"] = [1, 2]
-    assert "2 files" in find(made, "no-area").message
+    assert "2 files" in find(made, "not-a-number").message
+    made = with_left_out(dataset(), ("truth", "r0", 7, "no area"))
+    assert reported(made, "no-area") == ("error", "truth", 1)
 
 
-def test_a_row_beyond_the_last_listed_frame_is_a_warning() -> None:
-    # peers.md 46: a frame beyond the sequence's length aborted another tool
-    made = with_left_out(dataset(), ("x", "r0", 60, "frame not listed"))
-    finding = find(made, "frame-not-listed")
-    assert finding.severity is Severity.WARNING
-    assert "--frames" in finding.advice
-
-
-def test_rows_just_before_the_first_frame_hint_at_the_frame_base() -> None:
-    made = with_left_out(dataset(), ("x", "r0", -1, "frame not listed"))
-    assert "count frames from 0" in find(made, "frame-not-listed").advice
-
-
-def test_rows_just_after_the_last_frame_hint_at_the_frame_base() -> None:
-    made = with_left_out(dataset(), ("x", "r0", N, "frame not listed"))
-    assert "count frames from 1" in find(made, "frame-not-listed").advice
+@pytest.mark.parametrize(
+    ("frame", "advice"), [(60, "--frames"), (-1, "count frames from 0"), (N, "count frames from 1")]
+)
+def test_a_row_outside_the_listed_frames_is_a_warning(frame: int, advice: str) -> None:
+    # peers.md 46: a frame beyond the sequence's length aborted another tool. Frames just before
+    # the first and just after the last hint at the frame base
+    made = with_left_out(dataset(), ("x", "r0", frame, "frame not listed"))
+    assert reported(made, "frame-not-listed") == ("warning", "x", 1)
+    assert advice in find(made, "frame-not-listed").advice
 
 
 def sampled() -> Dataset:

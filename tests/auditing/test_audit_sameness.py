@@ -2,6 +2,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import pytest
 from audit_comparison import codes, drawn, truth_walk, walk
 from builders import Box, make_dataset
 
@@ -35,46 +36,35 @@ def test_the_order_of_the_rows_and_the_scores_do_not_matter() -> None:
     assert len(same(exact(pairs, other))) == 1
 
 
-def test_x_and_y_that_differ_in_one_box_are_not_the_same() -> None:
-    boxes = drawn(walk(), 1)
-    assert same(exact(boxes, [*boxes[:-1], boxes[-1]._replace(h=99)])) == []
+BOXES = drawn(walk(), 1)
+STILL = [Box(f, 300, 200, 40, 100, score=0.6) for f in range(30)]
 
 
-def test_x_and_y_with_the_same_boxes_in_other_frames_are_not_the_same() -> None:
-    still = [Box(f, 300, 200, 40, 100, score=0.6) for f in range(30)]
-    assert same(exact(still, [box._replace(frame=box.frame + 1) for box in still])) == []
+@pytest.mark.parametrize(
+    ("x", "y"),
+    [
+        (BOXES, [*BOXES[:-1], BOXES[-1]._replace(h=99)]),
+        (STILL, [box._replace(frame=box.frame + 1) for box in STILL]),
+        (walk(stop=19), walk(stop=19)),
+        # 37 of the truth's 40 boxes
+        (BOXES, [*walk(stop=37), *drawn(walk(first=37), 1)]),
+    ],
+    ids=["differ in one box", "other frames", "few may be the same by chance", "37 of the truth"],
+)
+def test_boxes_are_not_the_same(x: list[Box], y: list[Box]) -> None:
+    assert same(exact(x, y)) == []
 
 
-def test_few_boxes_may_be_the_same_by_chance() -> None:
-    boxes = walk(stop=19)
-    assert same(exact(boxes, boxes)) == []
+def test_one_system_at_two_thresholds_or_against_itself_is_a_comparison() -> None:
+    assert same(exact(BOXES, BOXES), Params(threshold_x=0.6)) == []
+    assert same(exact(BOXES, drawn(walk(), 2)), x="x", y="x") == []
 
 
-def test_one_file_at_two_thresholds_is_a_comparison() -> None:
-    boxes = drawn(walk(), 1)
-    assert same(exact(boxes, boxes), Params(threshold_x=0.6)) == []
-
-
-def test_a_system_against_itself_is_not_reported() -> None:
-    assert same(exact(drawn(walk(), 1), drawn(walk(), 2)), x="x", y="x") == []
-
-
-def test_the_truth_given_as_a_system_is_a_warning() -> None:
-    (finding,) = same(exact(drawn(walk(), 1), walk()))
-    assert (finding.severity, finding.subject, finding.count) == (Severity.WARNING, "y", 40)
-    assert "40 of 40 boxes are exactly those of the ground truth" in finding.message
-
-
-def test_nineteen_of_twenty_boxes_of_the_truth_are_a_warning() -> None:
-    # 38 of 40 boxes: 95 %
-    boxes = [*walk(stop=38), *drawn(walk(first=38), 1)]
-    (finding,) = same(exact(drawn(walk(), 1), boxes))
-    assert finding.count == 38
-
-
-def test_fewer_boxes_of_the_truth_are_no_finding() -> None:
-    boxes = [*walk(stop=37), *drawn(walk(first=37), 1)]
-    assert same(exact(drawn(walk(), 1), boxes)) == []
+@pytest.mark.parametrize("n", [38, 40])
+def test_the_truth_given_as_a_system_is_a_warning_from_95_percent_on(n: int) -> None:
+    (finding,) = same(exact(BOXES, [*walk(stop=n), *drawn(walk(first=n), 1)]))
+    assert (finding.severity, finding.subject, finding.count) == (Severity.WARNING, "y", n)
+    assert f"{n} of 40 boxes are exactly those of the ground truth" in finding.message
 
 
 def test_a_system_that_repeats_its_own_boxes_does_not_pass_for_the_truth() -> None:

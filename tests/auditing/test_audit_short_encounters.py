@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import pytest
 from audit_comparison import codes, find
 from builders import Box, Place, make_dataset
 
@@ -8,16 +9,11 @@ from nvcore.findings import Severity
 from nvcore.params import Params
 
 
-def people(
-    n_short: int, n_long: int, *, step: int = 1, h: float = 100, tracked: bool = True
-) -> Dataset:
+def people(n_short: int, n_long: int, *, step: int = 1, h: float = 100) -> Dataset:
     """People seen in one frame, one after the other, and people seen in three, apart from them."""
-    boxes = [
-        Box(step * i, 50 + 200 * (i % 2), 200, 40, h, track=i if tracked else -1)
-        for i in range(n_short)
-    ]
+    boxes = [Box(step * i, 50 + 200 * (i % 2), 200, 40, h, track=i) for i in range(n_short)]
     boxes += [
-        Box(step * (3 * i + j), 500, 200, 40, h, track=100 + i if tracked else -1)
+        Box(step * (3 * i + j), 500, 200, 40, h, track=100 + i)
         for i in range(n_long)
         for j in range(3)
     ]
@@ -31,12 +27,14 @@ def test_mostly_short_encounters_are_a_warning() -> None:
     assert "11 of 20 near encounters are one evaluated frame long." in finding.message
 
 
-def test_half_of_the_encounters_short_is_no_finding() -> None:
-    assert "short-encounters" not in codes(people(10, 10))
-
-
-def test_few_encounters_are_no_finding() -> None:
-    assert "short-encounters" not in codes(people(9, 0))
+@pytest.mark.parametrize(
+    ("n_short", "n_long", "h"),
+    # 20 px of 480 are below the midpoint of 48 px
+    [(10, 10, 100), (9, 0, 100), (11, 0, 20)],
+    ids=["half of them short", "few of them", "far away"],
+)
+def test_short_encounters_are_no_finding(n_short: int, n_long: int, h: float) -> None:
+    assert "short-encounters" not in codes(people(n_short, n_long, h=h))
 
 
 def test_sampled_frames_are_named_as_the_reason() -> None:
@@ -52,11 +50,6 @@ def test_linked_tracks_are_named_as_the_reason() -> None:
     finding = find(made, "short-encounters")
     assert finding.count == 12
     assert "pedestrians without track ids were linked" in finding.message
-
-
-def test_encounters_far_away_do_not_count() -> None:
-    # 20 px of 480 are below the midpoint of 48 px
-    assert "short-encounters" not in codes(people(11, 0, h=20))
 
 
 def test_an_unknown_horizon_is_left_to_the_analysis() -> None:

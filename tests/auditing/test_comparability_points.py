@@ -61,22 +61,20 @@ def test_a_given_threshold_is_a_choice(name: str) -> None:
     assert "score-floors" not in codes(low_and_high(), Params(**{name: 0.3}))
 
 
-def test_scores_that_end_at_about_the_same_value_are_no_finding() -> None:
-    x = [*hits(0.5, 1), *alarms([0.6] * 15, 500)]
-    y = [*hits(0.54, 2), *alarms([0.6] * 15, 400)]
+@pytest.mark.parametrize(
+    ("low_x", "n_x", "low_y", "n_y"),
+    [(0.5, 15, 0.54, 15), (0.5, 9, 0.01, 20)],
+    ids=["about the same value", "49 and 60 detections are few"],
+)
+def test_lowest_scores_are_no_finding(low_x: float, n_x: int, low_y: float, n_y: int) -> None:
+    x = [*hits(low_x, 1), *alarms([0.6] * n_x, 500)]
+    y = [*hits(low_y, 2), *alarms([0.6] * n_y, 400)]
     assert "score-floors" not in codes(compared(x, y))
 
 
 def test_a_system_without_scores_has_no_operating_point_to_choose() -> None:
     x = [box._replace(score=NAN) for box in [*hits(0.5, 1), *alarms([0.6] * 15, 500)]]
     y = [*hits(0.01, 2), *alarms([0.6] * 15, 400)]
-    assert "score-floors" not in codes(compared(x, y))
-
-
-def test_few_detections_tell_nothing_of_the_lowest_score() -> None:
-    # 49 and 60 detections
-    x = [*hits(0.5, 1), *alarms([0.6] * 9, 500)]
-    y = [*hits(0.01, 2), *alarms([0.6] * 20, 400)]
     assert "score-floors" not in codes(compared(x, y))
 
 
