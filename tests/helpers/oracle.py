@@ -204,19 +204,26 @@ def events(
     return found
 
 
-def intervals(place: Place, similarity: list[float], low: float) -> list[tuple[int, int, float]]:
-    """Low-similarity intervals: positions of first and last frame, severity."""
+INTERVAL = ["first_row", "last_row", "duration_s", "severity_s", "min_similarity", "worst_row"]
+
+
+def intervals(place: Place, similarity: list[float], low: float) -> list[tuple[float, ...]]:
+    """Low-similarity intervals, as `INTERVAL` says; rows are positions of frames."""
     step = steps(place)
-    found: list[list[int]] = []
+    runs: list[list[int]] = []
     for i, value in enumerate(similarity):
         if value < low:
-            if found and found[-1][-1] == i - 1:
-                found[-1].append(i)
+            if runs and runs[-1][-1] == i - 1:
+                runs[-1].append(i)
             else:
-                found.append([i])
-    return [
-        (run[0], run[-1], sum((low - similarity[i]) * step[i] for i in run)) for run in found
-    ]  # fmt: skip
+                runs.append([i])
+    answer = []
+    for run in runs:
+        least = min(similarity[i] for i in run)
+        severity = sum((low - similarity[i]) * step[i] for i in run)
+        worst = next(i for i in run if similarity[i] == least)
+        answer.append((run[0], run[-1], sum(step[i] for i in run), severity, least, worst))
+    return answer
 
 
 def moving_mean(place: Place, values: list[float], window: float) -> list[float]:

@@ -30,17 +30,22 @@ class Scene:
         ]
 
 
-def draw_scene(seed: int, *, is_grid: bool = False, has_tracks: bool = True) -> Scene:
+def draw_scene(
+    seed: int, *, is_grid: bool = False, is_crowded: bool = False, has_tracks: bool = True
+) -> Scene:
     """A scene with sampled frame lists, ignore regions, missing scores, tracks given twice.
 
-    On a grid all coordinates and scores are small whole numbers, so that ties abound.
+    On a grid all coordinates and scores are small whole numbers, so that ties abound. A crowd has
+    more boxes in a frame than the kernels' scratch memory holds at first (16).
     """
     rng = np.random.default_rng(seed)
     places = [_draw_place(rng) for _ in range(rng.integers(1, 4))]
     truth: list[Box] = []
     systems: tuple[list[Box], list[Box]] = ([], [])
     for number, place in enumerate(places):
-        walkers = [_draw_box(rng, place, is_grid) for _ in range(rng.integers(0, 4))]
+        walkers = [
+            _draw_box(rng, place, is_grid) for _ in range(rng.integers(0, 30 if is_crowded else 4))
+        ]
         for frame in place.frames:
             is_empty = rng.random() < 0.15
             for track, walker in enumerate([] if is_empty else walkers):

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from builders import Place, at, make_dataset, result_of
+from builders import at, make_dataset, result_of
 
 from nvcore.metrics.false_alarms import EPISODE_COLUMNS, find_episodes, summarise_false_alarms
 
@@ -12,32 +12,6 @@ def test_a_warning_that_flickers_annoys_once() -> None:
     episodes = result_of(dataset).x.episodes
     assert list(episodes) == list(EPISODE_COLUMNS)
     assert episodes.to_numpy().tolist() == [[0, 2, 8, 4, pytest.approx(0.7)]]
-
-
-def test_two_places_are_two_episodes() -> None:
-    episodes = result_of(make_dataset(x=[at(f, c) for f in range(3) for c in (20, 70)])).x.episodes
-    assert episodes["n_boxes"].tolist() == [3, 3]
-
-
-def test_matched_and_absorbed_detections_belong_to_no_episode() -> None:
-    truth = [at(f, 50, track=1) for f in range(3)] + [at(f, 80, ignore=True) for f in range(3)]
-    dataset = make_dataset(truth, [at(f, c) for f in range(3) for c in (50, 80)])
-    x = result_of(dataset).x
-    assert x.episodes.empty
-    assert x.false_alarm_summary.count == 0
-
-
-def test_episodes_end_with_their_recording() -> None:
-    boxes = [at(0, 50, recording=r) for r in (0, 1)]
-    dataset = make_dataset(x=boxes, places=[Place([0], fps=10), Place([0], fps=5)])
-    episodes = result_of(dataset).x.episodes
-    assert episodes["recording"].tolist() == [0, 1]
-    assert episodes["duration_s"].tolist() == [0.1, 0.2]
-
-
-def test_durations_go_by_time_steps_in_sampled_recordings() -> None:
-    dataset = make_dataset(x=[at(f, 50) for f in (0, 20)], frames=[0, 20, 40], fps=20)
-    assert result_of(dataset).x.episodes["duration_s"].tolist() == [2]
 
 
 def test_rates_by_hand() -> None:
@@ -63,11 +37,3 @@ def test_without_frames_rates_are_undefined() -> None:
     episodes = find_episodes(dataset.system("x"), np.empty(0, bool), dataset.frame_columns)
     summary = summarise_false_alarms(0, episodes, n_frames=0, duration_s=0.0)
     assert np.isnan([summary.per_frame, summary.per_minute, summary.episodes_per_hour]).all()
-
-
-def test_false_alarms_are_what_counts_and_is_not_matched() -> None:
-    truth = [at(0, 50, track=1), at(0, 90, ignore=True)]
-    x = result_of(make_dataset(truth, [at(0, 50), at(0, 90), at(0, 20), at(1, 20)])).x
-    assert x.n_det.tolist() == [2, 1]
-    assert x.matched.tolist() == [1, 0]
-    assert x.false_alarms.tolist() == [1, 1]

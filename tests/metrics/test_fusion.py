@@ -30,17 +30,6 @@ def test_a_pair_stands_once_by_xs_box_and_unpaired_boxes_of_both_stay() -> None:
     assert lefts(fused(dataset)) == ([0, 30, 60], [0])
 
 
-def test_pairs_need_the_iou_of_a_match() -> None:
-    dataset = make_dataset(x=[(0, 0, 0, 10, 10)], y=[(0, 4, 0, 10, 10)])  # 6 / 14
-    assert lefts(fused(dataset)) == ([0, 4], [])
-    assert lefts(fused(dataset, iou=0.4)) == ([0], [0])
-
-
-def test_boxes_of_different_frames_are_not_paired() -> None:
-    dataset = make_dataset(x=[(0, 0, 0, 10, 10)], y=[(1, 0, 0, 10, 10)])
-    assert lefts(fused(dataset)) == ([0, 0], [])
-
-
 def test_fused_systems_have_no_scores_and_names_that_say_what_they_are() -> None:
     dataset = fused(make_dataset(x=[Box(0, 0, 0, 9, 9, score=1)], y=[Box(0, 0, 0, 9, 9, score=7)]))
     assert dataset.systems == ("x or y", "x and y")
@@ -57,34 +46,13 @@ def test_recordings_frames_and_truth_stay_as_they_are() -> None:
     assert other.fingerprint == dataset.fingerprint
 
 
-def test_only_what_passes_its_own_threshold_is_fused() -> None:
-    dataset = make_dataset(x=[at(0, 20, score=0.4), at(0, 50, score=0.6)], y=[at(0, 20, score=9)])
-    fusion = result_of(dataset, threshold_x=0.5, threshold_y=8).fusion
-    assert lefts(fusion.dataset) == ([49, 19], [])
-
-
-def test_fused_systems_are_not_thresholded_again() -> None:
-    dataset = make_dataset(x=[at(0, 50, score=0.6)], y=[at(0, 50, score=9)])
-    fusion = result_of(dataset, threshold_x=0.5, threshold_y=8).fusion
-    assert fusion.x.threshold is None
-    assert fusion.params.threshold_y is None
-    assert fusion.x.n_det.tolist() == fusion.y.n_det.tolist() == [1]
-
-
-def test_fused_systems_are_analysed_with_the_same_parameters() -> None:
-    dataset = make_dataset([at(0, 50, track=1)], [at(0, 60)], [at(0, 50)])
-    fusion = result_of(dataset, alpha=0.5, low=0.3).fusion
-    assert (fusion.params.alpha, fusion.params.low) == (0.5, 0.3)
-    assert fusion.params.proximity == "none"
+def test_fused_systems_have_the_same_parameters_and_no_threshold_again() -> None:
+    dataset = make_dataset([at(0, 50, track=1)], [at(0, 60, score=0.6)], [at(0, 50, score=9)])
+    fusion = result_of(dataset, alpha=0.5, low=0.3, threshold_x=0.5, threshold_y=8).fusion
+    assert (fusion.params.alpha, fusion.params.low, fusion.params.proximity) == (0.5, 0.3, "none")
+    assert (fusion.x.threshold, fusion.y.threshold, fusion.params.threshold_y) == (None,) * 3
     assert fusion.x.similarity.tolist() == [0.9]  # the false alarm of X
     assert fusion.y.similarity.tolist() == [0.5]  # nothing that both saw
-
-
-def test_an_encounter_that_either_detects_is_detected_by_x_or_y() -> None:
-    truth = [at(0, 20, track=1), at(0, 50, track=2), at(0, 80, track=3)]
-    fusion = result_of(make_dataset(truth, [at(0, 20), at(0, 50)], [at(0, 50)])).fusion
-    assert fusion.x.encounters["is_detected"].tolist() == [True, True, False]
-    assert fusion.y.encounters["is_detected"].tolist() == [False, True, False]
 
 
 def assert_same(one: SystemResult, other: SystemResult) -> None:
@@ -113,17 +81,6 @@ def test_x_or_x_and_x_and_x_are_x(seed: int) -> None:
     result = compare(without_scores(seed).dataset(), x="x", y="x")
     assert_same(result.fusion.x, result.x)
     assert_same(result.fusion.y, result.x)
-
-
-@few
-@given(SEEDS)
-def test_with_an_empty_y_x_or_y_is_x_and_x_and_y_is_empty(seed: int) -> None:
-    scene = without_scores(seed)
-    scene.y = []
-    result = compare(scene.dataset())
-    assert_same(result.fusion.x, result.x)
-    assert_same(result.fusion.y, result.y)
-    assert result.fusion.y.n_det.sum() == 0
 
 
 @few

@@ -1,20 +1,13 @@
 from __future__ import annotations
 
-import numpy as np
-from builders import Box, Place, at, make_dataset, result_of
+from builders import Box, Place, at, make_dataset
 
 from nvcore.dataset import Dataset
-from nvcore.metrics.linking import TruthTracks, link_boxes, track_truth
+from nvcore.metrics.linking import TruthTracks, track_truth
 
 
 def tracks(dataset: Dataset) -> TruthTracks:
     return track_truth(dataset.truth, dataset.frame_columns)
-
-
-def test_given_tracks_are_kept() -> None:
-    result = tracks(make_dataset([at(0, 50, track=7), at(1, 50, track=9)]))
-    assert result.track.tolist() == [7, 9]
-    assert result.linked_recordings.size == 0
 
 
 def test_truth_without_tracks_is_linked_and_the_result_says_where() -> None:
@@ -33,24 +26,6 @@ def test_new_tracks_never_meet_given_ones_of_their_recording() -> None:
 def test_ignored_boxes_are_not_linked() -> None:
     result = tracks(make_dataset([at(0, 50, ignore=True), at(1, 50)]))
     assert result.track.tolist() == [-1, 1]
-
-
-def test_a_gap_of_two_listed_frames_is_one_encounter_and_of_three_are_two() -> None:
-    assert len(result_of(make_dataset([at(0, 50), at(3, 50)])).encounters) == 1
-    assert len(result_of(make_dataset([at(0, 50), at(4, 50)])).encounters) == 2
-
-
-def test_linking_starts_anew_in_every_recording() -> None:
-    truth = [at(0, 50), at(0, 50, recording=1)]
-    result = result_of(make_dataset(truth, places=[Place([0]), Place([0])]))
-    assert result.encounters.recording.tolist() == [0, 1]
-    assert result.encounters.track.tolist() == [1, 1]
-
-
-def test_some_rows_alone_can_be_linked() -> None:
-    dataset = make_dataset(x=[at(0, 50), at(0, 20), at(1, 20)])
-    track = link_boxes(dataset.system("x"), dataset.frame_columns, np.array([1, 2]))
-    assert track.tolist() == [0, 0]
 
 
 def test_no_truth_has_no_tracks() -> None:

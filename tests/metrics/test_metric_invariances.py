@@ -62,15 +62,6 @@ def test_each_lower_bound_is_reached(alpha: float) -> None:
     assert similarity.min() == pytest.approx(1 - max(alpha, 1 - alpha, 2 / 3))
 
 
-@pytest.mark.parametrize("alpha", [2 / 3, 0.75, 0.9, 1.0])
-def test_from_two_thirds_on_the_minimum_is_1_minus_alpha_as_the_paper_says(alpha: float) -> None:
-    places = [[], *([c] for c in (0, 25, 100 / 3, 50, 200 / 3, 75, 100))]
-    every_pair = [(G, S) for G in places for S in places]
-    assert score_sets(every_pair, alpha=alpha).similarity.min() == pytest.approx(
-        1 - alpha, abs=1e-12
-    )
-
-
 @often
 @given(FRAMES, st.floats(0, 100))
 def test_another_pedestrian_never_lowers_the_effect_of_misses(sets: Sets, more: float) -> None:

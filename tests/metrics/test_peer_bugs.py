@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 from builders import Box, at, make_dataset, result_of
 
-from nvcore.comparison import Result
 from nvcore.tables.result import frames_table
 
 
@@ -26,13 +25,6 @@ def test_pedestrians_in_frames_without_detections_are_missed() -> None:
     assert result.boxes.neither == 100
     assert result.x.encounters["coverage"].tolist() == [0.5]
     assert result.x.summary.mean == pytest.approx((100 * 1 + 100 * 0.1) / 200)
-
-
-def test_detections_in_frames_without_pedestrians_are_false_alarms() -> None:
-    # 30: they were dropped
-    result = result_of(make_dataset([at(0, 50, track=1)], [at(f, 50) for f in range(5)]))
-    assert result.x.false_alarms.tolist() == [0, 1, 1, 1, 1]
-    assert result.x.similarity[1:] == pytest.approx(0.9)
 
 
 @pytest.mark.parametrize("empty", [0, 1, 2])
@@ -53,28 +45,14 @@ def test_minus_one_never_reads_the_last_element() -> None:
     assert result.x.encounters["matched"].tolist() == [0]
 
 
-@pytest.mark.parametrize("order", [[0, 1], [1, 0]])
-def test_detections_are_taken_by_score_not_by_file_order(order: list[int]) -> None:
-    # 33: the same two boxes gave 1.0 or 0.5 when exchanged in the file
-    good, bad = Box(0, 0, 0, 10, 10, score=0.9), Box(0, 3, 0, 10, 10, score=0.2)
-    dataset = make_dataset([(0, 0, 0, 10, 10, 1)], [[good, bad][i] for i in order])
-    matches = result_of(dataset).x.matches
-    assert matches.is_false_alarm.sum() == 1
-    assert dataset.system("x").score[matches.truth_det[0]] == 0.9
-
-
 def test_track_0_in_row_0_matched_by_row_0_is_matched() -> None:
     # 34: id 0 meant "unmatched"
     result = result_of(make_dataset([at(0, 50, track=0)], [at(0, 50)], [at(0, 50)]))
     assert result.x.matches.truth_det.tolist() == [0]
     assert result.encounters.track.tolist() == [0]
     assert result.venn.both == 1
-
-
-def test_a_miss_of_track_0_is_salient() -> None:
-    # 34
-    events = result_of(make_dataset([at(0, 50, track=0)])).x.events
-    assert events["track"].tolist() == [0]
+    missed = result_of(make_dataset([at(0, 50, track=0)]))
+    assert missed.x.events["track"].tolist() == [0]
 
 
 def test_an_ignored_pedestrian_is_no_miss() -> None:
@@ -83,14 +61,6 @@ def test_an_ignored_pedestrian_is_no_miss() -> None:
     assert result.x.similarity.tolist() == [1]
     assert result.boxes.neither == 0
     assert result.venn.n_near == 0
-
-
-def test_a_system_that_detects_nothing_is_scored() -> None:
-    # 36: an empty list of results crashed
-    result = result_of(make_dataset(perfect(3), [], perfect(3)))
-    assert result.venn.y_only == 1
-    assert result.x.summary.mean == pytest.approx(0.1)
-    assert result.fusion.y.n_det.sum() == 0
 
 
 def test_both_systems_are_measured_on_the_same_pedestrians() -> None:
@@ -112,65 +82,11 @@ def test_what_is_undefined_without_truth_is_nan_not_1() -> None:
     assert np.isnan([result.exclusivity.jaccard, result.exclusivity.phi]).all()
 
 
-def with_ignored() -> list[Box]:
-    return [
-        *perfect(5),
-        *(Box(f, 5, 5, 20, 20, 2, ignore=True) for f in range(5)),
-        *(Box(f, 3, 5, 8, 20, 3) for f in range(5)),
-    ]
-
-
-def assert_perfect(result: Result) -> None:
-    assert (result.x.similarity == 1).all()
-    assert result.x.false_alarm_summary.count == 0
-    assert result.x.encounters["miss_class"].tolist() == ["none", "none"]
-    assert result.x.saliency_s == 0
-
-
-def test_the_truth_with_its_ignored_rows_against_itself_is_perfect() -> None:
-    # 39: ignored rows were filtered in the truth only
-    assert_perfect(result_of(make_dataset(with_ignored(), with_ignored())))
-
-
-def test_the_truth_as_a_system_leaves_no_miss() -> None:
-    # 44: the oracle test failed
-    pedestrians = [box for box in with_ignored() if not box.ignore]
-    assert_perfect(result_of(make_dataset(pedestrians, pedestrians)))
-
-
-def test_ignore_regions_work_in_frames_without_pedestrians() -> None:
-    # 40: they were skipped there
-    result = result_of(make_dataset([Box(0, 0, 0, 50, 50, ignore=True)], [(0, 10, 10, 9, 9)]))
-    assert result.x.n_det.tolist() == [0]
-    assert result.x.similarity.tolist() == [1]
-
-
-def test_a_detection_of_a_distractor_beside_a_missed_pedestrian_is_absorbed() -> None:
-    # 40: whether a detection is removed depended on the score or the order, not on the region
-    truth = [at(0, 20, track=1), at(0, 70, w=10, ignore=True)]
-    result = result_of(make_dataset(truth, [at(0, 70, w=10, score=0.01)]))
-    assert result.x.false_alarms.tolist() == [0]
-    assert result.boxes.neither == 1
-
-
 def test_frames_without_any_box_are_counted() -> None:
     # 41: frames without any event were left out of the mean
     x = result_of(make_dataset([at(0, 50, track=1)], n_frames=10)).x
     assert x.summary.mean == pytest.approx((0.1 + 9) / 10)
     assert x.false_alarm_summary.per_frame == 0
-
-
-def test_a_track_given_twice_in_a_frame_does_not_count_twice() -> None:
-    # 41: duplicate ids were accepted and doubled
-    truth = [at(0, 50, track=1), at(0, 51, track=1), at(1, 50, track=1)]
-    row = result_of(make_dataset(truth, [at(0, 50)])).x.encounters.iloc[0]
-    assert (row["n_relevant"], row["matched"]) == (2, 1)
-
-
-def test_a_perfect_picture_has_similarity_1_and_larger_is_better() -> None:
-    # 41: the value was inverted against its definition
-    assert result_of(make_dataset(perfect(2), perfect(2))).x.summary.mean == 1
-    assert result_of(make_dataset(perfect(2))).x.summary.mean < 1
 
 
 def test_boxes_reach_from_x_to_x_plus_w_without_another_pixel() -> None:
@@ -187,17 +103,15 @@ def test_a_box_at_the_origin_has_its_centre_at_half_its_width() -> None:
     assert result.x.distances.d_miss.tolist() == [0]
 
 
-def test_a_system_without_a_single_match_is_scored() -> None:
-    # 46: no true positive crashed
-    result = result_of(make_dataset(perfect(3), [at(f, 5) for f in range(3)]))
-    assert result.x.matched.tolist() == [0, 0, 0]
-    assert result.x.encounters["miss_class"].tolist() == ["never"]
-    assert np.isnan(result.lead_time_s).all()
-
-
-def test_matches_and_false_alarms_are_not_confused() -> None:
-    # 46: true positives stood where false ones were meant
-    truth = [at(0, 20, track=1), at(0, 80, track=2)]
-    x = result_of(make_dataset(truth, [at(0, c) for c in (20, 80, 50)])).x
-    assert (x.n_det[0], x.matched[0], x.false_alarms[0]) == (3, 2, 1)
-    assert x.matches.is_false_alarm.tolist() == [False, False, True]
+def test_the_truth_with_its_ignored_rows_against_itself_is_perfect() -> None:
+    # 39, 44: ignored rows were filtered in the truth only; the oracle test failed
+    truth = [
+        *perfect(5),
+        *(Box(f, 5, 5, 20, 20, 2, ignore=True) for f in range(5)),
+        *(Box(f, 3, 5, 8, 20, 3) for f in range(5)),
+    ]
+    result = result_of(make_dataset(truth, truth))
+    assert (result.x.similarity == 1).all()
+    assert result.x.false_alarm_summary.count == 0
+    assert result.x.encounters["miss_class"].tolist() == ["none", "none"]
+    assert result.x.saliency_s == 0

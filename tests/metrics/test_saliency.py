@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from builders import Box, Place, at, make_dataset, result_of
+from builders import Box, at, make_dataset, result_of
 
 from nvcore.comparison import SystemResult
 from nvcore.metrics.saliency import EVENT_COLUMNS, aggregate_saliency, recency_weight
@@ -39,31 +39,6 @@ def test_an_event_by_hand() -> None:
     assert event["tau"] == pytest.approx(0.6)
     assert event["recency"] == pytest.approx(recency(0.6))
     assert event["saliency_s"] == pytest.approx(0.3 * recency(0.6))
-
-
-def test_tau_is_1_at_the_end_of_the_last_frame() -> None:
-    assert score([9]).events["tau"].tolist() == [1]
-
-
-def test_the_same_miss_is_more_salient_later() -> None:
-    early, late = score([0, 1]), score([8, 9])
-    assert early.events["duration_s"].tolist() == late.events["duration_s"].tolist()
-    assert late.saliency_s > early.saliency_s
-
-
-def test_durations_go_by_time_steps_in_sampled_recordings() -> None:
-    truth = [at(f, 50, track=1) for f in (0, 1, 5, 6)]
-    dataset = make_dataset(truth, [at(0, 50), at(6, 50)], frames=[0, 1, 5, 6])
-    (event,) = result_of(dataset).x.events.to_dict("records")
-    assert event["duration_s"] == pytest.approx(0.5)  # 0.4 s and 0.1 s
-    assert event["tau"] == pytest.approx(6 / 7)
-
-
-def test_max_takes_the_most_salient_event_and_sum_all() -> None:
-    values = score([1, 2, 7]).events["saliency_s"].tolist()
-    assert values == pytest.approx([0.2 * recency(0.3), 0.1 * recency(0.8)])
-    assert score([1, 2, 7]).saliency_s == pytest.approx(max(values))
-    assert score([1, 2, 7], saliency_aggregate="sum").saliency_s == pytest.approx(sum(values))
 
 
 def test_without_a_miss_there_is_no_event_and_no_saliency() -> None:
@@ -108,36 +83,6 @@ def test_a_tie_goes_to_the_nearer_pedestrian() -> None:
 def test_a_tie_of_equally_near_pedestrians_goes_to_the_smaller_track() -> None:
     truth = [at(0, 70, track=5), at(0, 30, track=3), at(0, 70, track=4)]
     assert result_of(make_dataset(truth)).x.events["track"].tolist() == [3]
-
-
-def test_another_pedestrian_begins_another_event() -> None:
-    truth = [at(f, c, track=t) for f in range(4) for t, c in ((1, 50), (2, 30))]
-    x = [at(f, 50) for f in (2, 3)]
-    events = result_of(make_dataset(truth, x)).x.events
-    assert events["track"].tolist() == [1, 2]
-    assert events["last_row"].tolist() == [1, 3]
-
-
-def test_a_frame_without_a_qualifying_pedestrian_ends_the_event() -> None:
-    assert score([2, 4]).events["first_row"].tolist() == [2, 4]
-
-
-def test_an_event_does_not_go_on_in_the_next_recording() -> None:
-    truth = [at(f, 50, track=1, recording=r) for r in (0, 1) for f in range(2)]
-    events = result_of(make_dataset(truth, places=[Place([0, 1]), Place([0, 1], fps=5)])).x.events
-    assert events["recording"].tolist() == [0, 1]
-    assert events["duration_s"].tolist() == pytest.approx([0.2, 0.4])
-    assert events["tau"].tolist() == [1, 1]
-
-
-def test_a_recording_of_one_frame_can_hold_an_event() -> None:
-    (event,) = result_of(make_dataset([at(0, 50, track=1)], fps=25)).x.events.to_dict("records")
-    assert event["duration_s"] == 0.04
-    assert event["tau"] == 1
-
-
-def test_an_ignored_pedestrian_is_no_miss() -> None:
-    assert result_of(make_dataset([at(0, 50, track=1, ignore=True)])).x.events.empty
 
 
 def test_recency_is_half_at_its_midpoint_and_cannot_overflow() -> None:

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from scipy.stats import binomtest
 
 from nvcore.comparison import Result
-from nvcore.metrics.venn import Venn, categorise, count_boxes, count_categories, measure_exclusivity
+from nvcore.metrics.venn import Venn, categorise, measure_exclusivity
 from nvcore.schema import Category
 
 COUNT = st.integers(0, 30)
@@ -44,12 +44,6 @@ def test_figure_2_of_the_paper_from_encounters() -> None:
     result = drive(FIGURE_2)
     assert result.venn == Venn(both=5, x_only=3, y_only=0, neither=2, distant=0)
     assert result.venn.dominant == "x"
-
-
-def test_figure_1_of_the_paper_from_what_each_system_detects() -> None:
-    x, y = (np.isin(list(FIGURE_1), ["+", sign]) for sign in "xy")
-    category = categorise(np.zeros(10, bool), x, y)
-    assert count_categories(category) == Venn(both=5, x_only=2, y_only=2, neither=1, distant=0)
 
 
 def test_distant_encounters_are_counted_apart() -> None:
@@ -126,8 +120,3 @@ def test_boxes_are_counted_by_who_matched_them_and_ignored_ones_not() -> None:
     )
     boxes = result.boxes
     assert (boxes.both, boxes.x_only, boxes.y_only, boxes.neither) == (1, 1, 1, 1)
-
-
-def test_a_match_of_an_ignored_box_would_count_for_nobody() -> None:
-    boxes = count_boxes(np.array([False]), np.array([True]), np.array([True]))
-    assert (boxes.both, boxes.x_only, boxes.y_only, boxes.neither) == (0, 0, 0, 0)
