@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
-from itertools import product
+import re
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
+from places import ROOT
 from scipy.stats import binomtest
 
 from nvcore.comparison import Result, compare
 from nvcore.dataset import Dataset
 from nvcore.evidence.measures import significance_table
+from nvcore.evidence.miss_rate import judge_miss_rate
 from nvcore.evidence.pairwise import pairwise_table
-from nvcore.evidence.subgroup_table import subgroup_table
+from nvcore.evidence.units import find_units
 from nvcore.inputs.load import load
 from nvcore.inputs.session import Session, Source, SystemSource
 from nvcore.params import Params
+from nvcore.protocols import PROTOCOLS
 
 pytestmark = pytest.mark.realdata
 
@@ -70,29 +73,6 @@ def test_a_shared_threshold_tells_kaist_s_systems_apart_but_for_two(pairs: pd.Da
     assert found.loc[("MLPD", "YOLOv3-visible"), "detected_by_unit_p_holm"] < 0.05
 
 
-def test_kaist_s_sign_flip_test_is_that_of_all_65536_signs(kaist: Dataset, pairs: pd.DataFrame):
-    result = compare(kaist, Params(threshold_x=0.5, threshold_y=0.5), x="GAFF", y="YOLOv3-visible")
-    trace = result.x.similarity - result.y.similarity
-    sums = np.bincount(result.dataset.frame_columns.recording, weights=trace)
-    signs = np.array(list(product((1, -1), repeat=16)))
-    reached = np.abs(signs @ sums) >= abs(sums.sum()) - 1e-9
-    row = pairs.set_index(["x", "y"]).loc[("GAFF", "YOLOv3-visible")]
-    assert len(signs) == 65536
-    assert row["similarity_p"] == pytest.approx(reached.mean())
-    assert row["similarity_difference"] == pytest.approx(trace.mean())
-
-
-def test_kaist_s_occluded_pedestrians_are_where_gaff_is_ahead_of_mlpd(kaist: Dataset):
-    result = compare(kaist, Params(), x="GAFF", y="MLPD")
-    # encounters of KAIST are mostly single frames: judged by recordings
-    table = subgroup_table(result, ["encounters_detected_by_unit"])
-    table = table.set_index(["factor", "group"])
-    visible, occluded = (table.loc[("occlusion", group)] for group in ("visible", "occluded"))
-    assert occluded["difference"] > visible["difference"] > 0
-    assert occluded["low"] > visible["difference"]
-    assert occluded["p_holm"] < 0.05
-
-
 def test_mot15_has_too_few_recordings_and_is_judged_by_blocks(mot15: Result):
     table = significance_table(mot15).set_index("figure")
     by_unit = table.drop(index="encounters_detected")
@@ -116,3 +96,22 @@ def test_mot15_s_detector_finds_more_people_than_the_tracker_and_alarms_more(mot
     alarms = table.loc["false_alert_episodes_per_hour"]
     assert alarms["low"] > 0
     assert alarms["p_holm"] < 0.05
+
+
+ROW = re.compile(
+    r"^\| ([\w-]+) \| ([\w-]+) \| ([+-][\d.]+) \| ([+-][\d.]+) to ([+-][\d.]+) \| (\S+) \|"
+)
+
+
+@pytest.mark.parametrize("pair", [("MBNet", "GAFF"), ("TCDet-thermal", "YOLOv3-visible")])
+def test_docs_validation_shows_the_pairs_of_kaist_as_they_are(
+    kaist: Dataset, pair: tuple[str, str]
+):
+    result = compare(kaist, Params(), x=pair[0], y=pair[1])
+    found = judge_miss_rate(result, find_units(result), PROTOCOLS["kaist-reasonable"])
+    lines = (ROOT / "docs" / "validation.md").read_text(encoding="utf-8").splitlines()
+    shown = next(row for row in map(ROW.match, lines) if row and (row[1], row[2]) == pair)
+    assert [float(shown[i]) for i in (3, 4, 5)] == pytest.approx(
+        [100 * found.difference, 100 * found.low, 100 * found.high], abs=0.006
+    )
+    assert float(shown[6]) == pytest.approx(found.p, rel=0.05)

@@ -1,17 +1,13 @@
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pandas as pd
-import pytest
-from builders import Place, at, make_dataset, result_of
+from builders import Place, at, make_dataset, result_of, tagged
 
-from nvcore.comparison import Result, compare
+from nvcore.comparison import Result
 from nvcore.dataset import Dataset
 from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.evidence.subgroups import find_subgroups
-from nvcore.params import Params
 
 
 def people(**params: object) -> Result:
@@ -35,12 +31,6 @@ def crowd() -> Dataset:
             if is_near or number % 4 == 0:
                 y.append(box)
     return make_dataset(truth, truth, y, places=[Place(range(4))] * 24)
-
-
-def tagged(dataset: Dataset, tags: list[tuple[str, ...]]) -> Dataset:
-    recordings = dataset.recordings.copy()
-    recordings["tags"] = np.array([*tags, None], dtype=object)[:-1]
-    return replace(dataset, recordings=recordings)
 
 
 def detected(result: Result) -> pd.DataFrame:
@@ -81,24 +71,6 @@ def test_measures_of_a_subgroup_by_hand() -> None:
     assert "too few encounters tell the two apart for a test: 0" in near["note"]
 
 
-def test_holm_corrects_over_the_subgroups_that_have_a_p_value() -> None:
-    table = detected(people())
-    assert np.isnan(table["p_holm"].iloc[0])
-    known = table["p"].iloc[1:].dropna()
-    least = known.idxmin()
-    assert len(known) >= 3
-    assert table.loc[least, "p_holm"] == pytest.approx(len(known) * known[least])
-
-
-def test_swapping_x_and_y_turns_the_signs() -> None:
-    dataset, params = crowd(), Params()
-    there = detected(compare(dataset, params, x="x", y="y"))
-    back = detected(compare(dataset, params, x="y", y="x"))
-    assert back["difference"].tolist() == (-there["difference"]).tolist()
-    assert back["p"].equals(there["p"])
-    assert back["x_only"].equals(there["y_only"])
-
-
 def test_near_is_twice_as_high_as_a_box_that_counts_half() -> None:
     # the far ones are 15 px high: with 7.6 px at the step they are just far, with 7.4 all are near,
     # and what does not divide the encounters is left out
@@ -121,13 +93,6 @@ def test_unknown_occlusion_is_no_factor() -> None:
 
 def test_tags_of_recordings_are_subgroups_and_may_overlap() -> None:
     tags = [("night", "rain")] * 6 + [("night",)] * 6 + [("day",)] * 12
-    result = result_of(tagged(crowd(), tags), proximity="height")
+    result = result_of(tagged(crowd(), *tags), proximity="height")
     found = {group: n for (factor, group), n in parts(result).items() if factor == "tag"}
     assert found == {"day": 12, "night": 12, "rain": 6}
-
-
-def test_without_encounters_there_is_one_row_without_measures() -> None:
-    table = detected(result_of(make_dataset(n_frames=3)))
-    assert table[["factor", "n"]].to_numpy().tolist() == [["all", 0]]
-    assert table[["x", "y", "difference", "low", "high", "p", "p_holm"]].isna().all().all()
-    assert table["note"].iloc[0] != ""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -93,6 +94,12 @@ def make_dataset(
     )
     listed = [np.array(place.frames, dtype=np.int64) for place in places]
     return dataset_from_tables(recordings, listed, boxes, ["x", "y"])
+
+
+def tagged(dataset: Dataset, *tags: tuple[str, ...]) -> Dataset:
+    """The dataset with tags, one tuple for each recording."""
+    column = pd.Series(list(tags), dtype=object)
+    return replace(dataset, recordings=dataset.recordings.assign(tags=column))
 
 
 def result_of(dataset: Dataset, **params: Any) -> Result:
