@@ -52,12 +52,6 @@ def test_absorbed_detections_are_counted_at_the_threshold(threshold, n):
     assert summarise_curve(curve, threshold).n_absorbed == n
 
 
-def test_without_detections_nothing_is_found():
-    found = summarise_curve(curve_of([], [], n_truth=3), None)
-    assert (found.recall, found.fppi) == (0, 0)
-    assert np.isnan(found.best_f1)
-
-
 @pytest.mark.parametrize("share_scored", [1.0, 0.6, 0.0])
 def test_every_detection_is_right_wrong_or_absorbed(share_scored):
     dataset = random_dataset(2, share_scored=share_scored)

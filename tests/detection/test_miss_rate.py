@@ -39,10 +39,18 @@ def test_before_the_first_point_everybody_is_missed():
     assert miss_rate_at(curve_of([], [], n_truth=10), 0.05).item() == 1.0
 
 
-def test_the_log_average_by_hand():
-    # 1 up to 0.0562 (four references), 0.5 from 0.1 on (five)
-    curve = curve_of([5], [10], n_truth=10)
-    assert log_average_miss_rate(curve) == pytest.approx(0.5 ** (5 / 9))
+@pytest.mark.parametrize(
+    ("curve", "expected"),
+    [
+        # 1 up to 0.0562 (four references), 0.5 from 0.1 on (five)
+        (curve_of([5], [10], n_truth=10), 0.5 ** (5 / 9)),
+        (curve_of([3], [0], n_truth=3), 0.0),  # warnings are errors in these tests
+        (curve_of([1, 3], [0, 50], n_truth=3), 0.0),  # a geometric mean with a zero is zero
+        (curve_of([], [], n_truth=3), 1.0),
+    ],
+)
+def test_the_log_average_by_hand(curve, expected):
+    assert log_average_miss_rate(curve) == pytest.approx(expected)
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -58,20 +66,6 @@ def test_the_log_average_is_that_of_plain_loops(seed):
     expected = math.exp(sum(logs) / 9)
     assert 0.05 < expected < 1
     assert log_average_miss_rate(curve) == pytest.approx(expected, rel=1e-12)
-
-
-def test_a_perfect_detector_has_0_and_no_warning():
-    # logarithm of 0 elsewhere; warnings are errors in these tests
-    assert log_average_miss_rate(curve_of([3], [0], n_truth=3)) == 0.0
-
-
-def test_a_geometric_mean_with_a_zero_is_zero():
-    # nobody is missed from 0.5 false positives per image on
-    assert log_average_miss_rate(curve_of([1, 3], [0, 50], n_truth=3)) == 0.0
-
-
-def test_a_system_that_detects_nothing_has_1():
-    assert log_average_miss_rate(curve_of([], [], n_truth=3)) == 1.0
 
 
 @pytest.mark.parametrize(

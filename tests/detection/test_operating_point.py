@@ -21,6 +21,7 @@ from nvcore.detection.operating_point import (
 )
 from nvcore.errors import InputError
 from nvcore.params import Params
+from nvcore.schema import DetectionState
 
 PARAMS = Params(proximity="none")
 
@@ -44,10 +45,6 @@ def test_a_threshold_leaves_what_is_at_least_as_high():
     assert point.false_alarms_per_minute == pytest.approx(2 / 0.4 * 60)
 
 
-def test_without_a_threshold_every_detection_counts():
-    assert operating_point(small(), "x", PARAMS, threshold=None).n_kept == 6
-
-
 def test_a_curve_has_a_point_for_every_score():
     curve = false_alarm_curve(small(), "x", PARAMS)
     assert list(curve) == list(CURVE_COLUMNS)
@@ -65,12 +62,6 @@ def test_a_curve_of_many_scores_is_thinned_and_keeps_its_ends():
     assert curve["n_kept"].iloc[[0, -1]].tolist() == [1000, 1]
 
 
-def test_absorbed_detections_are_kept_and_no_false_alarms():
-    dataset = make_dataset([at(0, 50, w=40, ignore=True)], [at(0, 50, score=0.5)])
-    curve = false_alarm_curve(dataset, "x", PARAMS)
-    assert curve[["n_kept", "n_false_alarms"]].to_numpy().tolist() == [[1, 0]]
-
-
 @pytest.mark.parametrize("x", [[], [at(0, 50)]])
 def test_a_system_without_scores_has_no_curve(x: list[Box]):
     curve = false_alarm_curve(make_dataset([at(0, 50)], x), "x", PARAMS)
@@ -78,25 +69,34 @@ def test_a_system_without_scores_has_no_curve(x: list[Box]):
     assert list(curve) == list(CURVE_COLUMNS)
 
 
-def test_a_threshold_may_set_a_pedestrian_free_for_a_detection_without_a_score():
-    x = [at(0, 50, score=0.3), at(0, 50, score=NAN), at(1, 10, score=0.8)]
-    curve = false_alarm_curve(make_dataset([at(0, 50)], x), "x", PARAMS)
-    # at 0.3 the second one and the third match nobody; at 0.8 only the third
-    assert curve["n_kept"].tolist() == [3, 2]
-    assert curve["n_false_alarms"].tolist() == [2, 1]
-
-
 def test_an_unknown_system_is_told():
     with pytest.raises(InputError, match="there is no system 'z'; there are x, y"):
         false_alarm_curve(small(), "z", PARAMS)
 
 
-def test_y_gets_as_many_false_alarms_as_x_has_at_its_threshold():
-    dataset = make_dataset(x=alarms(0.9, 0.8, 0.3), y=alarms(0.6, 0.5, 0.41, 0.2))
+@pytest.mark.parametrize(
+    ("x", "y", "threshold", "n_alarms"),
+    [
+        ([0.9, 0.8], [0.6, 0.5, 0.41, 0.2], 0.42, 2),
+        ([], [0.9, 0.5], 0.91, 0),  # just above Y's highest
+        ([0.9, 0.8], [0.9], None, 1),  # fewer than X: every detection counts
+        # equal scores stay or go together, whichever is closer, or the lower number
+        ([0.9, 0.8], [0.9, 0.5, 0.5, 0.5, 0.1], 0.51, 1),
+        ([0.9, 0.8, 0.7], [0.9, 0.5, 0.5, 0.5, 0.1], 0.11, 4),
+        ([0.9, 0.8], [0.9, 0.5, 0.5, 0.1], 0.51, 1),
+        ([0.9], [0.5 + 2e-9, 0.5 + 1e-9], 0.5 + 2e-9, 1),  # too close for a round threshold
+        ([], [1e300], np.nextafter(1e300, np.inf), 0),
+        ([0.9], [NAN, NAN], None, 2),
+        ([0.9, 0.8], [NAN, 0.7, 0.5, 0.3], 0.7, 2),  # the closest of its curve
+    ],
+)
+def test_y_gets_as_many_false_alarms_as_x_has(
+    x: list[float], y: list[float], threshold: float | None, n_alarms: int
+):
+    dataset = make_dataset(x=alarms(*x, 0.1), y=alarms(*y))
     same = same_operating_point(dataset, Params(threshold_x=0.5), "x", "y")
-    assert same.threshold_y == 0.42
-    assert (same.x.n_false_alarms, same.y.n_false_alarms) == (2, 2)
-    assert same.x.false_alarms_per_frame == same.y.false_alarms_per_frame == 0.5
+    assert same.x.n_false_alarms == len(x)
+    assert (same.threshold_y, same.y.n_false_alarms) == (threshold, n_alarms)
 
 
 def test_the_threshold_gives_away_no_match_between_two_false_alarms():
@@ -107,66 +107,19 @@ def test_the_threshold_gives_away_no_match_between_two_false_alarms():
     assert same.y.n_kept == 3
 
 
-def test_an_x_without_false_alarms_gives_a_threshold_just_above_y_s_highest():
-    same = same_operating_point(make_dataset(y=alarms(0.9, 0.5)), PARAMS, "x", "y")
-    assert same.threshold_y == 0.91
-    assert same.y.n_false_alarms == 0
-
-
-def test_a_y_with_fewer_false_alarms_keeps_every_detection():
-    dataset = make_dataset(x=alarms(0.9, 0.8), y=alarms(0.9))
-    same = same_operating_point(dataset, PARAMS, "x", "y")
-    assert same.threshold_y is None
-    assert same.y.n_false_alarms == 1
-
-
-def test_equal_scores_stay_or_go_together_whichever_is_closer():
-    wanted_two = make_dataset(x=alarms(0.9, 0.8), y=alarms(0.9, 0.5, 0.5, 0.5, 0.1))
-    assert same_operating_point(wanted_two, PARAMS, "x", "y").y.n_false_alarms == 1
-    wanted_three = make_dataset(x=alarms(0.9, 0.8, 0.7), y=alarms(0.9, 0.5, 0.5, 0.5, 0.1))
-    assert same_operating_point(wanted_three, PARAMS, "x", "y").y.n_false_alarms == 4
-
-
-def test_of_two_equally_close_the_lower_number_of_false_alarms_is_taken():
-    dataset = make_dataset(x=alarms(0.9, 0.8), y=alarms(0.9, 0.5, 0.5, 0.1))
-    assert same_operating_point(dataset, PARAMS, "x", "y").y.n_false_alarms == 1
-
-
-def test_scores_too_close_for_a_round_threshold_are_still_parted():
-    high, low = 0.5 + 2e-9, 0.5 + 1e-9
-    dataset = make_dataset(x=alarms(0.9), y=alarms(high, low))
-    same = same_operating_point(dataset, PARAMS, "x", "y")
-    assert (same.threshold_y, same.y.n_false_alarms) == (high, 1)
-
-
-def test_large_scores_without_a_threshold_of_few_decimals_above_them_are_parted():
-    same = same_operating_point(make_dataset(y=alarms(1e300)), PARAMS, "x", "y")
-    assert same.y.n_false_alarms == 0
-
-
-def test_a_y_without_scores_has_no_threshold():
-    dataset = make_dataset(x=alarms(0.9), y=alarms(NAN, NAN))
-    same = same_operating_point(dataset, PARAMS, "x", "y")
-    assert (same.threshold_y, same.y.n_false_alarms) == (None, 2)
-
-
-def test_a_y_with_some_scores_gets_the_closest_of_its_curve():
-    dataset = make_dataset(x=alarms(0.9, 0.8), y=alarms(NAN, 0.7, 0.5, 0.3))
-    same = same_operating_point(dataset, PARAMS, "x", "y")
-    assert (same.threshold_y, same.y.n_false_alarms) == (0.7, 2)
-
-
-def test_a_threshold_is_as_round_as_it_can_be():
-    assert threshold_for(np.array([0.9, 0.8, 0.3123, 0.3119, 0.1]), 3) == 0.312
-
-
-def test_scores_that_are_all_the_same_have_no_threshold_between_them():
-    assert threshold_for(np.array([0.5, 0.5]), 1) is None
-
-
-@pytest.mark.parametrize("n_wanted", [0, 2])
-def test_no_threshold_leaves_nothing_or_all(n_wanted: int):
-    assert threshold_for(np.array([0.6, 0.5]), n_wanted) is None
+@pytest.mark.parametrize(
+    ("scores", "n", "threshold"),
+    [
+        ([0.9, 0.8, 0.3123, 0.3119, 0.1], 3, 0.312),
+        ([0.5, 0.5], 1, None),
+        ([0.6, 0.5], 0, None),
+        ([0.6, 0.5], 2, None),
+    ],
+)
+def test_a_threshold_between_scores_is_as_round_as_it_can_be(
+    scores: list[float], n: int, threshold: float | None
+):
+    assert threshold_for(np.array(scores), n) == threshold
 
 
 @pytest.mark.parametrize(
@@ -200,6 +153,7 @@ def test_without_frames_there_are_no_rates():
 def test_every_point_of_a_curve_is_what_an_analysis_at_that_threshold_finds(seed: int):
     dataset = draw_scene(seed).dataset()
     curve = false_alarm_curve(dataset, "x", PARAMS)
-    for threshold, n_alarms in curve[["threshold", "n_false_alarms"]].to_numpy():
-        result = result_of(dataset, threshold_x=float(threshold))
-        assert result.x.false_alarm_summary.count == n_alarms
+    for threshold, n_kept, n_alarms in curve[[*CURVE_COLUMNS[:3]]].to_numpy():
+        x = result_of(dataset, threshold_x=float(threshold)).x
+        assert x.false_alarm_summary.count == n_alarms
+        assert np.count_nonzero(x.matches.state != DetectionState.BELOW) == n_kept
