@@ -24,16 +24,10 @@ def test_midpoints_are_plausible_from_the_rural_to_the_urban_preset() -> None:
     assert (axis.values[0], axis.values[-1]) == (pytest.approx(9.6), pytest.approx(120))
     assert axis.present == (48, 48)
     assert (axis.name, axis.unit) == ("midpoint", "px")
-
-
-@pytest.mark.parametrize("heights", [[], [39.0] * 5, [100, 200, 300], [5, 6]])
-def test_the_midpoint_in_use_by_default_is_plausible_whatever_the_pedestrians_sizes(
-    heights: list[float],
-) -> None:
-    axis = midpoint_axis(heights)
-    assert axis.plausible == (pytest.approx(28.8), pytest.approx(72))
     assert axis.is_present_plausible
     assert axis.reason.startswith("6 to 15 % of the picture's height, from the preset")
+    for beyond in (20.0, 80.0):
+        assert not midpoint_axis([50], midpoint=beyond).is_present_plausible
 
 
 def test_of_pictures_of_different_height_every_default_and_every_preset_is_plausible() -> None:
@@ -51,28 +45,6 @@ def test_of_pictures_of_different_height_every_default_and_every_preset_is_plaus
 def test_a_preset_is_plausible_however_its_midpoint_is_rounded(share: float) -> None:
     result = compare(make_dataset([], height=370.0), Params(midpoint=round(share * 370, 6)))
     assert axes_of(result, "alpha-midpoint", n_points=5)[1].is_present_plausible
-
-
-@pytest.mark.parametrize("midpoint", [20.0, 80.0])
-def test_a_midpoint_beyond_the_presets_is_not_plausible(midpoint: float) -> None:
-    assert not midpoint_axis([50], midpoint=midpoint).is_present_plausible
-
-
-@pytest.mark.parametrize("proximity", ["height", "distance", "horizon"])
-def test_the_default_is_plausible_by_every_proximity(proximity: str) -> None:
-    assert midpoint_axis([30, 90], proximity=proximity).is_present_plausible
-
-
-@pytest.mark.parametrize("n_points", [3, 4, 7, 41])
-def test_the_ends_of_the_plausible_range_are_points(n_points: int) -> None:
-    data = make_dataset([at(0, 50)], [at(0, 50, score=0.2), at(0, 5, score=0.9)], [at(0, 50)])
-    result = compare(data, Params(alpha=0.123, iou=0.51, midpoint=9.3, threshold_x=0.1))
-    for plane in ("alpha-midpoint", "matching", "edge-weight-alpha", "thresholds"):
-        for axis in axes_of(result, plane, n_points=n_points):
-            assert set(axis.plausible) <= set(axis.values)
-            outside = ~axis.is_plausible(axis.values)
-            assert axis.weights[outside].sum() == 0
-            assert (axis.weights[~outside] > 0).all()
 
 
 def test_by_distance_the_midpoint_is_in_metres() -> None:
@@ -122,12 +94,17 @@ def test_another_choice_is_a_whole_range_away() -> None:
     assert axis.text(1.0) == "matching by sideways position"
 
 
-def test_the_analysed_value_is_a_point_of_every_axis() -> None:
+@pytest.mark.parametrize("n_points", [3, 4, 7, 41])
+def test_the_analysed_value_and_the_ends_of_the_plausible_range_are_points(n_points: int) -> None:
     data = make_dataset([at(0, 50)], [at(0, 50, score=0.2), at(0, 5, score=0.9)], [at(0, 50)])
-    params = Params(alpha=0.123, midpoint=47.3, iou=0.51, edge_weight=0.77, threshold_x=0.333)
+    params = Params(alpha=0.123, midpoint=9.3, iou=0.51, edge_weight=0.77, threshold_x=0.333)
     result = compare(data, params)
     for plane in ("alpha-midpoint", "matching", "edge-weight-alpha", "thresholds"):
-        for axis in axes_of(result, plane, n_points=7):
+        for axis in axes_of(result, plane, n_points=n_points):
             assert axis.setting(axis.present_index) == getattr(params, axis.name)
+            assert set(axis.plausible) <= set(axis.values)
             assert np.all(np.diff(axis.values) > 0)
             assert not axis.values.flags.writeable
+            outside = ~axis.is_plausible(axis.values)
+            assert axis.weights[outside].sum() == 0
+            assert (axis.weights[~outside] > 0).all()

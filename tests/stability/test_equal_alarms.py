@@ -86,14 +86,6 @@ def test_a_system_that_scores_the_same_otherwise_is_even_along_the_line() -> Non
     assert "all pairs of a strict threshold with a lax one among them" in said
 
 
-def test_false_alarms_as_analysed_are_told() -> None:
-    result = scored(threshold_x=0.5)
-    n_x, n_y = alarms_at(result, 0.5, -np.inf)
-    said = " ".join(describe_stability(map_stability(result, "thresholds", "similarity")))
-    assert n_y == 60
-    assert f"as analysed, X has {n_x / 100:.2g} and Y 0.6 false alarms per frame." in said
-
-
 def test_systems_that_never_have_as_many_false_alarms_have_no_line() -> None:
     # X: 2 or none in 100 frames, of one score; Y: 5 or none
     truth = [at(f, 50) for f in range(N_FRAMES)]

@@ -6,13 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from builders import at, make_dataset, result_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from nvcore.stability.axes import Axis
 from nvcore.stability.flips import winners
-from nvcore.stability.map import StabilityMap, map_stability
+from nvcore.stability.map import StabilityMap
 from nvcore.stability.scores import Criterion
 from nvcore.stability.words import describe_stability
 
@@ -178,18 +177,6 @@ def test_every_separate_part_of_the_map_is_told() -> None:
 def test_parts_that_touch_at_a_corner_are_one() -> None:
     found = plain_map([[1, 1, 1], [1, -1, 1], [1, 1, -1]], (0, 0))
     assert len(found.overturns) == 1
-
-
-def test_turns_of_a_comparison_agree_with_the_sentences() -> None:
-    # X - Y = 0.5 - 1.5 alpha: exactly 1/3, whatever the number of points
-    data = make_dataset([at(0, 50)], [], [at(0, 50, score=0.9), at(0, 25, score=0.4)])
-    for n_points in (3, 10, 41):
-        found = map_stability(result_of(data), "alpha-midpoint", "similarity", n_points=n_points)
-        (interval,) = found.intervals
-        assert found.overturn is not None
-        assert found.overturn.place == (pytest.approx(1 / 3),)
-        assert interval.flips_below == pytest.approx(found.overturn.place[0])
-        assert interval.below == "x"
 
 
 def test_a_turn_among_the_recordings_own_values_is_no_distance_away() -> None:

@@ -39,11 +39,9 @@ def test_the_verdict_turns_where_the_means_cross() -> None:
     (interval,) = found.intervals
     assert (interval.low, interval.high) == (pytest.approx(0.35), 1.0)
     assert interval.flips_below == pytest.approx(1 / 3)
+    assert interval.below == "x"
     assert np.isnan(interval.flips_above)
-
-
-def test_the_nearest_overturning_setting_is_named_with_its_distance() -> None:
-    overturn = map_stability(turning(), "alpha-midpoint", "similarity").overturn
+    overturn = found.overturn
     assert overturn is not None
     assert overturn.settings == {"alpha": pytest.approx(1 / 3)}
     assert (overturn.winner, overturn.difference) == ("x", 0)
@@ -123,14 +121,6 @@ def test_encounters_by_threshold_are_counted_as_by_hand() -> None:
     assert (found.verdict, found.present_cell) == ("even", 0)
 
 
-def test_a_detection_without_a_score_takes_what_a_threshold_sets_free() -> None:
-    # one matching does not serve all thresholds here: at 0.5 the second box of X is a match
-    x = [at(0, 50, score=0.3), at(0, 50), at(1, 5, score=0.7)]
-    data = make_dataset([at(0, 50, track=1)], x, [], n_frames=2)
-    found = map_stability(result_of(data), "thresholds", "encounters", n_points=3)
-    assert found.difference.tolist() == [1, 1, 1]
-
-
 def test_a_system_without_scores_has_no_threshold_to_move() -> None:
     data = make_dataset([at(0, 50)], [at(0, 50, score=0.5), at(0, 20, score=0.7)], [at(0, 50)])
     found = map_stability(result_of(data), "thresholds", "similarity", n_points=3)
@@ -177,16 +167,6 @@ def test_without_frames_nothing_is_defined(criterion: Criterion) -> None:
     assert found.intervals == ()
 
 
-def test_encounters_are_undefined_where_none_is_near() -> None:
-    data = make_dataset([at(0, 50, h=12.0)], [at(0, 50, h=12.0)], [])  # 100 px high picture
-    found = map_stability(compare(data, Params()), "alpha-midpoint", "encounters", n_points=24)
-    is_near = found.axes[1].values <= 12
-    assert is_near.any()
-    assert not is_near.all()
-    assert (found.difference[:, is_near] == 1).all()
-    assert np.isnan(found.difference[:, ~is_near]).all()
-
-
 def test_only_what_a_setting_changes_is_repeated(monkeypatch: pytest.MonkeyPatch) -> None:
     calls: list[str] = []
     for name in ("match_system", "find_nearest", "weigh_proximity", "measure_sets"):
@@ -222,30 +202,10 @@ def test_threads_give_the_same_map() -> None:
     assert np.array_equal(alone.difference, together.difference, equal_nan=True)
 
 
-@pytest.mark.parametrize("n_threads", [0, 2])
-def test_progress_goes_from_nothing_to_all(n_threads: int) -> None:
+def test_progress_goes_from_nothing_to_all() -> None:
     shares: list[float] = []
-    result = tied()
-
-    def draw(executor: ThreadPoolExecutor | None) -> None:
-        map_stability(
-            result,
-            "edge-weight",
-            n_points=7,
-            executor=executor,
-            progress=lambda share, _what: shares.append(share),
-        )
-
-    if n_threads:
-        with ThreadPoolExecutor(n_threads) as pool:
-            draw(pool)
-    else:
-        draw(None)
-    assert shares == sorted(shares)
-    assert set(shares) <= {i / 7 for i in range(8)}
-    assert (shares[0], shares[-1]) == (0, 1)
-    if not n_threads:
-        assert len(shares) == 1 + 8
+    map_stability(tied(), "edge-weight", n_points=7, progress=lambda share, _: shares.append(share))
+    assert shares == [0, *(i / 7 for i in range(8))]
 
 
 @pytest.mark.parametrize("n_threads", [0, 1])

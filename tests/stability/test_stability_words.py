@@ -1,29 +1,81 @@
-"""Stability in sentences."""
+"""Stability in sentences: every situation, with what its words must hold."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import pytest
-from builders import Box, Place, at, make_dataset, result_of
+from builders import Place, at, make_dataset, result_of
 
 from nvcore.comparison import Result, compare
 from nvcore.params import Params
+from nvcore.stability.axes import Plane
 from nvcore.stability.map import map_stability
 from nvcore.stability.scores import Criterion
 from nvcore.stability.words import describe_stability, difference_text
 
+ALPHA, EDGE, BOTH, MATCHING = "alpha-midpoint", "edge-weight", "edge-weight-alpha", "matching"
+SIMILARITY, ENCOUNTERS, SALIENCY = "similarity", "encounters", "saliency"
 
-def words(result: Result, plane: str, criterion: str, **more: int) -> str:
-    return " ".join(describe_stability(map_stability(result, plane, criterion, **more)))
+
+def words(result: Result, plane: Plane, criterion: Criterion, n_points: int = 41) -> str:
+    return " ".join(describe_stability(map_stability(result, plane, criterion, n_points=n_points)))
 
 
 def turning(**params: float) -> Result:
-    """X - Y = 0.5 - 1.5 alpha (see test_stability)."""
+    """X - Y = 0.5 - 1.5 alpha (see test_map)."""
     data = make_dataset([at(0, 50)], [], [at(0, 50, score=0.9), at(0, 25, score=0.4)])
     return result_of(data, **params)
 
 
+def near_or_far(h: float, **params: float) -> Result:
+    """An encounter that X detects, in a picture 100 px high."""
+    return compare(make_dataset([at(0, 50, h=h)], [at(0, 50, h=h)], []), Params(**params))
+
+
+def two_heights() -> Result:
+    places = [Place([0], height=100), Place([0], height=300)]
+    truth = [at(0, 50, recording=0), at(0, 50, recording=1)]
+    return compare(make_dataset(truth, truth, [], places=places), Params())
+
+
+def one_threshold() -> Result:
+    """Y is even with X until its threshold leaves nothing."""
+    truth = [at(i, 50, track=i) for i in range(2)]
+    x = [box._replace(score=0.5) for box in truth] + [at(0, 5, score=0.1), at(0, 5, score=0.9)]
+    y = [*(box._replace(score=0.9) for box in truth), at(0, 5, score=0.8)]
+    return result_of(make_dataset(truth, x, y), threshold_x=0.5, threshold_y=0.95)
+
+
+def plausible_tie() -> Result:
+    data = make_dataset([at(0, 10), at(1, 10)], [], [at(0, 40), at(1, 40)])
+    return result_of(data, alpha=1.0, edge_weight=0.6)
+
+
+def same_scores() -> Result:
+    boxes = [at(0, 50, score=0.5), at(0, 5, score=0.1), at(0, 5, score=0.9)]
+    return result_of(make_dataset([at(0, 50)], boxes, boxes))
+
+
+SITUATIONS: dict[str, Callable[[], Result]] = {
+    "no frames": lambda: result_of(make_dataset(n_frames=0)),
+    "x ahead": lambda: result_of(make_dataset([at(0, 50)], [at(0, 50)], [])),
+    "implausible": lambda: turning(alpha=0.1),
+    "nearly plausible": lambda: turning(alpha=0.2),
+    "distant": lambda: near_or_far(1.0),
+    "5 px": lambda: near_or_far(5.0, midpoint=4.0),
+    "12 px": lambda: near_or_far(12.0),
+    # X's box is too small for an overlap of a half, and in the right place
+    "narrow box": lambda: result_of(make_dataset([at(0, 50, w=20.0)], [at(0, 50, w=4.0)], [])),
+    "two heights": two_heights,
+    "one threshold": one_threshold,
+    "plausible tie": plausible_tie,
+    "same scores": same_scores,
+}
+
+
 def test_a_verdict_that_turns_says_where() -> None:
-    assert words(turning(), "alpha-midpoint", "similarity", n_points=11) == (
+    assert words(turning(), ALPHA, SIMILARITY, n_points=11) == (
         "As analysed, Y has the higher mean similarity, by 0.8500. The verdict holds in all of the "
         "plausible range: misses against false alarms (alpha) 0.5 to 1 (a miss counts at least as "
         "much as a false alarm). Alpha: all else as it is, it holds for every value tried from 0.4 "
@@ -32,159 +84,48 @@ def test_a_verdict_that_turns_says_where() -> None:
     )
 
 
-def test_a_verdict_outside_the_plausible_range_holds_in_none_of_it() -> None:
-    said = words(turning(alpha=0.1), "alpha-midpoint", "similarity")
-    assert "X has the higher mean similarity, by 0.3500. The verdict holds in none of the" in said
-    assert "The settings in use lie outside the plausible range themselves: alpha 0.1." in said
-    assert (
-        "Alpha: all else as it is, it holds for every value "
-        "tried from 0 to 0.325; at 0.3333 it turns to Y." in said
+@pytest.mark.parametrize(
+    ("situation", "plane", "criterion", "text"),
+    [
+        ("no frames", EDGE, SIMILARITY, "the verdict is undefined: there are no frames."),
+        ("distant", ALPHA, ENCOUNTERS, "undefined: no encounter is near enough to count."),
+        ("x ahead", BOTH, ENCOUNTERS, "X detects more encounters, by 1 encounter. Traffic context"),
+        ("x ahead", BOTH, ENCOUNTERS, "Traffic context and alpha do not enter into it."),
+        ("x ahead", BOTH, SALIENCY, "Alpha does not enter into it. The verdict holds in all"),
+        ("x ahead", EDGE, SIMILARITY, "the whole map. Nowhere on this map does Y come level."),
+        ("x ahead", ALPHA, SIMILARITY, "is Y better; the nearest tie: alpha 0, outside"),
+        ("implausible", ALPHA, SIMILARITY, "holds in none of the"),
+        ("implausible", ALPHA, SIMILARITY, "lie outside the plausible range themselves: alpha 0.1"),
+        ("nearly plausible", ALPHA, SIMILARITY, "where it turns to Y, outside the plausible"),
+        ("nearly plausible", ALPHA, SIMILARITY, "within the plausible range: alpha 0.5 (Y ahead"),
+        ("narrow box", MATCHING, ENCOUNTERS, "X and Y detect equally many encounters."),
+        ("narrow box", MATCHING, ENCOUNTERS, "With matching by sideways position, all else as it"),
+        ("narrow box", MATCHING, ENCOUNTERS, "ends the tie: IoU 0.2 and matching by overlap of"),
+        ("same scores", EDGE, SALIENCY, "It is a tie all over this map."),
+        ("two heights", ALPHA, SIMILARITY, "is each recording's own here, 10 to 30 px: the"),
+        ("two heights", ALPHA, SIMILARITY, "6 to 45 px (6 % of the lowest picture's height to"),
+        ("12 px", ALPHA, ENCOUNTERS, " px it becomes undefined."),
+        ("12 px", ALPHA, ENCOUNTERS, "of the plausible range, where that is defined:"),
+        ("5 px", ALPHA, ENCOUNTERS, "In the plausible range it is undefined: counts half"),
+        ("one threshold", "thresholds", ENCOUNTERS, "for 0.95 only; at 0.9 it becomes a tie."),
+        ("plausible tie", EDGE, SIMILARITY, "inside the plausible range and 0.1 times its width"),
+    ],
+)
+def test_each_situation_has_its_words(
+    situation: str, plane: Plane, criterion: Criterion, text: str
+) -> None:
+    assert text in words(
+        SITUATIONS[situation](), plane, criterion, 3 if plane == "thresholds" else 41
     )
-
-
-def test_a_verdict_that_never_turns_says_so() -> None:
-    result = result_of(make_dataset([at(0, 50)], [at(0, 50)], []))
-    assert words(result, "edge-weight", "similarity") == (
-        "As analysed, X has the higher mean similarity, by 0.9000. The verdict holds in all of the "
-        "plausible range: traffic context (edge weight) 0 to 1 (from towns to rural roads). "
-        "Traffic context: all else as it is, it "
-        "holds for every value tried from 0 to 1, the whole map. Nowhere on this map does Y "
-        "come level."
-    )
-    assert words(result, "alpha-midpoint", "similarity").endswith(
-        "Nowhere on this map is Y better; the nearest tie: alpha 0, outside the plausible range "
-        "and 1.8 times its width away."
-    )
-
-
-def test_a_setting_that_does_not_enter_is_said_not_to() -> None:
-    result = result_of(make_dataset([at(0, 50, track=1)], [at(0, 50)], []))
-    assert words(result, "edge-weight-alpha", "encounters") == (
-        "As analysed, X detects more encounters, by 1 encounter. Traffic context and alpha do not "
-        "enter into it."
-    )
-    said = words(result, "edge-weight-alpha", "saliency")
-    assert (
-        "Alpha does not enter into it. The verdict holds in all of the plausible range: traffic"
-        in said
-    )
-
-
-def test_choices_are_told_one_by_one() -> None:
-    # X's box is too small for an overlap of a half, and in the right place
-    truth = [at(0, 50, w=20.0, track=1)]
-    result = result_of(make_dataset(truth, [at(0, 50, w=4.0)], []))
-    said = words(result, "matching", "encounters")
-    assert "As analysed, X and Y detect equally many encounters." in said
-    assert (
-        "With matching by sideways position, all else as it is, "
-        "X detects more encounters, by 1 encounter."
-    ) in said
-    assert (
-        "IoU: all else as it is, it holds for every value "
-        "tried from 0.22 to 0.9; at 0.2 it turns to X." in said
-    )
-    assert (
-        "ends the tie: IoU 0.2 and matching by overlap of the boxes "
-        "(X ahead by 1 encounter), outside the" in said
-    )
-    assert (
-        "nearest within the plausible range: "
-        "IoU 0.5 and matching by sideways position (X ahead by 1" in said
-    )
-
-
-def test_a_tie_everywhere_is_a_tie() -> None:
-    result = result_of(make_dataset([at(0, 50)], [at(0, 50)], [at(0, 50)]))
-    said = words(result, "edge-weight", "saliency")
-    assert said.endswith("It is a tie all over this map.")
-
-
-def test_what_is_undefined_says_why() -> None:
-    assert words(result_of(make_dataset(n_frames=0)), "edge-weight", "similarity") == (
-        "As analysed the verdict is undefined: there are no frames."
-    )
-    far = compare(make_dataset([at(0, 50, h=1.0)], [], []), Params())
-    assert words(far, "alpha-midpoint", "encounters") == (
-        "As analysed the verdict is undefined: no encounter is near enough to count."
-    )
-
-
-def test_recordings_of_different_height_are_told_the_share_only() -> None:
-    places = [Place([0], height=100), Place([0], height=300)]
-    truth: list[Box] = [at(0, 50, recording=0), at(0, 50, recording=1)]
-    said = words(
-        compare(make_dataset(truth, truth, [], places=places), Params()),
-        "alpha-midpoint", "similarity",
-    )  # fmt: skip
-    assert (
-        '"Counts half at (midpoint)" is each recording\'s own here, 10 to 30 px: the settings in '
-        "use are no single point of this map."
-    ) in said
-    assert (
-        "counts half at (midpoint) 6 to 45 px "
-        "(6 % of the lowest picture's height to 15 % of the tallest" in said
-    )
-    assert "all else as it is" not in said
-    assert "X has the higher mean similarity" in said
-
-
-def test_a_stretch_that_ends_without_a_near_encounter_says_so() -> None:
-    data = make_dataset([at(0, 50, h=12.0)], [at(0, 50, h=12.0)], [])  # 100 px high picture
-    said = words(compare(data, Params()), "alpha-midpoint", "encounters", n_points=24)
-    assert "for every value tried from 2 to 12 px; at 13 px it becomes undefined." in said
-    assert (
-        "in all of the plausible range, where that is defined: "
-        "counts half at (midpoint) 6 to 15 px (" in said
-    )
-
-
-def test_a_plausible_range_without_a_near_encounter_is_undefined() -> None:
-    data = make_dataset([at(0, 50, h=5.0)], [at(0, 50, h=5.0)], [])  # 100 px high picture
-    said = words(compare(data, Params(midpoint=4.0)), "alpha-midpoint", "encounters")
-    assert "In the plausible range it is undefined: counts half at (midpoint) 6 to 15 px (" in said
-
-
-def test_a_verdict_of_one_point_is_told_as_such() -> None:
-    # Y is even with X until its threshold leaves nothing
-    truth = [at(i, 50, track=i) for i in range(2)]
-    x = [box._replace(score=0.5) for box in truth] + [at(0, 5, score=0.1), at(0, 5, score=0.9)]
-    y = [*(box._replace(score=0.9) for box in truth), at(0, 5, score=0.8)]
-    result = result_of(make_dataset(truth, x, y), threshold_x=0.5, threshold_y=0.95)
-    said = words(result, "thresholds", "encounters", n_points=3)
-    assert (
-        "Threshold of Y: all else as it is, it holds for 0.95 only; at 0.9 it becomes a tie."
-        in said
-    )
-
-
-def test_a_plausible_turn_is_not_told_to_be_none() -> None:
-    truth = [at(0, 10), at(1, 10)]
-    tie = result_of(make_dataset(truth, [], [at(0, 40), at(1, 40)]), alpha=1.0, edge_weight=0.6)
-    said = words(tie, "edge-weight", "similarity", n_points=11)
-    assert said.endswith(
-        "the nearest tie: traffic context 0.5, "
-        "inside the plausible range and 0.1 times its width away."
-    )
-
-
-def test_a_turn_before_the_plausible_range_does_not_hide_the_one_within() -> None:
-    said = words(turning(alpha=0.2), "alpha-midpoint", "similarity", n_points=11)
-    assert (
-        "The nearest setting on this map that overturns this: alpha 0.3333, where it turns to Y, "
-        "outside the plausible range and 0.27 times its width away. The nearest within the "
-        "plausible range: alpha 0.5 (Y ahead by 0.2500), inside"
-    ) in said
 
 
 def test_two_settings_with_one_reason_are_given_it_once() -> None:
-    boxes = [at(0, 50, score=0.5), at(0, 5, score=0.1), at(0, 5, score=0.9)]
-    said = words(result_of(make_dataset([at(0, 50)], boxes, boxes)), "thresholds", "similarity")
-    assert said.count("0.01 to 1 false alarms per frame, where the scores give that") == 1
+    text = words(same_scores(), "thresholds", "similarity")
+    assert text.count("0.01 to 1 false alarms per frame, where the scores give that") == 1
 
 
 @pytest.mark.parametrize(
-    ("criterion", "difference", "said"),
+    ("criterion", "difference", "text"),
     [
         ("similarity", 0.0404, "0.0404"),
         ("similarity", -0.04, "0.0400"),
@@ -196,13 +137,13 @@ def test_two_settings_with_one_reason_are_given_it_once() -> None:
     ],
 )
 def test_differences_have_the_digits_of_the_tables(
-    criterion: Criterion, difference: float, said: str
+    criterion: Criterion, difference: float, text: str
 ) -> None:
-    assert difference_text(criterion, difference) == said
+    assert difference_text(criterion, difference) == text
 
 
 @pytest.mark.parametrize("criterion", ["similarity", "encounters", "saliency"])
-def test_a_share_of_nearly_all_is_not_told_as_all(criterion: str) -> None:
-    said = words(turning(alpha=0.34), "alpha-midpoint", criterion)
-    assert "100 %" not in said
-    assert " 0 %" not in said
+def test_a_share_of_nearly_all_is_not_told_as_all(criterion: Criterion) -> None:
+    text = words(turning(alpha=0.34), ALPHA, criterion)
+    assert "100 %" not in text
+    assert " 0 %" not in text

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from concurrent.futures import CancelledError
 from typing import get_args
 
 import numpy as np
@@ -114,15 +113,6 @@ def test_progress_runs_over_all_maps() -> None:
     survey_stability(CASES["one frame"], progress=lambda share, _what: shares.append(share))
     assert shares == sorted(shares)
     assert (shares[0], shares[-1]) == (0, 1)
-
-
-def test_the_survey_can_be_stopped() -> None:
-    def stop(share: float, _what: str) -> None:
-        if share > 0.5:
-            raise CancelledError
-
-    with pytest.raises(CancelledError):
-        survey_stability(CASES["one frame"], progress=stop)
 
 
 def evidence(**of_figures: tuple[float, float]) -> pd.DataFrame:
