@@ -37,18 +37,6 @@ def test_a_run_stops_at_the_end_of_its_last_frame_s_time_step():
     assert table["stop_s"].tolist() == [0.1, 0.6, 0.6]
 
 
-def test_time_steps_are_those_of_sampled_frames():
-    truth = [at(f, 50, track=1) for f in (0, 20, 40)]
-    table = lanes_table(result_of(make_dataset(truth, frames=[0, 20, 40])), 0)
-    assert table[["start_s", "stop_s"]].iloc[0].tolist() == [0, 6]
-
-
-def test_a_pedestrian_too_far_away_is_not_relevant_even_if_matched():
-    truth = [at(0, 50, track=1, h=5), at(1, 50, track=1, h=50)]
-    result = result_of(make_dataset(truth, x=[at(0, 50, h=5), at(1, 50)]), proximity="height")
-    assert lane(result) == [("not_relevant", 0, 0), ("matched", 1, 1)]
-
-
 def test_an_ignored_box_of_the_track_is_a_run_of_its_own():
     truth = [at(0, 50, track=1), at(1, 50, track=1, ignore=True), at(2, 50, track=1)]
     result = result_of(make_dataset(truth, x=[at(f, 50) for f in range(3)]))
@@ -66,13 +54,6 @@ def test_frames_without_an_annotation_are_no_part_of_a_lane():
     assert lane(result) == [("missed", 0, 1), ("missed", 4, 4)]
 
 
-def test_a_track_that_stands_twice_in_a_frame_is_matched_if_one_of_its_boxes_is():
-    truth = [at(0, 50, track=1), at(0, 20, track=1), at(1, 50, track=1)]
-    assert lane(result_of(make_dataset(truth, x=[at(0, 50)]))) == [
-        ("matched", 0, 0), ("missed", 1, 1),
-    ]  # fmt: skip
-
-
 def test_lanes_are_sorted_by_encounter_then_system_then_time():
     truth = [at(f, c, track=t) for f in range(2) for t, c in ((5, 20), (2, 80))]
     table = lanes_table(result_of(make_dataset(truth, x=[at(0, 20)])), 0)
@@ -88,11 +69,6 @@ def test_rows_and_encounters_of_a_later_recording_count_over_all():
     table = lanes_table(result_of(make_dataset(truth, places=places)), 1)
     assert table[["encounter", "track", "first_row"]].iloc[0].tolist() == [1, 4, 8]
     assert table[["start_s", "stop_s"]].iloc[0].tolist() == [0.15, 0.2]
-
-
-def test_linked_tracks_have_lanes():
-    result = result_of(make_dataset([at(f, 50) for f in range(3)]))
-    assert lane(result) == [("missed", 0, 2)]
 
 
 def test_a_recording_without_pedestrians_has_no_lanes_but_all_columns():

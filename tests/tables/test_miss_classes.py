@@ -54,12 +54,6 @@ def test_distant_encounters_have_no_miss_class():
     assert table.to_numpy().sum() == 1
 
 
-def test_without_encounters_all_counts_are_zero():
-    table = miss_class_counts(result_of(make_dataset(n_frames=2)))
-    assert table.shape == (6, 6)
-    assert not table.to_numpy().any()
-
-
 def test_a_fusion_stands_beside_both_systems(result: Result):
     table = fusion_table(result).set_index("system")
     assert tuple(table.index) == FUSION_SYSTEMS

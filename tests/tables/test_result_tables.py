@@ -24,19 +24,6 @@ from nvcore.tables.result import (
 )
 from nvcore.tables.summary import summary
 
-FRAMES = [
-    "recording", "frame", "time_s", "n_truth",
-    "n_det_x", "matched_x", "false_alarms_x", "d_miss_x", "d_false_x", "similarity_x",
-    "similarity_window_x", "salient_track_x",
-    "n_det_y", "matched_y", "false_alarms_y", "d_miss_y", "d_false_y", "similarity_y",
-    "similarity_window_y", "salient_track_y",
-]  # fmt: skip
-ENCOUNTERS = [
-    "recording", "track", "first_frame", "last_frame", "n_relevant", "category",
-    "matched_x", "coverage_x", "detected_x", "miss_class_x", "lag_s_x", "gap_s_x", "tail_s_x",
-    "matched_y", "coverage_y", "detected_y", "miss_class_y", "lag_s_y", "gap_s_y", "tail_s_y",
-]  # fmt: skip
-
 
 @pytest.fixture(scope="module")
 def result() -> Result:
@@ -61,10 +48,6 @@ def nothing() -> Result:
     return result_of(make_dataset(n_frames=3))
 
 
-def test_frames_has_exactly_the_columns_of_the_specification(result: Result):
-    assert list(frames_table(result)) == FRAMES
-
-
 def test_a_row_of_frames_holds_the_frame_s_figures(result: Result):
     row = frames_table(result).iloc[3]
     assert row[["recording", "frame", "time_s", "n_truth"]].tolist() == ["r0", 3, 0.3, 1]
@@ -79,10 +62,6 @@ def test_a_frame_without_a_salient_miss_has_no_salient_track(result: Result):
     table = frames_table(result)
     assert table["salient_track_x"].isna().all()
     assert table["salient_track_y"].tolist() == [7] * 10
-
-
-def test_encounters_begins_with_the_columns_of_the_specification(result: Result):
-    assert list(encounters_table(result))[: len(ENCOUNTERS)] == ENCOUNTERS
 
 
 def test_a_row_of_encounters_tells_how_each_system_did(result: Result):
@@ -108,10 +87,6 @@ def test_a_distant_encounter_is_neither_detected_nor_missed(two: Result):
 
 def test_a_saliency_event_is_one_row(result: Result):
     table = events_table(result)
-    assert list(table) == [
-        "system", "recording", "track", "first_frame", "last_frame", "start_s", "duration_s",
-        "tau", "recency", "saliency_s",
-    ]  # fmt: skip
     assert table.iloc[0, :7].tolist() == ["y", "r0", 7, 0, 9, 0.0, 1.0]
     # recency at tau = 1: 1 / (1 + exp(-(1 - 0.5) / 0.1))
     assert table["saliency_s"][0] == pytest.approx(1 / (1 + np.exp(-5)))
@@ -127,34 +102,22 @@ def test_an_event_is_found_in_the_frames_and_the_recordings():
         assert (event["first_row"], event["last_row"]) == (13, 15)
 
 
-def test_worst_events_are_the_most_salient_of_one_system():
-    truth = [at(f, 50, track=1) for f in range(12)]
-    seen = [0, 3, 4, 6, 7, 8, 11]  # missed in frames 1-2, 5, 9-10: late misses weigh more
-    dataset = make_dataset(truth, [at(f, 50, score=1.0) for f in seen])
-    worst = worst_events(result_of(dataset), "x", n=2)
-    assert worst["first_frame"].tolist() == [9, 5]
-    assert set(worst["system"]) == {"x"}
-
-
 def test_a_low_interval_is_one_row_with_its_worst_frame(result: Result):
     table = intervals_table(result)
-    assert list(table) == [
-        "system", "recording", "first_frame", "last_frame", "start_s", "duration_s", "severity_s",
-        "min_similarity", "worst_frame",
-    ]  # fmt: skip
     assert table.iloc[0, :6].tolist() == ["y", "r0", 0, 9, 0.0, 1.0]
     # similarity 0.1 without a detection, 0.26 in frame 3
     assert table["severity_s"][0] == pytest.approx((9 * 0.8 + 0.64) * 0.1)
     assert table[["min_similarity", "worst_frame"]].iloc[0].tolist() == pytest.approx([0.1, 0])
 
 
-def test_worst_intervals_are_the_most_severe_of_one_system():
+def test_the_worst_of_one_system_come_first():
+    # missed in frames 1-2, 5, 9-10: late misses are more salient, early ones as severe
     truth = [at(f, 50, track=1) for f in range(12)]
-    seen = [0, 3, 4, 6, 7, 8, 11]  # low in frames 1-2, 5, 9-10
-    dataset = make_dataset(truth, [at(f, 50, score=1.0) for f in seen])
-    worst = worst_intervals(result_of(dataset), "x", n=2)
-    assert worst["first_frame"].tolist() == [1, 9]
-    assert set(worst["system"]) == {"x"}
+    result = result_of(make_dataset(truth, [truth[f] for f in (0, 3, 4, 6, 7, 8, 11)]))
+    events, intervals = worst_events(result, "x", n=2), worst_intervals(result, "x", n=2)
+    assert events["first_frame"].tolist() == [9, 5]
+    assert intervals["first_frame"].tolist() == [1, 9]
+    assert {*events["system"], *intervals["system"]} == {"x"}
 
 
 def test_recordings_are_counted_apart(two: Result):
@@ -168,6 +131,7 @@ def test_recordings_are_counted_apart(two: Result):
     assert table["encounters_detected_x"].tolist() == [1, 0]
     assert table["mean_similarity_x"]["r0"] == 1
     assert table["saliency_x"].tolist() == [0, 0]
+    assert sum(summary(two)["x"]["miss_classes"].values()) == 1  # not the distant one
 
 
 def test_recordings_and_frames_add_up_to_the_summary(two: Result):
@@ -176,30 +140,17 @@ def test_recordings_and_frames_add_up_to_the_summary(two: Result):
     assert table["n_truth"].sum() == frames["n_truth"].sum() == all_["truth"]["boxes"]
     assert table["false_alarms_y"].sum() == all_["y"]["false_alarms"]
     assert {name: table[name].sum() for name in all_["venn"]} == all_["venn"]
-
-
-def test_false_alarms_per_minute_are_of_the_recording_s_own_time(result: Result):
-    row = recordings_table(result).iloc[0]
-    assert (row["false_alarms_y"], row["false_alarms_per_minute_y"]) == (1, 60)
-    assert row["false_alert_episodes_per_hour_y"] == 3600
+    assert all_["dominant"] == "x"
 
 
 def test_the_summary_names_saliency_and_similarity_of_both_systems(result: Result):
+    row = recordings_table(result).iloc[0]
+    assert (row["false_alarms_y"], row["false_alarms_per_minute_y"]) == (1, 60)
+    assert row["false_alert_episodes_per_hour_y"] == 3600
     all_ = summary(result)
     assert (all_["x"]["saliency"], all_["x"]["mean_similarity"]) == (0, 1)
     assert all_["y"]["min_similarity"] == pytest.approx(0.1)
     assert all_["y"]["mean_similarity"] == pytest.approx((9 * 0.1 + 0.26) / 10)
-
-
-def test_the_summary_s_venn_has_the_five_counts(result: Result):
-    assert summary(result)["venn"] == {
-        "both": 0, "x_only": 1, "y_only": 0, "neither": 0, "distant": 0,
-    }  # fmt: skip
-    assert summary(result)["dominant"] == "x"
-
-
-def test_the_miss_classes_of_the_summary_leave_distant_encounters_out(two: Result):
-    assert sum(summary(two)["x"]["miss_classes"].values()) == 1
 
 
 def test_the_lead_time_counts_encounters_that_both_found():
