@@ -14,7 +14,7 @@ from scenes import draw_scene
 
 from nvcore.comparison import Result, compare
 from nvcore.dataset import Dataset, dataset_from_tables
-from nvcore.errors import InputError, ParameterError
+from nvcore.errors import InputError
 from nvcore.metrics import kernels
 from nvcore.params import SETTINGS, Params, settings_for
 from nvcore.params.metadata import (
@@ -168,39 +168,6 @@ def test_settings_that_differ_in_later_stages_only_share_the_earlier_ones(
             assert (getattr(here, part) is getattr(there, part)) == is_shared
 
 
-EFFECTS = {
-    "alpha": {"similarity", "similarity_window", "intervals", "summary"},
-    "low": {"intervals", "summary"},
-    "window": {"similarity_window"},
-    "tolerance": {"salient_row", "events", "saliency_s"},
-    "recency_midpoint": {"events", "saliency_s"},
-    "recency_spread": {"events", "saliency_s"},
-    "saliency_aggregate": {"saliency_s"},
-    "saliency_scope": {"events", "saliency_s"},
-    "lag_s": {"encounters"},
-    "gap_s": {"encounters"},
-}
-
-
-@pytest.mark.parametrize("name", EFFECTS)
-def test_a_parameter_changes_what_it_should_and_nothing_else(busy: Dataset, name: str) -> None:
-    before, after = changed(name)
-    differences = differing(compare(busy, before), compare(busy, after))
-    assert differences == {f"{letter} {figure}" for letter in "xy" for figure in EFFECTS[name]}
-
-
-@pytest.mark.parametrize(("name", "other"), [("threshold_x", "y"), ("threshold_y", "x")])
-def test_a_threshold_changes_its_own_system_alone(busy: Dataset, name: str, other: str) -> None:
-    differences = differing(compare(busy), compare(busy, Params(**{name: 0.5})))
-    assert "n_det" in {figure.partition(" ")[2] for figure in differences}
-    assert not {figure for figure in differences if figure.startswith(f"{other} ")}
-
-
-def test_coverage_moves_encounters_between_categories_only(busy: Dataset) -> None:
-    differences = differing(compare(busy), compare(busy, Params(coverage=0.9)))
-    assert differences == {"venn", "exclusivity", "category", "x encounters", "y encounters"}
-
-
 @pytest.mark.parametrize("pieces", [2, 3, 7])
 def test_figures_do_not_depend_on_the_number_of_threads(
     busy: Dataset, pieces: int, monkeypatch: pytest.MonkeyPatch
@@ -256,31 +223,11 @@ def test_a_dataset_without_any_truth_has_false_alarms_and_no_encounter() -> None
     assert result.venn.n_near == 0
 
 
-def test_a_recording_without_truth_counts_its_frames_and_false_alarms() -> None:
-    dataset = make_dataset([at(0, 50, track=1)], [at(0, 50), at(0, 50, recording=1)],
-                           places=[Place([0]), Place([0])])  # fmt: skip
-    result = result_of(dataset)
-    assert result.x.similarity == pytest.approx([1, 0.9])
-    assert result.x.false_alarm_summary.per_frame == 0.5
-
-
-def test_a_dataset_without_boxes_is_perfect_and_empty() -> None:
-    result = result_of(make_dataset(n_frames=3))
-    assert result.x.summary.mean == 1
-    assert result.x.intervals.empty
-    assert result.fusion.x.summary.mean == 1
-
-
 def test_a_dataset_without_frames_is_undefined_not_an_error() -> None:
     result = result_of(make_dataset())
     assert np.isnan(result.x.summary.mean)
     assert result.duration_s == 0
     assert result.x.similarity_window.size == 0
-
-
-def test_the_recording_time_is_the_sum_of_all_time_steps() -> None:
-    places = [Place([0, 20, 40], fps=20), Place([0], fps=10)]
-    assert result_of(make_dataset(places=places)).duration_s == pytest.approx(3.1)
 
 
 def one_system() -> Dataset:
@@ -300,11 +247,6 @@ def test_a_single_system_may_be_compared_with_itself_by_name() -> None:
 def test_an_unknown_system_is_refused() -> None:
     with pytest.raises(InputError, match="there is no system 'z'; there are x, y"):
         compare(make_dataset(n_frames=1), y="z")
-
-
-def test_an_error_in_one_system_reaches_the_caller() -> None:
-    with pytest.raises(ParameterError, match="needs the row of the horizon"):
-        compare(make_dataset(x=[at(0, 50)]), Params(proximity="horizon"))
 
 
 def test_the_dataset_is_not_changed(busy: Dataset) -> None:

@@ -12,8 +12,6 @@ from drives import drives
 from nvcore.comparison import Result
 from nvcore.detection.curve_summary import summarise_curve
 from nvcore.detection.curves import detection_curve
-from nvcore.evidence.measures import unit_measures
-from nvcore.evidence.units import find_units
 from nvcore.measures import (
     EVIDENCE_KEYS,
     MEASURES,
@@ -121,19 +119,6 @@ def test_what_is_undefined_without_frames_says_so():
         one.key for one in OF_SYSTEMS if one.meaning and np.isnan(one.of(result, result.x))
     }
     assert undefined == {one.key for one in OF_SYSTEMS if one.empty}
-
-
-@pytest.mark.parametrize("aggregate", ["max", "sum"])
-def test_sums_over_units_give_the_value_of_all(aggregate: str):
-    result = result_of(drives(12), saliency_aggregate=aggregate)
-    judged = {measure.key: measure for measure in unit_measures(result, find_units(result))}
-    assert set(judged) == {key for key in EVIDENCE_KEYS if inference_of(key).test == "units"}
-    for key in ("mean_similarity", "share_low", "false_alert_episodes_per_hour"):
-        for sums, system in ((judged[key].x, result.x), (judged[key].y, result.y)):
-            value = judged[key].statistic(sums.sum(axis=0))
-            assert value == pytest.approx(measure_of(key).of(result, system)), key
-    saliency = judged["saliency"].statistic(judged["saliency"].y.sum(axis=0))
-    assert saliency == pytest.approx(measure_of("mean_saliency").of(result, result.y))
 
 
 @pytest.mark.parametrize("key", EVIDENCE_KEYS)

@@ -52,11 +52,6 @@ def test_a_column_outside_the_schema_is_our_own_mistake() -> None:
         conform({"confidence": [1.0]}, BOX_DTYPES, n_rows=1)
 
 
-def test_readings_and_datasets_hold_every_column_of_a_box() -> None:
-    assert set(BOX_DTYPES) <= set(READING_DTYPES)
-    assert set(BOX_DTYPES) <= set(DATASET_BOX_DTYPES)
-
-
 def test_every_category_and_miss_class_has_its_sentence() -> None:
     assert set(CATEGORY_TEXT) == set(Category)
     assert set(MISS_CLASS_TEXT) == set(MissClass)
