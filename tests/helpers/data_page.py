@@ -23,6 +23,9 @@ runpy.run_path({str(ROOT / "pages" / "data.py")!r})
 sidebar.draw(wrong)
 """
 PNG = b"\x89PNG\r\n\x1a\n" + bytes(100)
+ASKED = {"width": 640, "height": 480, "fps": 20.0}
+"""What the page asks of files that say none of it."""
+ON_SAMPLE = "Open now: Sample recordings ("
 
 
 def opened() -> AppTest:
@@ -33,32 +36,51 @@ def press(page: AppTest, key: str) -> AppTest:
     return checked(page.button(key=key).click().run())
 
 
+def press_labelled(page: AppTest, label: str) -> AppTest:
+    (button,) = [button for button in page.button if button.label == label]
+    return checked(button.click().run())
+
+
 def send(page: AppTest, key: str, *files: tuple[str, bytes]) -> None:
     page.file_uploader(key=key).set_value([(*file, "application/octet-stream") for file in files])
 
 
-def send_drive(page: AppTest, folder: Path, *systems: str) -> None:
+def sent(truth: bytes, *systems: tuple[str, bytes]) -> AppTest:
+    """The form with ground truth and systems, not opened yet."""
+    page = opened()
+    send(page, "upload_truth", ("truth.csv", truth))
+    for number, file in enumerate(systems):
+        send(page, f"upload_system_{number}", file)
+    return checked(page.run())
+
+
+def sent_drive(folder: Path, *systems: str) -> AppTest:
     drive(folder)
-    send(page, "upload_truth", ("truth.csv", (folder / "truth.csv").read_bytes()))
-    for number, name in enumerate(systems):
-        send(page, f"upload_system_{number}", (name, (folder / name).read_bytes()))
+    files = [(name, (folder / name).read_bytes()) for name in systems]
+    return sent((folder / "truth.csv").read_bytes(), *files)
 
 
 def answer(page: AppTest, place: str = "upload", **values: float) -> None:
     """Fill in what the page asks for: width, height, fps."""
     for name, value in values.items():
         (field,) = [
-            one for one in page.number_input if (one.key or "").startswith(f"{name}_{place}")
+            field for field in page.number_input if (field.key or "").startswith(f"{name}_{place}")
         ]
         field.set_value(value)
 
 
-def opened_drive(folder: Path, *systems: str) -> AppTest:
-    page = opened()
-    send_drive(page, folder, *systems)
-    press(page, "open_upload")
-    answer(page, width=640, height=480, fps=20.0)
+def asked(page: AppTest) -> dict[str, float | None]:
+    return {one.label: one.value for one in page.number_input if "upload" in (one.key or "")}
+
+
+def open_files(page: AppTest, **values: float) -> AppTest:
+    """Open what was sent, with all that the page asks for, or with these answers."""
+    answer(page, **(values or ASKED))
     return press(page, "open_upload")
+
+
+def opened_drive(folder: Path, *systems: str) -> AppTest:
+    return open_files(sent_drive(folder, *systems))
 
 
 def space_of(page: AppTest):
@@ -77,19 +99,17 @@ def late_drive(folder: Path) -> tuple[bytes, bytes]:
     return paths[0].read_bytes(), paths[1].read_bytes()
 
 
-def send_video(page: AppTest, name: str, n_bytes: int | None = None) -> None:
+def send_video(page: AppTest, name: str, n_bytes: int | None = None) -> AppTest:
     """As the upload route does it; only the first bytes where their number is given."""
 
     async def content():
         yield (ROOT / "sample_data" / "odd_pose.mp4").read_bytes()[:n_bytes]
 
     asyncio.run(receive(space_of(page), PICTURES, name, content()))
+    return checked(page.run())
 
 
 def late_page(folder: Path) -> AppTest:
-    """The form with one recording and a system, not sent yet."""
-    page = opened()
+    """The form with one recording and a system, not opened yet."""
     truth, late = late_drive(folder)
-    send(page, "upload_truth", ("night.csv", truth))
-    send(page, "upload_system_0", ("late.csv", late))
-    return page
+    return sent(truth, ("late.csv", late))

@@ -2,12 +2,28 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 
 import pytest
+from places import SAMPLE
+
+from nvcore.pictures import Pictures, open_pictures
+from ui.session import pictures
+
+open_once = cache(open_pictures)
 
 
 @pytest.fixture(autouse=True)
 def surroundings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("NVCORE_UPLOAD_DIR", str(tmp_path / "uploads"))
     monkeypatch.delenv("NVCORE_LOCAL_ROOT", raising=False)
+    monkeypatch.setattr(pictures, "open_pictures", open_sample_once)
+
+
+def open_sample_once(path: Path) -> Pictures:
+    """As `open_pictures`; each of the sample's videos, of which a page needs few, once for all.
+
+    A closed video opens again when it is read.
+    """
+    return open_once(path) if path.parent == SAMPLE.parent else open_pictures(path)

@@ -81,7 +81,7 @@ def _survey_rows(result: Result) -> tuple[SurveyRow, ...] | None:
         if job_state is JobState.DONE:
             return space.cached(JOB, key, lambda: job.output, most=MOST)
     if len(result.dataset.frames) <= AT_ONCE or space.peek(JOB, key) is not None:
-        return space.cached(JOB, key, lambda: _survey(result), most=MOST)
+        return state.cached(JOB, key, lambda: _survey(result), most=MOST)
     st.button(
         "Try all settings",
         key=f"{JOB}_start",

@@ -98,7 +98,7 @@ def _stability_map(result: Result, key: MapKey) -> StabilityMap | None:
             return space.cached("stability", key, lambda: job.output, most=MOST_MAPS)
     is_small = len(result.dataset.frames) <= AT_ONCE
     if is_small or space.peek("stability", key) is not None:
-        return space.cached(
+        return state.cached(
             "stability",
             key,
             lambda: map_stability(result, key.plane, key.criterion),
