@@ -10,11 +10,10 @@ import cv2
 import numpy as np
 import pytest
 from places import ROOT
-from streamlit.testing.v1 import AppTest
 
 from nvcore.errors import SessionError
 from nvcore.inputs.session import Session, Source
-from pages import TIMEOUT_S
+from pages import scripted
 from ui.data import missing_inputs
 from ui.data.missing_inputs import MissingInputs, check_pictures, picture_rate, picture_size
 
@@ -24,45 +23,38 @@ VIDEO = ROOT / "sample_data" / "odd_pose.mp4"
 @pytest.fixture
 def opened(monkeypatch: pytest.MonkeyPatch) -> list[Path]:
     """What was opened, in turn."""
-    found: list[Path] = []
+    paths: list[Path] = []
     real = missing_inputs.open_pictures
 
     def counted(path: Path):
-        found.append(path)
+        paths.append(path)
         return real(path)
 
     monkeypatch.setattr(missing_inputs, "open_pictures", counted)
-    return found
+    return paths
 
 
-def test_a_video_is_opened_once_for_its_size(tmp_path: Path, opened: list[Path]):
+def test_a_video_is_opened_once_for_its_size_and_again_when_it_was_replaced(
+    tmp_path: Path, opened: list[Path]
+):
     video = Path(shutil.copy(VIDEO, tmp_path / "drive.mp4"))
     assert [picture_size([video]) for _ in range(3)] == [(640, 480)] * 3
     assert opened == [video]
-
-
-def test_a_video_that_was_replaced_is_opened_again(tmp_path: Path, opened: list[Path]):
-    video = Path(shutil.copy(VIDEO, tmp_path / "drive.mp4"))
-    picture_size([video])
     os.utime(video, ns=(1, 1))
     picture_size([video])
     assert opened == [video, video]
 
 
-def test_the_size_is_that_of_the_first_that_can_be_opened(tmp_path: Path):
-    (tmp_path / "no.mp4").write_bytes(b"no video")
-    assert picture_size([tmp_path / "gone.mp4", tmp_path / "no.mp4", VIDEO]) == (640, 480)
-
-
-def test_pictures_that_cannot_be_opened_say_why(tmp_path: Path):
-    (tmp_path / "no.mp4").write_bytes(b"no video")
-    assert "is text, not pictures" in check_pictures(tmp_path / "no.mp4").trouble
-    assert "No such file" in check_pictures(tmp_path / "gone.mp4").trouble
-
-
-def test_the_rate_is_that_of_the_first_video(tmp_path: Path):
-    assert picture_rate([tmp_path / "gone.mp4", VIDEO]) == 20
-    assert picture_rate([tmp_path / "gone.mp4"]) is None
+def test_size_and_rate_are_those_of_the_first_that_can_be_opened_the_others_say_why(
+    tmp_path: Path,
+):
+    gone, text = tmp_path / "gone.mp4", tmp_path / "no.mp4"
+    text.write_bytes(b"no video")
+    assert picture_size([gone, text, VIDEO]) == (640, 480)
+    assert picture_rate([gone, VIDEO]) == 20
+    assert picture_rate([gone]) is None
+    assert "is text, not pictures" in check_pictures(text).trouble
+    assert "No such file" in check_pictures(gone).trouble
 
 
 def test_facts_fill_what_a_session_leaves_open():
@@ -86,23 +78,11 @@ def test_a_folder_of_pictures_that_was_mended_in_place_is_opened_again(tmp_path:
     assert check_pictures(picture.parent).size == (64, 48)
 
 
-def size_in_a_session(path: str) -> None:
-    from pathlib import Path
-
-    import streamlit as st
-
-    from ui.data.missing_inputs import picture_size
-
-    st.text(str(picture_size([Path(path)])))
-
-
 def test_what_pictures_are_is_kept_for_one_session(tmp_path: Path, opened: list[Path]):
-    video = shutil.copy(VIDEO, tmp_path / "drive.mp4")
-    mine, other = (
-        AppTest.from_function(size_in_a_session, args=(str(video),), default_timeout=TIMEOUT_S)
-        for _ in range(2)
-    )
-    mine.run().run()
+    video = Path(shutil.copy(VIDEO, tmp_path / "drive.mp4"))
+    script = "from pathlib import Path\nfrom ui.data.missing_inputs import picture_size\n"
+    script += f"assert picture_size([Path({str(video)!r})]) == (640, 480)\n"
+    scripted(script).run().run()
     assert len(opened) == 1
-    assert other.run().text[0].value == "(640, 480)"
+    assert not scripted(script).run().exception
     assert len(opened) == 2
