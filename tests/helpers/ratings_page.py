@@ -7,7 +7,7 @@ from places import ROOT
 from streamlit.testing.v1 import AppTest
 
 import pages
-from pages import checked
+from pages import checked, texts
 from ui.ratings import source
 
 SIMULATED = ROOT / "sample_data" / "ratings_simulated.csv"
@@ -17,30 +17,40 @@ def opened(**address: str) -> AppTest:
     return checked(pages.opened("ratings", **address))
 
 
+def press(page: AppTest, key: str) -> AppTest:
+    return checked(page.button(key=key).click().run())
+
+
 def words(page: AppTest) -> str:
-    shown = (*page.markdown, *page.caption, *page.info, *page.warning, *page.error, *page.success)
-    return " ".join(one.value for one in shown).replace("\\", "")
+    return texts(page).replace("**", "")
 
 
 def warnings(page: AppTest) -> str:
-    return " ".join(one.value for one in page.warning).replace("\\", "").replace("**", "")
+    return " ".join(text.value for text in page.warning).replace("\\", "").replace("**", "")
 
 
 def metrics(page: AppTest) -> dict[str, str]:
-    return {one.label: one.value for one in page.metric}
+    return {metric.label: metric.value for metric in page.metric}
 
 
 def keys(page: AppTest) -> list[str | None]:
-    return [one.key for one in page.button]
+    return [button.key for button in page.button]
 
 
 def only(page: AppTest, name: str) -> str:
     return "".join(page.query_params[name])
 
 
+def show_part(page: AppTest, part: str) -> AppTest:
+    return checked(page.button_group(key="ratings_part").set_value(part).run())
+
+
+def show_source(page: AppTest, name: str) -> AppTest:
+    return checked(page.button_group(key="ratings_source_4").set_value(name).run())
+
+
 def from_file(content: bytes, name: str = "ratings.csv", page: AppTest | None = None) -> AppTest:
-    page = opened() if page is None else page
-    checked(page.button_group(key="ratings_source_4").set_value(source.FILE).run())
+    page = show_source(opened() if page is None else page, source.FILE)
     return checked(
         page.file_uploader(key="ratings_file").set_value((name, content, "text/csv")).run()
     )

@@ -1,0 +1,36 @@
+"""The tests of the Ratings page fit and correlate the same ratings once."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from nvcore.comparison import Result
+from nvcore.studies.ratings.fit import fit_saliency
+from nvcore.studies.ratings.validation import correlate
+from ui.ratings import fit, results
+
+_made: dict[Any, Any] = {}
+
+
+def fit_once(result: Result, clips: pd.DataFrame, **options: Any) -> Any:
+    key = result.dataset.fingerprint, result.params, clips.to_csv()
+    if key not in _made:
+        _made[key] = fit_saliency(result, clips, **options)
+    return _made[key]
+
+
+def correlate_once(saliency_s: np.ndarray, mean_rank: np.ndarray) -> Any:
+    key = saliency_s.tobytes(), mean_rank.tobytes()
+    if key not in _made:
+        _made[key] = correlate(saliency_s, mean_rank)
+    return _made[key]
+
+
+@pytest.fixture(autouse=True)
+def made_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(fit, "fit_saliency", fit_once)
+    monkeypatch.setattr(results, "correlate", correlate_once)
