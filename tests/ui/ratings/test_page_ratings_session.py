@@ -7,15 +7,28 @@ from contextlib import closing
 from pathlib import Path
 
 import pytest
-from ratings_page import keys, metrics, only, opened, table, warnings, words
+from ratings_page import (
+    keys,
+    metrics,
+    only,
+    opened,
+    press,
+    show_part,
+    show_source,
+    table,
+    warnings,
+    words,
+)
 from streamlit.testing.v1 import AppTest
 
 from nvcore.inputs.session_toml import read_session
 from nvcore.studies.ratings.store import RatingStore, Study
-from pages import checked
+from pages import begin_with, checked, rows, write
 from ui.ratings import links, participant, source
 from ui.session import state
 from ui.widgets import viewer
+
+STRANGE = "there is no rating session of the name in the address"
 
 
 @pytest.fixture(autouse=True)
@@ -26,33 +39,34 @@ def store(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> RatingStore:
 
 def begun(page: AppTest, store: RatingStore, *recordings: str, whose: str = "both") -> Study:
     """Begin a rating session."""
-    checked(page.button_group(key="ratings_part").set_value("Rating session").run())
+    show_part(page, "Rating session")
     page.multiselect(key="rating_recordings").set_value(list(recordings))
     page.button_group(key="rating_whose").set_value(whose)
-    checked(page.button(key="rating_start").click().run())
+    press(page, "rating_start")
     study = store.study_of_conductor(only(page, "conduct"))
     assert study is not None
     return study
 
 
-def test_a_rating_session_has_an_address_for_each_side(store: RatingStore):
+def test_a_rating_session_has_an_address_for_each_side_and_opens_again_by_it(
+    store: RatingStore,
+):
     page = opened()
+    show_part(page, "Rating session")
+    page.multiselect(key="rating_recordings").set_value([]).run()
+    assert "needs 1 to 500 clips" in words(press(page, "rating_start"))
     checked(page.slider(key="threshold_x").set_value(0.7).run())
     study = begun(page, store, "odd_pose", "rural_child", whose="NIR")
-    addresses = [one.value for one in page.code]
+    addresses = [code.value for code in page.code]
     assert addresses[0].endswith(f"?study={study.token}")
     assert addresses[1].endswith(f"?conduct={study.conductor}")
     assert study.clips == (("rural_child", "NIR"), ("odd_pose", "NIR"))
     assert study.thresholds == {"FIR": 0.7, "NIR": 0.5}
     assert metrics(page)["ratings so far"] == "0"
-
-
-def test_no_recording_begins_no_session():
-    page = opened()
-    page.button_group(key="ratings_part").set_value("Rating session").run()
-    page.multiselect(key="rating_recordings").set_value([]).run()
-    checked(page.button(key="rating_start").click().run())
-    assert "needs 1 to 500 clips" in words(page)
+    press(page, "rating_close")
+    assert not page.code
+    assert "conduct" not in page.query_params
+    assert opened(conduct=study.conductor).code
 
 
 def test_a_participant_sees_clips_only_and_every_rating_is_kept(
@@ -88,17 +102,6 @@ def test_a_participant_sees_clips_only_and_every_rating_is_kept(
     assert page.title[0].value == "Thank you"
 
 
-def test_a_participants_boxes_have_the_thresholds_of_the_session(
-    store: RatingStore, monkeypatch: pytest.MonkeyPatch
-):
-    monkeypatch.setattr(participant, "viewer", lambda **_: 0)
-    page = opened()
-    checked(page.slider(key="threshold_y").set_value(0.83).run())
-    study = begun(page, store, "odd_pose")
-    person = opened(study=study.token, participant="Ann")
-    assert person.session_state["params"].threshold_y == 0.83
-
-
 def test_the_conductor_comes_back_to_progress_and_results(store: RatingStore):
     study = begun(opened(), store, "odd_pose", "rural_child", "rural_road")
     for name, shift in (("Ann", 0), ("Bob", 1)):
@@ -110,47 +113,37 @@ def test_the_conductor_comes_back_to_progress_and_results(store: RatingStore):
         "participants": "2", "have rated all clips": "1", "ratings so far": "11",
     }  # fmt: skip
     assert table(page, "n_rated")["n_rated"].tolist() == [6, 5]
-    checked(page.button_group(key="ratings_part").set_value("Results").run())
-    checked(page.button_group(key="ratings_source_4").set_value(source.SESSION).run())
+    show_source(show_part(page, "Results"), source.SESSION)
     assert metrics(page)["ratings missing"] == "1"
     assert metrics(page)["clips"] == "6"
 
 
-def test_a_participant_does_not_see_the_ratings(store: RatingStore):
+def test_neither_participants_nor_strangers_see_the_ratings(store: RatingStore):
     study = begun(opened(), store, "odd_pose")
-    page = opened(conduct=study.token)
-    assert "there is no rating session of the name in the address" in words(page)
-    assert not page.code
-
-
-def test_strangers_see_no_session():
-    page = opened(conduct="AAAAAAAAAAAAAAAAAAAAAA")
-    assert "there is no rating session of the name in the address" in words(page)
-    assert not page.code
+    for token in (study.token, "AAAAAAAAAAAAAAAAAAAAAA"):
+        page = opened(conduct=token)
+        assert STRANGE in words(page)
+        assert not page.code
     assert "leads to no rating session" in words(opened(study="AAAAAAAAAAAAAAAAAAAAAA"))
 
 
-def test_a_participant_with_another_comparison_open_is_told(store: RatingStore):
-    study = store.begin("of another dataset", [("night", "FIR")])
-    page = opened(study=study.token)
-    assert "about another comparison than the one that is open" in words(page)
-    assert page.sidebar.slider  # so that it can be opened
-    assert "study" not in page.query_params
-
-
-def test_the_rating_session_goes_on_once_its_comparison_is_open(
+def test_a_participant_with_another_comparison_open_goes_on_once_the_right_one_is(
     store: RatingStore, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     monkeypatch.setattr(participant, "viewer", lambda **_: 0)
     study = begun(opened(), store, "odd_pose")
-    change = "UPDATE study SET fingerprint = ?"
-    with closing(sqlite3.connect(tmp_path / "kept" / "ratings.sqlite")) as base, base:
-        base.execute(change, ("of another dataset",))
+
+    def be_of(fingerprint: str) -> None:
+        with closing(sqlite3.connect(tmp_path / "kept" / "ratings.sqlite")) as base, base:
+            base.execute("UPDATE study SET fingerprint = ?", (fingerprint,))
+
+    be_of("of another dataset")
     page = opened(study=study.token, participant="Ann")
-    with closing(sqlite3.connect(tmp_path / "kept" / "ratings.sqlite")) as base, base:
-        base.execute(change, (study.fingerprint,))
-    checked(page.run())
-    checked(page.button(key="rating_go_on").click().run())
+    assert "about another comparison than the one that is open" in words(page)
+    assert page.sidebar.slider  # so that it can be opened
+    assert "study" not in page.query_params
+    be_of(study.fingerprint)
+    press(checked(page.run()), "rating_go_on")
     assert "Clip 1 of 2" in words(page)
     assert only(page, "participant") == "Ann"
 
@@ -162,13 +155,13 @@ def test_the_conductors_screen_can_be_handed_over_and_taken_back(
     page = opened()
     checked(page.slider(key="alpha").set_value(0.4).run())
     study = begun(page, store, "odd_pose", whose="FIR")
-    checked(page.button(key="rating_here").click().run())
+    press(page, "rating_here")
     page.text_input(key="rating_name").set_value("Ann")
     checked(page.button[0].click().run())
-    checked(page.button(key="rating_0_3").click().run())
-    checked(page.button(key="rating_next").click().run())
+    press(page, "rating_0_3")
+    press(page, "rating_next")
     assert "participant" not in page.query_params
-    checked(page.button(key="rating_back").click().run())
+    press(page, "rating_back")
     assert only(page, "conduct") == study.conductor
     assert metrics(page)["have rated all clips"] == "1"
     assert page.slider(key="alpha").value == 0.4
@@ -176,35 +169,18 @@ def test_the_conductors_screen_can_be_handed_over_and_taken_back(
     assert keys(stranger) == ["rating_change", "rating_next"]
 
 
-def test_a_session_that_is_closed_opens_again_by_its_link(store: RatingStore):
-    page = opened()
-    study = begun(page, store, "odd_pose")
-    checked(page.button(key="rating_close").click().run())
-    assert not page.code
-    assert "conduct" not in page.query_params
-    assert opened(conduct=study.conductor).code
-
-
 def test_an_unusable_file_of_ratings_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     (tmp_path / "no.sqlite").write_bytes(b"this is no database, whatever its name says" * 40)
     monkeypatch.setenv("NVCORE_RATINGS", str(tmp_path / "no.sqlite"))
     page = opened()
-    page.button_group(key="ratings_part").set_value("Rating session").run()
-    checked(page.button(key="rating_start").click().run())
+    press(show_part(page, "Rating session"), "rating_start")
     assert "the file of the ratings cannot be used" in words(page)
 
 
 def test_a_participant_with_one_system_open_is_told(
     store: RatingStore, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
-    rows = "".join(f"night,{frame},300,200,40,120,1\n" for frame in range(9))
-    for name, last in (("truth", "track"), ("one", "score")):
-        (tmp_path / f"{name}.csv").write_text(f"recording,frame,x,y,w,h,{last}\n{rows}")
-    (tmp_path / "session.toml").write_text(
-        '[defaults]\nsize = "640x480"\nfps = 10\nframes = "0:8"\n[truth]\npath = "truth.csv"\n'
-        '[[system]]\nname = "one"\npath = "one.csv"\n'
-    )
-    monkeypatch.setattr(state, "SAMPLE", tmp_path / "session.toml")
+    begin_with(write(tmp_path, {"one": ""}, truth=rows(300)), monkeypatch)
     study = store.begin("of another dataset", [("night", "FIR")])
     told = words(opened(study=study.token))
     assert "about another comparison than the one that is open" in told
@@ -217,7 +193,7 @@ def rating_here(
     """Begin a session of two clips, and let somebody rate on this screen, who sees every end."""
     monkeypatch.setattr(participant, "viewer", lambda **of: of["n_rows"] - 1)
     study = begun(page, store, "odd_pose")
-    checked(page.button(key="rating_here").click().run())
+    press(page, "rating_here")
     join(page, name)
     return study
 
@@ -227,36 +203,30 @@ def join(page: AppTest, name: str) -> None:
     checked(next(one for one in page.button if one.label == "Begin").click().run())
 
 
-def test_the_last_rating_can_be_changed_which_is_recorded(
+def test_the_last_rating_can_be_changed_which_is_recorded_with_how_often_it_was_played(
     store: RatingStore, monkeypatch: pytest.MonkeyPatch
 ):
+    asked = []
+    monkeypatch.setattr(participant, "n_plays_in", lambda key: asked.append(key) or 3)
     page = opened()
     study = rating_here(page, store, "Ann", monkeypatch)
     assert "rating_change" not in keys(page)  # nothing is rated yet
-    checked(page.button(key="rating_0_5").click().run())
-    checked(page.button(key="rating_change").click().run())
+    press(page, "rating_0_5")
+    assert asked == ["clip_0_of_Ann"]
+    press(page, "rating_change")
     assert "You gave it 5" in words(page).replace("**", "")
-    checked(page.button(key="rating_0_2").click().run())
+    press(page, "rating_0_2")
     assert "Clip 2 of 2" in words(page)
-    checked(page.button(key="rating_1_6").click().run())
+    press(page, "rating_1_6")
     assert page.title[0].value == "Thank you"
-    checked(page.button(key="rating_change").click().run())
-    checked(page.button(key="rating_keep").click().run())
+    press(page, "rating_change")
+    press(page, "rating_keep")
     assert page.title[0].value == "Thank you"
     kept = store.ratings(study)
     assert kept["rating"].tolist() == [2, 6]
     assert kept["first_rating"].to_list()[0] == 5
     assert kept["first_rating"].isna().tolist() == [False, True]
-
-
-def test_how_often_a_clip_was_played_is_kept(store: RatingStore, monkeypatch: pytest.MonkeyPatch):
-    asked = []
-    monkeypatch.setattr(participant, "n_plays_in", lambda key: asked.append(key) or 3)
-    page = opened()
-    study = rating_here(page, store, "Ann", monkeypatch)
-    checked(page.button(key="rating_0_5").click().run())
-    assert asked == ["clip_0_of_Ann"]
-    assert store.ratings(study)["n_plays"].tolist() == [3]
+    assert kept["n_plays"].tolist() == [6, 3]  # of both ratings of the first
 
 
 @pytest.mark.parametrize(
@@ -276,27 +246,30 @@ def test_a_name_in_other_capitals_is_the_same_participant_if_they_say_so(
 ):
     page = opened()
     study = rating_here(page, store, "Anna", monkeypatch)
-    checked(page.button(key="rating_0_5").click().run())
-    checked(page.button(key="rating_1_5").click().run())
-    checked(page.button(key="rating_next").click().run())
+    press(page, "rating_0_5")
+    press(page, "rating_1_5")
+    press(page, "rating_next")
     join(page, " anna")
     assert "anna has rated 2 of 2 clips already" in words(page)
     assert "participant" not in page.query_params
-    checked(page.button(key="rating_known").click().run())
+    press(page, "rating_known")
     assert page.title[0].value == "Thank you"
     assert store.participants(study)["participant"].tolist() == ["Anna"]
 
 
-def test_thresholds_of_the_clips_are_the_conductors_only_while_somebody_rates(
+def test_clips_have_the_thresholds_of_their_session_and_the_conductor_keeps_his(
     store: RatingStore, monkeypatch: pytest.MonkeyPatch
 ):
     monkeypatch.setattr(participant, "viewer", lambda **_: 0)
     page = opened()
+    checked(page.slider(key="threshold_y").set_value(0.83).run())
     study = begun(page, store, "odd_pose")
+    person = opened(study=study.token, participant="Ann")
+    assert person.session_state["params"].threshold_y == 0.83
     checked(page.slider(key="threshold_x").set_value(0.7).run())
-    checked(page.button(key="rating_here").click().run())
+    press(page, "rating_here")
     assert page.session_state["params"].threshold_x == study.thresholds["FIR"] == 0.5
-    checked(page.button(key="rating_back").click().run())
+    press(page, "rating_back")
     assert page.session_state["params"].threshold_x == 0.7
 
 
@@ -306,24 +279,31 @@ def test_ratings_of_clips_with_other_thresholds_are_told_and_can_be_mended(store
     store.order(study, "Ann")
     store.rate(study, "Ann", 0, 3)
     checked(page.slider(key="threshold_x").set_value(0.7).run())
-    checked(page.button_group(key="ratings_part").set_value("Results").run())
-    checked(page.button_group(key="ratings_source_4").set_value(source.SESSION).run())
+    show_source(show_part(page, "Results"), source.SESSION)
     assert "X FIR: clips at 0.5, now 0.7." in warnings(page)
-    checked(page.button(key="ratings_thresholds").click().run())
+    press(page, "ratings_thresholds")
     assert page.slider(key="threshold_x").value == 0.5
     assert "clips at" not in warnings(page)
     assert "ratings_thresholds" not in keys(page)
 
 
 @pytest.mark.parametrize(
-    ("address", "is_told"),
-    [("http://localhost:8501/ratings", True), ("http://127.0.0.1/ratings", True),
-     ("http://[::1]:8501/ratings", True), ("http://lab-3:8501/ratings", False)],
-)  # fmt: skip
+    ("address", "is_local"),
+    [
+        ("http://localhost:8501/ratings", True),
+        ("http://127.0.0.1/ratings", True),
+        ("http://[::1]:8501/ratings", True),
+        ("http://lab-3:8501/ratings", False),
+    ],
+)
+def test_an_address_of_this_computer_is_told_from_others(address: str, is_local: bool):
+    assert links.is_local(address) is is_local
+
+
 def test_an_address_of_this_computer_only_is_told(
-    address: str, is_told: bool, store: RatingStore, monkeypatch: pytest.MonkeyPatch
+    store: RatingStore, monkeypatch: pytest.MonkeyPatch
 ):
-    monkeypatch.setattr(links, "links", lambda _: (f"{address}?study=a", address))
+    monkeypatch.setattr(links, "is_local", lambda _: True)
     page = opened()
     begun(page, store, "odd_pose")
-    assert ("--server.address 0.0.0.0" in warnings(page)) is is_told
+    assert "--server.address 0.0.0.0" in warnings(page)

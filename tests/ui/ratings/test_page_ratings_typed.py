@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pandas as pd
 import pytest
-from ratings_page import metrics, opened, warnings, words
+from ratings_page import metrics, opened, show_source, warnings, words
 from streamlit.testing.v1 import AppTest
 
 from pages import checked
@@ -34,8 +34,7 @@ def editor(monkeypatch: pytest.MonkeyPatch) -> Editor:
 
 
 def opened_typed() -> AppTest:
-    page = opened()
-    return checked(page.button_group(key="ratings_source_4").set_value(source.TYPED).run())
+    return show_source(opened(), source.TYPED)
 
 
 def rows(*of: tuple[str | None, str | None, str | None, float | None]) -> pd.DataFrame:
