@@ -43,6 +43,22 @@ SIX = table(
 )
 
 
+def recordings(*pairs: tuple[float, float], column: str = "mean_similarity") -> pd.DataFrame:
+    x, y = zip(*pairs, strict=True) if pairs else ((), ())
+    names = [f"{i:04d}" for i in range(len(pairs))]
+    return pd.DataFrame({"recording": names, f"{column}_x": x, f"{column}_y": y}, dtype=object)
+
+
+def fusion(rate: float = 30.0, encounters: int = 10) -> pd.DataFrame:
+    return pd.DataFrame(
+        {
+            "system": ["x", "y", "x_or_y", "x_and_y"], "name": ["FIR", "NIR", "<b>", "both"],
+            "encounters_detected": [7, 6, 9, 4], "encounters": encounters,
+            "episodes_per_hour": [rate, 2 * rate, 3 * rate, 0 * rate],
+        }
+    )  # fmt: skip
+
+
 def test_miss_classes_are_counted_for_each_system_without_distant_encounters() -> None:
     figure = miss_classes_plot(SIX, NAMES, theme="light")
     x, y = trace(figure, "X: FIR"), trace(figure, "Y: NIR")
@@ -50,13 +66,7 @@ def test_miss_classes_are_counted_for_each_system_without_distant_encounters() -
     assert x.y.tolist() == [1, 1, 0, 0, 0, 3]
     assert y.y.tolist() == [2, 1, 0, 0, 0, 2]
     assert "5 encounters" in words(figure)
-
-
-def test_bars_of_x_are_filled_and_those_of_y_outlined() -> None:
-    figure = miss_classes_plot(SIX, NAMES, theme="light")
-    x, y = trace(figure, "X: FIR").marker, trace(figure, "Y: NIR").marker
-    assert x.color == x.line.color
-    assert y.color.startswith("rgba")
+    assert figure.layout.yaxis.title.text == "encounters"
 
 
 def test_a_click_fades_neither_bars_nor_their_counts() -> None:
@@ -65,12 +75,17 @@ def test_a_click_fades_neither_bars_nor_their_counts() -> None:
         assert bars.unselected.textfont.color == LOOK["light"].ink
 
 
-def test_without_encounters_the_figures_say_what_to_do() -> None:
-    for figure in (
-        miss_classes_plot(SIX[:0], NAMES, theme="light"),
-        position_map(SIX[:0], theme="light"),
+def test_without_anything_to_draw_a_figure_says_so() -> None:
+    for figure, told in (
+        (miss_classes_plot(SIX[:0], NAMES, theme="light"), "widen the filters"),
+        (position_map(SIX[:0], theme="light"), "widen the filters"),
+        (lead_time_plot(SIX[2:3], theme="light"), "matched by both systems"),
+        (recordings_plot(recordings(), NAMES, theme="light"), "no recording"),
+        (fusion_plot(fusion(rate=np.nan), theme="light"), "no encounter"),
+        (fusion_plot(fusion(encounters=0), theme="light"), "no encounter"),
     ):
-        assert "widen the filters" in words(figure)
+        assert told in words(figure)
+        assert not figure.data
 
 
 def test_lead_times_right_of_zero_are_those_where_x_is_first() -> None:
@@ -83,23 +98,14 @@ def test_lead_times_right_of_zero_are_those_where_x_is_first() -> None:
 
 
 @pytest.mark.parametrize("reach", [0.0, 0.04, 0.5, 1.8, 7.0, 60.0, 1000.0])
-def test_the_bins_of_lead_time_are_few_and_one_is_centred_at_zero(reach: float) -> None:
-    centre, width = lead_bins(np.array([reach, -reach / 3]))
+def test_the_bins_of_lead_time_are_few_hold_all_and_one_is_centred_at_zero(reach: float) -> None:
+    lead_s = np.linspace(-reach, reach, 81)
+    centre, width = lead_bins(lead_s)
     assert len(centre) <= 25
     assert 0 in centre.tolist()
     assert centre[-1] + width / 2 >= reach * (1 - 1e-12)
-
-
-def test_no_lead_time_is_lost_between_the_bins() -> None:
-    lead_s = np.arange(-40, 41) / 20
-    encounters = pd.DataFrame({"lead_time_s": lead_s})
-    figure = lead_time_plot(encounters, theme="light")
+    figure = lead_time_plot(pd.DataFrame({"lead_time_s": lead_s}), theme="light")
     assert sum(int(one.y.sum()) for one in figure.data) == len(lead_s)
-
-
-def test_without_a_shared_match_there_is_no_lead_time() -> None:
-    figure = lead_time_plot(SIX[2:3], theme="light")
-    assert "matched by both systems" in words(figure)
 
 
 def test_the_map_marks_each_encounter_by_who_misses_it() -> None:
@@ -109,14 +115,10 @@ def test_the_map_marks_each_encounter_by_who_misses_it() -> None:
         "distant (1)": [15], "seen by both (2)": [10, 11], "missed by X (1)": [13],
         "missed by Y (1)": [12], "missed by both (1)": [14],
     }  # fmt: skip
-    assert trace(figure, "missed by X (1)").x.tolist() == [pytest.approx(0.3)]
-    assert trace(figure, "missed by X (1)").y.tolist() == [pytest.approx(30)]
-    assert "&lt;b&gt;r" in trace(figure, "missed by X (1)").text[0]
-
-
-def test_who_misses_can_be_told_without_colour() -> None:
-    figure = position_map(SIX, theme="light")
-    assert len({one.marker.symbol for one in figure.data[1:]}) == 4
+    missed = trace(figure, "missed by X (1)")
+    assert (missed.x.tolist(), missed.y.tolist()) == ([pytest.approx(0.3)], [pytest.approx(30)])
+    assert "&lt;b&gt;r" in missed.text[0]
+    assert len({one.marker.symbol for one in figure.data[1:]}) == 4  # told without colour
 
 
 def test_the_map_thins_out_those_who_are_seen_before_those_who_are_missed(
@@ -130,28 +132,30 @@ def test_the_map_thins_out_those_who_are_seen_before_those_who_are_missed(
     assert "11 encounters, 6 of them drawn" in words(figure)
 
 
-def recordings(*pairs: tuple[float, float], column: str = "mean_similarity") -> pd.DataFrame:
-    x, y = zip(*pairs, strict=True) if pairs else ((), ())
-    names = [f"{i:04d}" for i in range(len(pairs))]
-    return pd.DataFrame({"recording": names, f"{column}_x": x, f"{column}_y": y}, dtype=object)
-
-
 def test_recordings_are_sorted_by_how_much_better_x_is() -> None:
-    figure = recordings_plot(recordings((0.8, 0.9), (0.9, 0.7), (0.5, 0.5)), NAMES, theme="light")
+    pairs = recordings((0.8, 0.9), (0.9, 0.7), (0.5, 0.5), (np.nan, 0.9))
+    figure = recordings_plot(pairs, NAMES, theme="light")
     assert trace(figure, "X: FIR").customdata.tolist() == [1, 2, 0]
     assert trace(figure, "X: FIR").x.tolist() == [0.9, 0.5, 0.8]
     assert trace(figure, "Y: NIR").x.tolist() == [0.7, 0.5, 0.9]
-
-
-def test_a_recording_named_by_a_number_keeps_its_name() -> None:
-    figure = recordings_plot(recordings((0.8, 0.9)), NAMES, theme="light")
-    assert figure.layout.yaxis.ticktext == ("0000",)
+    assert figure.layout.yaxis.ticktext == ("0001", "0002", "0000")
+    assert "3 recordings; X is better in 1, Y in 1; the better X, the higher up" in words(figure)
 
 
 def test_less_saliency_is_better() -> None:
     saliency = recordings((2.0, 0.5), (0.5, 2.0), column="saliency")
     figure = saliency_by_recording(saliency, NAMES, theme="light")
     assert trace(figure, "X: FIR").customdata.tolist() == [1, 0]
+
+
+def test_a_small_difference_looks_small_and_no_recording_lies_outside_the_axis() -> None:
+    similarity = recordings_plot(recordings((0.873, 0.95)), NAMES, theme="light")
+    assert similarity.layout.xaxis.range == pytest.approx((0.485, 1.015))
+    saliency = recordings((0.02, 0.03), column="saliency")
+    figure = saliency_by_recording(saliency, NAMES, theme="light")
+    assert figure.layout.xaxis.range == pytest.approx((-0.03, 1.03))
+    wide = recordings_plot(recordings((0.2, 0.95), (0.4, 0.3)), NAMES, theme="light")
+    assert wide.layout.xaxis.range[0] < 0.2
 
 
 def test_of_many_recordings_those_with_the_largest_differences_are_drawn(
@@ -164,47 +168,6 @@ def test_of_many_recordings_those_with_the_largest_differences_are_drawn(
     assert "3 recordings, the 2 with the largest differences drawn" in words(figure)
 
 
-def test_a_recording_without_a_mean_is_left_out() -> None:
-    figure = recordings_plot(recordings((np.nan, 0.9), (0.9, 0.4)), NAMES, theme="light")
-    assert trace(figure, "X: FIR").customdata.tolist() == [1]
-
-
-def test_a_small_difference_looks_small() -> None:
-    similarity = recordings_plot(recordings((0.873, 0.95)), NAMES, theme="light")
-    assert similarity.layout.xaxis.range == pytest.approx((0.485, 1.015))
-    saliency = recordings((0.02, 0.03), column="saliency")
-    figure = saliency_by_recording(saliency, NAMES, theme="light")
-    assert figure.layout.xaxis.range == pytest.approx((-0.03, 1.03))
-
-
-def test_one_recording_alone_is_on_top_of_nothing() -> None:
-    one = recordings_plot(recordings((0.8, 0.9)), NAMES, theme="light")
-    two = recordings_plot(recordings((0.8, 0.9), (0.7, 0.9)), NAMES, theme="light")
-    assert "1 recording<" in words(one)
-    assert "2 recordings; X is better in 0, Y in 2; the better X, the higher up" in words(two)
-
-
-def test_no_recording_lies_outside_the_axis() -> None:
-    figure = recordings_plot(recordings((0.2, 0.95), (0.4, 0.3)), NAMES, theme="light")
-    low, high = figure.layout.xaxis.range
-    assert low < 0.2
-    assert high > 1
-
-
-def test_without_recordings_there_is_nothing_to_compare() -> None:
-    assert "no recording" in words(recordings_plot(recordings(), NAMES, theme="light"))
-
-
-def fusion(rate: float = 30.0, encounters: int = 10) -> pd.DataFrame:
-    return pd.DataFrame(
-        {
-            "system": ["x", "y", "x_or_y", "x_and_y"], "name": ["FIR", "NIR", "<b>", "both"],
-            "encounters_detected": [7, 6, 9, 4], "encounters": encounters,
-            "episodes_per_hour": [rate, 2 * rate, 3 * rate, 0 * rate],
-        }
-    )  # fmt: skip
-
-
 def test_fusion_shows_encounters_against_false_alerts() -> None:
     figure = fusion_plot(fusion(), theme="light")
     assert {one.name: (one.x[0], one.y[0]) for one in figure.data} == {
@@ -212,8 +175,3 @@ def test_fusion_shows_encounters_against_false_alerts() -> None:
     }  # fmt: skip
     assert "&lt;b&gt;" in trace(figure, "X or Y").hovertext[0]
     assert "10 encounters" in words(figure)
-
-
-def test_fusion_without_a_duration_or_encounters_is_empty() -> None:
-    assert not fusion_plot(fusion(np.nan), theme="light").data
-    assert not fusion_plot(fusion(encounters=0), theme="light").data

@@ -13,56 +13,39 @@ from nvcore.figures.lanes import lanes_figure
 TRUTH = [at(i, 50, track=3) for i in range(6)]
 
 
+Y = [at(i, 50) for i in (0, 1, 4, 5)]
+
+
 def test_a_run_is_one_bar_from_its_first_frame_to_the_end_of_its_last() -> None:
-    y = [at(i, 50) for i in (0, 1, 4, 5)]
-    figure = lanes_figure(result_of(make_dataset(TRUTH, TRUTH, y)), 0, theme="light")
+    figure = lanes_figure(result_of(make_dataset(TRUTH, TRUTH, Y)), 0, theme="light", cursor_row=2)
+    # a state that never holds is not in the legend
+    assert [one.name for one in figure.data] == ["X matched", "Y matched", "Y missed", "frames"]
     corners = trace(figure, "Y missed").x
     assert corners[:5] == pytest.approx([0.2, 0.4, 0.4, 0.2, 0.2])
     assert np.isnan(corners[5])
     assert len(corners) == 6
     assert len(trace(figure, "Y matched").x) == 12
     assert len(trace(figure, "X matched").x) == 6
-
-
-def test_a_state_that_never_holds_is_not_in_the_legend() -> None:
-    figure = lanes_figure(result_of(make_dataset(TRUTH, TRUTH, TRUTH)), 0, theme="light")
-    assert [one.name for one in figure.data] == ["X matched", "Y matched", "frames"]
-
-
-def test_x_stands_above_y_in_a_lane() -> None:
-    figure = lanes_figure(result_of(make_dataset(TRUTH, TRUTH, TRUTH)), 0, theme="light")
     x, y = (np.nanmax(trace(figure, f"{letter} matched").y) for letter in "XY")
-    assert x < y  # the axis runs downwards
+    assert x < y  # X stands above Y: the axis runs downwards
     assert figure.layout.yaxis.range[0] > figure.layout.yaxis.range[1]
-
-
-def test_missed_is_hollow_and_hatched() -> None:
-    figure = lanes_figure(result_of(make_dataset(TRUTH, (), TRUTH)), 0, theme="light")
-    assert trace(figure, "X missed").fillpattern.shape == "/"
-    assert trace(figure, "Y matched").fillpattern.shape is None
-
-
-def test_lanes_are_called_by_their_pedestrian() -> None:
-    truth = TRUTH + [at(i, 20, track=12) for i in range(3)]
-    figure = lanes_figure(result_of(make_dataset(truth)), 0, theme="light")
-    assert figure.layout.yaxis.ticktext == ("ped 3", "ped 12")
-    assert "2 pedestrians" in words(figure)
-
-
-def test_lanes_are_in_the_order_in_which_pedestrians_appear() -> None:
-    truth = [at(3, 50, track=1), at(0, 50, track=2), at(3, 20, track=3)]
-    figure = lanes_figure(result_of(make_dataset(truth)), 0, theme="light")
-    assert figure.layout.yaxis.ticktext == ("ped 2", "ped 1", "ped 3")
-    assert trace(figure, "X missed").x[[0, 6, 12]].tolist() == pytest.approx([0.3, 0.0, 0.3])
+    assert shape(figure, "cursor").x0 == pytest.approx(0.2)
 
 
 def test_a_click_in_a_lane_gives_the_row_of_the_frame() -> None:
-    y = [at(i, 50) for i in (0, 1, 4, 5)]
-    figure = lanes_figure(result_of(make_dataset(TRUTH, TRUTH, y)), 0, theme="light")
+    figure = lanes_figure(result_of(make_dataset(TRUTH, TRUTH, Y)), 0, theme="light")
     frames = trace(figure, "frames")
     assert frames.customdata.tolist() == [0, 1, 2, 3, 4, 5]
     assert frames.y.tolist() == [0] * 6
     assert frames.text[2] == "pedestrian 3, frame 2, 0.20 s<br>X: matched   Y: missed"
+
+
+def test_lanes_are_named_and_in_the_order_in_which_pedestrians_appear() -> None:
+    truth = [at(3, 50, track=1), at(0, 50, track=2), at(3, 20, track=3)]
+    figure = lanes_figure(result_of(make_dataset(truth)), 0, theme="light")
+    assert figure.layout.yaxis.ticktext == ("ped 2", "ped 1", "ped 3")
+    assert trace(figure, "X missed").x[[0, 6, 12]].tolist() == pytest.approx([0.3, 0.0, 0.3])
+    assert "3 pedestrians" in words(figure)
 
 
 def test_a_pedestrian_who_is_far_is_pale_for_both_systems() -> None:
@@ -86,11 +69,6 @@ def test_the_lanes_that_are_missed_longest_are_drawn(monkeypatch: pytest.MonkeyP
     figure = lanes_figure(result_of(make_dataset(truth, found, found)), 0, theme="light")
     assert figure.layout.yaxis.ticktext == ("ped 12",)
     assert "2 pedestrians, the 1 that are missed longest drawn" in words(figure)
-
-
-def test_the_cursor_crosses_the_lanes_at_its_frame() -> None:
-    figure = lanes_figure(result_of(make_dataset(TRUTH)), 0, theme="light", cursor_row=2)
-    assert shape(figure, "cursor").x0 == pytest.approx(0.2)
 
 
 def test_a_recording_without_pedestrians_says_so() -> None:

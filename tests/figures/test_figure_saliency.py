@@ -18,7 +18,7 @@ def missed(**params: object) -> Result:
     return result_of(make_dataset(truth, x, truth, places=places), **params)
 
 
-def test_events_stand_at_their_end_near_the_curve() -> None:
+def test_events_stand_at_their_end_near_the_curve_of_recency() -> None:
     figure = recency_plot(missed(), theme="light")
     events = trace(figure, "X: x")
     # the most salient first: the later of two equally long ones
@@ -27,22 +27,18 @@ def test_events_stand_at_their_end_near_the_curve() -> None:
     assert events.customdata.tolist() == [18, 12]
     assert len(trace(figure, "Y: y").x) == 0
     assert "X 2 events, Y 0 events" in words(figure)
-
-
-def test_the_curve_is_the_recency_weight() -> None:
-    curve = trace(recency_plot(missed(), theme="light"), "recency")
+    curve = trace(figure, "recency")
     assert curve.y[100] == pytest.approx(0.5)
     assert (curve.x[0], curve.x[-1]) == (0, 1)
 
 
 def test_events_of_one_recording_alone_can_be_shown() -> None:
-    assert len(trace(recency_plot(missed(), theme="light", recording=0), "X: x").x) == 0
-    assert len(trace(recency_plot(missed(), theme="light", recording=1), "X: x").x) == 2
-
-
-def test_recency_within_the_encounter_is_called_so() -> None:
-    figure = recency_plot(missed(saliency_scope="encounter"), theme="light")
-    assert "in its encounter" in figure.layout.xaxis.title.text
+    result = missed()
+    assert len(trace(recency_plot(result, theme="light", recording=0), "X: x").x) == 0
+    assert len(trace(recency_plot(result, theme="light", recording=1), "X: x").x) == 2
+    assert "No saliency events" in words(parts_plot(result, theme="light", recording=0))
+    figure = parts_plot(result, theme="light", recording=1, n=1)
+    assert figure.layout.yaxis.ticktext == ("ped 3, 0.8 s",)  # without the recording's name
 
 
 def test_an_event_is_taken_apart_into_duration_and_what_recency_leaves() -> None:
@@ -52,20 +48,10 @@ def test_an_event_is_taken_apart_into_duration_and_what_recency_leaves() -> None
     assert solid.x == pytest.approx([0.2 * 0.99331, 0.2 * 0.26894], abs=1e-5)
     assert solid.customdata.tolist() == [18, 12]
     assert figure.layout.yaxis.ticktext[0] == "r1, ped 3, 0.8 s"
+    assert "largest event" in figure.layout.xaxis.title.text
 
 
-def test_the_name_is_left_out_where_there_is_one_recording() -> None:
-    figure = parts_plot(missed(), theme="light", recording=1, n=1)
-    assert figure.layout.yaxis.ticktext == ("ped 3, 0.8 s",)
-
-
-@pytest.mark.parametrize(
-    ("aggregate", "said"), [("max", "largest event"), ("sum", "sum of events")]
-)
-def test_how_events_make_the_number_of_a_recording_is_said(aggregate: str, said: str) -> None:
-    figure = parts_plot(missed(saliency_aggregate=aggregate), theme="light")
-    assert said in figure.layout.xaxis.title.text
-
-
-def test_without_events_there_is_nothing_to_take_apart() -> None:
-    assert "No saliency events" in words(parts_plot(missed(), theme="light", recording=0))
+def test_the_axes_say_how_the_number_of_a_recording_is_made() -> None:
+    result = missed(saliency_aggregate="sum", saliency_scope="encounter")
+    assert "sum of events" in parts_plot(result, theme="light").layout.xaxis.title.text
+    assert "in its encounter" in recency_plot(result, theme="light").layout.xaxis.title.text

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import base64
-
 import numpy as np
 import pytest
 from builders import Place, at, make_dataset, result_of
@@ -24,17 +22,23 @@ def missed_by_y(**more: int) -> Result:
 
 def test_the_traces_hold_the_similarity_of_every_frame() -> None:
     result = missed_by_y()
-    figure = similarity_plot(result, 0, theme="light")
+    figure = similarity_plot(result, 0, theme="light", cursor_row=4)
     assert trace(figure, "X, frame by frame").y.tolist() == [1.0] * 10
     drawn = trace(figure, "Y, frame by frame")
     assert drawn.y == pytest.approx([1, 1, 1, 0.1, 0.1, 1, 1, 1, 1, 1])
     assert drawn.x == pytest.approx(np.arange(10) / 10)
+    assert [trace(figure, name).line.dash for name in ("X: x", "Y: y")] == ["solid", "dash"]
+    assert shape(figure, "cursor").x0 == shape(figure, "cursor").x1 == pytest.approx(0.4)
+    elsewhere = similarity_plot(result, 0, theme="light", cursor_row=99)
+    assert [one.name for one in elsewhere.layout.shapes] == ["low limit"]
 
 
-def test_y_is_dashed_and_x_is_not() -> None:
-    figure = similarity_plot(missed_by_y(), 0, theme="light")
-    assert trace(figure, "X: x").line.dash == "solid"
-    assert trace(figure, "Y: y").line.dash == "dash"
+def test_a_recording_of_a_single_frame_is_drawn_and_without_frames_it_says_so() -> None:
+    result = result_of(make_dataset([at(0, 50, track=1)], places=[Place([0]), Place([])]))
+    figure = similarity_plot(result, 0, theme="light", cursor_row=0)
+    assert trace(figure, "X, frame by frame").x.tolist() == [0.0]
+    assert figure.layout.xaxis.range[1] > 0
+    assert "no frames" in words(similarity_plot(result, 1, theme="light"))
 
 
 def test_a_low_interval_is_shaded_between_the_limit_and_the_trace() -> None:
@@ -80,16 +84,6 @@ def test_a_click_gives_the_row_of_the_frame_over_all_recordings() -> None:
     assert frames.text[1].startswith("frame 1, 0.10 s")
 
 
-def test_the_cursor_stands_at_the_frame_that_is_shown() -> None:
-    figure = similarity_plot(missed_by_y(), 0, theme="light", cursor_row=4)
-    assert shape(figure, "cursor").x0 == shape(figure, "cursor").x1 == pytest.approx(0.4)
-
-
-def test_a_cursor_in_another_recording_is_not_drawn() -> None:
-    figure = similarity_plot(missed_by_y(), 0, theme="light", cursor_row=99)
-    assert [one.name for one in figure.layout.shapes] == ["low limit"]
-
-
 def test_upright_time_runs_upwards_and_the_middle_is_perfect() -> None:
     figure = similarity_plot(missed_by_y(), 0, theme="light", layout="upright", cursor_row=4)
     x, y = trace(figure, "X, frame by frame"), trace(figure, "Y, frame by frame")
@@ -121,21 +115,3 @@ def test_names_are_text_and_not_markup() -> None:
     figure = similarity_plot(result, 0, theme="light")
     assert "<a" not in words(figure)
     assert "&lt;a href" in words(figure)
-
-
-def test_numbers_travel_as_bytes_and_not_as_lists() -> None:
-    sent = similarity_plot(missed_by_y(), 0, theme="light").to_plotly_json()["data"]
-    line = next(one for one in sent if one["name"] == "X, frame by frame")
-    assert base64.b64decode(line["y"]["bdata"]) == np.ones(10).tobytes()
-
-
-def test_a_recording_of_one_frame_is_drawn() -> None:
-    result = result_of(make_dataset([at(0, 50, track=1)], n_frames=1))
-    figure = similarity_plot(result, 0, theme="light", cursor_row=0)
-    assert trace(figure, "X, frame by frame").x.tolist() == [0.0]
-    assert figure.layout.xaxis.range[1] > 0
-
-
-def test_a_recording_without_frames_says_so() -> None:
-    result = result_of(make_dataset(places=[Place([0]), Place([])]))
-    assert "no frames" in words(similarity_plot(result, 1, theme="light"))
