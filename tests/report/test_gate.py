@@ -42,25 +42,22 @@ ERROR = Finding(Severity.ERROR, "a-code", HOSTILE, 1, "One is wrong.", "Mend it.
 
 
 @pytest.mark.parametrize(
-    ("text", "name", "comparison", "limit"),
+    ("text", "name", "comparison", "limit", "allows_undefined"),
     [
-        ("lamr_x <= 0.10", "lamr_x", "<=", 0.1),
-        ("new_misses==0", "new_misses", "==", 0),
-        (" share_low_y<10% ", "share_low_y", "<", 0.1),
-        ("miss_classes.never_y >= 1e-3", "miss_classes.never_y", ">=", 0.001),
-        ("saliency_difference > -1.5", "saliency_difference", ">", -1.5),
+        ("lamr_x <= 0.10", "lamr_x", "<=", 0.1, False),
+        ("new_misses==0", "new_misses", "==", 0, False),
+        (" share_low_y<10% ", "share_low_y", "<", 0.1, False),
+        ("miss_classes.never_y >= 1e-3", "miss_classes.never_y", ">=", 0.001, False),
+        ("saliency_difference > -1.5", "saliency_difference", ">", -1.5, False),
+        ("a<=100%or  undefined", "a", "<=", 1, True),
     ],
 )
-def test_a_rule_is_a_measure_a_comparison_and_a_number(text, name, comparison, limit):
+def test_a_rule_is_a_measure_a_comparison_and_a_number(
+    text, name, comparison, limit, allows_undefined
+):
     rule = parse_rule(text)
     assert (rule.name, rule.comparison, rule.limit) == (name, comparison, pytest.approx(limit))
-    assert not rule.allows_undefined
-
-
-@pytest.mark.parametrize("text", ["a <= 1 or undefined", "a<=100%or  undefined"])
-def test_a_rule_may_allow_an_undefined_measure(text):
-    rule = parse_rule(text)
-    assert (rule.name, rule.limit, rule.allows_undefined) == ("a", 1, True)
+    assert rule.allows_undefined is allows_undefined
 
 
 @pytest.mark.parametrize(
@@ -73,32 +70,58 @@ def test_other_texts_are_refused(text):
 
 
 @pytest.mark.parametrize(
-    ("wrong", "meant"), [("=", "=="), ("=<", "<="), ("=>", ">="), ("<>", "!="), ("≤", "<=")]
+    ("wrong", "meant"),
+    [("=", "=="), ("=<", "<="), ("=>", ">="), ("<>", "!="), ("≤", "<="), ("!<", None)],
 )
 def test_a_wrong_comparison_is_refused_with_the_one_that_is_meant(wrong, meant):
-    with pytest.raises(ParameterError, match=f"did you mean 'a {meant} 1'"):
+    hint = f"did you mean 'a {meant} 1'" if meant else "there are <= >= == != < >"
+    with pytest.raises(ParameterError, match=hint):
         parse_rule(f"a {wrong} 1")
 
 
-def test_a_comparison_that_means_nothing_is_refused_with_all_that_there_are():
-    with pytest.raises(ParameterError, match="'!<'; there are <= >= == != < >"):
-        parse_rule("a !< 1")
-
-
-def test_rules_from_lines_may_have_comments():
-    lines = [("1", "# nightly"), ("2", ""), ("3", "a == 0  # none"), ("4", "b <= 0.1")]
-    rules, problems = read_rules(lines, ["a", "b"])
-    assert [rule.text for rule in rules] == ["a == 0", "b <= 0.1"]
-    assert problems == []
-
-
 def test_all_that_is_wrong_with_the_rules_is_told_with_its_place():
-    lines = [("r, line 1", "lamr_y = 1"), ("r, line 2", "lamr_y < 1"), ("r, line 3", "lmr_y < 1")]
+    lines = [
+        ("r, line 1", "lamr_y = 1"),
+        ("r, line 2", "lamr_y < 1  # nightly"),
+        ("r, line 3", "# only a comment"),
+        ("r, line 4", "lmr_y < 1"),
+    ]
     rules, problems = read_rules(lines, ["lamr_y"])
     assert [rule.text for rule in rules] == ["lamr_y < 1"]
-    assert [one.split(": ")[0] for one in problems] == ["r, line 1", "r, line 3"]
+    assert [text.split(": ")[0] for text in problems] == ["r, line 1", "r, line 4"]
     assert "did you mean 'lamr_y == 1'?" in problems[0]
     assert "there is no figure 'lmr_y'; did you mean lamr_y?" in problems[1]
+    with pytest.raises(ParameterError, match="did you mean lamr_x"):
+        judge([parse_rule("lmr_x < 1")], {"lamr_x": 0.0})
+
+
+def test_an_undefined_measure_breaks_every_rule_that_does_not_allow_it():
+    rules = [parse_rule(text) for text in ("a != 0", "a < 1", "a <= 1 or undefined")]
+    different, less, allowed = judge(rules, {"a": np.nan})
+    assert [different.is_passed, less.is_passed, allowed.is_passed] == [False, False, True]
+    assert less.message == "a is undefined; add 'or undefined' to the rule if that is fine"
+    assert allowed.message == "a is undefined, which the rule allows"
+    assert [judge(rules[2:], {"a": value})[0].is_passed for value in (1, 2)] == [True, False]
+
+
+def test_encounters_are_told_by_recording_track_and_frames_the_first_ten_of_many():
+    assert encounters_of(scene(), Category.X_ONLY) == ["r0, track 7, frames 3 to 5"]
+    assert encounters_of(scene(), Category.NEITHER) == []
+    single = result_of(make_dataset([at(4, 10, track=1)], [at(4, 10)], frames=range(6)))
+    assert encounters_of(single, Category.X_ONLY) == ["r0, track 1, frame 4"]
+    many = encounters_of(scene(12), Category.X_ONLY)
+    assert len(many) == 11
+    assert many[9:] == ["r9, track 7, frames 3 to 5", "and 2 more"]
+
+
+def test_every_measure_that_can_be_named_is_there_and_those_that_take_time_only_if_named():
+    values = gate_measures(scene(), [], PROTOCOLS["all"], measure_names())
+    assert sorted(values) == sorted(measure_names())
+    chosen = ("venn.both", "frames", "fusion.x_or_y.encounters_detected")
+    assert [values[name] for name in chosen] == [1, 3, 3]
+    quick = gate_measures(scene(), [], PROTOCOLS["all"], ["new_misses"])
+    assert quick["new_misses"] == 1
+    assert not {*SUMMARY_NAMES, "lamr_x"} & {*quick}
 
 
 def test_the_rules_to_copy_from_the_page_can_be_judged():
@@ -122,18 +145,6 @@ def test_an_undefined_measure_breaks_every_rule():
     found = judge([parse_rule("a != 0"), parse_rule("a < 1")], {"a": np.nan})
     assert [one.is_passed for one in found] == [False, False]
     assert found[0].message == "a is undefined; add 'or undefined' to the rule if that is fine"
-
-
-def test_an_undefined_measure_passes_a_rule_that_allows_it():
-    rule = parse_rule("a <= 1 or undefined")
-    outcomes = [judge([rule], {"a": value})[0] for value in (np.nan, 1, 2)]
-    assert [one.is_passed for one in outcomes] == [True, True, False]
-    assert outcomes[0].message == "a is undefined, which the rule allows"
-
-
-def test_an_unknown_measure_is_refused_with_what_is_close():
-    with pytest.raises(ParameterError, match="did you mean lamr_x"):
-        judge([parse_rule("lmr_x < 1")], {"lamr_x": 0.0})
 
 
 def test_the_audit_is_judged_by_rules_that_a_rule_can_replace():
@@ -161,17 +172,6 @@ def test_encounters_are_told_by_recording_track_and_frames():
     assert encounters_of(scene(), Category.NEITHER) == []
 
 
-def test_an_encounter_of_one_frame_is_told_with_one():
-    result = result_of(make_dataset([at(4, 10, track=1)], [at(4, 10)], frames=range(6)))
-    assert encounters_of(result, Category.X_ONLY) == ["r0, track 1, frame 4"]
-
-
-def test_of_many_encounters_the_first_ten_are_told_and_how_many_more():
-    told = encounters_of(scene(12), Category.X_ONLY)
-    assert len(told) == 11
-    assert told[9:] == ["r9, track 7, frames 3 to 5", "and 2 more"]
-
-
 def test_a_failed_rule_has_what_it_counts_and_a_passed_one_has_nothing():
     rules = [parse_rule(text) for text in ("new_misses == 0", "mended_misses == 1",
              "audit_warnings == 0", "audit_errors == 0", "venn.neither == 1")]  # fmt: skip
@@ -190,12 +190,6 @@ def test_every_measure_that_can_be_named_is_there_and_no_other():
     assert sorted(values) == sorted(measure_names())
     chosen = ("venn.both", "frames", "fusion.x_or_y.encounters_detected")
     assert [values[name] for name in chosen] == [1, 3, 3]
-
-
-def test_measures_that_take_time_are_left_out_where_no_rule_names_them():
-    values = gate_measures(scene(), [], PROTOCOLS["all"], ["new_misses"])
-    assert values["new_misses"] == 1
-    assert not {*SUMMARY_NAMES, "lamr_x"} & {*values}
 
 
 def outcomes() -> list[Outcome]:
@@ -226,20 +220,21 @@ def test_junit_has_a_case_for_each_rule_and_the_audit_beside():
 
 
 def test_markdown_names_the_failing_rules_first_and_what_they_count():
-    lines = markdown(outcomes(), "X|Y").splitlines()
-    assert lines[0] == "## Gate: 1 of 2 rules failed"
+    undefined = Outcome(Rule("c", "<", 1, "c < 1"), np.nan, False)
+    lines = markdown([*outcomes(), undefined], "X|Y").splitlines()
+    assert lines[0] == "## Gate: 2 of 3 rules failed"
     assert lines[2] == r"X\|Y"
-    assert lines[6:8] == ["| `b < 1` | 2 | **failed** |", "| `a < 1` | 0.5 | passed |"]
-    assert lines[9:12] == ["`b < 1` failed:", "", "- one"]
+    assert lines[6:9] == [
+        "| `b < 1` | 2 | **failed** |",
+        "| `c < 1` | undefined | **failed** |",
+        "| `a < 1` | 0.5 | passed |",
+    ]
+    assert lines[10:13] == ["`b < 1` failed:", "", "- one"]
     assert lines[-1] == "### Audit: nothing found"
-
-
-def test_markdown_has_the_audit_once():
-    rule = parse_rule("audit_warnings == 0")
-    failed = Outcome(rule, 1, False, ("NIR: Three are odd.",))
+    failed = Outcome(parse_rule("audit_warnings == 0"), 1, False, ("NIR: Three are odd.",))
     text = markdown([failed], "X", [WARNING])
     assert "### Audit: 1 warning\n\n- warning, NIR: Three are odd\\." in text
-    assert text.count("Three are odd") == 1
+    assert text.count("Three are odd") == 1  # not under its rule as well
 
 
 def test_names_from_files_stay_text_in_markdown():
@@ -249,21 +244,12 @@ def test_names_from_files_stay_text_in_markdown():
     assert "\x1b" not in text
 
 
-def test_an_undefined_measure_is_told_so_in_markdown():
-    undefined = Outcome(Rule("a", "<", 1, "a < 1"), np.nan, False)
-    assert "| `a < 1` | undefined | **failed** |" in markdown([undefined], "X")
-
-
 def test_a_gate_that_cannot_be_run_is_an_error_for_ci():
     root = ElementTree.fromstring(junit_error(f"first\nsecond {HOSTILE}"))
     suite = root.find("testsuite")
     counts = {"tests": "1", "failures": "0", "errors": "1"}
-    assert suite.attrib == {"name": "nvcore gate", **counts}
-    assert root.attrib == {"name": "nvcore gate", **counts}
+    assert suite.attrib == root.attrib == {"name": "nvcore gate", **counts}
     assert suite.find("testcase/error").text.startswith("first\nsecond </failure>|<b>")
-
-
-def test_a_gate_that_cannot_be_run_is_told_so_in_markdown():
     text = markdown_error("<b>first\nsecond")
     assert text == "## Gate: could not be run\n\n\\<b\\>first\n\nsecond\n"
 
