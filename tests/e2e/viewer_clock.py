@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 
 from playwright.sync_api import Page
@@ -44,11 +44,15 @@ IS_PAINTED = """([viewer, rows]) => {
   return rows.includes(Number(viewer.dataset.shownRow));
 }"""
 
-HOLD_PICTURES = """() => {
+HOLD_PICTURES = """(first) => {
   const { fetch } = window;
   const waiting = new Map();
   window.testPictures = {
-    let: (row) => waiting.has(row) && (waiting.get(row)(), waiting.delete(row)),
+    isAsked: (row) => waiting.has(row),
+    let(row) {
+      waiting.get(row)();
+      waiting.delete(row);
+    },
     release() {
       window.fetch = fetch;
       waiting.forEach((go) => go());
@@ -56,7 +60,7 @@ HOLD_PICTURES = """() => {
   };
   window.fetch = async (address, options) => {
     const row = String(address).match(/[/]frame[/][0-9]+[/]([0-9]+)[.]jpg/)?.[1];
-    if (row) await new Promise((go) => waiting.set(Number(row), go));
+    if (Number(row) >= first) await new Promise((go) => waiting.set(Number(row), go));
     return fetch(address, options);
   };
 }"""
@@ -90,11 +94,32 @@ def held_clock(page: Page) -> Iterator[Clock]:
         page.evaluate("window.testClock.release()")
 
 
+class Pictures:
+    """Pictures that are kept back until a test lets them through."""
+
+    def __init__(self, page: Page) -> None:
+        self._page = page
+
+    def wait_for(self, row: int) -> None:
+        """Wait until the viewer has asked for the picture of this row."""
+        # not by requestAnimationFrame, which may be held
+        self._page.wait_for_function("row => testPictures.isAsked(row)", arg=row, polling=10)
+
+    def let(self, row: int) -> None:
+        """Let the picture of this row through, once the viewer has asked for it."""
+        self.wait_for(row)
+        self._page.evaluate("row => testPictures.let(row)", row)
+
+
 @contextmanager
-def held_pictures(page: Page) -> Iterator[Callable[[int], None]]:
-    """Keep back every picture until it is called for by its row, once it has been asked for."""
-    page.evaluate(HOLD_PICTURES)
+def held_pictures(page: Page, first: int) -> Iterator[Pictures]:
+    """Keep back every picture from this row on.
+
+    Not those before it: the viewer has only a few requests at a time, and what it is still loading
+    as the test begins would take their place for ever.
+    """
+    page.evaluate(HOLD_PICTURES, first)
     try:
-        yield lambda row: page.wait_for_function("row => window.testPictures.let(row)", arg=row)
+        yield Pictures(page)
     finally:
         page.evaluate("window.testPictures.release()")
