@@ -160,16 +160,22 @@ class Figures:
         system = self._system(letter)
         return score_plot(
             score_histogram(self._result.dataset, system.name),
-            letter=letter, name=system.name, threshold=system.threshold, theme=self._theme,
-        )  # fmt: skip
+            letter=letter,
+            name=system.name,
+            threshold=system.threshold,
+            theme=self._theme,
+        )
 
     def false_alarms(self, letter: str = "x") -> go.Figure:
         """False alarms per minute that each threshold of system ``"x"`` or ``"y"`` leaves."""
         system = self._system(letter)
         return false_alarm_plot(
             false_alarm_curve(self._result.dataset, system.name, self._result.params),
-            letter=letter, name=system.name, threshold=system.threshold, theme=self._theme,
-        )  # fmt: skip
+            letter=letter,
+            name=system.name,
+            threshold=system.threshold,
+            theme=self._theme,
+        )
 
     def proximity(self) -> go.Figure:
         """How much a pedestrian counts by how near it seems."""

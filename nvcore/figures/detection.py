@@ -13,18 +13,9 @@ import plotly.graph_objects as go
 from nvcore.detection.curve_summary import CurveSummary
 from nvcore.detection.curves import DetectionCurve
 from nvcore.detection.miss_rate import FPPI_REFERENCES
+from nvcore.figures.marks import HOVER, click_markers, marks, steady_marker, system_marker
 from nvcore.figures.rate_axis import LogScale, decades, log_scale
-from nvcore.figures.style import (
-    DASH,
-    LOOK,
-    SYMBOL,
-    axis,
-    click_markers,
-    empty_figure,
-    layout,
-    steady_marker,
-    system_label,
-)
+from nvcore.figures.style import DASH, LOOK, SYMBOL, axis, draw, empty_figure, system_label
 from nvcore.palette import Theme
 from nvcore.wording import count_text
 
@@ -40,6 +31,8 @@ MOST_LOW_RATE: Final = 0.1
 UNIT_RANGE: Final = (-0.02, 1.02)
 """Of axes from 0 to 1: marks at the ends are whole, and labels do not touch."""
 TO_CLICK: Final = "click a curve to set its threshold"
+POINT: Final = ("threshold", "recall", "miss_rate", "precision", "f1", "fppi")
+"""What is known of every point of a curve."""
 MARKER_PX: Final = 13
 ZERO_PX: Final = 11
 
@@ -58,38 +51,58 @@ class _Kind:
 
 KINDS: Final[dict[CurveKind, _Kind]] = {
     "miss_rate": _Kind(
-        "Miss rate against false positives", "fppi", "miss_rate", "false positives per image",
+        "Miss rate against false positives",
+        "fppi",
+        "miss_rate",
+        "false positives per image",
         "miss rate (0 is best)",
         "miss rate {miss_rate:.3f}, {fppi:.3g} false positives per image<br>"
-        "precision {precision:.3f}", x_log=True, y_log=True,
+        "precision {precision:.3f}",
+        x_log=True,
+        y_log=True,
     ),
     "precision_recall": _Kind(
-        "Precision against recall", "recall", "precision", "recall (1 is best)",
+        "Precision against recall",
+        "recall",
+        "precision",
+        "recall (1 is best)",
         "precision (1 is best)",
         "recall {recall:.3f}, precision {precision:.3f}<br>{fppi:.3g} false positives per image",
     ),
     "roc": _Kind(
-        "Detection rate against false positives", "fppi", "recall", "false positives per image",
+        "Detection rate against false positives",
+        "fppi",
+        "recall",
+        "false positives per image",
         "detection rate (1 is best)",
         "detection rate {recall:.3f}, {fppi:.3g} false positives per image<br>"
-        "precision {precision:.3f}", x_log=True,
+        "precision {precision:.3f}",
+        x_log=True,
     ),
     "roc_windows": _Kind(
-        "Detection rate against false positives per window", "fppw", "recall",
-        "false positives per window", "detection rate (1 is best)",
+        "Detection rate against false positives per window",
+        "fppw",
+        "recall",
+        "false positives per window",
+        "detection rate (1 is best)",
         "detection rate {recall:.3f}, {fppw:.3g} false positives per window<br>"
-        "{fppi:.3g} false positives per image, precision {precision:.3f}", x_log=True,
+        "{fppi:.3g} false positives per image, precision {precision:.3f}",
+        x_log=True,
     ),
     "f1": _Kind(
-        "F1 against the threshold", "threshold", "f1", "score threshold", "F1 (1 is best)",
+        "F1 against the threshold",
+        "threshold",
+        "f1",
+        "score threshold",
+        "F1 (1 is best)",
         "F1 {f1:.3f}<br>recall {recall:.3f}, precision {precision:.3f}<br>"
         "{fppi:.3g} false positives per image",
     ),
-}  # fmt: skip
+}
 
 
 def legend_figure(summary: CurveSummary, kind: CurveKind) -> str:
-    """The figure that belongs to a kind of curve, for its legend, with why it is 0."""
+    """The measure that belongs to a kind of curve, for its legend, with why it is 0."""
     if summary.why_undefined is not None:
         return ""
     if kind == "precision_recall":
@@ -147,26 +160,23 @@ def curve_plot(
     traces: list[list[go.Scatter]] = [[], [], [], []]
     for i, letter in enumerate("xy"[: len(curves)]):
         line = points[i].placed(x_scale, y_scale).thinned(is_log=of.x_log)
-        name = ", ".join(filter(None, (
-            system_label(letter, curves[i].system), _why_no_line(curves[i], kind), summaries[i]
-        )))  # fmt: skip
+        label, why = system_label(letter, curves[i].system), _why_no_line(curves[i], kind)
+        name = ", ".join(filter(None, (label, why, summaries[i])))
         traces[0].append(_line(line, letter, name, theme, is_line=curves[i].is_ranked))
         if y_scale is not None:
             traces[1] += _first_zero(line, letter, y_scale, theme)
         traces[2] += _in_use(used[i].placed(x_scale, y_scale), letter, theme, of)
-        traces[3].append(
-            click_markers(
-                x=line.x, y=line.y, customdata=line.clicked(letter), text=line.texts(letter, of),
-                hovertemplate="%{text}<extra></extra>", name=f"{letter.upper()}, points",
-            )
-        )  # fmt: skip
-    return go.Figure(
+        clicks, texts = line.clicked(letter), line.texts(letter, of)
+        label = f"{letter.upper()}, points"
+        traces[3].append(click_markers(line.x, line.y, texts, customdata=clicks, name=label))
+    return draw(
         list(chain.from_iterable(traces)),
-        layout(
-            theme, title=of.title, subtitle=_extent(curves, used, hint), height=420,
-            **_axes(of, x_scale, y_scale, theme),
-        ),
-    )  # fmt: skip
+        theme,
+        title=of.title,
+        subtitle=_extent(curves, used, hint),
+        height=420,
+        **_axes(of, x_scale, y_scale, theme),
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -179,8 +189,7 @@ class _Points:
 
     @classmethod
     def along(cls, curve: DetectionCurve, of: _Kind, windows: float | None) -> _Points:
-        names = ("threshold", "recall", "miss_rate", "precision", "f1", "fppi")
-        values = {name: getattr(curve, name) for name in names}
+        values = {name: getattr(curve, name) for name in POINT}
         return cls._drawable(values, of, windows)
 
     @classmethod
@@ -188,14 +197,11 @@ class _Points:
         cls, curve: DetectionCurve, threshold: float | None, of: _Kind, windows: float | None
     ) -> _Points:
         point = curve.at(threshold)
-        names = ("threshold", "recall", "miss_rate", "precision", "f1", "fppi")
-        values = {name: np.array([getattr(point, name)]) for name in names}
+        values = {name: np.array([getattr(point, name)]) for name in POINT}
         return cls._drawable(values, of, windows)
 
     @classmethod
-    def _drawable(
-        cls, values: dict[str, np.ndarray], of: _Kind, windows: float | None
-    ) -> _Points:  # fmt: skip
+    def _drawable(cls, values: dict[str, np.ndarray], of: _Kind, windows: float | None) -> _Points:
         values["fppw"] = values["fppi"] / (np.nan if windows is None else windows)
         points = cls(values[of.x], values[of.y], values)
         return points.rows(np.flatnonzero(np.isfinite(points.x) & np.isfinite(points.y)))
@@ -241,45 +247,54 @@ def _line(points: _Points, letter: str, name: str, theme: Theme, *, is_line: boo
     # a line of a single point cannot be seen, and nothing at all would not be in the legend
     is_line = is_line and len(points.x) > 1
     return go.Scatter(
-        x=points.x if len(points.x) else [None], y=points.y if len(points.x) else [None],
-        mode="lines" if is_line else "markers", hoverinfo="skip", name=name, showlegend=True,
+        x=points.x if len(points.x) else [None],
+        y=points.y if len(points.x) else [None],
+        mode="lines" if is_line else "markers",
+        hoverinfo="skip",
+        name=name,
+        showlegend=True,
         line={"color": color, "width": 2.4, "dash": DASH[letter]},
-        marker={"color": color, "symbol": SYMBOL[letter], "size": 9}, cliponaxis=False,
-    )  # fmt: skip
+        marker={"color": color, "symbol": SYMBOL[letter], "size": 9},
+        cliponaxis=False,
+    )
 
 
 def _first_zero(points: _Points, letter: str, scale: LogScale, theme: Theme) -> list[go.Scatter]:
     """A hollow mark where a curve gets to the lower edge."""
     there = np.flatnonzero(points.y == scale.edge)[:1]
     marker = steady_marker(
-        color=LOOK[theme].of(letter), size=ZERO_PX, symbol=f"{SYMBOL[letter]}-open",
+        color=LOOK[theme].of(letter),
+        size=ZERO_PX,
+        symbol=f"{SYMBOL[letter]}-open",
         line={"width": 2},
-    )  # fmt: skip
+    )
+    still = {"hoverinfo": "skip", "showlegend": False, "cliponaxis": False}
+    name = f"{letter.upper()} at the edge"
     return [
         go.Scatter(
-            x=points.x[there], y=points.y[there], mode="markers", showlegend=False,
-            hoverinfo="skip", cliponaxis=False, name=f"{letter.upper()} at the edge", **marker,
+            x=points.x[there], y=points.y[there], mode="markers", name=name, **still, **marker
         )
         for _ in there
-    ]  # fmt: skip
+    ]
 
 
 def _in_use(points: _Points, letter: str, theme: Theme, of: _Kind) -> list[go.Scatter]:
-    """A large mark at the threshold in use; none where a figure is undefined."""
-    look = LOOK[theme]
-    marker = steady_marker(
-        color=look.of(letter), size=MARKER_PX, symbol=SYMBOL[letter],
-        line={"width": 2, "color": look.surface},
-    )  # fmt: skip
+    """A large mark at the threshold in use; none where a measure is undefined."""
+    marker = system_marker(letter, MARKER_PX, theme, rim=2)
     return [
-        go.Scatter(
-            x=points.x, y=points.y, mode="markers", name=f"{letter.upper()} as set",
-            showlegend=False, text=points.texts(letter, of), cliponaxis=False,
-            hovertemplate="in use: %{text}<extra></extra>", customdata=points.clicked(letter),
+        marks(
+            points.x,
+            points.y,
+            points.texts(letter, of),
+            hover="in use: " + HOVER,
+            customdata=points.clicked(letter),
+            name=f"{letter.upper()} as set",
+            showlegend=False,
+            cliponaxis=False,
             **marker,
         )
         for _ in points.x
-    ]  # fmt: skip
+    ]
 
 
 def _extent(curves: Sequence[DetectionCurve], used: Sequence[_Points], hint: str) -> str:
@@ -308,9 +323,7 @@ def _why_no_line(curve: DetectionCurve, kind: CurveKind) -> str:
     return f"no scores: F1 {curve.f1[0]:.3f}" if kind == "f1" else "no scores: a point"
 
 
-def _why_empty(
-    curves: Sequence[DetectionCurve], kind: CurveKind, windows: float | None
-) -> str:  # fmt: skip
+def _why_empty(curves: Sequence[DetectionCurve], kind: CurveKind, windows: float | None) -> str:
     if not curves or not curves[0].n_truth:
         return "No pedestrian counts under this protocol."
     if kind == "roc_windows" and windows is None:

@@ -8,16 +8,17 @@ import numpy as np
 import pandas as pd
 import plotly.graph_objects as go
 
+from nvcore.figures.marks import marks, steady_marker
 from nvcore.figures.style import (
     LEFT_PX,
     LEGEND,
     LOOK,
     axis,
+    counts_axis,
+    draw,
     empty_figure,
     faded,
-    layout,
     plain,
-    steady_marker,
     system_label,
 )
 from nvcore.palette import Theme
@@ -45,8 +46,12 @@ def fusion_plot(fusion: pd.DataFrame, *, theme: Theme) -> go.Figure:
     rows: list[Any] = list(known.itertuples(index=False))
     traces = [
         go.Scatter(
-            x=[row.episodes_per_hour], y=[row.encounters_detected], mode="markers+text",
-            text=[LABELS[row.system]], textposition="middle right", cliponaxis=False,
+            x=[row.episodes_per_hour],
+            y=[row.encounters_detected],
+            mode="markers+text",
+            text=[LABELS[row.system]],
+            textposition="middle right",
+            cliponaxis=False,
             textfont={"size": 13, "color": colour[row.system]},
             marker={"size": 14, "symbol": SYMBOLS[row.system], "color": colour[row.system]},
             hovertext=[
@@ -54,25 +59,23 @@ def fusion_plot(fusion: pd.DataFrame, *, theme: Theme) -> go.Figure:
                 f"{n_encounters} encounters<br>{row.episodes_per_hour:.1f} false-alert episodes "
                 "per hour"
             ],
-            hovertemplate="%{hovertext}<extra></extra>", name=LABELS[row.system],
+            hovertemplate="%{hovertext}<extra></extra>",
+            name=LABELS[row.system],
         )
         for row in rows
-    ]  # fmt: skip
+    ]
     most = float(known["episodes_per_hour"].max())
-    return go.Figure(
+    ends = [-0.05 * most, 1.2 * most or 1.0]
+    return draw(
         traces,
-        layout(
-            theme,
-            title="What using both would gain and cost",
-            subtitle=f"{n_encounters:,} encounters that count; best is top left",
-            hoverdistance=24,
-            showlegend=False,
-            xaxis=axis(theme, "false-alert episodes per hour", fixedrange=True,
-                       range=[-0.05 * most, 1.2 * most or 1.0]),
-            yaxis=axis(theme, "encounters detected", range=[0, 1.08 * n_encounters],
-                       fixedrange=True),
-        ),
-    )  # fmt: skip
+        theme,
+        title="What using both would gain and cost",
+        subtitle=f"{n_encounters:,} encounters that count; best is top left",
+        hoverdistance=24,
+        showlegend=False,
+        xaxis=axis(theme, "false-alert episodes per hour", range=ends, fixedrange=True),
+        yaxis=axis(theme, "encounters detected", range=[0, 1.08 * n_encounters], fixedrange=True),
+    )
 
 
 CLASS_WORDS: Final = {
@@ -126,34 +129,41 @@ def miss_classes_plot(
         colour = look.of(letter)
         bars = steady_marker(
             color=colour if letter == "x" else faded(colour, 0.3),
-            line={"width": 2, "color": colour}, cornerradius=3,
-        )  # fmt: skip
+            line={"width": 2, "color": colour},
+            cornerradius=3,
+        )
         for state in ("selected", "unselected"):
             bars[state] = {**bars[state], "textfont": {"color": look.ink}}
         traces.append(
             go.Bar(
-                x=place, y=counts.to_numpy(), customdata=kinds, name=system_label(letter, name),
-                text=counts.to_numpy(), textposition="outside", cliponaxis=False,
+                x=place,
+                y=counts.to_numpy(),
+                customdata=kinds,
+                name=system_label(letter, name),
+                text=counts.to_numpy(),
+                textposition="outside",
+                cliponaxis=False,
                 hovertext=[MISS_CLASS_TEXT[kind] for kind in MissClass],
                 hovertemplate=f"{letter.upper()}: %{{y}}<br>%{{hovertext}}<extra></extra>",
                 **bars,
             )
-        )  # fmt: skip
-    return go.Figure(
+        )
+    return draw(
         traces,
-        layout(
+        theme,
+        title="How encounters are missed",
+        subtitle=f"{count_text(len(near), 'encounter')} that came near enough to count",
+        bargap=0.3,
+        bargroupgap=0.08,
+        xaxis=axis(
             theme,
-            title="How encounters are missed",
-            subtitle=f"{count_text(len(near), 'encounter')} that came near enough to count",
-            bargap=0.3,
-            bargroupgap=0.08,
-            xaxis=axis(
-                theme, tickvals=place, ticktext=[CLASS_WORDS[kind] for kind in MissClass],
-                showgrid=False, fixedrange=True,
-            ),
-            yaxis=axis(theme, "encounters", rangemode="tozero", fixedrange=True, tickformat=",d"),
+            tickvals=place,
+            ticktext=[CLASS_WORDS[kind] for kind in MissClass],
+            showgrid=False,
+            fixedrange=True,
         ),
-    )  # fmt: skip
+        yaxis=counts_axis(theme, "encounters"),
+    )
 
 
 def lead_bins(lead_s: np.ndarray) -> tuple[np.ndarray, float]:
@@ -193,28 +203,27 @@ def lead_time_plot(encounters: pd.DataFrame, *, theme: Theme) -> go.Figure:
         chosen = chosen & (counts > 0)
         traces.append(
             go.Bar(
-                x=centre[chosen], y=counts[chosen], width=0.9 * width, name=label,
+                x=centre[chosen],
+                y=counts[chosen],
+                width=0.9 * width,
+                name=label,
                 marker={"color": colour, "cornerradius": 2},
                 hovertemplate=f"%{{x:.2f}} s (± {width / 2:g} s): %{{y}}<extra></extra>",
             )
-        )  # fmt: skip
-    said = (
-        f"{count_text(len(lead_s), 'encounter')} matched by both; median "
-        f"{np.median(lead_s) + 0.0:+.2f} s"
-    )
-    return go.Figure(
+        )
+    matched = f"{count_text(len(lead_s), 'encounter')} matched by both"
+    whole = {"dtick": 1} if counts.max() <= FEW else {}
+    ends = [centre[0] - width, centre[-1] + width]
+    lead = "← Y first        lead time of X over Y (s)        X first →"
+    return draw(
         traces,
-        layout(
-            theme,
-            title="Who sees a pedestrian first",
-            subtitle=said,
-            barmode="overlay",
-            xaxis=axis(theme, "← Y first        lead time of X over Y (s)        X first →",
-                       range=[centre[0] - width, centre[-1] + width]),
-            yaxis=axis(theme, "encounters", rangemode="tozero", fixedrange=True, tickformat=",d",
-                       **({"dtick": 1} if counts.max() <= FEW else {})),
-        ),
-    )  # fmt: skip
+        theme,
+        title="Who sees a pedestrian first",
+        subtitle=f"{matched}; median {np.median(lead_s) + 0.0:+.2f} s",
+        barmode="overlay",
+        xaxis=axis(theme, lead, range=ends),
+        yaxis=counts_axis(theme, "encounters", **whole),
+    )
 
 
 def position_map(encounters: pd.DataFrame, *, theme: Theme) -> go.Figure:
@@ -250,38 +259,38 @@ def position_map(encounters: pd.DataFrame, *, theme: Theme) -> go.Figure:
             )
         ]
         shade = getattr(look, colour)
+        line = {"width": 1.5, "color": shade}
         traces.append(
-            go.Scatter(
-                x=part["lateral_position"].to_numpy(), y=part["peak_height"].to_numpy(),
-                mode="markers", customdata=part.index.to_numpy(), text=text,
-                hovertemplate="%{text}<extra></extra>",
+            marks(
+                part["lateral_position"].to_numpy(),
+                part["peak_height"].to_numpy(),
+                text,
+                customdata=part.index.to_numpy(),
                 name=f"{words} ({np.count_nonzero(category == kind.value):,})",
-                **steady_marker(symbol=symbol, size=size, color=shade,
-                                line={"width": 1.5, "color": shade}),
+                **steady_marker(symbol=symbol, size=size, color=shade, line=line),
             )
-        )  # fmt: skip
-    said = count_text(len(encounters), "encounter")
+        )
+    extent = count_text(len(encounters), "encounter")
     if n_drawn < len(encounters):
-        said += f", {n_drawn:,} of them drawn"
-    return go.Figure(
+        extent += f", {n_drawn:,} of them drawn"
+    tallest = float(encounters["peak_height"].max())
+    return draw(
         traces,
-        layout(
+        theme,
+        title="Where pedestrians are missed",
+        subtitle=f"{extent}; colour: the system that misses",
+        height=430,
+        showlegend=True,
+        hoverdistance=24,
+        margin={"l": LEFT_PX, "r": 16, "t": 64, "b": 104},
+        legend={**LEGEND, "y": 0, "yref": "container"},
+        xaxis=axis(
             theme,
-            title="Where pedestrians are missed",
-            subtitle=f"{said}; colour: the system that misses",
-            height=430,
-            showlegend=True,
-            hoverdistance=24,
-            margin={"l": LEFT_PX, "r": 16, "t": 64, "b": 104},
-            legend={**LEGEND, "y": 0, "yref": "container"},
-            xaxis=axis(
-                theme, "mean position in the picture", range=[-1.05, 1.05], fixedrange=True,
-                tickvals=[-1, -0.5, 0, 0.5, 1],
-                ticktext=["left", "", "middle", "", "right"],
-            ),
-            yaxis=axis(
-                theme, "largest height (px)",
-                range=[0, 1.06 * float(encounters["peak_height"].max())],
-            ),
+            "mean position in the picture",
+            range=[-1.05, 1.05],
+            fixedrange=True,
+            tickvals=[-1, -0.5, 0, 0.5, 1],
+            ticktext=["left", "", "middle", "", "right"],
         ),
-    )  # fmt: skip
+        yaxis=axis(theme, "largest height (px)", range=[0, 1.06 * tallest]),
+    )

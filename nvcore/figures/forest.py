@@ -10,17 +10,16 @@ import pandas as pd
 import plotly.graph_objects as go
 
 from nvcore.evidence.subgroups import ALL
-from nvcore.figures.style import LOOK, axis, empty_figure, layout, plain
+from nvcore.figures.marks import marks, still_line, with_gaps
+from nvcore.figures.style import LOOK, axis, draw, empty_figure, plain, rows_axis, write
 from nvcore.measures import AxisScale, inference_of
 from nvcore.palette import Theme
 from nvcore.wording import count_text
 
 ROW_PX: Final = 30
 MOST_GROUPS: Final = 40
-FACTOR_WORDS: Final = {
-    "distance": "distance", "place": "place", "occlusion": "occlusion", "pose": "pose",
-    "tag": "recordings tagged",
-}  # fmt: skip
+FACTOR_WORDS: Final = {"tag": "recordings tagged"}
+"""Of factors that are not called by their own name."""
 
 
 def subgroup_forest(subgroups: pd.DataFrame, *, theme: Theme) -> go.Figure:
@@ -44,57 +43,56 @@ def subgroup_forest(subgroups: pd.DataFrame, *, theme: Theme) -> go.Figure:
         factor * table[name].to_numpy(dtype=float) for name in ("difference", "low", "high")
     )
     has_interval = np.isfinite(low) & np.isfinite(high)
-    text = [_text(row) for row in table.to_dict("records")]
-    nan = np.full(len(table), np.nan)
-    intervals = go.Scatter(
-        x=np.column_stack([low, high, nan]).ravel(), y=np.column_stack([place, place, nan]).ravel(),
-        mode="lines", line={"color": look.muted, "width": 2}, hoverinfo="skip", showlegend=False,
-        name="95 % interval",
-    )  # fmt: skip
+    intervals = still_line(
+        with_gaps(low, high),
+        with_gaps(place, place),
+        "95 % interval",
+        line={"color": look.muted, "width": 2},
+    )
     gain = difference if better == "higher" else -difference
-    leaning = np.where(gain > 0, look.x, np.where(gain < 0, look.y, look.muted))
-    points = go.Scatter(
-        x=difference, y=place, mode="markers", text=text, hovertemplate="%{text}<extra></extra>",
-        showlegend=False, name="difference",
-        marker={"color": leaning, "size": 7 + 9 * np.sqrt(table["n"] / table["n"].max()),
-                "symbol": np.where(has_interval, "square", "square-open")},
-    )  # fmt: skip
+    marker = {
+        "color": np.where(gain > 0, look.x, np.where(gain < 0, look.y, look.muted)),
+        "size": 7 + 9 * np.sqrt(table["n"] / table["n"].max()),
+        "symbol": np.where(has_interval, "square", "square-open"),
+    }
+    rows = table.to_dict("records")
+    differences = marks(
+        difference,
+        place,
+        [_text(row) for row in rows],
+        name="difference",
+        marker=marker,
+        showlegend=False,
+    )
     labels = [
-        "<b>all</b>" if row["factor"] == ALL
+        "<b>all</b>"
+        if row["factor"] == ALL
         else f"{FACTOR_WORDS.get(row['factor'], row['factor'])}: {plain(row['group'])}"
-        for row in table.to_dict("records")
-    ]  # fmt: skip
-    counts = [
-        f"{row['n']:,}: X {row['x']:{scale.form}}, Y {row['y']:{scale.form}}{_corrected(row)}"
-        for row in table.to_dict("records")
+        for row in rows
     ]
     n_most = count_text(int(table["n"].max()), unit.removesuffix("s"))
     title = plain(label[0].upper() + label[1:], max_length=80)
     near = " near enough to count" if unit == "encounters" else ""
     side = "right" if better == "higher" else "left"
-    figure = go.Figure(
-        [intervals, points],
-        layout(
-            theme, title=f"{title}: X less Y, by group",
-            subtitle=f"{n_most}{near}; larger squares: more {unit}; open: no interval; "
-            "p: for all groups together",
-            height=130 + ROW_PX * len(table), showlegend=False,
-            margin={"l": 190, "r": 230, "t": 64, "b": 48},
-            xaxis=axis(
-                theme, f"difference{_in_unit(scale)} ({side}: X is better)",
-                range=_range(difference, low, high, least=scale.least),
-            ),
-            yaxis=axis(theme)
-            | {"tickvals": place.tolist(), "ticktext": labels, "showgrid": False,
-               "range": [len(table) - 0.5, -0.5], "fixedrange": True},
-        ),
-    )  # fmt: skip
+    fixed = {"tickvals": place.tolist(), "showgrid": False, "fixedrange": True}
+    ends = _range(difference, low, high, least=scale.least)
+    figure = draw(
+        [intervals, differences],
+        theme,
+        title=f"{title}: X less Y, by group",
+        subtitle=f"{n_most}{near}; larger squares: more {unit}; open: no interval; "
+        "p: for all groups together",
+        height=130 + ROW_PX * len(table),
+        showlegend=False,
+        margin={"l": 190, "r": 230, "t": 64, "b": 48},
+        xaxis=axis(theme, f"difference{_in_unit(scale)} ({side}: X is better)", range=ends),
+        yaxis=rows_axis(theme, labels, room=0.5, **fixed),
+    )
     figure.add_vline(0, line={"color": look.ink, "width": 1})
-    for at, words in zip(place, counts, strict=True):
-        figure.add_annotation(
-            x=1.01, xref="x domain", y=at, text=words, showarrow=False, xanchor="left",
-            font={"size": 12, "color": look.muted},
-        )  # fmt: skip
+    for at, row in zip(place, rows, strict=True):
+        counts = f"{row['n']:,}: X {row['x']:{scale.form}}, Y {row['y']:{scale.form}}"
+        beside = {"x": 1.01, "xref": "x domain", "y": at, "xanchor": "left"}
+        write(figure, counts + _corrected(row), size=12, color=look.muted, **beside)
     return figure
 
 

@@ -9,7 +9,8 @@ import pandas as pd
 import plotly.graph_objects as go
 
 from nvcore.dataset import Dataset
-from nvcore.figures.style import LOOK, axis, empty_figure, faded, layout, system_label
+from nvcore.figures.marks import line_up
+from nvcore.figures.style import LOOK, axis, draw, empty_figure, faded, system_label, write
 from nvcore.metrics.proximity import sigmoid
 from nvcore.palette import Theme
 from nvcore.params import MIDPOINT_SHARE, SPREAD_SHARE, Params
@@ -45,31 +46,33 @@ def score_plot(
     is_kept = (low + high) / 2 >= limit
     traces = []
     for words, colour, chosen in (
-        ("left out", look.pale, ~is_kept), ("kept", look.of(letter), is_kept),
-    ):  # fmt: skip
+        ("left out", look.pale, ~is_kept),
+        ("kept", look.of(letter), is_kept),
+    ):
         traces.append(
             go.Bar(
-                x=(low + high)[chosen] / 2, y=n[chosen], width=(high - low)[chosen], name=words,
+                x=(low + high)[chosen] / 2,
+                y=n[chosen],
+                width=(high - low)[chosen],
+                name=words,
                 marker={"color": colour, "line": {"width": 0}},
                 customdata=low[chosen],
                 hovertemplate="%{y:,} detections with a score of %{customdata:.3f} or a little "
                 "more<extra></extra>",
             )
-        )  # fmt: skip
-    figure = go.Figure(
+        )
+    left_out = "" if threshold is None else "; pale: left out by the threshold"
+    figure = draw(
         traces,
-        layout(
-            theme,
-            title=f"Scores of {system_label(letter, name)}",
-            subtitle=count_text(int(n.sum()), "detection")
-            + ("" if threshold is None else "; pale: left out by the threshold"),
-            height=280,
-            bargap=0,
-            barmode="overlay",
-            showlegend=False,
-            xaxis=axis(theme, "score", showgrid=False),
-            yaxis=axis(theme, "detections", rangemode="tozero", fixedrange=True),
-        ),
+        theme,
+        title=f"Scores of {system_label(letter, name)}",
+        subtitle=count_text(int(n.sum()), "detection") + left_out,
+        height=280,
+        bargap=0,
+        barmode="overlay",
+        showlegend=False,
+        xaxis=axis(theme, "score", showgrid=False),
+        yaxis=axis(theme, "detections", rangemode="tozero", fixedrange=True),
     )
     _threshold_line(figure, threshold, theme)
     return figure
@@ -89,26 +92,28 @@ def false_alarm_plot(
     """
     if curve.empty:
         return empty_figure("The detections of this system have no scores.", theme=theme)
-    figure = go.Figure(
-        go.Scatter(
-            x=curve["threshold"].to_numpy(), y=curve["false_alarms_per_minute"].to_numpy(),
-            mode="lines", line={"color": LOOK[theme].of(letter), "width": 2.2},
-            customdata=curve["n_kept"].to_numpy(), name=letter.upper(),
-            hovertemplate="threshold %{x:.3f}<br>%{y:.1f} false alarms per minute<br>"
-            "%{customdata:,} detections kept<extra></extra>",
-        ),
-        layout(
-            theme,
-            title=f"False alarms of {system_label(letter, name)}",
-            subtitle=f"{count_text(int(curve['n_false_alarms'].max()), 'false alarm')} at the "
-            "lowest threshold",
-            height=280,
-            hovermode="x",
-            showlegend=False,
-            xaxis=axis(theme, "score threshold"),
-            yaxis=axis(theme, "false alarms per minute", rangemode="tozero", fixedrange=True),
-        ),
-    )  # fmt: skip
+    line = go.Scatter(
+        x=curve["threshold"].to_numpy(),
+        y=curve["false_alarms_per_minute"].to_numpy(),
+        mode="lines",
+        line={"color": LOOK[theme].of(letter), "width": 2.2},
+        customdata=curve["n_kept"].to_numpy(),
+        name=letter.upper(),
+        hovertemplate="threshold %{x:.3f}<br>%{y:.1f} false alarms per minute<br>"
+        "%{customdata:,} detections kept<extra></extra>",
+    )
+    most = count_text(int(curve["n_false_alarms"].max()), "false alarm")
+    figure = draw(
+        line,
+        theme,
+        title=f"False alarms of {system_label(letter, name)}",
+        subtitle=f"{most} at the lowest threshold",
+        height=280,
+        hovermode="x",
+        showlegend=False,
+        xaxis=axis(theme, "score threshold"),
+        yaxis=axis(theme, "false alarms per minute", rangemode="tozero", fixedrange=True),
+    )
     _threshold_line(figure, threshold, theme)
     return figure
 
@@ -116,15 +121,9 @@ def false_alarm_plot(
 def _threshold_line(figure: go.Figure, threshold: float | None, theme: Theme) -> None:
     if threshold is None:
         return
-    look = LOOK[theme]
-    figure.add_shape(
-        type="line", name="threshold", x0=threshold, x1=threshold, yref="paper", y0=0, y1=1,
-        line={"color": look.ink, "width": 1.5},
-    )  # fmt: skip
-    figure.add_annotation(
-        x=threshold, y=1, yref="paper", yanchor="bottom", showarrow=False,
-        text=f"threshold {threshold:g}", font={"size": 12, "color": look.ink},
-    )  # fmt: skip
+    line_up(figure, threshold, "threshold", theme)
+    place = {"x": threshold, "y": 1, "yref": "paper", "yanchor": "bottom"}
+    write(figure, f"threshold {threshold:g}", size=12, color=LOOK[theme].ink, **place)
 
 
 def proximity_plot(dataset: Dataset, params: Params, *, theme: Theme) -> go.Figure:
@@ -144,38 +143,44 @@ def proximity_plot(dataset: Dataset, params: Params, *, theme: Theme) -> go.Figu
     at = np.linspace(edges[0], end, 121)
     traces: list[Any] = [
         go.Bar(
-            x=(edges[:-1] + edges[1:]) / 2, y=n / n.max(initial=1), width=np.diff(edges),
-            marker={"color": faded(look.truth, 0.28), "line": {"width": 0}}, customdata=n,
+            x=(edges[:-1] + edges[1:]) / 2,
+            y=n / n.max(initial=1),
+            width=np.diff(edges),
+            marker={"color": faded(look.truth, 0.28), "line": {"width": 0}},
+            customdata=n,
             hovertemplate="%{customdata:,} boxes of about %{x:.0f}<extra></extra>",
-            name="pedestrians", showlegend=False,
+            name="pedestrians",
+            showlegend=False,
         )
-    ]  # fmt: skip
+    ]
     for zero, spread in curves:
-        traces.append(
-            go.Scatter(
-                x=at, y=sigmoid((at - zero) / spread), mode="lines", name="weight k",
-                line={"color": look.ink, "width": 2}, showlegend=False,
-                hovertemplate="%{x:.0f}: weight %{y:.2f}<extra></extra>",
-            )
-        )  # fmt: skip
-        traces.append(
-            go.Scatter(
-                x=[zero], y=[0.5], mode="markers", marker={"color": look.ink, "size": 8},
-                hovertemplate="counts half at %{x:.1f}<extra></extra>", name="midpoint",
-                showlegend=False,
-            )
-        )  # fmt: skip
-    tight = {"l": 34, "r": 8, "t": 8, "b": 38}
-    return go.Figure(
+        weight = go.Scatter(
+            x=at,
+            y=sigmoid((at - zero) / spread),
+            mode="lines",
+            name="weight k",
+            line={"color": look.ink, "width": 2},
+            showlegend=False,
+            hovertemplate="%{x:.0f}: weight %{y:.2f}<extra></extra>",
+        )
+        midpoint = go.Scatter(
+            x=[zero],
+            y=[0.5],
+            mode="markers",
+            marker={"color": look.ink, "size": 8},
+            hovertemplate="counts half at %{x:.1f}<extra></extra>",
+            name="midpoint",
+            showlegend=False,
+        )
+        traces += [weight, midpoint]
+    return draw(
         traces,
-        layout(
-            theme,
-            height=SMALL_PX,
-            margin=tight,
-            bargap=0,
-            xaxis=axis(theme, title, range=[edges[0], end], fixedrange=True, showgrid=False),
-            yaxis=axis(theme, "weight", range=[0, 1.05], fixedrange=True, tickvals=[0, 0.5, 1]),
-        ),
+        theme,
+        height=SMALL_PX,
+        margin={"l": 34, "r": 8, "t": 8, "b": 38},
+        bargap=0,
+        xaxis=axis(theme, title, range=[edges[0], end], fixedrange=True, showgrid=False),
+        yaxis=axis(theme, "weight", range=[0, 1.05], fixedrange=True, tickvals=[0, 0.5, 1]),
     )
 
 
@@ -193,15 +198,13 @@ def _sizes_and_curves(
         return known, [(params.midpoint_m, -params.spread_m)], f"distance (m), {n_all}"
     midpoint = MIDPOINT_SHARE * frames.height if params.midpoint is None else params.midpoint
     spread = SPREAD_SHARE * frames.height if params.spread is None else params.spread
-    pairs = np.unique(np.column_stack(np.broadcast_arrays(midpoint, spread, frames.height))[:, :2],
-                      axis=0)  # fmt: skip
+    pairs = np.unique(
+        np.column_stack(np.broadcast_arrays(midpoint, spread, frames.height))[:, :2], axis=0
+    )
     curves = [(float(zero), float(soft)) for zero, soft in pairs[:N_CURVES]]
     if params.proximity == "horizon":
-        horizon = (
-            frames.horizon
-            if params.horizon is None
-            else np.full(len(frames.height), params.horizon)
-        )
+        given = params.horizon
+        horizon = frames.horizon if given is None else np.full(len(frames.height), given)
         foot = truth.y[rows] + truth.h[rows]
         depth = foot - horizon[frames.recording[truth.frame_index[rows]]]
         return depth[np.isfinite(depth)], curves, f"foot below horizon (px), {n_all}"

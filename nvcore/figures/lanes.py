@@ -9,14 +9,16 @@ import pandas as pd
 import plotly.graph_objects as go
 
 from nvcore.comparison import Result
+from nvcore.figures.marks import click_markers, line_up, still_line, with_gaps
 from nvcore.figures.style import (
     LOOK,
+    Look,
     axis,
-    click_markers,
+    draw,
     empty_figure,
     faded,
-    layout,
     plain,
+    rows_axis,
     system_label,
 )
 from nvcore.palette import Theme
@@ -64,17 +66,16 @@ def lanes_figure(
     lane_of[encounters] = np.arange(len(encounters))
     runs = runs.assign(lane=lane_of[runs["encounter"].to_numpy()])
     runs = runs[runs["lane"].to_numpy() >= 0]
-    traces = [
-        _bars(runs, ("not_relevant",), "xy", "too far to count", theme),
-        _bars(runs, ("ignored",), "xy", "ignored", theme),
+    kinds = [("not_relevant", "xy", "too far to count"), ("ignored", "xy", "ignored")]
+    kinds += [
+        (state, letter, f"{letter.upper()} {state}")
+        for letter in "xy"
+        for state in ("matched", "missed")
     ]
-    for letter in "xy":
-        for state in ("matched", "missed"):
-            traces.append(_bars(runs, (state,), letter, f"{letter.upper()} {state}", theme))
-    traces = [trace for trace in traces if len(trace.x)]
-    said = count_text(n_all, "pedestrian")
+    bars = [_bars(runs, *kind, theme) for kind in kinds]
+    extent = count_text(n_all, "pedestrian")
     if n_all > len(encounters):
-        said += f", the {len(encounters)} that are missed longest drawn"
+        extent += f", the {len(encounters)} that are missed longest drawn"
     name = plain(result.dataset.recordings["name"][recording])
     n_lanes = len(encounters)
     lane_px = next(px for most, px in LANE_PX if n_lanes <= most)
@@ -82,30 +83,21 @@ def lanes_figure(
     time_s = result.dataset.frames["time_s"].to_numpy()
     end = float(time_s[stop - 1] + result.dataset.frames["step_s"].to_numpy()[stop - 1])
     tracks = result.encounters.track[encounters]
+    pedestrians = [f"ped {plain(track, max_length=8)}" for track in tracks]
     labels = [system_label(letter, system.name) for letter, system in result.sides]
-    figure = go.Figure(
-        [*traces, _clicks(result, runs, n_lanes)],
-        layout(
-            theme,
-            title=f"Who is missed when, {name}",
-            subtitle=f"{said}; upper bar {labels[0]}, lower bar {labels[1]}",
-            height=140 + lane_px * n_lanes,
-            hoverdistance=-1,
-            xaxis=axis(theme, "time (s)", range=[-0.005 * end, end * 1.005 or 1.0]),
-            yaxis=axis(
-                theme, range=[n_lanes - 0.4, -0.6], fixedrange=True, showgrid=False,
-                tickvals=np.arange(n_lanes),
-                ticktext=[f"ped {plain(track, max_length=8)}" for track in tracks],
-            ),
-            uirevision=f"{result.dataset.fingerprint} {recording} lanes",
-        ),
-    )  # fmt: skip
+    figure = draw(
+        [*(trace for trace in bars if len(trace.x)), _clicks(result, runs, n_lanes)],
+        theme,
+        title=f"Who is missed when, {name}",
+        subtitle=f"{extent}; upper bar {labels[0]}, lower bar {labels[1]}",
+        height=140 + lane_px * n_lanes,
+        hoverdistance=-1,
+        xaxis=axis(theme, "time (s)", range=[-0.005 * end, end * 1.005 or 1.0]),
+        yaxis=rows_axis(theme, pedestrians, fixedrange=True, showgrid=False),
+        uirevision=f"{result.dataset.fingerprint} {recording} lanes",
+    )
     if cursor_row is not None and start <= cursor_row < stop:
-        at = float(time_s[cursor_row])
-        figure.add_shape(
-            type="line", name="cursor", x0=at, x1=at, yref="paper", y0=0, y1=1,
-            line={"color": LOOK[theme].ink, "width": 1.5},
-        )  # fmt: skip
+        line_up(figure, float(time_s[cursor_row]), "cursor", theme)
     return figure
 
 
@@ -121,15 +113,13 @@ def _most_missed(runs: pd.DataFrame) -> np.ndarray:
     return ordered
 
 
-def _bars(
-    runs: pd.DataFrame, states: tuple[str, ...], letters: str, label: str, theme: Theme
-) -> go.Scatter:
+def _bars(runs: pd.DataFrame, state: str, letters: str, label: str, theme: Theme) -> go.Scatter:
     """All bars of one look as one path: five corners each, which stays quick with thousands.
 
     More than `MAX_BARS` are widened to columns of pixels, and those that become the same are drawn
     once; misses are drawn last and stay visible.
     """
-    part = runs[runs["state"].isin(states) & runs["system"].isin(list(letters))]
+    part = runs[(runs["state"] == state) & runs["system"].isin(list(letters))]
     start, stop = part["start_s"].to_numpy(), part["stop_s"].to_numpy()
     lane, is_x = part["lane"].to_numpy(), part["system"].to_numpy() == "x"
     if len(part) > MAX_BARS:
@@ -139,27 +129,30 @@ def _bars(
         lane, is_x, start, stop = distinct.T
     top = lane + np.where(is_x > 0, -BAR, 0.02)
     low = top + BAR - 0.02
-    nan = np.full(len(start), np.nan)
-    look = LOOK[theme]
-    paint: dict[str, Any]
-    if states == ("matched",):
-        paint = {"fillcolor": look.of(letters), "line": {"width": 0}}
-    elif states == ("missed",):
-        colour = look.of(letters)
-        paint = {
-            "fillpattern": {"shape": "/", "fgcolor": colour, "bgcolor": faded(colour, 0.08),
-                            "fillmode": "replace", "size": 6, "solidity": 0.18},
-            "line": {"width": 1.2, "color": colour},
-        }  # fmt: skip
-    elif states == ("ignored",):
-        paint = {"fillcolor": look.pale, "line": {"width": 1, "color": look.muted}}
-    else:
-        paint = {"fillcolor": faded(look.pale, 0.45), "line": {"width": 0}}
-    return go.Scatter(
-        x=np.column_stack([start, stop, stop, start, start, nan]).ravel(),
-        y=np.column_stack([top, top, low, low, top, nan]).ravel(),
-        mode="lines", fill="toself", hoverinfo="skip", name=label, **paint,
-    )  # fmt: skip
+    outline = still_line(
+        with_gaps(start, stop, stop, start, start),
+        with_gaps(top, top, low, low, top),
+        label,
+        showlegend=None,
+        fill="toself",
+    )
+    return outline.update(_paint(state, letters, LOOK[theme]))
+
+
+def _paint(state: str, letters: str, look: Look) -> dict[str, Any]:
+    """Filled: matched. Hollow and hatched: missed. Pale: neither."""
+    if state == "ignored":
+        return {"fillcolor": look.pale, "line": {"width": 1, "color": look.muted}}
+    if state == "not_relevant":
+        return {"fillcolor": faded(look.pale, 0.45), "line": {"width": 0}}
+    colour = look.of(letters)
+    if state == "matched":
+        return {"fillcolor": colour, "line": {"width": 0}}
+    pattern = {"shape": "/", "fgcolor": colour, "bgcolor": faded(colour, 0.08)}
+    return {
+        "fillpattern": {**pattern, "fillmode": "replace", "size": 6, "solidity": 0.18},
+        "line": {"width": 1.2, "color": colour},
+    }
 
 
 def _clicks(result: Result, runs: pd.DataFrame, n_lanes: int) -> go.Scatter:
@@ -184,10 +177,7 @@ def _clicks(result: Result, runs: pd.DataFrame, n_lanes: int) -> go.Scatter:
             track, frame, time_s, state["x"], state["y"], strict=True
         )
     ]
-    return click_markers(
-        x=time_s, y=lane.astype(float), customdata=row, text=text,
-        hovertemplate="%{text}<extra></extra>", name="frames",
-    )  # fmt: skip
+    return click_markers(time_s, lane.astype(float), text, customdata=row, name="frames")
 
 
 def _state_at(runs: pd.DataFrame, letter: str, lane: np.ndarray, row: np.ndarray) -> list[str]:

@@ -8,17 +8,8 @@ import numpy as np
 import pandas as pd
 import plotly.graph_objects as go
 
-from nvcore.figures.style import (
-    LOOK,
-    SYMBOL,
-    axis,
-    click_markers,
-    empty_figure,
-    layout,
-    plain,
-    steady_marker,
-    system_label,
-)
+from nvcore.figures.marks import click_markers, marks, still_line, system_marker, with_gaps
+from nvcore.figures.style import LOOK, axis, draw, empty_figure, plain, rows_axis, system_label
 from nvcore.palette import Theme
 from nvcore.wording import count_text
 
@@ -34,10 +25,15 @@ def recordings_plot(recordings: pd.DataFrame, names: tuple[str, str], *, theme: 
         Names of X and Y.
     """
     return paired_points(
-        recordings, "mean_similarity", names, theme=theme, title="Similarity by recording",
-        axis_title="mean similarity (1 = perfect)", higher_is_better=True,
+        recordings,
+        "mean_similarity",
+        names,
+        theme=theme,
+        title="Similarity by recording",
+        axis_title="mean similarity (1 = perfect)",
+        higher_is_better=True,
         least_range=(0.5, 1.0),
-    )  # fmt: skip
+    )
 
 
 MAX_RECORDINGS: Final = 40
@@ -88,52 +84,32 @@ def paired_points(
     values = np.concatenate([x[chosen], y[chosen]])
     low, high = min(least_range[0], values.min()), max(least_range[1], values.max())
     margin = MARGIN * (high - low)
-    look = LOOK[theme]
-    nan = np.full(len(chosen), np.nan)
     traces = [
-        go.Scatter(
-            x=np.column_stack([x[chosen], y[chosen], nan]).ravel(),
-            y=np.column_stack([place, place, nan]).ravel(),
-            mode="lines", line={"width": 3, "color": look.pale}, hoverinfo="skip",
-            showlegend=False, name="difference",
+        still_line(
+            with_gaps(x[chosen], y[chosen]),
+            with_gaps(place, place),
+            "difference",
+            line={"width": 3, "color": LOOK[theme].pale},
         )
-    ]  # fmt: skip
+    ]
     for letter, name, values in (("x", names[0], x), ("y", names[1], y)):
-        marker = steady_marker(
-            color=look.of(letter), size=11, symbol=SYMBOL[letter],
-            line={"width": 1, "color": look.surface},
-        )  # fmt: skip
-        traces.append(
-            go.Scatter(
-                x=values[chosen], y=place, mode="markers", customdata=rows, text=text,
-                hovertemplate="%{text}<extra></extra>", name=system_label(letter, name), **marker,
-            )
-        )  # fmt: skip
+        label, marker = system_label(letter, name), system_marker(letter, 11, theme)
+        traces.append(marks(values[chosen], place, text, customdata=rows, name=label, **marker))
     middle = (x[chosen] + y[chosen]) / 2
-    traces.append(
-        click_markers(
-            x=middle, y=place, customdata=rows, text=text,
-            hovertemplate="%{text}<extra></extra>", name="recordings",
-        )
-    )  # fmt: skip
-    said = count_text(len(known), "recording")
+    traces.append(click_markers(middle, place, text, customdata=rows, name="recordings"))
+    extent = count_text(len(known), "recording")
     if len(known) > len(chosen):
-        said += f", the {len(chosen)} with the largest differences drawn"
+        extent += f", the {len(chosen)} with the largest differences drawn"
     if len(known) > 1:
         n_x, n_y = int((gain[known] > 0).sum()), int((gain[known] < 0).sum())
-        said += f"; X is better in {n_x:,}, Y in {n_y:,}; the better X, the higher up"
-    return go.Figure(
+        extent += f"; X is better in {n_x:,}, Y in {n_y:,}; the better X, the higher up"
+    return draw(
         traces,
-        layout(
-            theme,
-            title=title,
-            subtitle=said,
-            height=150 + ROW_PX * len(chosen),
-            hoverdistance=-1,
-            xaxis=axis(theme, axis_title, range=[low - margin, high + margin]),
-            yaxis=axis(
-                theme, range=[len(chosen) - 0.4, -0.6], fixedrange=True,
-                tickvals=place, ticktext=labels, automargin=True,
-            ),
-        ),
-    )  # fmt: skip
+        theme,
+        title=title,
+        subtitle=extent,
+        height=150 + ROW_PX * len(chosen),
+        hoverdistance=-1,
+        xaxis=axis(theme, axis_title, range=[low - margin, high + margin]),
+        yaxis=rows_axis(theme, labels, tickvals=place, fixedrange=True, automargin=True),
+    )

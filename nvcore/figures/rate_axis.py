@@ -62,9 +62,11 @@ class LogScale:
         if self.edge_label:
             ticks, labels = [self.edge, *ticks], [self.edge_label, *labels]
         return {
-            "type": "log", "range": [math.log10(bottom), math.log10(self.high)], "tickvals": ticks,
+            "type": "log",
+            "range": [math.log10(bottom), math.log10(self.high)],
+            "tickvals": ticks,
             "ticktext": labels,
-        }  # fmt: skip
+        }
 
 
 def log_scale(values: np.ndarray, ticks: Sequence[float], high: float) -> LogScale:

@@ -9,16 +9,8 @@ import numpy as np
 import pandas as pd
 import plotly.graph_objects as go
 
-from nvcore.figures.style import (
-    LOOK,
-    SYMBOL,
-    axis,
-    empty_figure,
-    layout,
-    plain,
-    steady_marker,
-    system_label,
-)
+from nvcore.figures.marks import marks, system_marker
+from nvcore.figures.style import LOOK, axis, draw, empty_figure, plain, rows_axis, system_label
 from nvcore.palette import Theme
 from nvcore.studies.ratings.agreement import Agreement
 from nvcore.studies.ratings.validation import Correlation
@@ -43,13 +35,12 @@ def rating_plot(
     clips
         Of `nvcore.studies.ratings.validation.join_clips`.
     correlations
-        Of `nvcore.studies.ratings.validation.correlate`; the first defined one is told.
+        Of `nvcore.studies.ratings.validation.correlate`; the subtitle has the first defined one.
     names
         Names of X and Y.
     """
     if clips.empty:
         return empty_figure("No clip has both a rating and a saliency.", theme=theme)
-    look = LOOK[theme]
     traces = []
     for letter, name in zip("xy", names, strict=True):
         mine = clips[clips["system"] == name].head(MOST_CLIPS)
@@ -60,29 +51,26 @@ def rating_plot(
                 mine["clip"], mine["mean_rank"], mine["n_ratings"], mine["saliency_s"], strict=True
             )
         ]
-        marker = steady_marker(
-            color=look.of(letter), size=10, symbol=SYMBOL[letter],
-            line={"width": 1, "color": look.surface},
-        )  # fmt: skip
         traces.append(
-            go.Scatter(
-                x=mine["mean_rank"], y=mine["saliency_s"], mode="markers", text=text,
+            marks(
+                mine["mean_rank"],
+                mine["saliency_s"],
+                text,
                 cliponaxis=False,
-                hovertemplate="%{text}<extra></extra>", name=system_label(letter, name),
-                customdata=mine.index.to_numpy(), **marker,
+                name=system_label(letter, name),
+                customdata=mine.index.to_numpy(),
+                **system_marker(letter, 10, theme),
             )
-        )  # fmt: skip
-    told = next((f"; {told_in_words(one)}" for one in correlations if not one.note), "")
-    return go.Figure(
+        )
+    first = next((f"; {told_in_words(known)}" for known in correlations if not known.note), "")
+    return draw(
         traces,
-        layout(
-            theme,
-            title="Saliency against the ratings",
-            subtitle=f"{count_text(len(clips), 'clip')}{told}",
-            height=420,
-            xaxis=axis(theme, "mean rank (1 = least annoying)"),
-            yaxis=axis(theme, "saliency (s)") | {"rangemode": "tozero"},
-        ),
+        theme,
+        title="Saliency against the ratings",
+        subtitle=f"{count_text(len(clips), 'clip')}{first}",
+        height=420,
+        xaxis=axis(theme, "mean rank (1 = least annoying)"),
+        yaxis=axis(theme, "saliency (s)", rangemode="tozero"),
     )
 
 
@@ -100,31 +88,36 @@ def participants_plot(agreement: Agreement, *, theme: Theme) -> go.Figure:
     people = agreement.participants
     known = people[np.isfinite(people["agreement"])].sort_values("agreement", kind="stable")
     if known.empty:
-        return empty_figure("No participant rated enough clips that others rated, too.",
-                            theme=theme)  # fmt: skip
+        return empty_figure(
+            "No participant rated enough clips that others rated, too.", theme=theme
+        )
     shown = known.head(MOST_PARTICIPANTS)
     look = LOOK[theme]
-    colour = np.where(shown["is_outlier"], look.ink, look.muted)
-    symbol = np.where(shown["is_outlier"], "x", "circle")
+    is_outlier = shown["is_outlier"]
+    marker = {
+        "color": np.where(is_outlier, look.ink, look.muted),
+        "symbol": np.where(is_outlier, "x", "circle"),
+        "size": 10,
+    }
     labels = [plain(name, max_length=24) for name in shown["participant"]]
     n_odd = int(known["is_outlier"].sum())
     odd = f"; {n_odd or 'none'} going another way (marked x)" if agreement.knows_outliers else ""
     trace = go.Scatter(
-        x=shown["agreement"], y=np.arange(len(shown)), mode="markers", hoverinfo="skip",
-        showlegend=False, marker={"color": colour, "symbol": symbol, "size": 10},
-    )  # fmt: skip
-    end = max(len(shown) - 0.5, 0.5)
-    return go.Figure(
+        x=shown["agreement"],
+        y=np.arange(len(shown)),
+        mode="markers",
+        hoverinfo="skip",
+        showlegend=False,
+        marker=marker,
+    )
+    ends = [min(-0.1, float(shown["agreement"].min()) - 0.05), 1.03]
+    return draw(
         trace,
-        layout(
-            theme,
-            title="Agreement of each participant with the others",
-            subtitle=f"{count_text(len(known), 'participant')}{odd}",
-            height=130 + ROW_PX * max(len(shown), 4), showlegend=False,
-            xaxis=axis(theme, "correlation with the mean rank of the others")
-            | {"range": [min(-0.1, float(shown["agreement"].min()) - 0.05), 1.03]},
-            yaxis=axis(theme)
-            | {"tickvals": list(range(len(shown))), "ticktext": labels, "range": [end, -0.5],
-               "showgrid": False},
-        ),
-    )  # fmt: skip
+        theme,
+        title="Agreement of each participant with the others",
+        subtitle=f"{count_text(len(known), 'participant')}{odd}",
+        height=130 + ROW_PX * max(len(shown), 4),
+        showlegend=False,
+        xaxis=axis(theme, "correlation with the mean rank of the others", range=ends),
+        yaxis=rows_axis(theme, labels, room=0.5, showgrid=False),
+    )

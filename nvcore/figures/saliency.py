@@ -9,16 +9,17 @@ import pandas as pd
 import plotly.graph_objects as go
 
 from nvcore.comparison import Result
+from nvcore.figures.marks import marks, steady_marker, still_line
 from nvcore.figures.paired import paired_points
 from nvcore.figures.style import (
     LOOK,
     SYMBOL,
     axis,
+    draw,
     empty_figure,
     faded,
-    layout,
     plain,
-    steady_marker,
+    rows_axis,
     system_label,
 )
 from nvcore.metrics.saliency import recency_weight
@@ -48,10 +49,15 @@ def _events(result: Result, letter: str, recording: int | None, most: int) -> pd
         f"{letter.upper()} misses pedestrian {track}<br>{plain(name)} at {start:.2f} s<br>"
         f"{duration:.2f} s × recency {recency:.2f} = {saliency:.2f} s"
         for name, track, start, duration, recency, saliency in zip(
-            names, events["track"], start_s, events["duration_s"], events["recency"],
-            events["saliency_s"], strict=True,
+            names,
+            events["track"],
+            start_s,
+            events["duration_s"],
+            events["recency"],
+            events["saliency_s"],
+            strict=True,
         )
-    ]  # fmt: skip
+    ]
     return events.assign(text=text, name=names, start_s=start_s)
 
 
@@ -68,45 +74,43 @@ def recency_plot(result: Result, *, theme: Theme, recording: int | None = None) 
     params, look = result.params, LOOK[theme]
     tau = np.linspace(0, 1, CURVE_POINTS)
     whole = "encounter" if params.saliency_scope == "encounter" else "recording"
-    traces = [
-        go.Scatter(
-            x=tau, y=recency_weight(tau, params), mode="lines", hoverinfo="skip",
-            line={"color": look.muted, "width": 1.5}, name="recency", showlegend=False,
-        )
-    ]  # fmt: skip
-    said = []
+    line = {"color": look.muted, "width": 1.5}
+    traces = [still_line(tau, recency_weight(tau, params), "recency", line=line)]
+    counts = []
     for letter, system in result.sides:
         events = _events(result, letter, recording, MAX_EVENTS)
-        said.append(f"{letter.upper()} {count_text(len(events), 'event')}")
+        counts.append(f"{letter.upper()} {count_text(len(events), 'event')}")
         area = events["duration_s"].to_numpy()
         # X's marks stand above the curve and Y's below: many events of both end at one time
         shift = SHIFT if letter == "x" else -SHIFT
         marker = steady_marker(
-            color=faded(look.of(letter), 0.35), symbol=SYMBOL[letter],
+            color=faded(look.of(letter), 0.35),
+            symbol=SYMBOL[letter],
             size=5 + 15 * np.sqrt(area / max(area.max(initial=0), 1e-9)),
             line={"width": 1.2, "color": look.of(letter)},
-        )  # fmt: skip
+        )
         traces.append(
-            go.Scatter(
-                x=events["tau"].to_numpy(), y=events["recency"].to_numpy() + shift,
-                mode="markers", customdata=events["first_row"].to_numpy(),
-                text=events["text"].tolist(), hovertemplate="%{text}<extra></extra>",
-                name=system_label(letter, system.name), **marker,
+            marks(
+                events["tau"].to_numpy(),
+                events["recency"].to_numpy() + shift,
+                events["text"].tolist(),
+                customdata=events["first_row"].to_numpy(),
+                name=system_label(letter, system.name),
+                **marker,
             )
-        )  # fmt: skip
-    return go.Figure(
+        )
+    quantity = f"end of the event in its {whole} (share of the duration)"
+    ends = {"range": [-0.02, 1.03], "fixedrange": True}
+    return draw(
         traces,
-        layout(
-            theme,
-            title="When misses happen, and how much they count",
-            subtitle=f"{', '.join(said)}; larger marks last longer; X drawn just above the curve, "
-            "Y just below",
-            height=360,
-            xaxis=axis(theme, f"end of the event in its {whole} (share of the duration)",
-                       range=[-0.02, 1.03], fixedrange=True, tickformat=".0%"),
-            yaxis=axis(theme, "recency (weight, 0 to 1)", range=[-0.06, 1.08], fixedrange=True),
-        ),
-    )  # fmt: skip
+        theme,
+        title="When misses happen, and how much they count",
+        subtitle=f"{', '.join(counts)}; larger marks last longer; X drawn just above the curve, "
+        "Y just below",
+        height=360,
+        xaxis=axis(theme, quantity, tickformat=".0%", **ends),
+        yaxis=axis(theme, "recency (weight, 0 to 1)", range=[-0.06, 1.08], fixedrange=True),
+    )
 
 
 def parts_plot(
@@ -129,43 +133,43 @@ def parts_plot(
     for letter, system in result.sides:
         events = _events(result, letter, recording, n)
         place = len(labels) + np.arange(len(events), dtype=float)
-        labels += [
-            (f"ped {plain(track, max_length=8)}" if recording is not None
-             else f"{plain(name, max_length=20)}, ped {plain(track, max_length=8)}")
-            + f", {start:.1f} s"
-            for name, track, start in zip(
-                events["name"], events["track"], events["start_s"], strict=True
-            )
-        ]  # fmt: skip
+        for name, track, start in zip(
+            events["name"], events["track"], events["start_s"], strict=True
+        ):
+            where = "" if recording is not None else f"{plain(name, max_length=20)}, "
+            labels.append(f"{where}ped {plain(track, max_length=8)}, {start:.1f} s")
         colour = look.of(letter)
-        label = system_label(letter, system.name)
         for column, fill in (("duration_s", faded(colour, 0.22)), ("saliency_s", colour)):
             marker = steady_marker(color=fill, line={"width": 1, "color": colour}, cornerradius=2)
             traces.append(
                 go.Bar(
-                    x=events[column].to_numpy(), y=place, width=0.72, orientation="h",
-                    customdata=events["first_row"].to_numpy(), hovertext=events["text"].tolist(),
-                    hovertemplate="%{hovertext}<extra></extra>", name=label, legendgroup=letter,
-                    showlegend=column == "saliency_s", **marker,
+                    x=events[column].to_numpy(),
+                    y=place,
+                    width=0.72,
+                    orientation="h",
+                    customdata=events["first_row"].to_numpy(),
+                    hovertext=events["text"].tolist(),
+                    hovertemplate="%{hovertext}<extra></extra>",
+                    name=system_label(letter, system.name),
+                    legendgroup=letter,
+                    showlegend=column == "saliency_s",
+                    **marker,
                 )
-            )  # fmt: skip
+            )
     if not labels:
         return empty_figure(NO_EVENTS, theme=theme)
     kind = "largest event" if result.params.saliency_aggregate == "max" else "sum of events"
-    return go.Figure(
+    return draw(
         traces,
-        layout(
-            theme,
-            title="The number taken apart",
-            subtitle=f"{count_text(len(labels), 'most salient event')}; pale: duration, "
-            "solid: × recency",
-            height=150 + 24 * len(labels),
-            barmode="overlay",
-            xaxis=axis(theme, f"seconds (a recording: {kind})", rangemode="tozero"),
-            yaxis=axis(theme, range=[len(labels) - 0.4, -0.6], fixedrange=True, showgrid=False,
-                       tickvals=np.arange(len(labels)), ticktext=labels, automargin=True),
-        ),
-    )  # fmt: skip
+        theme,
+        title="The number taken apart",
+        subtitle=f"{count_text(len(labels), 'most salient event')}; pale: duration, "
+        "solid: × recency",
+        height=150 + 24 * len(labels),
+        barmode="overlay",
+        xaxis=axis(theme, f"seconds (a recording: {kind})", rangemode="tozero"),
+        yaxis=rows_axis(theme, labels, fixedrange=True, showgrid=False, automargin=True),
+    )
 
 
 def saliency_by_recording(
@@ -181,7 +185,12 @@ def saliency_by_recording(
         Names of X and Y.
     """
     return paired_points(
-        recordings, "saliency", names, theme=theme, title="Saliency by recording",
-        axis_title="saliency (s, 0 = nothing to notice)", higher_is_better=False,
+        recordings,
+        "saliency",
+        names,
+        theme=theme,
+        title="Saliency by recording",
+        axis_title="saliency (s, 0 = nothing to notice)",
+        higher_is_better=False,
         least_range=(0.0, 1.0),
-    )  # fmt: skip
+    )

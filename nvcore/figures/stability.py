@@ -10,7 +10,8 @@ import numpy as np
 import plotly.graph_objects as go
 from scipy.ndimage import binary_dilation, binary_erosion, distance_transform_edt
 
-from nvcore.figures.style import LOOK, axis, click_markers, empty_figure, faded, layout
+from nvcore.figures.marks import click_markers, still_line
+from nvcore.figures.style import CLEAR, LOOK, axis, draw, empty_figure, faded, write
 from nvcore.palette import Theme
 from nvcore.stability.axes import Axis
 from nvcore.stability.flips import combine_axes
@@ -63,8 +64,9 @@ def _title(stability: StabilityMap) -> dict[str, Any]:
         share = share_text(stability.share_held)
         subtitle += f"; the present verdict holds in {share} of the plausible range (dotted)"
     return {
-        "title": f"Who is better by {CRITERIA[stability.criterion]}", "subtitle": subtitle,
-    }  # fmt: skip
+        "title": f"Who is better by {CRITERIA[stability.criterion]}",
+        "subtitle": subtitle,
+    }
 
 
 def _axis_title(one: Axis) -> str:
@@ -90,47 +92,51 @@ def _heat(stability: StabilityMap, theme: Theme) -> go.Figure:
     values = stability.difference.T  # rows upwards
     most = float(np.nanmax(np.abs(values))) or 1.0
     scale = [[0.0, look.y], [0.5, look.grid], [1.0, look.x]]
+    font = {"size": 12, "color": look.muted}
+    title = {"text": QUANTITY[stability.criterion], "side": "right", "font": font}
+    bar = {"title": title, "tickfont": font, "outlinewidth": 0, "thickness": 12, "len": 1}
     traces: list[Any] = [
         go.Heatmap(
-            x=across.values, y=up.values, z=values, zmin=-most, zmax=most, colorscale=scale,
-            name="difference", hoverinfo="skip", zsmooth=False,
-            colorbar={
-                "title": {"text": QUANTITY[stability.criterion], "side": "right",
-                          "font": {"size": 12, "color": look.muted}},
-                "tickfont": {"size": 12, "color": look.muted}, "outlinewidth": 0,
-                "thickness": 12, "len": 1,
-            },
+            x=across.values,
+            y=up.values,
+            z=values,
+            zmin=-most,
+            zmax=most,
+            colorscale=scale,
+            name="difference",
+            hoverinfo="skip",
+            zsmooth=False,
+            colorbar=bar,
         )
-    ]  # fmt: skip
+    ]
     if not (across.labels or up.labels):
         traces.append(_turning_line(stability, look.ink))
     if len(_equal_alarms(stability)):
         x, y = _equal_alarms(stability).T
-        traces.append(
-            go.Scatter(
-                x=x, y=y, mode="lines", name=EQUAL_ALARMS, hoverinfo="skip",
-                line={"width": 2.2, "color": look.ink, "dash": "dash"},
-            )
-        )  # fmt: skip
-    cell_x, cell_y = np.meshgrid(across.values, up.values, indexing="ij")
-    traces.append(
-        click_markers(
-            x=cell_x.ravel(), y=cell_y.ravel(), name="settings", text=_texts(stability),
-            customdata=np.arange(stability.difference.size),
-            hovertemplate="%{text}<extra></extra>",
-        )
-    )  # fmt: skip
+        line = {"width": 2.2, "color": look.ink, "dash": "dash"}
+        traces.append(still_line(x, y, EQUAL_ALARMS, showlegend=None, line=line))
+    cells = np.meshgrid(across.values, up.values, indexing="ij")
+    traces.append(_clicks(stability, *(cell.ravel() for cell in cells)))
     traces += _places(stability, theme)
-    figure = go.Figure(
+    figure = draw(
         traces,
-        layout(
-            theme, **_title(stability), height=MAP_PX, hoverdistance=-1,
-            xaxis=_map_axis(across, theme), yaxis=_map_axis(up, theme),
-        ),
-    )  # fmt: skip
+        theme,
+        **_title(stability),
+        height=MAP_PX,
+        hoverdistance=-1,
+        xaxis=_map_axis(across, theme),
+        yaxis=_map_axis(up, theme),
+    )
     _plausible_frame(figure, stability, theme)
     _name_regions(figure, stability, theme)
     return figure
+
+
+def _clicks(stability: StabilityMap, x: np.ndarray, y: np.ndarray) -> go.Scatter:
+    """An invisible marker for every setting, in flat order."""
+    return click_markers(
+        x, y, _texts(stability), name="settings", customdata=np.arange(stability.difference.size)
+    )
 
 
 def _equal_alarms(stability: StabilityMap) -> np.ndarray:
@@ -147,16 +153,18 @@ def _equal_alarms(stability: StabilityMap) -> np.ndarray:
 def _map_axis(one: Axis, theme: Theme) -> dict[str, Any]:
     # ticks that cannot be seen keep the numbers of the two axes apart in the corner
     more: dict[str, Any] = {
-        "showgrid": False, "fixedrange": True, "automargin": True,
-        "ticks": "outside", "ticklen": 8, "tickcolor": "rgba(0,0,0,0)",
-    }  # fmt: skip
+        "showgrid": False,
+        "fixedrange": True,
+        "automargin": True,
+        "ticks": "outside",
+        "ticklen": 8,
+        "tickcolor": CLEAR,
+    }
     before, after = ((one.values[i + 1] - one.values[i]) / 2 for i in (0, -2))
     more["range"] = [one.values[0] - before, one.values[-1] + after]  # the outermost cells
     if one.labels:
-        more |= {
-            "tickvals": one.values,
-            "ticktext": [word.replace(" ", "<br>", 1) for word in one.words],
-        }
+        words = [word.replace(" ", "<br>", 1) for word in one.words]
+        more |= {"tickvals": one.values, "ticktext": words}
     return axis(theme, _axis_title(one), **more)
 
 
@@ -167,11 +175,16 @@ def _turning_line(stability: StabilityMap, colour: str) -> go.Contour:
     code = np.select([stability.winner == "x", stability.winner == "y"], [1.0, -1.0], default=0.0)
     level = 0.5 if has_ties else 0.0
     return go.Contour(
-        x=across.values, y=up.values, z=(code if has_ties else stability.difference).T,
+        x=across.values,
+        y=up.values,
+        z=(code if has_ties else stability.difference).T,
         contours={"start": -level, "end": level, "size": 1, "coloring": "none"},
-        line={"color": colour, "width": 1.6, "smoothing": 0}, showscale=False, hoverinfo="skip",
-        name="verdict turns", showlegend=True,
-    )  # fmt: skip
+        line={"color": colour, "width": 1.6, "smoothing": 0},
+        showscale=False,
+        hoverinfo="skip",
+        name="verdict turns",
+        showlegend=True,
+    )
 
 
 def _places(stability: StabilityMap, theme: Theme) -> list[go.Scatter]:
@@ -180,17 +193,22 @@ def _places(stability: StabilityMap, theme: Theme) -> list[go.Scatter]:
     Where each recording has its own, the analysed ones are a line from the least to the greatest.
     """
     look = LOOK[theme]
+    rim = {"width": 2, "color": look.surface}
     traces = []
     for name, points in _marked(stability).items():
         x, y = (list(one) for one in zip(*points, strict=True))
         traces.append(
             go.Scatter(
-                x=x, y=y, mode="markers+lines" if len(x) > 1 else "markers", name=name,
-                hoverinfo="skip", line={"width": 3, "color": look.ink},
-                marker={"symbol": SYMBOLS[name], "size": 12, "color": look.ink,
-                        "line": {"width": 2, "color": look.surface}}, cliponaxis=False,
+                x=x,
+                y=y,
+                mode="markers+lines" if len(x) > 1 else "markers",
+                name=name,
+                hoverinfo="skip",
+                line={"width": 3, "color": look.ink},
+                marker={"symbol": SYMBOLS[name], "size": 12, "color": look.ink, "line": rim},
+                cliponaxis=False,
             )
-        )  # fmt: skip
+        )
     return traces
 
 
@@ -198,11 +216,8 @@ def _marked(stability: StabilityMap) -> dict[str, list[tuple[float, float]]]:
     """Points in the figure that are marked, by what they are called."""
     marked = {}
     ends = list(dict.fromkeys(zip(*(one.present for one in stability.axes), strict=True)))
-    places: list[tuple[tuple[float, ...], float]] = [
-        (at, stability.present_difference) for at in ends
-    ]
     if np.isfinite(stability.present_difference):
-        marked["as analysed"] = [_point(at, height) for at, height in places]
+        marked["as analysed"] = [_point(at, stability.present_difference) for at in ends]
     if (overturn := stability.overturn) is not None:
         marked["nearest that overturns it"] = [_point(overturn.place, overturn.difference)]
     return marked
@@ -220,10 +235,8 @@ def _plausible_frame(figure: go.Figure, stability: StabilityMap, theme: Theme) -
         sides |= {f"{letter}0": low, f"{letter}1": high}
     if len(stability.axes) == 1:
         sides |= {"yref": "paper", "y0": 0, "y1": 1}
-    figure.add_shape(
-        type="rect", name="plausible range", layer="above",
-        line={"color": LOOK[theme].ink, "width": 1.4, "dash": "dot"}, **sides,
-    )  # fmt: skip
+    line = {"color": LOOK[theme].ink, "width": 1.4, "dash": "dot"}
+    figure.add_shape(type="rect", name="plausible range", layer="above", line=line, **sides)
 
 
 def _name_regions(figure: go.Figure, stability: StabilityMap, theme: Theme) -> None:
@@ -240,7 +253,7 @@ def _name_regions(figure: go.Figure, stability: StabilityMap, theme: Theme) -> N
     ]
     for obstacle, weight in _obstacles(stability):
         awkward = awkward + weight * binary_dilation(obstacle, np.ones(size))
-    for winner, said in (("x", "X better"), ("y", "Y better"), ("even", "even")):
+    for winner, words in (("x", "X better"), ("y", "Y better"), ("even", "even")):
         is_inside = stability.winner == winner
         if is_inside.mean() < LEAST_SHARE:
             continue
@@ -251,10 +264,9 @@ def _name_regions(figure: go.Figure, stability: StabilityMap, theme: Theme) -> N
         is_deep = has_room if has_room.any() else depth >= DEEP * depth.max()
         widest = np.where(is_deep, awkward - depth / max(shape), np.inf)
         i, j = np.unravel_index(int(np.argmin(widest)), depth.shape)
-        figure.add_annotation(
-            x=float(across.values[i]), y=float(up.values[j]), text=said, showarrow=False,
-            font={"size": 13, "color": look.ink}, bgcolor=faded(look.surface, 0.75),
-        )  # fmt: skip
+        x, y = float(across.values[i]), float(up.values[j])
+        back = faded(look.surface, 0.75)
+        write(figure, words, size=13, color=look.ink, x=x, y=y, bgcolor=back)
 
 
 def _obstacles(stability: StabilityMap) -> list[tuple[np.ndarray, float]]:
@@ -282,48 +294,35 @@ def _line(stability: StabilityMap, theme: Theme) -> go.Figure:
     one, values = stability.axes[0], stability.difference
     most = float(np.nanmax(np.abs(values))) or 1.0
     traces: list[Any] = [
-        go.Scatter(
-            x=one.values, y=part, mode="lines", line={"width": 0}, fill="tozeroy",
-            fillcolor=faded(colour, 0.3), hoverinfo="skip", name=name,
+        still_line(
+            one.values,
+            part,
+            name,
+            showlegend=None,
+            line={"width": 0},
+            fill="tozeroy",
+            fillcolor=faded(colour, 0.3),
         )
         for name, colour, part in (
             ("X better", look.x, np.maximum(values, 0)),
             ("Y better", look.y, np.minimum(values, 0)),
         )
-    ]  # fmt: skip
-    traces.append(
-        go.Scatter(
-            x=one.values,
-            y=values,
-            mode="lines",
-            line={"width": 2, "color": look.ink},
-            hoverinfo="skip",
-            name="difference",
-            showlegend=False,
-        )
-    )
-    traces.append(
-        click_markers(
-            x=one.values,
-            y=values,
-            name="settings",
-            text=_texts(stability),
-            customdata=np.arange(values.size),
-            hovertemplate="%{text}<extra></extra>",
-        )
-    )
+    ]
+    line = {"width": 2, "color": look.ink}
+    traces.append(still_line(one.values, values, "difference", line=line))
+    traces.append(_clicks(stability, one.values, values))
     traces += _places(stability, theme)
     edge = (1 + ROOM) * most
-    figure = go.Figure(
+    zero = {"zeroline": True, "zerolinecolor": look.muted, "fixedrange": True}
+    figure = draw(
         traces,
-        layout(
-            theme, **_title(stability), height=LINE_PX, hovermode="x", hoverdistance=-1,
-            xaxis=axis(theme, _axis_title(one), fixedrange=True),
-            yaxis=axis(
-                theme, QUANTITY[stability.criterion], range=[-edge, edge], fixedrange=True,
-                zeroline=True, zerolinecolor=look.muted,
-            ),
-        ),
-    )  # fmt: skip
+        theme,
+        **_title(stability),
+        height=LINE_PX,
+        hovermode="x",
+        hoverdistance=-1,
+        xaxis=axis(theme, _axis_title(one), fixedrange=True),
+        yaxis=axis(theme, QUANTITY[stability.criterion], range=[-edge, edge], **zero),
+    )
     _plausible_frame(figure, stability, theme)
     return figure

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from textwrap import wrap
 from typing import Any, Final
 
+import numpy as np
 import plotly.graph_objects as go
 
 from nvcore.palette import TRUTH_COLOUR, X_COLOUR, Y_COLOUR, Theme, rgb
@@ -29,10 +31,17 @@ CONFIG: Final[dict[str, Any]] = {
 }
 """Plotly's configuration for every figure: no tool bar, double click resets the view."""
 
+HIDDEN_AXIS: Final = {"visible": False, "fixedrange": True}
+CLEAR: Final = "rgba(0,0,0,0)"
 LEGEND: Final[dict[str, Any]] = {
-    "orientation": "h", "x": 0, "xanchor": "left",
-    "y": 1, "yanchor": "bottom", "font": {"size": 12}, "bgcolor": "rgba(0,0,0,0)",
-}  # fmt: skip
+    "orientation": "h",
+    "x": 0,
+    "xanchor": "left",
+    "y": 1,
+    "yanchor": "bottom",
+    "font": {"size": 12},
+    "bgcolor": CLEAR,
+}
 """In a row, on the left, just above the plot."""
 
 
@@ -55,16 +64,18 @@ class Look:
         return colour
 
 
+def _look(theme: Theme, ink: str, muted: str, grid: str, pale: str, surface: str) -> Look:
+    systems = X_COLOUR[theme], Y_COLOUR[theme], TRUTH_COLOUR[theme]
+    return Look(ink, muted, grid, pale, surface, *systems)
+
+
 LOOK: Final[dict[Theme, Look]] = {
-    "light": Look(
-        ink="#1F2630", muted="#57606A", grid="#E4E8ED", pale="#CBD2DA", surface="#FFFFFF",
-        x=X_COLOUR["light"], y=Y_COLOUR["light"], truth=TRUTH_COLOUR["light"],
-    ),
-    "dark": Look(
-        ink="#E6EAF0", muted="#A3AEBB", grid="#2A323D", pale="#46515F", surface="#151A21",
-        x=X_COLOUR["dark"], y=Y_COLOUR["dark"], truth=TRUTH_COLOUR["dark"],
-    ),
-}  # fmt: skip
+    "light": _look("light", "#1F2630", "#57606A", "#E4E8ED", "#CBD2DA", "#FFFFFF"),
+    "dark": _look("dark", "#E6EAF0", "#A3AEBB", "#2A323D", "#46515F", "#151A21"),
+}
+ENTITIES: Final = str.maketrans(
+    {"&": "&amp;", "<": "&lt;", ">": "&gt;", "{": "&#123;", "$": "&#36;"}
+)
 
 
 def plain(text: object, *, max_length: int = MAX_NAME) -> str:
@@ -77,11 +88,7 @@ def plain(text: object, *, max_length: int = MAX_NAME) -> str:
     if len(shown) > max_length:
         head = (max_length - 1) // 2
         shown = f"{shown[:head]}…{shown[len(shown) - (max_length - 1 - head) :]}"
-    for char, entity in (
-        ("&", "&amp;"), ("<", "&lt;"), (">", "&gt;"), ("{", "&#123;"), ("$", "&#36;"),
-    ):  # fmt: skip
-        shown = shown.replace(char, entity)
-    return shown
+    return shown.translate(ENTITIES)
 
 
 def system_label(letter: str, name: str) -> str:
@@ -115,6 +122,20 @@ def heading(title: str, subtitle: str, *, theme: Theme) -> str:
     return f'{title}<br><span style="{second}">{subtitle}</span>' if subtitle else title
 
 
+def counts_axis(theme: Theme, title: str, **more: Any) -> dict[str, Any]:
+    """An upright axis of counts, from 0."""
+    return axis(theme, title, rangemode="tozero", fixedrange=True, tickformat=",d", **more)
+
+
+def rows_axis(
+    theme: Theme, labels: Sequence[str], *, room: float = 0.6, **more: Any
+) -> dict[str, Any]:
+    """An upright axis of rows with a label each, the first on top; `room` above it and below."""
+    ends = [len(labels) - (1 - room), -room]
+    rows: dict[str, Any] = {"range": ends, "tickvals": np.arange(len(labels)), "ticktext": labels}
+    return axis(theme, **(rows | more))
+
+
 def layout(
     theme: Theme, *, title: str = "", subtitle: str = "", height: int = 320, **more: Any
 ) -> dict[str, Any]:
@@ -133,50 +154,48 @@ def layout(
         "height": height,
         "autosize": True,
         "template": "none",
-        "paper_bgcolor": "rgba(0,0,0,0)",
-        "plot_bgcolor": "rgba(0,0,0,0)",
+        "paper_bgcolor": CLEAR,
+        "plot_bgcolor": CLEAR,
         "font": {"family": FONT, "size": 13, "color": look.ink},
         "title": {
             "text": heading(title, subtitle, theme=theme),
             "font": {"size": 16, "color": look.ink},
-            "x": 0, "xref": "container", "xanchor": "left",
-            "y": 1, "yref": "container", "yanchor": "top", "pad": {"t": 20, "l": 4},
+            "x": 0,
+            "xref": "container",
+            "xanchor": "left",
+            "y": 1,
+            "yref": "container",
+            "yanchor": "top",
+            "pad": {"t": 20, "l": 4},
         },
         "legend": LEGEND,
         "margin": {"l": LEFT_PX, "r": 16, "t": 88 if has_legend else 64, "b": 48},
         "hoverlabel": {
-            "bgcolor": look.surface, "bordercolor": look.pale,
-            "font": {"family": FONT, "size": 13, "color": look.ink}, "align": "left",
+            "bgcolor": look.surface,
+            "bordercolor": look.pale,
+            "font": {"family": FONT, "size": 13, "color": look.ink},
+            "align": "left",
         },
         "hovermode": "closest",
         **more,
-    }  # fmt: skip
+    }
 
 
-def steady_marker(*, opacity: float = 1, **marker: Any) -> dict[str, Any]:
-    """Settings of markers or bars that a click does not fade.
-
-    Plotly fades whatever is not selected; here a selection moves the cursor instead.
-    """
-    kept = {"marker": {"opacity": opacity}}
-    return {"marker": {**marker, "opacity": opacity}, "selected": kept, "unselected": kept}
-
-
-def click_markers(**trace: Any) -> go.Scatter:
-    """Invisible markers: Plotly reports clicks on markers only, never on lines or areas."""
-    return go.Scatter(
-        mode="markers", showlegend=False, **steady_marker(opacity=0, size=8, color="#000"), **trace
-    )
+def draw(traces: Any, theme: Theme, **settings: Any) -> go.Figure:
+    """A figure of traces with its `layout`."""
+    return go.Figure(traces, layout(theme, **settings))
 
 
 def empty_figure(text: str, *, theme: Theme, height: int = 200) -> go.Figure:
     """A figure without data: one sentence that says why, and what to do."""
-    hidden = {"visible": False, "fixedrange": True}
-    edge = dict.fromkeys("lrtb", 8)
-    figure = go.Figure(layout=layout(theme, height=height, xaxis=hidden, yaxis=hidden, margin=edge))
-    figure.add_annotation(
-        text="<br>".join(wrap(text, EMPTY_LINE)),
-        x=0.5, y=0.5, xref="paper", yref="paper", showarrow=False,
-        font={"size": 14, "color": LOOK[theme].muted},
-    )  # fmt: skip
+    margin, hidden = dict.fromkeys("lrtb", 8), {"xaxis": HIDDEN_AXIS, "yaxis": HIDDEN_AXIS}
+    figure = draw([], theme, height=height, margin=margin, **hidden)
+    lines, place = "<br>".join(wrap(text, EMPTY_LINE)), {"x": 0.5, "y": 0.5}
+    write(figure, lines, size=14, color=LOOK[theme].muted, xref="paper", yref="paper", **place)
     return figure
+
+
+def write(figure: go.Figure, text: str, *, size: float, color: str, **place: Any) -> None:
+    """A text in a figure; without an arrow unless `place` has one."""
+    font = {"size": size, "color": color}
+    figure.add_annotation(**{"text": text, "showarrow": False, "font": font, **place})

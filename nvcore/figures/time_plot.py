@@ -11,17 +11,17 @@ import plotly.graph_objects as go
 from tsdownsample import MinMaxLTTBDownsampler
 
 from nvcore.comparison import Result, SystemResult
+from nvcore.figures.marks import click_markers, still_line
 from nvcore.figures.style import (
     DASH,
     LOOK,
     axis,
-    click_markers,
+    draw,
     empty_figure,
     faded,
-    heading,
-    layout,
     plain,
     system_label,
+    write,
 )
 from nvcore.palette import Theme
 from nvcore.wording import count_text
@@ -102,11 +102,14 @@ def low_areas(
         corners_v.append(np.concatenate([[low], values[rows], [low, low, np.nan]]))
     none = [np.empty(0)]
     axes = span.axes(np.concatenate(corners_t or none), np.concatenate(corners_v or none), letter)
-    return go.Scatter(
-        **axes, mode="lines", fill="toself", fillcolor=faded(LOOK[theme].of(letter), 0.28),
-        line={"width": 0}, hoverinfo="skip", legendgroup=letter, showlegend=False,
+    return still_line(
+        **axes,
+        fill="toself",
+        fillcolor=faded(LOOK[theme].of(letter), 0.28),
+        line={"width": 0},
+        legendgroup=letter,
         name=f"{letter.upper()}, low similarity",
-    )  # fmt: skip
+    )
 
 
 def _crossing(time_s: np.ndarray, values: np.ndarray, row: int, way: int, low: float) -> float:
@@ -127,13 +130,18 @@ def event_marks(span: TimeSpan, events: pd.DataFrame, letter: str, theme: Theme)
     place = np.full(len(worst), int((letter == "x") != span.upright), dtype=float)
     strength = saliency_s / saliency_s.max(initial=1e-9)
     colour = LOOK[theme].of(letter)
+    rim = {"width": 1, "color": colour}
     bars = go.Bar(
-        **span.strip(duration_s, place), base=start_s, width=0.72,
-        orientation="v" if span.upright else "h", hoverinfo="skip", showlegend=False,
-        marker={"color": colour, "opacity": 0.35 + 0.65 * strength,
-                "line": {"width": 1, "color": colour}},
-        name=f"{letter.upper()}, saliency events", legendgroup=letter,
-    )  # fmt: skip
+        **span.strip(duration_s, place),
+        base=start_s,
+        width=0.72,
+        orientation="v" if span.upright else "h",
+        hoverinfo="skip",
+        showlegend=False,
+        marker={"color": colour, "opacity": 0.35 + 0.65 * strength, "line": rim},
+        name=f"{letter.upper()}, saliency events",
+        legendgroup=letter,
+    )
     steady = {"marker": {"opacity": 1}}
     bars.update(selected=steady, unselected=steady)
     text = [
@@ -144,9 +152,11 @@ def event_marks(span: TimeSpan, events: pd.DataFrame, letter: str, theme: Theme)
         )
     ]
     clicks = click_markers(
-        **span.strip(start_s + duration_s / 2, place), customdata=worst["first_row"].to_numpy(),
-        text=text, hovertemplate="%{text}<extra></extra>", name=f"{letter.upper()}, events",
-    )  # fmt: skip
+        **span.strip(start_s + duration_s / 2, place),
+        texts=text,
+        customdata=worst["first_row"].to_numpy(),
+        name=f"{letter.upper()}, events",
+    )
     return [bars, clicks]
 
 
@@ -199,17 +209,22 @@ def similarity_plot(
     floor = _floor(result, span)
     traces += _clicks(result, span, floor)
     name = plain(result.dataset.recordings["name"][recording])
-    figure = go.Figure(traces, _layout(span, floor, theme))
-    figure.update_layout(
-        title_text=heading(
-            f"Similarity over time, {name}", _subtitle(result, span, counts), theme=theme
-        ),
+    figure = draw(
+        traces,
+        theme,
+        title=f"Similarity over time, {name}",
+        subtitle=_subtitle(result, span, counts),
+        height=HEIGHT_PX[layout],
+        barmode="overlay",
+        hoverdistance=-1,
         uirevision=f"{result.dataset.fingerprint} {recording} {layout}",
+        **_axes(span, floor, theme),
     )
     _limit_line(figure, span, result.params.low, theme)
     if cursor_row is not None and span.start <= cursor_row < span.stop:
-        at = float(time_s[cursor_row - span.start])
-        _line_across(figure, span, at, {"color": LOOK[theme].ink, "width": 1.5}, name="cursor")
+        at, line = float(time_s[cursor_row - span.start]), {"color": LOOK[theme].ink, "width": 1.5}
+        along, across = ("y", "x") if span.upright else ("x", "y")
+        _line_at(figure, at, (along, along), (across, "paper"), name="cursor", line=line)
     return figure
 
 
@@ -221,23 +236,21 @@ def _of_recording(spans: pd.DataFrame, recording: int) -> pd.DataFrame:
 def _lines(span: TimeSpan, system: SystemResult, letter: str, theme: Theme) -> list[go.Scatter]:
     """The trace, thin, and its moving mean, thick."""
     colour = LOOK[theme].of(letter)
-    traces = []
-    for values, n_points, line, more in (
-        (system.similarity, None, {"width": 1, "color": faded(colour, 0.55)},
-         {"showlegend": False, "name": f"{letter.upper()}, frame by frame"}),
-        (system.similarity_window, MEAN_POINTS,
-         {"width": 2.4, "color": colour, "dash": DASH[letter]},
-         {"name": system_label(letter, system.name)}),
-    ):  # fmt: skip
+
+    def line(values: np.ndarray, n_points: int, **more: Any) -> go.Scatter:
         part = values[span.start : span.stop]
-        rows = decimate(part) if n_points is None else decimate(part, n_points=n_points)
+        rows = decimate(part, n_points=n_points)
         axes = span.axes(span.time_s[rows], part[rows], letter)
-        traces.append(
-            go.Scatter(
-                **axes, mode="lines", line=line, legendgroup=letter, hoverinfo="skip", **more
-            )
-        )
-    return traces
+        return still_line(**axes, legendgroup=letter, **more)
+
+    thin = {"width": 1, "color": faded(colour, 0.55)}
+    thick = {"width": 2.4, "color": colour, "dash": DASH[letter]}
+    name, mean_name = f"{letter.upper()}, frame by frame", system_label(letter, system.name)
+    mean = system.similarity_window
+    return [
+        line(system.similarity, MAX_POINTS, line=thin, name=name),
+        line(mean, MEAN_POINTS, line=thick, name=mean_name, showlegend=None),
+    ]
 
 
 def _clicks(result: Result, span: TimeSpan, floor: float) -> list[go.Scatter]:
@@ -253,11 +266,10 @@ def _clicks(result: Result, span: TimeSpan, floor: float) -> list[go.Scatter]:
     middle = np.full(len(rows), (1 + floor) / 2)
     return [
         click_markers(
-            **span.axes(time_s, middle, letter), customdata=rows, text=text,
-            hovertemplate="%{text}<extra></extra>", name="frames",
+            **span.axes(time_s, middle, letter), texts=text, customdata=rows, name="frames"
         )
         for letter in ("xy" if span.upright else "x")
-    ]  # fmt: skip
+    ]
 
 
 def _floor(result: Result, span: TimeSpan) -> float:
@@ -267,80 +279,62 @@ def _floor(result: Result, span: TimeSpan) -> float:
 
 
 def _subtitle(result: Result, span: TimeSpan, counts: list[tuple[str, int, int]]) -> str:
-    def told(of: dict[str, int], most: int) -> str:
-        return ", ".join(
-            f"{letter} {n:,}" + (f" (worst {most} drawn)" if n > most else "")
-            for letter, n in of.items()
-        )
-
-    lows = {letter: n for letter, n, _ in counts}
-    events = {letter: n for letter, _, n in counts}
-
+    lows = _counts_text({letter: n for letter, n, _ in counts}, MAX_INTERVALS)
+    events = _counts_text({letter: n for letter, _, n in counts}, MAX_EVENTS)
     return (
         f"{count_text(span.stop - span.start, 'frame')}; moving mean over "
-        f"{result.params.window:g} s; low-similarity intervals: {told(lows, MAX_INTERVALS)}; "
-        f"saliency events: {told(events, MAX_EVENTS)}"
+        f"{result.params.window:g} s; low-similarity intervals: {lows}; saliency events: {events}"
     )
 
 
-def _layout(span: TimeSpan, floor: float, theme: Theme) -> dict[str, Any]:
-    value: dict[str, Any] = {"range": [floor, 1.02], "fixedrange": True, "tickformat": ".2~f"}
+def _counts_text(counts: dict[str, int], most: int) -> str:
+    return ", ".join(
+        f"{letter} {n:,}" + (f" (worst {most} drawn)" if n > most else "")
+        for letter, n in counts.items()
+    )
+
+
+def _axes(span: TimeSpan, floor: float, theme: Theme) -> dict[str, Any]:
+    def similarity(of: str, domain: list[float], ends: list[float]) -> dict[str, Any]:
+        form = {"range": ends, "fixedrange": True, "tickformat": ".2~f", "domain": domain}
+        return axis(theme, f"similarity{of} (1 = perfect)", **form)
+
     end = float(span.time_s[-1])
-    time = {"range": [-0.005 * end, end * 1.005 or 1.0], "title_text": "time (s)"}
-    strip: dict[str, Any] = {
-        "range": [-0.6, 1.6], "fixedrange": True, "tickvals": [0, 1], "showgrid": False,
-    }  # fmt: skip
-    shared: dict[str, Any] = {
-        "barmode": "overlay",
-        "hoverdistance": -1,
-        "height": HEIGHT_PX["upright" if span.upright else "time"],
-    }
+    time = axis(theme, "time (s)", range=[-0.005 * end, end * 1.005 or 1.0])
+    strip: dict[str, Any] = {"range": [-0.6, 1.6], "tickvals": [0, 1]}
+    strip |= {"fixedrange": True, "showgrid": False}
     if not span.upright:
-        return layout(theme, title=" ", **shared) | {
-            "xaxis": axis(theme) | time | {"anchor": "y"},
-            "yaxis": axis(theme, "similarity (1 = perfect)") | value | {"domain": [0, 0.80]},
-            "yaxis2": axis(theme, **strip, ticktext=["Y events", "X events"])
-            | {"domain": [0.85, 1], "anchor": "x"},
+        strip |= {"ticktext": ["Y events", "X events"], "domain": [0.85, 1], "anchor": "x"}
+        return {
+            "xaxis": time | {"anchor": "y"},
+            "yaxis": similarity("", [0, 0.80], [floor, 1.02]),
+            "yaxis2": axis(theme, **strip),
         }
-    return layout(theme, title=" ", **shared) | {
-        "yaxis": axis(theme) | time,
-        "xaxis": axis(theme, "similarity of X (1 = perfect)") | value | {"domain": [0, 0.44]},
-        "xaxis2": axis(theme, "events", **strip, ticktext=["X", "Y"]) | {"domain": [0.455, 0.545]},
-        "xaxis3": axis(theme, "similarity of Y (1 = perfect)")
-        | value | {"range": [1.02, floor], "domain": [0.56, 1]},
-    }  # fmt: skip
+    strip |= {"ticktext": ["X", "Y"], "domain": [0.455, 0.545]}
+    return {
+        "yaxis": time,
+        "xaxis": similarity(" of X", [0, 0.44], [floor, 1.02]),
+        "xaxis2": axis(theme, "events", **strip),
+        "xaxis3": similarity(" of Y", [0.56, 1], [1.02, floor]),
+    }
 
 
-def _line_across(
-    figure: go.Figure, span: TimeSpan, time_s: float, line: dict[str, Any], *, name: str
+def _line_at(
+    figure: go.Figure, at: float, along: tuple[str, str], across: tuple[str, str], **more: Any
 ) -> None:
-    """A line over the whole height (width) at one time."""
-    along, across = ("y", "x") if span.upright else ("x", "y")
-    figure.add_shape(
-        {
-            "type": "line", "name": name, "line": line,
-            f"{along}0": time_s, f"{along}1": time_s, f"{along}ref": along,
-            f"{across}0": 0, f"{across}1": 1, f"{across}ref": "paper",
-        }
-    )  # fmt: skip
+    """A line at one value of an axis, over the other's whole length: (x or y, reference)."""
+    (one, one_ref), (other, other_ref) = along, across
+    place = {f"{one}0": at, f"{one}1": at, f"{one}ref": one_ref}
+    place |= {f"{other}0": 0, f"{other}1": 1, f"{other}ref": other_ref}
+    figure.add_shape(type="line", **more, **place)
 
 
 def _limit_line(figure: go.Figure, span: TimeSpan, low: float, theme: Theme) -> None:
-    look = LOOK[theme]
-    line = {"color": look.muted, "width": 1, "dash": "dot"}
+    muted = LOOK[theme].muted
+    line = {"color": muted, "width": 1, "dash": "dot"}
     along, across = ("x", "y") if span.upright else ("y", "x")
     for ref in ("x", "x3") if span.upright else ("y",):
-        figure.add_shape(
-            {
-                "type": "line", "name": "low limit", "line": line, "layer": "below",
-                f"{along}0": low, f"{along}1": low, f"{along}ref": ref,
-                f"{across}0": 0, f"{across}1": 1,
-                f"{across}ref": "y domain" if span.upright else "x domain",
-            }
-        )  # fmt: skip
-    figure.add_annotation(
-        text=f"low limit {low:g}", showarrow=False, font={"size": 11, "color": look.muted},
-        **({"x": low, "y": 1, "yref": "y domain", "xanchor": "right", "yanchor": "top"}
-           if span.upright else
-           {"x": 1, "xref": "x domain", "y": low, "xanchor": "right", "yanchor": "top"}),
-    )  # fmt: skip
+        ends = (along, ref), (across, f"{across} domain")
+        _line_at(figure, low, *ends, name="low limit", line=line, layer="below")
+    place = {along: low, across: 1, f"{across}ref": f"{across} domain", "xanchor": "right"}
+    write(figure, f"low limit {low:g}", size=11, color=muted, yanchor="top", **place)

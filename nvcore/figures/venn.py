@@ -10,11 +10,24 @@ import numpy as np
 import plotly.graph_objects as go
 from scipy.optimize import brentq
 
-from nvcore.figures.style import DASH, LOOK, click_markers, empty_figure, faded, layout, plain
+from nvcore.figures.marks import click_markers
+from nvcore.figures.style import (
+    DASH,
+    HIDDEN_AXIS,
+    LOOK,
+    draw,
+    empty_figure,
+    faded,
+    plain,
+    write,
+)
 from nvcore.metrics.venn import Venn
 from nvcore.palette import Theme
 from nvcore.schema import Category
 from nvcore.wording import count_text
+
+Corners = tuple[float, float, float, float]
+"""Left, right, bottom, top."""
 
 
 @dataclass(frozen=True)
@@ -121,33 +134,29 @@ def venn_figure(venn: Venn, names: tuple[str, str], *, theme: Theme) -> go.Figur
     circles = place_circles(venn)
     corners = left, right, bottom, top = _frame(circles)
     scale = min(PLOT_PX[0] / (right - left), PLOT_PX[1] / (top - bottom))
-    hidden = {"visible": False, "fixedrange": True}
-    figure = go.Figure(
+    figure = draw(
         [_clicks(venn, circles, corners)],
-        layout(
-            theme,
-            title="Encounters detected",
-            subtitle=f"{count_text(venn.n_near, 'encounter')} near enough to count; areas in "
-            "proportion",
-            height=HEIGHT_PX,
-            hoverdistance=24,
-            margin={"l": 8, "r": 8, "t": 60, "b": 30},
-            xaxis={**hidden, "range": [left, right]},
-            yaxis={**hidden, "range": [bottom, top], "scaleanchor": "x"},
-        ),
+        theme,
+        title="Encounters detected",
+        subtitle=f"{count_text(venn.n_near, 'encounter')} near enough to count; areas in "
+        "proportion",
+        height=HEIGHT_PX,
+        hoverdistance=24,
+        margin={"l": 8, "r": 8, "t": 60, "b": 30},
+        xaxis={**HIDDEN_AXIS, "range": [left, right]},
+        yaxis={**HIDDEN_AXIS, "range": [bottom, top], "scaleanchor": "x"},
     )
-    figure.add_shape(
-        type="rect", x0=left, x1=right, y0=bottom, y1=top, layer="below", name="all encounters",
-        line={"color": LOOK[theme].pale, "width": 1}, fillcolor=faded(LOOK[theme].pale, 0.12),
-    )  # fmt: skip
+    pale = LOOK[theme].pale
+    line = {"color": pale, "width": 1}
+    _fill(figure, "rect", "all encounters", corners, line, faded(pale, 0.12))
     _draw_circles(figure, circles, theme)
     _label_regions(figure, venn, circles, corners, scale, theme)
     _label_outside(figure, venn, names, corners, theme)
     return figure
 
 
-def _frame(circles: Circles) -> tuple[float, float, float, float]:
-    """Left, right, bottom, top of the frame that also holds those that neither detects."""
+def _frame(circles: Circles) -> Corners:
+    """The frame that also holds those that neither detects."""
     width = max(circles.right - circles.left, 1.0)
     height = max(2 * max(circles.radius_x, circles.radius_y), 0.35 * width)
     pad = 0.1 * height
@@ -158,22 +167,28 @@ def _frame(circles: Circles) -> tuple[float, float, float, float]:
 
 def _draw_circles(figure: go.Figure, circles: Circles, theme: Theme) -> None:
     for letter, centre, radius in (
-        ("x", 0.0, circles.radius_x), ("y", circles.apart, circles.radius_y),
-    ):  # fmt: skip
+        ("x", 0.0, circles.radius_x),
+        ("y", circles.apart, circles.radius_y),
+    ):
         if radius:
             colour = LOOK[theme].of(letter)
-            figure.add_shape(
-                type="circle", x0=centre - radius, x1=centre + radius, y0=-radius, y1=radius,
-                fillcolor=faded(colour, 0.30), layer="below", name=f"circle {letter}",
-                line={"color": colour, "width": 2, "dash": DASH[letter]},
-            )  # fmt: skip
+            line = {"color": colour, "width": 2, "dash": DASH[letter]}
+            corners = centre - radius, centre + radius, -radius, radius
+            _fill(figure, "circle", f"circle {letter}", corners, line, faded(colour, 0.30))
+
+
+def _fill(
+    figure: go.Figure, kind: str, name: str, corners: Corners, line: dict[str, Any], colour: str
+) -> None:
+    sides = dict(zip(("x0", "x1", "y0", "y1"), corners, strict=True))
+    figure.add_shape(type=kind, name=name, line=line, fillcolor=colour, layer="below", **sides)
 
 
 def _label_regions(
     figure: go.Figure,
     venn: Venn,
     circles: Circles,
-    corners: tuple[float, float, float, float],
+    corners: Corners,
     scale: float,
     theme: Theme,
 ) -> None:
@@ -194,22 +209,19 @@ def _label_regions(
         middle = (start + stop) / 2
         if (stop - start) * scale >= LABEL_PX:
             text = f'<b style="font-size:24px">{count:,}</b><br>{WORDS[category]}'
-            place = {"showarrow": False}
+            place = {}
         else:
             text = f"<b>{count:,}</b> {WORDS[category]}"
             line = {"arrowhead": 0, "arrowwidth": 1, "arrowcolor": look.muted}
             place = {"showarrow": True, "ax": middle, "axref": "x", "ayref": "y", **line, **place}
-        figure.add_annotation(
-            x=middle, y=0, text=text, name=category.value,
-            font={"size": 14, "color": look.ink}, **place,
-        )  # fmt: skip
+        write(figure, text, size=14, color=look.ink, x=middle, y=0, name=category.value, **place)
 
 
 def _label_outside(
     figure: go.Figure,
     venn: Venn,
     names: tuple[str, str],
-    corners: tuple[float, float, float, float],
+    corners: Corners,
     theme: Theme,
 ) -> None:
     left, right, bottom, top = corners
@@ -219,33 +231,23 @@ def _label_outside(
         ("x", names[0], left + pad / 3, "left", venn.both + venn.x_only),
         ("y", names[1], right - pad / 3, "right", venn.both + venn.y_only),
     ):
-        figure.add_annotation(
-            x=x, y=top - pad / 3, xanchor=anchor, yanchor="top", align=anchor, showarrow=False,
-            text=f"<b>{letter.upper()}: {plain(name, max_length=18)}</b><br>"
-            f"{count:,} of {venn.n_near:,}",
-            font={"size": 13, "color": look.of(letter)}, name=f"system {letter}",
-        )  # fmt: skip
-    figure.add_annotation(
-        x=right - pad / 3, y=bottom + pad / 4, xanchor="right", yanchor="bottom", showarrow=False,
-        text=f"<b>{venn.neither:,}</b> neither", font={"size": 14, "color": look.ink},
-        name=Category.NEITHER.value,
-    )  # fmt: skip
-    figure.add_annotation(
-        x=right, y=bottom, xanchor="right", yanchor="top", yshift=-4, showarrow=False,
-        text=f"{venn.distant:,} distant, not counted", font={"size": 12, "color": look.muted},
-        name=Category.DISTANT.value,
-    )  # fmt: skip
+        text = f"<b>{letter.upper()}: {plain(name, max_length=18)}</b><br>"
+        place = {"x": x, "y": top - pad / 3, "xanchor": anchor, "yanchor": "top", "align": anchor}
+        text += f"{count:,} of {venn.n_near:,}"
+        write(figure, text, size=13, color=look.of(letter), name=f"system {letter}", **place)
+    place = {"x": right - pad / 3, "y": bottom + pad / 4, "xanchor": "right", "yanchor": "bottom"}
+    text = f"<b>{venn.neither:,}</b> neither"
+    write(figure, text, size=14, color=look.ink, name=Category.NEITHER.value, **place)
+    place = {"x": right, "y": bottom, "xanchor": "right", "yanchor": "top", "yshift": -4}
+    text = f"{venn.distant:,} distant, not counted"
+    write(figure, text, size=12, color=look.muted, name=Category.DISTANT.value, **place)
 
 
-def _clicks(venn: Venn, circles: Circles, corners: tuple[float, float, float, float]) -> go.Scatter:
+def _clicks(venn: Venn, circles: Circles, corners: Corners) -> go.Scatter:
     """Invisible markers all over the diagram, each of the category at its place."""
     left, right, bottom, top = corners
-    x, y = (
-        grid.ravel()
-        for grid in np.meshgrid(
-            np.linspace(left, right, GRID[0]), np.linspace(bottom, top, GRID[1])
-        )
-    )
+    across, up = np.linspace(left, right, GRID[0]), np.linspace(bottom, top, GRID[1])
+    x, y = (grid.ravel() for grid in np.meshgrid(across, up))
     in_x = x**2 + y**2 <= circles.radius_x**2
     in_y = (x - circles.apart) ** 2 + y**2 <= circles.radius_y**2
     kinds = (Category.BOTH, Category.X_ONLY, Category.Y_ONLY, Category.NEITHER)
@@ -257,9 +259,7 @@ def _clicks(venn: Venn, circles: Circles, corners: tuple[float, float, float, fl
             category = np.append(category, code)
     x, y = np.append(x, right), np.append(y, bottom - 0.04 * (top - bottom))
     names = [kinds[code].value for code in category] + [Category.DISTANT.value]
-    text = [f"{count_text(venn.counts()[name], 'encounter')}: {WORDS[Category(name)]}"
-            for name in names]  # fmt: skip
-    return click_markers(
-        x=x, y=y, customdata=names, text=text, hovertemplate="%{text}<extra></extra>",
-        name="regions", cliponaxis=False,
-    )  # fmt: skip
+    text = [
+        f"{count_text(venn.counts()[name], 'encounter')}: {WORDS[Category(name)]}" for name in names
+    ]
+    return click_markers(x, y, text, customdata=names, name="regions", cliponaxis=False)

@@ -1,0 +1,61 @@
+"""Lines, points and texts as several figures draw them."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import numpy as np
+import plotly.graph_objects as go
+
+from nvcore.figures.style import LOOK, SYMBOL
+from nvcore.palette import Theme
+
+HOVER: Final = "%{text}<extra></extra>"
+"""Hover text made beforehand, one for each point."""
+
+
+def with_gaps(*corners: np.ndarray) -> np.ndarray:
+    """Corners of many lines as one path: NaN lifts the pen between them."""
+    path: np.ndarray = np.column_stack([*corners, np.full(len(corners[0]), np.nan)]).ravel()
+    return path
+
+
+def still_line(x: Any, y: Any, name: str, *, showlegend: bool | None = False, **more: Any) -> Any:
+    """A line that does not answer to the mouse; `more` holds ``line`` or a ``fillcolor``."""
+    return go.Scatter(
+        x=x, y=y, name=name, mode="lines", hoverinfo="skip", showlegend=showlegend, **more
+    )
+
+
+def marks(x: Any, y: Any, texts: Any, *, hover: str = HOVER, **more: Any) -> go.Scatter:
+    """Markers, each with a text for the mouse."""
+    return go.Scatter(x=x, y=y, mode="markers", text=texts, hovertemplate=hover, **more)
+
+
+def steady_marker(*, opacity: float = 1, **marker: Any) -> dict[str, Any]:
+    """Settings of markers or bars that a click does not fade.
+
+    Plotly fades whatever is not selected; here a selection moves the cursor instead.
+    """
+    kept = {"marker": {"opacity": opacity}}
+    return {"marker": {**marker, "opacity": opacity}, "selected": kept, "unselected": kept}
+
+
+def system_marker(letter: str, size: float, theme: Theme, *, rim: float = 1) -> dict[str, Any]:
+    """A system's marker in its colour and shape, steady, with a rim of the page's colour."""
+    look = LOOK[theme]
+    line = {"width": rim, "color": look.surface}
+    return steady_marker(color=look.of(letter), size=size, symbol=SYMBOL[letter], line=line)
+
+
+def click_markers(x: Any, y: Any, texts: Any, **more: Any) -> go.Scatter:
+    """Invisible markers: Plotly reports clicks on markers only, never on lines or areas."""
+    return marks(
+        x, y, texts, showlegend=False, **steady_marker(opacity=0, size=8, color="#000"), **more
+    )
+
+
+def line_up(figure: go.Figure, x: float, name: str, theme: Theme) -> None:
+    """A line over the whole height at `x`."""
+    line = {"color": LOOK[theme].ink, "width": 1.5}
+    figure.add_shape(type="line", name=name, x0=x, x1=x, yref="paper", y0=0, y1=1, line=line)
