@@ -376,7 +376,7 @@ def test_a_gate_can_break_by_warnings(folder: Path):
 
 
 def test_a_wrong_rule_is_an_error(sample: Comparison):
-    with pytest.raises(nv.NvcoreError, match="there is no figure 'new_mises'"):
+    with pytest.raises(nv.NvcoreError, match="there is no measure 'new_mises'"):
         nv.gate(sample, ["new_mises == 0"])
 
 

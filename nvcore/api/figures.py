@@ -11,7 +11,7 @@ from nvcore.detection.curves import detection_curve
 from nvcore.detection.operating_point import false_alarm_curve, score_histogram
 from nvcore.errors import InputError
 from nvcore.evidence.subgroup_table import subgroup_table
-from nvcore.figures.detection import CurveKind, curve_plot, legend_figure
+from nvcore.figures.detection import CurveKind, curve_plot, legend_text
 from nvcore.figures.encounters import (
     fusion_plot,
     lead_time_plot,
@@ -132,7 +132,7 @@ class Figures:
         ]
         thresholds = [system.threshold for _, system in result.sides]
         legends = [
-            legend_figure(summarise_curve(curve, threshold), kind)
+            legend_text(summarise_curve(curve, threshold), kind)
             for curve, threshold in zip(curves, thresholds, strict=True)
         ]
         return curve_plot(curves, thresholds, kind, theme=self._theme, summaries=legends, hint="")

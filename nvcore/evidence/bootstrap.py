@@ -127,7 +127,7 @@ def bootstrap_difference(
         )
 
     if not np.isfinite(difference):
-        return without("the figure is undefined")
+        return without("the measure is undefined")
     if n < MIN_UNITS:
         return without(f"too few to resample: {n}, at least {MIN_UNITS} are needed")
     if np.array_equal(x, y):
@@ -160,7 +160,9 @@ def bootstrap_difference(
         )
     differences = drawn.bootstrap_distribution
     if not np.isfinite(differences).all():
-        return without("the figure is undefined in some resamples: too few units have a part in it")
+        return without(
+            "the measure is undefined in some resamples: too few units have a part in it"
+        )
     if np.ptp(differences) <= ROUNDING * max(abs(value_x), abs(value_y)):
         return without("X and Y differ by the same in every unit: there is nothing to resample")
     interval, method = drawn.confidence_interval, "BCa bootstrap"

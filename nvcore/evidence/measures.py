@@ -192,7 +192,7 @@ def judge_encounters_detected(result: Result) -> Evidence:
     if result.is_short:
         notes.append(
             "most encounters are one frame long, so they are frames rather than persons, and not "
-            "independent: go by the figure by recordings or blocks"
+            "independent: go by the measure by recordings or blocks"
         )
     key = "encounters_detected"
     return Evidence(

@@ -205,7 +205,7 @@ def swap_test(
     n_swapped = int(np.count_nonzero(differs))
     value_x, value_y = float(statistic(x.sum(axis=0))), float(statistic(y.sum(axis=0)))
     if not np.isfinite(value_x - value_y):
-        return SwapTest(np.nan, n_swapped, 0, False, seed, "the figure is undefined")
+        return SwapTest(np.nan, n_swapped, 0, False, seed, "the measure is undefined")
     if n_swapped < MIN_SWAPPED:
         reason = (
             f"too few tell X and Y apart for a test: {n_swapped}, at least {MIN_SWAPPED} are needed"

@@ -1,6 +1,6 @@
 """Figures: tables and results in, Plotly figures out; pure, one module for each figure."""
 
-from nvcore.figures.detection import CurveKind, curve_plot, legend_figure
+from nvcore.figures.detection import CurveKind, curve_plot, legend_text
 from nvcore.figures.encounters import fusion_plot, lead_time_plot, miss_classes_plot, position_map
 from nvcore.figures.forest import subgroup_forest
 from nvcore.figures.inputs import false_alarm_plot, proximity_plot, score_plot
@@ -21,7 +21,7 @@ __all__ = [
     "fusion_plot",
     "lanes_figure",
     "lead_time_plot",
-    "legend_figure",
+    "legend_text",
     "miss_classes_plot",
     "paired_points",
     "participants_plot",

@@ -101,7 +101,7 @@ KINDS: Final[dict[CurveKind, _Kind]] = {
 }
 
 
-def legend_figure(summary: CurveSummary, kind: CurveKind) -> str:
+def legend_text(summary: CurveSummary, kind: CurveKind) -> str:
     """The measure that belongs to a kind of curve, for its legend, with why it is 0."""
     if summary.why_undefined is not None:
         return ""
@@ -141,7 +141,7 @@ def curve_plot(
     thresholds
         Thresholds in use of X and Y; None: every detection counts.
     summaries
-        What the legend says behind the names (`legend_figure`).
+        What the legend says behind the names (`legend_text`).
     windows_per_image
         For false positives per window (`nvcore.detection.windows`).
     hint

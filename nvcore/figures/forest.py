@@ -33,7 +33,7 @@ def subgroup_forest(subgroups: pd.DataFrame, *, theme: Theme) -> go.Figure:
     is_defined = np.isfinite(subgroups["difference"].to_numpy(dtype=float))
     table = subgroups[is_defined].head(MOST_GROUPS)
     if table.empty:
-        return empty_figure("There is no group in which this figure is defined.", theme=theme)
+        return empty_figure("There is no group in which this measure is defined.", theme=theme)
     key, label, better, unit = table[["figure", "label", "better", "unit"]].iloc[0]
     scale = inference_of(key).scale
     factor = 100.0 if scale.is_share else 1.0

@@ -157,7 +157,7 @@ def parse_rule(text: str) -> Rule:
         limit = float(match[3]) / (100 if match[4] else 1)
     except ValueError as error:
         raise ParameterError(
-            f"{one_line(text)!r}: expected a figure, a comparison and a number, such as "
+            f"{one_line(text)!r}: expected a measure, a comparison and a number, such as "
             "'lamr_y <= 0.10' or 'new_misses == 0'"
         ) from error
     rule_text = " ".join(text.split())
@@ -207,7 +207,7 @@ def _check_name(rule: Rule, names: Iterable[str]) -> None:
     close = get_close_matches(rule.name, existing, n=3, cutoff=0.5)
     hint = f"; did you mean {', '.join(close)}?" if close else ""
     raise ParameterError(
-        f"{rule.text!r}: there is no figure {rule.name!r}{hint} (nvcore gate --list shows all)"
+        f"{rule.text!r}: there is no measure {rule.name!r}{hint} (nvcore gate --list shows all)"
     )
 
 

@@ -211,7 +211,7 @@ def describe_chance(stability: StabilityMap, evidence: pd.DataFrame) -> str:
     by = f"by {int(worst['n']):,} {worst['unit']}"
     if worst["unit"] == "blocks":
         by += " of time, which say nothing of other recordings"
-    p = f"p = {worst['p_holm']:.2g}, corrected for all figures tested; {by}"
+    p = f"p = {worst['p_holm']:.2g}, corrected for all measures tested; {by}"
     if worst["p_holm"] <= SIGNIFICANT:
         return f"{subject[0].upper()}{subject[1:]} is more than chance ({p})."
     return (

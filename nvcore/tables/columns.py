@@ -309,7 +309,7 @@ _FINDINGS = (
         "severity",
         _TEXT,
         "",
-        "`error`: the figures are wrong until it is mended; `warning`: they may be; `note`: good "
+        "`error`: the measures are wrong until it is mended; `warning`: they may be; `note`: good "
         "to know.",
     ),
     Column("code", _TEXT, "", "Short stable name of the kind of finding."),
@@ -324,14 +324,14 @@ _FINDINGS = (
 _TOO_FEW = "too few data for one (`note`)"
 
 _SIGNIFICANCE = (
-    Column("figure", _TEXT, "", "Key of the figure."),
+    Column("figure", _TEXT, "", "Key of the measure."),
     Column("label", _TEXT, "", "What it is, with its unit."),
     Column("better", _TEXT, "", "`higher` or `lower`."),
-    Column("x", _NUMBER, "figure's", "Of X.", empty="undefined"),
-    Column("y", _NUMBER, "figure's", "Of Y.", empty="undefined"),
-    Column("difference", _NUMBER, "figure's", "X less Y.", empty="undefined"),
-    Column("low", _NUMBER, "figure's", "Lower end of its 95 % interval.", empty=_TOO_FEW),
-    Column("high", _NUMBER, "figure's", "Upper end.", empty=_TOO_FEW),
+    Column("x", _NUMBER, "measure's", "Of X.", empty="undefined"),
+    Column("y", _NUMBER, "measure's", "Of Y.", empty="undefined"),
+    Column("difference", _NUMBER, "measure's", "X less Y.", empty="undefined"),
+    Column("low", _NUMBER, "measure's", "Lower end of its 95 % interval.", empty=_TOO_FEW),
+    Column("high", _NUMBER, "measure's", "Upper end.", empty=_TOO_FEW),
     Column(
         "p",
         _NUMBER,
@@ -371,7 +371,7 @@ _SUBGROUPS = (
         "What encounters are divided by: `all`, `distance`, `place`, `occlusion`, `pose`, `tag`.",
     ),
     Column("group", _TEXT, "", "The part."),
-    replace(_EVIDENCE["figure"], meaning="Key of the figure, as in `significance.csv`."),
+    replace(_EVIDENCE["figure"], meaning="Key of the measure, as in `significance.csv`."),
     _EVIDENCE["label"],
     _EVIDENCE["better"],
     replace(_EVIDENCE["n"], meaning="How many were compared; 0: undefined for this group."),
@@ -384,7 +384,7 @@ _SUBGROUPS = (
     *(_EVIDENCE[name] for name in ("low", "high", "p")),
     replace(
         _EVIDENCE["p_holm"],
-        meaning="The same, corrected for all groups of the figure.",
+        meaning="The same, corrected for all groups of the measure.",
         empty=f"{_TOO_FEW}, or `all`",
     ),
     _EVIDENCE["effect"],

@@ -150,8 +150,8 @@ def test_the_protocol_changes_the_figures_of_the_curve():
     ("arguments", "words"),
     [
         ([], "give a rule: --rule 'lamr_y <= 0.10'"),
-        (["--rule", "lamr_x"], "expected a figure"),
-        (["--rule", "nothing_x < 1"], "there is no figure 'nothing_x'"),
+        (["--rule", "lamr_x"], "expected a measure"),
+        (["--rule", "nothing_x < 1"], "there is no measure 'nothing_x'"),
         (["--rule", "lamr_x < 1", "--protocol", "best"], "'best' is not one of"),
         (["--rules", "absent.txt"], "absent.txt: the rules cannot be read (No such file"),
         (["--list", "--junit", "-"], "only one of --list, --junit - and --markdown - can be"),
@@ -172,10 +172,10 @@ def test_all_wrong_rules_are_told_at_once_with_file_and_line(tmp_path: Path):
     ran = nvcore("gate", SAMPLE, "--rules", rules, "--rule", "saliency")
     assert ran.exit_code == 2
     told = ran.stderr.splitlines()
-    assert "Error: --rule: 'saliency': expected a figure" in told[0]
+    assert "Error: --rule: 'saliency': expected a measure" in told[0]
     assert f"{rules}, line 2: 'new_misses = 0'" in told[1]
     assert told[1].endswith("did you mean 'new_misses == 0'?")
-    assert f"{rules}, line 4: 'lmr_y < 1': there is no figure 'lmr_y'; did you mean" in told[2]
+    assert f"{rules}, line 4: 'lmr_y < 1': there is no measure 'lmr_y'; did you mean" in told[2]
     assert len(told) == 3
 
 
@@ -214,7 +214,7 @@ def test_rules_and_results_go_through_the_standard_streams(folder: Path, flag: s
 @pytest.mark.parametrize(
     ("wrong", "words"),
     [
-        (["--rule", "lmr_y < 1"], "there is no figure 'lmr_y'"),
+        (["--rule", "lmr_y < 1"], "there is no measure 'lmr_y'"),
         (["--y", "absent.csv"], "there is no such file"),
         (["--size", "wide"], "expected a size"),
         (["--protocol", "best"], "is not one of"),

@@ -139,7 +139,7 @@ def better_x(criterion: Criterion) -> str:
 
 def test_a_difference_that_may_be_chance_is_told_to() -> None:
     assert better_x("similarity") == (
-        "This difference is not shown to be more than chance (p = 0.58, corrected for all figures "
+        "This difference is not shown to be more than chance (p = 0.58, corrected for all measures "
         "tested; by 12 blocks of time, which say nothing of other recordings): a verdict that "
         "holds at other settings is no evidence against chance."
     )
@@ -150,7 +150,7 @@ def test_a_difference_beyond_chance_is_told_to_be_no_more() -> None:
     found = map_stability(result, "edge-weight", "saliency")
     assert describe_chance(found, evidence(saliency=(-0.1, 0.04))) == (
         "The difference in the mean saliency of the recordings is more than chance (p = 0.04, "
-        "corrected for all figures tested; by 12 blocks of time, which say nothing of other "
+        "corrected for all measures tested; by 12 blocks of time, which say nothing of other "
         "recordings)."
     )
     other = describe_chance(found, evidence(saliency=(0.1, 0.04)))

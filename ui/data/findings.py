@@ -21,8 +21,8 @@ BADGES: Final = {
     Severity.NOTE: ":gray-badge[:material/info: Remark]",
 }
 KINDS: Final = {
-    Severity.ERROR: ("error that makes figures wrong", "errors that make figures wrong"),
-    Severity.WARNING: ("warning that may change figures", "warnings that may change figures"),
+    Severity.ERROR: ("error that makes numbers wrong", "errors that make numbers wrong"),
+    Severity.WARNING: ("warning that may change numbers", "warnings that may change numbers"),
     Severity.NOTE: ("remark to look at", "remarks to look at"),
 }
 MOST_SHOWN: Final = 4
@@ -34,7 +34,7 @@ def draw() -> None:
     findings = worst_first(state.findings())
     label, n = state.opened().label, len(state.recording_names())
     st.header(f"Open now: {plain(label)} ({n:,} recording{'s' if n > 1 else ''})")
-    st.subheader("What to mind before trusting the figures")
+    st.subheader("What to mind before trusting the numbers")
     if not findings:
         st.success(
             f"The audit of {plain(label)} found nothing to mind.", icon=":material/check_circle:"

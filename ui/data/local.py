@@ -34,7 +34,7 @@ ROLES: Final = {
     "local_x": "System X",
     "local_y": "System Y",
     "local_frames": FRAMES_LABEL,
-    "local_pictures": "Pictures (not needed for the figures)",
+    "local_pictures": "Pictures (not needed for the numbers)",
 }
 SYSTEMS: Final = ("local_x", "local_y")
 SOURCES: Final = ("local_truth", *SYSTEMS)

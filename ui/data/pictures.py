@@ -59,7 +59,7 @@ def draw_checked(
     goes_on = st.checkbox(
         "Go on without the refused pictures",
         key=f"without_{place}_{hash(tuple(troubles))}",
-        help="Pictures are not needed for the figures: boxes are then drawn on an empty frame.",
+        help="Pictures are not needed for the numbers: boxes are then drawn on an empty frame.",
     )
     if goes_on:
         return ChosenPictures(usable)

@@ -223,7 +223,7 @@ def _add_system() -> None:
 
 
 def _draw_pictures(space: Workspace, recordings: Sequence[str]) -> ChosenPictures:
-    st.markdown("Pictures (not needed for the figures)")
+    st.markdown("Pictures (not needed for the numbers)")
     refused = upload_pictures(space, key="upload_pictures")
     sent = sent_pictures(space)
     if sent:

@@ -13,7 +13,7 @@ from nvcore.detection.curves import DetectionCurve, detection_curve
 from nvcore.detection.miss_rate import explain_few
 from nvcore.detection.windows import WindowGrid, scale_steps, windows_per_image
 from nvcore.errors import ParameterError
-from nvcore.figures.detection import CurveKind, curve_plot, legend_figure
+from nvcore.figures.detection import CurveKind, curve_plot, legend_text
 from nvcore.params.metadata import MATCH
 from nvcore.protocols import Protocol
 from nvcore.tables.scorecard import curve_rows
@@ -73,7 +73,7 @@ def draw(result: Result, protocol: Protocol) -> None:
         kind,
         theme=state.theme(),
         windows_per_image=windows,
-        summaries=[legend_figure(summary, kind) for summary in summaries],
+        summaries=[legend_text(summary, kind) for summary in summaries],
     )
     clicked = clicked_chart(figure, f"curves_{kind}", clicks="curves")
     st.caption(f"{EXPLAINED[kind]} Click a curve to count from that score on.")
@@ -120,7 +120,7 @@ def _draw_evidence(result: Result, remarks: list[str]) -> None:
     elif np.isfinite(evidence.p):
         parts.append("no interval (see below)")
     if np.isfinite(evidence.p):
-        parts.append(f"p = {evidence.p:.2g}, not corrected for other figures")
+        parts.append(f"p = {evidence.p:.2g}, not corrected for other measures")
     text = f"{', '.join(parts)} ({count_text(evidence.n, evidence.unit.removesuffix('s'))})."
     st.markdown(plain(text))
     notes = [
@@ -211,7 +211,7 @@ def _windows(result: Result, protocol: Protocol) -> float | None:
 
 def _draw_table(summaries: list[CurveSummary]) -> None:
     column = st.column_config.TextColumn(alignment="right", width=90)
-    st.header("In figures")
+    st.header("In numbers")
     st.dataframe(
         measures_as_text(curve_rows(*summaries)),
         hide_index=True,
@@ -219,7 +219,7 @@ def _draw_table(summaries: list[CurveSummary]) -> None:
         height="content",
         row_height=30,
         column_config={
-            "figure": st.column_config.TextColumn(width=380),
+            "measure": st.column_config.TextColumn(width=380),
             "X": column,
             "Y": column,
             "X - Y": column,

@@ -172,7 +172,7 @@ def _both(row: pd.Series[Any]) -> pd.DataFrame:
             "Longest gap": _seconds(row[f"gap_s_{letter}"]),
             "Tail": _seconds(row[f"tail_s_{letter}"]),
         }
-    return pd.DataFrame(columns).rename_axis("Figure")
+    return pd.DataFrame(columns).rename_axis("Measure")
 
 
 def _seconds(value: float) -> str:

@@ -57,7 +57,7 @@ def draw(result: Result) -> None:
             key="export_layers",
         )
         labels = st.toggle("Track ids and scores", key="export_labels")
-        caption = st.toggle("Figures below the picture", value=True, key="export_caption")
+        caption = st.toggle("Numbers below the picture", value=True, key="export_caption")
     lo, hi = state.stretch()
     pictures, index = picture_of(state.workspace(), recording, state.row())
     picture = annotate(

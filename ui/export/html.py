@@ -51,13 +51,13 @@ def draw(result: Result) -> None:
     """What is in it, the button, and how far it is."""
     st.header("Report to hand on")
     st.markdown(
-        "One HTML file with verdict, figures, evidence frames, tables, all parameters and hashes "
-        "of the inputs. It opens in any browser without network, and prints to PDF."
+        "One HTML file with verdict, charts, evidence frames, tables, all parameters and hashes of "
+        "the inputs. It opens in any browser without network, and prints to PDF."
     )
     job: FileJob | None = state.workspace().job(JOB)
     protocol = state.protocol()
     st.caption(
-        f"Protocol of the detection figures: {plain(protocol.title)}, as on the Detection page."
+        f"Protocol of the detection measures: {plain(protocol.title)}, as on the Detection page."
     )
     key = ReportKey(
         state.workspace().version,

@@ -24,7 +24,7 @@ WHAT: Final = {
     "events.csv": "saliency events of X and Y",
     "intervals.csv": "low-similarity intervals of X and Y",
     "recordings.csv": "recordings, with all aggregates",
-    "significance.csv": "figures with interval and p of their difference",
+    "significance.csv": "measures with interval and p of their difference",
     "subgroups.csv": "groups of encounters, such as near and far",
     "findings.csv": "findings of the audit of the inputs",
     "summary.json": "All aggregates over all recordings, parameters and version",

@@ -33,7 +33,7 @@ def draw(result: Result, evidence: pd.DataFrame) -> None:
         height="content",
         row_height=30,
         column_config={
-            "figure": st.column_config.TextColumn(width=310),
+            "measure": st.column_config.TextColumn(width=310),
             **{
                 name: st.column_config.TextColumn(width=width, alignment="right")
                 for name, width in (
@@ -76,7 +76,7 @@ def _draw_subgroups(result: Result, evidence: pd.DataFrame) -> None:
     # where encounters are single frames, a test of single encounters says nothing
     is_fit = [not result.is_short or inference_of(key).test != "encounters" for key in keys]
     chosen = st.selectbox(
-        "Figure by group",
+        "Measure by group",
         keys,
         index=is_fit.index(True),
         format_func=labels.__getitem__,
@@ -96,14 +96,14 @@ def _draw_subgroups(result: Result, evidence: pd.DataFrame) -> None:
     if why := inference_of(chosen).not_of_pedestrians:
         st.caption(
             f"{UNDEFINED} Near, far, centre, edge, occlusion, pose: {why}. "
-            "Only groups of recordings have this figure, by the tags that a session file gives."
+            "Only groups of recordings have this measure, by the tags that a session file gives."
         )
     st.caption(
         "Groups are made by the ground truth alone. Near: the largest box is at least twice as "
         "high as one that counts half. Centre: the middle half of the picture. Occluded: in half "
         "of the frames or more. Wide, narrow: height by width is a standard deviation or more "
         "from the mean. Distant encounters, which do not count, are in none. Many groups give "
-        "some large differences by chance: p is corrected for all groups of this figure "
+        "some large differences by chance: p is corrected for all groups of this measure "
         f"({docs_link('Groups', 'groups', doc='significance')})."
     )
 
@@ -131,5 +131,5 @@ def shown_evidence(evidence: pd.DataFrame) -> pd.DataFrame:
             )
         )
     return pd.DataFrame(
-        rows, columns=["figure", "X", "Y", "X - Y", "95 % interval", "p", "p (Holm)", "effect"]
+        rows, columns=["measure", "X", "Y", "X - Y", "95 % interval", "p", "p (Holm)", "effect"]
     )

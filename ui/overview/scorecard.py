@@ -62,7 +62,7 @@ def scorecard(result: Result) -> None:
         hide_index=True,
         key="scorecard",
         height="content",
-        column_config=_columns("figure"),
+        column_config=_columns("measure"),
         row_height=30,
     )
     st.caption(
@@ -99,7 +99,7 @@ def _rule(result: Result) -> str:
 def _columns(first: str) -> dict[str, Any]:
     column = st.column_config.TextColumn(alignment="right", width=70)
     return {
-        "figure": st.column_config.TextColumn(first, width=250),
+        "measure": st.column_config.TextColumn(first, width=250),
         "X": column,
         "Y": column,
         "X - Y": column,

@@ -135,7 +135,7 @@ def _draw_worth(fit: Fit, start: str) -> None:
         columns[1].caption(f"95 %: {fit.low:.0%} to {fit.high:.0%}")
     st.caption(
         f"{count_text(fit.n_pairs, 'pair')} of {count_text(fit.n_clips, 'clip')}, "
-        f"{fit.n_settings:,} combinations tried; 50% is chance. **The second figure is the "
+        f"{fit.n_settings:,} combinations tried; 50% is chance. **The second number is the "
         "result**: each pair is judged by a fit that has seen neither of its recordings. The "
         "third is too good by construction."
     )

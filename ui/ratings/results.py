@@ -76,7 +76,7 @@ def _draw_unknown(ratings: pd.DataFrame, unknown: pd.DataFrame) -> None:
     gone = sorted(set(unknown["participant"]) - set(ratings["participant"]))
     who = f" Nothing is left of {plain(', '.join(gone[:MOST_NAMED]))}." if gone else ""
     st.warning(
-        f"{count_text(len(clips), 'rated clip')} not in this comparison, left out of all figures "
+        f"{count_text(len(clips), 'rated clip')} not in this comparison, left out of all numbers "
         f"with {count_text(len(unknown), 'rating')}: {plain(', '.join(clip_names))}{more}.{who}",
         icon=":material/link_off:",
     )
@@ -99,7 +99,7 @@ def _people(ratings: pd.DataFrame, digest: int) -> list[str]:
         key="ratings_left_out",
         placeholder="nobody is left out",
         help="Who took the scale the wrong way round, or did not watch. Everybody who is left out "
-        "is told here and in no figure below.",
+        "is told here and counts in nothing below.",
     )
     kept = everybody
     if left_out:
@@ -107,7 +107,7 @@ def _people(ratings: pd.DataFrame, digest: int) -> list[str]:
         kept = _agreement(others, (digest, tuple(left_out)))
         st.warning(
             f"{count_text(len(left_out), 'participant')} left out by hand: "
-            f"{plain(', '.join(left_out))}. All figures are without them.",
+            f"{plain(', '.join(left_out))}. All numbers are without them.",
             icon=":material/person_off:",
         )
     columns = st.columns(4)
@@ -167,7 +167,7 @@ def _cautions(
         )
     if n_people == 1:
         st.warning(
-            "These are the ratings of **one participant**. The figures say how saliency follows "
+            "These are the ratings of **one participant**. The numbers say how saliency follows "
             "that person; intervals and p say nothing about people.",
             icon=":material/person:",
         )
@@ -178,12 +178,12 @@ def _training(share: float) -> str:
     if share == 1:
         return (
             "These settings were **fitted to these ratings**: plot and correlations are training "
-            "figures, no evidence."
+            "numbers, no evidence."
         )
     percent = min(max(round(100 * share), 1), 99)
     return (
         f"The fit behind these settings has **seen {percent} % of these ratings** (same "
-        "participant, clip and system): plot and correlations are partly training figures, no "
+        "participant, clip and system): plot and correlations are partly training numbers, no "
         "evidence."
     )
 

@@ -95,7 +95,7 @@ def measures_as_text(rows: Sequence[ScoreRow]) -> pd.DataFrame:
             )
             for row in rows
         ],
-        columns=["figure", "X", "Y", "X - Y"],
+        columns=["measure", "X", "Y", "X - Y"],
     )
 
 

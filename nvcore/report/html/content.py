@@ -163,7 +163,7 @@ def _facts(result: Result, protocol: Protocol) -> tuple[tuple[str, str], ...]:
             f"{result.venn.n_near:,} that count, and {result.venn.distant:,} distant ones that do "
             "not",
         ),
-        ("Protocol of the detection figures", protocol.title),
+        ("Protocol of the detection measures", protocol.title),
         ("Program", f"nvcore {__version__}"),
         ("Fingerprint of the inputs", result.dataset.fingerprint or UNDEFINED),
     )

@@ -17,7 +17,7 @@ from nvcore.detection.filtered_truth import filter_truth
 from nvcore.detection.miss_rate import explain_few
 from nvcore.errors import InputError
 from nvcore.evidence.subgroups import ALL
-from nvcore.figures.detection import CurveKind, curve_plot, legend_figure
+from nvcore.figures.detection import CurveKind, curve_plot, legend_text
 from nvcore.figures.forest import subgroup_forest
 from nvcore.figures.stability import stability_map
 from nvcore.measures import evidence_form, inference_of
@@ -84,7 +84,7 @@ def significance_section(evidence: pd.DataFrame) -> Section:
                 row["note"] or UNDEFINED,
             )
         )
-    head = ("Figure", "X", "Y", "X - Y", "95 % interval", "p", "p (Holm)", "Effect size", "Better")
+    head = ("Measure", "X", "Y", "X - Y", "95 % interval", "p", "p (Holm)", "Effect size", "Better")
     return Section(
         "significance",
         "Is the difference real",
@@ -92,7 +92,7 @@ def significance_section(evidence: pd.DataFrame) -> Section:
         (
             table("Differences and tests", head, rows, right=range(1, 7)),
             Chart("intervals", interval_plot(evidence), "Differences with their 95 % intervals"),
-            table("How they were made", ("Figure", "From", "Method", "Note"), ways),
+            table("How they were made", ("Measure", "From", "Method", "Note"), ways),
         ),
     )
 
@@ -234,9 +234,9 @@ def detection_section(result: Result, protocol: Protocol) -> Section:
         f"Protocol {protocol.title}: {protocol.text} {f'Filters: {filters}.' if filters else ''}"
     )
     blocks: list[Block] = [Sentences((protocol_text.strip(), _left_out(result, protocol), *notes))]
-    blocks.append(table("Detection figures", MEASURES_HEAD, rows, right=(1, 2, 3)))
+    blocks.append(table("Detection measures", MEASURES_HEAD, rows, right=(1, 2, 3)))
     blocks += [
-        _curve(curves, thresholds, kind, [legend_figure(summary, kind) for summary in summaries])
+        _curve(curves, thresholds, kind, [legend_text(summary, kind) for summary in summaries])
         for kind in CURVES
     ]
     return Section("detection", "Detection curves", words.DETECTION, tuple(blocks))

@@ -30,7 +30,7 @@ from nvcore.tables.result import (
 from nvcore.tables.scorecard import ScoreRow, score_rows
 from nvcore.wording import UNDEFINED, count_text, difference, number
 
-MEASURES_HEAD = ("Figure", "X", "Y", "X - Y", "Better")
+MEASURES_HEAD = ("Measure", "X", "Y", "X - Y", "Better")
 N_WORST = 3
 """How many intervals, events and episodes of each system are listed."""
 
@@ -49,7 +49,7 @@ def scorecard_section(result: Result) -> Section:
         "scorecard",
         "Scorecard",
         words.scorecard(result.params),
-        (table("Figures of X and Y", MEASURES_HEAD, rows, right=(1, 2, 3)),),
+        (table("Measures of X and Y", MEASURES_HEAD, rows, right=(1, 2, 3)),),
     )
 
 

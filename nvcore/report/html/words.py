@@ -36,9 +36,9 @@ def reading(params: Params) -> tuple[str, ...]:
 
 
 VERDICT = Intro(
-    what="What the figures of this report support, in sentences that go no further than they do.",
+    what="What the measures of this report support, in sentences that go no further than they do.",
     how="The first sentence counts the encounters that only one of the systems detects and tests "
-    "whether so uneven a split may be chance; the next one names who is better in which figure; "
+    "whether so uneven a split may be chance; the next one names who is better in which measure; "
     "then comes what the audit of the inputs says about it.",
     limits="It holds for these recordings, at these thresholds and parameters. It says nothing "
     "about conditions that were not recorded and is no proof of safety.",
@@ -53,7 +53,7 @@ SHORT_ENCOUNTERS = (
 SHORT_TESTS = (
     "Caution: most encounters here are one frame long, so one person may stand in many of them. "
     "Tests and intervals of single encounters would take them as independent and be far too sure, "
-    "so they are not given. Go by the figures by recordings or blocks of time."
+    "so they are not given. Go by the measures by recordings or blocks of time."
 )
 NO_PICTURES = (
     "There are no pictures of these frames: the boxes are drawn on an empty ground of the "
@@ -68,9 +68,9 @@ def _percent(share: float) -> str:
 def scorecard(params: Params) -> Intro:
     """Introduction of the scorecard."""
     return Intro(
-        what="All figures side by side. X - Y is the difference; of shares it is given in "
+        what="All measures side by side. X - Y is the difference; of shares it is given in "
         "percentage points (pp).",
-        how="Each figure is explained in its own section below. An encounter is detected if at "
+        how="Each measure is explained in its own section below. An encounter is detected if at "
         f"least {_percent(params.coverage)} of its relevant frames are matched. How the encounters "
         "went counts, for each system, the way in which it failed (or did not).",
         best="The last column says whether higher or lower is better.",
@@ -173,7 +173,7 @@ SIGNIFICANCE = Intro(
     "within the recordings or blocks, in all ways where up to 16 of them differ, else in 10,000 "
     "random ways; it is the share of these that give at least so large a difference. For "
     "encounters it is the exact McNemar test of those that only one detects. Holm's correction "
-    "allows for several figures being tested at once. Effect size: mean difference over its "
+    "allows for several measures being tested at once. Effect size: mean difference over its "
     "standard deviation (Cohen's d_z), or the odds ratio of the encounters that only one detects.",
     best="An interval that does not touch 0 on the side of the better system; a corrected p of "
     "0.05 or less.",
@@ -184,26 +184,26 @@ SIGNIFICANCE = Intro(
 )
 
 SUBGROUPS = Intro(
-    what="The same figures for some of the encounters: near or far, in the centre or at the "
+    what="The same measures for some of the encounters: near or far, in the centre or at the "
     "edge of the picture, occluded, in an unusual pose, by tags of the recordings.",
     how="The plot has the share of encounters that X detects less the share that Y detects, with "
-    "Newcombe's 95 % interval for paired shares and the exact McNemar test. The other figures are "
+    "Newcombe's 95 % interval for paired shares and the exact McNemar test. The other measures are "
     "judged as in the section before: for a tag from the recordings that have it; for a group of "
     "pedestrians saliency from the events of these pedestrians, as the mean over the recordings "
     "that have any, and the log-average miss rate with all other pedestrians ignored. p (Holm) is "
-    "corrected for all groups of one figure. Only encounters that count are in a group; among them "
-    "near means at least twice as high in the picture as a pedestrian who counts half, far lower "
-    "than that (distant encounters, which do not count, are not meant). Centre means the middle "
+    "corrected for all groups of one measure. Only encounters that count are in a group; among "
+    "them near means at least twice as high in the picture as a pedestrian who counts half, far "
+    "lower than that (distant encounters, which do not count, are not meant). Centre means the middle "
     "half of the picture's width; an unusual pose is one standard deviation or more from the mean "
     "ratio of height to width.",
     best="In the plot: right of 0 X detects more, left of it Y.",
-    limits="A frame's similarity and a false alert belong to no single pedestrian: these figures "
+    limits="A frame's similarity and a false alert belong to no single pedestrian: these measures "
     "are there for all and by tags only. Groups overlap, and small groups show little: look at "
     "the counts.",
 )
 
 DETECTION = Intro(
-    what="The usual figures of detection benchmarks, over all score thresholds, from the same "
+    what="The usual measures of detection benchmarks, over all score thresholds, from the same "
     "matching as everything else.",
     how="At each threshold: recall is matched pedestrian boxes over all of them, miss rate is 1 "
     "less recall, precision is matched over matched plus false; false positives are counted per "
@@ -267,7 +267,7 @@ ONLY_ONE = Intro(
 )
 
 AUDIT = Intro(
-    what="What is wrong or suspicious in the input files. An error makes figures wrong until it "
+    what="What is wrong or suspicious in the input files. An error makes measures wrong until it "
     "is mended, a warning may, a note is good to know.",
     limits="Mistakes of the people who annotated are not found by it.",
 )
@@ -281,5 +281,5 @@ INPUTS = Intro(
 
 PARAMETERS = Intro(
     what="Every setting of the analysis, with its value here. Whoever sets the same values and "
-    "has the same files gets the same figures.",
+    "has the same files gets the same numbers.",
 )

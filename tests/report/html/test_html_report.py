@@ -119,12 +119,12 @@ def page(content: str) -> Page:
 
 def test_the_scorecard_has_the_figures_counted_by_hand(page):
     # fir matches all 40 boxes of 2 pedestrians, nir 10 of them, with one false alarm
-    caption = "Figures of X and Y"
+    caption = "Measures of X and Y"
     assert page.row(caption, "encounters detected, of 2") == ["2", "1", "+1", "higher"]
     assert page.row(caption, "boxes matched, near or far, of 40") == ["40", "10", "+30", "higher"]
     assert page.row(caption, "false-alert episodes") == ["0", "1", "-1", "lower"]
     assert page.row("Encounters by who detects them", "only X")[0] == "1"
-    assert page.row("Detection figures", "recall at the threshold")[:2] == ["1.0000", "0.2500"]
+    assert page.row("Detection measures", "recall at the threshold")[:2] == ["1.0000", "0.2500"]
 
 
 def test_the_encounter_that_only_one_detects_is_listed_with_time_and_failure(page):
@@ -360,7 +360,7 @@ def test_with_next_to_no_data_it_says_what_is_undefined(dataset, tmp_path):
     content = written(tmp_path / "r.html", result_of(dataset), session_of(tmp_path))
     page = Page(content)
     assert "nan" not in re.sub(r"<script.*?</script>", "", content, flags=re.DOTALL).lower().split()
-    assert len(page.tables["Figures of X and Y"]) > 10
+    assert len(page.tables["Measures of X and Y"]) > 10
 
 
 def test_a_cancelled_report_leaves_nothing(result, session, tmp_path):
@@ -390,6 +390,6 @@ def test_the_report_of_the_sample_stays_below_5_mb(tmp_path):
     content = written(tmp_path / "r.html", compare(dataset), session, audit(dataset))
     assert len(content.encode()) < 5_000_000
     page = Page(content)
-    assert page.row("Figures of X and Y", "encounters detected, of 38")[:2] == ["30", "27"]
+    assert page.row("Measures of X and Y", "encounters detected, of 38")[:2] == ["30", "27"]
     assert page.row("Sources", "FIR")[2].startswith("pixels as they are (0-based)")
     assert 8 <= content.count("data:image/jpeg") <= 12
