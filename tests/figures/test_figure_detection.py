@@ -12,7 +12,7 @@ from figure_parts import trace, words
 
 from nvcore.detection.curve_summary import summarise_curve
 from nvcore.detection.curves import DetectionCurve
-from nvcore.figures.detection import MAX_POINTS, CurveKind, curve_plot, legend_figure
+from nvcore.figures.detection import MAX_POINTS, CurveKind, curve_plot, legend_text
 
 X = curve_of([1, 2, 3], [0, 10, 100], n_truth=4)
 Y = replace(curve_of([1, 4], [1, 1], n_truth=4), system="y")
@@ -98,8 +98,8 @@ def test_each_kind_has_its_own_axes(
 )
 def test_the_legend_says_why_a_log_average_is_0(tp: list[int], words: str) -> None:
     summary = summarise_curve(curve_of(tp, [0, 10], n_truth=4), None)
-    assert legend_figure(summary, "miss_rate") == words
-    assert legend_figure(summarise_curve(NOTHING, None), "precision_recall") == "AP 0.000"
+    assert legend_text(summary, "miss_rate") == words
+    assert legend_text(summarise_curve(NOTHING, None), "precision_recall") == "AP 0.000"
 
 
 @pytest.mark.parametrize(

@@ -74,7 +74,7 @@ def test_every_measure_can_be_drawn_for_the_groups_in_which_it_is_defined(
     assert len(drawn.layout.yaxis.ticktext or ()) == n_defined
     assert (rows["label"].iloc[0][1:] in words(drawn)) == (n_defined > 0)
     if not n_defined:
-        assert "no group in which this figure is defined" in words(drawn)
+        assert "no group in which this measure is defined" in words(drawn)
 
 
 def test_a_protocol_s_name_in_the_label_is_text(detected: pd.DataFrame) -> None:

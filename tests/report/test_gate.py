@@ -65,7 +65,7 @@ def test_a_rule_is_a_measure_a_comparison_and_a_number(
     ["", "lamr_x", "1 < lamr_x", "x < y", "x < 1.2.3", "x < 1 or", "x < 1or undefined", "x < 1 2"],
 )
 def test_other_texts_are_refused(text):
-    with pytest.raises(ParameterError, match="expected a figure"):
+    with pytest.raises(ParameterError, match="expected a measure"):
         parse_rule(text)
 
 
@@ -90,7 +90,7 @@ def test_all_that_is_wrong_with_the_rules_is_told_with_its_place():
     assert [rule.text for rule in rules] == ["lamr_y < 1"]
     assert [text.split(": ")[0] for text in problems] == ["r, line 1", "r, line 4"]
     assert "did you mean 'lamr_y == 1'?" in problems[0]
-    assert "there is no figure 'lmr_y'; did you mean lamr_y?" in problems[1]
+    assert "there is no measure 'lmr_y'; did you mean lamr_y?" in problems[1]
     with pytest.raises(ParameterError, match="did you mean lamr_x"):
         judge([parse_rule("lmr_x < 1")], {"lamr_x": 0.0})
 

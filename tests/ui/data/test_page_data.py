@@ -57,7 +57,7 @@ def test_findings_stand_worst_first_with_what_they_mean_for_the_figures(tmp_path
     order = [("Error" in badge, "Warning" in badge) for badge in badges]
     assert order == sorted(order, reverse=True)
     assert "Error" in badges[0]
-    assert "1 error that makes figures wrong" in texts(page)
+    assert "1 error that makes numbers wrong" in texts(page)
 
 
 def test_what_only_may_be_looked_at_is_not_said_to_change_no_figure():
