@@ -19,34 +19,29 @@ def boxes(*rows: tuple[int, int, float]) -> pd.DataFrame:
     return table.assign(y=0.0, w=1.0, h=1.0)
 
 
-def test_time_counts_from_the_first_listed_frame() -> None:
-    frames = make_dataset(frames=[9, 29, 49], fps=20).frames
-    assert frames["frame"].tolist() == [9, 29, 49]
-    assert frames["time_s"].tolist() == [0, 1, 2]
-
-
-def test_the_time_step_is_the_gap_to_the_next_listed_frame() -> None:
-    frames = make_dataset(frames=[0, 1, 5, 6], fps=10).frames
-    assert frames["step_s"].tolist()[:3] == [0.1, 0.4, 0.1]
-
-
-def test_the_last_time_step_is_the_median_gap() -> None:
-    assert make_dataset(frames=[0, 1, 5, 6], fps=10).frames["step_s"].iloc[-1] == 0.1
-    assert make_dataset(frames=[0, 1, 5], fps=10).frames["step_s"].iloc[-1] == 0.25
-
-
-def test_a_recording_of_one_frame_has_a_step_of_one_frame() -> None:
-    dataset = make_dataset(frames=[17], fps=25)
-    assert dataset.frames["step_s"].tolist() == [1 / 25]
-    assert dataset.frame_columns.duration_s == 1 / 25
+@pytest.mark.parametrize(
+    ("frames", "fps", "time_s", "step_s"),
+    [
+        ([9, 29, 49], 20, [0, 1, 2], [1, 1, 1]),
+        ([0, 1, 5, 6], 10, [0, 0.1, 0.5, 0.6], [0.1, 0.4, 0.1, 0.1]),
+        ([0, 1, 5], 10, [0, 0.1, 0.5], [0.1, 0.4, 0.25]),  # the last one is the median gap
+        ([17], 25, [0], [0.04]),
+    ],
+)
+def test_time_counts_from_the_first_listed_frame_and_steps_are_the_gaps_to_the_next(
+    frames: list[int], fps: float, time_s: list[float], step_s: list[float]
+) -> None:
+    dataset = make_dataset(frames=frames, fps=fps)
+    assert dataset.frames["frame"].tolist() == frames
+    assert dataset.frames["time_s"].tolist() == pytest.approx(time_s)
+    assert dataset.frames["step_s"].tolist() == pytest.approx(step_s)
 
 
 def test_time_and_steps_start_anew_in_every_recording() -> None:
     dataset = make_dataset(places=[Place([0, 2, 4], fps=10), Place([7, 8], fps=5)])
     assert dataset.frames["time_s"].tolist() == [0, 0.2, 0.4, 0, 0.2]
-    assert dataset.frames["step_s"].tolist() == [0.2, 0.2, 0.2, 0.2, 0.2]
     assert dataset.frame_columns.gap.tolist() == [2, 2, 2, 1, 1]
-    assert dataset.frame_columns.first.tolist() == [0, 3, 5]
+    assert dataset.frame_columns.duration_s == pytest.approx(1.0)
 
 
 def test_a_recording_without_frames_takes_no_rows() -> None:
@@ -59,11 +54,6 @@ def test_a_recording_without_frames_takes_no_rows() -> None:
 def test_the_sampling_step_is_the_median_gap_of_each_recording() -> None:
     places = [Place([9, 29, 49, 69, 80]), Place([]), Place([3, 4, 5, 9]), Place([7])]
     assert make_dataset(places=places).frame_columns.sampling_step.tolist() == [20, 1, 1, 1]
-
-
-def test_the_duration_of_all_recordings_is_the_sum_of_their_time_steps() -> None:
-    dataset = make_dataset(places=[Place([0, 10], fps=10), Place([0], fps=2)])
-    assert dataset.frame_columns.duration_s == pytest.approx(2.5)
 
 
 def test_boxes_are_sorted_by_source_and_frame_and_keep_their_order_otherwise() -> None:

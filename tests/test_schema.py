@@ -5,15 +5,11 @@ import pytest
 
 from nvcore.schema import (
     BOX_DTYPES,
-    CATEGORY_TEXT,
     DATASET_BOX_DTYPES,
     FRAME_DTYPES,
-    MISS_CLASS_TEXT,
     NO_TRACK,
     READING_DTYPES,
     UNKNOWN_OCCLUSION,
-    Category,
-    MissClass,
     conform,
 )
 
@@ -50,10 +46,3 @@ def test_columns_stand_in_the_order_of_the_schema_with_its_dtypes() -> None:
 def test_a_column_outside_the_schema_is_our_own_mistake() -> None:
     with pytest.raises(AssertionError, match="confidence"):
         conform({"confidence": [1.0]}, BOX_DTYPES, n_rows=1)
-
-
-def test_every_category_and_miss_class_has_its_sentence() -> None:
-    assert set(CATEGORY_TEXT) == set(Category)
-    assert set(MISS_CLASS_TEXT) == set(MissClass)
-    for sentence in (*CATEGORY_TEXT.values(), *MISS_CLASS_TEXT.values()):
-        assert sentence.endswith(".")

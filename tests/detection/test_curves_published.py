@@ -7,40 +7,25 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from published import MEASURED, PUBLISHED
+from published import MEASURED, PUBLISHED, load_kaist
 
 from nvcore.dataset import Dataset
 from nvcore.detection.curves import DetectionCurve, detection_curve
 from nvcore.detection.filtered_truth import filter_truth
 from nvcore.detection.miss_rate import ROUNDED_REFERENCES, log_average_miss_rate
 from nvcore.inputs.load import load
-from nvcore.inputs.session import RecordingFacts, Session, Source, SystemSource
+from nvcore.inputs.session import Session, Source, SystemSource
 from nvcore.params import Params
 from nvcore.protocols import PROTOCOLS
 
 pytestmark = pytest.mark.realdata
 
-SYSTEMS = ("MBNet", "MLPD", "GAFF", "TCDet-thermal", "YOLOv3-visible")
 SUBSETS = {"all": (), "day": ("day",), "night": ("night",)}
-DAY = {"set06": 5, "set07": 3, "set08": 3}  # recordings V000, V001, ... of each set
-NIGHT = {"set09": 1, "set10": 2, "set11": 2}
 
 
 @pytest.fixture(scope="module")
 def kaist(realdata: Path) -> Dataset:
-    folder = realdata / "kaist"
-    if not folder.is_dir():
-        pytest.skip(f"KAIST not found in {folder}")
-    facts = [
-        RecordingFacts(f"{name}/V{number:03}", tags=(tag,))
-        for tag, sets in (("day", DAY), ("night", NIGHT))
-        for name, n in sets.items()
-        for number in range(n)
-    ]
-    systems = [SystemSource((f"results/{name}_result.txt",), name=name) for name in SYSTEMS]
-    session = Session(folder, Source(("KAIST_annotation.json",)), tuple(systems), tuple(facts),
-                      fps=20.0)  # fmt: skip
-    return load(session)
+    return load_kaist(realdata)
 
 
 def curve_of(dataset: Dataset, system: str, subset: str) -> DetectionCurve:
@@ -59,7 +44,7 @@ def test_the_subsets_have_the_published_numbers_of_images(kaist: Dataset):
     assert found["all"].n_truth == found["day"].n_truth + found["night"].n_truth
 
 
-@pytest.mark.parametrize("system", SYSTEMS)
+@pytest.mark.parametrize("system", PUBLISHED | MEASURED)
 def test_kaist_s_log_average_miss_rates_are_as_published(kaist: Dataset, system: str):
     ours = [100 * log_average_miss_rate(curve_of(kaist, system, name)) for name in SUBSETS]
     assert ours == pytest.approx((PUBLISHED | MEASURED)[system], abs=0.02)
@@ -89,7 +74,7 @@ def test_forgetting_the_frames_without_detections_does_not_give_the_published_fi
 
 
 def test_every_system_is_measured_on_the_same_truth(kaist: Dataset):
-    n_truth = {curve_of(kaist, system, "all").n_truth for system in SYSTEMS}
+    n_truth = {curve_of(kaist, system, "all").n_truth for system in kaist.systems}
     assert n_truth == {1455}
 
 

@@ -78,15 +78,6 @@ def test_a_measure_of_a_whole_curve_can_be_resampled() -> None:
     assert 0 < found.low < expected < found.high
 
 
-def test_units_without_weight_change_nothing_but_the_draw() -> None:
-    x, y = draw(5, 40)
-    nothing = np.zeros((1, 2))
-    with_nothing = bootstrap_difference(np.vstack([x, nothing]), np.vstack([y, nothing]))
-    without = bootstrap_difference(x, y)
-    assert with_nothing.difference == without.difference
-    assert with_nothing.low == pytest.approx(without.low, abs=0.1 * (without.high - without.low))
-
-
 @pytest.mark.parametrize("n", [0, 1, MIN_UNITS - 1])
 def test_too_few_units_have_words_instead_of_an_interval(n: int) -> None:
     x, y = draw(6, n)

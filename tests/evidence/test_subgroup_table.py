@@ -139,12 +139,6 @@ def test_saliency_of_a_group_is_over_the_recordings_that_have_its_pedestrians():
     assert table.loc[("all", "all"), "y"] == pytest.approx(0.4 * row["y"])
 
 
-def test_saliencies_of_a_factor_s_groups_add_up_where_all_have_them():
-    table = of(drives(saliency_aggregate="sum"), "saliency")
-    total = table.loc["place", ["x", "y"]].sum()
-    assert total.to_numpy() == pytest.approx(table.loc[("all", "all"), ["x", "y"]].astype(float))
-
-
 @pytest.mark.parametrize("aggregate", ["max", "sum"])
 def test_with_blocks_of_time_saliency_is_the_mean_over_recordings(aggregate: str):
     result = drives(n=3, night=2, saliency_aggregate=aggregate)

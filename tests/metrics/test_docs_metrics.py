@@ -11,6 +11,7 @@ from places import ROOT
 
 from nvcore.inputs.evaluated_frames import MIN_SAMPLED
 from nvcore.inputs.readers.meaning.occlusion import PARTIAL_OCCLUSION
+from nvcore.metrics.encounters import RELEVANT_K
 from nvcore.metrics.kernels import ABSORB_SHARE
 from nvcore.metrics.linking import LINK_GAP, LINK_IOU
 from nvcore.params import MIDPOINT_SHARE, SETTINGS, SPREAD_SHARE
@@ -55,17 +56,9 @@ def test_the_row_of_a_parameter_has_its_default_range_and_unit(name):
     assert meaning.endswith(".")
 
 
-@pytest.mark.parametrize(
-    ("name", "share"), [("midpoint", MIDPOINT_SHARE), ("spread", SPREAD_SHARE)]
-)
-def test_the_shares_of_the_image_height_are_those_of_the_code(name, share):
-    assert f"{100 * share:g} % of the image height" in documented_params()[name][3]
-
-
 def test_the_fixed_numbers_are_those_of_the_code():
     values = [float(row[1]) for row in rows_of("Fixed numbers")]
-    relevant_k = 0.5  # written out in the kernel of the encounters
-    code = [relevant_k, ABSORB_SHARE, LINK_IOU, LINK_GAP, MIN_SAMPLED, PARTIAL_OCCLUSION]
+    code = [RELEVANT_K, ABSORB_SHARE, LINK_IOU, LINK_GAP, MIN_SAMPLED, PARTIAL_OCCLUSION]
     assert values == code
 
 
@@ -91,12 +84,11 @@ def test_the_table_of_single_misses_is_right():
         ]
 
 
-def test_the_categories_are_those_of_the_code():
-    assert [row[0].strip("`") for row in rows_of("Categories and dominance")] == list(Category)
-
-
-def test_the_miss_classes_stand_in_the_order_of_the_code():
-    assert [row[0].strip("`") for row in rows_of("Miss classes")] == list(MissClass)
+@pytest.mark.parametrize(
+    ("title", "kinds"), [("Categories and dominance", Category), ("Miss classes", MissClass)]
+)
+def test_kinds_stand_in_the_order_of_the_code(title, kinds):
+    assert [row[0].strip("`") for row in rows_of(title)] == list(kinds)
 
 
 def test_the_python_examples_run_as_shown():

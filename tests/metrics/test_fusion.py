@@ -72,7 +72,7 @@ def without_scores(seed: int) -> Scene:
 
 
 SEEDS = st.integers(0, 2**32 - 1)
-few = settings(max_examples=25, deadline=None, derandomize=True)
+few = settings(max_examples=12, deadline=None, derandomize=True)
 
 
 @few

@@ -20,8 +20,7 @@ CENTRES = st.lists(st.floats(0, 100), max_size=5)
 FRAMES = st.lists(st.tuples(CENTRES, CENTRES), min_size=1, max_size=8)
 Sets = list[tuple[list[float], list[float]]]
 PLAIN = Params(proximity="none")
-often = settings(max_examples=25, deadline=None, derandomize=True)
-scenically = settings(max_examples=25, deadline=None, derandomize=True)
+often = settings(max_examples=15, deadline=None, derandomize=True)
 
 
 def score_sets(sets: Sets, **params: object) -> SystemResult:
@@ -31,7 +30,7 @@ def score_sets(sets: Sets, **params: object) -> SystemResult:
     return result_of(make_dataset(truth, x, n_frames=len(sets)), **params).x
 
 
-@scenically
+@often
 @given(
     SEEDS, ALPHA, st.floats(0, 1), st.sampled_from(["lateral", "ground"]),
     st.sampled_from(["height", "distance", "horizon", "none"]),
@@ -112,7 +111,7 @@ def assert_same_verdict(one: Result, other: Result, *, factor: float = 1.0) -> N
     assert one.venn == other.venn
 
 
-@scenically
+@often
 @given(SEEDS)
 def test_mirroring_changes_nothing(seed: int) -> None:
     scene = draw_scene(seed)
@@ -126,7 +125,7 @@ def test_mirroring_changes_nothing(seed: int) -> None:
     assert other.encounters.lateral_offset == pytest.approx(one.encounters.lateral_offset)
 
 
-@scenically
+@often
 @given(SEEDS)
 def test_reordering_boxes_changes_nothing(seed: int) -> None:
     scene = draw_scene(seed)
@@ -144,7 +143,7 @@ def test_reordering_boxes_changes_nothing(seed: int) -> None:
     assert other.x.events["track"].tolist() == one.x.events["track"].tolist()
 
 
-@scenically
+@often
 @given(SEEDS, st.sampled_from([0.25, 0.5, 2.0, 3.0]))
 def test_scaling_picture_boxes_and_sigmoid_changes_nothing(seed: int, factor: float) -> None:
     scene = draw_scene(seed)
@@ -165,7 +164,7 @@ def test_scaling_picture_boxes_and_sigmoid_changes_nothing(seed: int, factor: fl
     )
 
 
-@scenically
+@often
 @given(SEEDS)
 def test_the_truth_as_a_system_is_perfect(seed: int) -> None:
     scene = draw_scene(seed)
@@ -176,7 +175,7 @@ def test_the_truth_as_a_system_is_perfect(seed: int) -> None:
     assert x.encounters["is_detected"].all()
 
 
-@scenically
+@often
 @given(SEEDS, st.integers(0, 9))
 def test_counts_add_up(seed: int, tenths: int) -> None:
     result = compare(draw_scene(seed).dataset(), Params(threshold_x=tenths / 10))
@@ -192,7 +191,7 @@ def test_counts_add_up(seed: int, tenths: int) -> None:
         assert system.false_alarm_summary.count == system.false_alarms.sum()
 
 
-@scenically
+@often
 @given(SEEDS)
 def test_frames_without_boxes_anywhere_leave_the_others_as_they_are(seed: int) -> None:
     scene = draw_scene(seed)

@@ -101,17 +101,3 @@ def test_a_box_at_the_origin_has_its_centre_at_half_its_width() -> None:
     # 42: the same box lay at 0 or at 1, depending on the library
     result = result_of(make_dataset([(0, 0, 0, 100, 10, 1)], [(0, 40, 0, 20, 10)]), alpha=1.0)
     assert result.x.distances.d_miss.tolist() == [0]
-
-
-def test_the_truth_with_its_ignored_rows_against_itself_is_perfect() -> None:
-    # 39, 44: ignored rows were filtered in the truth only; the oracle test failed
-    truth = [
-        *perfect(5),
-        *(Box(f, 5, 5, 20, 20, 2, ignore=True) for f in range(5)),
-        *(Box(f, 3, 5, 8, 20, 3) for f in range(5)),
-    ]
-    result = result_of(make_dataset(truth, truth))
-    assert (result.x.similarity == 1).all()
-    assert result.x.false_alarm_summary.count == 0
-    assert result.x.encounters["miss_class"].tolist() == ["none", "none"]
-    assert result.x.saliency_s == 0

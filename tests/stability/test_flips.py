@@ -17,7 +17,7 @@ from nvcore.stability.words import describe_stability
 
 NAMES = ("alpha", "midpoint", "iou")
 CRITERIA: tuple[Criterion, ...] = ("similarity", "encounters", "saliency")
-few = settings(max_examples=100, deadline=None, derandomize=True)
+few = settings(max_examples=60, deadline=None, derandomize=True)
 
 
 def make_axis(name: str, values: list[float], plausible: tuple[int, int], present: int) -> Axis:

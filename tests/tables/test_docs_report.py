@@ -170,12 +170,6 @@ def test_the_summary_tells_which_systems_x_and_y_are(report):
     ]  # fmt: skip
 
 
-def test_a_distant_encounter_has_no_miss_class_and_a_found_one_has_none(report):
-    table = table_of(report, "encounters.csv").set_index(["recording", "track"])
-    assert table.loc[("rural", "9"), ["category", "miss_class_x"]].tolist() == ["distant", ""]
-    assert table.loc[("rural", "1"), ["category", "miss_class_x"]].tolist() == ["x_only", "none"]
-
-
 def test_pandas_keeps_the_miss_class_none_apart_from_an_empty_cell(report):
     table = pd.read_csv(io.BytesIO(report["encounters.csv"])).set_index(["recording", "track"])
     assert table["miss_class_x"].isna().tolist() == [False, False, True]

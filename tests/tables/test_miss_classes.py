@@ -83,7 +83,7 @@ def test_without_frames_the_rates_are_undefined():
     assert table["encounters_detected"].tolist() == [0, 0, 0, 0]
 
 
-@settings(max_examples=15, deadline=None, derandomize=True)
+@settings(max_examples=8, deadline=None, derandomize=True)
 @given(st.integers(0, 2**32 - 1))
 def test_the_counts_are_those_of_the_summary(seed: int):
     result = compare(draw_scene(seed).dataset())
