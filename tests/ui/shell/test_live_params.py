@@ -10,33 +10,34 @@ from streamlit.testing.v1 import AppTest
 from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
 from nvcore.params import Params
-from pages import FRAMES, begin_with, checked, opened, rows, to_page, write
+from pages import FRAMES, begin_with, checked, opened, rows, write
 from ui.session import state
 from ui.session.workspace import Opened
 
+SCORED, CONSTANT = (
+    "".join(f"night,{frame},300,200,40,120,0.{frame % n}\n" for frame in FRAMES) for n in (9, 1)
+)
+
 
 def app(**query: str) -> AppTest:
-    return checked(opened(**query))
+    """The app on a page that is quickly drawn."""
+    return checked(opened("metrics", **query))
 
 
 def live(page: AppTest) -> Params:
     return page.session_state["params"]
 
 
-def test_a_value_beyond_the_slider_stays_as_it_was_moved_to():
-    page = app(midpoint="10000")
+def test_values_beyond_the_sliders_stay_and_can_be_moved():
+    page = app(midpoint="10000", threshold_x="2")
     assert live(page).midpoint == 10000
     checked(page.slider(key="midpoint").set_value(5000.0).run())
-    checked(page.slider(key="alpha").set_value(0.5).run())
-    assert live(page).midpoint == 5000
-    assert page.slider(key="midpoint").value == 5000
-
-
-def test_a_threshold_above_all_scores_can_be_moved_back_to_them():
-    page = app(threshold_x="2")
     checked(page.slider(key="threshold_x").set_value(0.5).run())
     checked(page.slider(key="alpha").set_value(0.5).run())
+    assert live(page).midpoint == page.slider(key="midpoint").value == 5000
     assert live(page).threshold_x == 0.5
+    checked(page.slider(key="threshold_x").set_value(page.slider(key="threshold_x").min).run())
+    assert live(page).threshold_x is None  # the lowest threshold counts every detection
 
 
 def test_folded_parameters_of_a_link_are_kept_through_runs_and_unfolding():
@@ -53,58 +54,64 @@ def test_folded_parameters_of_a_link_are_kept_through_runs_and_unfolding():
     assert (live(page).low, live(page).lag_s, live(page).alpha) == (0.7, 1.5, 0.4)
 
 
-def test_reset_takes_folded_parameters_back_as_well():
-    page = app(low="0.8", alpha="0.3")
-    reset = next(one for one in page.button if one.label == "Reset all parameters")
-    checked(reset.click().run())
-    assert (live(page).low, live(page).alpha) == (Params().low, Params().alpha)
-
-
 def test_a_slider_that_is_not_drawn_keeps_its_value():
     page = app(midpoint="70")
     checked(page.selectbox(key="proximity").set_value("distance").run())
+    assert page.slider(key="midpoint_m").value == 35.0
+    assert live(page).proximity == "distance"
     checked(page.slider(key="alpha").set_value(0.5).run())
     checked(page.selectbox(key="proximity").set_value("height").run())
     assert page.slider(key="midpoint").value == 70
 
 
-def test_a_preset_is_in_use_in_the_same_run():
+def test_the_sigmoid_is_that_of_each_recording_until_it_is_moved():
     page = app()
+    assert live(page).midpoint is None
+    checked(page.slider(key="midpoint").set_value(60.0).run())
+    assert live(page).midpoint == 60.0
+
+
+def test_presets_and_resets_are_in_use_in_the_same_run():
+    page = app(low="0.8", alpha="0.3")
     checked(page.button(key="preset_Rural").click().run())
-    assert live(page).edge_weight == page.slider(key="edge_weight").value > 0
+    assert live(page).edge_weight == page.slider(key="edge_weight").value == 1
+    assert page.slider(key="midpoint").value == pytest.approx(28.8)
+    reset = next(button for button in page.button if button.label == "Reset all parameters")
+    checked(reset.click().run())
+    assert live(page) == page.session_state["workspace"].opened.dataset.params_of()
+    assert page.slider(key="edge_weight").value == 0.0
+    assert page.slider(key="midpoint").value == 48.0
 
 
-@pytest.mark.parametrize("value", ["inf", "-inf", "nan"])
-def test_a_link_to_no_number_is_told_and_the_sidebar_is_whole(value: str):
-    page = app(threshold_x=value)
-    assert "threshold_x is not possible" in page.warning[0].value
-    assert any(one.label == "Reset all parameters" for one in page.button)
+def test_a_link_to_no_number_is_told_and_the_sidebar_is_whole():
+    page = app(threshold_x="inf", alpha="seven", recording="<script>")
+    (warning,) = page.warning
+    assert "could not be followed" in warning.value
+    for wrong in ("threshold_x is not possible", "alpha is not possible", "no such recording"):
+        assert wrong in warning.value
+    assert page.slider(key="alpha").value == 0.9
+    assert any(button.label == "Reset all parameters" for button in page.button)
 
 
 def test_a_threshold_does_not_stick_to_a_system_without_scores_that_differ(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
-    scored = "".join(f"night,{frame},300,200,40,120,0.{frame % 9}\n" for frame in FRAMES)
-    constant = "".join(f"night,{frame},300,200,40,120,0.3\n" for frame in FRAMES)
-    session = write(tmp_path, {"one": scored, "two": constant}, truth=rows(300))
+    session = write(tmp_path, {"one": SCORED, "two": CONSTANT}, truth=rows(300))
     begin_with(session, monkeypatch)
-    page = app()
+    page = checked(opened("data"))
     checked(page.slider(key="threshold_x").set_value(0.5).run())
-    checked(to_page(page, "data"))
     swap = next(one for one in page.button if "Swap" in one.label)
     checked(swap.click().run())
     assert live(page).threshold_x is None
-
     assert "30 of 30" in [one.value for one in page.metric]
 
 
 def test_whatever_cuts_off_the_opening_of_a_session_leaves_the_app_alive(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path,
 ):
     """The new data are in, and the run that would have reset place and parameters never ended."""
     page = app(recording="winter_frost", alpha="0.3")
-    boxes = "".join(f"night,{frame},300,200,40,120,0.5\n" for frame in FRAMES)
-    other = write(tmp_path, {"one": boxes, "two": boxes}, truth=rows(300))
+    other = write(tmp_path, {"one": CONSTANT, "two": CONSTANT}, truth=rows(300))
     space = page.session_state["workspace"]
     session = read_session(other)
     state._open(space, Opened(session, load(session), "Other"))
@@ -116,8 +123,7 @@ def test_whatever_cuts_off_the_opening_of_a_session_leaves_the_app_alive(
 def test_without_a_horizon_the_last_settings_stay_and_the_sidebar_asks_for_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
-    boxes = "".join(f"night,{frame},300,200,40,120,0.{frame % 9}\n" for frame in FRAMES)
-    session = write(tmp_path, {"one": boxes, "two": boxes}, truth=rows(300))
+    session = write(tmp_path, {"one": SCORED, "two": SCORED}, truth=rows(300))
     begin_with(session, monkeypatch)
     page = app()
     checked(page.selectbox(key="proximity").set_value("horizon").run())
@@ -129,9 +135,7 @@ def test_without_a_horizon_the_last_settings_stay_and_the_sidebar_asks_for_it(
 
 
 def test_a_page_that_fails_leaves_the_parameters_as_they_were(monkeypatch: pytest.MonkeyPatch):
-    page = app()
-    checked(page.slider(key="alpha").set_value(0.5).run())
-    checked(page.slider(key="threshold_x").set_value(0.6).run())
+    page = checked(opened(alpha="0.5", threshold_x="0.6"))
     before = live(page)
 
     def fail(*_arguments: object) -> None:
