@@ -51,58 +51,41 @@ def test_compare_prints_inputs_audit_and_scorecard(folder: Path):
     assert places == sorted(places)
 
 
-def test_out_writes_the_report_and_says_where(folder: Path, tmp_path: Path):
-    result = nvcore("compare", *flags(folder), "--out", tmp_path / "a")
+def test_json_prints_the_summary_of_the_report_and_nothing_else_on_stdout(
+    folder: Path, tmp_path: Path
+):
+    result = nvcore("compare", *flags(folder), "--json", "--out", tmp_path / "a")
     assert len(contents(tmp_path / "a")) == 10
+    assert contents(tmp_path / "a")["summary.json"].decode() == result.stdout
+    assert "Audit:" in result.stderr
     assert f"written to {tmp_path / 'a'}" in result.stderr
 
 
-def test_json_prints_the_summary_and_nothing_else_on_stdout(folder: Path):
-    result = nvcore("compare", *flags(folder), "--json")
-    summary = json.loads(result.stdout)
-    for letter in "xy":
-        assert {"saliency", "mean_similarity", "min_similarity"} <= set(summary[letter])
-    assert set(summary["venn"]) == {"both", "x_only", "y_only", "neither", "distant"}
-    assert "Audit:" in result.stderr
+RELATIVE = ("--truth", "truth.csv", "--x", "f*.csv", "--y", "./nir.csv", *FACTS,
+            "--frames", "frames.txt", "--iou", 0.4)  # fmt: skip
 
 
-def test_the_report_s_summary_is_what_json_prints(folder: Path, tmp_path: Path):
-    result = nvcore("compare", *flags(folder), "--json", "--out", tmp_path / "a")
-    assert contents(tmp_path / "a")["summary.json"].decode() == result.stdout
-
-
-def test_the_written_session_gives_the_same_bytes_elsewhere(folder: Path, tmp_path: Path):
-    nvcore("compare", *flags(folder), "--iou", 0.4, "--out", tmp_path / "a")
-    nvcore("compare", tmp_path / "a" / "session.toml", "--out", tmp_path / "far" / "b")
-    assert contents(tmp_path / "far" / "b") == contents(tmp_path / "a")
-
-
-def test_relative_flags_mean_the_same_from_another_folder(
-    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("given", "n_frames"),
+    [
+        (RELATIVE, 6),
+        (("session.toml",), 30),
+        (("--truth", "mot", "--x", "mot", "--y", "mot"), 10),
+    ],
+    ids=["flags", "session", "folders"],
+)
+def test_the_written_session_gives_the_same_bytes_elsewhere(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, given: tuple, n_frames: int
 ):
+    session(folder)
     write(folder / "frames.txt", "1", "2", "3")
+    mot_layout(folder / "mot")
     monkeypatch.chdir(folder)
-    nvcore("compare", "--truth", "truth.csv", "--x", "f*.csv", "--y", "./nir.csv", *FACTS,
-           "--frames", "frames.txt", "--out", tmp_path / "a")  # fmt: skip
+    nvcore("compare", *given, "--out", tmp_path / "a")
     monkeypatch.chdir(tmp_path)
-    nvcore("compare", "a/session.toml", "--out", "b")
-    assert contents(tmp_path / "b") == contents(tmp_path / "a")
-    assert json.loads(contents(tmp_path / "b")["summary.json"])["frames"] == 6
-
-
-def test_a_session_with_relative_paths_gives_the_same_bytes_elsewhere(folder: Path, tmp_path: Path):
-    nvcore("compare", session(folder), "--out", tmp_path / "a")
-    nvcore("compare", tmp_path / "a" / "session.toml", "--out", tmp_path / "far" / "b")
+    nvcore("compare", "a/session.toml", "--out", "far/b")
     assert contents(tmp_path / "far" / "b") == contents(tmp_path / "a")
-    assert json.loads(contents(tmp_path / "a")["summary.json"])["frames"] == 30
-
-
-def test_a_mot_folder_gives_the_same_bytes_elsewhere(tmp_path: Path):
-    mot = mot_layout(tmp_path / "mot")
-    nvcore("compare", "--truth", mot, "--x", mot, "--y", mot, "--out", tmp_path / "a")
-    nvcore("compare", tmp_path / "a" / "session.toml", "--out", tmp_path / "b")
-    assert contents(tmp_path / "b") == contents(tmp_path / "a")
-    assert [one["name"] for one in written(tmp_path / "a")["system"]] == ["mot", "mot (2)"]
+    assert json.loads(contents(tmp_path / "a")["summary.json"])["frames"] == n_frames
 
 
 def test_a_report_may_be_written_over_itself(folder: Path, tmp_path: Path):
@@ -149,41 +132,25 @@ def test_flags_go_before_the_parameters_of_the_session(folder: Path, tmp_path: P
     assert (parameters["alpha"], parameters["iou"], parameters["threshold_x"]) == (0.8, 0.3, 0.6)
 
 
-def test_thresholds_are_applied(folder: Path):
-    low, high = (
-        json.loads(nvcore("compare", *flags(folder), "--json", *more).stdout)["x"]["detections"]
-        for more in ((), ("--threshold-x", "0.85"))
-    )
-    # scores 0.90, 0.89, ... 0.71 in two recordings
-    assert (low, high) == (40, 12)
-
-
 # facts by flag for a session
 
 
 def test_size_fps_and_frames_by_flag_go_before_the_session(folder: Path, tmp_path: Path):
     file = session(folder, "[[recording]]\nname='urban'\nwidth=100\nheight=100\nfps=5")
+    nvcore("compare", file, "--out", tmp_path / "own")
+    lines = contents(tmp_path / "own")["recordings.csv"].decode().splitlines()
+    assert lines[1].startswith("urban,100,100,5,")
     nvcore("compare", file, "--size", "1280x960", "--fps", 10, "--frames", "0:3",
            "--out", tmp_path / "a")  # fmt: skip
-    table = contents(tmp_path / "a")["recordings.csv"].decode().splitlines()
-    assert [line.split(",")[:5] for line in table[1:]] == [
+    lines = contents(tmp_path / "a")["recordings.csv"].decode().splitlines()
+    assert [line.split(",")[:5] for line in lines[1:]] == [
         ["urban", "1280", "960", "10", "4"], ["rural", "1280", "960", "10", "4"],
     ]  # fmt: skip
 
 
-def test_a_session_alone_keeps_what_it_says_of_a_recording(folder: Path, tmp_path: Path):
-    file = session(folder, "[[recording]]\nname='urban'\nwidth=100\nheight=100\nfps=5")
-    nvcore("compare", file, "--out", tmp_path / "a")
-    line = contents(tmp_path / "a")["recordings.csv"].decode().splitlines()[1]
-    assert line.startswith("urban,100,100,5,")
-
-
-def test_names_choose_among_the_systems_of_a_session(folder: Path):
+def test_names_choose_among_the_systems_of_a_session_and_name_those_of_flags(folder: Path):
     result = nvcore("compare", session(folder), "--name-x", "NIR")
     assert "X = NIR, all scores\nY = FIR, score >= 0.5" in result.stdout
-
-
-def test_names_name_the_systems_of_flags(folder: Path):
     result = nvcore("compare", *flags(folder, "--name-x", "warm", "--name-y", "bright"))
     assert "X = warm, all scores\nY = bright, all scores" in result.stdout
 
@@ -248,7 +215,6 @@ BAD = [
     (("truth.csv",), "truth.csv: is not TOML"),
     (("s.toml", "--truth", "truth.csv"), "give a session file or --truth, --x and --y, not both"),
     (("GOOD", "--size", "640"), "--size: expected a size such as 640x480, got '640'"),
-    (("GOOD", "--fps", "0"), "fps: expected a positive number, found 0"),
     (("GOOD", "--fps", "nan"), "fps: expected a positive number, found nan"),
     (("GOOD", "--alpha", "2"), "alpha: expected 0 to 1, got 2"),
     (("GOOD", "--match", "best"), "'best' is not one of 'iou', 'lateral'"),
@@ -256,16 +222,9 @@ BAD = [
     (("GOOD", "--frames", "no.txt"), "cannot be read as a frame list"),
     (("GOOD", "--format", "vbb"), "there is no format 'vbb'; the formats are bbgt"),
     (("GOOD", "--classes", ","), "classes: expected names or numbers of classes"),
-    (("GOOD", "--scale-x", "0"), "scale: expected a positive number, found 0"),
     (("GOOD", "--scale-x", "1,2,3"), "expected one number, or two with a comma between"),
-    (
-        ("GOOD", "--scale-y", "wide"),
-        "expected one number, or two with a comma between, found 'wide'",
-    ),
     (("GOOD", "--offset-px-x", "3"), "expected two numbers with a comma between, found '3'"),
-    (("GOOD", "--offset-px-x", "nan,1"), "offset_px: expected a finite number, found nan"),
     (("GOOD", "--offset-frames-y", "9" * 30), "offset_frames: expected at most 1000000"),
-    (("GOOD", "--truth", "no.csv"), "no.csv: there is no such file or folder"),
     (("GOOD", "--x", "*.json"), "*.json: no file matches this pattern"),
     (("GOOD", "--x", "broken.csv"), "broken.csv, line 2: "),
     (("--truth", "tale.txt", "--x", "a", "--y", "b"), "tale.txt: no reader recognises this as tr"),
@@ -306,21 +265,13 @@ def test_an_error_of_the_audit_gives_exit_code_1_after_the_scorecard(folder: Pat
 # check
 
 
-def test_check_audits_without_scoring(folder: Path):
-    result = nvcore("check", *flags(folder), "--threshold-x", 0.8)
+def test_check_audits_without_scoring_and_needs_only_one_system(folder: Path):
+    arguments = ("--truth", folder / "truth.csv", "--x", folder / "fir.csv", *FACTS)
+    result = nvcore("check", *arguments, "--threshold-x", 0.8)
     assert result.exit_code == 0
     assert "Audit:" in result.stdout
-    assert "similarity" not in result.stdout.split("Audit:")[0]
     assert "X = " not in result.stdout
-
-
-def test_check_needs_only_one_system(folder: Path):
-    arguments = ("--truth", folder / "truth.csv", "--x", folder / "fir.csv", *FACTS)
-    assert nvcore("check", *arguments).exit_code == 0
-
-
-def test_check_without_a_system_says_what_to_give(folder: Path):
-    result = nvcore("check", "--truth", folder / "truth.csv")
+    result = nvcore("check", *arguments[:2])
     assert result.exit_code == 2
     assert "give a session file, or --truth and --x; one system is enough" in result.stderr
 

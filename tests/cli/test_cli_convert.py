@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import sys
 from pathlib import Path
@@ -28,14 +29,6 @@ def test_truth_converts_to_each_format_and_back(tmp_path: Path, to: str):
     assert "100,150,20,50" in rows[2]
 
 
-def test_several_recordings_become_a_folder_of_mot_files(tmp_path: Path):
-    result = nvcore("convert", DATA / "csv" / "truth.csv", tmp_path / "out", "--to", "mot")
-    assert result.exit_code == 0, result.output
-    files = {path.stem for path in (tmp_path / "out").iterdir()}
-    assert files == {"urban", "rural"}
-    assert "2 files in" in result.stderr
-
-
 def test_results_that_name_pictures_by_number_need_the_truth(tmp_path: Path):
     source = DATA / "kaist_results" / "MBNet_result.txt"
     arguments = (source, tmp_path / "out.json", "--to", "coco", "--role", "detections")
@@ -47,16 +40,13 @@ def test_results_that_name_pictures_by_number_need_the_truth(tmp_path: Path):
     assert [one["image_id"] for one in written] == [0, 2, 2]
 
 
-def test_the_conversion_is_told_in_words(tmp_path: Path):
+def test_the_conversion_and_oddities_of_the_input_are_told(tmp_path: Path):
     result = nvcore("convert", DATA / "mot" / "MOT16-02" / "gt" / "gt.txt", tmp_path / "a.csv",
                     "--to", "csv")  # fmt: skip
     assert "pixels from 1-based to 0-based" in result.stderr
     assert result.stdout == ""
-
-
-def test_oddities_of_the_input_are_told(tmp_path: Path):
     source = write(tmp_path / "I00019.txt", "% bbGt version=3", "person 1 2 20 50 0 0 0 0 0 0 45")
-    result = nvcore("convert", source, tmp_path / "a.csv", "--to", "csv")
+    result = nvcore("convert", source, tmp_path / "b.csv", "--to", "csv")
     assert result.exit_code == 0, result.output
     assert "warning truth: " in result.stderr
 
@@ -83,24 +73,25 @@ def test_scores_are_left_out_where_the_role_is_truth(tmp_path: Path):
     assert "score column, which is left unused" in result.stderr
 
 
-def test_results_without_a_role_name_the_flag(tmp_path: Path):
-    result = nvcore("convert", DATA / "coco" / "results.json", tmp_path / "a.csv", "--to", "csv")
+@pytest.mark.parametrize(
+    ("name", "lines", "words"),
+    [
+        ("no.csv", None, "no.csv: there is no such file or folder"),
+        ("gt.txt", ["1,1,1,1,9,9,1,1,1"] * 30 + ["1.5,1,1,1,9,9,1,1,1"],
+         "line 31: expected a whole number as frame, found 1.5"),
+        ("a.txt", [], "the file is empty; expected ground truth"),
+        ("r.json", ['[{"image_id": 1, "category_id": 1, "bbox": [1, 2, 3, 4], "score": 0.5}]'],
+         "r.json: this holds detections; give --role detections"),
+    ],
+)  # fmt: skip
+def test_what_is_wrong_with_the_input_is_told(
+    tmp_path: Path, name: str, lines: list[str] | None, words: str
+):
+    if lines is not None:
+        (tmp_path / name).write_text("\n".join(lines))
+    result = nvcore("convert", tmp_path / name, tmp_path / "out.csv", "--to", "csv")
     assert result.exit_code == 2
-    assert "results.json: this holds detections; give --role detections" in result.stderr
-
-
-def test_what_is_wrong_in_the_input_is_told_where_no_role_is_given(tmp_path: Path):
-    source = write(tmp_path / "gt.txt", *["1,1,1,1,9,9,1,1,1"] * 30, "1.5,1,1,1,9,9,1,1,1")
-    result = nvcore("convert", source, tmp_path / "a.csv", "--to", "csv")
-    assert result.exit_code == 2
-    assert "line 31: expected a whole number as frame, found 1.5" in result.stderr
-
-
-def test_an_empty_input_without_a_role_is_empty_ground_truth(tmp_path: Path):
-    (tmp_path / "a.txt").write_text("")
-    result = nvcore("convert", tmp_path / "a.txt", tmp_path / "a.csv", "--to", "csv")
-    assert result.exit_code == 2
-    assert "the file is empty; expected ground truth" in result.stderr
+    assert words in result.stderr
 
 
 def test_an_output_that_exists_is_kept_unless_forced(tmp_path: Path):
@@ -129,10 +120,13 @@ def test_the_input_is_never_written_over(tmp_path: Path, is_link: bool):
 
 
 def test_one_file_that_exists_keeps_all_from_being_written(tmp_path: Path):
-    write(tmp_path / "out" / "rural.txt", "mine")
-    result = nvcore("convert", DATA / "csv" / "truth.csv", tmp_path / "out", "--to", "mot")
-    assert result.exit_code == 2
+    arguments = ("convert", DATA / "csv" / "truth.csv", tmp_path / "out", "--to", "mot")
+    mine = write(tmp_path / "out" / "rural.txt", "mine")
+    assert nvcore(*arguments).exit_code == 2
     assert [path.name for path in (tmp_path / "out").iterdir()] == ["rural.txt"]
+    mine.unlink()
+    assert "2 files in" in nvcore(*arguments).stderr
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {"urban.txt", "rural.txt"}
 
 
 # evaluated frames and sizes
@@ -204,33 +198,32 @@ def test_frame_numbers_that_are_times_are_told_and_only_a_frame_list_fails(
     assert (tmp_path / "b").exists() == (to == "csv")
 
 
-def test_ground_truth_without_a_frame_has_no_frame_list(tmp_path: Path):
-    source = write(tmp_path / "a.csv", "frame,x,y,w,h")
-    result = nvcore("convert", source, tmp_path / "b.csv", "--to", "csv",
-                    "--frames-out", tmp_path / "f.txt")  # fmt: skip
-    assert result.exit_code == 2
-    assert "there is no frame to list: the ground truth holds no box" in result.stderr
-
-
-def test_a_frame_list_that_exists_is_kept(tmp_path: Path):
-    frames = write(tmp_path / "frames.txt", "mine")
-    result = nvcore("convert", mot_layout(tmp_path / "in"), tmp_path / "a.csv", "--to", "csv",
+@pytest.mark.parametrize(
+    ("name", "more", "words"),
+    [
+        ("empty.csv", (), "there is no frame to list: the ground truth holds no box"),
+        ("fir.csv", ("--role", "detections"), "--frames-out is for ground truth"),
+        ("truth.csv", (), "frames.txt: exists"),
+    ],
+)
+def test_a_frame_list_that_cannot_be_written_is_told(
+    tmp_path: Path, name: str, more: tuple[str, ...], words: str
+):
+    write(drive(tmp_path) / "empty.csv", "frame,x,y,w,h")
+    frames = tmp_path / "frames.txt"
+    if name == "truth.csv":
+        write(frames, "mine")
+    result = nvcore("convert", tmp_path / name, tmp_path / "a.csv", "--to", "csv", *more,
                     "--frames-out", frames)  # fmt: skip
     assert result.exit_code == 2
-    assert frames.read_text() == "mine\n"
+    assert words in result.stderr
+    assert not frames.exists() or frames.read_text() == "mine\n"
 
 
 def test_frames_that_would_be_told_again_need_no_warning(tmp_path: Path):
     result = nvcore("convert", drive(tmp_path) / "truth.csv", tmp_path / "a", "--to", "mot")
     assert result.exit_code == 0
     assert "warning" not in result.stderr.replace("frame 1", "")
-
-
-def test_detections_have_no_frame_list(tmp_path: Path):
-    result = nvcore("convert", drive(tmp_path) / "fir.csv", tmp_path / "a.csv", "--to", "csv",
-                    "--role", "detections", "--frames-out", tmp_path / "f.txt")  # fmt: skip
-    assert result.exit_code == 2
-    assert "--frames-out is for ground truth" in result.stderr
 
 
 def test_coco_lists_frames_without_boxes_between_annotated_ones(tmp_path: Path):
@@ -241,15 +234,12 @@ def test_coco_lists_frames_without_boxes_between_annotated_ones(tmp_path: Path):
     assert [(one["id"], one["frame_index"]) for one in images] == [(1, 3), (2, 4), (3, 5), (4, 6)]
 
 
-def test_coco_without_a_size_names_the_flag(tmp_path: Path):
-    result = nvcore("convert", drive(tmp_path) / "truth.csv", tmp_path / "a.json", "--to", "coco")
+def test_a_given_size_is_written_to_coco_which_needs_it(tmp_path: Path):
+    arguments = ("convert", drive(tmp_path) / "truth.csv", tmp_path / "a.json", "--to", "coco")
+    result = nvcore(*arguments)
     assert "the image size of 2 of 2 recordings is not known" in result.stderr
     assert "give --size WIDTHxHEIGHT" in result.stderr
-
-
-def test_a_given_size_is_written_to_coco(tmp_path: Path):
-    result = nvcore("convert", drive(tmp_path) / "truth.csv", tmp_path / "a.json", "--to", "coco",
-                    "--size", "640x480")  # fmt: skip
+    result = nvcore(*arguments, "--size", "640x480", "--force")
     assert "warning" not in result.stderr
     document = json.loads((tmp_path / "a.json").read_text())
     entries = [*document["images"], *document["videos"]]
@@ -264,19 +254,16 @@ def test_a_given_size_that_contradicts_the_data_is_told_and_not_written(tmp_path
     assert {one["width"] for one in images} == {640}
 
 
-# what cannot be read or written
-
-
-def test_an_input_that_is_not_there_gives_exit_code_2(tmp_path: Path):
-    result = nvcore("convert", tmp_path / "no.csv", tmp_path / "a.csv", "--to", "csv")
-    assert result.exit_code == 2
-    assert "no.csv: there is no such file or folder" in result.stderr
-
-
-def test_an_output_that_cannot_be_written_gives_exit_code_2(tmp_path: Path):
+@pytest.mark.parametrize(
+    "arguments", [("convert", DATA / "csv" / "truth.csv", "file/a.csv", "--to", "csv"),
+                  ("sample", "file/s")],
+)  # fmt: skip
+def test_an_output_that_cannot_be_written_gives_exit_code_2(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: tuple
+):
+    monkeypatch.chdir(tmp_path)
     write(tmp_path / "file", "")
-    result = nvcore("convert", DATA / "csv" / "truth.csv", tmp_path / "file" / "a.csv",
-                    "--to", "csv")  # fmt: skip
+    result = nvcore(*arguments)
     assert result.exit_code == 2
     assert "cannot be written" in result.stderr
 
@@ -295,28 +282,11 @@ def test_sample_tells_its_progress_and_where_it_wrote(
     assert (tmp_path / "s" / "truth.csv").exists()
 
 
-def test_sample_into_a_folder_that_cannot_be_made_gives_exit_code_2(tmp_path: Path):
-    write(tmp_path / "file", "")
-    result = nvcore("sample", tmp_path / "file" / "s")
-    assert result.exit_code == 2
-    assert "cannot be written" in result.stderr
-
-
-class Terminal:
-    """A stream that says it is a terminal and keeps what is written."""
-
-    def __init__(self) -> None:
-        self.text = ""
+class Terminal(io.StringIO):
+    """A stream that says it is a terminal."""
 
     def isatty(self) -> bool:
         return True
-
-    def write(self, text: str) -> int:
-        self.text += text
-        return len(text)
-
-    def flush(self) -> None:
-        """Nothing is held back."""
 
 
 @pytest.mark.parametrize(("patience_s", "is_shown"), [(-1.0, True), (3600.0, False)])
@@ -329,7 +299,7 @@ def test_the_progress_bar_appears_only_when_the_work_takes_long(
     with _Steps(2) as steps:
         steps(0.0, "reading fir")
         steps.begin("analysing")
-    assert ("analysing" in terminal.text) == is_shown
+    assert ("analysing" in terminal.getvalue()) == is_shown
 
 
 def test_the_progress_bar_is_finished_when_an_error_ends_the_work(
@@ -347,5 +317,5 @@ def test_the_progress_bar_is_finished_when_an_error_ends_the_work(
 
     with pytest.raises(ValueError, match="broken"):
         work()
-    assert terminal.text.endswith("\n")
+    assert terminal.getvalue().endswith("\n")
     assert steps.bar.finished

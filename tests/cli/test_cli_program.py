@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import runpy
 import subprocess
 import sys
 from pathlib import Path
@@ -12,25 +11,6 @@ from inputs import FACTS, drive, nvcore
 from places import ROOT
 
 from nvcore import __version__
-
-
-@pytest.fixture
-def folder(tmp_path: Path) -> Path:
-    return drive(tmp_path / "drive")
-
-
-def test_python_m_nvcore_is_the_command_line(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-):
-    monkeypatch.setattr(sys, "argv", ["nvcore", "--version"])
-    with pytest.raises(SystemExit) as ended:
-        runpy.run_module("nvcore", run_name="__main__")
-    assert ended.value.code == 0
-    assert __version__ in capsys.readouterr().out
-
-
-def test_version_is_that_of_the_package():
-    assert nvcore("--version").stdout == f"nvcore, version {__version__}\n"
 
 
 def test_help_starts_without_numpy():
@@ -54,7 +34,8 @@ def test_bad_input_to_the_process_gives_no_traceback(tmp_path: Path):
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no such file names there")
-def test_a_path_with_control_characters_is_printed_harmlessly(folder: Path):
+def test_a_path_with_control_characters_is_printed_harmlessly(tmp_path: Path):
+    folder = drive(tmp_path / "drive")
     evil = folder / "a\x1bc\nX = forged<b>.csv"
     (folder / "fir.csv").rename(evil)
     result = nvcore("compare", "--truth", folder / "truth.csv", "--x", evil,
@@ -63,10 +44,6 @@ def test_a_path_with_control_characters_is_printed_harmlessly(folder: Path):
     assert "X = a\\x1bc\\nX = forged<b>, all scores" in result.stdout
     assert "\x1b" not in result.output
     assert not any(line.startswith("X = forged") for line in result.output.splitlines())
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="no such file names there")
-def test_an_error_about_such_a_path_is_one_harmless_line(tmp_path: Path):
     result = nvcore("compare", tmp_path / "no\x1b[31m\nError: forged.toml")
     assert "no\\x1b[31m\\nError: forged.toml: cannot be opened" in result.stderr
     assert result.stderr.count("\n") == 1

@@ -122,6 +122,9 @@ def test_every_measure_that_can_be_named_is_there_and_those_that_take_time_only_
     quick = gate_measures(scene(), [], PROTOCOLS["all"], ["new_misses"])
     assert quick["new_misses"] == 1
     assert not {*SUMMARY_NAMES, "lamr_x"} & {*quick}
+    nobody = result_of(make_dataset(n_frames=3))
+    values = gate_measures(nobody, [], PROTOCOLS["all"], ["new_misses", "longest_episode_s_x"])
+    assert np.isnan([values["new_misses"], values["longest_episode_s_x"]]).all()
 
 
 def test_the_rules_to_copy_from_the_page_can_be_judged():
