@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Final
 
 import numpy as np
@@ -49,7 +50,7 @@ class UnitMeasure:
     statistic: Statistic = ratio
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Evidence:
     """What the data say about the difference X - Y in one measure.
 
@@ -62,8 +63,9 @@ class Evidence:
         Values of both systems, and ``x - y``; NaN undefined.
     low, high
         95 % interval of the difference; NaN where none can be given.
-    p
-        Two-sided p-value; NaN where none can be given.
+    p, p_holm
+        Two-sided p-value, and by Holm's correction for all measures shown together; NaN where none
+        can be given.
     effect, effect_name
         Size of the difference: Cohen's d_z (the difference over the standard deviation of the
         units' parts in it; positive where X is higher), or the odds ratio of discordant encounters
@@ -74,75 +76,39 @@ class Evidence:
         How interval and p-value were computed.
     note
         Why something is missing, and what the numbers do not say.
-    p_holm
-        `p` by Holm's correction for all measures shown together.
     """
 
     figure: str
     label: str
     better: Better
-    x: float
-    y: float
-    difference: float
-    low: float
-    high: float
-    p: float
-    effect: float
-    effect_name: str
+    x: float = math.nan
+    y: float = math.nan
+    difference: float = math.nan
+    low: float = math.nan
+    high: float = math.nan
+    p: float = math.nan
+    p_holm: float = math.nan
+    effect: float = math.nan
+    effect_name: str = D_Z
     n: int
     unit: str
-    method: str
+    method: str = ""
     note: str
-    p_holm: float = float("nan")
 
     @classmethod
     def undefined(
         cls, key: str, label: str, better: Better, *, unit: str, note: str, n: int = 0
     ) -> Evidence:
         """Evidence of a measure that these data cannot give; `note` says why."""
-        nan = float("nan")
-        return cls(
-            figure=key,
-            label=label,
-            better=better,
-            x=nan,
-            y=nan,
-            difference=nan,
-            low=nan,
-            high=nan,
-            p=nan,
-            effect=nan,
-            effect_name=D_Z,
-            n=n,
-            unit=unit,
-            method="",
-            note=note,
-        )
+        return cls(figure=key, label=label, better=better, n=n, unit=unit, note=note)
 
     def values_only(self) -> Evidence:
         """The values without interval, test and effect size."""
-        nan = float("nan")
+        nan = math.nan
         return replace(self, low=nan, high=nan, p=nan, effect=nan, method="")
 
 
-COLUMNS: Final = (
-    "figure",
-    "label",
-    "better",
-    "x",
-    "y",
-    "difference",
-    "low",
-    "high",
-    "p",
-    "p_holm",
-    "effect",
-    "effect_name",
-    "n",
-    "unit",
-    "method",
-    "note",
-)
+COLUMNS: Final = tuple(field.name for field in fields(Evidence))
 
 
 def significance_table(
@@ -182,7 +148,7 @@ def significance_table(
     rows = [encounters.values_only() if result.is_short else encounters, *by_unit, *extra]
     table = pd.DataFrame([vars(row) for row in rows])
     table["p_holm"] = holm(table["p"].to_numpy())
-    return table[list(COLUMNS)]
+    return table
 
 
 def judge_encounters_detected(result: Result) -> Evidence:
@@ -257,7 +223,6 @@ def judge_measure(measure: UnitMeasure, units: Units) -> Evidence:
         high=interval.high,
         p=test.p,
         effect=_effect_size(measure) if has_evidence else np.nan,
-        effect_name=D_Z,
         n=len(units),
         unit=units.kind,
         method=_unit_method(interval, test, units),

@@ -11,6 +11,7 @@ import pandas as pd
 
 from nvcore.comparison import Result, SystemResult
 from nvcore.dataset import Dataset
+from nvcore.evidence.measures import COLUMNS as EVIDENCE_COLUMNS
 from nvcore.evidence.measures import (
     Evidence,
     judge_encounters_detected,
@@ -27,32 +28,11 @@ from nvcore.metrics.venn import count_categories
 from nvcore.protocols import PROTOCOLS, Protocol
 from nvcore.schema import Category
 
-COLUMNS: Final = (
-    "factor",
-    "group",
-    "figure",
-    "label",
-    "better",
-    "n",
-    "unit",
-    "both",
-    "x_only",
-    "y_only",
-    "neither",
-    "x",
-    "y",
-    "difference",
-    "low",
-    "high",
-    "p",
-    "p_holm",
-    "effect",
-    "effect_name",
-    "odds_low",
-    "odds_high",
-    "method",
-    "note",
-)
+_COUNTS: Final = ("n", "unit", "both", "x_only", "y_only", "neither")
+_FIRST: Final = ("factor", "group", "figure", "label", "better", *_COUNTS)
+_REST: Final = [name for name in EVIDENCE_COLUMNS if name not in _FIRST]
+_ODDS: Final = _REST.index("effect_name") + 1
+COLUMNS: Final = (*_FIRST, *_REST[:_ODDS], "odds_low", "odds_high", *_REST[_ODDS:])
 
 
 def subgroup_table(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Final, Literal, get_args
 
@@ -38,6 +38,45 @@ MIDPOINT_DRAWN: Final = (0.02, 0.25)
 MIDPOINT_M_DRAWN: Final = (10.0, 90.0)
 IOU_DRAWN: Final = (0.1, 0.9)
 """Drawn beyond the plausible range, so that a flip just outside can be seen."""
+
+
+@dataclass(frozen=True)
+class Range:
+    """What a numeric axis spans, in words and numbers; `called` names the parameter if need be."""
+
+    title: str
+    plausible: tuple[float, float]
+    drawn: tuple[float, float]
+    reason: str
+    called: str = ""
+
+
+_PRESETS: Final = "from the preset for rural roads to that for towns"
+RANGES: Final = {
+    "alpha": Range(
+        "alpha",
+        ALPHA_PLAUSIBLE,
+        ALPHA_DRAWN,
+        "a miss counts at least as much as a false alarm",
+    ),
+    "edge_weight": Range(
+        "traffic context",
+        EDGE_WEIGHT_PLAUSIBLE,
+        EDGE_WEIGHT_PLAUSIBLE,
+        "from towns to rural roads",
+        "edge weight",
+    ),
+    "iou": Range(
+        "IoU",
+        IOU_PLAUSIBLE,
+        IOU_DRAWN,
+        "below, a match may be someone else; above, annotators' own boxes disagree",
+    ),
+    "midpoint_m": Range(
+        "counts half at", MIDPOINT_M_PLAUSIBLE, MIDPOINT_M_DRAWN, _PRESETS, "midpoint"
+    ),
+}
+"""Of the settings whose range is the same for all data."""
 
 MIN_POINTS: Final = 3
 DIGITS: Final = 10
@@ -170,15 +209,18 @@ def axes_of(result: Result, plane: Plane, *, n_points: int) -> tuple[Axis, ...]:
     candidates: tuple[Axis | None, ...]
     match plane:
         case "alpha-midpoint":
-            candidates = (_alpha(result, n_points), _midpoint(result, n_points))
+            candidates = (_fixed(result, "alpha", n_points), _midpoint(result, n_points))
         case "thresholds":
             candidates = (_threshold(result, "x", n_points), _threshold(result, "y", n_points))
         case "matching":
-            candidates = (_iou(result, n_points), _match_mode(result))
+            candidates = (_fixed(result, "iou", n_points), _match_mode(result))
         case "edge-weight":
-            candidates = (_edge_weight(result, n_points),)
+            candidates = (_fixed(result, "edge_weight", n_points),)
         case "edge-weight-alpha":
-            candidates = (_edge_weight(result, n_points), _alpha(result, n_points))
+            candidates = (
+                _fixed(result, "edge_weight", n_points),
+                _fixed(result, "alpha", n_points),
+            )
     axes = tuple(axis for axis in candidates if axis is not None)
     if not axes:
         raise InputError(
@@ -188,41 +230,9 @@ def axes_of(result: Result, plane: Plane, *, n_points: int) -> tuple[Axis, ...]:
     return axes
 
 
-def _alpha(result: Result, n_points: int) -> Axis:
-    return _numeric(
-        "alpha",
-        "alpha",
-        present=result.params.alpha,
-        n_points=n_points,
-        plausible=ALPHA_PLAUSIBLE,
-        drawn=ALPHA_DRAWN,
-        reason="a miss counts at least as much as a false alarm",
-    )
-
-
-def _edge_weight(result: Result, n_points: int) -> Axis:
-    return _numeric(
-        "edge_weight",
-        "traffic context",
-        called="edge weight",
-        present=result.params.edge_weight,
-        n_points=n_points,
-        plausible=EDGE_WEIGHT_PLAUSIBLE,
-        drawn=EDGE_WEIGHT_PLAUSIBLE,
-        reason="from towns to rural roads",
-    )
-
-
-def _iou(result: Result, n_points: int) -> Axis:
-    return _numeric(
-        "iou",
-        "IoU",
-        present=result.params.iou,
-        n_points=n_points,
-        plausible=IOU_PLAUSIBLE,
-        drawn=IOU_DRAWN,
-        reason="below, a match may be someone else; above, annotators' own boxes disagree",
-    )
+def _fixed(result: Result, name: str, n_points: int) -> Axis:
+    """An axis whose range is the same for all data (`RANGES`)."""
+    return _numeric(name, RANGES[name], present=getattr(result.params, name), n_points=n_points)
 
 
 def _match_mode(result: Result) -> Axis:
@@ -251,18 +261,8 @@ def _midpoint(result: Result, n_points: int) -> Axis | None:
     params, height = result.params, result.dataset.frame_columns.height
     if params.proximity == "none" or not len(height):
         return None
-    presets = "from the preset for rural roads to that for towns"
     if params.proximity == "distance":
-        return _numeric(
-            "midpoint_m",
-            "counts half at",
-            called="midpoint",
-            present=params.midpoint_m,
-            n_points=n_points,
-            plausible=MIDPOINT_M_PLAUSIBLE,
-            drawn=MIDPOINT_M_DRAWN,
-            reason=presets,
-        )
+        return _fixed(result, "midpoint_m", n_points)
     least, most = float(height.min()), float(height.max())
     present = (MIDPOINT_SHARE * least, MIDPOINT_SHARE * most)
     plausible, drawn = (
@@ -272,16 +272,11 @@ def _midpoint(result: Result, n_points: int) -> Axis | None:
     share = f"{low} to {high} % of the picture's height"
     if least < most:
         share = f"{low} % of the lowest picture's height to {high} % of the tallest's"
-    return _numeric(
-        "midpoint",
-        "counts half at",
-        called="midpoint",
-        present=present if params.midpoint is None else params.midpoint,
-        n_points=n_points,
-        plausible=plausible,
-        drawn=drawn,
-        reason=f"{share}, {presets}",
-    )
+    in_metres = RANGES["midpoint_m"]
+    reason = f"{share}, {in_metres.reason}"
+    own = replace(in_metres, plausible=plausible, drawn=drawn, reason=reason)
+    given = present if params.midpoint is None else params.midpoint
+    return _numeric("midpoint", own, present=given, n_points=n_points)
 
 
 def _threshold(result: Result, letter: Literal["x", "y"], n_points: int) -> Axis | None:
@@ -307,27 +302,12 @@ def _threshold(result: Result, letter: Literal["x", "y"], n_points: int) -> Axis
     if plausible[0] == plausible[1]:
         plausible = (low, high)
         reason = f"all scores: no range of them gives {least:g} to {most:g} false alarms per frame"
-    return _numeric(
-        f"threshold_{letter}",
-        f"threshold of {letter.upper()}",
-        present=present,
-        n_points=n_points,
-        plausible=plausible,
-        drawn=plausible,
-        reason=reason,
-    )
+    usual = Range(f"threshold of {letter.upper()}", plausible, plausible, reason)
+    return _numeric(f"threshold_{letter}", usual, present=present, n_points=n_points)
 
 
 def _numeric(
-    name: str,
-    title: str,
-    *,
-    called: str = "",
-    present: float | tuple[float, float],
-    n_points: int,
-    plausible: tuple[float, float],
-    drawn: tuple[float, float],
-    reason: str,
+    name: str, usual: Range, *, present: float | tuple[float, float], n_points: int
 ) -> Axis:
     """Values over the drawn, plausible and present range, evenly spaced with two exceptions.
 
@@ -336,6 +316,7 @@ def _numeric(
     point if it lies between two, so that the map shows it.
     """
     place = present if isinstance(present, tuple) else (float(present), float(present))
+    plausible, drawn = usual.plausible, usual.drawn
     low, high = min(drawn[0], plausible[0], place[0]), max(drawn[1], plausible[1], place[1])
     values = np.linspace(low, high, n_points)
     # 0.6, not 0.6000000000000001, which a score of 0.6 would not pass
@@ -356,5 +337,6 @@ def _numeric(
             values = np.sort(np.append(values, place[0]))
     values.flags.writeable = False
     setting = SETTINGS[name]
-    label = f"{setting.label} ({called})" if called else setting.label
-    return Axis(name, title, setting.unit, values, plausible, reason, place, label)
+    label = f"{setting.label} ({usual.called})" if usual.called else setting.label
+    unit, reason = setting.unit, usual.reason
+    return Axis(name, usual.title, unit, values, plausible, reason, place, label)

@@ -35,8 +35,6 @@ class SystemSummary:
         The system's name.
     similarity, similarity_window
         Of this frame and its moving mean, 0..1, 1 is best.
-    d_miss_px, d_false_px
-        Effect of misses, of false alarms, px, 0 is best.
     n_det, matched, false_alarms
         Detections that count; pedestrians matched; detections that match nobody.
     n_absorbed
@@ -46,8 +44,6 @@ class SystemSummary:
     name: str
     similarity: float
     similarity_window: float
-    d_miss_px: float
-    d_false_px: float
     n_det: int
     matched: int
     false_alarms: int
@@ -138,8 +134,6 @@ def _system_summary(system: SystemResult, state: np.ndarray, row: int) -> System
         name=system.name,
         similarity=float(system.similarity[row]),
         similarity_window=float(system.similarity_window[row]),
-        d_miss_px=float(system.distances.d_miss[row]),
-        d_false_px=float(system.distances.d_false[row]),
         n_det=int(system.n_det[row]),
         matched=int(system.matched[row]),
         false_alarms=int(system.false_alarms[row]),

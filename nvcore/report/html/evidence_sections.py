@@ -58,32 +58,12 @@ def significance_section(evidence: pd.DataFrame) -> Section:
     """Every difference with its interval and p-value, and how these were computed."""
     rows, ways = [], []
     for row in evidence.to_dict("records"):
-        form = evidence_form(row["figure"])
-        span = UNDEFINED
-        if np.isfinite(row["low"]):
-            span = f"{difference(row['low'], 0, form)} to {difference(row['high'], 0, form)}"
+        values = (number(row[letter], evidence_form(row["figure"])) for letter in "xy")
         effect = f"{row['effect_name']} {row['effect']:.2f}"
-        rows.append(
-            (
-                row["label"],
-                number(row["x"], form),
-                number(row["y"], form),
-                difference(row["x"], row["y"], form),
-                span,
-                number(row["p"], ".2g"),
-                number(row["p_holm"], ".2g"),
-                effect if np.isfinite(row["effect"]) else UNDEFINED,
-                row["better"],
-            )
-        )
-        ways.append(
-            (
-                row["label"],
-                f"{row['n']:,} {row['unit']}",
-                row["method"] or UNDEFINED,
-                row["note"] or UNDEFINED,
-            )
-        )
+        effect = effect if np.isfinite(row["effect"]) else UNDEFINED
+        rows.append((row["label"], *values, *_evidence_of(row), effect, row["better"]))
+        how = row["method"] or UNDEFINED, row["note"] or UNDEFINED
+        ways.append((row["label"], f"{row['n']:,} {row['unit']}", *how))
     head = ("Measure", "X", "Y", "X - Y", "95 % interval", "p", "p (Holm)", "Effect size", "Better")
     return Section(
         "significance",
@@ -116,16 +96,9 @@ def subgroups_section(subgroups: pd.DataFrame) -> Section:
         "p",
         "p (Holm)",
     )
+    counts = ("n", "both", "x_only", "y_only", "neither")
     rows = [
-        (
-            *_group_of(row),
-            row["n"],
-            row["both"],
-            row["x_only"],
-            row["y_only"],
-            row["neither"],
-            *_evidence_of(row),
-        )
+        (*_group_of(row), *(row[name] for name in counts), *_evidence_of(row))
         for row in detection_rows.to_dict("records")
     ]
     others = [rows for _, rows in subgroups[~is_detected].groupby("figure", sort=False)]

@@ -193,9 +193,9 @@ SUBGROUPS = Intro(
     "that have any, and the log-average miss rate with all other pedestrians ignored. p (Holm) is "
     "corrected for all groups of one measure. Only encounters that count are in a group; among "
     "them near means at least twice as high in the picture as a pedestrian who counts half, far "
-    "lower than that (distant encounters, which do not count, are not meant). Centre means the middle "
-    "half of the picture's width; an unusual pose is one standard deviation or more from the mean "
-    "ratio of height to width.",
+    "lower than that (distant encounters, which do not count, are not meant). Centre means the "
+    "middle half of the picture's width; an unusual pose is one standard deviation or more from "
+    "the mean ratio of height to width.",
     best="In the plot: right of 0 X detects more, left of it Y.",
     limits="A frame's similarity and a false alert belong to no single pedestrian: these measures "
     "are there for all and by tags only. Groups overlap, and small groups show little: look at "
