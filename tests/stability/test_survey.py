@@ -124,49 +124,30 @@ def evidence(**of_figures: tuple[float, float]) -> pd.DataFrame:
     ])  # fmt: skip
 
 
-def better_x(criterion: Criterion) -> str:
-    """What is said of chance, for a comparison in which X is better by everything."""
-    return describe_chance(
-        map_stability(CASES["no scores"], "edge-weight", criterion),
-        evidence(**{
-            "similarity": {"mean_similarity": (0.1, 0.58)},
-            "encounters": {"encounters_detected": (1.0, 0.01),
-                           "encounters_detected_by_unit": (1.0, 0.3)},
-            "saliency": {"saliency": (-0.1, 0.04)},
-        }[criterion]),
-    )  # fmt: skip
+SAME_ENCOUNTERS = {"encounters_detected": (1, 0.01), "encounters_detected_by_unit": (1, 0.3)}
 
 
-def test_a_difference_that_may_be_chance_is_told_to() -> None:
-    assert better_x("similarity") == (
-        "This difference is not shown to be more than chance (p = 0.58, corrected for all measures "
-        "tested; by 12 blocks of time, which say nothing of other recordings): a verdict that "
-        "holds at other settings is no evidence against chance."
-    )
-
-
-def test_a_difference_beyond_chance_is_told_to_be_no_more() -> None:
-    result = compare(make_dataset([at(0, 50)], [at(0, 50)], []), Params(proximity="none"))
-    found = map_stability(result, "edge-weight", "saliency")
-    assert describe_chance(found, evidence(saliency=(-0.1, 0.04))) == (
-        "The difference in the mean saliency of the recordings is more than chance (p = 0.04, "
-        "corrected for all measures tested; by 12 blocks of time, which say nothing of other "
-        "recordings)."
-    )
-    other = describe_chance(found, evidence(saliency=(0.1, 0.04)))
-    assert "of the recordings, which speaks for Y, is more than chance" in other
-
-
-def test_encounters_that_are_alike_within_recordings_count_by_the_larger_p() -> None:
-    assert "not shown to be more than chance (p = 0.3, " in better_x("encounters")
-
-
-def test_what_cannot_be_tested_says_why() -> None:
-    found = map_stability(CASES["no scores"], "edge-weight", "similarity")
-    assert describe_chance(found, evidence(mean_similarity=(0.1, float("nan")))) == (
-        "Whether this difference is more than chance cannot be tested here (too few): a verdict "
-        "that holds at other settings is no evidence against chance."
-    )
+@pytest.mark.parametrize(
+    ("criterion", "of_figures", "text"),
+    [
+        ("similarity", {"mean_similarity": (0.1, 0.58)},
+         "This difference is not shown to be more than chance (p = 0.58, corrected for all measures "
+         "tested; by 12 blocks of time, which say nothing of other recordings): a verdict that "
+         "holds at other settings is no evidence against chance."),
+        ("saliency", {"saliency": (-0.1, 0.04)},
+         "The difference in the mean saliency of the recordings is more than chance (p = 0.04, "),
+        ("saliency", {"saliency": (0.1, 0.04)}, "which speaks for Y, is more than chance"),
+        # encounters are alike within recordings: the larger p counts
+        ("encounters", SAME_ENCOUNTERS, "not shown to be more than chance (p = 0.3, "),
+        ("similarity", {"mean_similarity": (0.1, np.nan)},
+         "Whether this difference is more than chance cannot be tested here (too few): a verdict"),
+    ],
+)  # fmt: skip
+def test_whether_a_difference_is_more_than_chance_is_told(
+    criterion: Criterion, of_figures: dict[str, tuple[float, float]], text: str
+) -> None:
+    found = map_stability(CASES["no scores"], "edge-weight", criterion)  # X is better
+    assert text in describe_chance(found, evidence(**of_figures))
 
 
 def test_a_tie_has_no_evidence() -> None:
