@@ -7,11 +7,14 @@ from pathlib import Path
 
 import pytest
 from places import SAMPLE
+from streamlit.components.v2 import manifest_scanner
 
 from nvcore.pictures import Pictures, open_pictures
 from ui.session import pictures
 
 open_once = cache(open_pictures)
+scan_once = cache(manifest_scanner.scan_component_manifests)
+"""Every AppTest reads the metadata of all installed packages, which takes longer than a page."""
 
 
 @pytest.fixture(autouse=True)
@@ -19,6 +22,7 @@ def surroundings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("NVCORE_UPLOAD_DIR", str(tmp_path / "uploads"))
     monkeypatch.delenv("NVCORE_LOCAL_ROOT", raising=False)
     monkeypatch.setattr(pictures, "open_pictures", open_sample_once)
+    monkeypatch.setattr(manifest_scanner, "scan_component_manifests", scan_once)
 
 
 def open_sample_once(path: Path) -> Pictures:
