@@ -6,8 +6,10 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from builders import make_dataset
 from inputs import drive, facts_of, session_of, write
 
+from nvcore.dataset import dataset_from_tables
 from nvcore.inputs.load import load
 from nvcore.inputs.session import Session, Source, SystemSource
 from nvcore.params import Params
@@ -38,6 +40,7 @@ def test_the_fingerprint_changes_with_one_byte_of_the_input(tmp_path: Path):
         {"systems": (SystemSource(("fir.csv",), offset_frames=1), SystemSource(("nir.csv",)))},
         {"systems": (SystemSource(("fir.csv",), scale=(1, 2)), SystemSource(("nir.csv",)))},
         {"recordings": (facts_of("urban", horizon=200.0),)},
+        {"recordings": (facts_of("urban", tags=("night",)),)},
     ],
 )  # fmt: skip
 def test_the_fingerprint_changes_with_every_setting_of_the_reading(tmp_path: Path, change: dict):
@@ -45,14 +48,23 @@ def test_the_fingerprint_changes_with_every_setting_of_the_reading(tmp_path: Pat
     assert fingerprint(replace(session, **change)) != fingerprint(session)
 
 
-def test_the_fingerprint_does_not_change_with_live_parameters(tmp_path: Path):
+def test_the_fingerprint_does_not_change_with_live_parameters_and_without_tags(tmp_path: Path):
     session = session_of(drive(tmp_path))
     changed = replace(
         session,
         params=Params(alpha=0.5),
         systems=(SystemSource(("fir.csv",), threshold=0.7), session.systems[1]),
+        recordings=(facts_of("urban", tags=()),),
     )
     assert fingerprint(changed) == fingerprint(session)
+
+
+def test_tables_without_tags_have_none_and_keep_their_fingerprint():
+    dataset = make_dataset(n_frames=2)
+    assert dataset.recordings["tags"].tolist() == [()]
+    frames = [dataset.frames["frame"].to_numpy()]
+    again = dataset_from_tables(dataset.recordings, frames, dataset.boxes, dataset.systems)
+    assert again.fingerprint == dataset.fingerprint
 
 
 def test_a_changed_input_is_a_finding(tmp_path: Path):

@@ -6,7 +6,6 @@ import shutil
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 from inputs import (
     DETECTIONS,
@@ -20,6 +19,7 @@ from inputs import (
     write,
 )
 from places import DATA
+from reader_files import rows
 
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError, MissingFactError
@@ -63,15 +63,6 @@ def test_mot_layout_gives_one_recording_per_folder_and_globs_the_same(tmp_path: 
     assert by_glob.frames.equals(by_folder.frames)
 
 
-def test_a_list_of_files_gives_their_recordings(tmp_path: Path):
-    mot_layout(tmp_path, ("A", "B", "C"))
-    truth = Source(("A/gt/gt.txt", "C/gt/gt.txt"))
-    detections = SystemSource(("A/det/det.txt", "C/det/det.txt"))
-    dataset = load(Session(tmp_path, truth, (detections,)))
-    assert names(dataset) == ["A", "C"]
-    assert len(dataset.system("det")) == 8
-
-
 def test_one_file_per_picture_below_folders_gives_recordings_by_folder(tmp_path: Path):
     for name in ("set06/V000/I00019", "set06/V000/I00039", "set09/V000/I00019"):
         write(tmp_path / "gt" / f"{name}.txt", "person 10 20 20 50 0 0 0 0 0")
@@ -95,11 +86,6 @@ def test_systems_in_files_of_one_name_are_told_apart(
     for path in paths:
         write(tmp_path / path, DETECTIONS, "0,1,1,5,10,0.5")
     assert load(session_of(tmp_path, "truth.csv", *paths)).systems == systems
-
-
-def test_a_system_without_detections_has_all_frames(tmp_path: Path):
-    dataset = load(session_of(one_box(tmp_path), "truth.csv", "fir.csv"))
-    assert (len(dataset.system("fir")), len(dataset.frames)) == (0, 10)
 
 
 def test_a_truth_without_a_recording_is_an_input_error(tmp_path: Path):
@@ -126,37 +112,27 @@ def test_a_given_size_and_frame_rate_go_before_those_of_the_data(
 
 
 def test_what_a_session_says_of_a_recording_goes_before_its_defaults(tmp_path: Path):
-    session = replace(
-        mot_session(mot_layout(tmp_path), ".", "."),
-        fps=25.0,
-        recordings=(facts_of("B", fps=30.0, width=320, height=240, horizon=100.0),),
-    )
-    table = load(session).recordings
-    assert table["fps"].tolist() == [25, 30]
-    assert table["width"].tolist() == [640, 320]
-    assert table["horizon"].tolist()[1] == 100
-    assert np.isnan(table["horizon"][0])
+    facts = facts_of("B", fps=30.0, width=320, height=240, horizon=100.0, tags=("night", "rain"))
+    session = replace(mot_session(mot_layout(tmp_path), ".", "."), fps=25.0, recordings=(facts,))
+    assert rows(load(session).recordings, "fps width height horizon tags") == [
+        [25, 640, 480, None, ()],
+        [30, 320, 240, 100, ("night", "rain")],
+    ]
 
 
-def test_the_only_recording_of_session_and_truth_is_the_same(tmp_path: Path):
-    facts = (facts_of("night", fps=12.5, frames="0:3"),)
-    folder = one_box(tmp_path)
-    dataset = load(session_of(folder, "truth.csv", "fir.csv", fps=None, recordings=facts))
-    assert dataset.recordings["fps"].tolist() == [12.5]
-    assert dataset.frames["frame"].tolist() == [0, 1, 2, 3]
-
-
-def test_the_session_names_the_only_recording_and_no_box_is_lost(tmp_path: Path):
+def test_the_only_recording_of_session_and_truth_is_the_same_and_no_box_is_lost(tmp_path: Path):
     folder = one_box(tmp_path, "0,1,1,5,10,0.5")
-    dataset = load(session_of(folder, "truth.csv", "fir.csv", recordings=(facts_of("PETS09"),)))
+    facts = (facts_of("PETS09", fps=12.5, frames="0:9"),)
+    dataset = load(session_of(folder, "truth.csv", "fir.csv", fps=None, recordings=facts))
     assert names(dataset) == ["PETS09"]
+    assert dataset.recordings["fps"].tolist() == [12.5]
     assert (len(dataset.truth), len(dataset.system("fir")), len(dataset.left_out)) == (10, 1, 0)
 
 
 def test_a_recording_does_not_get_the_name_of_another_that_a_system_holds(tmp_path: Path):
     write(tmp_path / "truth.csv", "recording," + TRUTH, "day,0,1,1,5,10,1")
-    rows = [f"{name},0,1,1,5,10,0.5" for name in ("day", "dusk")]
-    write(tmp_path / "fir.csv", "recording," + DETECTIONS, *rows)
+    lines = [f"{name},0,1,1,5,10,0.5" for name in ("day", "dusk")]
+    write(tmp_path / "fir.csv", "recording," + DETECTIONS, *lines)
     dataset = load(session_of(tmp_path, "truth.csv", "fir.csv", recordings=(facts_of("dusk"),)))
     assert len(dataset.system("fir")) == 1
 
@@ -210,13 +186,6 @@ def test_seqinfo_lists_frames_without_truth(tmp_path: Path):
     assert "those that the ground truth lists (5 in all)" in dataset.notes[0]
 
 
-def test_coco_s_image_list_is_the_frame_list(tmp_path: Path):
-    session = session_of(DATA / "coco", "kaist.json", "results.json")
-    dataset = load(session)
-    assert names(dataset) == ["set06/V000", "set09/V000"]
-    assert dataset.frames["frame"].tolist() == [19, 39, 19]
-
-
 def test_sampled_annotation_is_evaluated_at_its_step(tmp_path: Path):
     write(tmp_path / "truth.csv", TRUTH, *(f"{f},1,1,5,10,1" for f in range(9, 200, 20)))
     write(tmp_path / "fir.csv", DETECTIONS, "9,1,1,5,10,0.5", "10,1,1,5,10,0.5")
@@ -248,14 +217,11 @@ def test_a_recording_s_own_frames_go_before_those_given_for_all(tmp_path: Path):
 
 
 def test_a_recording_without_truth_counts_where_its_frames_are_given(tmp_path: Path):
-    one = facts_of("empty", frames="0:4")
-    dataset = load(replace(session_of(drive(tmp_path)), recordings=(one,)))
+    session = session_of(drive(tmp_path), recordings=(facts_of("empty", frames="0:4"),))
+    dataset = load(session)
     assert names(dataset) == ["urban", "rural", "empty"]
     assert len(dataset.frames) == 45
-
-
-def test_a_recording_of_which_no_frame_is_known_is_left_out_and_told(tmp_path: Path):
-    dataset = load(replace(session_of(drive(tmp_path)), recordings=(facts_of("empty"),)))
+    dataset = load(replace(session, recordings=(facts_of("empty"),)))
     assert names(dataset) == ["urban", "rural"]
     assert any("empty: no frame is known; recording left out" in note for note in dataset.notes)
 
@@ -290,10 +256,10 @@ KITTI = "0 0 0 10 20 40 80 1 1 1 0 0 20 0"
 def test_frames_with_other_classes_only_are_annotated_frames(
     tmp_path: Path, format_name: str, header: tuple[str, ...], car: str, pedestrian: str
 ):
-    rows = [car.format(frame) for frame in (1, 2, 3, 9)]
-    rows += [pedestrian.format(frame) for frame in (5, 6)]
+    lines = [car.format(frame) for frame in (1, 2, 3, 9)]
+    lines += [pedestrian.format(frame) for frame in (5, 6)]
     one_box(tmp_path)
-    write(tmp_path / "drive.txt", *header, *rows)
+    write(tmp_path / "drive.txt", *header, *lines)
     dataset = load(session_of(tmp_path, "drive.txt", "fir.csv"))
     assert dataset.inputs["format"].iloc[0] == format_name
     assert dataset.frames["frame"].tolist() == list(range(1, 10))

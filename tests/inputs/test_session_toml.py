@@ -140,9 +140,10 @@ def test_any_threshold_and_any_name_survive(threshold: float, name: str):
 
 
 def test_the_written_session_holds_version_and_fingerprint():
-    text = write_session(FULL, version="1.2.3", fingerprint="f00")
+    table = tomllib.loads(write_session(FULL, version="1.2.3", fingerprint="f00"))
+    assert ["tags" in recording for recording in table["recording"]] == [True, False]
     told = {"version": "1.2.3", "fingerprint": "f00", "sha256": dict(FULL.hashes)}
-    assert tomllib.loads(text)["written"] == told
+    assert table["written"] == told
 
 
 SYSTEM = '[[system]]\npath = "fir.csv"\n'
@@ -188,6 +189,10 @@ RECORDING = '[[recording]]\nname = "a"\n'
         (RECORDING + "first_picture = 1.5", "first_picture: expected a whole number, found 1.5"),
         (RECORDING + f"first_picture = {10**16}", "first_picture: expected a frame number"),
         (RECORDING + "frames = 5", "[[recording]]: frames: expected a text, found 5"),
+        (RECORDING + "tags = 'night'", "tags: expected a list of texts"),
+        (RECORDING + "tags = [1]", "tags: expected a list of texts"),
+        (RECORDING + "tags = ['night', 'night']", "tags: expected different words"),
+        (RECORDING + "tags = ['night', ' ']", "tags: expected different words"),
         (RECORDING * 2, "the session: expected one [[recording]] named 'a', found several"),
         (SYSTEM + "scores = 1", "[[system]] has no key 'scores'"),
         (SYSTEM + "scale = 0", "[[system]]: scale: expected a positive number, found 0"),

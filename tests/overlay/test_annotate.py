@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import math
 from concurrent.futures import CancelledError
 from pathlib import Path
+from typing import Any
 
 import av
 import cv2
@@ -116,16 +118,11 @@ def test_a_video_holds_the_frames_asked_for_and_where_they_come_from(tmp_path: P
     video = open_pictures(write_numbered_video(tmp_path / "a.mp4", n=10))
     shares: list[float] = []
     path = tmp_path / "out.mp4"
-    write_video(
-        result(alpha=0.75),
-        {0: video},
-        0,
-        3,
-        8,
-        path,
-        fps=12.5,
-        progress=lambda share, _what: shares.append(share),
-    )
+
+    def note(share: float, _what: str) -> None:
+        shares.append(share)
+
+    write_video(result(alpha=0.75), {0: video}, 0, 3, 8, path, fps=12.5, progress=note)
     assert shares == pytest.approx([0.2, 0.4, 0.6, 0.8, 1.0])
     with av.open(str(path)) as container:
         stream = container.streams.video[0]
@@ -139,17 +136,37 @@ def test_a_video_holds_the_frames_asked_for_and_where_they_come_from(tmp_path: P
 
 def test_a_video_shows_the_pictures_that_are_said_to_be_of_its_frames(tmp_path: Path):
     source = open_pictures(write_numbered_video(tmp_path / "in.mp4", n=10))
-    indices = np.array([-1, 0, 1, 2, 3, 4, 5, 6, 7, 8])
     path = tmp_path / "out.mp4"
-    write_video(result(), {0: source}, 0, 4, 6, path, fps=20, indices=indices)
+    write_video(result(), {0: source}, 0, 4, 6, path, fps=20, indices=np.arange(-1, 9))
     with av.open(str(path)) as video:
         shown = [block_number(frame.to_ndarray(format="rgb24")) for frame in video.decode(video=0)]
     assert shown == [3, 4]
 
 
-def test_pictures_of_other_frames_are_refused(tmp_path: Path):
-    with pytest.raises(ParameterError, match="expected 10 pictures, got 3"):
-        write_video(result(), {}, 0, 0, 2, tmp_path / "out.mp4", fps=20, indices=np.arange(3))
+@pytest.mark.parametrize("error", [CancelledError, KeyboardInterrupt])
+def test_stopping_and_an_error_on_the_way_leave_no_file(tmp_path: Path, error: type[BaseException]):
+    def stop(share: float, _what: str) -> None:
+        if share >= 0.5:
+            raise error
+
+    path = tmp_path / "out.mp4"
+    with pytest.raises(error):
+        write_video(result(), {}, 0, 0, 10, path, fps=20, progress=stop)
+    assert not path.exists()
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        *(({"fps": fps}, r"fps: expected 0\.1 to 240") for fps in (0.0, -1.0, math.nan, 1000.0)),
+        ({"indices": np.arange(3)}, "expected 10 pictures, got 3"),
+    ],
+)
+def test_an_impossible_frame_rate_and_pictures_of_other_frames_are_refused(
+    tmp_path: Path, given: dict[str, Any], words: str
+):
+    with pytest.raises(ParameterError, match=words):
+        write_video(result(), {}, 0, 0, 2, tmp_path / "out.mp4", **{"fps": 20, **given})
 
 
 def test_a_video_without_pictures_is_boxes_on_a_dark_blank(tmp_path: Path):
@@ -158,36 +175,10 @@ def test_a_video_without_pictures_is_boxes_on_a_dark_blank(tmp_path: Path):
     assert np.abs(picture[200, 20].astype(int) - BLANK_RGB).max() < 8
 
 
-def test_stopping_leaves_no_file(tmp_path: Path):
-    def stop(share: float, _what: str) -> None:
-        if share >= 0.5:
-            raise CancelledError
-
-    path = tmp_path / "out.mp4"
-    with pytest.raises(CancelledError):
-        write_video(result(), {}, 0, 0, 10, path, fps=20, progress=stop)
-    assert not path.exists()
-
-
-def test_an_error_on_the_way_leaves_no_file(tmp_path: Path):
-    def fail(_share: float, _what: str) -> None:
-        raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        write_video(result(), {}, 0, 0, 10, tmp_path / "out.mp4", fps=20, progress=fail)
-    assert not (tmp_path / "out.mp4").exists()
-
-
 @pytest.mark.parametrize("name", ["missing/out.mp4", "."])
 def test_a_place_that_cannot_be_written_to_is_an_error(tmp_path: Path, name: str):
     with pytest.raises(MediaError, match="the video cannot be written; is there room"):
         write_video(result(), {}, 0, 0, 2, tmp_path / name, fps=20)
-
-
-@pytest.mark.parametrize("fps", [0.0, -1.0, float("nan"), 1000.0])
-def test_an_impossible_frame_rate_is_refused(tmp_path: Path, fps: float):
-    with pytest.raises(ParameterError, match=r"fps: expected 0\.1 to 240"):
-        write_video(result(), {}, 0, 0, 2, tmp_path / "out.mp4", fps=fps)
 
 
 @pytest.mark.parametrize(("start", "stop"), [(0, 0), (3, 2), (2, 6), (-1, 2)])

@@ -82,11 +82,6 @@ def test_temperatures_in_a_tiff_become_16_bit():
     assert picture.tolist() == [[0, 16383], [16383, 65535]]
 
 
-@pytest.mark.parametrize("ending", [".png", ".bmp", ".tif", ".jpg"])
-def test_the_size_is_told_from_the_header(ending: str):
-    assert image_size(encoded(GREY, ending), "a") == (64, 48)
-
-
 @pytest.mark.parametrize("kind", [np.uint8, np.uint16, np.int16, np.int32, np.float32, np.float64])
 @pytest.mark.parametrize("channels", [1, 3, 4])
 def test_a_tiff_of_any_kind_of_numbers_is_read_at_the_size_it_states(kind: type, channels: int):
@@ -163,14 +158,6 @@ def test_a_damaged_picture_is_named_and_the_others_are_read(tmp_path: Path):
     assert number_in(pictures.read(2)) == 3
 
 
-def test_a_picture_that_vanished_is_an_error(tmp_path: Path):
-    paths = [write_picture(tmp_path / f"{number}.png", numbered(number)) for number in (1, 2)]
-    pictures = open_pictures(tmp_path)
-    paths[1].unlink()
-    with pytest.raises(MediaError, match=r"2\.png: cannot be read \(No such file"):
-        pictures.read(1)
-
-
 @pytest.mark.parametrize(
     ("content", "words"),
     [
@@ -192,6 +179,8 @@ def test_an_empty_folder_a_missing_one_and_no_files_are_errors(tmp_path: Path):
         open_pictures(tmp_path)
     with pytest.raises(MediaError, match="x: there is no such file or folder"):
         open_pictures(tmp_path / "x")
+    with pytest.raises(MediaError, match=r"cannot be opened .*too long"):
+        open_pictures(tmp_path / ("a" * 300))
     with pytest.raises(MediaError, match="there are no pictures"):
         open_pictures([])
 
@@ -223,11 +212,6 @@ def test_a_name_longer_than_any_file_has_lies_where_it_would_lie(tmp_path: Path)
     assert not is_below(tmp_path / "a\0b", tmp_path)
 
 
-def test_a_name_longer_than_any_file_has_is_told(tmp_path: Path):
-    with pytest.raises(MediaError, match=r"cannot be opened .*too long"):
-        open_pictures(tmp_path / ("a" * 300))
-
-
 def test_16_pictures_stay_in_memory(tmp_path: Path):
     paths = [write_picture(tmp_path / f"{number}.png", numbered(number)) for number in range(20)]
     pictures = open_pictures(tmp_path)
@@ -236,7 +220,7 @@ def test_16_pictures_stay_in_memory(tmp_path: Path):
     for path in paths:
         path.unlink()
     assert [number_in(pictures.read(index)) for index in range(4, 20)] == list(range(4, 20))
-    with pytest.raises(MediaError, match="cannot be read"):
+    with pytest.raises(MediaError, match=r"3\.png: cannot be read \(No such file"):
         pictures.read(3)
 
 

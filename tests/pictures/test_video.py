@@ -35,7 +35,7 @@ KINDS = {
 @pytest.mark.parametrize("name", KINDS)
 def test_any_picture_is_the_one_asked_for(tmp_path: Path, name: str):
     video = open_pictures(write_numbered_video(tmp_path / name, **KINDS[name]))
-    asked = [*random.Random(3).choices(range(100), k=100), *range(100), *range(99, -1, -1)]
+    asked = [*random.Random(3).choices(range(100), k=40), *range(100), *range(99, -1, -1)]
     wrong = [index for index in asked if number_in(video.read(index)) != index]
     assert (video.n, video.width, video.height, wrong) == (100, WIDTH, HEIGHT, [])
 
@@ -54,7 +54,7 @@ def test_a_video_states_its_frame_rate_and_a_picture_none(tmp_path: Path):
 
 def test_several_threads_read_the_right_pictures(tmp_path: Path):
     video = Video(write_numbered_video(tmp_path / "a.mp4", g="20"))
-    asked = random.Random(1).choices(range(100), k=200)
+    asked = random.Random(1).choices(range(100), k=80)
     with ThreadPoolExecutor(4) as pool:
         found = list(pool.map(lambda index: number_in(video.read(index)), asked))
     assert found == asked
@@ -97,29 +97,21 @@ def cut(path: Path, share: float) -> Path:
     "name", ["long.mp4", "mpeg4.avi", "reordered.avi", "uneven.mkv", "h264.ts", "mpeg2.mpg"]
 )
 def test_what_is_left_of_a_cut_video_is_numbered_rightly(tmp_path: Path, name: str, share: float):
-    options = {**KINDS[name], **({"movflags": "+faststart"} if name.endswith("mp4") else {})}
-    path = tmp_path / name
-    write_video_with_options(path, options)
+    path = write_numbered_video(tmp_path / name, **KINDS[name])
+    if name.endswith("mp4"):
+        remux(path, {"movflags": "+faststart"})
     video = Video(cut(path, share))
     wrong, n_lost = [], 0
     for index in range(video.n):
         try:
-            found = number_in(video.read(index))
+            number = number_in(video.read(index))
         except MediaError:
             n_lost += 1
         else:
-            wrong += [] if found == index else [(index, found)]
+            wrong += [] if number == index else [(index, number)]
     assert not wrong
     assert 5 < video.n < 100
     assert n_lost < video.n / 2
-
-
-def write_video_with_options(path: Path, options: dict) -> None:
-    flags = {key: value for key, value in options.items() if key == "movflags"}
-    rest = {key: value for key, value in options.items() if key != "movflags"}
-    write_numbered_video(path, **rest)
-    if flags:
-        remux(path, flags)
 
 
 def remux(path: Path, options: dict[str, str]) -> None:
@@ -138,7 +130,7 @@ def test_a_cut_video_says_how_many_pictures_can_be_read(tmp_path: Path):
     path = write_numbered_video(tmp_path / "a.mp4", bf="0")
     remux(path, {"movflags": "+faststart"})
     video = Video(cut(path, 0.6))
-    assert video.note == (f"the video is cut off or damaged; {video.n} of 100 pictures can be read")
+    assert video.note == f"the video is cut off or damaged; {video.n} of 100 pictures can be read"
 
 
 def test_a_video_without_its_table_of_contents_is_refused(tmp_path: Path):
@@ -216,7 +208,7 @@ def test_a_real_video_gives_the_same_pictures_in_any_order(
     realdata: Path, name: str, n: int, size: tuple[int, int]
 ):
     video = Video(realdata / name)
-    asked = random.Random(5).sample(range(n), 20)
+    asked = random.Random(5).sample(range(n), 8)
     at_random = {index: video.read(index).copy() for index in asked}
     assert (video.n, (video.width, video.height), video.note) == (n, size, "")
     with av.open(str(realdata / name)) as container:
