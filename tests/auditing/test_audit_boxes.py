@@ -46,7 +46,7 @@ FINDINGS = {
         "truth",
         1,
     ),
-    # peers.md 41: another tool accepted it silently
+    # Another tool accepted it silently
     "a track id twice": (
         {"truth": [*truth_walk(), REGION._replace(ignore=False)]},
         "duplicate-track",

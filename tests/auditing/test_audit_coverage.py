@@ -16,13 +16,13 @@ def long_walk(first: int, stop: int, h: float = 100) -> list[Box]:
 
 
 def test_a_source_without_boxes_is_an_error() -> None:
-    # peers.md 41: another tool gives minus infinity and NaN without truth
+    # Another tool gives minus infinity and NaN without truth
     assert reported(dataset([]), "no-pedestrian") == ("error", "truth", 0)
     assert reported(dataset(y=[]), "no-detections")[:2] == ("error", "y")
 
 
 def test_a_recording_without_pedestrians_is_a_note() -> None:
-    # peers.md 30: its detections are false alarms and count; the audit only mentions it
+    # Its detections are false alarms and count; the audit only mentions it
     made = dataset(walk(track=1), BOTH, BOTH, places=TWO)
     assert reported(made, "recording-without-pedestrians") == ("note", "truth", 1)
     assert find(made, "recording-without-pedestrians").message.endswith(": r1.")
@@ -90,7 +90,7 @@ def test_silence_while_pedestrians_are_far_away_or_of_a_rare_detector_is_no_find
 
 
 def test_all_figures_stand_on_the_same_pedestrians_for_both_systems() -> None:
-    # peers.md 37: another tool counts the ground truth differently per model
+    # Another tool counts the ground truth differently per model
     made = dataset(x=walk(step=3))
     result = compare(made)
     boxes = result.boxes

@@ -10,7 +10,7 @@ from nvcore.findings import Severity
 
 
 def test_rows_without_numbers_or_area_are_an_error() -> None:
-    # peers.md 46: a box of size 0 stopped another tool; here it is left out and reported
+    # A box of size 0 stopped another tool; here it is left out and reported
     made = with_left_out(dataset(), ("x", "r0", 7, "not a number"), ("x", "r0", 9, "not a number"))
     assert reported(made, "not-a-number") == ("error", "x", 2)
     finding = find(made, "not-a-number")
@@ -25,7 +25,7 @@ def test_rows_without_numbers_or_area_are_an_error() -> None:
     ("frame", "advice"), [(60, "--frames"), (-1, "count frames from 0"), (N, "count frames from 1")]
 )
 def test_a_row_outside_the_listed_frames_is_a_warning(frame: int, advice: str) -> None:
-    # peers.md 46: a frame beyond the sequence's length aborted another tool. Frames just before
+    # A frame beyond the sequence's length aborted another tool. Frames just before
     # the first and just after the last hint at the frame base
     made = with_left_out(dataset(), ("x", "r0", frame, "frame not listed"))
     assert reported(made, "frame-not-listed") == ("warning", "x", 1)

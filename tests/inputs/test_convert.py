@@ -113,7 +113,7 @@ def test_frames_without_boxes_come_back_from_coco(tmp_path):
 
 
 def test_coco_annotation_ids_start_at_one(tmp_path):
-    # peers 34: pycocotools takes id 0 for "no match"
+    # Pycocotools takes id 0 for "no match"
     document = json.loads("".join(written(tmp_path / "truth.json", truth(), "coco")))
     assert [row["id"] for row in document["annotations"]] == [1, 2, 3]
 

@@ -26,9 +26,9 @@ def read_golden(name: str, **options: object) -> Reading:
 
 
 def test_truth_is_zero_based_and_visibility_a_level_of_occlusion():
-    # peers.md 42: libraries disagree by one pixel on the same file; 40: the class decides as well
-    # as the flag whether a row is ignored. A car (line 4) is left out; the file's rows count
-    # from 1, and frame 3 has no row but is evaluated all the same
+    # Libraries disagree by one pixel on the same file. The class decides as well as the flag
+    # whether a row is ignored. A car (line 4) is left out, and frame 3 has no row but is evaluated
+    # all the same
     reading = read_golden(TRUTH)
     assert rows(reading.boxes, "frame track line x y w h ignore occlusion") == [
         [1, 1, 1, 0, 0, 10, 20, False, 0],
@@ -71,7 +71,7 @@ def test_mot15_world_coordinates_are_not_classes(tmp_path):
 
 @pytest.mark.parametrize("conf", ["1", "-1", "0.4", ""])
 def test_every_conf_but_0_is_active_in_truth(tmp_path, conf):
-    # peers.md 39: conf -1 filtered the whole truth elsewhere
+    # Conf -1 filtered the whole truth elsewhere
     boxes = read_text(tmp_path, f"1,1,1,1,9,9,{conf},-1,-1,-1\n").boxes
     assert boxes["ignore"].tolist() == [False]
 
@@ -137,7 +137,7 @@ def test_boxes_without_numbers_are_passed_on(tmp_path):
 @pytest.mark.parametrize(
     ("row", "words"),
     [
-        ("1,a,1,1,9,9,1", "expected numbers .*found 'a'"),  # peers.md 41: text ids crashed
+        ("1,a,1,1,9,9,1", "expected numbers .*found 'a'"),  # text ids crashed
         ("1.5,1,1,1,9,9,1", "expected a whole number as frame, found 1.5"),
         ("1,0.5,1,1,9,9,1", "expected a whole number as id"),
         (",1,1,1,9,9,1", "expected a whole number as frame, found nan"),
@@ -152,7 +152,7 @@ def test_a_fault_is_named_by_file_and_line(tmp_path, row, words):
 
 @pytest.mark.parametrize("options", [ReadOptions(), DETECTIONS])
 def test_an_empty_file_is_a_recording_without_boxes(tmp_path, options):
-    # peers.md 36: an empty list of results crashed elsewhere
+    # An empty list of results crashed elsewhere
     reading = read_text(tmp_path, "", options)
     assert len(reading.boxes) == 0
     assert list(reading.boxes.columns) == list(READING_DTYPES)

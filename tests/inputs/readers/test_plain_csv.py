@@ -41,7 +41,6 @@ def test_without_recording_column_the_file_is_the_recording(read_text):
 
 
 def test_a_file_with_a_header_only_is_a_recording_without_boxes(read_text):
-    # peers 36
     reading = read_text("frame,x,y,w,h,score\n", role="detections")
     assert reading.boxes.empty
     assert reading.recordings["name"].tolist() == ["drive"]

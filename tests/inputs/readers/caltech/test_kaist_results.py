@@ -35,7 +35,7 @@ def read_text(folder: Path, text: str, name: str = "MBNet_result.txt", **changes
 
 
 def test_the_image_number_is_the_position_in_the_list_of_the_truth():
-    # peers.md 34: image and annotation ids begin at 0 on KAIST
+    # Image and annotation ids begin at 0 on KAIST
     reading = read_golden("MBNet_result.txt")
     assert rows(reading.boxes, "recording frame line") == [
         ["set06/V000", 19, 1],

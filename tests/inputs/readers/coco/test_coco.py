@@ -41,7 +41,7 @@ def annotation(**fields: object) -> dict[str, object]:
 
 
 def test_kaists_truth_has_recordings_and_frames_in_its_image_names():
-    # peers 34: other tools take id 0 for "no match"; 30: an image without annotations, here frame
+    # Other tools take id 0 for "no match". An image without annotations, here frame
     # 39, is an evaluated frame. A flagged box and a cyclist are ignore regions
     reading = read_golden("kaist.json")
     assert rows(reading.boxes, "recording frame x y w h ignore occlusion") == [
@@ -70,7 +70,7 @@ def test_flirs_truth_has_tracks_and_words_for_occlusion():
 @pytest.mark.parametrize(
     ("fields", "column", "expected"),
     [
-        # peers 35 (cocoapi PR#307): iscrowd 0 overwrote ignore 1
+        # cocoapi PR#307: iscrowd 0 overwrote ignore 1
         (
             [{"ignore": 1, "iscrowd": 0}, {"ignore": 0, "iscrowd": 1}, {"ignore": 0, "iscrowd": 0}],
             "ignore",

@@ -63,7 +63,6 @@ def test_pictures_are_found_among_known_recordings_and_need_a_number(read_result
 
 
 def test_an_empty_list_is_a_system_that_detected_nothing(read_results):
-    # peers 36
     reading = read_results([])
     assert reading.boxes.empty
     assert "nothing was detected" in reading.conversion

@@ -34,9 +34,9 @@ OUTSIDE = 'outside="1"'
 
 
 def test_keyframe_only_tracks_are_interpolated_up_to_the_outside_box() -> None:
-    # peers.md item 17 (keyframes only: cvat#7498, fiftyone PR#1285; frames of a stepped task:
-    # cvat#764) and item 47 (datumaro keeps outside boxes, here of track 0 in frame 35, as
-    # ordinary ones). Track 1 has an ignore attribute, track 2 is a rider, track 3 a car
+    # Other tools stumble over tracks of keyframes only (cvat#7498, fiftyone PR#1285), frames of a
+    # stepped task (cvat#764) and outside boxes, here of track 0 in frame 35 (datumaro keeps them).
+    # Track 1 has an ignore attribute, track 2 is a rider, track 3 a car
     reading = read_golden()
     assert rows(reading.boxes, "track frame line x y w h ignore occlusion") == [
         [0, 10, 32, 100, 50, 20, 40, False, 0],

@@ -17,7 +17,7 @@ ROW = "Pedestrian 0.00 1 -0.20 712.40 143.00 810.73 307.92 1.89 0.48 1.20 1.84 1
 
 def test_labels_become_boxes_and_files_evaluated_frames():
     # a sitting person and DontCare are ignore regions, a cyclist (line 3) is left out.
-    # peers.md 29: frames without boxes were dropped elsewhere
+    # Frames without boxes were dropped elsewhere
     names = ("000007.txt", "000008.txt")
     reading = read(
         [SourceFile(FOLDER / name, f"training/label_2/{name}") for name in names], ReadOptions()

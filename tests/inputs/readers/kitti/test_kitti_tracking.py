@@ -15,7 +15,7 @@ ROW = "0 5 Pedestrian 0 0 1.0 100 150 119 199 1.7 0.6 0.8 -3.0 1.4 14.2 0.8"
 
 
 def test_labels_become_boxes_with_track_distance_and_occlusion():
-    # peers.md 43: a pixel more or less flips matches. DontCare and Person are ignore regions, a
+    # A pixel more or less flips matches. DontCare and Person are ignore regions, a
     # cyclist (line 4) and a car (line 5) are left out; occlusion 3 is unknown
     reading = read(golden("kitti_tracking", "0016.txt"), ReadOptions())
     assert rows(reading.boxes, "line frame track x y w h ignore distance_m occlusion") == [
