@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 
 import numpy as np
@@ -24,88 +23,76 @@ def index_of(frames: list[int], pictures: Pictures, first: int | None = None) ->
     return index.tolist(), note
 
 
-IN_A_NAME = "The number in a picture's name"
-
-
-@pytest.mark.parametrize(
-    ("frames", "first", "expected", "note"),
-    [
-        ([0, 2, 4], None, [0, 2, 4], r"Picture i shows frame i, both counted from 0\.$"),
-        (
-            [-1, 3, 4, 5, 9],
-            None,
-            [-1, 3, 4, -1, -1],
-            r"3 of 5 listed frames have no picture \(5 pictures in a\.mp4\)\.$",
-        ),
-        ([1, 2, 5], None, [0, 1, 4], r"the frames count from 1\.$"),
-        (
-            [2330, 2332, 2340],
-            2330,
-            [0, 2, -1],
-            r"^The first picture shows frame 2330, as given\. 1 of 3 listed",
-        ),
-    ],
-)
-def test_pictures_of_a_video_are_counted(
-    tmp_path: Path, frames: list[int], first: int | None, expected: list[int], note: str
-):
+def test_picture_i_of_a_video_shows_frame_i(tmp_path: Path):
     video = open_pictures(write_numbered_video(tmp_path / "a.mp4", n=5))
-    index, text = index_of(frames, video, first)
-    assert index == expected
-    assert re.search(note, text)
+    index, note = index_of([0, 2, 4], video)
+    assert (index, note) == ([0, 2, 4], "Picture i shows frame i, both counted from 0.")
 
 
-@pytest.mark.parametrize(
-    ("names", "frames", "first", "expected", "note"),
-    [
-        (["I00019", "I00039", "I00059"], [19, 59], None, [0, 2], f"{IN_A_NAME} is the frame."),
-        (
-            ["000001", "000002", "000003"],
-            [0, 1, 2],
-            None,
-            [0, 1, 2],
-            f"{IN_A_NAME}, less one, is the frame (names that count from 1).",
-        ),
-        (["1", "2", "3", "4"], [1, 2, 3], None, [0, 1, 2], "less one would do as well"),
-        (
-            ["10", "12", "13"],
-            [10, 11, 12, 13],
-            None,
-            [0, -1, 1, 2],
-            "1 of 4 listed frames have no picture (3 pictures",
-        ),
-        (["000001", "000002"], [0, 1], 1, [-1, 0], "as given"),
-        (["1"], [], None, [], ""),
-    ],
-    ids=[
-        "the frame",
-        "counted from 1",
-        "both would fit",
-        "files are missing",
-        "the first as given",
-        "no frames",
-    ],
-)
-def test_numbers_in_names_are_frames_where_all_frames_are_among_them(
-    tmp_path: Path,
-    names: list[str],
-    frames: list[int],
-    first: int | None,
-    expected: list[int],
-    note: str,
-):
-    index, text = index_of(frames, folder_of(tmp_path, names), first)
-    assert index == expected
-    assert note in text
+def test_frames_beyond_the_end_of_a_video_have_no_picture_and_are_counted(tmp_path: Path):
+    video = open_pictures(write_numbered_video(tmp_path / "a.mp4", n=5))
+    index, note = index_of([-1, 3, 4, 5, 9], video)
+    assert index == [-1, 3, 4, -1, -1]
+    assert note.endswith("3 of 5 listed frames have no picture (5 pictures in a.mp4).")
+
+
+def test_frames_from_one_to_the_number_of_pictures_count_from_one(tmp_path: Path):
+    video = open_pictures(write_numbered_video(tmp_path / "a.mp4", n=5))
+    index, note = index_of([1, 2, 5], video)
+    assert index == [0, 1, 4]
+    assert note.endswith("the frames count from 1.")
+
+
+def test_the_frame_of_the_first_picture_goes_before_every_rule(tmp_path: Path):
+    video = open_pictures(write_numbered_video(tmp_path / "a.mp4", n=5))
+    index, note = index_of([2330, 2332, 2340], video, 2330)
+    assert index == [0, 2, -1]
+    assert note.startswith("The first picture shows frame 2330, as given. 1 of 3 listed")
+    pictures = folder_of(tmp_path / "b", ["000001", "000002"])
+    assert index_of([0, 1], pictures, 1)[0] == [-1, 0]
+
+
+def test_numbers_in_names_are_frames_where_all_frames_are_among_them(tmp_path: Path):
+    pictures = folder_of(tmp_path, ["I00019", "I00039", "I00059"])
+    index, note = index_of([19, 59], pictures)
+    assert (index, note) == ([0, 2], "The number in a picture's name is the frame.")
+
+
+def test_names_that_count_from_one_are_noticed(tmp_path: Path):
+    pictures = folder_of(tmp_path, ["000001", "000002", "000003"])
+    index, note = index_of([0, 1, 2], pictures)
+    assert index == [0, 1, 2]
+    assert note == (
+        "The number in a picture's name, less one, is the frame (names that count from 1)."
+    )
+
+
+def test_where_both_ways_of_counting_fit_the_note_says_so(tmp_path: Path):
+    pictures = folder_of(tmp_path, ["1", "2", "3", "4"])
+    index, note = index_of([1, 2, 3], pictures)
+    assert index == [0, 1, 2]
+    assert "less one would do as well" in note
+
+
+def test_missing_picture_files_leave_frames_without_pictures(tmp_path: Path):
+    pictures = folder_of(tmp_path, ["10", "12", "13"])
+    index, note = index_of([10, 11, 12, 13], pictures)
+    assert index == [0, -1, 1, 2]
+    assert "1 of 4 listed frames have no picture (3 pictures" in note
 
 
 @pytest.mark.parametrize("names", [["501", "502", "503"], ["a", "b", "c"]])
 def test_names_that_do_not_fit_give_way_to_the_order(tmp_path: Path, names: list[str]):
     pictures = folder_of(tmp_path, names)
-    note = "The pictures in their order show the listed frames."
-    assert index_of([0, 20, 40], pictures) == ([0, 1, 2], note)
+    assert index_of([0, 20, 40], pictures) == (
+        [0, 1, 2], "The pictures in their order show the listed frames.",
+    )  # fmt: skip
     index, note = index_of([0, 2], pictures)
     assert (index, note) == ([0, 2], "The pictures in their order show frame 0, 1, 2 and so on.")
+
+
+def test_a_recording_without_frames_has_no_pictures(tmp_path: Path):
+    assert index_of([], folder_of(tmp_path, ["1"]))[0] == []
 
 
 def test_what_is_wrong_with_a_video_is_in_the_note(tmp_path: Path):
