@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
+from inputs import nvcore
 from places import ROOT
 
 BLOCK = re.compile(r"```python\n(.*?)```(?:\n\n```text\n(.*?)```)?", re.DOTALL)
@@ -32,3 +33,11 @@ def test_the_python_examples_run_one_after_the_other(
         if shown:
             assert printed == shown, code
     assert (project / "report" / "summary.json").is_file()
+
+
+def test_the_scorecard_in_the_readme_is_that_of_the_sample_recordings():
+    shown = re.search(r"```text\n(X = .*?)\n```", (ROOT / "README.md").read_text(), re.DOTALL)
+    assert shown is not None
+    printed = nvcore("compare", ROOT / "sample_data" / "session.toml")
+    assert printed.exit_code == 0
+    assert shown[1] in printed.stdout

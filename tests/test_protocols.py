@@ -46,40 +46,29 @@ def drives() -> Dataset:
     )  # fmt: skip
 
 
-def test_heights_at_the_limits_count():
-    protocol = Protocol("p", height_px=(50, 80))
-    boxes = [person(h) for h in (49.9, 50, 80, 80.1)]
-    assert counted(protocol, *boxes) == [False, True, True, False]
+KAIST = PROTOCOLS["kaist-reasonable"]  # boxes of 25 x 60 px within x 5 to 635, y 5 to 507
 
 
-def test_every_level_of_occlusion_is_an_option_and_unknown_counts_as_none():
-    boxes = [person(occlusion=level) for level in (-1, 0, 1, 2)]
-    assert counted(Protocol("p", occlusion=(0, 1)), *boxes) == [True, True, True, False]
-    assert counted(Protocol("p", occlusion=(1, 2)), *boxes) == [False, False, True, True]
-    assert filter_truth(make_dataset(boxes), Protocol("p")).n_unknown_occlusion == 1
-
-
-def test_kaist_s_border_is_x_5_to_635_and_y_5_to_507():
-    inside = person(x=5, y=5), person(x=610, y=447)
-    outside = (person(x=4.9), person(y=4.9), person(x=610.1), person(y=447.1))
-    assert counted(PROTOCOLS["kaist-reasonable"], *inside) == [True, True]
-    assert counted(PROTOCOLS["kaist-reasonable"], *outside) == [False] * 4
+@pytest.mark.parametrize(
+    ("protocol", "side", "yes", "no"),
+    [
+        (Protocol("p", height_px=(50, 80)), "h", [50, 80], [49.9, 80.1]),
+        (Protocol("p", occlusion=(0, 1)), "occlusion", [-1, 0, 1], [2]),  # unknown: none
+        (Protocol("p", occlusion=(1, 2)), "occlusion", [1, 2], [-1, 0]),
+        (KAIST, "x", [5, 610], [4.9, 610.1]),
+        (KAIST, "y", [5, 447], [4.9, 447.1]),
+        (PROTOCOLS["all"], "x", [-10], []),
+        (Protocol("p", aspect=(2.0, 3.0)), "h", [50, 75], [76, 49]),
+    ],
+)
+def test_boxes_at_the_limits_of_a_filter_count(protocol, side, yes, no):
+    boxes = [person(**{"h": 60, side: value}) for value in (*yes, *no)]
+    assert counted(protocol, *boxes) == [True] * len(yes) + [False] * len(no)
 
 
 def test_the_border_moves_with_the_size_of_the_picture():
     assert counted(Protocol("p", border_px=(0, 0, 10, 0)), person(), width=134.0) == [False]
     assert counted(Protocol("p", border_px=(0, 0, 10, 0)), person(), width=135.0) == [True]
-
-
-def test_aspect_is_height_by_width_as_everywhere_else():
-    protocol = Protocol("p", aspect=(2.0, 3.0))
-    assert counted(protocol, person(50), person(75), person(76), person(49)) == [
-        True, True, False, False,
-    ]  # fmt: skip
-
-
-def test_no_border_rule_keeps_boxes_that_leave_the_picture():
-    assert counted(PROTOCOLS["all"], person(x=-10)) == [True]
 
 
 def test_left_out_boxes_stay_as_ignored_ones_and_keep_their_rows():

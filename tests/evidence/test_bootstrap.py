@@ -78,39 +78,30 @@ def test_a_measure_of_a_whole_curve_can_be_resampled() -> None:
     assert 0 < found.low < expected < found.high
 
 
-@pytest.mark.parametrize("n", [0, 1, MIN_UNITS - 1])
-def test_too_few_units_have_words_instead_of_an_interval(n: int) -> None:
-    x, y = draw(6, n)
+SHARED, _ = draw(7, 12)
+ONLY_ONE = np.zeros((10, 2))  # of ten units has anything to count
+ONLY_ONE[0] = 1, 4
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "difference", "reason"),
+    [
+        (*draw(6, 0), np.nan, "undefined"),
+        (*draw(6, 1), 0.1066, "too few to resample: 1, at least 8"),
+        (*draw(6, MIN_UNITS - 1), 0.0107, "too few to resample: 7, at least 8 are needed"),
+        (SHARED, SHARED.copy(), 0, "X and Y are the same in every unit"),
+        (SHARED, rates(SHARED[:, 0] - 0.1), 0.1, "differ by the same in every unit"),
+        (3 * ONLY_ONE / [1, 3], ONLY_ONE, 0.5, "undefined in some resamples"),
+    ],
+)
+def test_without_an_interval_there_are_words(
+    x: np.ndarray, y: np.ndarray, difference: float, reason: str
+) -> None:
     found = bootstrap_difference(x, y)
+    assert found.difference == pytest.approx(difference, nan_ok=True, abs=1e-4)
     assert np.isnan([found.low, found.high]).all()
-    expected = "undefined" if n == 0 else f"too few to resample: {n}, at least 8 are needed"
-    assert expected in found.reason
+    assert reason in found.reason
     assert found.method == ""
-
-
-def test_equal_systems_have_words_instead_of_an_interval() -> None:
-    x, _ = draw(7, 12)
-    found = bootstrap_difference(x, x.copy())
-    assert found.difference == 0
-    assert np.isnan(found.low)
-    assert found.reason == "X and Y are the same in every unit"
-
-
-def test_the_same_difference_in_every_unit_is_no_interval_of_width_0() -> None:
-    x, _ = draw(8, 12)
-    found = bootstrap_difference(x, rates(x[:, 0] - 0.1))
-    assert np.isnan(found.low)
-    assert "differ by the same in every unit" in found.reason
-
-
-def test_a_measure_that_some_resamples_do_not_have_is_not_given() -> None:
-    # only one unit of ten has anything to count
-    x, y = np.zeros((10, 2)), np.zeros((10, 2))
-    x[0], y[0] = (3, 4), (1, 4)
-    found = bootstrap_difference(x, y)
-    assert found.difference == 0.5
-    assert np.isnan(found.low)
-    assert "undefined in some resamples" in found.reason
 
 
 def test_what_bca_cannot_correct_has_the_plain_interval_and_says_so() -> None:

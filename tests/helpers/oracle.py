@@ -143,6 +143,7 @@ class Trace:
     d_false: list[float] = field(default_factory=list)
     similarity: list[float] = field(default_factory=list)
     salient: list[int] = field(default_factory=list)  # track, or -1
+    worst_alarm: list[Box | None] = field(default_factory=list)  # at which D(S, G) stands
     n_det: list[int] = field(default_factory=list)
     matched: list[int] = field(default_factory=list)
     false_alarms: list[list[Box]] = field(default_factory=list)
@@ -161,10 +162,11 @@ def score(
         pairs, alarms = match(in_truth, detections, place, params, threshold)
         S = [detections[d] for d in sorted([*pairs, *alarms])]
         d_miss, at = maximin(G, S, place, params)
-        d_false, _ = maximin(S, G, place, params)
+        d_false, worst_alarm = maximin(S, G, place, params)
         effect = params.alpha * d_miss + (1 - params.alpha) * d_false
         trace.d_miss.append(d_miss)
         trace.d_false.append(d_false)
+        trace.worst_alarm.append(worst_alarm)
         trace.similarity.append(1 - effect / (place.width / 2))
         qualifies = at is not None and d_miss > params.tolerance * place.width / 2
         trace.salient.append(at.track if at is not None and qualifies else -1)

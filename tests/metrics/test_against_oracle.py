@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from scenes import Scene, draw_scene
 
 from nvcore.comparison import Result, SystemResult, compare
+from nvcore.metrics.similarity import salient_detection
 from nvcore.params import Params
 
 PARAMS = st.builds(
@@ -60,6 +61,20 @@ def each_system(
     ]
 
 
+def worst_alarms(
+    result: Result, system: SystemResult, rows: slice
+) -> list[tuple[float, ...] | None]:
+    """x, y, w, h of the detection at which D(S, G) stands, of every frame."""
+    boxes, found = result.dataset.system(system.name), []
+    for row in range(rows.start, rows.stop):
+        at = salient_detection(
+            boxes, system.weights.k, system.matches.is_counted, system.nearest,
+            result.dataset.frame_columns, row, edge_weight=result.params.edge_weight,
+        )  # fmt: skip
+        found.append(None if at < 0 else (boxes.x[at], boxes.y[at], boxes.w[at], boxes.h[at]))
+    return found
+
+
 def rows_of(result: Result, recording: int) -> slice:
     first = result.dataset.frame_columns.first
     return slice(int(first[recording]), int(first[recording + 1]))
@@ -79,6 +94,9 @@ def test_distances_similarity_and_counts_of_every_frame_agree(scene: Scene, para
             assert system.matched[rows].tolist() == trace.matched
             alarms = [len(boxes) for boxes in trace.false_alarms]
             assert system.false_alarms[rows].tolist() == alarms
+            assert worst_alarms(result, system, rows) == [
+                box and box[1:5] for box in trace.worst_alarm
+            ]
 
 
 @thoroughly

@@ -9,7 +9,6 @@ from scenes import Scene, draw_scene
 from nvcore.comparison import Result, SystemResult, compare
 from nvcore.dataset import Dataset
 from nvcore.metrics.fusion import fuse
-from nvcore.params import Params
 
 
 def fused(dataset: Dataset, *, iou: float = 0.5) -> Dataset:
@@ -81,20 +80,6 @@ def test_x_or_x_and_x_and_x_are_x(seed: int) -> None:
     result = compare(without_scores(seed).dataset(), x="x", y="x")
     assert_same(result.fusion.x, result.x)
     assert_same(result.fusion.y, result.x)
-
-
-@few
-@given(SEEDS, st.sampled_from([None, 0.4]))
-def test_x_or_y_and_x_and_y_hold_together_what_x_and_y_hold(
-    seed: int, threshold: float | None
-) -> None:
-    result = compare(
-        draw_scene(seed).dataset(), Params(threshold_x=threshold, threshold_y=threshold)
-    )
-    kept = [int((one.matches.state > 0).sum()) for one in (result.x, result.y)]
-    either, both = (len(result.fusion.dataset.system(n)) for n in result.fusion.dataset.systems)
-    assert either + both == sum(kept)
-    assert both <= min(kept)
 
 
 def test_empty_systems_fuse_to_empty_ones() -> None:

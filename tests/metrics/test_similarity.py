@@ -3,18 +3,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from builders import at, make_dataset, result_of
-from scenes import draw_scene
 
-from nvcore.comparison import Result, SystemResult, compare
+from nvcore.comparison import SystemResult
 from nvcore.errors import ParameterError
 from nvcore.metrics.similarity import (
     find_low_intervals,
     runs_of,
-    salient_detection,
     smooth,
     summarise_similarity,
 )
-from nvcore.params import Params
 
 
 def score_sets(
@@ -60,44 +57,6 @@ def test_a_box_half_out_of_the_picture_stands_at_its_edge() -> None:
     x = score_sets([-7], [4])
     assert x.distances.d_false[0] == 4
     assert x.distances.d_miss[0] == 0
-
-
-def salient_of_x(result: Result, row: int) -> int:
-    return salient_detection(
-        result.dataset.system("x"), result.x.weights.k, result.x.matches.is_counted,
-        result.x.nearest, result.dataset.frame_columns, row,
-        edge_weight=result.params.edge_weight,
-    )  # fmt: skip
-
-
-@pytest.mark.parametrize("number", [40, 42, 44])
-@pytest.mark.parametrize("edge_weight", [0.0, 0.4])
-def test_the_salient_detection_is_the_one_at_which_the_distance_stands(
-    number: int, edge_weight: float
-) -> None:
-    result = compare(draw_scene(number).dataset(), Params(edge_weight=edge_weight))
-    boxes, frames = result.dataset.system("x"), result.dataset.frame_columns
-    for row in range(len(frames)):
-        at = salient_of_x(result, row)
-        width = frames.width[frames.recording[row]]
-        here = slice(boxes.offsets[row], boxes.offsets[row + 1])
-        if at < 0:
-            assert not result.x.matches.is_counted[here].any()
-            continue
-        centre = np.clip(boxes.x[at] + boxes.w[at] / 2, 0, width)
-        border = edge_weight * width / 2 + (1 - edge_weight) * min(centre, width - centre)
-        reach = min(border, result.x.nearest.detections[at])
-        assert here.start <= at < here.stop
-        assert result.x.weights.k[at] * reach == pytest.approx(result.x.distances.d_false[row])
-    assert result.x.matches.is_counted.any()
-
-
-def test_a_detection_beyond_the_edge_can_be_the_salient_one() -> None:
-    # half rural: 25 px at the edge, against 20 px from the pedestrian
-    data = make_dataset([at(0, 60, track=1)], [at(0, 40), at(0, 120)])
-    result = result_of(data, edge_weight=0.5)
-    assert result.dataset.system("x").x[salient_of_x(result, 0)] == 119
-    assert result.x.distances.d_false[0] == 25
 
 
 def test_proximity_by_horizon_without_a_horizon_says_what_to_give() -> None:

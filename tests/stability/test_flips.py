@@ -67,20 +67,6 @@ def maps(draw: st.DrawFn) -> StabilityMap:
 
 @few
 @given(maps())
-def test_no_turn_along_an_axis_is_nearer_than_the_nearest(found: StabilityMap) -> None:
-    other = {"x": ["y"], "y": ["x"], "even": ["x", "y"], "undefined": []}[found.verdict]
-    for interval in found.intervals:
-        axis = found.axes[interval.axis]
-        ends = ((interval.flips_below, interval.below), (interval.flips_above, interval.above))
-        for turn, winner in ends:
-            if winner not in other:
-                continue
-            assert found.overturn is not None
-            assert found.overturn.distance <= axis.distance(np.array(turn)) + 1e-8
-
-
-@few
-@given(maps())
 def test_no_cell_that_overturns_is_nearer_than_the_nearest(found: StabilityMap) -> None:
     other = {"x": ["y"], "y": ["x"], "even": ["x", "y"], "undefined": []}[found.verdict]
     cells = np.argwhere(np.isin(found.winner.astype(str), other))

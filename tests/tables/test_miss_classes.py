@@ -54,22 +54,14 @@ def test_distant_encounters_have_no_miss_class():
     assert table.to_numpy().sum() == 1
 
 
-def test_a_fusion_stands_beside_both_systems(result: Result):
+def test_a_fusion_stands_beside_both_systems_with_its_gain_and_its_cost(result: Result):
     table = fusion_table(result).set_index("system")
     assert tuple(table.index) == FUSION_SYSTEMS
     assert table["name"].tolist() == ["x", "y", "x or y", "x and y"]
     assert table["encounters_detected"].tolist() == [2, 1, 2, 1]
     assert table["encounters"].tolist() == [3, 3, 3, 3]
-
-
-def test_what_a_fusion_gains_is_against_each_system_alone(result: Result):
-    table = fusion_table(result)
     assert table["gain_on_x"].tolist() == [0, -1, 0, -1]
     assert table["gain_on_y"].tolist() == [1, 0, 1, 0]
-
-
-def test_what_a_fusion_costs_is_in_false_alert_episodes(result: Result):
-    table = fusion_table(result)
     assert table["false_alert_episodes"].tolist() == [0, 1, 1, 0]
     assert table["more_episodes_than_x"].tolist() == [0, 1, 1, 0]
     assert table["more_episodes_than_y"].tolist() == [-1, 0, 0, -1]

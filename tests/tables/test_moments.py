@@ -57,6 +57,8 @@ def test_the_reason_names_the_pedestrian_and_who_finds_it(y_blind: Result):
 
 PERSON = middle(range(4), track=1)
 IN_TURN = [*middle(range(3), track=1), *[at(f, 20, track=2) for f in range(3, 6)]]
+APPROACH = [at(f, 50, track=1, h=50 if f >= 4 else 1) for f in range(8)]
+ASIDE = [at(0, 50, track=2), *[at(f, 40, track=1) for f in range(1, 6)]]
 TWICE = [at(0, 50, track=1), at(0, 20, track=1), at(1, 50, track=1)]
 WIDE, BESIDE = [at(0, 50, w=40, track=1)], [at(0, 60, w=40)]  # IoU 0.6, 10 px apart
 
@@ -72,6 +74,14 @@ WIDE, BESIDE = [at(0, 50, w=40, track=1)], [at(0, 60, w=40)]  # IoU 0.6, 10 px a
         (([], [at(0, 50), at(0, 40), at(1, 40)]), {"alpha": 0.5}, "for 0.20 s (up to 2 at once)."),
         ((WIDE, BESIDE), {}, "X's nearest detection is up to 10 px from pedestrian 1 (up to 50 px"),
         ((WIDE, BESIDE), {"alpha": 0.1}, "X has detections up to 10 px from the nearest pedes"),
+        # a far one before frame 4: told for the interval, not for the time before
+        (
+            (APPROACH,),
+            {"proximity": "height"},
+            "X misses pedestrian 1 (up to 50 px tall) for 0.4",
+        ),
+        # track 2 in the middle for 1 frame, track 1 a little aside for 5: most of the interval
+        ((ASIDE,), {}, "X misses pedestrian 1"),
     ],
 )
 def test_the_reason_of_a_moment_of_x(boxes: tuple[list[Box], ...], params: dict, reason: str):
@@ -90,22 +100,6 @@ def test_of_two_that_miss_somebody_the_better_one_is_nearer_to_them():
     )
     (low, *_) = of_kind(result_of(make_dataset(truth, x, y)), "y").to_dict("records")
     assert low["reason"].endswith("X misses it, too.")
-
-
-def test_a_miss_is_told_for_the_interval_not_for_the_time_before():
-    # missed from the first frame on, with the weight of a far one before frame 4
-    truth = [at(f, 50, track=1, h=50 if f >= 4 else 1) for f in range(8)]
-    result = result_of(make_dataset(truth), proximity="height")
-    (row,) = of_kind(result, "x").to_dict("records")
-    assert row["first_frame"] == 4
-    assert "for 0.40 s;" in row["reason"]
-
-
-def test_the_reason_is_the_one_of_most_of_the_interval_not_of_its_worst_frame():
-    # track 2 in the middle for 1 frame, track 1 a little aside for 5
-    truth = [at(0, 50, track=2), *[at(f, 40, track=1) for f in range(1, 6)]]
-    (row,) = of_kind(result_of(make_dataset(truth)), "x").to_dict("records")
-    assert (row["row"], row["track"]) == (0, 1)
 
 
 def test_the_reason_of_a_difference_is_what_makes_the_difference():

@@ -189,8 +189,8 @@ def test_many_clips_counted_by_sorting_have_the_same_intervals(monkeypatch):
     from nvcore.studies.ratings import validation as module
 
     rng = np.random.default_rng(9)
-    one = np.round(rng.normal(size=30), 1)
-    other = np.round(one + rng.normal(size=30), 1)
+    one = np.round(rng.normal(size=20), 1)
+    other = np.round(one + rng.normal(size=20), 1)
     by_pairs = correlate(one, other)
     monkeypatch.setattr(module, "MOST_IN_PAIRS", 10)
     by_sorting = correlate(one, other)
