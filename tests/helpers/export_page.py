@@ -40,7 +40,11 @@ def opened_drive(folder: Path, *systems: tuple[str, str]) -> AppTest:
 
 
 def downloads(page: AppTest) -> list[str]:
-    return [one.proto.label for one in page.get("download_button")]
+    return [button.proto.label for button in page.get("download_button")]
+
+
+def press(page: AppTest, key: str) -> AppTest:
+    return checked(page.button(key=key).click().run())
 
 
 def job_of(page: AppTest, kind: str):

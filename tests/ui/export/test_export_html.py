@@ -5,11 +5,13 @@ from __future__ import annotations
 from concurrent.futures import CancelledError
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
-from export_page import downloads, job_of, opened_drive
+from export_page import downloads, job_of, opened_drive, press
 from streamlit.testing.v1 import AppTest
 
+from nvcore.errors import InputError
 from nvcore.protocols import PROTOCOLS
 from pages import checked
 from ui.export.html import JOB, NAME
@@ -23,12 +25,16 @@ def page(tmp_path: Path) -> AppTest:
 
 def made(page: AppTest) -> AppTest:
     """The page once the report is finished."""
-    checked(page.button(key="make_html").click().run())
+    press(page, "make_html")
     job_of(page, JOB).join()
     return checked(page.run())
 
 
-def test_the_button_makes_the_report_and_offers_it(page):
+def is_of_other_settings(page: AppTest) -> bool:
+    return any("made with other settings" in text.value for text in page.warning)
+
+
+def test_the_report_is_made_and_offered_and_names_no_folder_of_the_machine(page, tmp_path):
     assert NAME not in downloads(page)
     made(page)
     assert job_of(page, JOB).state is JobState.DONE
@@ -36,63 +42,60 @@ def test_the_button_makes_the_report_and_offers_it(page):
     content = job_of(page, JOB).path.read_text(encoding="utf-8")
     assert "fir (X) and nir (Y) compared" in content
     assert "<td>only X</td><td" in content
-
-
-def test_the_report_names_no_folder_of_the_machine(page, tmp_path):
-    content = job_of(made(page), JOB).path.read_text(encoding="utf-8")
     assert str(tmp_path) not in content
     assert f"{tmp_path.name}/" not in content
     assert "truth.csv</td>" in content
 
 
-def test_a_report_made_with_other_settings_says_so(page):
-    made(page)
-    shown = [one.value for one in page.warning]
-    assert not any("other settings" in one for one in shown)
+@pytest.fixture
+def written(monkeypatch: pytest.MonkeyPatch) -> list[dict[str, Any]]:
+    """Protocol and stability of each report, of which only the files are made."""
+    reports: list[dict[str, Any]] = []
+
+    def write(_result, session, _findings, path: Path, *, stability, **_: object) -> None:
+        path.write_text("report")
+        reports.append({"protocol": session.protocol.name, "stability": stability})
+
+    monkeypatch.setattr("ui.export.html.write_html_report", write)
+    return reports
+
+
+def test_a_report_made_with_other_settings_says_so_and_goes_when_there_is_a_new_one(page, written):
+    assert not is_of_other_settings(made(page))
+    before = job_of(page, JOB).path
     space = page.session_state["workspace"]
     session = replace(space.opened.session, protocol=PROTOCOLS["reasonable"])
     space.opened = replace(space.opened, session=session)
-    checked(page.run())
-    assert any("made with other settings" in one.value for one in page.warning)
-    content = job_of(made(page), JOB).path.read_text(encoding="utf-8")
-    assert "Protocol reasonable:" in content
-    assert not any("other settings" in one.value for one in page.warning)
-
-
-def test_a_new_report_takes_the_place_of_the_one_before(page):
-    before = job_of(made(page), JOB).path
-    after = job_of(made(page), JOB).path
-    assert after.exists()
+    assert is_of_other_settings(checked(page.run()))
+    assert not is_of_other_settings(made(page))
+    assert [report["protocol"] for report in written] == ["all", "reasonable"]
+    assert job_of(page, JOB).path.exists()
     assert not before.exists()
 
 
-def test_a_failure_is_told(page, monkeypatch):
-    def fail(*_arguments: object, **_options: object) -> None:
-        from nvcore.errors import InputError
-
-        raise InputError("no room on the disk")
-
-    monkeypatch.setattr("ui.export.html.write_html_report", fail)
-    made(page)
-    assert [one.value for one in page.error] == ["no room on the disk"]
-    assert NAME not in downloads(page)
-
-
-def test_a_cancelled_report_leaves_nothing(page, monkeypatch):
-    def stop(*_arguments: object, **_options: object) -> None:
-        raise CancelledError
-
-    monkeypatch.setattr("ui.export.html.write_html_report", stop)
-    made(page)
-    assert [one.value for one in page.info] == ["Cancelled. No report was made."]
-    assert not job_of(page, JOB).path.exists()
-
-
-def test_with_many_frames_the_stability_map_is_made_when_asked_for(page, monkeypatch):
-    assert not [one for one in page.toggle if one.key == "html_stability"]
+def test_with_many_frames_the_stability_map_is_made_when_asked_for(page, written, monkeypatch):
+    assert not [toggle for toggle in page.toggle if toggle.key == "html_stability"]
     monkeypatch.setattr("ui.export.html.AT_ONCE", 10)
     checked(page.run())
     assert page.toggle(key="html_stability").value is False
-    assert "Not computed for these 40 frames" in job_of(made(page), JOB).path.read_text("utf-8")
-    checked(page.toggle(key="html_stability").set_value(True).run())
-    assert "Not computed" not in job_of(made(page), JOB).path.read_text("utf-8")
+    made(page)
+    made(checked(page.toggle(key="html_stability").set_value(True).run()))
+    assert [report["stability"] for report in written] == [False, True]
+
+
+@pytest.mark.parametrize(
+    ("error", "message"),
+    [
+        (InputError("no room on the disk"), "no room on the disk"),
+        (CancelledError(), "Cancelled. No report was made."),
+    ],
+)
+def test_a_report_that_fails_or_is_cancelled_is_told(page, monkeypatch, error, message):
+    def fail(*_arguments: object, **_options: object) -> None:
+        raise error
+
+    monkeypatch.setattr("ui.export.html.write_html_report", fail)
+    made(page)
+    assert [text.value for text in (*page.error, *page.info)] == [message]
+    assert NAME not in downloads(page)
+    assert not job_of(page, JOB).path.exists()

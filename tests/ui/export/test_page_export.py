@@ -10,7 +10,7 @@ from pathlib import Path
 import av
 import numpy as np
 import pytest
-from export_page import downloads, job_of, opened, opened_drive, opened_folder
+from export_page import downloads, job_of, opened, opened_drive, opened_folder, press
 from inputs import drive
 from places import ROOT
 from streamlit.testing.v1 import AppTest
@@ -20,43 +20,26 @@ from nvcore.errors import MediaError
 from nvcore.overlay.annotate import annotate
 from nvcore.overlay.draw import Canvas
 from nvcore.progress import Progress
-from pages import TIMEOUT_S, checked
+from pages import TIMEOUT_S, checked, texts
 from ui.export.frame import file_stem, nearest_row
 from ui.export.link import link
 from ui.export.video import JOB, LONGEST_S, Interval, chosen_interval, start_job, why_not
 from ui.jobs.background import FileJob, JobState, new_path, while_open
 
 
-def texts(page: AppTest) -> str:
-    kinds = (page.markdown, page.caption, page.error, page.warning, page.info, page.header)
-    return "\n".join(one.value for kind in kinds for one in kind).replace("\\", "")
-
-
-def the_link(page: AppTest) -> str:
-    return page.code[0].value
-
-
-def test_every_file_of_the_report_can_be_downloaded():
-    assert downloads(opened()) == [
-        "All files (ZIP)", "frames.csv", "encounters.csv", "events.csv", "intervals.csv",
-        "recordings.csv", "significance.csv", "subgroups.csv", "findings.csv", "summary.json",
-        "session.toml", "Picture (PNG)",
-    ]  # fmt: skip
-
-
-def test_files_say_how_many_rows_they_have():
-    assert "3,000 evaluated frames" in texts(opened())
-
-
-def test_columns_of_x_and_y_share_a_row():
+def test_the_reports_files_are_told_and_can_be_downloaded():
     page = opened()
+    assert downloads(page) == [
+        "All files (ZIP)",
+        *("frames.csv", "encounters.csv", "events.csv", "intervals.csv", "recordings.csv"),
+        *("significance.csv", "subgroups.csv", "findings.csv", "summary.json", "session.toml"),
+        "Picture (PNG)",
+    ]
+    assert "3,000 evaluated frames" in texts(page)
+    assert "beside its inputs: truth.csv, fir.csv, nir.csv." in texts(page)  # without folders
     assert "`similarity_x`, `similarity_y` | 0 to 1" in texts(page)
     checked(page.button_group(key="export_columns").set_value("encounters.csv").run())
     assert "`miss_class_x`, `miss_class_y`" in texts(page)
-
-
-def test_the_page_names_the_inputs_without_their_folders():
-    assert "beside its inputs: truth.csv, fir.csv, nir.csv." in texts(opened())
 
 
 def test_with_one_system_the_page_says_what_to_do(tmp_path: Path):
@@ -75,10 +58,14 @@ def test_errors_of_the_audit_are_in_the_findings(tmp_path: Path):
     assert str(tmp_path) not in texts(page)
 
 
-def test_without_pictures_boxes_are_drawn_on_a_blank(tmp_path: Path):
+def test_without_pictures_boxes_are_drawn_on_a_blank_and_a_link_says_what_it_cannot_do(
+    tmp_path: Path,
+):
     page = opened_drive(tmp_path)
     assert "no pictures" in texts(page)
     assert "Picture (PNG)" in downloads(page)
+    assert "belong to this browser tab alone" in texts(page)
+    assert str(tmp_path) not in page.code[0].value
 
 
 def test_hostile_names_are_shown_as_text(tmp_path: Path):
@@ -86,8 +73,8 @@ def test_hostile_names_are_shown_as_text(tmp_path: Path):
     for name in ("truth", "fir", "nir"):
         path = tmp_path / f"{name}.csv"
         path.write_text(path.read_text().replace("urban", "<b>[x](http://y)"))
-    page = opened_folder(tmp_path, ("f", "fir.csv"), ("n", "nir.csv"))
-    shown = "\n".join(one.value for one in (*page.caption, *page.markdown))
+    page = opened_folder(tmp_path)
+    shown = "\n".join(text.value for text in (*page.caption, *page.markdown))
     assert "<b>" not in shown.replace("\\<b\\>", "")
 
 
@@ -109,6 +96,12 @@ def test_the_picture_of_a_frame_is_that_of_the_timeline(
     assert shown == [120, 113]
 
 
+def video_of(page: AppTest, recording: int, interval: Interval, path: Path) -> FileJob:
+    space = page.session_state["workspace"]
+    options = {"stretch": (0.0, 100.0), "labels": False}
+    return start_job(space, space.result, recording, interval, path, path.name, **options)
+
+
 def test_a_video_has_the_pictures_of_the_timeline(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     page = opened()
     space = page.session_state["workspace"]
@@ -118,42 +111,25 @@ def test_a_video_has_the_pictures_of_the_timeline(tmp_path: Path, monkeypatch: p
         given.append(indices)
 
     monkeypatch.setattr("ui.export.video.write_video", written)
-    start_job(
-        space, space.result, 3, Interval(0, 10, 20), tmp_path / "v.mp4", "v.mp4",
-        stretch=(0.0, 100.0), labels=False,
-    ).join()  # fmt: skip
+    video_of(page, 3, Interval(0, 10, 20), tmp_path / "v.mp4").join()
     assert given[0] is space.picture_rows[3]
 
 
-def test_the_link_keeps_recording_and_frame():
+def test_the_link_keeps_recording_and_frame_which_can_be_gone_to():
     page = opened(recording="rural_child", frame="120")
-    assert the_link(page).endswith("/timeline?recording=rural_child&frame=120")
+    assert page.code[0].value.endswith("/timeline?recording=rural_child&frame=120")
     assert "for everybody" in texts(page)
-
-
-def test_a_link_to_uploads_says_what_it_cannot_do(tmp_path: Path):
-    page = opened_drive(tmp_path)
-    assert "belong to this browser tab alone" in texts(page)
-    assert str(tmp_path) not in the_link(page)
-
-
-def test_the_link_can_open_the_overview():
-    page = opened(recording="rural_child", frame="120")
     checked(page.button_group(key="export_place").set_value("").run())
-    assert "/timeline" not in the_link(page)
+    assert "/timeline" not in page.code[0].value
+    (field,) = [field for field in page.number_input if field.label == "Frame"]
+    checked(field.set_value(130).run())
+    assert page.query_params["frame"] == "130"
 
 
 def test_names_in_a_link_are_quoted():
     assert link("https://h/export", "timeline", {"recording": "a b&c"}) == (
         "https://h/timeline?recording=a+b%26c"
     )
-
-
-def test_a_frame_number_is_gone_to():
-    page = opened(recording="rural_child", frame="120")
-    (field,) = [one for one in page.number_input if one.label == "Frame"]
-    checked(field.set_value(130).run())
-    assert page.query_params["frame"] == "130"
 
 
 @pytest.mark.parametrize(("wanted", "found"), [(21, 2), (19, 0), (38, 2), (900, 2), (-5, 0)])
@@ -166,28 +142,22 @@ def test_file_names_hold_no_slashes():
     assert file_stem("///") == "recording"
 
 
-def test_an_interval_has_both_its_ends():
-    times = np.arange(100) / 20
-    assert chosen_interval(times, 1.0, 2.0, 1.0, 20) == Interval(20, 41, pytest.approx(20))
-
-
-def test_sparse_frames_play_as_slowly_as_they_were_taken():
-    assert chosen_interval(np.array([0.0, 2.0, 4.0]), 0, 4, 1.0, 20).fps == 0.5
-
-
-def test_a_slower_speed_makes_a_longer_video():
-    times = np.arange(100) / 20
-    assert chosen_interval(times, 0, 4.95, 0.5, 20).length_s == pytest.approx(10)
-
-
-def test_a_single_frame_is_shown_for_a_frame_period():
-    assert chosen_interval(np.array([0.0]), 0, 0, 1.0, 25) == Interval(0, 1, 25)
+@pytest.mark.parametrize(
+    ("times", "ends", "speed", "expected"),
+    [
+        (np.arange(100) / 20, (1.0, 2.0), 1.0, Interval(20, 41, pytest.approx(20))),  # both ends
+        (np.arange(100) / 20, (0.0, 4.95), 0.5, Interval(0, 100, pytest.approx(10))),
+        (np.array([0.0, 2.0, 4.0]), (0, 4), 1.0, Interval(0, 3, 0.5)),  # as slow as taken
+        (np.array([0.0]), (0, 0), 1.0, Interval(0, 1, 20)),  # for a frame period
+    ],
+)
+def test_an_interval_plays_at_the_pace_of_its_frames(times, ends, speed, expected):
+    assert chosen_interval(times, *ends, speed, 20) == expected
 
 
 def test_a_video_may_be_two_minutes_long():
-    assert LONGEST_S == 120
-    assert why_not(Interval(0, 2400, 20)) == ""
-    assert "at most 120 s" in why_not(Interval(0, 2401, 20))
+    assert why_not(Interval(0, 20 * int(LONGEST_S), 20)) == ""
+    assert "at most 120 s" in why_not(Interval(0, 20 * int(LONGEST_S) + 1, 20))
 
 
 def test_an_interval_without_frames_is_told():
@@ -203,11 +173,9 @@ def test_an_interval_that_is_too_long_cannot_be_made(monkeypatch: pytest.MonkeyP
 
 def test_a_video_is_made_in_the_background_and_offered():
     page = opened(recording="rural_child", frame="0")
-    for field in page.number_input:
-        if field.label == "To (s)":
-            field.set_value(0.45)
-    checked(page.run())
-    checked(page.button(key="make_video").click().run())
+    (end,) = [field for field in page.number_input if field.label == "To (s)"]
+    checked(end.set_value(0.45).run())
+    press(page, "make_video")
     job = job_of(page, JOB)
     job.join()
     checked(page.run())
@@ -250,23 +218,21 @@ def test_opening_something_else_takes_the_video_away(tmp_path: Path):
     assert job.state is JobState.CANCELLED
 
 
-def test_a_cancelled_video_is_told_of():
-    def stop(_: Progress) -> None:
-        raise CancelledError
-
-    page = opened()
-    put_video(page, stop).join()
-    assert [one.value for one in checked(page.run()).info] == ["Cancelled. No video was made."]
-
-
-def test_a_video_that_fails_says_why_without_markup():
+@pytest.mark.parametrize(
+    ("error", "message"),
+    [
+        (CancelledError(), "Cancelled. No video was made."),
+        (MediaError("no *room*"), r"no \*room\*"),  # without markup
+    ],
+)
+def test_a_video_that_fails_or_is_cancelled_is_told(error: Exception, message: str):
     def fail(_: Progress) -> None:
-        raise MediaError("no *room*")
+        raise error
 
     page = opened()
     put_video(page, fail).join()
     checked(page.run())
-    assert [one.value for one in page.error] == [r"no \*room\*"]
+    assert [text.value for text in (*page.info, *page.error)] == [message]
 
 
 def test_while_it_is_cancelled_the_video_says_so():
@@ -282,7 +248,7 @@ def test_while_it_is_cancelled_the_video_says_so():
     job = put_video(page, write)
     assert is_halfway.wait(TIMEOUT_S)
     assert progress_of(checked(page.run())) == [r"Making night\.mp4: 50%"]
-    checked(page.button(key="video_cancel").click().run())
+    press(page, "video_cancel")
     assert progress_of(page) == ["Cancelling"]
     assert page.button(key="video_cancel").disabled
     may_go_on.set()
@@ -297,11 +263,7 @@ def progress_of(page: AppTest) -> list[str]:
 def test_a_video_ends_with_its_session(tmp_path: Path):
     page = opened()
     space = page.session_state["workspace"]
-    interval = Interval(0, 300, 20)
-    job = start_job(
-        space, space.result, 0, interval, tmp_path / "v.mp4", "v.mp4", stretch=(0.0, 100.0),
-        labels=False,
-    )  # fmt: skip
+    job = video_of(page, 0, Interval(0, 300, 20), tmp_path / "v.mp4")
     space.close()
     job.join()
     assert job.state is JobState.CANCELLED
