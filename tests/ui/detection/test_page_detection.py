@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import pandas as pd
@@ -17,9 +18,22 @@ from nvcore.protocols import PROTOCOLS
 from nvcore.tables.scorecard import curve_rows
 from ui.session.state import SAMPLE
 
+OWN = "own filters"
+OF_SESSION = "filters of the session"
+WHOLE_SAMPLE = "8,172 pedestrians in 3,000 images"
+
 
 def opened() -> AppTest:
-    return checked(pages.opened("detection"))
+    return checked(pages.alone("detection", before=SIDEBAR).run())
+
+
+# the sliders of the sidebar, and nothing else of it
+SIDEBAR = """
+from ui.session import state
+from ui.shell import live_params, sidebar
+state.begin_run()
+sidebar.draw(live_params.read())
+"""
 
 
 def checked(page: AppTest) -> AppTest:
@@ -28,70 +42,104 @@ def checked(page: AppTest) -> AppTest:
     return page
 
 
-def figures(page: AppTest) -> pd.DataFrame:
-    return page.dataframe[0].value
+def to_page(app: AppTest, name: str) -> AppTest:
+    return checked(pages.to_page(app, name))
 
 
-def captions(page: AppTest) -> str:
-    return " ".join(one.value for one in page.caption)
+def figures(page: AppTest) -> pd.Series:
+    return page.dataframe[0].value.set_index("figure")["X"]
 
 
-def test_the_table_holds_the_librarys_figures():
+def told(page: AppTest) -> str:
+    return " ".join(text.value for text in page.caption).replace("\\", "")
+
+
+def filters_told(page: AppTest) -> str:
+    return told(page).partition("Filters: ")[2]
+
+
+def choose(page: AppTest, protocol: str) -> AppTest:
+    return checked(page.selectbox(key="protocol").set_value(protocol).run())
+
+
+def put(page: AppTest, **numbers: float | None) -> AppTest:
+    for key, value in numbers.items():
+        page.number_input(key=key).set_value(value).run()
+    return page
+
+
+def test_the_table_holds_the_librarys_figures_and_a_threshold_moves_those_at_it_only():
     dataset = load(read_session(SAMPLE))
     params = dataset.params_of()
     curve = detection_curve(dataset, "FIR", params, PROTOCOLS["all"])
     summary = summarise_curve(curve, params.threshold_x)
-    expected = [format(row.x, row.form) for row in curve_rows(summary, summary)]
-    assert figures(opened())["X"].tolist() == expected
-
-
-def test_a_protocol_says_what_it_leaves_out_and_changes_the_figures():
     page = opened()
-    before = figures(page)["X"].tolist()
-    assert "8,172 pedestrians in 3,000 images" in captions(page)
-    checked(page.selectbox(key="protocol").set_value("reasonable").run())
-    assert "height 50 or more px" in captions(page).replace("\\", "")
-    assert "ignored: flagged in the ground truth 136, height" in captions(page)
-    assert figures(page)["X"].tolist() != before
+    before = figures(page)
+    assert before.tolist() == [format(row.x, row.form) for row in curve_rows(summary, summary)]
+    assert not page.warning
+    ends = "Log-average miss rate of X: the curve ends at 0.477 false positives per image"
+    assert ends in told(page)  # and does not reach the references
+    assert "geometric mean" in told(page)
+    checked(page.slider(key="threshold_x").set_value(0.7).run())
+    after = figures(page)
+    changed = before.index[before != after]
+    assert len(changed) == 4
+    assert all("at the threshold" in name for name in changed)
 
 
-def test_own_filters_are_taken():
+def test_a_protocol_says_what_it_leaves_out_and_own_filters_start_as_it():
     page = opened()
-    checked(page.selectbox(key="protocol").set_value("own filters").run())
-    assert "8,172 pedestrians" in captions(page)
-    checked(page.number_input(key="own_low").set_value(100.0).run())
-    assert "height 100 or more px" in captions(page).replace("\\", "")
-    assert "8,172 pedestrians" not in captions(page)
+    before = figures(page).tolist()
+    assert WHOLE_SAMPLE in told(page)
+    choose(page, "reasonable")
+    assert "height 50 or more px" in told(page)
+    assert "ignored: flagged in the ground truth 136, height" in told(page)
+    assert figures(page).tolist() != before
+    filters = filters_told(choose(page, "medium"))
+    assert filters_told(choose(page, OWN)) == filters
+    assert page.number_input(key="own_expand").value == 1.25
+    checked(put(page, own_expand=None))
+    assert "detections" not in filters_told(page).partition(".")[0]
 
 
 def test_lowest_above_highest_is_an_error_and_the_filters_stay():
-    page = opened()
-    checked(page.selectbox(key="protocol").set_value("own filters").run())
-    checked(page.number_input(key="own_high").set_value(60.0).run())
-    page.number_input(key="own_low").set_value(100.0).run()
-    assert [one.value for one in page.error] == [
+    page = choose(opened(), OWN)
+    checked(put(page, own_high=60.0))
+    put(page, own_low=100.0)
+    assert [error.value for error in page.error] == [
         "The lowest is above the highest: the filters stay as they were."
     ]
     assert "height 60 or less px" in told(page)
-    checked(page.number_input(key="own_low").set_value(50.0).run())
+    checked(put(page, own_low=50.0))
     assert "height 50 to 60 px" in told(page)
 
 
-def test_own_filters_start_as_the_protocol_chosen_before():
-    page = opened()
-    checked(page.selectbox(key="protocol").set_value("medium").run())
-    before = told(page).partition("Filters: ")[2]
-    checked(page.selectbox(key="protocol").set_value("own filters").run())
-    assert told(page).partition("Filters: ")[2] == before
-    assert page.number_input(key="own_expand").value == 1.25
-    checked(page.number_input(key="own_expand").set_value(None).run())
-    assert "detections" not in told(page).partition("Filters: ")[2].partition(".")[0]
+def test_few_pedestrians_are_a_warning():
+    page = checked(put(choose(opened(), OWN), own_low=250.0))
+    (warning,) = page.warning
+    assert "Few pedestrians: 16, a single miss changes the miss rate by" in warning.value
+    assert told(page).count("nobody is missed") == 2  # of X and of Y, not again with the evidence
+    assert "have pedestrians that count" in told(page)
+    assert "no interval (see below), p = 1" in page.markdown[-1].value.replace("\\", "")
+
+
+@pytest.fixture
+def sample_with(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], AppTest]:
+    """A function: the page with the sample opened from a session file that says more."""
+
+    def open_it(text: str) -> AppTest:
+        own = SAMPLE.read_text().replace('pictures = "', f'pictures = "{SAMPLE.parent}/')
+        file = tmp_path / "session.toml"
+        file.write_text(own.replace('path = "', f'path = "{SAMPLE.parent}/') + text)
+        pages.begin_with(file, monkeypatch)
+        return pages.opened("detection")
+
+    return open_it
 
 
 @pytest.mark.parametrize(
     "filters",
     [
-        "border_px = [5, 10, 15, 40]",
         "border_px = [0, 0, 0, 0]",
         "height_px = [50, 20000]\nexpand = 25",
         "aspect = [0.5, 30]",
@@ -102,56 +150,50 @@ def test_own_filters_start_as_those_of_the_session(filters, sample_with):
     space = page.session_state["workspace"]
     before = space.opened.session.protocol.filters
     assert before
-    checked(page.selectbox(key="protocol").set_value("own filters").run())
-    assert page.selectbox(key="protocol").value == "own filters"
+    choose(page, OWN)
+    assert page.selectbox(key="protocol").value == OWN
     assert space.opened.session.protocol.filters == before
 
 
-def test_the_sessions_filters_can_be_taken_again_after_other_systems_are_compared(sample_with):
-    page = checked(sample_with("[protocol]\nheight_px = [77, 200]\n"))
-    checked(page.selectbox(key="protocol").set_value("all").run())
-    page.session_state["workspace"].forget()
-    checked(page.run())
-    checked(page.selectbox(key="protocol").set_value("filters of the session").run())
-    assert "height 77 to 200 px" in told(page)
-
-
-def test_each_of_four_margins_can_be_changed(sample_with):
-    page = checked(sample_with("[protocol]\nborder_px = [5, 10, 15, 40]\n"))
-    checked(page.selectbox(key="protocol").set_value("own filters").run())
-    checked(page.number_input(key="own_border_top").set_value(None).run())
-    checked(page.number_input(key="own_border_right").set_value(20.0).run())
-    assert "whole box at least 5, 0, 20, 40 px (left, top, right, bottom)" in told(page)
-    for side in ("left", "right", "bottom"):
-        checked(page.number_input(key=f"own_border_{side}").set_value(None).run())
+def test_a_sessions_own_filters_can_be_changed_left_and_taken_again(sample_with):
+    page = checked(sample_with('[protocol]\nname = "near"\nborder_px = [5, 10, 15, 40]\n'))
+    assert page.selectbox(key="protocol").value == OF_SESSION
+    border = "whole box at least 5, 10, 15, 40 px (left, top, right, bottom) inside the picture"
+    assert border in told(page)
+    checked(put(choose(page, OWN), own_border_top=None, own_border_right=20.0))
+    assert "whole box at least 5, 0, 20, 40 px" in told(page)
+    checked(put(page, own_border_left=None, own_border_right=None, own_border_bottom=None))
     assert "whole box" not in told(page)
+    assert "No filter." in told(choose(page, "all"))
+    page.session_state["workspace"].forget()  # as when other systems are compared
+    checked(page.run())
+    assert border in told(choose(page, OF_SESSION))
 
 
-def test_own_filters_stay_when_one_comes_back():
-    page = opened()
-    checked(page.selectbox(key="protocol").set_value("own filters").run())
-    checked(page.number_input(key="own_low").set_value(100.0).run())
-    to_page(page, "overview")
-    assert "height 100 or more px" in told(to_page(page, "detection"))
+def test_a_tag_that_no_recording_has_is_told_and_can_be_taken_out(sample_with):
+    page = sample_with('[protocol]\ntags = ["fog"]\n')
+    assert "no recording with frames has the tags fog" in page.error[0].value
+    checked(page.multiselect(key="protocol_tags").set_value([]).run())
+    assert WHOLE_SAMPLE in told(page)
 
 
-def test_recordings_are_chosen_by_name():
-    page = opened()
-    names = page.multiselect(key="protocol_recordings").options
-    checked(page.multiselect(key="protocol_recordings").set_value(names[:2]).run())
-    assert "in 600 images count" in captions(page)
+def evidence_labels(page: AppTest) -> list[str]:
+    table = next(one.value for one in page.dataframe if "p (Holm)" in one.value.columns)
+    return table["figure"].tolist()
+
+
+def test_the_overview_uses_the_protocol_which_is_there_when_one_comes_back():
+    page = checked(pages.opened("detection"))
+    names = page.multiselect(key="protocol_recordings").options[:2]
+    checked(page.multiselect(key="protocol_recordings").set_value(names).run())
+    assert "in 600 images count" in told(page)
     assert f"only recordings {names[0]}, {names[1]}" in told(page)
-    assert "log-average miss rate, all, 2 recordings ↓" in evidence_labels(
-        to_page(page, "overview")
-    )
-
-
-def test_what_does_not_reach_the_references_is_told():
-    told_of = told(opened())
-    assert "Log-average miss rate of X: the curve ends at 0.477 false positives per image" in (
-        told_of
-    )
-    assert "geometric mean" in told_of
+    rate = "log-average miss rate, all, 2 recordings ↓"
+    assert rate in evidence_labels(to_page(page, "overview"))
+    checked(put(choose(to_page(page, "detection"), OWN), own_low=100.0))
+    to_page(page, "overview")
+    assert to_page(page, "detection").selectbox(key="protocol").value == OWN
+    assert "height 100 or more px" in told(page)
 
 
 @pytest.mark.parametrize(("clicked", "threshold"), [(0.7, 0.7), (None, 0.5)])
@@ -175,112 +217,22 @@ class Once:
         return is_new
 
 
-def test_few_pedestrians_are_a_warning():
-    page = opened()
-    assert not page.warning
-    checked(page.selectbox(key="protocol").set_value("own filters").run())
-    checked(page.number_input(key="own_low").set_value(250.0).run())
-    assert page.warning[0].value == (
-        "Few pedestrians: 16, a single miss changes the miss rate by 6.2 percentage points."
-    )
-    said = told(page)
-    assert "Log-average miss rate of X: nobody is missed at any of the 9 references." in said
-    assert said.count("nobody is missed") == 2  # of X and of Y, not again with the evidence
-    assert "have pedestrians that count" in said
-    assert "no interval (see below), p = 1" in page.markdown[-1].value.replace("\\", "")
-
-
-def told(page: AppTest) -> str:
-    return captions(page).replace("\\", "")
-
-
 def test_windows_are_counted_or_given():
     page = opened()
     checked(page.button_group(key="curve_kind").set_value("roc_windows").run())
     # 640 x 480, scale 1: ((640 - 32) / 4 + 1) * ((480 - 64) / 4 + 1) windows
+    for scales, why in (
+        ("1, 1, 1", ""),
+        ("many", "three numbers"),
+        ("2, 1, 0.1", "the first scale must be above 0, the last at least as large"),
+        ("1, 2, 0.001", "more than 200 scales"),
+    ):
+        checked(page.text_input(key="window_scales").set_value(scales).run())
+        assert why in " ".join(text.value for text in page.warning).replace("\\", "")
+        assert (f"{153 * 105:,} windows per image" in told(page)) is (not why)
     checked(page.text_input(key="window_scales").set_value("1, 1, 1").run())
-    assert f"{153 * 105:,} windows per image" in captions(page)
-    checked(page.text_input(key="window_scales").set_value("many").run())
-    assert "three numbers" in page.warning[0].value
-    checked(page.text_input(key="window_scales").set_value("2, 1, 0.1").run())
-    assert "the first scale must be above 0, the last at least as large" in (
-        page.warning[0].value.replace("\\", "")
-    )
-    checked(page.text_input(key="window_scales").set_value("1, 2, 0.001").run())
-    assert "more than 200 scales" in page.warning[0].value
+    checked(page.number_input(key="window_Width (px)").set_value(700).run())
+    assert "No window of 700 x 64 px has a place to slide in" in page.warning[0].value
+    assert "0 windows" not in told(page)
     checked(page.number_input(key="windows_given").set_value(1000).run())
     assert not page.warning
-
-
-def test_a_window_larger_than_the_picture_is_told():
-    page = opened()
-    checked(page.button_group(key="curve_kind").set_value("roc_windows").run())
-    checked(page.number_input(key="window_Width (px)").set_value(700).run())
-    assert page.warning[0].value == (
-        "No window of 700 x 64 px has a place to slide in: the largest picture is 640 x 480 px."
-    )
-    assert "0 windows" not in captions(page)
-
-
-def test_the_threshold_moves_the_figures_at_it_and_not_the_curve():
-    page = opened()
-    before = figures(page).set_index("figure")["X"]
-    checked(page.slider(key="threshold_x").set_value(0.7).run())
-    after = figures(page).set_index("figure")["X"]
-    changed = before.index[before != after]
-    assert len(changed) == 4
-    assert all("at the threshold" in name for name in changed)
-
-
-def to_page(app: AppTest, name: str) -> AppTest:
-    return checked(pages.to_page(app, name))
-
-
-def evidence_labels(page: AppTest) -> list[str]:
-    table = next(one.value for one in page.dataframe if "p (Holm)" in one.value.columns)
-    return table["figure"].tolist()
-
-
-def test_the_overview_uses_the_protocol_that_was_chosen_here():
-    page = opened()
-    checked(page.selectbox(key="protocol").set_value("near").run())
-    assert "log-average miss rate, near ↓" in evidence_labels(to_page(page, "overview"))
-
-
-def test_the_protocol_stays_chosen_when_one_comes_back():
-    page = opened()
-    checked(page.selectbox(key="protocol").set_value("far").run())
-    to_page(page, "overview")
-    assert to_page(page, "detection").selectbox(key="protocol").value == "far"
-
-
-@pytest.fixture
-def sample_with(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    """A function: the page with the sample opened from a session file that says more."""
-
-    def open_it(text: str) -> AppTest:
-        own = SAMPLE.read_text().replace('pictures = "', f'pictures = "{SAMPLE.parent}/')
-        file = tmp_path / "session.toml"
-        file.write_text(own.replace('path = "', f'path = "{SAMPLE.parent}/') + text)
-        pages.begin_with(file, monkeypatch)
-        return pages.opened("detection")
-
-    return open_it
-
-
-def test_a_sessions_own_filters_can_be_left_and_taken_again(sample_with):
-    page = checked(sample_with('[protocol]\nname = "near"\nborder_px = [1, 2, 3, 4]\n'))
-    assert page.selectbox(key="protocol").value == "filters of the session"
-    told = "whole box at least 1, 2, 3, 4 px (left, top, right, bottom) inside the picture"
-    assert told in captions(page).replace("\\", "")
-    checked(page.selectbox(key="protocol").set_value("all").run())
-    assert "No filter." in captions(page).replace("\\", "")
-    checked(page.selectbox(key="protocol").set_value("filters of the session").run())
-    assert told in captions(page).replace("\\", "")
-
-
-def test_a_tag_that_no_recording_has_is_told_and_can_be_taken_out(sample_with):
-    page = sample_with('[protocol]\ntags = ["fog"]\n')
-    assert "no recording with frames has the tags fog" in page.error[0].value
-    checked(page.multiselect(key="protocol_tags").set_value([]).run())
-    assert "8,172 pedestrians in 3,000 images" in captions(page)

@@ -7,7 +7,6 @@ import pandas as pd
 import pytest
 from streamlit.testing.v1 import AppTest
 
-from nvcore.inputs.session import Session
 from pages import alone, begin_with, checked, session, texts
 from ui.encounters import figures, table
 from ui.encounters.filters import Filters
@@ -38,34 +37,35 @@ def choose(page: AppTest, row: int) -> AppTest:
     return checked(page.run())
 
 
-def test_all_encounters_of_the_sample_are_listed():
+def test_all_encounters_of_the_sample_are_listed_the_nearest_missed_pedestrians_first():
     page = opened()
     assert "**46** of 46 encounters" in texts(page)
-    assert len(listed(page)) == 46
+    rows = listed(page)
+    assert len(rows) == 46
+    assert rows["category"].head(3).isin(["only X", "only Y", "neither"]).all()
+    assert set(rows["category"].tail(6)) == {"distant"}
+    assert "the tallest, so the nearest, are on top" in texts(page)
     assert page.button(key="encounters_clear").disabled
-
-
-def test_every_figure_of_the_encounters_is_in_the_table():
-    rows = listed(opened())
+    assert "X does not detect 8 and Y does not detect 11" in texts(page)
+    assert "“X or Y” detects 35 of 38 encounters, 5 more than X alone" in texts(page)
+    # a few columns, until all are asked for
     assert {"lag_s_y", "gap_s_x", "tail_s_x", "peak_k", "aspect_z", "occluded_share"} <= {*rows}
+    assert list(page.dataframe[0].proto.column_order) == list(table.FIRST_COLUMNS)
+    checked(page.toggle(key="encounters_columns").set_value(True).run())
+    assert list(page.dataframe[0].proto.column_order) == []
 
 
-@pytest.mark.parametrize("way", [{"handed": "x_only"}, {"category": "x_only"}])
-def test_a_click_in_the_venn_diagram_or_a_link_presets_the_category(way: dict[str, str]):
-    page = opened(**way)
+def test_a_click_in_the_venn_diagram_presets_the_category_which_can_be_changed():
+    page = opened(handed="x_only")
     assert set(listed(page)["category"]) == {"only X"}
     assert "**8** of 46" in texts(page)
     assert page.query_params["category"] == "x_only"
-
-
-def test_a_preset_category_can_be_changed():
-    page = opened(category="x_only")
     page.button_group[0].set_value(["y_only"])
     assert set(listed(checked(page.run()))["category"]) == {"only Y"}
     assert page.query_params["category"] == "y_only"
 
 
-def test_an_unknown_category_in_a_link_is_told():
+def test_a_link_presets_the_category_and_an_unknown_one_is_told():
     page = opened(category="x_only,<b>")
     assert "unknown categories (<b>)" in texts(page)
     assert set(listed(page)["category"]) == {"only X"}
@@ -80,19 +80,14 @@ def test_encounters_can_be_chosen_by_miss_class_and_recording():
     assert set(rows["recording"]) == {"urban_crossing"}
 
 
-def test_filters_are_cleared_at_once():
-    page = opened(category="neither")
-    widget(page, "slider", "Largest height (px)").set_value((100.0, 338.0))
-    assert len(listed(checked(page.run()))) < 46
+def test_filters_that_leave_nothing_say_what_to_do_and_are_cleared_at_once():
+    page = opened(category="distant")
+    widget(page, "slider", "Largest height (px)").set_value((10.0, 338.0))
+    widget(page, "multiselect", "Miss class of X").set_value(["late"])
+    assert "No encounter passes the filters" in texts(checked(page.run()))
     checked(page.button(key="encounters_clear").click().run())
     assert len(listed(page)) == 46
     assert "category" not in page.query_params
-
-
-def test_filters_that_leave_nothing_say_what_to_do():
-    page = opened(category="distant")
-    widget(page, "multiselect", "Miss class of X").set_value(["late"])
-    assert "No encounter passes the filters" in texts(checked(page.run()))
 
 
 def test_a_chosen_encounter_is_told_and_opens_at_its_first_missed_frame(
@@ -104,36 +99,21 @@ def test_a_chosen_encounter_is_told_and_opens_at_its_first_missed_frame(
     assert "Pedestrian 3 in urban_crossing" in texts(page)
     assert "Only X detected the pedestrian" in texts(page)
     assert "Frame 40 at 2.00 s, where Y first misses the pedestrian" in texts(page)
-    assert page.table[0].value.loc["Matched"].tolist() == [
-        "51 of 51 frames (100%)", "8 of 51 frames (16%)",
-    ]  # fmt: skip
+    values = page.table[0].value
+    assert values.index.name == "Figure"  # no table has an empty heading
+    assert values.loc["Matched"].tolist() == ["51 of 51 frames (100%)", "8 of 51 frames (16%)"]
+    pairs = [table.value for table in page.dataframe if "Y never" in table.value]
+    assert [table.index.name for table in pairs] == ["Miss class"]
     checked(page.button(key="encounters_show").click().run())
-    assert shown == [40]
-
-
-def test_no_table_has_an_empty_heading():
-    page = choose(opened(), 2)
-    assert page.table[0].value.index.name == "Figure"
-    pairs = [one.value for one in page.dataframe if "Y never" in one.value]
-    assert [one.index.name for one in pairs] == ["Miss class"]
-
-
-def test_each_system_s_first_miss_can_be_opened(monkeypatch: pytest.MonkeyPatch):
-    shown: list[int] = []
-    monkeypatch.setattr(table, "open_row", shown.append)
-    page = choose(opened(), 0)
-    checked(page.button(key="encounters_show_x").click().run())
-    assert shown == [75]
+    checked(choose(page, 0).button(key="encounters_show_x").click().run())  # first missed by X
+    assert shown == [40, 75]
 
 
 def test_a_distant_encounter_has_dashes():
     page = choose(opened(), 4)
     assert "never came near enough" in texts(page)
     assert page.table[0].value["X"].tolist() == ["–"] * 5
-
-
-def test_an_encounter_chosen_in_other_data_is_forgotten():
-    page = opened()
+    # one that was chosen in other data is forgotten
     page.session_state[table.CHOSEN] = ("other data", 0)
     assert "Click a row of the table" in texts(checked(page.run()))
 
@@ -150,49 +130,37 @@ def test_a_pair_of_miss_classes_is_listed_by_a_click(monkeypatch: pytest.MonkeyP
     assert chosen == [("none", "lost_early"), (None, "late"), ("never", None)]
 
 
-def test_exclusivity_and_fusion_are_put_into_words():
-    text = texts(opened())
-    assert "X does not detect 8 and Y does not detect 11" in text
-    assert "“X or Y” detects 35 of 38 encounters, 5 more than X alone" in text
-
-
-def test_a_fusion_of_many_boxes_waits_to_be_asked_for(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(figures, "MANY_BOXES", 1000)
-    page = opened()
-    assert "X or Y” detects" not in texts(page)
-    checked(page.toggle(key="encounters_fuse").set_value(True).run())
-    assert "X or Y” detects" in texts(page)
-
-
-def with_session(session: Session, monkeypatch: pytest.MonkeyPatch) -> AppTest:
-    begin_with(session, monkeypatch)
-    return opened()
-
-
 def test_one_system_alone_is_sent_to_the_data_page(tmp_path, monkeypatch):
-    page = with_session(session(tmp_path, "fir.csv"), monkeypatch)
-    assert "Only one system is open" in texts(page)
+    begin_with(session(tmp_path, "fir.csv"), monkeypatch)
+    assert "Only one system is open" in texts(opened())
 
 
 def test_without_pedestrians_there_is_nobody_to_miss(tmp_path, monkeypatch):
-    empty = session(tmp_path, "fir.csv", "nir.csv")
+    begin_with(session(tmp_path, "fir.csv", "nir.csv"), monkeypatch)
     ignored = "recording,frame,x,y,w,h,track,ignore\nurban,0,100,200,40,100,1,1\n"
     (tmp_path / "truth.csv").write_text(ignored, encoding="utf-8")
-    assert "nobody to miss" in texts(with_session(empty, monkeypatch))
+    assert "nobody to miss" in texts(opened())
 
 
 def test_without_pictures_the_boxes_are_drawn_all_the_same(tmp_path, monkeypatch):
-    page = with_session(session(tmp_path, "fir.csv", "nir.csv"), monkeypatch)
+    begin_with(session(tmp_path, "fir.csv", "nir.csv"), monkeypatch)
+    page = opened()
     assert "**2** of 2" in texts(page)
     assert "Pedestrian 1 in urban" in texts(choose(page, 0))
 
 
-def test_of_very_many_encounters_the_first_are_listed(monkeypatch: pytest.MonkeyPatch):
+def test_of_very_many_encounters_the_first_are_listed_and_a_fusion_waits_to_be_asked_for(
+    monkeypatch: pytest.MonkeyPatch,
+):
     monkeypatch.setattr(table, "MOST_ROWS", 20)
     monkeypatch.setattr(table_columns, "MOST_ROWS", 20)
+    monkeypatch.setattr(figures, "MANY_BOXES", 1000)
     page = opened()
     assert len(listed(page)) == 20
     assert "The first 20 of 46 are listed" in texts(page)
+    assert "X or Y” detects" not in texts(page)
+    checked(page.toggle(key="encounters_fuse").set_value(True).run())
+    assert "X or Y” detects" in texts(page)
 
 
 SIX = pd.DataFrame(
@@ -211,20 +179,6 @@ SIX = pd.DataFrame(
 def test_missed_pedestrians_come_first_and_distant_ones_last_each_the_nearest_on_top():
     late = SIX.assign(peak_height=[95.0, 60, 70, 80, 90, 200])
     assert table.by_weight(late).index.tolist() == [4, 3, 2, 1, 0, 5]
-
-
-def test_the_table_opens_on_the_nearest_missed_pedestrians_and_says_so():
-    page = opened()
-    assert listed(page)["category"].head(3).isin(["only X", "only Y", "neither"]).all()
-    assert set(listed(page)["category"].tail(6)) == {"distant"}
-    assert "the tallest, so the nearest, are on top" in texts(page)
-
-
-def test_a_few_columns_are_shown_until_all_are_asked_for():
-    page = opened()
-    assert list(page.dataframe[0].proto.column_order) == list(table.FIRST_COLUMNS)
-    checked(page.toggle(key="encounters_columns").set_value(True).run())
-    assert list(page.dataframe[0].proto.column_order) == []
 
 
 @pytest.mark.parametrize(
@@ -250,7 +204,5 @@ def test_a_cut_out_lies_around_the_pedestrian_and_within_the_picture():
     assert middle[22, 35] == picture[50, 100]
     corner = cut_out(picture, np.array([190, 90, 10, 20]))
     assert (corner[-1, -1], corner.shape) == (picture[-1, -1], (44, 70))
-
-
-def test_a_tall_pedestrian_takes_the_whole_picture():
-    assert cut_out(np.zeros((100, 120)), np.array([10, 0, 40, 100])).shape == (100, 120)
+    tall = cut_out(np.zeros((100, 120)), np.array([10, 0, 40, 100]))
+    assert tall.shape == (100, 120)

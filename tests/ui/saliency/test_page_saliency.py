@@ -18,22 +18,15 @@ def listed(page: AppTest) -> pd.DataFrame:
     return page.dataframe[0].value
 
 
-def test_the_number_of_each_system_is_taken_apart():
+def test_the_number_of_each_system_is_taken_apart_and_its_events_are_listed():
     page = opened()
-    assert [one.value for one in page.metric] == ["3.81 s", "3.39 s"]
+    assert [metric.value for metric in page.metric] == ["3.81 s", "3.39 s"]
     assert "5.00 s × 0.76 = 3.81 s" in texts(page)
     assert "The most salient: pedestrian 2 in winter_frost" in texts(page)
-
-
-def test_events_of_both_systems_are_listed_the_most_salient_first():
-    table = listed(opened())
+    table = listed(page)
     assert len(table) == 92 + 107
     assert set(table["system"]) == {"X", "Y"}
     assert table["saliency_s"].is_monotonic_decreasing
-
-
-def test_events_of_one_system_alone_can_be_listed():
-    page = opened()
     page.button_group[0].set_value("Y")
     assert len(listed(checked(page.run()))) == 107
 
@@ -56,24 +49,20 @@ def test_the_first_row_of_every_listed_event_is_known():
     assert set(frames["recording"]) == {3}
 
 
-def test_a_click_on_an_event_opens_its_frame(monkeypatch: pytest.MonkeyPatch):
+def test_an_event_opens_by_a_click_and_the_most_salient_one_by_a_button(
+    monkeypatch: pytest.MonkeyPatch,
+):
     shown: list[int] = []
-    monkeypatch.setattr(events, "open_row", shown.append)
+    for module in (events, figures):
+        monkeypatch.setattr(module, "open_row", shown.append)
     page = opened()
     page.session_state[figures.OPEN] = 123
     checked(page.run())
     checked(page.run())
     assert shown == [123]
-
-
-def test_the_most_salient_event_of_a_system_opens_by_a_button(monkeypatch: pytest.MonkeyPatch):
-    shown: list[int] = []
-    monkeypatch.setattr(figures, "open_row", shown.append)
-    page = opened()
     checked(page.button(key="saliency_show_x").click().run())
-    result = page.session_state["workspace"].result
-    worst = result.x.events["saliency_s"].idxmax()
-    assert shown == [result.x.events["first_row"][worst]]
+    worst = page.session_state["workspace"].result.x.events
+    assert shown[1:] == [worst["first_row"][worst["saliency_s"].idxmax()]]
 
 
 def test_one_system_alone_is_sent_to_the_data_page(tmp_path, monkeypatch):
