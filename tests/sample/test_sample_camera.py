@@ -11,20 +11,14 @@ from nvcore.sample.scene import Person
 from nvcore.sample.truth import body_edges
 
 
-def test_a_point_straight_ahead_at_camera_height_lies_in_the_image_centre() -> None:
+def test_points_are_projected_as_by_a_pinhole() -> None:
     pixels, depth = Camera().project(np.array([0.0, 1.25, 30.0]))
-    assert pixels == pytest.approx([WIDTH / 2, HEIGHT / 2])
+    assert pixels == pytest.approx([WIDTH / 2, HEIGHT / 2])  # straight ahead, at camera height
     assert depth == pytest.approx(30.0)
-
-
-def test_a_point_one_metre_aside_moves_by_focal_length_over_distance() -> None:
     pixels, _ = Camera().project(np.array([1.0, 1.25, 22.0]))
     assert pixels[0] - WIDTH / 2 == pytest.approx(1100 / 22)
-
-
-def test_a_far_point_of_the_road_lies_on_the_horizon_row() -> None:
     pixels, _ = Camera(horizon=232.0).project(np.array([0.0, 0.0, 1e7]))
-    assert pixels[1] == pytest.approx(232.0, abs=1e-3)
+    assert pixels[1] == pytest.approx(232.0, abs=1e-3)  # the road far away
 
 
 def test_the_road_on_an_image_row_projects_back_to_that_row() -> None:
@@ -34,14 +28,10 @@ def test_the_road_on_an_image_row_projects_back_to_that_row() -> None:
     assert pixels[1] == pytest.approx(300.0)
 
 
-def test_a_car_at_8_metres_per_second_goes_80_metres_in_10_seconds() -> None:
+def test_the_way_of_a_car_is_the_integral_of_its_speed() -> None:
     assert travelled(((0, 8), (15, 8)))[200] == pytest.approx(80.0)
-
-
-def test_a_car_that_slows_evenly_to_a_stop_goes_half_as_far() -> None:
-    way = travelled(((0, 8), (10, 0)))
-    assert way[200] == pytest.approx(40.0)
-    assert way[N_FRAMES - 1] == pytest.approx(40.0)
+    slowing = travelled(((0, 8), (10, 0)))
+    assert slowing[[200, N_FRAMES - 1]] == pytest.approx([40.0, 40.0])
 
 
 @pytest.mark.parametrize(("height_m", "distance_m"), [(1.75, 35.0), (1.1, 20.0), (1.9, 60.0)])

@@ -7,6 +7,7 @@ import gzip
 import json
 
 import numpy as np
+import pandas as pd
 import plotly.graph_objects as go
 import pytest
 from builders import at, make_dataset, result_of
@@ -16,24 +17,23 @@ from nvcore.evidence.measures import significance_table
 from nvcore.figures.style import LOOK
 from nvcore.report.html.charts import figure_json, interval_plot, packed_plotly
 
-X, Y = LOOK["light"].x, LOOK["light"].y
+
+@pytest.fixture(scope="module")
+def evidence() -> pd.DataFrame:
+    """12 pedestrians of two frames each; X finds 9 of them, Y 3 others."""
+    truth = [at(2 * t + f, 50, track=t) for t in range(12) for f in range(2)]
+    return significance_table(result_of(make_dataset(truth, truth[:18], truth[18:], n_frames=24)))
 
 
-def with_intervals():
-    """The evidence of `one_each`, intervals of 0.1 about the differences."""
-    evidence = significance_table(one_each())
+@pytest.fixture
+def with_intervals(evidence: pd.DataFrame) -> pd.DataFrame:
+    """The evidence with intervals of 0.1 about all differences."""
     difference = evidence["difference"]
     return evidence.assign(low=difference - 0.1, high=difference + 0.1)
 
 
-def said(figure: go.Figure) -> list[str]:
+def annotations(figure: go.Figure) -> list[str]:
     return [one.text for one in figure.layout.annotations]
-
-
-def one_each():
-    """12 pedestrians of two frames each; X finds 9 of them, Y 3 others."""
-    truth = [at(2 * t + f, 50, track=t) for t in range(12) for f in range(2)]
-    return result_of(make_dataset(truth, truth[:18], truth[18:], n_frames=24))
 
 
 def test_plotly_is_packed_whole_and_the_same_each_time():
@@ -52,57 +52,49 @@ def test_json_of_a_figure_cannot_end_its_script_and_means_the_same():
     assert json.loads(written)["data"][0]["name"] == text
 
 
-def test_intervals_lie_right_where_x_is_better_whichever_way_is_better():
-    evidence = with_intervals().set_index("figure")
-    shown = evidence.loc[["encounters_detected", "mean_similarity", "share_low"]].reset_index()
+def test_intervals_lie_right_where_x_is_better_whichever_way_is_better(with_intervals):
+    table = with_intervals.set_index("figure")
+    shown = table.loc[["encounters_detected", "mean_similarity", "share_low"]].reset_index()
     assert shown["difference"].tolist()[0] == 0.5
     figure = interval_plot(shown)
     assert figure.layout.xaxis.range[0] < 0 < figure.layout.xaxis.range[1]
     assert shown["better"].tolist()[2] == "lower"
     assert figure.layout.xaxis3.range[0] > 0 > figure.layout.xaxis3.range[1]  # runs backwards
     points = [trace for trace in figure.data if trace.mode == "markers"]
-    assert [trace.marker.color for trace in points] == [X, X, X]
+    assert [trace.marker.color for trace in points] == [LOOK["light"].x] * 3
     assert [trace.x[0] for trace in points] == pytest.approx(
         shown["difference"].to_numpy() * [100, 1, 100]
     )
 
 
-def test_intervals_are_those_of_the_table_shares_in_percentage_points():
-    evidence = significance_table(one_each())
-    (known,) = [row for row in evidence.itertuples() if row.figure == "encounters_detected"]
+def test_intervals_are_those_of_the_table_shares_in_percentage_points(evidence):
+    known = evidence.set_index("figure").loc["encounters_detected"]
     figure = interval_plot(evidence)
     lines = [trace for trace in figure.data if trace.mode == "lines"]
     assert list(lines[0].x) == pytest.approx([100 * known.low, 100 * known.high])
-    assert figure.layout.xaxis.ticksuffix == " pp"
     shown = f"{100 * known.low:+.1f} pp to {100 * known.high:+.1f} pp".replace("-", "−")
-    assert f"share of encounters detected: <b>+50.0 pp</b>   (95 % interval {shown})" in said(
-        figure
-    )
+    text = f"share of encounters detected: <b>+50.0 pp</b>   (95 % interval {shown})"
+    assert text in annotations(figure)
 
 
-def test_a_figure_without_interval_has_no_place_on_an_axis():
-    evidence = with_intervals()
-    row = evidence["figure"] == "mean_similarity"
-    without = evidence.assign(low=evidence["low"].mask(row), high=evidence["high"].mask(row))
+def test_a_figure_without_interval_has_no_place_on_an_axis(with_intervals):
+    row = with_intervals["figure"] == "mean_similarity"
+    ends = {name: with_intervals[name].mask(row) for name in ("low", "high")}
+    without = with_intervals.assign(**ends)
     drawn, fewer = (
-        sum(trace.mode == "markers" for trace in interval_plot(one).data)
-        for one in (evidence, without)
+        sum(trace.mode == "markers" for trace in interval_plot(table).data)
+        for table in (with_intervals, without)
     )
     assert fewer == drawn - 1
-    (told,) = [text for text in said(interval_plot(without)) if "mean similarity" in text]
-    assert told.endswith("(no interval can be given)")
+    (text,) = [text for text in annotations(interval_plot(without)) if "mean similarity" in text]
+    assert text.endswith("(no interval can be given)")
 
 
-def test_an_axis_of_no_difference_still_has_ticks_that_differ():
-    evidence = significance_table(one_each())
+def test_an_axis_of_no_difference_still_has_ticks_that_differ(evidence):
     flat = evidence[evidence["figure"] == "encounters_detected"].assign(
         low=0.0, high=0.0, difference=0.0
     )
     figure = interval_plot(flat)
     assert list(figure.layout.xaxis.range) == [-1, 1]  # percentage points
-
-
-def test_without_any_figure_it_says_so():
-    result = result_of(make_dataset(n_frames=3))
-    empty = significance_table(result).assign(difference=np.nan)
-    assert "No figure" in interval_plot(empty).layout.annotations[0].text
+    empty = interval_plot(evidence.assign(difference=np.nan))
+    assert "No figure" in annotations(empty)[0]
