@@ -1,0 +1,113 @@
+"""Every measure of a comparison, defined once in `MEASURES`.
+
+A measure is a number that describes a system (a figure is a chart). From its entry come the row of
+the scorecard, the key of ``summary.json``, the columns of ``recordings.csv``, the name in rules of
+the gate, the rows of the table of evidence and of its groups, the axes of forest plots and of the
+report's intervals, and the tables of ``docs/report.md``. `nvcore.evidence` resamples and tests its
+difference; the entry only says which sums over frames make the measure.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import numpy as np
+
+from nvcore.comparison import Result
+from nvcore.measures.entry import (
+    NO_FRAMES,
+    AxisScale,
+    Better,
+    Inference,
+    Measure,
+    MeasureTable,
+    Parts,
+)
+from nvcore.measures.table import MEASURES
+from nvcore.measures.values import duration_of_recordings, per_recording
+
+__all__ = [
+    "EVIDENCE_KEYS",
+    "MEASURES",
+    "NO_FRAMES",
+    "AxisScale",
+    "Better",
+    "Inference",
+    "Measure",
+    "MeasureTable",
+    "Parts",
+    "duration_of_recordings",
+    "evidence_form",
+    "evidence_label",
+    "has_several_recordings",
+    "inference_of",
+    "label_words",
+    "measure_of",
+    "measures_in",
+    "per_recording",
+]
+
+_BY_KEY: Final = {measure.key: measure for measure in MEASURES}
+_INFERENCE: Final = {
+    measure.key: measure.inference for measure in MEASURES if measure.inference is not None
+}
+
+EVIDENCE_KEYS: Final = tuple(
+    sorted(_INFERENCE, key=lambda key: _INFERENCE[key].per != "n_encounters")
+)
+"""Keys of the table of evidence: encounters first, then in the order of `MEASURES`."""
+
+
+def label_words(result: Result, units: str = "") -> dict[str, Any]:
+    """Settings and counts of a result that labels contain.
+
+    Parameters
+    ----------
+    units
+        What is resampled: ``recordings`` or ``blocks``.
+    """
+    is_largest = result.params.saliency_aggregate == "max"
+    return {
+        "low": result.params.low,
+        "aggregate": "largest event" if is_largest else "sum of events",
+        "n_near": result.venn.n_near,
+        "n_boxes": int(result.n_truth.sum()),
+        "units": units,
+    }
+
+
+def has_several_recordings(result: Result) -> bool:
+    """Whether two recordings or more have frames."""
+    return int(np.count_nonzero(np.diff(result.dataset.frame_columns.first))) > 1
+
+
+def measures_in(table: MeasureTable) -> tuple[Measure, ...]:
+    """The measures of a table."""
+    return tuple(measure for measure in MEASURES if table in measure.tables)
+
+
+def measure_of(key: str) -> Measure:
+    """The measure with this key."""
+    return _BY_KEY[key]
+
+
+def inference_of(key: str) -> Inference:
+    """How the difference of a measure of `EVIDENCE_KEYS` is judged."""
+    return _INFERENCE[key]
+
+
+def evidence_form(key: str) -> str:
+    """Format specification of a measure of `EVIDENCE_KEYS` beside its evidence."""
+    return inference_of(key).form or _BY_KEY[key].form
+
+
+def evidence_label(key: str, result: Result, units: str) -> str:
+    """What a measure of `EVIDENCE_KEYS` is called beside its evidence.
+
+    Parameters
+    ----------
+    units
+        What is resampled: ``recordings`` or ``blocks``.
+    """
+    template = inference_of(key).label or _BY_KEY[key].label
+    return template.format_map(label_words(result, units))

@@ -1,0 +1,101 @@
+"""Values of measures by recording, and the summands that evidence resamples."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from nvcore.comparison import Result, SystemResult
+from nvcore.measures.entry import Parts
+from nvcore.schema import Category
+
+
+def per_recording(result: Result, values: np.ndarray, recording: np.ndarray) -> np.ndarray:
+    """Sum of `values` over each recording; float64, shape (n_recordings,)."""
+    return np.bincount(recording, weights=values, minlength=len(result.dataset.recordings))
+
+
+def duration_of_recordings(result: Result) -> np.ndarray:
+    """Sum of the time steps of each recording, s; float64, shape (n_recordings,)."""
+    frames = result.dataset.frame_columns
+    duration_s: np.ndarray = per_recording(result, frames.gap, frames.recording) / frames.fps
+    return duration_s
+
+
+def mean_saliency(result: Result, system: SystemResult) -> float:
+    """Mean over the recordings that have frames, s."""
+    has_frames = np.diff(result.dataset.frame_columns.first) > 0
+    return float(result.saliency_of_recordings(system)[has_frames].mean())
+
+
+def saliency_parts(result: Result, system: SystemResult) -> Parts | None:
+    """Saliency of each event, s; None where only the largest counts."""
+    if result.params.saliency_aggregate == "max":
+        return None
+    events = system.events
+    return Parts(
+        events["first_row"].to_numpy(dtype=np.int64), events["saliency_s"].to_numpy(dtype=float)
+    )
+
+
+def similarity_parts(_: Result, system: SystemResult) -> Parts:
+    """Similarity of each frame."""
+    return Parts(np.arange(len(system.similarity)), system.similarity)
+
+
+def low_parts(result: Result, system: SystemResult) -> Parts:
+    """Whether each frame is below `low`."""
+    return Parts(np.arange(len(system.similarity)), system.similarity < result.params.low)
+
+
+def detected_parts(result: Result, system: SystemResult) -> Parts:
+    """The near encounters that the system detects."""
+    is_near = result.category != Category.DISTANT.value
+    is_detected = system.encounters["is_detected"].to_numpy(dtype=bool) & is_near
+    return Parts(result.encounters.first_row[is_detected], None)
+
+
+def episode_parts(_: Result, system: SystemResult) -> Parts:
+    """The false-alert episodes."""
+    return Parts(system.episodes["first_row"].to_numpy(dtype=np.int64), None)
+
+
+def detected_by_recording(result: Result, system: SystemResult) -> np.ndarray:
+    """Encounters detected; int64, shape (n_recordings,)."""
+    is_detected = system.encounters["is_detected"].to_numpy()
+    return per_recording(result, is_detected, result.encounters.recording).astype(np.int64)
+
+
+def alarms_by_recording(result: Result, system: SystemResult) -> np.ndarray:
+    """False alarms; int64, shape (n_recordings,)."""
+    recording = result.dataset.frame_columns.recording
+    return per_recording(result, system.false_alarms, recording).astype(np.int64)
+
+
+def episodes_by_recording(result: Result, system: SystemResult) -> np.ndarray:
+    """False-alert episodes; int64, shape (n_recordings,)."""
+    recording = system.episodes["recording"].to_numpy()
+    return per_recording(result, np.ones(len(recording)), recording).astype(np.int64)
+
+
+def rate_by_recording(
+    counts: Callable[[Result, SystemResult], np.ndarray], *, per_s: float
+) -> Callable[[Result, SystemResult], np.ndarray]:
+    """Counts of each recording per `per_s` seconds of it."""
+
+    def rate(result: Result, system: SystemResult) -> np.ndarray:
+        with np.errstate(invalid="ignore"):  # a recording without frames has no rates
+            rates: np.ndarray = counts(result, system) / duration_of_recordings(result) * per_s
+        return rates
+
+    return rate
+
+
+def similarity_by_recording(name: str) -> Callable[[Result, SystemResult], list[float]]:
+    """A summary of the similarity of each recording, by the name of its attribute."""
+
+    def values(_: Result, system: SystemResult) -> list[float]:
+        return [getattr(summary, name) for summary in system.summary_of_recordings]
+
+    return values
