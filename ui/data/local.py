@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Final
 
@@ -14,14 +14,15 @@ from nvcore.inputs.files import find_files
 from nvcore.inputs.readers.base import Role
 from nvcore.inputs.session import Session, Source, SystemSource
 from nvcore.inputs.session_toml import read_session
-from ui.data.file_check import FileCheck, check_files, draw_file_check, unusable
+from ui.data.file_check import FileCheck, check_files, draw_file_check
+from ui.data.form import Form, finish_form, forget_outcome
 from ui.data.frames import FRAMES_HELP, FRAMES_LABEL, FrameList, check_frame_list, draw_frame_list
-from ui.data.missing_inputs import MissingInputs, ask_for_missing, forget_missing
-from ui.data.names import draw_recording, draw_system_name, proposed_names, with_recording_name
-from ui.data.opening import draw_trouble, forget_trouble, try_to_open
-from ui.data.pictures import ChosenPictures, draw_checked
+from ui.data.missing_inputs import MissingInputs, ask_for_missing
+from ui.data.names import draw_recording, draw_system_name, proposed_names
+from ui.data.opening import draw_trouble, try_to_open
+from ui.data.pictures import draw_checked
 from ui.session.local_files import Entry, LocalRoot
-from ui.session.opening import check_confined, guess_pictures, recording_names, with_recordings
+from ui.session.opening import check_confined
 from ui.shell.messages import without_paths
 from ui.widgets.text import plain
 
@@ -39,18 +40,8 @@ ROLES: Final = {
 SYSTEMS: Final = ("local_x", "local_y")
 SOURCES: Final = ("local_truth", *SYSTEMS)
 
-
-@dataclass(frozen=True)
-class _Form:
-    """All that is to be opened."""
-
-    chosen: dict[str, list[str]]
-    names: list[str]
-    recording: str
-    frames: FrameList
-    pictures: ChosenPictures
-    facts: MissingInputs
-    unusable: str
+_changed = partial(forget_outcome, PLACE)
+_session_changed = partial(forget_outcome, SESSION)
 
 
 def draw(root: LocalRoot) -> None:
@@ -65,16 +56,16 @@ def draw(root: LocalRoot) -> None:
     _draw_folder(here, entries)
     _draw_session(root, entries)
     st.markdown("**Or choose files and folders**, here and in other folders:")
-    form = _draw_form(root, entries)
+    chosen, form = _draw_form(root, entries)
     if st.button("Open these files", key="open_local", type="primary"):
         try_to_open(
-            lambda: _session(root, form),
+            lambda: _session(root, chosen, form),
             label=f"Files in {here}" if here else "Local files",
             place=PLACE,
         )
 
 
-def _draw_form(root: LocalRoot, entries: list[Entry]) -> _Form:
+def _draw_form(root: LocalRoot, entries: list[Entry]) -> tuple[dict[str, list[str]], Form]:
     chosen: dict[str, list[str]] = {}
     checks: list[FileCheck | None] = []
     name_fields = []
@@ -100,13 +91,9 @@ def _draw_form(root: LocalRoot, entries: list[Entry]) -> _Form:
             title = ROLES[key].replace("S", "s")
             names.append(draw_system_name(title, name, number, key=f"{key}_name", changed=_changed))
     pictures = draw_checked(PLACE, places, recordings, gone)
-    lacking = {fact for check in checks if check is not None for fact in check.lacking}
-    told_format = "" if checks[0] is None else checks[0].format
-    facts = ask_for_missing(PLACE, pictures.usable.values(), lacking, told_format)
-    draw_trouble(PLACE)
     titles = ["the ground truth", *(f"system {key[-1].upper()}" for key in SYSTEMS)]
-    wrong = unusable(zip(titles, checks, strict=True))
-    return _Form(chosen, names, recording, frames, pictures, facts, wrong)
+    checks_by_title = dict(zip(titles, checks, strict=True))
+    return chosen, finish_form(PLACE, names, recording, frames, pictures, checks_by_title)
 
 
 def _draw_frame_list(root: LocalRoot, entries: list[Entry], recordings: Sequence[str]) -> FrameList:
@@ -205,11 +192,6 @@ def _draw_session(root: LocalRoot, entries: list[Entry]) -> None:
         try_to_open(lambda: _session_file(root, file, facts), label=_last(file), place=SESSION)
 
 
-def _session_changed() -> None:
-    forget_trouble(SESSION)
-    forget_missing(SESSION)
-
-
 def _draw_role(
     key: str, entries: list[Entry], *, most: int | None = None, help_text: str | None = None
 ) -> list[str]:
@@ -219,11 +201,6 @@ def _draw_role(
     return st.multiselect(
         ROLES[key], options, key=key, on_change=_changed, max_selections=most, help=help_text
     )
-
-
-def _changed() -> None:
-    forget_trouble(PLACE)
-    forget_missing(PLACE)
 
 
 def _last(path: str) -> str:
@@ -236,32 +213,16 @@ def _session_file(root: LocalRoot, path: str, facts: MissingInputs) -> Session:
     return session
 
 
-def _session(root: LocalRoot, form: _Form) -> Session:
-    chosen = form.chosen
-    if not chosen["local_truth"]:
-        raise InputError("Choose the ground truth first: the boxes that both systems should find.")
+def _session(root: LocalRoot, chosen: dict[str, list[str]], form: Form) -> Session:
     systems = [
-        (chosen[key], name) for key, name in zip(SYSTEMS, form.names, strict=True) if chosen[key]
+        SystemSource(path=tuple(chosen[key]), name=name)
+        for key, name in zip(SYSTEMS, form.names, strict=True)
+        if chosen[key]
     ]
-    if not systems:
-        raise InputError("Choose the detections of at least one system.")
-    for wrong in (form.unusable, form.frames.stops, form.pictures.stops):
-        if wrong:
-            raise InputError(wrong)
-    session = form.facts.session(
-        frame_list=form.frames.path,
-        folder=root.folder,
-        truth=Source(path=tuple(chosen["local_truth"])),
-        systems=tuple(SystemSource(path=tuple(paths), name=name) for paths, name in systems),
-    )
+    form.check(has_truth=bool(chosen["local_truth"]), has_systems=bool(systems))
+    truth = Source(path=tuple(chosen["local_truth"]))
+    session = form.session(root.folder, truth, tuple(systems))
     check_confined(session, root.folder)
-    if form.pictures.usable or form.recording:
-        names = recording_names(session)
-        files = {Path(path).name: path for path in form.pictures.usable}
-        whose = guess_pictures(names, files)
-        changes = {name: {"pictures": files[label]} for name, label in whose.items()}
-        session = with_recording_name(
-            with_recordings(session, names, changes), names, form.recording
-        )
-        check_confined(session, root.folder)
+    session = form.with_pictures(session, {Path(path).name: path for path in form.pictures.usable})
+    check_confined(session, root.folder)
     return session

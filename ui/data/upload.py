@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
@@ -14,15 +15,16 @@ from streamlit.runtime.uploaded_file_manager import UploadedFile
 from nvcore.errors import InputError, NvcoreError
 from nvcore.inputs.readers.base import Role
 from nvcore.inputs.session import Session, Source, SystemSource
-from ui.data.file_check import FileCheck, check_files, draw_file_check, unusable
+from ui.data.file_check import FileCheck, check_files, draw_file_check
+from ui.data.form import Form, finish_form, forget_outcome
 from ui.data.frames import FRAMES_HELP, FRAMES_LABEL, FrameList, check_frame_list, draw_frame_list
 from ui.data.inputs import sent_pictures
-from ui.data.missing_inputs import MissingInputs, ask_for_missing, draw_reading, forget_missing
-from ui.data.names import draw_recording, draw_system_name, proposed_names, with_recording_name
-from ui.data.opening import draw_trouble, forget_trouble, try_to_open
+from ui.data.missing_inputs import draw_reading
+from ui.data.names import draw_recording, draw_system_name, proposed_names
+from ui.data.opening import try_to_open
 from ui.data.pictures import ChosenPictures, draw_checked
 from ui.session import state
-from ui.session.opening import guess_pictures, recording_names, relative_path, with_recordings
+from ui.session.opening import relative_path
 from ui.session.uploads import ANNOTATION_FOLDERS, new_upload, remove_pictures, store_annotations
 from ui.session.workspace import Workspace
 from ui.shell.messages import without_paths
@@ -84,19 +86,7 @@ class _Stored:
         return ["/".join(path.split("/")[n_own:]) for path in self.paths.get(chosen.slot, ())]
 
 
-@dataclass(frozen=True)
-class _Form:
-    """All that is to be opened."""
-
-    truth: _Chosen
-    systems: list[_Chosen]
-    names: list[str]
-    recording: str
-    stored: _Stored
-    frames: FrameList
-    pictures: ChosenPictures
-    facts: MissingInputs
-    unusable: str
+_changed = partial(forget_outcome, PLACE)
 
 
 def draw() -> None:
@@ -122,35 +112,30 @@ def draw() -> None:
     with listed.below:
         frames = _check_list(stored, listed, recordings)
     pictures = _draw_pictures(space, recordings)
-    every = [truth_check, *checks]
-    lacking = {fact for check in every if check is not None for fact in check.lacking}
-    told_format = "" if truth_check is None else truth_check.format
-    facts = ask_for_missing(PLACE, pictures.usable.values(), lacking, told_format)
-    draw_trouble(PLACE)
-    wrong = unusable(zip([field.title for field in (truth, *systems)], every, strict=True))
-    form = _Form(truth, systems, names, recording, stored, frames, pictures, facts, wrong)
+    titles = [field.title for field in (truth, *systems)]
+    checks_by_title = dict(zip(titles, [truth_check, *checks], strict=True))
+    form = finish_form(PLACE, names, recording, frames, pictures, checks_by_title)
     if st.button("Open these files", key="open_upload", type="primary"):
-        try_to_open(lambda: _session(form), label=LABEL, place=PLACE)
-
-
-def _changed() -> None:
-    forget_trouble(PLACE)
-    forget_missing(PLACE)
+        try_to_open(lambda: _session(truth, systems, stored, form), label=LABEL, place=PLACE)
 
 
 def _draw_truth() -> _Chosen:
     left, right = st.columns([1, 3])
-    files = right.file_uploader(
-        "Ground truth",
-        accept_multiple_files=True,
-        key="upload_truth",
-        help=FILES_HELP,
-        on_change=_changed,
+    expander = "How to read the ground truth"
+    key = "upload_truth"
+    return _Chosen("the ground truth", "truth", *_ask(right, "Ground truth", expander, key), left)
+
+
+def _ask(
+    column: DeltaGenerator, label: str, expander: str, key: str, role: Role = "truth"
+) -> tuple[list[UploadedFile], dict[str, Any], DeltaGenerator]:
+    """Files, how to read them, and the place between the two fields."""
+    files = column.file_uploader(
+        label, accept_multiple_files=True, key=key, help=FILES_HELP, on_change=_changed
     )
-    below = right.container()
-    with right.expander("How to read the ground truth"):
-        reading = draw_reading("truth", "upload_truth", _changed)
-    return _Chosen("the ground truth", "truth", files, reading, below, left)
+    below = column.container()
+    with column.expander(expander):
+        return files, draw_reading(role, key, _changed), below
 
 
 def _draw_systems() -> list[_Chosen]:
@@ -158,18 +143,10 @@ def _draw_systems() -> list[_Chosen]:
     systems = []
     for number in range(n_systems):
         left, right = st.columns([1, 3])
-        files = right.file_uploader(
-            f"Detections of system {_numbered(number)}",
-            accept_multiple_files=True,
-            key=f"upload_system_{number}",
-            help=FILES_HELP,
-            on_change=_changed,
-        )
-        below = right.container()
-        with right.expander(f"How to read system {number + 1}"):
-            reading = draw_reading("detections", f"upload_system_{number}", _changed)
-        title = f"system {_numbered(number)}"
-        systems.append(_Chosen(title, f"system-{number + 1}", files, reading, below, left))
+        title, expander = f"system {_numbered(number)}", f"How to read system {number + 1}"
+        key = f"upload_system_{number}"
+        asked = _ask(right, f"Detections of {title}", expander, key, "detections")
+        systems.append(_Chosen(title, f"system-{number + 1}", *asked, left))
     st.button(
         "Add a system",
         icon=":material/add:",
@@ -276,36 +253,15 @@ def _check(stored: _Stored, chosen: _Chosen, truth: FileCheck | None) -> FileChe
     )
 
 
-def _session(form: _Form) -> Session:
-    systems = [
-        (system, name)
-        for system, name in zip(form.systems, form.names, strict=True)
-        if system.files
-    ]
-    if not form.truth.files:
-        raise InputError("Choose the ground truth first: the boxes that both systems should find.")
-    if not systems:
-        raise InputError("Choose the detections of at least one system.")
-    for wrong in (form.unusable, form.frames.stops, form.pictures.stops):
-        if wrong:
-            raise InputError(wrong)
-    stored = form.stored
-    session = form.facts.session(
-        frame_list=form.frames.path,
-        folder=stored.folder,
-        truth=stored.source(form.truth),
-        systems=tuple(
-            SystemSource(path=stored.paths[system.slot], name=name or None, **system.reading)
-            for system, name in systems
-        ),
+def _session(truth: _Chosen, systems: Sequence[_Chosen], stored: _Stored, form: Form) -> Session:
+    sent = [pair for pair in zip(systems, form.names, strict=True) if pair[0].files]
+    form.check(has_truth=bool(truth.files), has_systems=bool(sent))
+    sources = tuple(
+        SystemSource(path=stored.paths[system.slot], name=name or None, **system.reading)
+        for system, name in sent
     )
-    if not form.pictures.usable and not form.recording:
-        return session
-    with st.spinner("Reading the ground truth"):
-        names = recording_names(session)
-    whose = guess_pictures(names, form.pictures.usable)
-    changes = {
-        name: {"pictures": relative_path(form.pictures.usable[label], stored.folder)}
-        for name, label in whose.items()
-    }
-    return with_recording_name(with_recordings(session, names, changes), names, form.recording)
+    session = form.session(stored.folder, stored.source(truth), sources)
+    pictures = form.pictures.usable.items()
+    return form.with_pictures(
+        session, {label: relative_path(path, stored.folder) for label, path in pictures}
+    )

@@ -122,10 +122,8 @@ def set_threshold(letter: str, threshold: float | None) -> None:
     name = systems()["xy".index(letter)]
     span = None if name is None else score_span(name)
     if span is not None:
-        lowest, _ = span
-        set_params(
-            **{f"threshold_{letter}": lowest if threshold is None else max(threshold, lowest)}
-        )
+        value = span[0] if threshold is None else max(threshold, span[0])
+        set_params(**{f"threshold_{letter}": value})
 
 
 def reset_params() -> None:
@@ -297,11 +295,10 @@ def write_address() -> None:
     """Put the current frame and the parameters that were changed into the page's address."""
     wanted = link_to(*_place())
     for name in [*SETTINGS, "recording", "frame"]:
-        if name in wanted:
-            if st.query_params.get(name) != wanted[name]:
-                st.query_params[name] = wanted[name]
-        else:
+        if name not in wanted:
             st.query_params.pop(name, None)
+        elif st.query_params.get(name) != wanted[name]:
+            st.query_params[name] = wanted[name]
 
 
 def seek() -> int:
@@ -339,12 +336,8 @@ def bad_link() -> str:
 
 def _follow_link() -> None:
     """Take recording and frame from the address that the session was opened by."""
-    place, wrong = read_place(
-        st.query_params.get("recording"),
-        st.query_params.get("frame"),
-        recording_names(),
-        _frame_numbers,
-    )
+    get = st.query_params.get
+    place, wrong = read_place(get("recording"), get("frame"), recording_names(), _frame_numbers)
     given, impossible = read_parameters(st.query_params.to_dict())
     st.session_state["new_params"] = given
     wrong += impossible

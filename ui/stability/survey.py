@@ -10,12 +10,10 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.params import Params
-from nvcore.progress import Progress, no_progress
+from nvcore.progress import Progress
 from nvcore.stability.survey import SURVEY_PLANES, SurveyRow, held_text, survey_stability
 from nvcore.stability.words import CRITERIA, PLANES
-from ui.jobs.background import BackgroundJob, JobState, while_open
-from ui.jobs.progress import draw_job
+from ui.jobs.computed import Computation
 from ui.session import state
 
 AT_ONCE: Final = 5_000
@@ -23,8 +21,6 @@ AT_ONCE: Final = 5_000
 JOB: Final = "stability_survey"
 THREADS: Final = 2
 MOST: Final = 4
-
-SurveyKey = tuple[str, Params]
 
 
 def draw(result: Result) -> None:
@@ -71,34 +67,22 @@ def _cell(row: SurveyRow) -> str:
 
 
 def _survey_rows(result: Result) -> tuple[SurveyRow, ...] | None:
-    space = state.workspace()
-    key: SurveyKey = (space.version, result.params)
-    job: BackgroundJob[tuple[SurveyRow, ...]] | None = space.job(JOB)
-    if job is not None and job.key == key:
-        job_state = draw_job(job, JOB, thing="table", doing="Trying all settings")
-        if job_state.is_busy:
-            return None
-        if job_state is JobState.DONE:
-            return space.cached(JOB, key, lambda: job.output, most=MOST)
-    if len(result.dataset.frames) <= AT_ONCE or space.peek(JOB, key) is not None:
-        return state.cached(JOB, key, lambda: _survey(result), most=MOST)
-    st.button(
-        "Try all settings",
-        key=f"{JOB}_start",
-        icon=":material/table_chart:",
-        on_click=_start,
-        args=(result, key),
+    work = Computation(
+        kind=JOB,
+        key=(state.workspace().version, result.params),
+        compute=partial(_survey, result),
+        thing="table",
+        doing="Trying all settings",
+        most=MOST,
     )
-    st.caption("It computes all maps: with so many frames up to some minutes.")
-    return None
+    survey, is_to_start = work.draw(is_quick=len(result.dataset.frames) <= AT_ONCE)
+    if is_to_start:
+        icon = ":material/table_chart:"
+        st.button("Try all settings", key=f"{JOB}_start", icon=icon, on_click=work.start)
+        st.caption("It computes all maps: with so many frames up to some minutes.")
+    return survey
 
 
-def _survey(result: Result, progress: Progress = no_progress) -> tuple[SurveyRow, ...]:
+def _survey(result: Result, progress: Progress) -> tuple[SurveyRow, ...]:
     with ThreadPoolExecutor(THREADS) as pool:
         return survey_stability(result, executor=pool, progress=progress)
-
-
-def _start(result: Result, key: SurveyKey) -> None:
-    space = state.workspace()
-    job = BackgroundJob(partial(_survey, result), while_open(space), key=key)
-    space.put_job(JOB, job)

@@ -18,8 +18,9 @@ from nvcore.stability.map import StabilityMap, map_stability
 from nvcore.stability.scores import Criterion
 from nvcore.stability.survey import SURVEY_PLANES
 from nvcore.stability.words import CRITERIA, PLANES, describe_chance, describe_stability
-from ui.jobs.background import BackgroundJob, JobState, while_open
-from ui.jobs.progress import draw_job, start_as_made
+from ui.jobs.background import BackgroundJob
+from ui.jobs.computed import Computation
+from ui.jobs.progress import start_as_made
 from ui.session import state
 from ui.session.evidence import measure_evidence
 from ui.widgets.charts import clicked_chart
@@ -89,40 +90,23 @@ def _job() -> BackgroundJob[StabilityMap] | None:
 
 def _stability_map(result: Result, key: MapKey) -> StabilityMap | None:
     """The map if it is known or quickly made; else its button or its progress."""
-    space, job = state.workspace(), _job()
-    if job is not None and job.key == key:
-        job_state = draw_job(job, JOB, thing="map", doing="Computing the map")
-        if job_state.is_busy:
-            return None
-        if job_state is JobState.DONE:
-            return space.cached("stability", key, lambda: job.output, most=MOST_MAPS)
-    is_small = len(result.dataset.frames) <= AT_ONCE
-    if is_small or space.peek("stability", key) is not None:
-        return state.cached(
-            "stability",
-            key,
-            lambda: map_stability(result, key.plane, key.criterion),
-            most=MOST_MAPS,
-        )
-    st.button(
-        "Compute the map",
-        key="stability_start",
-        type="primary",
-        icon=":material/grid_on:",
-        on_click=_start,
-        args=(result, key),
-    )
-    st.caption("With so many frames it takes some seconds to a minute; the page stays usable.")
-    return None
 
-
-def _start(result: Result, key: MapKey) -> None:
     def compute(progress: Progress) -> StabilityMap:
         with ThreadPoolExecutor(THREADS) as pool:
             return map_stability(result, key.plane, key.criterion, executor=pool, progress=progress)
 
-    space = state.workspace()
-    space.put_job(JOB, BackgroundJob(compute, while_open(space), key=key))
+    work = Computation(JOB, key, compute, "map", "Computing the map", MOST_MAPS)
+    stability, is_to_start = work.draw(is_quick=len(result.dataset.frames) <= AT_ONCE)
+    if is_to_start:
+        st.button(
+            "Compute the map",
+            key="stability_start",
+            type="primary",
+            icon=":material/grid_on:",
+            on_click=work.start,
+        )
+        st.caption("With so many frames it takes some seconds to a minute; the page stays usable.")
+    return stability
 
 
 def _draw_map(result: Result, stability: StabilityMap) -> None:

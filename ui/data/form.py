@@ -1,0 +1,88 @@
+"""Data page: what the forms of local files and of uploads have in common."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import streamlit as st
+
+from nvcore.errors import InputError
+from nvcore.inputs.session import Session, Source, SystemSource
+from ui.data.file_check import FileCheck, unusable
+from ui.data.frames import FrameList
+from ui.data.missing_inputs import MissingInputs, ask_for_missing, forget_missing
+from ui.data.names import with_recording_name
+from ui.data.opening import draw_trouble, forget_trouble
+from ui.data.pictures import ChosenPictures
+from ui.session.opening import guess_pictures, recording_names, with_recordings
+
+
+def forget_outcome(place: str) -> None:
+    """To be called when a choice in this part of the page has changed."""
+    forget_trouble(place)
+    forget_missing(place)
+
+
+@dataclass(frozen=True)
+class Form:
+    """What is to be opened, besides the files of the truth and of the systems."""
+
+    names: list[str]
+    recording: str
+    frames: FrameList
+    pictures: ChosenPictures
+    facts: MissingInputs
+    unusable: str
+
+    def check(self, *, has_truth: bool, has_systems: bool) -> None:
+        """Raise `InputError` if something needed is missing or cannot be used."""
+        if not has_truth:
+            raise InputError(
+                "Choose the ground truth first: the boxes that both systems should find."
+            )
+        if not has_systems:
+            raise InputError("Choose the detections of at least one system.")
+        for wrong in (self.unusable, self.frames.stops, self.pictures.stops):
+            if wrong:
+                raise InputError(wrong)
+
+    def session(self, folder: Path, truth: Source, systems: tuple[SystemSource, ...]) -> Session:
+        """The session, without pictures and names of recordings."""
+        return self.facts.session(
+            frame_list=self.frames.path, folder=folder, truth=truth, systems=systems
+        )
+
+    def with_pictures(self, session: Session, paths: Mapping[str, str]) -> Session:
+        """The session with pictures, given by their labels, and the name of the recording."""
+        if not paths and not self.recording:
+            return session
+        with st.spinner("Reading the ground truth"):
+            names = recording_names(session)
+        whose = guess_pictures(names, paths)
+        changes = {name: {"pictures": paths[label]} for name, label in whose.items()}
+        return with_recording_name(with_recordings(session, names, changes), names, self.recording)
+
+
+def finish_form(
+    place: str,
+    names: list[str],
+    recording: str,
+    frames: FrameList,
+    pictures: ChosenPictures,
+    checks: Mapping[str, FileCheck | None],
+) -> Form:
+    """Ask what the files leave open, and say why they could not be opened.
+
+    Parameters
+    ----------
+    checks
+        By what the page calls the files; those of the ground truth first.
+    """
+    first, *_ = checks.values()
+    lacking = {fact for check in checks.values() if check is not None for fact in check.lacking}
+    format_name = "" if first is None else first.format
+    facts = ask_for_missing(place, pictures.usable.values(), lacking, format_name)
+    draw_trouble(place)
+    return Form(names, recording, frames, pictures, facts, unusable(checks.items()))
