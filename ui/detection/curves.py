@@ -1,4 +1,4 @@
-"""Detection page: the curves with the operating points, and the figures in a table."""
+"""Detection page: the curves with the operating points, and the measures in a table."""
 
 from __future__ import annotations
 
@@ -22,6 +22,7 @@ from ui.detection.protocol import filtered
 from ui.session import state
 from ui.session.evidence import miss_rate_evidence
 from ui.widgets.charts import clicked_chart
+from ui.widgets.choices import choose_side_by_side, draw_measures
 from ui.widgets.table_columns import measures_as_text
 from ui.widgets.text import docs_link, plain
 
@@ -49,22 +50,15 @@ MOST_SCALES: Final = 200
 
 
 def draw(result: Result, protocol: Protocol) -> None:
-    """The curves of X and Y under a protocol, and their figures."""
+    """The curves of X and Y under a protocol, and their measures."""
     curves = [_curve(result, system.name, protocol) for _, system in result.sides]
     thresholds = [system.threshold for _, system in result.sides]
     summaries = [
         summarise_curve(curve, threshold)
         for curve, threshold in zip(curves, thresholds, strict=True)
     ]
-    kind: CurveKind = st.segmented_control(
-        "Curve",
-        list(KIND_WORDS),
-        default="miss_rate",
-        required=True,
-        key="curve_kind",
-        format_func=KIND_WORDS.__getitem__,
-        label_visibility="collapsed",
-        persist_state="session",
+    kind = choose_side_by_side(
+        "Curve", KIND_WORDS, "curve_kind", default="miss_rate", label_visibility="collapsed"
     )
     windows = _windows(result, protocol) if kind == "roc_windows" else None
     figure = curve_plot(
@@ -210,21 +204,9 @@ def _windows(result: Result, protocol: Protocol) -> float | None:
 
 
 def _draw_table(summaries: list[CurveSummary]) -> None:
-    column = st.column_config.TextColumn(alignment="right", width=90)
     st.header("In numbers")
-    st.dataframe(
-        measures_as_text(curve_rows(*summaries)),
-        hide_index=True,
-        key="curve_figures",
-        height="content",
-        row_height=30,
-        column_config={
-            "measure": st.column_config.TextColumn(width=380),
-            "X": column,
-            "Y": column,
-            "X - Y": column,
-        },
-    )
+    widths = {"measure": 380, "X": 90, "Y": 90, "X - Y": 90}
+    draw_measures(measures_as_text(curve_rows(*summaries)), "curve_figures", widths)
     for letter, summary in zip("XY", summaries, strict=True):
         if summary.why_undefined is not None:
             why = plain(summary.why_undefined)

@@ -18,36 +18,27 @@ from nvcore.measures import EVIDENCE_KEYS, evidence_form, inference_of
 from nvcore.wording import ARROWS, difference, number
 from ui.session import state
 from ui.widgets.charts import draw_chart
+from ui.widgets.choices import draw_measures
 from ui.widgets.text import UNDEFINED, docs_link, plain
 
 TIMES: Final = " ×"
+WIDTHS: Final = {
+    "measure": 310,
+    "X": 70,
+    "Y": 70,
+    "X - Y": 85,
+    "95 % interval": 160,
+    "p": 70,
+    "p (Holm)": 75,
+    "effect": 95,
+}
+"""Columns of the table, px."""
 
 
 def draw(result: Result, evidence: pd.DataFrame) -> None:
     """The table of evidence, and the same by groups of encounters."""
     st.header("Is the difference real?")
-    st.dataframe(
-        shown_evidence(evidence),
-        hide_index=True,
-        key="evidence",
-        height="content",
-        row_height=30,
-        column_config={
-            "measure": st.column_config.TextColumn(width=310),
-            **{
-                name: st.column_config.TextColumn(width=width, alignment="right")
-                for name, width in (
-                    ("X", 70),
-                    ("Y", 70),
-                    ("X - Y", 85),
-                    ("95 % interval", 160),
-                    ("p", 70),
-                    ("p (Holm)", 75),
-                    ("effect", 95),
-                )
-            },
-        },
-    )
+    draw_measures(shown_evidence(evidence), "evidence", WIDTHS)
     notes = dict.fromkeys(note for row in evidence["note"] if row for note in row.split("; "))
     has_blocks = (evidence["unit"] == "blocks").any()
     units = "stretches of these recordings" if has_blocks else "recordings"
@@ -130,6 +121,4 @@ def shown_evidence(evidence: pd.DataFrame) -> pd.DataFrame:
                 number(row["effect"], ".2f") + (TIMES if _has_odds_ratio(row) else ""),
             )
         )
-    return pd.DataFrame(
-        rows, columns=["measure", "X", "Y", "X - Y", "95 % interval", "p", "p (Holm)", "effect"]
-    )
+    return pd.DataFrame(rows, columns=list(WIDTHS))

@@ -15,6 +15,7 @@ from nvcore.tables.moments import worst_moments
 from ui.session import state
 from ui.session.pictures import picture_of
 from ui.shell.navigate import open_row
+from ui.widgets.choices import choose_side_by_side
 from ui.widgets.text import plain
 
 KINDS: Final = {
@@ -34,23 +35,16 @@ def draw(result: Result) -> None:
         "The stretches of low similarity that weigh most, and those in which the systems differ "
         "most. The picture is the worst frame: pedestrians white, X solid blue, Y dashed orange."
     )
-    kind = st.segmented_control(
-        "Which moments",
-        list(KINDS),
-        default="x",
-        format_func=KINDS.__getitem__,
-        required=True,
-        key="moments",
-        label_visibility="collapsed",
-        persist_state="session",
+    kind = choose_side_by_side(
+        "Which moments", KINDS, "moments", default="x", label_visibility="collapsed"
     )
     table = worst_moments(result, n=N_MOMENTS)
     moments = table[table["kind"] == kind].to_dict("records")
     if not moments:
-        st.info(_none(str(kind), result.params.low))
+        st.info(_none(kind, result.params.low))
     for column, moment in zip(st.columns(N_MOMENTS), moments, strict=False):
         with column:
-            _moment(result, str(kind), KINDS[str(kind)], moment)
+            _moment(result, kind, KINDS[kind], moment)
 
 
 def _moment(result: Result, kind: str, title: str, moment: Mapping[Hashable, Any]) -> None:

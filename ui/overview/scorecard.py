@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Final
 
 import pandas as pd
 import streamlit as st
@@ -20,8 +20,11 @@ from ui.session import state
 from ui.shell.messages import sampling_note
 from ui.shell.navigate import open_frame, open_page
 from ui.widgets.charts import clicked_chart
+from ui.widgets.choices import draw_measures
 from ui.widgets.table_columns import measures_as_text
 from ui.widgets.text import docs_link, plain
+
+WIDTHS: Final = {"measure": 250, "X": 70, "Y": 70, "X - Y": 70}
 
 
 def verdict_box(result: Result, findings: Sequence[Finding], evidence: pd.DataFrame) -> None:
@@ -57,14 +60,7 @@ def _extent(result: Result) -> str:
 def scorecard(result: Result) -> None:
     """Every measure of X beside that of Y, the difference, and which way is better."""
     st.header("Scorecard")
-    st.dataframe(
-        measures_as_text(score_rows(result)),
-        hide_index=True,
-        key="scorecard",
-        height="content",
-        column_config=_columns("measure"),
-        row_height=30,
-    )
+    draw_measures(measures_as_text(score_rows(result)), "scorecard", WIDTHS)
     st.caption(
         "↑ higher is better, ↓ lower is better. Similarity, per frame, 1 is best: how well "
         "detections fit the pedestrians, near ones first. Saliency, in seconds, 0 is best: "
@@ -72,14 +68,8 @@ def scorecard(result: Result) -> None:
         f"({docs_link('Metrics', 'similarity')}). {_rule(result)}"
     )
     with st.expander(f"How the {result.venn.n_near:,} encounters went"):
-        st.dataframe(
-            measures_as_text(score_rows(result, MeasureTable.MISS_CLASSES)),
-            hide_index=True,
-            key="classes",
-            height="content",
-            column_config=_columns("miss class"),
-            row_height=30,
-        )
+        table = measures_as_text(score_rows(result, MeasureTable.MISS_CLASSES))
+        draw_measures(table, "classes", WIDTHS, first="miss class")
 
 
 def _rule(result: Result) -> str:
@@ -94,16 +84,6 @@ def _rule(result: Result) -> str:
         f"A detection matches a pedestrian {how}; a looser box is a false alarm, and the "
         "pedestrian is missed (Advanced)."
     )
-
-
-def _columns(first: str) -> dict[str, Any]:
-    column = st.column_config.TextColumn(alignment="right", width=70)
-    return {
-        "measure": st.column_config.TextColumn(first, width=250),
-        "X": column,
-        "Y": column,
-        "X - Y": column,
-    }
 
 
 def by_recording(result: Result) -> None:

@@ -7,7 +7,6 @@ from typing import Final
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.csv_text import to_csv_bytes
 from nvcore.errors import InputError
 from nvcore.studies.ratings.store import Study
 from nvcore.wording import count_text
@@ -15,6 +14,7 @@ from ui.ratings import links, participant
 from ui.ratings.links import CONDUCT
 from ui.ratings.participant import ENDS
 from ui.session import state
+from ui.widgets.choices import choose_side_by_side, download_csv
 from ui.widgets.text import plain
 
 RESULTS: Final = "Results"
@@ -28,16 +28,8 @@ def choose_part() -> str:
     """The part of the page; a conductor's link opens the rating session."""
     if CONDUCT in st.query_params:
         st.session_state.setdefault(PART, SESSION)
-    part: str = st.segmented_control(
-        "Part",
-        [RESULTS, SESSION],
-        default=RESULTS,
-        required=True,
-        key=PART,
-        persist_state="session",
-        label_visibility="collapsed",
-    )
-    return part
+    parts = [RESULTS, SESSION]
+    return choose_side_by_side("Part", parts, PART, default=RESULTS, label_visibility="collapsed")
 
 
 def draw(result: Result) -> None:
@@ -146,12 +138,4 @@ def _draw_progress(study: Study) -> None:
         st.caption("Nobody has joined yet. This is looked up every five seconds.")
     if n_ratings:
         st.caption(f'Whether they agree is told under "{RESULTS}", with ratings from "{SESSION}".')
-        st.download_button(
-            "Ratings (CSV)",
-            data=lambda: to_csv_bytes(store.ratings(study)),
-            on_click="ignore",
-            file_name="ratings.csv",
-            mime="text/csv",
-            icon=":material/download:",
-            key="rating_export",
-        )
+        download_csv("Ratings (CSV)", lambda: store.ratings(study), "ratings.csv", "rating_export")

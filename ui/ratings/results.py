@@ -10,7 +10,6 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.csv_text import to_csv_bytes
 from nvcore.errors import InputError
 from nvcore.figures.ratings import participants_plot, rating_plot
 from nvcore.studies.ratings.agreement import Agreement, measure_agreement, rank_ratings
@@ -27,6 +26,7 @@ from ui.ratings.applied_fit import AppliedFit
 from ui.ratings.source import RatingSource
 from ui.session import state
 from ui.widgets.charts import draw_chart
+from ui.widgets.choices import download_csv
 from ui.widgets.table_columns import table_height
 from ui.widgets.text import UNDEFINED, docs_link, number, plain
 
@@ -141,13 +141,8 @@ def _concordance(agreement: Agreement) -> str:
             f"little. Ranks by chance have a W of {1 / agreement.n_participants:.2f} on average "
             f"with {agreement.n_participants} participants."
         )
-    degree = (
-        "strongly and"
-        if agreement.w >= STRONG
-        else "moderately and"
-        if agreement.w >= MODERATE
-        else "little, but"
-    )
+    degree = "moderately and" if agreement.w >= MODERATE else "little, but"
+    degree = "strongly and" if agreement.w >= STRONG else degree
     return (
         f"The participants agree {degree} more than by chance ({p}): W is 0 for no agreement on "
         "which clips are more annoying, and 1 for the same ranks."
@@ -245,24 +240,8 @@ def _correlations(correlations: list[Correlation]) -> pd.DataFrame:
 def _downloads(ratings: pd.DataFrame, ranks: pd.DataFrame) -> None:
     st.header("Files")
     with st.container(horizontal=True):
-        st.download_button(
-            "Ratings (CSV)",
-            data=lambda: to_csv_bytes(ratings),
-            file_name="ratings.csv",
-            mime="text/csv",
-            on_click="ignore",
-            icon=":material/download:",
-            key="ratings_csv",
-        )
-        st.download_button(
-            "Ranks (CSV)",
-            data=lambda: to_csv_bytes(_long(ranks)),
-            file_name="ranks.csv",
-            mime="text/csv",
-            on_click="ignore",
-            icon=":material/download:",
-            key="ranks_csv",
-        )
+        download_csv("Ratings (CSV)", lambda: ratings, "ratings.csv", "ratings_csv")
+        download_csv("Ranks (CSV)", lambda: _long(ranks), "ranks.csv", "ranks_csv")
 
 
 def _long(ranks: pd.DataFrame) -> pd.DataFrame:

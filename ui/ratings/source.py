@@ -15,6 +15,7 @@ from nvcore.errors import InputError
 from nvcore.studies.ratings.reading import RATINGS_FILE, parse_ratings, read_ratings
 from ui.ratings import links, typed
 from ui.session import state
+from ui.widgets.choices import choose_side_by_side
 from ui.widgets.text import plain
 
 SIMULATED: Final = "Simulated"
@@ -59,14 +60,8 @@ def choose(result: Result) -> RatingSource | None:
     sources = [FILE, TYPED, SESSION]
     if state.opened().label == state.SAMPLE_LABEL and _simulated_file().exists():
         sources.insert(0, SIMULATED)
-    source = st.segmented_control(
-        "Ratings from",
-        sources,
-        default=sources[0],
-        required=True,
-        key=f"ratings_source_{len(sources)}",
-        persist_state="session",
-    )
+    key = f"ratings_source_{len(sources)}"
+    source = choose_side_by_side("Ratings from", sources, key, default=sources[0])
     try:
         ratings = READERS[source](result)
     except InputError as error:

@@ -14,6 +14,7 @@ from nvcore.tables.result import located_events
 from ui.saliency.figures import OPEN, WANTED
 from ui.session import state
 from ui.shell.navigate import open_row
+from ui.widgets.choices import choose_side_by_side
 from ui.widgets.clicks import clicked_row
 from ui.widgets.table_columns import MOST_ROWS, as_shown, column_config, rows_told, table_height
 from ui.widgets.text import UNDEFINED
@@ -58,14 +59,7 @@ def draw_table(result: Result, recording: int | None) -> None:
     recording
         Row of the recordings table; None: all of them.
     """
-    letter = st.segmented_control(
-        "Events of",
-        [BOTH, "X", "Y"],
-        default=BOTH,
-        required=True,
-        key="saliency_system",
-        persist_state="session",
-    )
+    letter = choose_side_by_side("Events of", [BOTH, "X", "Y"], "saliency_system", default=BOTH)
     events, first_row = _events(result, recording, None if letter == BOTH else letter.lower())
     if events.empty:
         st.info("No event here: nobody is missed by more than the tolerance.")

@@ -24,6 +24,7 @@ from ui.jobs.progress import start_as_made
 from ui.session import state
 from ui.session.evidence import measure_evidence
 from ui.widgets.charts import clicked_chart
+from ui.widgets.choices import choose_side_by_side
 from ui.widgets.text import plain
 
 AT_ONCE: Final = 20_000
@@ -63,24 +64,11 @@ def _choose(result: Result) -> MapKey:
         start_as_made(
             job, JOB, stability_plane=job.key.plane, stability_criterion=job.key.criterion
         )
-    plane = st.segmented_control(
-        "What is varied",
-        list(SURVEY_PLANES),
-        required=True,
-        format_func=PLANES.__getitem__,
-        key="stability_plane",
-        persist_state="session",
-    )
-    criterion = st.segmented_control(
-        "Who is better by",
-        list(CRITERIA),
-        required=True,
-        format_func=CRITERIA.__getitem__,
-        key="stability_criterion",
-        persist_state="session",
-    )
+    planes = {plane: PLANES[plane] for plane in SURVEY_PLANES}
+    plane = choose_side_by_side("What is varied", planes, "stability_plane")
+    criterion = choose_side_by_side("Who is better by", CRITERIA, "stability_criterion")
     version = state.workspace().version
-    return MapKey(version, result.params, plane or first_plane, criterion or first_criterion)
+    return MapKey(version, result.params, plane, criterion)
 
 
 def _job() -> BackgroundJob[StabilityMap] | None:

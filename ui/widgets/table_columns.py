@@ -144,10 +144,9 @@ def _config(column: Column) -> Any:
     if column.kind is Kind.TEXT:
         return st.column_config.TextColumn(label, width=width, help=text, pinned=pinned)
     if column.kind is Kind.INTEGER:
-        return st.column_config.NumberColumn(
-            label, width=width, help=text, pinned=pinned, format="%d"
-        )
-    if base in PERCENT:
-        return st.column_config.NumberColumn(label, width=width, help=text, format="%.0f %%")
-    form = "%+.2f" if base in SIGNED else "%.0f" if base == "peak_height" else "%.2f"
-    return st.column_config.NumberColumn(label, width=width, help=text, format=form)
+        form = "%d"
+    elif base in PERCENT:
+        form = "%.0f %%"
+    else:
+        form = "%+.2f" if base in SIGNED else "%.0f" if base == "peak_height" else "%.2f"
+    return st.column_config.NumberColumn(label, width=width, help=text, pinned=pinned, format=form)

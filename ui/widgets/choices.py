@@ -1,0 +1,63 @@
+"""Controls and tables that several pages draw alike."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, TypeVar
+
+import pandas as pd
+import streamlit as st
+
+from nvcore.csv_text import to_csv_bytes
+
+Option = TypeVar("Option")
+
+
+def choose_side_by_side(
+    label: str, options: Mapping[Option, str] | Sequence[Option], key: str, **more: Any
+) -> Option:
+    """One of a few options, all of them in sight; kept while other pages are shown.
+
+    Parameters
+    ----------
+    options
+        In their order; a mapping gives the words of each.
+    """
+    words = options.__getitem__ if isinstance(options, Mapping) else str
+    chosen: Option = st.segmented_control(
+        label,
+        list(options),
+        required=True,
+        key=key,
+        persist_state="session",
+        **{"format_func": words, **more},
+    )
+    return chosen
+
+
+def draw_measures(
+    table: pd.DataFrame, key: str, widths: Mapping[str, int], first: str = ""
+) -> None:
+    """A table of measures as text, whole; its first column is called `first`, if given."""
+    name, *others = widths
+    config = {
+        other: st.column_config.TextColumn(width=widths[other], alignment="right")
+        for other in others
+    }
+    config[name] = st.column_config.TextColumn(first or None, width=widths[name])
+    st.dataframe(
+        table, hide_index=True, key=key, height="content", row_height=30, column_config=config
+    )
+
+
+def download_csv(label: str, make: Callable[[], pd.DataFrame], file_name: str, key: str) -> None:
+    """A button that downloads a table, which is made only then."""
+    st.download_button(
+        label,
+        data=lambda: to_csv_bytes(make()),
+        file_name=file_name,
+        mime="text/csv",
+        on_click="ignore",
+        icon=":material/download:",
+        key=key,
+    )
