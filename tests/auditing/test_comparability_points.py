@@ -47,11 +47,8 @@ def test_the_advice_names_the_threshold_of_as_many_false_alarms() -> None:
 
 
 def test_the_threshold_is_that_of_the_system_with_more_false_alarms() -> None:
-    made = low_and_high()
-    finding = find(compared([*hits(0.9, 2), *alarms([0.1] * 10, 400)],
-                            [*hits(0.9, 1), *alarms([0.01] + [0.2 + i / 100 for i in range(19)],
-                                                    500)]), "score-floors")  # fmt: skip
-    assert find(made, "score-floors").subject == "x"
+    many = [*hits(0.9, 1), *alarms([0.01] + [0.2 + i / 100 for i in range(19)], 500)]
+    finding = find(compared([*hits(0.9, 2), *alarms([0.1] * 10, 400)], many), "score-floors")
     assert finding.subject == "y"
     assert "--threshold-y 0.29" in finding.advice
 

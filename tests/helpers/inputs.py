@@ -61,11 +61,8 @@ def mot_layout(folder: Path, names: tuple[str, ...] = ("A", "B")) -> Path:
         rows = [f"{frame},1,{11 + frame},21,30,60" for frame in (1, 2, 3, 4)]
         write(folder / name / "gt" / "gt.txt", *(f"{row},1,1,1" for row in rows))
         write(folder / name / "det" / "det.txt", *(f"{row},0.9,-1,-1,-1" for row in rows))
-        write(
-            folder / name / "seqinfo.ini",
-            "[Sequence]", f"name={name}", "frameRate=10", "seqLength=5", "imWidth=640",
-            "imHeight=480",
-        )  # fmt: skip
+        facts = ("frameRate=10", "seqLength=5", "imWidth=640", "imHeight=480")
+        write(folder / name / "seqinfo.ini", "[Sequence]", f"name={name}", *facts)
     return folder
 
 

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -24,37 +25,35 @@ from nvcore.inputs.readers.coco.truth import read as read_coco
 PLACE = ["recording", "frame", "x", "y", "w", "h"]
 
 
+def reading_of(names: list[str], sizes: dict[str, float], header: str, *boxes: tuple) -> Reading:
+    """Boxes of these columns; the first recording has sizes."""
+    columns = dict(zip(header.split(), map(list, zip(*boxes, strict=True)), strict=True))
+    first, *others = names
+    recordings = [recording_row(first, **sizes), *map(recording_row, others)]
+    return Reading(reading_boxes(len(boxes), **columns), recordings_table(recordings), "")
+
+
 def truth(**columns: object) -> Reading:
-    boxes = reading_boxes(
-        3,
-        **{
-            "recording": ["urban", "urban", "=rural"],
-            "frame": [9, 29, 0],
-            "x": [282.0, 1 / 3, -4.5],
-            "y": [205.0, 205.1, 20.0],
-            "w": [20.0, 37.0, 5.0],
-            "h": [43.0, 42.0, 12.0],
-            "track": [1, -1, 7],
-            "ignore": [False, True, False],
-            "distance_m": [31.5, np.nan, 8.0],
-            "occlusion": [0, 2, -1],
-            **columns,
-        },
+    reading = reading_of(
+        ["urban", "=rural"],
+        {"width": 640, "height": 512, "fps": 20},
+        "recording frame x y w h track ignore distance_m occlusion",
+        ("urban", 9, 282.0, 205.0, 20.0, 43.0, 1, False, 31.5, 0),
+        ("urban", 29, 1 / 3, 205.1, 37.0, 42.0, -1, True, np.nan, 2),
+        ("=rural", 0, -4.5, 20.0, 5.0, 12.0, 7, False, 8.0, -1),
     )
-    rows = [recording_row("urban", width=640, height=512, fps=20), recording_row("=rural")]
-    return Reading(boxes, recordings_table(rows), "")
+    return replace(reading, boxes=reading.boxes.assign(**columns))
 
 
 def detections(**columns: object) -> Reading:
-    boxes = reading_boxes(
-        2,
-        **{
-            "recording": ["urban", "=rural"], "frame": [9, 0], "x": [1.25, 2.0], "y": [3.0, 4.0],
-            "w": [5.0, 6.0], "h": [7.0, 8.0], "score": [0.5, -3.25], "track": [-1, 4], **columns,
-        },
-    )  # fmt: skip
-    rows = [recording_row("urban"), recording_row("=rural")]
-    return Reading(boxes, recordings_table(rows), "")
+    reading = reading_of(
+        ["urban", "=rural"],
+        {},
+        "recording frame x y w h score track",
+        ("urban", 9, 1.25, 3.0, 5.0, 7.0, 0.5, -1),
+        ("=rural", 0, 2.0, 4.0, 6.0, 8.0, -3.25, 4),
+    )
+    return replace(reading, boxes=reading.boxes.assign(**columns))
 
 
 def one_recording(reading: Reading) -> Reading:

@@ -35,14 +35,16 @@ def test_the_fingerprint_changes_with_one_byte_of_the_input(tmp_path: Path):
 @pytest.mark.parametrize(
     "change",
     [
-        {"size": (641, 480)}, {"fps": 21.0}, {"frames": "0:18"},
+        {"size": (641, 480)},
+        {"fps": 21.0},
+        {"frames": "0:18"},
         {"truth": Source(("truth.csv",), classes=("person",))},
         {"systems": (SystemSource(("fir.csv",), offset_frames=1), SystemSource(("nir.csv",)))},
         {"systems": (SystemSource(("fir.csv",), scale=(1, 2)), SystemSource(("nir.csv",)))},
         {"recordings": (facts_of("urban", horizon=200.0),)},
         {"recordings": (facts_of("urban", tags=("night",)),)},
     ],
-)  # fmt: skip
+)
 def test_the_fingerprint_changes_with_every_setting_of_the_reading(tmp_path: Path, change: dict):
     session = session_of(drive(tmp_path))
     assert fingerprint(replace(session, **change)) != fingerprint(session)

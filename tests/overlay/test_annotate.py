@@ -72,8 +72,8 @@ def test_a_changed_setting_changes_the_caption():
 
 def test_many_changed_settings_are_told_in_further_lines():
     few = result(alpha=0.8)
-    many = result(alpha=0.8, low=0.7, lag_s=1.0, gap_s=1.0, coverage=0.4, window=2.0, iou=0.4,
-                  tolerance=0.1, threshold_x=0.25, threshold_y=0.75)  # fmt: skip
+    more = {"lag_s": 1.0, "gap_s": 1.0, "coverage": 0.4, "window": 2.0, "iou": 0.4}
+    many = result(alpha=0.8, low=0.7, tolerance=0.1, threshold_x=0.25, threshold_y=0.75, **more)
     heights = [annotate(made, None, -1, 5).shape[0] for made in (few, many)]
     assert heights[0] < heights[1]
 

@@ -84,9 +84,8 @@ def test_missing_picture_files_leave_frames_without_pictures(tmp_path: Path):
 @pytest.mark.parametrize("names", [["501", "502", "503"], ["a", "b", "c"]])
 def test_names_that_do_not_fit_give_way_to_the_order(tmp_path: Path, names: list[str]):
     pictures = folder_of(tmp_path, names)
-    assert index_of([0, 20, 40], pictures) == (
-        [0, 1, 2], "The pictures in their order show the listed frames.",
-    )  # fmt: skip
+    note = "The pictures in their order show the listed frames."
+    assert index_of([0, 20, 40], pictures) == ([0, 1, 2], note)
     index, note = index_of([0, 2], pictures)
     assert (index, note) == ([0, 2], "The pictures in their order show frame 0, 1, 2 and so on.")
 

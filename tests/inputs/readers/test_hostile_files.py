@@ -21,10 +21,10 @@ CASES = [
     (yolo.FORMAT, DATA / "yolo" / "drive1" / "000001.txt"),
 ]
 PIECES = [
-    b"", b"nan", b"-1", b"1e999", b"9" * 20, b"1.5", b"<", b"</box>", b"&amp;", b"&x;", b"\x00",
-    b"\xff", b"true", b"box", b"track", b"image", b"object", b'"', b"\n", b"0 .5 .5 .1 .1 .5\n",
-    b"person", b"step=3", b"inf", b"<box/>", b"<object/>", "\u0663".encode(),
-]  # fmt: skip
+    *b"nan -1 1e999 1.5 < </box> &amp; &x; \x00 \xff true box track image object person inf".split(),
+    *(b"", b"9" * 20, b"\n", b"0 .5 .5 .1 .1 .5\n", b'"', b"step=3", b"<box/>", b"<object/>"),
+    "\u0663".encode(),
+]
 QUICK = settings(
     max_examples=40,
     deadline=None,

@@ -178,7 +178,7 @@ def test_odd_occlusion_levels_are_reported(read_text):
         ("x" * 200_000 + "\n", "expected a header line"),
         (b"frame,x,y,w,h\n\xff\xfe\n", "line 2: expected UTF-8 text"),
     ],
-)  # fmt: skip
+)
 def test_a_fault_is_named_with_its_line(read_text, text, message):
     with pytest.raises(FormatError, match=message):
         read_text(text)

@@ -189,11 +189,16 @@ def test_fast_and_careful_parser_agree(tmp_path, monkeypatch):
 
 
 def test_the_fast_parser_leaves_what_is_unusual_to_the_careful_one(tmp_path):
-    for row in (
-        result(score=None), result(bbox=[1, 2, 3]), result(image_id="x"), result(note="},{"),
-        result(category_id=True),
-    ):  # fmt: skip
-        file = source(tmp_path, json.dumps([result(), row]), "results.json")
+    unusual = {
+        "score": None,
+        "bbox": [1, 2, 3],
+        "image_id": "x",
+        "note": "},{",
+        "category_id": True,
+    }
+    for field, value in unusual.items():
+        text = json.dumps([result(), result(**{field: value})])
+        file = source(tmp_path, text, "results.json")
         assert result_columns._fast(file) is None
 
 
