@@ -21,8 +21,18 @@ CASES = [
     (yolo.FORMAT, DATA / "yolo" / "drive1" / "000001.txt"),
 ]
 PIECES = [
-    *b"nan -1 1e999 1.5 < </box> &amp; &x; \x00 \xff true box track image object person inf".split(),
-    *(b"", b"9" * 20, b"\n", b"0 .5 .5 .1 .1 .5\n", b'"', b"step=3", b"<box/>", b"<object/>"),
+    *b"nan -1 1e999 1.5 < </box> &amp; &x; \x00 \xff true box track image object person".split(),
+    *(
+        b"",
+        b"inf",
+        b"9" * 20,
+        b"\n",
+        b"0 .5 .5 .1 .1 .5\n",
+        b'"',
+        b"step=3",
+        b"<box/>",
+        b"<object/>",
+    ),
     "\u0663".encode(),
 ]
 QUICK = settings(
