@@ -64,12 +64,14 @@ def test_a_file_that_was_named_is_read_whatever_its_ending_and_signs(tmp_path: P
             ["b.json"],
         ),
         ({"a.xml": "<annotation><object/></annotation>", "list.txt": "a"}, {}, ["a.xml"]),
+        ({"a.csv": "frame,x,y,w,h,score\n7\n"}, {"role": "detections"}, ["a.csv"]),
     ],
     ids=[
         "names relative to it",
         "neither readme nor hidden files",
         "the named format's endings",
         "the detected format's endings",
+        "a line of one number makes no list of frames",
     ],
 )
 def test_a_folder_gives_the_files_that_can_be_read(
