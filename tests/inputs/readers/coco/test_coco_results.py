@@ -62,6 +62,13 @@ def test_pictures_are_found_among_known_recordings_and_need_a_number(read_result
         read_results([picture | {"image_filepath": "left.png"}], **known)
 
 
+def test_pictures_are_found_by_name_in_the_truths_list_or_else_by_their_number(read_results):
+    images = IMAGES.assign(file_name=["left.png", "right.png", "b.png"])
+    for name, place in (("out/right.png", ["a", 25]), ("drive/I00077.png", ["drive", 77])):
+        picture = {"bbox": [1, 2, 3, 4], "image_filepath": name}
+        assert rows(read_results([picture], images=images).boxes, "recording frame") == [place]
+
+
 def test_an_empty_list_is_a_system_that_detected_nothing(read_results):
     reading = read_results([])
     assert reading.boxes.empty
