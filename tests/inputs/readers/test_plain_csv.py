@@ -137,7 +137,7 @@ def test_text_track_ids_are_numbered_after_the_largest_number_of_their_recording
             "track",
             [[0], [1]],
         ),
-        ("frame,x,y,w,h,id\n1,2,3,4,5,-1\n1,2,3,4,5,2.0\n", "track", [[-1], [2]]),
+        ("frame,x,y,w,h,id\n1,2,3,4,5,-1\n1,2,3,4,5,0\n1,2,3,4,5,2.0\n", "track", [[-1], [0], [2]]),
         ("frame,x,y,w,h\n1,,3,nan,5\n", "x w", [[None, None]]),
         ("frame,x,y,w,h\n\n1,2,3,4,5\n\n2,2,3,4,5\n", "line", [[3], [5]]),
         # an apostrophe against spreadsheets is taken off
