@@ -60,6 +60,8 @@ def test_a_curve_of_many_scores_is_thinned_and_keeps_its_ends():
     assert len(curve) == 200
     assert curve["threshold"].iloc[[0, -1]].tolist() == [0, 0.999]
     assert curve["n_kept"].iloc[[0, -1]].tolist() == [1000, 1]
+    mixed = make_dataset(x=alarms(NAN, *(i / 100 for i in range(100))))
+    assert len(false_alarm_curve(mixed, "x", PARAMS)) == 25
 
 
 @pytest.mark.parametrize("x", [[], [at(0, 50)]])

@@ -43,9 +43,8 @@ def draw_scene(
     truth: list[Box] = []
     systems: tuple[list[Box], list[Box]] = ([], [])
     for number, place in enumerate(places):
-        walkers = [
-            _draw_box(rng, place, is_grid) for _ in range(rng.integers(0, 30 if is_crowded else 4))
-        ]
+        n_walkers = rng.integers(24, 33) if is_crowded else rng.integers(0, 4)
+        walkers = [_draw_box(rng, place, is_grid) for _ in range(n_walkers)]
         for frame in place.frames:
             is_empty = rng.random() < 0.15
             for track, walker in enumerate([] if is_empty else walkers):

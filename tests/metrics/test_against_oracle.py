@@ -39,7 +39,7 @@ PARAMS = st.builds(
     saliency_scope=st.sampled_from(["recording", "encounter"]),
 )
 SEEDS = st.integers(0, 2**32 - 1)
-MOSTLY_FALSE = st.sampled_from([False] * 7 + [True])
+MOSTLY_FALSE = st.sampled_from([False] * 9 + [True])
 SCENES = st.builds(draw_scene, SEEDS, is_grid=st.booleans(), is_crowded=MOSTLY_FALSE)
 thoroughly = settings(max_examples=40, deadline=None, derandomize=True)
 

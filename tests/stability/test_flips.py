@@ -121,29 +121,28 @@ def test_the_sentences_give_the_nearest_number_of_the_map(found: StabilityMap) -
     assert ("also better in" in said) == (len(found.overturns) > 1)
 
 
-def test_the_zero_between_two_points_is_nearer_than_the_point_beyond() -> None:
-    # along the second axis from 3 to -1: zero at 3/4 of the way
-    turn = plain_map([[9, 9, 9], [9, 3, -1], [9, 9, 9]], (1, 1)).overturn
+OBLIQUE = [[8, 8, 8, -8], [8, 8, -1, -8], [8, -8, -8, -8], [-8, -8, -8, -8]]
+
+
+@pytest.mark.parametrize(
+    ("difference", "present", "place", "distance"),
+    [
+        # along the second axis from 3 to -1: zero at 3/4 of the way
+        ([[9, 9, 9], [9, 3, -1], [9, 9, 9]], (1, 1), (1.0, 1.75), 0.75 / 2),
+        ([[9, 3, 0, -2], [9, 9, 9, 9]], (0, 1), (0.0, 2.0), 1 / 3),  # a tie at one point
+        (OBLIQUE, (0, 0), (1.5, 1.0), np.hypot(1.5, 1) / 3),  # along the axes: 2.5
+    ],
+)
+def test_the_nearest_turn_is_where_the_difference_is_zero(
+    difference: list[list[float]],
+    present: tuple[int, int],
+    place: tuple[float, float],
+    distance: float,
+) -> None:
+    turn = plain_map(difference, present).overturn
     assert turn is not None
-    assert turn.place == (1.0, 1.75)
-    assert (turn.winner, turn.difference) == ("y", 0)
-    assert turn.distance == pytest.approx(0.75 / 2)
-
-
-def test_a_tie_at_one_point_of_a_continuous_setting_is_where_it_turns() -> None:
-    found = plain_map([[9, 3, 0, -2], [9, 9, 9, 9]], (0, 1))
-    assert found.overturn is not None
-    assert (found.overturn.place, found.overturn.winner) == ((0.0, 2.0), "y")
-    assert found.intervals[1].flips_above == 2
-    assert found.intervals[1].above == "y"
-
-
-def test_an_oblique_turn_is_nearer_than_both_along_the_axes() -> None:
-    found = plain_map([[8, 8, 8, -8], [8, 8, -1, -8], [8, -8, -8, -8], [-8, -8, -8, -8]], (0, 0))
-    assert [interval.flips_above for interval in found.intervals] == [2.5, 2.5]
-    assert found.overturn is not None
-    assert found.overturn.place == (1.5, 1.0)
-    assert found.overturn.distance == pytest.approx(np.hypot(1.5, 1) / 3)
+    assert (turn.place, turn.winner) == (place, "y")
+    assert turn.distance == pytest.approx(distance)
 
 
 def test_where_the_difference_makes_steps_the_point_beyond_is_told() -> None:
