@@ -59,14 +59,8 @@ def test_scales_with_rounding_errors_lose_no_window():
 def test_scale_steps_include_both_ends():
     assert scale_steps(1.0, 2.4, 0.2) == (1.0, 1.2, 1.4, 1.6, 1.8, 2.0, 2.2, 2.4)
     assert scale_steps(1, 1, 0.5) == (1.0,)
-    for wrong in (
-        (0, 1, 0.1),
-        (2, 1, 0.1),
-        (1, 2, 0),
-        (1, math.nan, 1),
-        (1, math.inf, 1),
-        (1, 2, math.inf),
-    ):
+    inf = math.inf
+    for wrong in ((0, 1, 0.1), (2, 1, 0.1), (1, 2, 0), (1, math.nan, 1), (1, inf, 1), (1, 2, inf)):
         with pytest.raises(ParameterError, match="the first scale must be above 0, the last"):
             scale_steps(*wrong)
 
