@@ -14,35 +14,24 @@ NAMES = ["a", "b"]
 NUMBERS = {0: np.array([0, 1, 2]), 1: np.array([10, 30, 50])}
 
 
-def place(name: str | None, frame: str | None) -> tuple[tuple[int, int], list[str]]:
-    return read_place(name, frame, NAMES, NUMBERS.__getitem__)
-
-
-def test_a_link_names_recording_and_frame():
-    assert place("b", "30") == ((1, 1), [])
-
-
-def test_without_a_place_it_is_the_first_frame():
-    assert place(None, None) == ((0, 0), [])
-
-
-def test_a_frame_that_is_not_evaluated_gives_the_nearest_and_says_so():
-    found, wrong = place("b", "44")
-    assert found == (1, 2)
-    assert "not an evaluated one" in wrong[0]
-
-
-def test_an_unknown_recording_gives_the_first_and_says_so():
-    found, wrong = place("<b>", "1")
-    assert found == (0, 1)
-    assert "no such recording" in wrong[0]
-
-
-@pytest.mark.parametrize("frame", ["", "x", "1e3", "1" * 40, "٣", "--1"])
-def test_a_frame_that_is_no_number_is_told(frame: str):
-    found, wrong = place("a", frame)
-    assert found == (0, 0)
-    assert wrong == ["its frame is no number"]
+@pytest.mark.parametrize(
+    ("name", "frame", "where", "why"),
+    [
+        ("b", "30", (1, 1), ""),
+        (None, None, (0, 0), ""),
+        ("b", "44", (1, 2), "not an evaluated one"),  # the nearest
+        ("<b>", "1", (0, 1), "no such recording"),
+        *(("a", text, (0, 0), "its frame is no number") for text in ("", "x", "1e3", "٣", "--1")),
+        ("a", "1" * 40, (0, 0), "its frame is no number"),
+    ],
+)
+def test_a_link_names_recording_and_frame_and_what_is_wrong_with_them_is_told(
+    name: str | None, frame: str | None, where: tuple[int, int], why: str
+):
+    place, wrong = read_place(name, frame, NAMES, NUMBERS.__getitem__)
+    assert place == where
+    assert why in "".join(wrong)
+    assert bool(wrong) == bool(why)
 
 
 def test_parameters_of_the_address_are_numbers_and_choices():

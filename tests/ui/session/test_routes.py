@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import gc
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -49,19 +49,15 @@ def frame(space: Workspace, row: object, query: str = "", recording: object = 0)
     return ask(f"{address(space)}/frame/{recording}/{row}.jpg{query}")
 
 
-def test_a_row_gives_the_picture_that_shows_it(space: Workspace):
+def test_a_row_gives_the_picture_that_shows_it_to_its_browser_alone(space: Workspace):
     answer = frame(space, 2)
     assert (answer.status, answer.headers["content-type"]) == (200, "image/jpeg")
     picture = cv2.imdecode(np.frombuffer(answer.body, np.uint8), cv2.IMREAD_GRAYSCALE)
     assert picture.shape == (8, 16)
     assert abs(float(picture.mean()) - 40) < 3
-
-
-def test_pictures_are_kept_by_the_browser_alone_and_taken_for_nothing_else(space: Workspace):
-    headers = frame(space, 1).headers
-    assert headers["cache-control"] == "private, max-age=3600"
-    assert headers["x-content-type-options"] == "nosniff"
-    assert headers["cross-origin-resource-policy"] == "same-origin"
+    assert answer.headers["cache-control"] == "private, max-age=3600"
+    assert answer.headers["x-content-type-options"] == "nosniff"
+    assert answer.headers["cross-origin-resource-policy"] == "same-origin"
 
 
 @pytest.mark.parametrize(
@@ -79,32 +75,25 @@ def test_a_picture_that_cannot_be_decoded_is_told_in_words(space: Workspace):
     assert (answer.status, answer.text) == (404, "picture 2 cannot be decoded")
 
 
-@pytest.mark.parametrize("query", ["?lo=1&hi=99", "?lo=0", "?hi=100"])
-def test_a_stretch_is_applied(space: Workspace, query: str):
-    assert frame(space, 1, query).status == 200
-
-
-@pytest.mark.parametrize("query", ["?lo=60&hi=40", "?lo=nan", "?hi=inf", "?lo=-1", "?hi=x"])
-def test_a_stretch_that_makes_no_sense_is_refused(space: Workspace, query: str):
-    assert frame(space, 1, query).status == 400
-
-
-@pytest.mark.parametrize("rest", ["frame/0/1.jpg", "boxes/0/0"])
-def test_another_token_finds_nothing(space: Workspace, rest: str):
-    assert ask(f"/nv/guess/{rest}").status == 404
-    assert ask(f"{address(space)}/{rest}").status == 200
+@pytest.mark.parametrize(
+    ("query", "status"),
+    [
+        *((query, 200) for query in ("?lo=1&hi=99", "?lo=0", "?hi=100")),
+        *((query, 400) for query in ("?lo=60&hi=40", "?lo=nan", "?hi=inf", "?lo=-1", "?hi=x")),
+    ],
+)
+def test_a_stretch_is_applied_or_refused(space: Workspace, query: str, status: int):
+    assert frame(space, 1, query).status == status
 
 
 @pytest.mark.parametrize("rest", ["frame/0/1.jpg", "boxes/0/0"])
-def test_the_token_of_an_ended_session_finds_nothing(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, rest: str
+def test_neither_another_token_nor_that_of_an_ended_session_finds_anything(
+    space: Workspace, rest: str
 ):
-    monkeypatch.setenv("NVCORE_UPLOAD_DIR", str(tmp_path))
-    space = Workspace()
     start = address(space)
+    assert ask(f"{start}/{rest}").status == 200
+    assert ask(f"/nv/guess/{rest}").status == 404
     space.close()
-    del space
-    gc.collect()
     assert ask(f"{start}/{rest}").status == 404
 
 
@@ -133,75 +122,62 @@ def test_boxes_of_the_newest_analysis_are_kept_under_its_version_only(space: Wor
     other = ask(f"{address(space)}/boxes/0/0?v=old")
     assert kept.headers["cache-control"] == "private, max-age=3600"
     assert other.headers["cache-control"] == "no-store"
-
-
-def test_before_an_analysis_there_are_no_boxes(space: Workspace):
-    space.compared = None
+    space.compared = None  # before an analysis there are none
     assert ask(f"{address(space)}/boxes/0/0").status == 404
 
 
-def test_a_sent_picture_is_stored(space: Workspace):
+def upload(space: Workspace, content: bytes = PNG, **more: str):
+    return put(f"{address(space)}/upload/pictures?name=a.png", content, **more)
+
+
+def test_a_sent_picture_is_stored_and_the_answer_holds_no_path_of_the_machine(space: Workspace):
     answer = put(f"{address(space)}/upload/pictures?name=..%2Fnight%2001.png", PNG)
     assert answer.status == 201
     assert (space.folder / "pictures" / "images" / "night 01.png").read_bytes() == PNG
     assert answer.headers["cache-control"] == "no-store"
-
-
-def test_the_answer_to_an_upload_holds_no_path_of_the_machine(space: Workspace):
-    answer = put(f"{address(space)}/upload/pictures?name=a.png", PNG)
     assert str(space.folder) not in answer.text
 
 
 @pytest.mark.parametrize("slot", ["annotations", "..", "truth"])
-def test_only_pictures_are_taken(space: Workspace, slot: str):
+def test_only_pictures_are_taken_and_only_for_a_known_token(space: Workspace, slot: str):
     assert put(f"{address(space)}/upload/{slot}?name=a.png", PNG).status == 404
-
-
-def test_nothing_is_taken_for_an_unknown_token(space: Workspace):
     assert put("/nv/guess/upload/pictures?name=a.png", PNG).status == 404
 
 
-@pytest.mark.parametrize("origin", ["https://evil.example", "null", "http://testserver.evil"])
-def test_nothing_is_taken_from_another_origin(space: Workspace, origin: str):
-    answer = put(f"{address(space)}/upload/pictures?name=a.png", PNG, origin=origin)
-    assert answer.status == 403
+@pytest.mark.parametrize(
+    "headers",
+    [
+        *({"origin": host} for host in ("https://evil.example", "null", "http://testserver.evil")),
+        {"sec-fetch-site": "cross-site"},
+    ],
+)
+def test_nothing_is_taken_from_another_site(space: Workspace, headers: dict[str, str]):
+    assert upload(space, **headers).status == 403
     assert space.stored == {}
 
 
-def test_a_cross_site_request_is_refused(space: Workspace):
-    answer = put(
-        f"{address(space)}/upload/pictures?name=a.png", PNG, **{"sec-fetch-site": "cross-site"}
-    )
-    assert answer.status == 403
-
-
 def test_the_apps_own_page_may_send(space: Workspace):
-    answer = put(
-        f"{address(space)}/upload/pictures?name=a.png", PNG,
-        origin="http://testserver", **{"sec-fetch-site": "same-origin"},
-    )  # fmt: skip
-    assert answer.status == 201
+    own = {"origin": "http://testserver", "sec-fetch-site": "same-origin"}
+    assert upload(space, **own).status == 201
 
 
 def test_a_wrong_content_is_told_with_its_status(space: Workspace):
-    answer = put(f"{address(space)}/upload/pictures?name=a.png", b"frame,x,y\n")
+    answer = upload(space, b"frame,x,y\n")
     assert (answer.status, answer.headers["content-type"]) == (415, "text/plain; charset=utf-8")
 
 
-def test_a_stated_size_beyond_the_cap_is_refused_at_once(space: Workspace):
-    answer = ask(
-        f"{address(space)}/upload/pictures?name=a.png",
-        method="PUT", headers={"content-length": str(1 << 50)}, breaks_off=True,
-    )  # fmt: skip
-    assert answer.status == 413
-
-
-def test_an_upload_that_breaks_off_leaves_nothing(space: Workspace):
-    answer = ask(
-        f"{address(space)}/upload/pictures?name=a.png",
-        method="PUT", chunks=[PNG], breaks_off=True,
-    )  # fmt: skip
-    assert answer.status == 400
+@pytest.mark.parametrize(
+    ("sent", "status"),
+    [
+        ({"headers": {"content-length": str(1 << 50)}}, 413),  # refused at once
+        ({"chunks": [PNG]}, 400),
+    ],
+)
+def test_an_upload_that_is_too_large_or_breaks_off_leaves_nothing(
+    space: Workspace, sent: dict[str, Any], status: int
+):
+    place = f"{address(space)}/upload/pictures?name=a.png"
+    assert ask(place, method="PUT", breaks_off=True, **sent).status == status
     assert [path for path in space.folder.rglob("*") if path.is_file()] == []
 
 
@@ -210,15 +186,11 @@ def test_other_methods_are_not_allowed(space: Workspace, method: str):
     assert ask(f"{address(space)}/upload/pictures", method=method).status == 405
 
 
-def test_addresses_begin_with_the_apps_base_path(space: Workspace):
-    assert address(space, "/apps/night/") == f"/apps/night/nv/{space.token}"
-
-
 @pytest.mark.parametrize("base", ["apps/night", "/apps/night/"])
-def test_routes_lie_below_the_apps_base_path(base: str):
-    assert {route.path.split("{")[0] for route in routes_below(base)} == {
-        "/apps/night/overview", "/apps/night/nv/",
-    }  # fmt: skip
+def test_routes_and_addresses_lie_below_the_apps_base_path(space: Workspace, base: str):
+    paths = {route.path.split("{")[0] for route in routes_below(base)}
+    assert paths == {"/apps/night/overview", "/apps/night/nv/"}
+    assert address(space, base) == f"/apps/night/nv/{space.token}"
 
 
 @pytest.mark.parametrize("query", ["", "?alpha=0.4&recording=a%20b"])

@@ -45,18 +45,9 @@ class Sent:
         return memoryview(self.content)
 
 
-def packed(members: dict[str, bytes]) -> bytes:
+def packed(members: dict[str, bytes], how: int = zipfile.ZIP_DEFLATED) -> bytes:
     content = io.BytesIO()
-    with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, text in members.items():
-            archive.writestr(name, text)
-    return content.getvalue()
-
-
-def packed_plain(members: dict[str, bytes]) -> bytes:
-    """Not compressed, so that the content can be found and changed."""
-    content = io.BytesIO()
-    with zipfile.ZipFile(content, "w") as archive:
+    with zipfile.ZipFile(content, "w", how) as archive:
         for name, text in members.items():
             archive.writestr(name, text)
     return content.getvalue()
@@ -112,10 +103,6 @@ def test_a_name_that_is_taken_gets_a_number():
     assert free_name("gt.txt", ["gt.txt", "GT-2.txt"]) == "gt-3.txt"
 
 
-def test_annotation_folders_are_taken_for_no_recording():
-    assert set(ANNOTATION_FOLDERS.parts) <= NEUTRAL
-
-
 @pytest.mark.parametrize(
     ("head", "kind"),
     [
@@ -138,17 +125,11 @@ def test_the_kind_of_a_file_is_told_from_its_content(head: bytes, kind: str | No
 
 
 def test_a_picture_lands_in_the_sessions_folder_byte_by_byte(space: Workspace):
-    stored = send(space, "a/../frame_0001.png", PNG[:50], PNG[50:])
+    pieces = PNG[:50], PNG[50:], *[bytes(300_000)] * 10
+    stored = send(space, "a/../frame_0001.png", *pieces)
     assert stored.name == "frame_0001.png"
-    assert (space.folder / stored.place).read_bytes() == PNG
-    assert space.used_bytes == len(PNG)
-
-
-def test_a_large_file_comes_through_in_pieces(space: Workspace):
-    chunk = bytes(300_000)
-    stored = send(space, "a.png", PNG, *[chunk] * 10)
-    assert stored.n_bytes == len(PNG) + 3_000_000
-    assert (space.folder / stored.place).stat().st_size == stored.n_bytes
+    assert (space.folder / stored.place).read_bytes() == b"".join(pieces)
+    assert space.used_bytes == stored.n_bytes == len(PNG) + 3_000_000
 
 
 def test_a_text_named_like_a_video_is_refused(space: Workspace):
@@ -158,13 +139,25 @@ def test_a_text_named_like_a_video_is_refused(space: Workspace):
     assert files_in(space.folder) == []
 
 
-def test_a_file_beyond_the_cap_is_refused_before_it_is_read(
-    space: Workspace, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("limit", "value", "message", "status"),
+    [
+        ("MAX_FILE_BYTES", 50, "larger than", HTTPStatus.REQUEST_ENTITY_TOO_LARGE),
+        ("SPARE_BYTES", 1 << 62, "no room left", HTTPStatus.INSUFFICIENT_STORAGE),
+    ],
+)
+def test_a_file_for_which_there_is_no_room_is_refused_before_it_is_read(
+    space: Workspace,
+    monkeypatch: pytest.MonkeyPatch,
+    limit: str,
+    value: int,
+    message: str,
+    status: HTTPStatus,
 ):
-    monkeypatch.setattr(uploads, "MAX_FILE_BYTES", 100)
-    with pytest.raises(UploadError, match="larger than") as caught:
+    monkeypatch.setattr(uploads, limit, value)
+    with pytest.raises(UploadError, match=message) as caught:
         send(space, "a.png", n_bytes=101)
-    assert caught.value.status == HTTPStatus.REQUEST_ENTITY_TOO_LARGE
+    assert caught.value.status == status
 
 
 def test_a_file_that_hides_its_size_is_refused_at_the_cap(
@@ -178,27 +171,17 @@ def test_a_file_that_hides_its_size_is_refused_at_the_cap(
     assert space.used_bytes == 0
 
 
-def test_a_session_has_a_quota(space: Workspace, monkeypatch: pytest.MonkeyPatch):
+def test_a_session_has_a_quota_in_which_removed_pictures_make_room(
+    space: Workspace, monkeypatch: pytest.MonkeyPatch
+):
     monkeypatch.setattr(uploads, "MAX_SESSION_BYTES", 150)
     send(space, "a.png", PNG)
     with pytest.raises(UploadError, match="in all; remove uploads"):
         send(space, "b.png", PNG)
     assert files_in(space.folder) == ["pictures/images/a.png"]
-
-
-def test_removed_pictures_make_room(space: Workspace, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(uploads, "MAX_SESSION_BYTES", 150)
-    send(space, "a.png", PNG)
     remove_pictures(space, ["a.png", "unknown.png"])
     send(space, "b.png", PNG)
     assert files_in(space.folder) == ["pictures/images/b.png"]
-
-
-def test_a_full_disk_is_told(space: Workspace, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(uploads, "SPARE_BYTES", 1 << 62)
-    with pytest.raises(UploadError, match="no room left") as caught:
-        send(space, "a.png", PNG)
-    assert caught.value.status == HTTPStatus.INSUFFICIENT_STORAGE
 
 
 def test_an_upload_that_is_shorter_than_stated_is_dropped(space: Workspace):
@@ -223,38 +206,31 @@ def test_two_pictures_of_one_name_are_both_kept(space: Workspace):
     assert (first.name, second.name) == ("a.png", "a-2.png")
 
 
+def stored_paths(space: Workspace, *files: Sent) -> tuple[str, ...]:
+    return store_annotations(space, new_upload(space), "truth", files)
+
+
 def test_annotations_keep_their_names_below_the_folder_of_their_source(space: Workspace):
-    folder = new_upload(space)
-    paths = store_annotations(space, folder, "truth", [Sent("../set00_V000.csv", b"x")])
-    assert paths == ("truth/annotations/data/set00_V000.csv",)
-    assert (folder / paths[0]).read_bytes() == b"x"
-
-
-def test_annotations_of_one_name_get_a_number(space: Workspace):
-    folder = new_upload(space)
-    paths = store_annotations(space, folder, "truth", [Sent("gt.txt"), Sent("gt.txt")])
-    assert [Path(path).name for path in paths] == ["gt.txt", "gt-2.txt"]
+    first, second = stored_paths(space, Sent("../set00_V000.csv"), Sent("set00_V000.csv"))
+    assert first == "truth/annotations/data/set00_V000.csv"
+    assert Path(second).name == "set00_V000-2.csv"
+    assert set(ANNOTATION_FOLDERS.parts) <= NEUTRAL  # and are taken for no recording
 
 
 def test_an_archive_is_unpacked_and_its_folders_stay(space: Workspace):
-    folder = new_upload(space)
-    content = packed({"mot/A/gt/gt.txt": b"1", "mot/B/gt/gt.txt": b"2"})
-    (path,) = store_annotations(space, folder, "truth", [Sent("mot15.zip", content)])
-    assert files_in(folder / path) == ["A/gt/gt.txt", "B/gt/gt.txt"]
-
-
-def test_the_archive_of_one_recording_keeps_the_recordings_name(space: Workspace):
-    folder = new_upload(space)
-    content = packed({"TUD-Campus/gt/gt.txt": b"1"})
-    (path,) = store_annotations(space, folder, "truth", [Sent("truth.zip", content)])
+    members = {"mot/A/gt/gt.txt": b"1", "mot/B/gt/gt.txt": b"2"}
+    (path,) = stored_paths(space, Sent("mot15.zip", packed(members)))
+    (folder,) = space.folder.glob(f"*/{path}")
+    assert files_in(folder) == ["A/gt/gt.txt", "B/gt/gt.txt"]
+    # that of one recording has its name
+    (path,) = stored_paths(space, Sent("truth.zip", packed({"TUD-Campus/gt/gt.txt": b"1"})))
     assert Path(path).name == "TUD-Campus"
 
 
 @pytest.mark.parametrize("member", ["../evil.csv", "/evil.csv", "a/../../evil.csv", "..\\evil.csv"])
 def test_an_archive_member_outside_is_refused(space: Workspace, member: str):
-    folder = new_upload(space)
     with pytest.raises(MediaError, match="outside the archive's folder"):
-        store_annotations(space, folder, "truth", [Sent("a.zip", packed({member: b"1"}))])
+        stored_paths(space, Sent("a.zip", packed({member: b"1"})))
     assert not list(space.folder.rglob("evil.csv"))
 
 
@@ -265,21 +241,23 @@ def test_a_link_in_an_archive_is_refused(space: Workspace):
         link.external_attr = (stat.S_IFLNK | 0o777) << 16
         archive.writestr(link, "/etc/passwd")
     with pytest.raises(MediaError, match="is a link"):
-        store_annotations(space, new_upload(space), "truth", [Sent("a.zip", content.getvalue())])
+        stored_paths(space, Sent("a.zip", content.getvalue()))
 
 
 def test_a_zip_bomb_is_refused(space: Workspace):
-    content = packed({"truth.csv": bytes(100 << 20)})
     with pytest.raises(MediaError, match="times its size"):
-        store_annotations(space, new_upload(space), "truth", [Sent("a.zip", content)])
+        stored_paths(space, Sent("a.zip", packed({"truth.csv": bytes(100 << 20)})))
     assert not list(space.folder.rglob("truth.csv"))
 
 
-def test_an_archive_beyond_the_quota_is_refused(space: Workspace, monkeypatch: pytest.MonkeyPatch):
-    content = packed({"truth.csv": bytes(range(256)) * 40})
+def test_forms_and_archives_beyond_the_quota_are_refused_by_the_name_of_the_file(
+    space: Workspace, monkeypatch: pytest.MonkeyPatch
+):
     monkeypatch.setattr(uploads, "MAX_SESSION_BYTES", 5000)
     with pytest.raises(MediaError, match="at most"):
-        store_annotations(space, new_upload(space), "truth", [Sent("a.zip", content)])
+        stored_paths(space, Sent("a.zip", packed({"truth.csv": bytes(range(256)) * 40})))
+    with pytest.raises(UploadError, match=r"^gt\.txt: A session takes"):
+        stored_paths(space, Sent("gt.txt", bytes(5001)))
 
 
 def test_a_new_form_removes_the_files_of_those_that_did_not_open(space: Workspace):
@@ -293,8 +271,13 @@ def test_a_new_form_removes_the_files_of_those_that_did_not_open(space: Workspac
 
 @pytest.mark.parametrize(
     "content",
-    [b"PK\x03\x04" + bytes(500), packed({"a.csv": b"1" * 90, "../b.csv": b"1"})],
-    ids=["damaged", "leaves its folder"],
+    [
+        b"PK\x03\x04" + bytes(500),
+        packed({"a.csv": b"1" * 90, "../b.csv": b"1"}),
+        # breaks while it is unpacked
+        packed({"a.csv": b"1", "b.csv": b"no sum"}, zipfile.ZIP_STORED).replace(b"no", b"NO"),
+    ],
+    ids=["damaged", "leaves its folder", "wrong checksum"],
 )
 def test_nothing_stays_of_an_archive_that_is_refused(space: Workspace, content: bytes):
     folder = new_upload(space)
@@ -304,16 +287,6 @@ def test_nothing_stays_of_an_archive_that_is_refused(space: Workspace, content: 
     assert files_in(folder) == ["truth/annotations/data/a.csv"]
     assert space.used_bytes == 5
     new_upload(space)
-    assert space.used_bytes == 0
-
-
-def test_nothing_stays_of_an_archive_that_breaks_while_it_is_unpacked(space: Workspace):
-    members = {"mot/a.csv": bytes(range(256)), "mot/b.csv": b"no checksum of mine"}
-    content = packed_plain(members).replace(b"no checksum", b"NO CHECKSUM")
-    folder = new_upload(space)
-    with pytest.raises(MediaError):
-        store_annotations(space, folder, "truth", [Sent("b.zip", content)])
-    assert files_in(folder) == []
     assert space.used_bytes == 0
 
 
@@ -336,11 +309,3 @@ def test_the_files_of_the_open_comparison_stay_counted(space: Workspace):
     space.opened = None
     new_upload(space)
     assert space.used_bytes == 0
-
-
-def test_a_form_over_the_cap_is_refused_with_the_name_of_the_file(
-    space: Workspace, monkeypatch: pytest.MonkeyPatch
-):
-    monkeypatch.setattr(uploads, "MAX_SESSION_BYTES", 5)
-    with pytest.raises(UploadError, match=r"^gt\.txt: A session takes"):
-        store_annotations(space, new_upload(space), "truth", [Sent("gt.txt", b"1,2,3,4\n")])

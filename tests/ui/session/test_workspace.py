@@ -33,33 +33,15 @@ class _Source:
         self.times_closed += 1
 
 
-def test_a_workspace_is_found_by_its_token():
-    space = Workspace()
+def test_a_workspace_is_found_by_its_token_alone():
+    space, other = Workspace(), Workspace()
     assert workspace_of(space.token) is space
-
-
-def test_an_unknown_token_finds_nothing():
-    Workspace()
     assert workspace_of("guess") is None
-
-
-def test_two_workspaces_share_neither_token_nor_folder():
-    one, other = Workspace(), Workspace()
-    assert one.token != other.token
-    assert one.folder != other.folder
-
-
-def test_a_token_has_at_least_128_bits():
-    assert len(Workspace().token) >= 128 / 6
-
-
-def test_the_folder_is_for_its_owner_only():
-    assert stat.S_IMODE(Workspace().folder.stat().st_mode) == 0o700
-
-
-def test_the_name_of_the_folder_does_not_tell_the_token():
-    space = Workspace()
+    assert space.token != other.token
+    assert len(space.token) >= 128 / 6  # bits, six in each letter
+    assert space.folder != other.folder
     assert space.token not in str(space.folder)
+    assert stat.S_IMODE(space.folder.stat().st_mode) == 0o700
 
 
 def test_the_folder_goes_when_the_session_lets_go_of_the_workspace():
@@ -73,24 +55,21 @@ def test_the_folder_goes_when_the_session_lets_go_of_the_workspace():
 
 
 def test_a_closed_workspace_is_empty_and_unknown():
-    space = Workspace()
-    space.close()
+    space, made = Workspace(), []
+    for _ in range(2):
+        space.cached("kind", 1, lambda: made.append(1))
+        space.close()
+    assert made == [1, 1]
     assert workspace_of(space.token) is None
     assert not space.folder.exists()
 
 
 def test_pictures_that_several_recordings_share_are_closed_once():
     space, source = Workspace(), _Source()
-    space.pictures = {0: source, 1: source}
+    space.pictures, before = {0: source, 1: source}, space.pictures_version
     space.close_pictures()
     assert source.times_closed == 1
     assert space.pictures == {}
-
-
-def test_the_version_of_the_pictures_changes_with_them():
-    space = Workspace()
-    before = space.pictures_version
-    space.close_pictures()
     assert space.pictures_version != before
 
 
@@ -104,19 +83,11 @@ def test_what_is_kept_is_made_once_and_the_longest_unused_goes():
     assert made == [2, 3, 4, 3]
 
 
-def test_a_closed_workspace_keeps_nothing():
-    space, made = Workspace(), []
-    for _ in range(2):
-        space.cached("kind", 1, lambda: made.append(1))
-        space.close()
-    assert made == [1, 1]
-
-
 def test_what_a_dead_process_left_is_removed(base: Path):
     code = (
         "import os; from ui.session.workspace import Workspace; space = Workspace(); "
-        "(space.folder / 'video.mp4').write_bytes(b'1'); print(space.folder); "
-        "import sys; sys.stdout.flush(); os._exit(1)"
+        "(space.folder / 'video.mp4').write_bytes(b'1'); print(space.folder, flush=True); "
+        "os._exit(1)"
     )
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
     done = subprocess.run(
@@ -126,12 +97,9 @@ def test_what_a_dead_process_left_is_removed(base: Path):
     assert (left / "video.mp4").exists()
     remove_leftovers(base)
     assert list(base.iterdir()) == []
-
-
-def test_what_a_living_process_has_stays(base: Path):
     space = Workspace()
     remove_leftovers(base)
-    assert space.folder.exists()
+    assert space.folder.exists()  # of a living process
 
 
 def test_a_leftover_is_removed_by_the_next_process_that_starts(base: Path):

@@ -21,41 +21,29 @@ def select(state: dict[str, Any], rows=(), cells=()) -> int | None:
     return clicks.clicked_row("table")
 
 
-@pytest.mark.parametrize("value", [7, [7]])
-def test_a_point_is_known_by_its_custom_data_and_trace(state: dict[str, Any], value: object):
-    points = [{"customdata": value, "curve_number": 1}]
+@pytest.mark.parametrize(
+    ("points", "click"),
+    [
+        ([{"customdata": 7, "curve_number": 1}], (7, 1)),
+        ([{"customdata": [7], "curve_number": 1}], (7, 1)),
+        ([], None),  # taken back
+        ([{"curve_number": 0}], None),  # stands for nothing
+    ],
+)
+def test_a_point_is_known_by_its_custom_data_and_trace(
+    state: dict[str, Any], points: list[dict[str, Any]], click: tuple[int, int] | None
+):
     state["plot"] = {"selection": {"points": points}}
-    assert clicks.clicked_point("plot") == (7, 1)
+    assert clicks.clicked_point("plot") == click
 
 
-def test_a_point_that_is_taken_back_is_no_click(state: dict[str, Any]):
-    state["plot"] = {"selection": {"points": []}}
-    assert clicks.clicked_point("plot") is None
-
-
-def test_a_point_that_stands_for_nothing_is_no_click(state: dict[str, Any]):
-    state["plot"] = {"selection": {"points": [{"curve_number": 0}]}}
-    assert clicks.clicked_point("plot") is None
-
-
-def test_a_row_is_clicked_on_its_mark_or_in_a_cell(state: dict[str, Any]):
+def test_a_row_is_clicked_on_its_mark_or_in_a_cell_also_again(state: dict[str, Any]):
+    assert select(state) is None
     assert select(state, rows=[3]) == 3
     assert select(state, rows=[3], cells=[(5, "track")]) == 5
     assert select(state, rows=[4], cells=[(5, "track")]) == 4
-
-
-def test_a_row_that_is_taken_back_is_no_click(state: dict[str, Any]):
-    select(state, rows=[3], cells=[(5, "track")])
-    assert select(state, cells=[(5, "track")]) is None
-
-
-def test_the_same_cell_again_is_a_click(state: dict[str, Any]):
-    select(state, cells=[(5, "track")])
+    assert select(state, cells=[(5, "track")]) is None  # the row was taken back
     assert select(state, cells=[(5, "track")]) == 5
-
-
-def test_nothing_selected_is_no_click(state: dict[str, Any]):
-    assert select(state) is None
 
 
 def test_a_cell_is_known_by_row_and_column(state: dict[str, Any]):

@@ -8,14 +8,7 @@ import numpy as np
 import pytest
 
 from nvcore.schema import DetectionState
-from ui.session.packed_boxes import (
-    BIT_IGNORE,
-    BIT_MATCHED_X,
-    BIT_MATCHED_Y,
-    BIT_RELEVANT,
-    BIT_SALIENT_X,
-    BIT_SALIENT_Y,
-)
+from ui.session import packed_boxes
 from ui.widgets.viewer import FOLDER, settled_row
 from ui.widgets.viewer.packing import (
     MOST_BUCKETS,
@@ -46,9 +39,10 @@ def test_numbers_are_packed_little_endian():
     assert base64.b64decode(pack([1, 256], "i4")) == b"\1\0\0\0\0\1\0\0"
 
 
-def test_regular_frames_are_one_run():
+def test_regular_frames_are_one_run_and_none_are_none():
     starts, firsts, steps = find_runs(np.array([9, 29, 49, 69]))
     assert (starts.tolist(), firsts.tolist(), steps.tolist()) == ([0], [9], [20])
+    assert unpack(pack_frames(np.array([], dtype=np.int64))["starts"], "i4") == []
 
 
 @pytest.mark.parametrize(
@@ -59,30 +53,18 @@ def test_runs_give_back_the_frame_numbers(frames):
     assert frames_of(*runs, len(frames)) == frames
 
 
-def test_no_frames_are_no_runs():
-    assert unpack(pack_frames(np.array([], dtype=np.int64))["starts"], "i4") == []
-
-
 def test_spans_hold_the_rows_of_a_mask():
     mask = np.array([True, True, False, True, False, False, True])
     assert find_spans(mask).tolist() == [[0, 2], [3, 4], [6, 7]]
-
-
-def test_an_empty_mask_has_no_spans():
     assert find_spans(np.zeros(3, dtype=bool)).tolist() == []
 
 
-def test_times_that_follow_from_the_frame_number_are_one_offset():
+def test_times_are_one_offset_where_they_follow_from_the_frame_number():
     frames = np.array([100, 101, 140])
     assert pack_times(frames / 20 - 5, frames, 20.0) == {"offset": pytest.approx(-5)}
-
-
-def test_irregular_times_are_sent_row_by_row():
-    sent = pack_times(np.array([0.0, 0.05, 0.2]), np.array([0, 1, 2]), 20.0)
-    assert unpack(sent["every_row"], "f8") == [0.0, 0.05, 0.2]
-
-
-def test_times_without_a_frame_rate_are_sent_row_by_row():
+    irregular = np.array([0.0, 0.05, 0.2])
+    sent = pack_times(irregular, np.array([0, 1, 2]), 20.0)
+    assert unpack(sent["every_row"], "f8") == irregular.tolist()
     assert "every_row" in pack_times(np.array([0.0, 1.0]), np.array([0, 1]), float("nan"))
 
 
@@ -109,46 +91,27 @@ def test_a_bucket_is_undefined_only_where_all_its_rows_are():
     assert np.isnan(trace[1:]).all()
 
 
-def test_a_settled_row_counts():
-    settled = {"recording": 2, "row": 7, "nonce": 3}
-    assert settled_row(settled, recording=2, n_rows=10, seek=(1, 3)) == 7
-
-
 @pytest.mark.parametrize(
-    "settled",
+    ("settled", "row"),
     [
-        None,
-        {"recording": 1, "row": 7, "nonce": 3},
-        {"recording": 2, "row": 7, "nonce": 2},
-        {"recording": 2, "row": 10, "nonce": 3},
-        {"recording": 2, "row": -1, "nonce": 3},
-        {"recording": 2, "row": "7", "nonce": 3},
-        "7",
-    ],
-    ids=["nothing", "other recording", "before the seek", "beyond", "negative", "text", "no table"],
-)
-def test_without_a_settled_row_the_wish_stands(settled):
-    assert settled_row(settled, recording=2, n_rows=10, seek=(1, 3)) == 1
-
-
-def test_a_wish_beyond_the_end_is_the_last_row():
-    assert settled_row(None, recording=0, n_rows=10, seek=(99, 0)) == 9
-
-
-@pytest.mark.parametrize(
-    ("name", "value"),
-    [
-        ("ignore", BIT_IGNORE),
-        ("matched_x", BIT_MATCHED_X),
-        ("matched_y", BIT_MATCHED_Y),
-        ("relevant", BIT_RELEVANT),
-        ("salient_x", BIT_SALIENT_X),
-        ("salient_y", BIT_SALIENT_Y),
-        ("matched", DetectionState.MATCHED),
-        ("false_alarm", DetectionState.FALSE_ALARM),
-        ("absorbed", DetectionState.ABSORBED),
+        ({"recording": 2, "row": 7, "nonce": 3}, 7),
+        (None, 1),
+        ({"recording": 1, "row": 7, "nonce": 3}, 1),
+        ({"recording": 2, "row": 7, "nonce": 2}, 1),  # before the seek
+        ({"recording": 2, "row": 10, "nonce": 3}, 1),
+        ({"recording": 2, "row": -1, "nonce": 3}, 1),
+        ({"recording": 2, "row": "7", "nonce": 3}, 1),
+        ("7", 1),
     ],
 )
-def test_the_script_reads_the_states_that_the_library_packs(name, value):
-    script = (FOLDER / "data" / "boxes.js").read_text(encoding="utf-8")
-    assert f" {name}: {value}," in script.replace(" }", ", }")
+def test_a_settled_row_counts_else_the_wish_stands(settled, row):
+    assert settled_row(settled, recording=2, n_rows=10, seek=(1, 3)) == row
+    assert settled_row(None, recording=0, n_rows=10, seek=(99, 0)) == 9  # beyond the end
+
+
+def test_the_script_reads_the_states_that_the_library_packs():
+    script = (FOLDER / "data" / "boxes.js").read_text(encoding="utf-8").replace(" }", ", }")
+    for name in ("ignore", "matched_x", "matched_y", "relevant", "salient_x", "salient_y"):
+        assert f" {name}: {getattr(packed_boxes, f'BIT_{name.upper()}')}," in script
+    for name in ("matched", "false_alarm", "absorbed"):
+        assert f" {name}: {DetectionState[name.upper()].value}," in script
