@@ -149,22 +149,6 @@ def test_folders_of_the_owner_are_kept_where_the_inputs_lie_in_them(tmp_path: Pa
     assert inputs_beside(portable) == ["a/truth.csv", "../runs/fir.csv"]
 
 
-def test_uploads_of_one_name_get_folders_of_their_own():
-    session = upload("truth/annotations/data/boxes.csv", "system-1/annotations/data/boxes.csv")
-    assert inputs_beside(portable_session(session, is_upload=True)) == [
-        "data/truth/boxes.csv", "data/system-1/boxes.csv",
-    ]  # fmt: skip
-
-
-def test_files_of_one_name_in_an_archive_keep_its_folders():
-    session = upload(
-        "files/annotations/data/all/a/boxes.csv", "files/annotations/data/all/b/boxes.csv"
-    )
-    assert inputs_beside(portable_session(session, is_upload=True)) == [
-        "all/a/boxes.csv", "all/b/boxes.csv",
-    ]  # fmt: skip
-
-
 def upload(truth: str, system: str, **facts: str) -> Session:
     recordings = (RecordingFacts("one", **facts),) if facts else ()
     return Session(
@@ -172,29 +156,34 @@ def upload(truth: str, system: str, **facts: str) -> Session:
     )
 
 
+@pytest.mark.parametrize(
+    ("files", "names"),
+    [
+        # of one name: folders of their own, or those of the archive
+        (
+            ("truth/annotations/data/boxes.csv", "system-1/annotations/data/boxes.csv"),
+            ["data/truth/boxes.csv", "data/system-1/boxes.csv"],
+        ),
+        (
+            ("files/annotations/data/all/a/boxes.csv", "files/annotations/data/all/b/boxes.csv"),
+            ["all/a/boxes.csv", "all/b/boxes.csv"],
+        ),
+    ],
+)
+def test_uploads_of_one_name_keep_apart(files: tuple[str, str], names: list[str]):
+    assert inputs_beside(portable_session(upload(*files), is_upload=True)) == names
+
+
 def test_uploaded_pictures_and_frame_lists_are_written_by_their_names():
-    session = upload(
-        "truth/annotations/data/t.csv", "system-1/annotations/data/x.csv",
-        pictures="../pictures/night.mp4", frames="files/annotations/data/frames.txt",
-    )  # fmt: skip
-    (facts,) = portable_session(session, is_upload=True).recordings
-    assert (facts.pictures, facts.frames) == ("night.mp4", "frames.txt")
-
-
-def test_pictures_are_not_among_the_files_that_are_needed():
-    session = upload(
-        "truth/annotations/data/t.csv", "system-1/annotations/data/x.csv",
-        pictures="../pictures/night.mp4",
-    )  # fmt: skip
-    portable = portable_session(session, is_upload=True)
-    assert inputs_beside(portable) == ["t.csv", "x.csv"]
-
-
-def test_a_range_of_frames_stays_a_range():
-    session = replace(
-        upload("truth/annotations/data/t.csv", "system-1/annotations/data/x.csv"), frames="0:9"
+    files = "truth/annotations/data/t.csv", "system-1/annotations/data/x.csv"
+    frames = "files/annotations/data/frames.txt"
+    session = upload(*files, pictures="../pictures/night.mp4", frames=frames)
+    portable = portable_session(replace(session, frames="0:9"), is_upload=True)
+    assert portable.recordings == (
+        RecordingFacts("one", pictures="night.mp4", frames="frames.txt"),
     )
-    assert portable_session(session, is_upload=True).frames == "0:9"
+    assert portable.frames == "0:9"  # a range stays a range
+    assert inputs_beside(portable) == ["t.csv", "x.csv", "frames.txt"]  # pictures are not needed
 
 
 def test_a_truth_called_gt_txt_keeps_the_name_of_its_recording(space, tmp_path: Path):
@@ -212,13 +201,15 @@ def test_a_truth_called_gt_txt_keeps_the_name_of_its_recording(space, tmp_path: 
     assert b"\ngt," in again
 
 
+def drive_session(folder: Path, *thresholds: float | None, **more: str) -> Session:
+    drive(folder)
+    files = ("fir.csv", "nir.csv")
+    systems = tuple(map(lambda file, at: SystemSource((file,), threshold=at), files, thresholds))
+    return Session(folder, Source(("truth.csv",)), systems, size=(640, 480), fps=20, **more)
+
+
 def test_a_live_threshold_of_none_counts_every_detection(tmp_path: Path):
-    drive(tmp_path)
-    session = Session(
-        tmp_path, Source(("truth.csv",)),
-        (SystemSource(("fir.csv",), threshold=0.8), SystemSource(("nir.csv",))),
-        size=(640, 480), fps=20,
-    )  # fmt: skip
+    session = drive_session(tmp_path, 0.8, None)
     dataset = load(session)
     params = replace(dataset.params_of(), threshold_x=None)
     live = live_session(session, dataset, params, x="fir", y="nir")
@@ -226,12 +217,7 @@ def test_a_live_threshold_of_none_counts_every_detection(tmp_path: Path):
 
 
 def test_swapped_systems_stay_swapped(tmp_path: Path):
-    drive(tmp_path)
-    session = Session(
-        tmp_path, Source(("truth.csv",)),
-        (SystemSource(("fir.csv",), threshold=0.8), SystemSource(("nir.csv",), threshold=0.3)),
-        size=(640, 480), fps=20, x="nir", y="fir",
-    )  # fmt: skip
+    session = drive_session(tmp_path, 0.8, 0.3, x="nir", y="fir")
     dataset = load(session)
     params = dataset.params_of()
     live = live_session(session, dataset, params, x="nir", y="fir")
@@ -243,6 +229,5 @@ def test_swapped_systems_stay_swapped(tmp_path: Path):
 def test_every_text_of_a_finding_is_made_public():
     secret = Finding(Severity.NOTE, "code", "truth", 1, "a /srv", "b /srv", "c /srv", "d /srv")
     (told,) = public_findings([secret], lambda text: str(text).replace("/srv", "here"))
-    assert (told.message, told.advice, told.file, told.example) == (
-        "a here", "b here", "c here", "d here",
-    )  # fmt: skip
+    shown = told.message, told.advice, told.file, told.example
+    assert shown == ("a here", "b here", "c here", "d here")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -33,15 +34,8 @@ def session(folder: Path = Path("/data"), **parts: object) -> Session:
 
 
 def finding(subject: str = "x", **suggestion: float) -> Finding:
-    return Finding(
-        Severity.WARNING,
-        "offset",
-        subject,
-        1,
-        "moved",
-        "move",
-        suggestion=tuple(suggestion.items()),
-    )
+    suggestions = tuple(suggestion.items())
+    return Finding(Severity.WARNING, "offset", subject, 1, "moved", "move", suggestion=suggestions)
 
 
 @pytest.fixture
@@ -81,9 +75,8 @@ def test_a_threshold_stays_with_its_system(dataset):
 def test_facts_of_one_recording_leave_the_others_alone():
     start = session(recordings=(RecordingFacts("a", fps=10), RecordingFacts("b", fps=20)))
     changed = with_recordings(start, ["a", "b"], {"b": {"pictures": "b.mp4"}})
-    assert changed.recordings == (
-        RecordingFacts("a", fps=10), RecordingFacts("b", fps=20, pictures="b.mp4"),
-    )  # fmt: skip
+    expected = RecordingFacts("a", fps=10), RecordingFacts("b", fps=20, pictures="b.mp4")
+    assert changed.recordings == expected
 
 
 def test_the_only_recordings_facts_count_whatever_their_name():
@@ -134,37 +127,34 @@ path = "nir*.csv"
 """
 
 
-def upload(folder: Path) -> list[str]:
-    names = ["frames.txt", "mot/A/gt/gt.txt", "mot/B/gt/gt.txt", "A/det.txt", "B/det.txt",
-             "nir_1.csv", "nir_2.csv"]  # fmt: skip
-    for name in names:
-        write(folder / name, "1")
-    return names
+NAMES = (
+    *("frames.txt", "mot/A/gt/gt.txt", "mot/B/gt/gt.txt", "A/det.txt", "B/det.txt"),
+    *("nir_1.csv", "nir_2.csv"),
+)
+
+
+def uploaded(folder: Path, text: str = TOML, names: Sequence[str] = NAMES) -> Session:
+    """The session of that text, with files of these names beside it and one video."""
+    for name in NAMES:
+        write(folder / "upload-1" / name, "1")
+    write(folder / "pictures" / "A.mp4", "video")
+    return uploaded_session(text.encode(), folder / "upload-1", names, folder / "pictures")
 
 
 def test_a_session_file_finds_its_files_by_the_ends_of_their_paths(tmp_path: Path):
-    found = uploaded_session(TOML.encode(), tmp_path, upload(tmp_path), tmp_path / "pictures")
-    assert found.folder == tmp_path
-    assert found.truth.path == ("mot/A/gt/gt.txt",)
-    assert [system.path for system in found.systems] == [
-        ("B/det.txt", "A/det.txt"), ("nir_1.csv", "nir_2.csv"),
-    ]  # fmt: skip
-    assert found.recordings == (RecordingFacts("A", frames="frames.txt"),)
-
-
-def test_uploaded_pictures_are_found_by_their_name(tmp_path: Path):
-    folder, pictures = tmp_path / "upload-1", tmp_path / "pictures"
-    write(pictures / "A.mp4", "video")
-    folder.mkdir()
-    found = uploaded_session(TOML.encode(), folder, upload(folder), pictures)
-    assert found.recordings[0].pictures == "../pictures/A.mp4"
+    opened = uploaded(tmp_path)
+    assert opened.folder == tmp_path / "upload-1"
+    assert opened.truth.path == ("mot/A/gt/gt.txt",)
+    paths = [system.path for system in opened.systems]
+    assert paths == [("B/det.txt", "A/det.txt"), ("nir_1.csv", "nir_2.csv")]
+    facts = RecordingFacts("A", frames="frames.txt", pictures="../pictures/A.mp4")
+    assert opened.recordings == (facts,)
+    assert not (tmp_path / "upload-1" / "session.toml").exists()  # it does not stay itself
 
 
 def test_files_in_an_archive_are_found_in_its_folder(tmp_path: Path):
-    upload(tmp_path)
-    rest = ["frames.txt", "A", "B", "nir_1.csv"]
-    found = uploaded_session(TOML.encode(), tmp_path, ["mot", *rest], tmp_path / "p")
-    assert found.truth.path == ("mot/A/gt/gt.txt",)
+    opened = uploaded(tmp_path, names=["mot", "frames.txt", "A", "B", "nir_1.csv"])
+    assert opened.truth.path == ("mot/A/gt/gt.txt",)
 
 
 @pytest.mark.parametrize(
@@ -173,13 +163,12 @@ def test_files_in_an_archive_are_found_in_its_folder(tmp_path: Path):
 def test_a_session_file_never_reaches_files_that_were_not_sent(tmp_path: Path, path: str):
     text = TOML.replace("/home/me/mot/A/gt/gt.txt", path.replace("\\", "\\\\"))
     with pytest.raises(SessionError, match="which was not sent"):
-        uploaded_session(text.encode(), tmp_path, upload(tmp_path), tmp_path / "pictures")
+        uploaded(tmp_path, text)
 
 
 def test_a_name_that_several_files_have_is_not_guessed(tmp_path: Path):
-    text = TOML.replace("mot/A/gt/gt.txt", "gt.txt")
     with pytest.raises(SessionError, match="2 of the files sent have that name"):
-        uploaded_session(text.encode(), tmp_path, upload(tmp_path), tmp_path / "pictures")
+        uploaded(tmp_path, TOML.replace("mot/A/gt/gt.txt", "gt.txt"))
 
 
 @pytest.fixture
@@ -208,22 +197,20 @@ def test_a_session_inside_the_folder_is_allowed(root: Path):
              "sub/../../private", "..", "/etc/**"],
 )  # fmt: skip
 def test_a_session_that_leaves_the_folder_is_refused(root: Path, path: str):
-    with pytest.raises(SessionError, match="outside the folder"):
-        check_confined(replace(session(root), truth=Source((path,))), root)
+    assert "outside the folder" in refusal(replace(session(root), truth=Source((path,))), root)
 
 
 @pytest.mark.parametrize("facts", [{"frames": "../private/p.csv"}, {"pictures": "../private"}])
 def test_frame_lists_and_pictures_stay_in_the_folder_as_well(root: Path, facts: dict[str, str]):
-    with pytest.raises(SessionError, match="outside the folder"):
-        check_confined(session(root, recordings=(RecordingFacts("r", **facts),)), root)
+    refused = session(root, recordings=(RecordingFacts("r", **facts),))
+    assert "outside the folder" in refusal(refused, root)
 
 
 @pytest.mark.parametrize("path", ["link.csv", "sub", "*.csv"])
 def test_links_that_lead_out_are_refused(root: Path, path: str):
     (root / "link.csv").symlink_to(root.parent / "private" / "p.csv")
     (root / "sub" / "deep").symlink_to(root.parent / "private")
-    with pytest.raises(SessionError, match="outside the folder"):
-        check_confined(replace(session(root), truth=Source((path,))), root)
+    assert "outside the folder" in refusal(replace(session(root), truth=Source((path,))), root)
 
 
 @pytest.mark.parametrize(
@@ -266,9 +253,7 @@ LONG = "a" * 300
 
 
 def test_a_long_name_of_pictures_is_none_that_were_sent(tmp_path: Path):
-    text = TOML.replace("A.mp4", LONG)
-    found = uploaded_session(text.encode(), tmp_path, upload(tmp_path), tmp_path / "pictures")
-    assert found.recordings[0].pictures is None
+    assert uploaded(tmp_path, TOML.replace("A.mp4", LONG)).recordings[0].pictures is None
 
 
 @pytest.mark.parametrize("name", [LONG, f"{LONG}[1]", f"../root/{LONG}"])
@@ -276,8 +261,3 @@ def test_a_long_name_inside_the_folder_is_left_to_those_who_open_it(root: Path, 
     assert refusal(replace(session(root), truth=Source((name,))), root) == ""
     pictures = session(root, recordings=(RecordingFacts("r", pictures=name),))
     assert refusal(pictures, root) == ""
-
-
-def test_the_uploaded_session_file_itself_does_not_stay(tmp_path: Path):
-    uploaded_session(TOML.encode(), tmp_path, upload(tmp_path), tmp_path / "pictures")
-    assert not (tmp_path / "session.toml").exists()
