@@ -106,18 +106,14 @@ def test_an_audit_uses_the_sessions_thresholds(folder: Path):
 # tables in memory
 
 
-def test_tables_compare_as_their_files_do(folder: Path):
+def test_tables_compare_as_their_files_do_and_can_be_mixed_with_them(folder: Path):
     of_files = nv.compare(**paths(folder), **SIZE)
     of_tables = nv.compare(**tables(folder), **SIZE)
     pd.testing.assert_frame_equal(of_files.frames, of_tables.frames)
     pd.testing.assert_frame_equal(of_files.encounters, of_tables.encounters)
     assert (of_tables.x.name, of_tables.y.name) == ("X", "Y")
-
-
-def test_tables_and_files_can_be_mixed_and_named(folder: Path):
-    mixed = {**paths(folder), "y": tables(folder)["y"]}
-    result = nv.compare(**mixed, **SIZE, name_y="candidate")
-    assert (result.x.name, result.y.name) == ("fir", "candidate")
+    mixed = nv.compare(**{**paths(folder), "y": tables(folder)["y"]}, **SIZE, name_y="candidate")
+    assert (mixed.x.name, mixed.y.name) == ("fir", "candidate")
 
 
 def test_tables_of_one_recording_need_not_name_it(folder: Path):
@@ -200,10 +196,12 @@ def test_without_inputs_and_with_too_many_it_is_an_error(folder: Path):
         nv.compare(x=folder / "fir.csv", y=folder / "nir.csv")
 
 
-def test_facts_of_a_dataset_are_given_when_it_is_loaded(folder: Path):
+def test_what_is_missing_or_comes_too_late_is_asked_for_by_its_keyword(folder: Path):
     dataset = nv.load(**paths(folder), **SIZE)
     with pytest.raises(nv.NvcoreError, match=r"loaded already: give fps= to load\(\)"):
         nv.compare(dataset, fps=10)
+    with pytest.raises(nv.NvcoreError, match=r"in Python: size=\(WIDTH, HEIGHT\), fps=FPS"):
+        nv.load(**paths(folder))
 
 
 def test_one_system_is_enough_to_audit_but_not_to_compare(folder: Path):
@@ -211,11 +209,6 @@ def test_one_system_is_enough_to_audit_but_not_to_compare(folder: Path):
     assert isinstance(nv.audit(**inputs, **SIZE), tuple)
     with pytest.raises(nv.NvcoreError, match="a comparison needs two systems"):
         nv.compare(**inputs, **SIZE)
-
-
-def test_a_missing_fact_is_asked_for_by_its_keyword(folder: Path):
-    with pytest.raises(nv.NvcoreError, match=r"in Python: size=\(WIDTH, HEIGHT\), fps=FPS"):
-        nv.load(**paths(folder))
 
 
 # what comes back
@@ -248,14 +241,6 @@ def test_the_verdict_and_the_evidence_are_those_of_the_scorecard(sample: Compari
     assert row["x"] == pytest.approx(sample.x.summary.mean)
     table.loc[0, "p"] = -1.0
     assert sample.evidence().loc[0, "p"] != -1.0
-
-
-def test_the_rest_passes_through_to_the_result(sample: Comparison):
-    result = sample.result
-    for name in ("dataset", "x", "y", "params", "venn", "exclusivity", "boxes", "fusion"):
-        assert getattr(sample, name) is getattr(result, name)
-    assert sample.duration_s == result.duration_s
-    assert np.array_equal(sample.lead_time_s, result.lead_time_s, equal_nan=True)
 
 
 def test_every_figure_is_drawn(sample: Comparison):

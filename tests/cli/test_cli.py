@@ -88,19 +88,18 @@ def test_the_written_session_gives_the_same_bytes_elsewhere(
     assert json.loads(contents(tmp_path / "a")["summary.json"])["frames"] == n_frames
 
 
-def test_a_report_may_be_written_over_itself(folder: Path, tmp_path: Path):
+def test_a_report_may_replace_itself_but_no_session_that_somebody_wrote(
+    folder: Path, tmp_path: Path
+):
     nvcore("compare", *flags(folder), "--out", tmp_path / "a")
     before = contents(tmp_path / "a")
     assert nvcore("compare", tmp_path / "a/session.toml", "--out", tmp_path / "a").exit_code == 0
     assert contents(tmp_path / "a") == before
-
-
-def test_a_report_does_not_replace_a_session_that_somebody_wrote(folder: Path):
-    before = session(folder).read_bytes()
+    text = session(folder).read_bytes()
     result = nvcore("compare", folder / "session.toml", "--out", folder)
     assert result.exit_code == 2
     assert "would replace the session file; give another --out" in result.stderr
-    assert (folder / "session.toml").read_bytes() == before
+    assert (folder / "session.toml").read_bytes() == text
 
 
 def test_a_changed_input_is_reported(folder: Path, tmp_path: Path):

@@ -60,14 +60,11 @@ def test_a_finding_on_the_terminal_names_the_path_and_in_the_report_the_name(fol
     assert "w/in/A" not in report
 
 
-def test_a_name_that_two_files_have_has_no_path(tmp_path: Path):
+def test_a_name_that_two_files_have_and_a_source_that_is_not_there_have_no_path(tmp_path: Path):
     for name in ("p", "q"):
         mot_layout(tmp_path / name, ("A",))
     sources = [(Source(("p/*/gt/gt.txt", "q/*/gt/gt.txt")), "truth")]
     assert paths_to_show(tmp_path, sources) == {}
-
-
-def test_a_source_that_is_not_there_has_no_path(tmp_path: Path):
     sources = [(Source(("no.csv",)), "truth"), (Source((".",), format="vbb"), "detections")]
     assert paths_to_show(tmp_path, sources) == {}
 

@@ -72,9 +72,11 @@ def test_a_wording_that_is_not_listed_is_a_difference_and_a_listed_one_hides_no_
     assert where("check.txt", old, new.replace(b"a.csv", b"b.csv"), SHORTER) is not None
 
 
-def test_a_longer_wording_is_applied_once():
+def test_a_longer_wording_is_applied_once_and_it_is_known_that_it_was_needed():
     longer = Wording("miss", "a miss")
-    assert where("check.txt", b"no miss\n", b"no a miss\n", longer) is None
+    rewording = Rewording((longer, Wording("unused", "unneeded")))
+    assert compare_files("check.txt", b"no miss\n", b"no a miss\n", rewording) is None
+    assert rewording.needed == {longer}
 
 
 @pytest.mark.parametrize(
@@ -119,12 +121,6 @@ def test_html_is_reworded_in_its_text_and_in_the_json_of_its_figures():
 
 def test_pictures_are_compared_to_the_byte():
     assert where("a.png", b"\xff\x00\x01", b"\xff\x00\x02") == "byte 2 (3 and 3 bytes)"
-
-
-def test_wordings_that_were_needed_are_known():
-    rewording = Rewording((SHORTER, Wording("unused", "unneeded")))
-    compare_files("a.txt", b"there is no such file", b"no such file", rewording)
-    assert rewording.needed == {SHORTER}
 
 
 @pytest.mark.parametrize(("old", "new"), [("0.5 of all", "0.6 of all"), ("0.5", "0.5"), ("", "x")])
