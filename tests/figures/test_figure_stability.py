@@ -137,9 +137,14 @@ def test_settings_of_each_recordings_own_are_a_line_between_the_ends() -> None:
     assert (marker.x, marker.y, marker.mode) == ((0.9, 0.9), (10, 30), "markers+lines")
 
 
-def test_an_undefined_map_says_why() -> None:
-    found = map_stability(result_of(make_dataset(n_frames=0)), "edge-weight", "similarity")
-    assert "there are no frames" in words(stability_map(found, theme="dark"))
+def test_an_undefined_map_says_why_and_one_with_undefined_cells_is_drawn(
+    found: StabilityMap,
+) -> None:
+    partly = np.where(found.winner == "y", np.nan, found.difference)
+    figure = stability_map(replace(found, difference=partly), theme="light")
+    assert np.array_equal(trace(figure, "difference").z, partly.T, equal_nan=True)
+    nothing = map_stability(result_of(make_dataset(n_frames=0)), "edge-weight", "similarity")
+    assert "there are no frames" in words(stability_map(nothing, theme="dark"))
 
 
 def test_a_map_without_any_difference_is_drawn() -> None:
