@@ -224,8 +224,11 @@ class Viewer {
   tick(now) {
     this.request = 0;
     if (!this.root.isConnected || !this.recording) {
-      // while it is moved about in the page it waits; what wakes it next plays on from here
-      if (this.playing) this.playing.at = null;
+      // while it is moved about in the page it waits, and plays on from here
+      if (this.playing) {
+        this.playing.at = null;
+        this.wake();
+      }
       return;
     }
     this.resize();
