@@ -16,7 +16,7 @@ st.set_page_config(
     page_title="nvcore",
     page_icon=str(state.ROOT / "ui" / "assets" / "icon.svg"),
     layout="wide",
-    initial_sidebar_state="expanded",
+    initial_sidebar_state="auto",
 )
 st.logo(str(state.ROOT / "ui" / "assets" / "logo.svg"), size="large")
 st.html(state.ROOT / "ui" / "assets" / "style.css")
