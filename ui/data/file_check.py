@@ -29,20 +29,8 @@ _RATE: Final[dict[Role, frozenset[str]]] = {"truth": frozenset({"fps"}), "detect
 class FileCheck:
     """What one source holds, read by itself. Compared by identity, so that it can be a key.
 
-    Attributes
-    ----------
-    trouble
-        Why it cannot be used; empty: it can.
-    lacking
-        Facts that its files do not say, of ``size`` and ``fps``.
-    format
-        Name of the format (`nvcore.inputs.readers.base.Format.name`); empty: not told.
-    summary
-        Format, and how many boxes in which frames.
-    first_frame
-        Lowest frame number; None without boxes.
-    reading
-        Its recordings and images; the boxes are let go of.
+    `trouble` says why it cannot be used, `lacking` which of ``size`` and ``fps`` its files do not
+    say; the `reading` has let go of its boxes. Without boxes there is no `first_frame`.
     """
 
     trouble: str = ""
@@ -66,16 +54,10 @@ def check_files(
     folder: Path,
     truth: FileCheck | None = None,
 ) -> FileCheck:
-    """Read a source by itself; once for each key.
+    """Read a source by itself; once for each key, which stands for content and way of reading.
 
-    Parameters
-    ----------
-    key
-        Stands for the content of the files and for how they are read.
-    source
-        Makes the source, whose paths start from `folder`; its errors are the look's trouble.
-    truth
-        What the ground truth is, for detections.
+    Paths of the source that `source` makes start from `folder`; its errors are the check's trouble.
+    Detections are read with the check of the ground truth.
     """
     checks: dict[Hashable, FileCheck] = st.session_state.setdefault(_CHECKS, {})
     known = None if truth is None else truth.reading
@@ -159,13 +141,7 @@ def draw_file_check(check: FileCheck | None, truth: FileCheck | None = None) -> 
 
 
 def unusable(checks: Iterable[tuple[str, FileCheck | None]]) -> str:
-    """Why the files cannot be opened, in words; empty: they can.
-
-    Parameters
-    ----------
-    looks
-        Of each field, by the name it has on the page.
-    """
+    """Why the files of some fields, given by name, cannot be opened; empty: they can."""
     titles = [title for title, check in checks if check is not None and check.trouble]
     if not titles:
         return ""

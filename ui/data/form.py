@@ -75,10 +75,7 @@ def finish_form(
 ) -> Form:
     """Ask what the files leave open, and say why they could not be opened.
 
-    Parameters
-    ----------
-    checks
-        By what the page calls the files; those of the ground truth first.
+    The `checks` are by what the page calls the files, those of the ground truth first.
     """
     first, *_ = checks.values()
     lacking = {fact for check in checks.values() if check is not None for fact in check.lacking}

@@ -28,17 +28,7 @@ MOST_BYTES: Final = 100 << 20
 
 @dataclass(frozen=True)
 class FrameList:
-    """A list of evaluated frames.
-
-    Attributes
-    ----------
-    path
-        As a session names it; None: there is none, or it cannot be used.
-    summary
-        What it holds.
-    trouble
-        Why it cannot be used.
-    """
+    """A list of evaluated frames; its path, as a session names it, is None if it cannot be used."""
 
     path: str | None = None
     summary: str = ""
@@ -53,13 +43,7 @@ class FrameList:
 
 
 def check_frame_list(path: str, folder: Path) -> FrameList:
-    """Read a list, unless it was read before and has not changed since.
-
-    Parameters
-    ----------
-    path
-        As a session in `folder` names it.
-    """
+    """Read a list that a session in `folder` names, unless it was read and has not changed."""
     file = folder / path
     try:
         status = file.stat()

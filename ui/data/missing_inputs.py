@@ -44,14 +44,7 @@ class MissingInputs:
     frames: str | None = None
 
     def session(self, *, frame_list: str | None = None, **parts: Any) -> Session:
-        """A session with these inputs.
-
-        Parameters
-        ----------
-        frame_list
-            Path of a list of evaluated frames, which takes precedence over a range.
-        parts
-            The other fields of the session.
+        """A session with these inputs and `parts`; a `frame_list` takes precedence over a range.
 
         Raises
         ------
@@ -79,18 +72,9 @@ class MissingInputs:
 
 @dataclass(frozen=True)
 class UsualInputs:
-    """What most recordings in a format have.
+    """What most recordings in a format have, and which other sizes (px) there are.
 
-    Attributes
-    ----------
-    size
-        (width, height) px.
-    fps
-        Frames per second; None: they are single pictures.
-    name
-        What recordings of that format are called.
-    others
-        Which other sizes there are.
+    Without a frame rate (1/s) they are single pictures.
     """
 
     size: tuple[int, int]
@@ -110,19 +94,10 @@ USUAL_INPUTS: Final = {
 def ask_for_missing(
     place: str, pictures: Iterable[Path], lacking: Iterable[str] = (), format_name: str = ""
 ) -> MissingInputs:
-    """Fields for what the files do not say; none if nothing.
+    """Fields for what the files do not say (`lacking`, or missing when last opened), if any.
 
-    Parameters
-    ----------
-    place
-        Part of the page; see `ui.data.opening`.
-    pictures
-        Pictures of the recordings, whose size and frame rate are proposed.
-    lacking
-        What the files are known not to say; asked as well: what was missing when they were last
-        opened.
-    format_name
-        Format of the ground truth, whose usual values are proposed where pictures give none.
+    Size and frame rate of the pictures are proposed, else those that are usual for the format of
+    the ground truth.
     """
     trouble = trouble_of(place)
     asked = st.session_state.setdefault(f"asked_{place}", set())
@@ -262,17 +237,7 @@ def picture_rate(paths: Iterable[Path]) -> float | None:
 
 @dataclass(frozen=True)
 class PictureCheck:
-    """What pictures turn out to be.
-
-    Attributes
-    ----------
-    size
-        (width, height) px; None: they cannot be opened.
-    fps
-        Frame rate that they state, 1/s.
-    trouble
-        Why they cannot be opened.
-    """
+    """Size (px) and stated frame rate (1/s) of pictures, or why they cannot be opened."""
 
     size: tuple[int, int] | None = None
     fps: float | None = None

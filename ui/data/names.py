@@ -18,14 +18,7 @@ def proposed_names(
 ) -> list[str]:
     """Names of systems as their paths tell; a system whose path tells nothing is numbered.
 
-    Parameters
-    ----------
-    systems
-        Paths of each system as people know them; empty: none chosen yet.
-    truth
-        Paths of the ground truth: what they are called is no system's name.
-    recordings
-        Names of its recordings, for the same reason.
+    What the ground truth and its recordings are called is no system's name.
 
     Examples
     --------

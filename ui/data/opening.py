@@ -50,16 +50,9 @@ class Trouble:
 def try_to_open(
     session: Session | Callable[[], Session], *, label: str, place: str = SESSION
 ) -> None:
-    """Open a session; if that fails, the run starts again and `draw_trouble` says why.
+    """Open a session, called `label` on the pages.
 
-    Parameters
-    ----------
-    session
-        The session, or what makes it.
-    label
-        What it is called on the pages.
-    place
-        Part of the page that the trouble is shown in.
+    If that fails, the run starts again and `draw_trouble` says why in this part of the page.
     """
     st.session_state.pop(_key(place), None)
     st.session_state[_OPENED] = place, label, state.workspace().n_opened

@@ -15,15 +15,7 @@ from ui.widgets.text import plain
 
 @dataclass(frozen=True)
 class ChosenPictures:
-    """Pictures of a form.
-
-    Attributes
-    ----------
-    usable
-        Those that can be opened, by label.
-    stops
-        Why nothing is opened yet: some were refused, and nobody said to go on without them.
-    """
+    """Pictures of a form that can be opened, by label, and why nothing is opened yet."""
 
     usable: Mapping[str, Path]
     stops: str = ""
@@ -34,16 +26,7 @@ def draw_checked(
 ) -> ChosenPictures:
     """What is wrong with the pictures of a form, and whether to go on without those.
 
-    Parameters
-    ----------
-    place
-        Part of the page; see `ui.data.opening`.
-    chosen
-        Pictures by label.
-    recordings
-        Recordings of the ground truth, as far as known.
-    refused
-        Files that were not even taken, and why.
+    Files that were `refused` were not even taken.
     """
     checks = {label: check_pictures(path) for label, path in chosen.items()}
     usable = {label: path for label, path in chosen.items() if not checks[label].trouble}

@@ -55,18 +55,9 @@ _SIGHT: Final = st.components.v2.component("nvcore_section", js=_KEEP_IN_SIGHT)
 
 @dataclass(frozen=True)
 class Section:
-    """A heading and what follows it, up to the next one.
+    """A heading in Markdown (level 1: the page's title) and what follows it up to the next one.
 
-    Attributes
-    ----------
-    level
-        1 is the title of the page.
-    title
-        Markdown.
-    anchor
-        As other renderers of Markdown make it, so that links between the pages hold.
-    body
-        Markdown.
+    The anchor is as other renderers of Markdown make it, so that links between the pages hold.
     """
 
     level: int

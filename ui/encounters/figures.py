@@ -25,13 +25,7 @@ MANY_BOXES: Final = 300_000
 
 
 def draw_classes(result: Result, encounters: pd.DataFrame) -> None:
-    """Miss classes and lead time of the encounters that pass the filters.
-
-    Parameters
-    ----------
-    encounters
-        Rows of `nvcore.tables.result.encounters_table` that pass the filters.
-    """
+    """Miss classes and lead time of the encounters that pass the filters."""
     names, theme = (result.x.name, result.y.name), state.theme()
     left, right = st.columns(2, gap="medium")
     with left:

@@ -23,15 +23,7 @@ LINK: Final = "category"
 
 @dataclass(frozen=True)
 class Filters:
-    """Which encounters to keep; empty, or None for a range: all.
-
-    Attributes
-    ----------
-    categories, classes_x, classes_y, recordings
-        Values of `category`, `miss_class_x`, `miss_class_y`, `recording`.
-    position, height_px, pose_z
-        Least and largest `lateral_position`, `peak_height`, `aspect_z`.
-    """
+    """Which encounters to keep, by columns of ``encounters.csv``; empty or None: all."""
 
     categories: Sequence[str] = ()
     classes_x: Sequence[str] = ()

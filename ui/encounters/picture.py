@@ -22,15 +22,7 @@ ASPECT: Final = 1.6
 
 
 def draw(result: Result, encounter: int, row: int) -> None:
-    """The part of a frame around the pedestrian; without pictures, the boxes on a blank.
-
-    Parameters
-    ----------
-    encounter
-        Row of ``result.encounters``.
-    row
-        Row of the frames table.
-    """
+    """The part of a frame around the pedestrian; without pictures, the boxes on a blank."""
     recording, in_recording = state.place_of(row)
     pictures, picture = picture_of(state.workspace(), recording, in_recording)
     lo, hi = state.stretch()

@@ -50,13 +50,7 @@ CHOSEN: Final = "encounters_chosen"
 
 
 def draw(result: Result, encounters: pd.DataFrame) -> None:
-    """The table, then the map beside the chosen encounter.
-
-    Parameters
-    ----------
-    encounters
-        Rows of `nvcore.tables.result.encounters_table` that pass the filters, with their index.
-    """
+    """The encounters that pass the filters, then the map beside the chosen one."""
     if encounters.empty:
         st.info("No encounter passes the filters: widen or clear them.", icon=":material/info:")
         return

@@ -30,15 +30,7 @@ JOB: Final = "html"
 
 @dataclass(frozen=True)
 class ReportKey:
-    """What a report is made from.
-
-    Attributes
-    ----------
-    protocol
-        Of the detection figures.
-    with_map
-        Whether the stability maps are computed; None: as for few frames.
-    """
+    """What a report is made from; stability maps of None: only for few frames."""
 
     version: str
     params: Params

@@ -42,16 +42,7 @@ def draw() -> None:
 
 
 def link(here: str, page: str, params: dict[str, str]) -> str:
-    """Address of a page of the app.
-
-    Parameters
-    ----------
-    here
-        Address of the Export page.
-    page
-        Path of the other page.
-    params
-        What the address holds after the question mark.
+    """Address of a page of the app, from that of the Export page and the parameters.
 
     Examples
     --------

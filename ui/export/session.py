@@ -55,13 +55,7 @@ def inputs_beside(portable: Session) -> list[str]:
 def public_findings(
     findings: Iterable[Finding], public: Callable[[object], str]
 ) -> tuple[Finding, ...]:
-    """The findings without paths of the machine.
-
-    Parameters
-    ----------
-    public
-        Takes the machine's paths out of a text.
-    """
+    """The findings, their texts made `public`: without paths of the machine."""
     return tuple(
         replace(
             finding,

@@ -29,15 +29,7 @@ JOB: Final = "video"
 
 @dataclass(frozen=True)
 class Interval:
-    """What is to be written.
-
-    Attributes
-    ----------
-    row_start, row_stop
-        Rows within the recording.
-    fps
-        Frames per second of the video.
-    """
+    """Rows within the recording that are to be written, and frames per second of the video."""
 
     row_start: int
     row_stop: int
@@ -117,14 +109,8 @@ def chosen_interval(
 ) -> Interval:
     """Rows from one time to another, both included, and how fast they are shown.
 
-    Parameters
-    ----------
-    times
-        Of the recording's evaluated frames, s, rising.
-    speed
-        1: evaluated frames follow each other as fast as they were taken.
-    fps
-        Frame rate of the recording; counts where there is a single frame.
+    At a speed of 1 evaluated frames follow each other as fast as they were taken; the recording's
+    frame rate counts where there is a single frame.
     """
     step = float(np.median(np.diff(times))) if len(times) > 1 else 1 / fps
     near = step / 100  # fields round to hundredths

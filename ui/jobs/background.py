@@ -180,15 +180,7 @@ def new_path(space: Workspace, suffix: str) -> Path:
 
 
 class FileJob(BackgroundJob[None]):
-    """One file.
-
-    Attributes
-    ----------
-    path
-        Where it is written; there is a file only once the job is done.
-    name
-        File name for the download.
-    """
+    """One file for download; it is at its path only once the job is done."""
 
     def __init__(
         self,

@@ -28,14 +28,7 @@ def start_as_made(job: BackgroundJob[Any], kind: str, **choices: object) -> None
 def draw_job(job: BackgroundJob[Any], kind: str, *, thing: str, doing: str) -> JobState:
     """Progress with a button to cancel, or why there is nothing; how far the job was.
 
-    Parameters
-    ----------
-    kind
-        Of the job in the workspace.
-    thing
-        What is made, as a sentence calls it: "report".
-    doing
-        What is going on, as a sentence begins: "Making the report".
+    Sentences call what is made `thing` ("report"), and begin with `doing` ("Making the report").
     """
     job_state = job.state  # once: it may end meanwhile
     if job_state.is_busy:

@@ -23,18 +23,9 @@ MOST: Final = 8
 
 @dataclass(frozen=True)
 class AppliedFit:
-    """Fitted settings that were put into the sidebar.
+    """Fitted settings that were put into the sidebar, and those before, by name.
 
-    Attributes
-    ----------
-    fitted, before
-        The parameters that the fit changed, and their values before, by name.
-    fingerprint
-        Of the dataset.
-    seen
-        The ratings that it was fitted to, of `_who_rates_what`.
-    is_simulated
-        Whether nobody was asked for those.
+    Knows the dataset's fingerprint, and which ratings it has `seen` (`_who_rates_what`).
     """
 
     fitted: dict[str, Any]
@@ -109,15 +100,7 @@ def apply(
     fingerprint: str,
     fit_in_use: AppliedFit | None,
 ) -> None:
-    """Move the sidebar to the settings of the fit.
-
-    Parameters
-    ----------
-    fit, start
-        The fit, and the settings that it was compared with.
-    taken
-        The fit that is in use now, whose values go where `fit` has none.
-    """
+    """Move the sidebar to a fit, compared with `start`; where it has no value, to before."""
     before = {name: getattr(start, name) for name in fit.changed}
     newest = AppliedFit(
         fit.changed, before, fingerprint, _who_rates_what(rating_source), rating_source.is_simulated

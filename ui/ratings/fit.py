@@ -37,15 +37,10 @@ def draw(
     rating_source: RatingSource,
     fit_in_use: AppliedFit | None,
 ) -> None:
-    """The button that fits, and what the fit found.
+    """The button that fits, and what the fit gives.
 
-    Parameters
-    ----------
-    ratings_key
-        Differs where the ratings do.
-    taken
-        The fit in use that has seen some of these ratings: then all is told against the settings
-        before it.
+    With a fit in use that has seen some of these ratings, all is told against the settings before
+    it. The `ratings_key` differs where the ratings do.
     """
     st.header("Fit saliency to these ratings")
     st.caption(

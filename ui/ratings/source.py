@@ -27,16 +27,9 @@ MOST_MB: Final = 5
 
 @dataclass(frozen=True)
 class RatingSource:
-    """Ratings to look at.
+    """Ratings to look at, and whose boxes were shown where they do not say; empty: they say it.
 
-    Attributes
-    ----------
-    ratings
-        Of `nvcore.studies.ratings.reading`.
-    system
-        Whose boxes were shown where the ratings do not say; empty: they say it.
-    is_simulated
-        Whether nobody was asked.
+    If they are simulated, nobody was asked.
     """
 
     ratings: pd.DataFrame

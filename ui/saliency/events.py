@@ -52,13 +52,7 @@ def choose_recording() -> int | None:
 
 
 def draw_table(result: Result, recording: int | None) -> None:
-    """All events, the most salient first; a click on one opens its first frame.
-
-    Parameters
-    ----------
-    recording
-        Row of the recordings table; None: all of them.
-    """
+    """All events, or a recording's, the most salient first; a click opens the first frame."""
     letter = choose_side_by_side("Events of", [BOTH, "X", "Y"], "saliency_system", default=BOTH)
     events, first_row = _events(result, recording, None if letter == BOTH else letter.lower())
     if events.empty:

@@ -46,13 +46,7 @@ def _draw_way(result: Result, letter: str) -> None:
 
 
 def draw_events(result: Result, recording: int | None) -> None:
-    """The events on the recency curve, and the largest ones taken apart.
-
-    Parameters
-    ----------
-    recording
-        Row of the recordings table; None: all of them.
-    """
+    """Events of all recordings or one on the recency curve, and the largest taken apart."""
     theme = state.theme()
     left, right = st.columns(2, gap="medium")
     with left:

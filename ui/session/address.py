@@ -21,14 +21,7 @@ def read_place(
 ) -> tuple[tuple[int, int], list[str]]:
     """Recording index and row within it, and what could not be followed, in words.
 
-    Parameters
-    ----------
-    name, frame
-        As in the address; None: not there.
-    names
-        Names of the recordings.
-    frame_numbers
-        Listed frame numbers of a recording, increasing, by its index.
+    Listed frame numbers of a recording, increasing, come from `frame_numbers` by its index.
     """
     wrong = []
     recording = names.index(name) if name in names else 0

@@ -71,13 +71,7 @@ def is_in_use(what: Closable) -> bool:
 
 
 def sweep(now_s: float) -> None:
-    """Close what has been without its browser for too long.
-
-    Parameters
-    ----------
-    now_s
-        Time by ``time.monotonic``.
-    """
+    """Close what has been without its browser for too long; `now_s` is by ``time.monotonic``."""
     with _lock:
         watched = list(_watched)
     for entry in watched:

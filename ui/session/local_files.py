@@ -23,15 +23,7 @@ MOST_ENTRIES: Final = 2000
 
 @dataclass(frozen=True)
 class Entry:
-    """A file or folder below the root.
-
-    Attributes
-    ----------
-    path
-        Relative to the root, with ``/`` between its parts.
-    is_folder
-        Whether it is a folder.
-    """
+    """A file or folder; its path is relative to the root, with ``/`` between its parts."""
 
     path: str
     is_folder: bool

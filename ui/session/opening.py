@@ -68,16 +68,8 @@ def recording_names(session: Session) -> list[str]:
 def uploaded_session(content: bytes, folder: Path, files: Sequence[str], pictures: Path) -> Session:
     """The session that an uploaded session file describes, with the files that came with it.
 
-    Parameters
-    ----------
-    content
-        The session file.
-    folder
-        Where the files lie.
-    files
-        Paths of files and folders below `folder`, relative to it.
-    pictures
-        Folder of uploaded pictures; a recording whose pictures are not there has none.
+    The paths of these are relative to `folder`. A recording whose pictures are not in the folder
+    `pictures` has none.
 
     Raises
     ------
@@ -236,15 +228,7 @@ def guess_pictures(names: Sequence[str], sources: Iterable[str]) -> dict[str, st
 def with_recordings(
     session: Session, names: Sequence[str], changes: Mapping[str, Mapping[str, object]]
 ) -> Session:
-    """The session with other facts of some recordings.
-
-    Parameters
-    ----------
-    names
-        The recordings of the data.
-    changes
-        Fields of `RecordingFacts` by the name of the recording.
-    """
+    """The session with other `RecordingFacts` of some recordings of the data, by name."""
     facts = {recording.name: recording for recording in session.recordings}
     if len(names) == len(facts) == 1 and names[0] not in facts:
         # with a single recording its name does not matter

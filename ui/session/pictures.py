@@ -17,16 +17,9 @@ from ui.session.workspace import Workspace
 
 @dataclass(frozen=True)
 class Picturing:
-    """Pictures by recording index.
+    """Pictures by recording index: open sources, the picture of each frame (-1: none), and why.
 
-    Attributes
-    ----------
-    sources
-        Open sources; a recording without pictures is absent.
-    indices
-        Picture of each frame of the recording, -1 none.
-    notes
-        By which rule, or why there are none, in words.
+    A recording without pictures has no source.
     """
 
     sources: Mapping[int, Pictures]

@@ -23,13 +23,7 @@ MOST_SAMPLES: Final = 2
 
 
 class SharedSample:
-    """A session file that all visitors may open, read once.
-
-    Attributes
-    ----------
-    opened
-        What a workspace has open that opens it; nobody changes it.
-    """
+    """A session file that all visitors may open, read once; nobody changes what is `opened`."""
 
     def __init__(self, path: Path, label: str) -> None:
         session = read_session(path)
@@ -38,14 +32,9 @@ class SharedSample:
         self._caches: dict[str, OrderedDict[Hashable, object]] = {}
 
     def cached(self, kind: str, key: Hashable, make: Callable[[], Made], *, most: int = 1) -> Made:
-        """The value that any session made for this key before, else the one that `make` returns.
+        """As `Workspace.cached`, made by any session.
 
         For values that follow from the sample and the key alone, and that nobody changes.
-
-        Parameters
-        ----------
-        kind, most
-            As of `Workspace.cached`.
         """
         value = self.peek(kind, key)
         if value is None:

@@ -62,15 +62,7 @@ _UNSAFE = re.compile(r'[<>:"/\\|?*\x00-\x1f\x7f]')
 
 
 class UploadError(NvcoreError):
-    """A file is refused.
-
-    Parameters
-    ----------
-    message
-        Why, and what to do.
-    status
-        Status of the route's answer.
-    """
+    """A file is refused: why, what to do, and the status of the route's answer."""
 
     def __init__(self, message: str, status: HTTPStatus):
         self.status = status
@@ -297,12 +289,7 @@ def store_annotations(
 
 
 def _unpack(space: Workspace, packed: Path) -> tuple[Path, int]:
-    """Unpack an archive beside itself and remove it.
-
-    Returns
-    -------
-    The folder in which its content begins, and the bytes of all that was unpacked.
-    """
+    """Unpack an archive beside itself and remove it; the folder of its content, and its bytes."""
     room = min(MAX_UNPACKED_BYTES, _room(space))
     folder = packed.with_name(
         free_name(packed.stem, (path.name for path in packed.parent.iterdir()))

@@ -31,17 +31,7 @@ Kind = Literal["video", "zip", "image"]
 
 @dataclass(frozen=True)
 class Stored:
-    """One file of pictures that lies in the session's folder.
-
-    Attributes
-    ----------
-    name
-        Its safe name; unique in the session.
-    kind
-        What it is, told from its content.
-    n_bytes
-        Its size.
-    """
+    """One file of pictures in the session's folder: a safe, unique name and what its content is."""
 
     name: str
     kind: Kind
@@ -55,17 +45,7 @@ class Stored:
 
 @dataclass(frozen=True)
 class Opened:
-    """A comparison that is open.
-
-    Attributes
-    ----------
-    session
-        What it is made of, with changes made on the pages.
-    dataset
-        What was read.
-    label
-        What it is called on the pages.
-    """
+    """What is open: the session with changes made on the pages, what was read, and a label."""
 
     session: Session
     dataset: Dataset

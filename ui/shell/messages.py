@@ -30,13 +30,7 @@ SHORT_ENCOUNTERS: Final = (
 
 
 def draw_warnings(result: Result, *, is_of_encounters: bool = True) -> None:
-    """Warn that encounters are mostly single frames, and of what the audit found.
-
-    Parameters
-    ----------
-    is_of_encounters
-        Whether the page is about encounters: curves of boxes do not depend on their length.
-    """
+    """Warn of what the audit found and, where the page is about encounters, of single frames."""
     if is_of_encounters and result.is_short:
         st.warning(SHORT_ENCOUNTERS, icon=":material/warning:")
     caveats = [

@@ -47,13 +47,7 @@ SHORT_GROUPS: Final = {MATCH.group: "Matching"}
 
 
 def draw(wrong: str = "") -> None:
-    """Draw the sidebar, after the page: the widgets' values are in use before they are drawn.
-
-    Parameters
-    ----------
-    wrong
-        What `live_params.read` says of the values.
-    """
+    """Draw the sidebar with what is wrong, after the page: its values are in use before."""
     with st.sidebar:
         legend()
         _presets()

@@ -13,14 +13,7 @@ from ui.widgets.clicks import is_new_click
 
 
 def draw_chart(figure: go.Figure, key: str, *, on_click: Callable[[], None] | None = None) -> None:
-    """Draw a chart.
-
-    Parameters
-    ----------
-    on_click
-        Called when a point was clicked or the click was taken back, before the page is drawn
-        again; see `ui.widgets.clicks.clicked_point`.
-    """
+    """Draw a chart; `on_click` is called before the page when a point is clicked or released."""
     if on_click is None:
         st.plotly_chart(figure, theme=None, config=CONFIG, key=key)
         return
@@ -32,18 +25,10 @@ def draw_chart(figure: go.Figure, key: str, *, on_click: Callable[[], None] | No
 def clicked_chart(
     figure: go.Figure, key: str, *, clicks: str | None = None, alt: str | None = None
 ) -> Any:
-    """Draw a chart, and return the `customdata` of a point clicked since it was last drawn.
+    """Draw a chart; the `customdata` of a point clicked since then, None: no new click.
 
-    Parameters
-    ----------
-    clicks
-        Charts that share this name share the memory of the last click; None: the key.
-    alt
-        What the chart shows, for those who cannot see it.
-
-    Returns
-    -------
-    None where there is no new click.
+    Charts that share the name `clicks` share the memory of the last one. `alt` says what the chart
+    shows, for those who cannot see it.
     """
     chart = st.plotly_chart(
         figure,

@@ -18,10 +18,7 @@ def choose_side_by_side(
 ) -> Option:
     """One of a few options, all of them in sight; kept while other pages are shown.
 
-    Parameters
-    ----------
-    options
-        In their order; a mapping gives the words of each.
+    A mapping gives the words of each.
     """
     words = options.__getitem__ if isinstance(options, Mapping) else str
     chosen: Option = st.segmented_control(

@@ -100,13 +100,7 @@ def measures_as_text(rows: Sequence[ScoreRow]) -> pd.DataFrame:
 
 
 def rows_told(n_rows: int, which: str) -> str:
-    """A note for a table that does not list all rows; empty if it does.
-
-    Parameters
-    ----------
-    which
-        Which rows are listed: "first", "most salient".
-    """
+    """A note for a table that lists only some rows, the "first" or the like; else empty."""
     if n_rows <= MOST_ROWS:
         return ""
     return f"The {which} {MOST_ROWS:,} of {n_rows:,} are listed; Export has them all."

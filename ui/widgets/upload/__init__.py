@@ -28,9 +28,7 @@ _COMPONENT = st.components.v2.component(
 def upload_pictures(space: Workspace, *, key: str) -> list[str]:
     """Draw the field; the run starts again when files have arrived in ``space.stored``.
 
-    Returns
-    -------
-    Which of the files last chosen were refused, and why: one text each, not yet plain.
+    Returns which of the files last chosen were refused, and why: one text each, not yet plain.
     """
     base = st.get_option("server.baseUrlPath") or ""
     state = _COMPONENT(
