@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
 
 import numpy as np
 import pandas as pd
@@ -11,18 +10,6 @@ import pandas as pd
 from nvcore.comparison import Result, SystemResult
 from nvcore.schema import DetectionState, TruthState
 from nvcore.tables.box_states import gather_boxes
-
-PEDESTRIAN_COLUMNS: Final = (
-    "track",
-    "height_px",
-    "distance_m",
-    "k",
-    "is_relevant",
-    "found_x",
-    "found_y",
-    "is_salient_x",
-    "is_salient_y",
-)
 
 
 @dataclass(frozen=True)
@@ -67,7 +54,7 @@ class FrameSummary:
     x, y
         The two systems.
     pedestrians
-        Columns `PEDESTRIAN_COLUMNS`, the tallest first: track, height_px, distance_m (NaN
+        The tallest first, columns track, height_px, distance_m (NaN
         unknown), proximity weight k, is_relevant (``k >= 0.5``), found_x and found_y (matched by
         X, by Y), is_salient_x and is_salient_y (the most salient miss).
     """
@@ -108,8 +95,7 @@ def frame_summary(result: Result, row: int) -> FrameSummary:
             "found_y": boxes.truth.state_y == TruthState.MATCHED,
             "is_salient_x": boxes.truth.is_salient_x,
             "is_salient_y": boxes.truth.is_salient_y,
-        },
-        columns=list(PEDESTRIAN_COLUMNS),
+        }
     )[~truth.ignore[rows]]
     recording = int(frames.recording[row])
     return FrameSummary(

@@ -12,17 +12,6 @@ from nvcore.comparison import Result, SystemResult
 from nvcore.metrics.encounters import RELEVANT_K
 from nvcore.schema import NO_TRACK
 
-LANE_COLUMNS: Final = (
-    "encounter",
-    "track",
-    "system",
-    "state",
-    "first_row",
-    "last_row",
-    "start_s",
-    "stop_s",
-)
-
 
 class LaneState(StrEnum):
     """How a system did with a pedestrian in one frame."""
@@ -54,7 +43,7 @@ def lanes_table(result: Result, recording: int) -> pd.DataFrame:
 
     Returns
     -------
-    Columns `LANE_COLUMNS`: encounter (row of ``result.encounters``), track, system (``"x"`` or
+    Columns encounter (row of ``result.encounters``), track, system (``"x"`` or
     ``"y"``), state (`LaneState`), first_row and last_row (of the frames table, inclusive), start_s
     and stop_s (the end of the last frame's time step), seconds. Sorted by encounter, system and
     time. A recording without pedestrians: no rows.
@@ -79,8 +68,7 @@ def lanes_table(result: Result, recording: int) -> pd.DataFrame:
             "last_row": last,
             "start_s": time_s[first],
             "stop_s": time_s[last] + step_s[last],
-        },
-        columns=list(LANE_COLUMNS),
+        }
     )
 
 

@@ -12,7 +12,6 @@ from nvcore.metrics.encounters import RELEVANT_K
 from nvcore.metrics.similarity import runs_of
 from nvcore.tables.lanes import miss_starts
 
-ENCOUNTER_MOMENT_COLUMNS: Final = ("first_row", "missed_row_x", "missed_row_y", "shown_row")
 NEVER: Final = -1
 """Frame row of an event that does not happen."""
 
@@ -22,10 +21,10 @@ def encounter_moments(result: Result) -> pd.DataFrame:
 
     Returns
     -------
-    One row per encounter, columns `ENCOUNTER_MOMENT_COLUMNS`, int64: first_row, the first relevant
-    frame (of a distant encounter the first annotated one); missed_row_x and missed_row_y, the first
-    relevant frame in which that system misses the pedestrian, -1 if it never does; shown_row, the
-    earlier of these two, else first_row.
+    One row per encounter, columns int64: first_row, the first relevant frame (of a distant
+    encounter the first annotated one); missed_row_x and missed_row_y, the first relevant frame in
+    which that system misses the pedestrian, -1 if it never does; shown_row, the earlier of these
+    two, else first_row.
     """
     encounters = result.encounters
     n, rows = len(encounters), encounters.order
@@ -48,7 +47,7 @@ def encounter_moments(result: Result) -> pd.DataFrame:
     earlier = np.where(missed_rows == NEVER, len(result.dataset.frames), missed_rows).min(axis=0)
     is_missed_at_all = (missed_rows != NEVER).any(axis=0)
     moments["shown_row"] = np.where(is_missed_at_all, earlier, first)
-    return pd.DataFrame(moments, columns=list(ENCOUNTER_MOMENT_COLUMNS)).astype("int64")
+    return pd.DataFrame(moments).astype("int64")
 
 
 def encounter_box(result: Result, encounter: int, row: int) -> np.ndarray:
@@ -91,23 +90,6 @@ def _earliest(n: int, of: np.ndarray, values: np.ndarray) -> np.ndarray:
     return earliest
 
 
-MOMENT_COLUMNS: Final = (
-    "kind",
-    "recording",
-    "recording_index",
-    "first_frame",
-    "last_frame",
-    "row",
-    "frame",
-    "time_s",
-    "duration_s",
-    "severity_s",
-    "similarity_x",
-    "similarity_y",
-    "track",
-    "reason",
-)
-
 KINDS: Final = ("x", "y", "x_better", "y_better")
 """Kinds of moments: low similarity of X, of Y; X better than Y, and the other way."""
 
@@ -139,11 +121,11 @@ def worst_moments(result: Result, *, n: int = 5) -> pd.DataFrame:
 
     Returns
     -------
-    Columns `MOMENT_COLUMNS`, kind by kind, the largest severity first. `row` (of the frames
-    table), frame, time_s and the similarities are of the frame with the lowest similarity (kinds
-    ``x``, ``y``) or the largest difference; severity_s and duration_s in seconds. reason is a
-    sentence about the whole interval that calls the systems X and Y, and track the pedestrian
-    that it names, missing where it is about false alarms.
+    Kind by kind, the largest severity first: kind, recording, recording_index; first_frame and
+    last_frame of the interval; row (of the frames table), frame, time_s and the similarities of
+    the frame with the lowest similarity (kinds ``x``, ``y``) or the largest difference; severity_s
+    and duration_s in seconds; reason, a sentence about the whole interval that calls the systems X
+    and Y, and track, the pedestrian that it names, missing where it is about false alarms.
     """
     spans = [*_low_spans(result, n), *_difference_spans(result, n)]
     frames, columns = result.dataset.frames, result.dataset.frame_columns
@@ -171,8 +153,7 @@ def worst_moments(result: Result, *, n: int = 5) -> pd.DataFrame:
             "similarity_y": result.y.similarity[row],
             "track": pd.array([track for track, _ in reasons], dtype="Int64"),
             "reason": np.array([reason for _, reason in reasons], dtype=object),
-        },
-        columns=list(MOMENT_COLUMNS),
+        }
     )
 
 

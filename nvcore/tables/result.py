@@ -135,9 +135,7 @@ def located_events(result: Result) -> pd.DataFrame:
 
 def worst_events(result: Result, letter: str, *, n: int = 5) -> pd.DataFrame:
     """The `n` events of one system with the largest saliency, worst first, as `located_events`."""
-    table = located_events(result)
-    table = table[table["system"] == letter]
-    return table.sort_values("saliency_s", ascending=False, kind="stable").head(n)
+    return _worst(located_events(result), letter, "saliency_s", n)
 
 
 def intervals_table(result: Result) -> pd.DataFrame:
@@ -157,9 +155,12 @@ def intervals_table(result: Result) -> pd.DataFrame:
 
 def worst_intervals(result: Result, letter: str, *, n: int = 5) -> pd.DataFrame:
     """The `n` low-similarity intervals of one system with the largest severity, worst first."""
-    table = intervals_table(result)
-    table = table[table["system"] == letter]
-    return table.sort_values("severity_s", ascending=False, kind="stable").head(n)
+    return _worst(intervals_table(result), letter, "severity_s", n)
+
+
+def _worst(table: pd.DataFrame, letter: str, column: str, n: int) -> pd.DataFrame:
+    of_system = table[table["system"] == letter]
+    return of_system.sort_values(column, ascending=False, kind="stable").head(n)
 
 
 def recordings_table(result: Result) -> pd.DataFrame:

@@ -16,7 +16,7 @@ def app() -> AppTest:
 
 def scorecard(app: AppTest) -> dict[str, tuple[str, str, str]]:
     table = app.dataframe[0].value
-    return {row["figure"].strip(): tuple(row[["X", "Y", "X - Y"]]) for _, row in table.iterrows()}
+    return {row["measure"].strip(): tuple(row[["X", "Y", "X - Y"]]) for _, row in table.iterrows()}
 
 
 def test_the_app_opens_on_verdict_and_scorecard_which_follow_the_parameters(app: AppTest):
