@@ -1,4 +1,4 @@
-"""Metrics: what every figure means, what the report's files hold, which formats are read."""
+"""Metrics: what every measure means, what the report's files hold, which formats are read."""
 
 from ui.documentation import page
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Final
 
 import streamlit as st
@@ -10,9 +11,10 @@ import streamlit as st
 from nvcore.errors import InputError, NvcoreError
 from nvcore.inputs.session import Session
 from ui.data import local, upload
+from ui.data.form import forget_outcome
 from ui.data.inputs import sent_pictures
-from ui.data.missing_inputs import MissingInputs, ask_for_missing, forget_missing
-from ui.data.opening import draw_trouble, forget_trouble, try_to_open
+from ui.data.missing_inputs import MissingInputs, ask_for_missing
+from ui.data.opening import draw_trouble, try_to_open
 from ui.session import state
 from ui.session.local_files import LocalRoot, local_root
 from ui.session.opening import uploaded_session
@@ -61,6 +63,7 @@ def _draw_sample() -> None:
 
 
 PLACE: Final = "session_file"
+_changed = partial(forget_outcome, PLACE)
 
 
 def draw_session_form() -> None:
@@ -82,11 +85,6 @@ def draw_session_form() -> None:
     if st.button("Open this session", key="open_session_file", type="primary"):
         label = "" if file is None else file.name
         try_to_open(lambda: _session(file, others, facts), label=label, place=PLACE)
-
-
-def _changed() -> None:
-    forget_trouble(PLACE)
-    forget_missing(PLACE)
 
 
 def _session(file: SentFile | None, others: Sequence[SentFile], facts: MissingInputs) -> Session:

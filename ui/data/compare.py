@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Final
+from typing import Any, Final
 
 import pandas as pd
 import streamlit as st
@@ -131,26 +131,13 @@ def _draw_system(letter: str, name: str) -> None:
     if note := sampling_note(dataset.frame_columns):
         alarms.caption(note)
     if state.score_span(name) is not None:
-        draw_chart(
-            score_plot(
-                score_histogram(dataset, name),
-                letter=letter,
-                name=name,
-                threshold=threshold,
-                theme=theme,
-            ),
-            f"scores_{letter}",
+        shown: dict[str, Any] = {"letter": letter, "name": name, "threshold": threshold}
+        scores, curve = (
+            score_histogram(dataset, name),
+            _kept_curve(dataset, name, params.only_for(MATCH)),
         )
-        draw_chart(
-            false_alarm_plot(
-                _curve(dataset, name, params),
-                letter=letter,
-                name=name,
-                threshold=threshold,
-                theme=theme,
-            ),
-            f"alarms_{letter}",
-        )
+        draw_chart(score_plot(scores, theme=theme, **shown), f"scores_{letter}")
+        draw_chart(false_alarm_plot(curve, theme=theme, **shown), f"alarms_{letter}")
 
 
 def _take_threshold(letter: str) -> None:
@@ -222,35 +209,27 @@ def _take_same_point(x: str, y: str, moved: str) -> None:
     st.session_state[MOVED] = moved
 
 
-def _curve(dataset: Dataset, system: str, params: Params) -> pd.DataFrame:
-    return _kept_curve(dataset.fingerprint, system, params.only_for(MATCH), dataset)
-
-
 def _point(
     dataset: Dataset, system: str, params: Params, threshold: float | None
 ) -> OperatingPoint:
-    return _kept_point(dataset.fingerprint, system, params.only_for(MATCH), threshold, dataset)
+    return _kept_point(dataset, system, params.only_for(MATCH), threshold)
 
 
-# the fingerprint stands for the tables, which Streamlit would compare by a sample of their rows
+_kept = st.cache_resource(
+    max_entries=MOST_KEPT,
+    show_spinner="Counting false alarms",
+    # the fingerprint stands for the tables, which Streamlit would compare by a sample of their rows
+    hash_funcs={Dataset: lambda dataset: dataset.fingerprint},
+)
 
 
-@st.cache_resource(max_entries=MOST_KEPT, show_spinner="Counting false alarms")
-def _kept_curve(
-    fingerprint: str,  # noqa: ARG001
-    system: str,
-    matching: Params,
-    _dataset: Dataset,
-) -> pd.DataFrame:
-    return false_alarm_curve(_dataset, system, matching)
+@_kept
+def _kept_curve(dataset: Dataset, system: str, matching: Params) -> pd.DataFrame:
+    return false_alarm_curve(dataset, system, matching)
 
 
-@st.cache_resource(max_entries=MOST_KEPT, show_spinner="Counting false alarms")
+@_kept
 def _kept_point(
-    fingerprint: str,  # noqa: ARG001
-    system: str,
-    matching: Params,
-    threshold: float | None,
-    _dataset: Dataset,
+    dataset: Dataset, system: str, matching: Params, threshold: float | None
 ) -> OperatingPoint:
-    return operating_point(_dataset, system, matching, threshold=threshold)
+    return operating_point(dataset, system, matching, threshold=threshold)

@@ -57,7 +57,7 @@ def draw() -> None:
 
 
 def _counts(findings: Sequence[Finding]) -> str:
-    """How many there are of each severity, and what that means for the figures."""
+    """How many there are of each severity, and what that means for the numbers."""
     words = []
     for severity, (singular, plural) in KINDS.items():
         n = sum(finding.severity is severity for finding in findings)

@@ -55,7 +55,7 @@ def _spans(intervals: pd.DataFrame, recording: int, first: int) -> np.ndarray:
 
 
 def panel(result: Result, row_in_all: int) -> None:
-    """The frame in figures: similarity of both, who is missed by whom."""
+    """The frame in numbers: similarity of both, who is missed by whom."""
     facts = frame_summary(result, row_in_all)
     st.markdown(f"**Frame {facts.frame}**, {facts.time_s:.2f} s")
     left, right = st.columns(2)
