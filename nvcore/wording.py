@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
 from typing import Final
 
 UNDEFINED: Final = "–"
@@ -33,6 +34,16 @@ def difference(x: float, y: float, form: str) -> str:
 def count_text(n: int, noun: str) -> str:
     """A count with its noun: "1 frame", "3,000 frames"."""
     return f"{n:,} {noun}{'' if n == 1 else 's'}"
+
+
+def capitalised(text: str) -> str:
+    """The text as the beginning of a sentence; abbreviations keep their capitals."""
+    return text[:1].upper() + text[1:]
+
+
+def listed(words: Sequence[str]) -> str:
+    """Words in a row: "alpha, IoU and midpoint"."""
+    return "".join(words) if len(words) < 2 else f"{', '.join(words[:-1])} and {words[-1]}"
 
 
 def one_line(text: str) -> str:

@@ -14,7 +14,7 @@ from nvcore.figures.marks import marks, still_line, with_gaps
 from nvcore.figures.style import LOOK, axis, draw, empty_figure, plain, rows_axis, write
 from nvcore.measures import AxisScale, inference_of
 from nvcore.palette import Theme
-from nvcore.wording import count_text
+from nvcore.wording import capitalised, count_text
 
 ROW_PX: Final = 30
 MOST_GROUPS: Final = 40
@@ -71,7 +71,7 @@ def subgroup_forest(subgroups: pd.DataFrame, *, theme: Theme) -> go.Figure:
         for row in rows
     ]
     n_most = count_text(int(table["n"].max()), unit.removesuffix("s"))
-    title = plain(label[0].upper() + label[1:], max_length=80)
+    title = plain(capitalised(label), max_length=80)
     near = " near enough to count" if unit == "encounters" else ""
     side = "right" if better == "higher" else "left"
     fixed = {"tickvals": place.tolist(), "showgrid": False, "fixedrange": True}

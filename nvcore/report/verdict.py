@@ -12,6 +12,7 @@ from nvcore.comparison import Result, SystemResult
 from nvcore.evidence.paired_tests import MIN_DISCORDANT, MIN_SWAPPED, SIGNIFICANT
 from nvcore.findings import Finding, Severity
 from nvcore.measures import EVIDENCE_KEYS, inference_of
+from nvcore.wording import capitalised, listed
 
 SIDE_BY_SIDE: Final = tuple(key for key in EVIDENCE_KEYS if inference_of(key).noun)
 """Keys of the measures that the verdict puts side by side."""
@@ -149,7 +150,7 @@ def _encounters(result: Result, codes: Set[str], evidence: pd.DataFrame | None) 
         f"{venn.y_only}{chance}"
     )
     if not is_testable:
-        return f"{split[0].upper()}{split[1:]}."
+        return f"{capitalised(split)}."
     if p <= SIGNIFICANT:
         return f"{winner} detects more encounters, but not all that {loser} detects: {split}."
     return f"These data do not show which system detects more encounters: {split}."
@@ -210,7 +211,7 @@ def _side_by_side(result: Result, evidence: pd.DataFrame | None) -> str:
     if not defined:
         return ""
     text = defined[0] if len(defined) == 1 else ", ".join(defined[:-1]) + ", and " + defined[-1]
-    return f"{text[0].upper()}{text[1:]}"
+    return capitalised(text)
 
 
 def _mean_saliency(result: Result, evidence: pd.DataFrame | None) -> str:
@@ -254,11 +255,10 @@ def _beyond_chance(rows: pd.DataFrame) -> str:
             strict=True,
         )
     ]
-    listing = parts[0] if len(parts) < 2 else ", ".join(parts[:-1]) + " and " + parts[-1]
     is_one = len(parts) == 1
     others = "" if len(beyond) == len(rows) else "; the others are not shown to be"
     noun, verb = ("difference", "is") if is_one else ("differences", "are")
-    return f"{by}, the {noun} in {listing} {verb} more than chance{others}"
+    return f"{by}, the {noun} in {listed(parts)} {verb} more than chance{others}"
 
 
 def _winner(difference: float, better: str) -> str:

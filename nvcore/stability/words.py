@@ -16,6 +16,7 @@ from nvcore.stability.axes import Axis, Plane
 from nvcore.stability.flips import Flip, Interval, Winner, winners
 from nvcore.stability.map import StabilityMap
 from nvcore.stability.scores import Criterion
+from nvcore.wording import capitalised, listed
 
 PLANES: Final[dict[Plane, str]] = {
     "alpha-midpoint": "Alpha and what counts as near",
@@ -106,8 +107,8 @@ def describe_stability(stability: StabilityMap) -> tuple[str, ...]:
         if not moves
     ]
     if still:
-        text = f"{_and(still)} {'do' if len(still) > 1 else 'does'} not enter into it."
-        sentences.append(f"{text[0].upper()}{text[1:]}")
+        text = f"{listed(still)} {'do' if len(still) > 1 else 'does'} not enter into it."
+        sentences.append(capitalised(text))
     if not any(stability.is_moved_by):
         return tuple(sentences)
     sentences.append(_share(stability))
@@ -117,10 +118,6 @@ def describe_stability(stability: StabilityMap) -> tuple[str, ...]:
     sentences += _choices(stability)
     sentences += _nearest(stability)
     return tuple(sentences)
-
-
-def _and(words: list[str]) -> str:
-    return "".join(words) if len(words) < 2 else f"{', '.join(words[:-1])} and {words[-1]}"
 
 
 def _axes_that_matter(stability: StabilityMap) -> list[Axis]:
@@ -134,7 +131,7 @@ def _share(stability: StabilityMap) -> str:
     reasons = [f" ({axis.reason})" for axis in axes]
     if len(set(reasons)) == 1:
         reasons[:-1] = [""] * (len(reasons) - 1)
-    ranges = _and([range_ + reason for range_, reason in zip(settings, reasons, strict=True)])
+    ranges = listed([range_ + reason for range_, reason in zip(settings, reasons, strict=True)])
     if np.isnan(stability.share_held):
         return f"In the plausible range it is undefined: {ranges}."
     partly = "" if stability.share_defined > 1 - ALL else ", where that is defined"
@@ -177,7 +174,7 @@ def describe_equal_alarms(stability: StabilityMap) -> str:
         if line.share(winner)
     ]
     return (
-        f"With equally many false alarms, {least:.2g} to {most:.2g} per frame, {_and(parts)} of "
+        f"With equally many false alarms, {least:.2g} to {most:.2g} per frame, {listed(parts)} of "
         f"these pairs of thresholds; {present}."
     )
 
@@ -213,11 +210,8 @@ def describe_chance(stability: StabilityMap, evidence: pd.DataFrame) -> str:
         by += " of time, which say nothing of other recordings"
     p = f"p = {worst['p_holm']:.2g}, corrected for all measures tested; {by}"
     if worst["p_holm"] <= SIGNIFICANT:
-        return f"{subject[0].upper()}{subject[1:]} is more than chance ({p})."
-    return (
-        f"{subject[0].upper()}{subject[1:]} is not shown to be more than chance ({p}): "
-        f"{no_evidence}."
-    )
+        return f"{capitalised(subject)} is more than chance ({p})."
+    return f"{capitalised(subject)} is not shown to be more than chance ({p}): {no_evidence}."
 
 
 def share_text(share: float) -> str:
@@ -243,7 +237,7 @@ def _present(stability: StabilityMap) -> list[str]:
     ]
     if outside:
         sentences.append(
-            f"The settings in use lie outside the plausible range themselves: {_and(outside)}."
+            f"The settings in use lie outside the plausible range themselves: {listed(outside)}."
         )
     return sentences
 
@@ -262,9 +256,9 @@ def _interval(stability: StabilityMap, interval: Interval) -> str:
     where = f"every value tried from {axis.range_text(interval.low, interval.high)}"
     if interval.low == interval.high:
         where = f"{axis.number_text(interval.low)} only"
-    title = axis.title[0].upper() + axis.title[1:]
+    title = capitalised(axis.title)
     text = f"{title}: all else as it is, it holds for {where}"
-    return f"{text}; {_and(flips)}." if flips else f"{text}, the whole map."
+    return f"{text}; {listed(flips)}." if flips else f"{text}, the whole map."
 
 
 def _choices(stability: StabilityMap) -> list[str]:
@@ -290,7 +284,7 @@ def _choices(stability: StabilityMap) -> list[str]:
 def settings_text(stability: StabilityMap, place: Sequence[float]) -> str:
     """A place on the map in words, without irrelevant settings: "alpha 0.3 and midpoint 48 px"."""
     axes = zip(stability.axes, place, stability.is_moved_by, strict=True)
-    return _and([axis.text(value) for axis, value, moves in axes if moves])
+    return listed([axis.text(value) for axis, value, moves in axes if moves])
 
 
 def nearest_text(stability: StabilityMap) -> str:

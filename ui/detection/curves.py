@@ -17,7 +17,7 @@ from nvcore.figures.detection import CurveKind, curve_plot, legend_text
 from nvcore.params.metadata import MATCH
 from nvcore.protocols import Protocol
 from nvcore.tables.scorecard import curve_rows
-from nvcore.wording import count_text
+from nvcore.wording import capitalised, count_text
 from ui.detection.protocol import filtered
 from ui.session import state
 from ui.session.evidence import miss_rate_evidence
@@ -121,7 +121,7 @@ def _draw_evidence(result: Result, remarks: list[str]) -> None:
         note for note in evidence.note.split("; ") if note and not note.endswith(tuple(remarks))
     ]
     for note in notes:
-        st.caption(plain(f"{note[0].upper()}{note[1:]}."))
+        st.caption(plain(f"{capitalised(note)}."))
     link = docs_link("Significance", "significance", doc="significance")
     st.caption(f"{plain(evidence.method)} ({link})." if evidence.method else f"See {link}.")
 

@@ -12,7 +12,7 @@ from nvcore.dataset import Dataset
 from nvcore.detection.filtered_truth import FilteredTruth, filter_truth, known_tags
 from nvcore.detection.miss_rate import explain_few
 from nvcore.protocols import OCCLUSION_WORDS, OWN, PROTOCOLS, Protocol, protocol_from
-from nvcore.wording import count_text
+from nvcore.wording import capitalised, count_text
 from ui.session import state
 from ui.widgets.text import plain
 
@@ -233,4 +233,4 @@ def _draw_left_out(truth: FilteredTruth) -> None:
     st.caption(f"{words}.")
     few = explain_few(truth.n_truth)
     if few:
-        st.warning(f"{few[0].upper()}{few[1:]}.", icon=":material/warning:")
+        st.warning(f"{capitalised(few)}.", icon=":material/warning:")

@@ -15,7 +15,7 @@ from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.figures.forest import subgroup_forest
 from nvcore.measures import EVIDENCE_KEYS, evidence_form, inference_of
-from nvcore.wording import ARROWS, difference, number
+from nvcore.wording import ARROWS, capitalised, difference, number
 from ui.session import state
 from ui.widgets.charts import draw_chart
 from ui.widgets.choices import draw_measures
@@ -43,7 +43,7 @@ def draw(result: Result, evidence: pd.DataFrame) -> None:
     has_blocks = (evidence["unit"] == "blocks").any()
     units = "stretches of these recordings" if has_blocks else "recordings"
     for note in notes:
-        st.caption(plain(f"{UNDEFINED} {note[0].upper()}{note[1:]}."))
+        st.caption(plain(f"{UNDEFINED} {capitalised(note)}."))
     st.caption(
         "Both systems saw the same pedestrians, so differences are judged in pairs: how far they "
         f"would vary with other {units} (interval), and how often chance alone would "

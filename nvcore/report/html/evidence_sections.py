@@ -37,7 +37,7 @@ from nvcore.stability.words import (
     describe_stability,
 )
 from nvcore.tables.scorecard import curve_rows
-from nvcore.wording import UNDEFINED, count_text, difference, number, one_line
+from nvcore.wording import UNDEFINED, capitalised, count_text, difference, number, one_line
 
 CURVES: Final[dict[CurveKind, tuple[str, str]]] = {
     "miss_rate": ("Miss rate against false positives per image", "lower is better"),
@@ -143,7 +143,7 @@ def _table_by_subgroup(subgroups: pd.DataFrame) -> Table:
         for row in defined_rows.to_dict("records")
     ]
     label = subgroups["label"].iloc[0]
-    title = f"{label[0].upper()}{label[1:]}, by subgroup"
+    title = f"{capitalised(label)}, by subgroup"
     return table(title, head, rows, right=range(3, 9), note=_notes_of(defined_rows))
 
 
@@ -201,7 +201,7 @@ def detection_section(result: Result, protocol: Protocol) -> Section:
         if summary.notes
     ]
     few = explain_few(curves[0].n_truth)
-    notes += [f"{few[0].upper()}{few[1:]}."] if few else []
+    notes += [f"{capitalised(few)}."] if few else []
     filters = "; ".join(protocol.filters)
     protocol_text = (
         f"Protocol {protocol.title}: {protocol.text} {f'Filters: {filters}.' if filters else ''}"

@@ -20,7 +20,7 @@ from nvcore.params import SETTINGS
 from nvcore.report.html import words
 from nvcore.report.html.blocks import Block, Section, Sentences, Table, table
 from nvcore.tables.inputs import inputs_table, left_out_table
-from nvcore.wording import UNDEFINED, count_text, number
+from nvcore.wording import UNDEFINED, capitalised, count_text, number
 
 MOST_FILES: Final = 60
 """Most input files that are listed one by one; the hash of all is always shown."""
@@ -60,7 +60,7 @@ def inputs_section(result: Result) -> Section:
         blocks += _files(result)
     blocks.append(_recordings(result))
     if dataset.notes:
-        blocks.append(Sentences(tuple(f"{note[0].upper()}{note[1:]}." for note in dataset.notes)))
+        blocks.append(Sentences(tuple(f"{capitalised(note)}." for note in dataset.notes)))
     n_linked = len(result.tracks.linked_recordings)
     if n_linked:
         text = (
