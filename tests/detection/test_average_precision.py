@@ -115,7 +115,7 @@ def test_the_area_is_that_of_plain_loops(seed):
     ("tp", "fp", "area"), [([1, 2, 3], [0, 0, 0], 1), ([0, 0], [1, 2], 0), ([], [], 0)]
 )
 def test_perfect_detectors_have_an_area_of_1_and_false_positives_or_nothing_none(tp, fp, area):
-    assert [one(curve_of(tp, fp, n_truth=3)) for one in AREAS] == pytest.approx([area] * 3)
+    assert [measure(curve_of(tp, fp, n_truth=3)) for measure in AREAS] == pytest.approx([area] * 3)
 
 
 @pytest.mark.parametrize(

@@ -55,10 +55,10 @@ def test_docs_validation_shows_the_pairs_of_kaist_as_they_are(
     kaist: Dataset, pair: tuple[str, str]
 ):
     result = compare(kaist, Params(), x=pair[0], y=pair[1])
-    found = judge_miss_rate(result, find_units(result), PROTOCOLS["kaist-reasonable"])
+    evidence = judge_miss_rate(result, find_units(result), PROTOCOLS["kaist-reasonable"])
     lines = (ROOT / "docs" / "validation.md").read_text(encoding="utf-8").splitlines()
     shown = next(row for row in map(ROW.match, lines) if row and (row[1], row[2]) == pair)
     assert [float(shown[i]) for i in (3, 4, 5)] == pytest.approx(
-        [100 * found.difference, 100 * found.low, 100 * found.high], abs=0.006
+        [100 * evidence.difference, 100 * evidence.low, 100 * evidence.high], abs=0.006
     )
-    assert float(shown[6]) == pytest.approx(found.p, rel=0.05)
+    assert float(shown[6]) == pytest.approx(evidence.p, rel=0.05)

@@ -65,14 +65,14 @@ def worst_alarms(
     result: Result, system: SystemResult, rows: slice
 ) -> list[tuple[float, ...] | None]:
     """x, y, w, h of the detection at which D(S, G) stands, of every frame."""
-    boxes, found = result.dataset.system(system.name), []
+    boxes, worst = result.dataset.system(system.name), []
     for row in range(rows.start, rows.stop):
         at = salient_detection(
             boxes, system.weights.k, system.matches.is_counted, system.nearest,
             result.dataset.frame_columns, row, edge_weight=result.params.edge_weight,
         )  # fmt: skip
-        found.append(None if at < 0 else (boxes.x[at], boxes.y[at], boxes.w[at], boxes.h[at]))
-    return found
+        worst.append(None if at < 0 else (boxes.x[at], boxes.y[at], boxes.w[at], boxes.h[at]))
+    return worst
 
 
 def rows_of(result: Result, recording: int) -> slice:

@@ -64,13 +64,13 @@ def test_every_frame_agrees(case: Case) -> None:
     ours = {"frame": frames["frame"], "time_s": frames["time_s"], "n_truth": case.result.n_truth}
     for letter, system in case.systems():
         tracks = case.tracks(system)
-        found = {
+        measures = {
             "d_miss": system.distances.d_miss, "d_false": system.distances.d_false,
             "similarity": system.similarity, "n_det": system.n_det, "matched": system.matched,
             "false_alarms": system.false_alarms,
             "salient_track": np.where(tracks >= 0, tracks, np.nan),
         }  # fmt: skip
-        ours |= {f"{name}_{letter}": values for name, values in found.items()}
+        ours |= {f"{name}_{letter}": values for name, values in measures.items()}
     for name, values in ours.items():
         theirs = case.frames[name].to_numpy(dtype=float)
         assert np.asarray(values) == pytest.approx(theirs, abs=1e-6, nan_ok=True), name

@@ -130,8 +130,8 @@ def chance(result):
     rng, shares = np.random.default_rng(6), []
     ratings = [rated(result, rng.random(20)) for _ in range(3)]
     fits = [
-        fit_saliency(result, one, progress=lambda share, _what: shares.append(share))
-        for one in ratings
+        fit_saliency(result, clips, progress=lambda share, _what: shares.append(share))
+        for clips in ratings
     ]
     return ratings, fits, shares
 
