@@ -243,6 +243,13 @@ def test_the_verdict_and_the_evidence_are_those_of_the_scorecard(sample: Compari
     assert sample.evidence().loc[0, "p"] != -1.0
 
 
+def test_the_rest_passes_through_to_the_result(sample: Comparison):
+    for name in ("dataset", "x", "y", "params", "venn", "exclusivity", "boxes", "duration_s"):
+        assert getattr(sample, name) is getattr(sample.result, name)
+    assert sample.fusion is sample.result.fusion
+    assert np.array_equal(sample.lead_time_s, sample.result.lead_time_s, equal_nan=True)
+
+
 def test_every_figure_is_drawn(sample: Comparison):
     names = [name for name in dir(sample.figures) if not name.startswith("_") and name != "dark"]
     assert names
@@ -282,7 +289,6 @@ def test_the_session_it_writes_gives_the_same_again(folder: Path, tmp_path: Path
 def test_a_report_of_tables_has_no_session(folder: Path, tmp_path: Path):
     result = nv.compare(**tables(folder), **SIZE)
     result.write(tmp_path / "out")
-    result.write_html(tmp_path / "r.html", stability=False)
     assert "summary.json" in written(tmp_path / "out")
     assert "session.toml" not in written(tmp_path / "out")
 
@@ -302,7 +308,7 @@ def test_no_input_and_no_session_of_the_user_is_replaced(folder: Path):
         result.write(other)
 
 
-def test_a_dataset_made_of_tables_is_compared():
+def test_a_dataset_made_of_tables_is_compared_and_written(tmp_path: Path):
     boxes = pd.DataFrame({
         "frame_index": [0, 1, 0, 1, 0], "source": [0, 0, 1, 1, 2], "x": 300.0, "y": 100.0,
         "w": 40.0, "h": 200.0, "track": [1, 1, -1, -1, -1],
@@ -312,6 +318,9 @@ def test_a_dataset_made_of_tables_is_compared():
     result = nv.compare(dataset, alpha=0.5)
     assert (result.x.name, result.params.alpha) == ("new", 0.5)
     assert [side.matches.is_matched.sum() for side in (result.x, result.y)] == [2, 1]
+    result.write(tmp_path / "out")
+    result.write_html(tmp_path / "r.html", stability=False)
+    assert "session.toml" not in written(tmp_path / "out")
 
 
 # rules and conversion

@@ -222,6 +222,7 @@ BAD = [
     (("GOOD", "--format", "vbb"), "there is no format 'vbb'; the formats are bbgt"),
     (("GOOD", "--classes", ","), "classes: expected names or numbers of classes"),
     (("GOOD", "--scale-x", "1,2,3"), "expected one number, or two with a comma between"),
+    (("GOOD", "--scale-y", "wide"), "or two with a comma between, found 'wide'"),
     (("GOOD", "--offset-px-x", "3"), "expected two numbers with a comma between, found '3'"),
     (("GOOD", "--offset-frames-y", "9" * 30), "offset_frames: expected at most 1000000"),
     (("GOOD", "--x", "*.json"), "*.json: no file matches this pattern"),

@@ -105,6 +105,18 @@ def test_without_pictures_boxes_stand_on_a_light_ground_and_that_is_said_once():
     assert [photo.why_blank for photo in block.photos] == ["", ""]
     (mixed,) = frames_section([drawn, replace(drawn, why_blank="")], ()).blocks
     assert [photo.why_blank for photo in mixed.photos] == [drawn.why_blank, ""]
+    trouble, *_ = frames_section([drawn], ("rural: there is no such file",)).blocks
+    assert trouble.texts == ("Some pictures cannot be shown.", "rural: there is no such file")
+
+
+def test_a_wide_picture_has_a_row_of_its_own():
+    truth = [Box(0, 200, 40, 20, 50, 1)]
+    for height, is_wide in ((120.0, True), (300.0, False)):
+        dataset = make_dataset(truth, truth, [], width=400.0, height=height, n_frames=1)
+        result = result_of(dataset, midpoint=10.0, spread=2.0)
+        drawn = photo(result, decisive_moments(result)[0], RecordingPictures())
+        assert drawn.is_wide is is_wide
+        assert decoded(drawn.jpeg).shape[1] == pytest.approx(1200 if is_wide else 880, abs=1)
 
 
 def test_frames_of_one_scene_are_shown_once():

@@ -247,7 +247,9 @@ def test_changed_parameters_and_the_protocol_are_told_and_the_stability_map_may_
 def test_frames_rather_than_persons_are_no_evidence_of_their_own(tmp_path, page):
     truth = [at(f, 50, track=f) for f in range(12)]
     places = [Place(range(12), height=100.0), Place([0, 1], height=120.0)]
-    result = compare(make_dataset(truth, truth, truth[:2], places=places))
+    untracked = at(0, 50, recording=1)
+    dataset = make_dataset([*truth, untracked], truth, truth[:2], places=places)
+    result = compare(replace(dataset, notes=("evaluated frames: as given",)))
     content = written(tmp_path / "r.html", result, session_of(tmp_path), stability=False)
     for anchor, words in (
         ("encounters", "shares of encounters are shares of frames"),
@@ -265,6 +267,8 @@ def test_frames_rather_than_persons_are_no_evidence_of_their_own(tmp_path, page)
     # recordings of two sizes have two midpoints
     assert "midpoint 10 to 12 px (10 %" in short.text
     assert short.row("Parameters", "midpoint")[0] == "10 to 12"
+    assert "Evaluated frames: as given." in short.words
+    assert "The truth of 1 recording has pedestrians without track ids" in short.text
 
 
 def test_the_gravest_of_many_encounters_that_only_one_detects_are_listed(tmp_path, monkeypatch):
