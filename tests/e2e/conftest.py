@@ -99,8 +99,9 @@ def shared(
         yield find
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def viewer_address() -> Iterator[str]:
+    """Address of the viewer's stand-alone page, started once."""
     with serve(Path(__file__).with_name("viewer_app.py")) as url:
         yield url
 

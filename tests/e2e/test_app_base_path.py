@@ -45,6 +45,7 @@ def test_a_deep_link_shows_pictures_and_boxes(one):
     assert picture.value.headers["content-type"] == "image/jpeg"
     assert boxes.value.headers["content-type"] == "application/octet-stream"
     one.shows(57)
+    one.panel_shows(57)
     expect(one.slider("alpha")).to_have_value("0.4")
     expect(one.page.locator(".viewer .message")).to_be_hidden()
 

@@ -37,16 +37,6 @@ def misses() -> list[int]:
     return [int(row) for row in next_misses(result, RECORDING)]
 
 
-def test_a_link_opens_cold_at_its_frame_and_parameters(visit):
-    one = visit(LINK)
-    one.shows(57)
-    one.panel_shows(57)
-    expect(one.slider("alpha")).to_have_value("0.4")
-    expect(one.page.get_by_role("combobox", name="Recording")).to_have_value("rural_child")
-    for name, value in (("alpha", "0.4"), ("recording", "rural_child"), ("frame", "57")):
-        one.query(name, value)
-
-
 @pytest.fixture
 def timeline(shared) -> Visit:
     """The page, wherever the last test left it."""

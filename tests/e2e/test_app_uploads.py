@@ -125,26 +125,13 @@ def token_of(one: Visit) -> str:
     return token
 
 
-def test_pictures_that_are_refused_stop_the_opening_until_one_goes_on_without(
-    visit, files, tmp_path
-):
+def test_pictures_that_are_refused_are_told_at_once(visit, tmp_path):
     wrong = tmp_path / "walk.mp4"
     wrong.write_text("no video\n")
     one: Visit = visit("data")
     one.page.get_by_role("tab", name="Upload").click()
-    for key, path in (("upload_truth", files.truth), ("upload_system_0", files.x)):
-        send_annotations(one, key, path)
     one.keyed("upload_pictures").locator("input[type=file]").set_input_files(wrong)
     told = one.page.get_by_role("alert").filter(has_text="walk.mp4")
     expect(told).to_contain_text("neither a video")
     assert ["415" in complaint for complaint in one.complaints] == [True]
     one.complaints.clear()  # the browser's own word for the refusal
-    for name, value in (("Width", 640), ("Height", 512), ("Frames per second", scene.FPS)):
-        field = one.page.get_by_role("spinbutton", name=name)
-        field.fill(f"{value:g}")
-        field.press("Enter")
-    one.page.get_by_role("button", name="Open these files").click()
-    expect(one.page.get_by_text("Not opened: Uploaded files")).to_be_visible()
-    one.page.get_by_text("Go on without the refused pictures", exact=True).click()
-    one.page.get_by_role("button", name="Open these files").click()
-    expect(one.heading("Open now: Uploaded files")).to_be_visible()

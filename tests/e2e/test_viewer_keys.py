@@ -8,13 +8,13 @@ from playwright import sync_api
 from viewer_window import painted, press, read, repaint, viewer_of
 
 
-@pytest.mark.parametrize(("key", "name"), [("x", "X "), ("y", "Y "), ("g", "Ground truth")])
-def test_a_key_switches_a_layer_off_and_on(page, key, name):
-    button = page.locator(".viewer .legend").get_by_role("button", name=name)
-    press(page, key)
-    sync_api.expect(button).to_have_attribute("aria-pressed", "false")
-    press(page, key)
-    sync_api.expect(button).to_have_attribute("aria-pressed", "true")
+def test_a_key_switches_a_layer_off_and_on(page):
+    for key, name in (("x", "X "), ("y", "Y "), ("g", "Ground truth")):
+        button = page.locator(".viewer .legend").get_by_role("button", name=name)
+        press(page, key)
+        sync_api.expect(button).to_have_attribute("aria-pressed", "false")
+        press(page, key)
+        sync_api.expect(button).to_have_attribute("aria-pressed", "true")
 
 
 def test_a_hidden_layer_is_not_drawn(page):
@@ -78,10 +78,6 @@ def test_keys_are_left_alone_while_the_picture_is_out_of_sight(page):
     viewer_of(page).evaluate("viewer => { viewer.style.marginTop = '3000px'; }")
     page.keyboard.press("n")
     sync_api.expect(viewer_of(page)).to_have_attribute("data-row", "5")
-
-
-def test_the_usual_keys_are_told_below_the_picture(page):
-    sync_api.expect(page.locator(".viewer .keys")).to_contain_text("n p next, previous miss")
 
 
 def test_help_opens_by_key_and_closes_by_escape(page):
