@@ -239,7 +239,7 @@ class _Points:
     def clicked(self, letter: str) -> list[list[str | float | None]]:
         """The system and its score, None where there is none to set."""
         scores = self.values["threshold"]
-        return [[letter, float(one) if np.isfinite(one) else None] for one in scores]
+        return [[letter, float(score) if np.isfinite(score) else None] for score in scores]
 
 
 def _line(points: _Points, letter: str, name: str, theme: Theme, *, is_line: bool) -> go.Scatter:
@@ -302,7 +302,7 @@ def _extent(curves: Sequence[DetectionCurve], used: Sequence[_Points], hint: str
         f"{count_text(curves[0].n_truth, 'pedestrian')} in "
         f"{count_text(curves[0].n_images, 'image')}"
     )
-    letters = [letter for letter, one in zip("XY", used, strict=False) if len(one.x)]
+    letters = [letter for letter, points in zip("XY", used, strict=False) if len(points.x)]
     parts = [counted]
     if letters:
         which = "thresholds" if len(letters) > 1 else f"threshold of {letters[0]}"
@@ -337,7 +337,7 @@ def _why_empty(curves: Sequence[DetectionCurve], kind: CurveKind, windows: float
 
 def _scales(of: _Kind, points: Sequence[_Points]) -> tuple[LogScale | None, LogScale | None]:
     """Of both axes; None: linear."""
-    x, y = (np.concatenate([getattr(one, name) for one in points]) for name in "xy")
+    x, y = (np.concatenate([getattr(part, name) for part in points]) for name in "xy")
     x_scale = y_scale = None
     if of.x_log:
         least, most = FPPI_RANGE

@@ -69,15 +69,15 @@ def _title(stability: StabilityMap) -> dict[str, Any]:
     }
 
 
-def _axis_title(one: Axis) -> str:
-    if not one.unit:
-        return one.label
-    return f"{one.label.removesuffix(')')}, {one.unit})"
+def _axis_title(setting: Axis) -> str:
+    if not setting.unit:
+        return setting.label
+    return f"{setting.label.removesuffix(')')}, {setting.unit})"
 
 
 def _texts(stability: StabilityMap) -> list[str]:
     """What stands at each cell, in flat order."""
-    places = product(*(one.values.tolist() for one in stability.axes))
+    places = product(*(setting.values.tolist() for setting in stability.axes))
     parts = zip(places, stability.winner.ravel(), stability.difference.ravel(), strict=True)
     return [
         f"{settings_text(stability, at) or 'any setting'}<br>"
@@ -145,12 +145,12 @@ def _equal_alarms(stability: StabilityMap) -> np.ndarray:
     if line is None:
         return np.empty((0, 2))
     pairs = np.column_stack([line.threshold_x, line.threshold_y])
-    ends = np.array([[one.values[0], one.values[-1]] for one in stability.axes])
+    ends = np.array([[setting.values[0], setting.values[-1]] for setting in stability.axes])
     within: np.ndarray = pairs[((pairs >= ends[:, 0]) & (pairs <= ends[:, 1])).all(axis=1)]
     return within
 
 
-def _map_axis(one: Axis, theme: Theme) -> dict[str, Any]:
+def _map_axis(setting: Axis, theme: Theme) -> dict[str, Any]:
     # ticks that cannot be seen keep the numbers of the two axes apart in the corner
     more: dict[str, Any] = {
         "showgrid": False,
@@ -160,12 +160,12 @@ def _map_axis(one: Axis, theme: Theme) -> dict[str, Any]:
         "ticklen": 8,
         "tickcolor": CLEAR,
     }
-    before, after = ((one.values[i + 1] - one.values[i]) / 2 for i in (0, -2))
-    more["range"] = [one.values[0] - before, one.values[-1] + after]  # the outermost cells
-    if one.labels:
-        words = [word.replace(" ", "<br>", 1) for word in one.words]
-        more |= {"tickvals": one.values, "ticktext": words}
-    return axis(theme, _axis_title(one), **more)
+    before, after = ((setting.values[i + 1] - setting.values[i]) / 2 for i in (0, -2))
+    more["range"] = [setting.values[0] - before, setting.values[-1] + after]  # the outermost cells
+    if setting.labels:
+        words = [word.replace(" ", "<br>", 1) for word in setting.words]
+        more |= {"tickvals": setting.values, "ticktext": words}
+    return axis(theme, _axis_title(setting), **more)
 
 
 def _turning_line(stability: StabilityMap, colour: str) -> go.Contour:
@@ -196,7 +196,7 @@ def _places(stability: StabilityMap, theme: Theme) -> list[go.Scatter]:
     rim = {"width": 2, "color": look.surface}
     traces = []
     for name, points in _marked(stability).items():
-        x, y = (list(one) for one in zip(*points, strict=True))
+        x, y = (list(values) for values in zip(*points, strict=True))
         traces.append(
             go.Scatter(
                 x=x,
@@ -215,7 +215,7 @@ def _places(stability: StabilityMap, theme: Theme) -> list[go.Scatter]:
 def _marked(stability: StabilityMap) -> dict[str, list[tuple[float, float]]]:
     """Points in the figure that are marked, by what they are called."""
     marked = {}
-    ends = list(dict.fromkeys(zip(*(one.present for one in stability.axes), strict=True)))
+    ends = list(dict.fromkeys(zip(*(setting.present for setting in stability.axes), strict=True)))
     if np.isfinite(stability.present_difference):
         marked["as analysed"] = [_point(at, stability.present_difference) for at in ends]
     if (overturn := stability.overturn) is not None:
@@ -230,8 +230,8 @@ def _point(at: tuple[float, ...], difference: float) -> tuple[float, float]:
 
 def _plausible_frame(figure: go.Figure, stability: StabilityMap, theme: Theme) -> None:
     sides: dict[str, Any] = {}
-    for letter, one in zip("xy", stability.axes, strict=False):
-        low, high = (-0.5, len(one) - 0.5) if one.labels else one.plausible
+    for letter, setting in zip("xy", stability.axes, strict=False):
+        low, high = (-0.5, len(setting) - 0.5) if setting.labels else setting.plausible
         sides |= {f"{letter}0": low, f"{letter}1": high}
     if len(stability.axes) == 1:
         sides |= {"yref": "paper", "y0": 0, "y1": 1}
@@ -277,25 +277,27 @@ def _obstacles(stability: StabilityMap) -> list[tuple[np.ndarray, float]]:
     drawn = np.zeros(stability.winner.shape, dtype=bool)
     for point in chain(*_marked(stability).values(), _equal_alarms(stability).tolist()):
         drawn[_cell_at(stability, point)] = True
-    framed = combine_axes([one.is_plausible(one.values) for one in stability.axes], np.logical_and)
+    framed = combine_axes(
+        [setting.is_plausible(setting.values) for setting in stability.axes], np.logical_and
+    )
     return [(drawn, 10.0), (framed & ~binary_erosion(framed), 5.0)]
 
 
 def _cell_at(stability: StabilityMap, point: Sequence[float]) -> tuple[int, ...]:
     """The cell nearest to a place in the figure."""
     return tuple(
-        int(np.argmin(np.abs(one.values - value)))
-        for one, value in zip(stability.axes, point, strict=True)
+        int(np.argmin(np.abs(setting.values - value)))
+        for setting, value in zip(stability.axes, point, strict=True)
     )
 
 
 def _line(stability: StabilityMap, theme: Theme) -> go.Figure:
     look = LOOK[theme]
-    one, values = stability.axes[0], stability.difference
+    setting, values = stability.axes[0], stability.difference
     most = float(np.nanmax(np.abs(values))) or 1.0
     traces: list[Any] = [
         still_line(
-            one.values,
+            setting.values,
             part,
             name,
             showlegend=None,
@@ -309,8 +311,8 @@ def _line(stability: StabilityMap, theme: Theme) -> go.Figure:
         )
     ]
     line = {"width": 2, "color": look.ink}
-    traces.append(still_line(one.values, values, "difference", line=line))
-    traces.append(_clicks(stability, one.values, values))
+    traces.append(still_line(setting.values, values, "difference", line=line))
+    traces.append(_clicks(stability, setting.values, values))
     traces += _places(stability, theme)
     edge = (1 + ROOM) * most
     zero = {"zeroline": True, "zerolinecolor": look.muted, "fixedrange": True}
@@ -321,7 +323,7 @@ def _line(stability: StabilityMap, theme: Theme) -> go.Figure:
         height=LINE_PX,
         hovermode="x",
         hoverdistance=-1,
-        xaxis=axis(theme, _axis_title(one), fixedrange=True),
+        xaxis=axis(theme, _axis_title(setting), fixedrange=True),
         yaxis=axis(theme, QUANTITY[stability.criterion], range=[-edge, edge], **zero),
     )
     _plausible_frame(figure, stability, theme)

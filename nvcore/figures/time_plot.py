@@ -38,11 +38,11 @@ def decimate(values: np.ndarray, *, n_points: int = MAX_POINTS) -> np.ndarray:
     n = len(values)
     if n <= n_points:
         return np.arange(n)
-    kept = MinMaxLTTBDownsampler().downsample(  # type: ignore[no-untyped-call]
+    sampled = MinMaxLTTBDownsampler().downsample(  # type: ignore[no-untyped-call]
         np.ascontiguousarray(values, dtype=np.float64), n_out=n_points - 2
     )
     extremes = [int(np.argmin(values)), int(np.argmax(values))]
-    rows: np.ndarray = np.union1d(kept.astype(np.int64), extremes)
+    rows: np.ndarray = np.union1d(sampled.astype(np.int64), extremes)
     return rows
 
 
@@ -87,7 +87,7 @@ def low_areas(
     """Polygons between the low limit and the trace, one for each interval drawn."""
     worst = lows.sort_values("severity_s", ascending=False, kind="stable").head(MAX_INTERVALS)
     values, time_s = system.similarity[span.start : span.stop], span.time_s
-    kept = decimate(values)
+    drawn = decimate(values)
     corners_t: list[np.ndarray] = []
     corners_v: list[np.ndarray] = []
     first_rows = worst["first_row"].to_numpy() - span.start
@@ -95,7 +95,7 @@ def low_areas(
     worst_rows = worst["worst_row"].to_numpy() - span.start
     # a loop over at most MAX_INTERVALS polygons
     for first, last, lowest in zip(first_rows, last_rows, worst_rows, strict=True):
-        inside = kept[np.searchsorted(kept, first) : np.searchsorted(kept, last, side="right")]
+        inside = drawn[np.searchsorted(drawn, first) : np.searchsorted(drawn, last, side="right")]
         rows = np.union1d(inside, [first, lowest, last])
         edges = _crossing(time_s, values, first, -1, low), _crossing(time_s, values, last, 1, low)
         corners_t.append(np.concatenate([[edges[0]], time_s[rows], [edges[1], edges[0], np.nan]]))
