@@ -148,27 +148,6 @@ def test_a_participant_with_another_comparison_open_goes_on_once_the_right_one_i
     assert only(page, "participant") == "Ann"
 
 
-def test_the_conductors_screen_can_be_handed_over_and_taken_back(
-    store: RatingStore, monkeypatch: pytest.MonkeyPatch
-):
-    monkeypatch.setattr(participant, "viewer", lambda **of: of["n_rows"] - 1)
-    page = opened()
-    checked(page.slider(key="alpha").set_value(0.4).run())
-    study = begun(page, store, "odd_pose", whose="FIR")
-    press(page, "rating_here")
-    page.text_input(key="rating_name").set_value("Ann")
-    checked(page.button[0].click().run())
-    press(page, "rating_0_3")
-    press(page, "rating_next")
-    assert "participant" not in page.query_params
-    press(page, "rating_back")
-    assert only(page, "conduct") == study.conductor
-    assert metrics(page)["have rated all clips"] == "1"
-    assert page.slider(key="alpha").value == 0.4
-    stranger = opened(study=study.token, participant="Ann")
-    assert keys(stranger) == ["rating_change", "rating_next"]
-
-
 def test_an_unusable_file_of_ratings_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     (tmp_path / "no.sqlite").write_bytes(b"this is no database, whatever its name says" * 40)
     monkeypatch.setenv("NVCORE_RATINGS", str(tmp_path / "no.sqlite"))
@@ -200,7 +179,32 @@ def rating_here(
 
 def join(page: AppTest, name: str) -> None:
     page.text_input(key="rating_name").set_value(name)
-    checked(next(one for one in page.button if one.label == "Begin").click().run())
+    checked(next(button for button in page.button if button.label == "Begin").click().run())
+
+
+def test_the_conductors_screen_can_be_handed_to_others_and_taken_back(
+    store: RatingStore, monkeypatch: pytest.MonkeyPatch
+):
+    page = opened()
+    checked(page.slider(key="alpha").set_value(0.4).run())
+    study = rating_here(page, store, "Anna", monkeypatch)
+    press(page, "rating_0_5")
+    press(page, "rating_1_5")
+    press(page, "rating_next")
+    assert "participant" not in page.query_params
+    join(page, " anna")  # in other capitals: the same participant, if they say so
+    assert "anna has rated 2 of 2 clips already" in words(page)
+    assert "participant" not in page.query_params
+    press(page, "rating_known")
+    assert page.title[0].value == "Thank you"
+    assert store.participants(study)["participant"].tolist() == ["Anna"]
+    press(page, "rating_next")
+    press(page, "rating_back")
+    assert only(page, "conduct") == study.conductor
+    assert metrics(page)["have rated all clips"] == "1"
+    assert page.slider(key="alpha").value == 0.4
+    stranger = opened(study=study.token, participant="Anna")
+    assert keys(stranger) == ["rating_change", "rating_next"]
 
 
 def test_the_last_rating_can_be_changed_which_is_recorded_with_how_often_it_was_played(
@@ -231,30 +235,19 @@ def test_the_last_rating_can_be_changed_which_is_recorded_with_how_often_it_was_
 
 @pytest.mark.parametrize(
     ("told", "n_plays"),
-    [({"settled": {"row": 9, "n_plays": 2}}, 2), ({"settled": {"row": 9}}, None),
-     ({"settled": None}, None), ({"settled": {"n_plays": "many"}}, None), (None, None)],
-)  # fmt: skip
+    [
+        ({"settled": {"row": 9, "n_plays": 2}}, 2),
+        ({"settled": {"row": 9}}, None),
+        ({"settled": None}, None),
+        ({"settled": {"n_plays": "many"}}, None),
+        (None, None),
+    ],
+)
 def test_plays_are_those_that_the_browser_tells(
     told: object, n_plays: int | None, monkeypatch: pytest.MonkeyPatch
 ):
     monkeypatch.setattr(viewer.st, "session_state", {"clip": told})
     assert viewer.n_plays_in("clip") == n_plays
-
-
-def test_a_name_in_other_capitals_is_the_same_participant_if_they_say_so(
-    store: RatingStore, monkeypatch: pytest.MonkeyPatch
-):
-    page = opened()
-    study = rating_here(page, store, "Anna", monkeypatch)
-    press(page, "rating_0_5")
-    press(page, "rating_1_5")
-    press(page, "rating_next")
-    join(page, " anna")
-    assert "anna has rated 2 of 2 clips already" in words(page)
-    assert "participant" not in page.query_params
-    press(page, "rating_known")
-    assert page.title[0].value == "Thank you"
-    assert store.participants(study)["participant"].tolist() == ["Anna"]
 
 
 def test_clips_have_the_thresholds_of_their_session_and_the_conductor_keeps_his(
