@@ -126,7 +126,7 @@ def test_a_jump_during_playback_goes_on_from_there(page):
     sync_api.expect(viewer_of(page)).to_have_attribute("data-playing", "true")
 
 
-# As Streamlit does it: the browser may paint while the viewer is on its way.
+# A page may move its parts, and the browser paints while the viewer is on its way.
 PAINT_WHILE_AWAY = """viewer => {
   const parent = viewer.parentNode;
   viewer.remove();
