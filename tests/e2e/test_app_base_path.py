@@ -60,7 +60,7 @@ def test_a_video_is_uploaded(one, tmp_path):
 
 def test_a_term_leads_to_its_explanation(one):
     one.go("saliency")
-    link = one.page.get_by_test_id("stMain").locator('a[href*="#saliency"]').first
+    link = one.page.get_by_test_id("stMain").locator('a[href*="metrics#saliency"]').first
     one.page.goto(link.evaluate("link => link.href"))
     expect(one.page.locator("#saliency")).to_be_in_viewport()
     assert f"/{BASE}/metrics#saliency" in one.page.url
