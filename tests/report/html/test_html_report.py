@@ -128,13 +128,13 @@ def test_every_section_says_what_it_is_about(content):
     assert introduced == [one for one in anchors if one != "reading"]
 
 
-def test_the_scorecard_has_the_figures_counted_by_hand(page):
+def test_the_scorecard_has_the_measures_counted_by_hand(page):
     # fir matches all 40 boxes of 2 pedestrians, nir 10 of them, with one false alarm
-    caption = "Figures of X and Y"
+    caption = "Measures of X and Y"
     assert page.row(caption, "encounters detected, of 2") == ["2", "1", "+1", "higher"]
     assert page.row(caption, "boxes matched, near or far, of 40") == ["40", "10", "+30", "higher"]
     assert page.row(caption, "false-alert episodes") == ["0", "1", "-1", "lower"]
-    assert page.row("Detection figures", "recall at the threshold")[:2] == ["1.0000", "0.2500"]
+    assert page.row("Detection measures", "recall at the threshold")[:2] == ["1.0000", "0.2500"]
 
 
 def test_encounters_have_who_detects_them_and_what_a_fusion_gives(page):
@@ -326,7 +326,7 @@ def test_with_next_to_no_data_it_says_what_is_undefined(dataset, tmp_path):
     content = written(tmp_path / "r.html", result_of(dataset), session_of(tmp_path))
     page = Page(content)
     assert "nan" not in re.sub(r"<script.*?</script>", "", content, flags=re.DOTALL).lower().split()
-    assert len(page.tables["Figures of X and Y"]) > 10
+    assert len(page.tables["Measures of X and Y"]) > 10
 
 
 def test_a_cancelled_report_leaves_nothing(result, session, tmp_path):

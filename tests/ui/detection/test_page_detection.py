@@ -47,7 +47,7 @@ def to_page(app: AppTest, name: str) -> AppTest:
 
 
 def figures(page: AppTest) -> pd.Series:
-    return page.dataframe[0].value.set_index("figure")["X"]
+    return page.dataframe[0].value.set_index("measure")["X"]
 
 
 def told(page: AppTest) -> str:
@@ -179,7 +179,7 @@ def test_a_tag_that_no_recording_has_is_told_and_can_be_taken_out(sample_with):
 
 def evidence_labels(page: AppTest) -> list[str]:
     table = next(one.value for one in page.dataframe if "p (Holm)" in one.value.columns)
-    return table["figure"].tolist()
+    return table["measure"].tolist()
 
 
 def test_the_overview_uses_the_protocol_which_is_there_when_one_comes_back():

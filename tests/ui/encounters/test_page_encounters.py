@@ -100,7 +100,7 @@ def test_a_chosen_encounter_is_told_and_opens_at_its_first_missed_frame(
     assert "Only X detected the pedestrian" in texts(page)
     assert "Frame 40 at 2.00 s, where Y first misses the pedestrian" in texts(page)
     values = page.table[0].value
-    assert values.index.name == "Figure"  # no table has an empty heading
+    assert values.index.name == "Measure"  # no table has an empty heading
     assert values.loc["Matched"].tolist() == ["51 of 51 frames (100%)", "8 of 51 frames (16%)"]
     pairs = [table.value for table in page.dataframe if "Y never" in table.value]
     assert [table.index.name for table in pairs] == ["Miss class"]

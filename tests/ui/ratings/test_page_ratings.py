@@ -35,7 +35,7 @@ def test_the_samples_simulated_ratings_are_shown_as_such_and_without_who_is_left
     assert correlations["95 % interval"][0] == "0.55 to 0.95"
     assert len(table(page, "mean_rank")) == 20
     checked(page.multiselect(key="ratings_left_out").set_value([CONTRARY]).run())
-    assert "1 participant left out by hand: P12. All figures are without them." in words(page)
+    assert "1 participant left out by hand: P12. All numbers are without them." in words(page)
     assert metrics(page)["participants"] == "15"
     assert float(metrics(page)["Kendall's W"]) > 0.6
     assert table(page, "mean_rank")["n_ratings"].max() == 15

@@ -41,7 +41,7 @@ def test_a_fit_is_told_honestly_and_marked_as_long_as_it_is_in_use():
     page = press(opened(), "rating_fit")
     fit = {"fit, on recordings left out": "86%", "fit, on what it has seen": "91%"}
     assert fit.items() <= metrics(page).items()
-    assert "The second figure is the result" in words(page)
+    assert "The second number is the result" in words(page)
     assert "95 %: 74% to 95%" in words(page)
     assert "gains 3 points (95 %: −6 to +11" in words(page)
     assert "that may be chance" in words(page)
@@ -136,7 +136,7 @@ def test_clips_of_other_comparisons_are_named_and_in_no_figure(ratings: pd.DataF
     ghosts = [("P01", "ghost", "FIR", 3), ("P99", "*ghost*", "FIR", 5)]
     page = from_file(csv(pd.concat([ratings, pd.DataFrame(ghosts, columns=columns)])))
     told = " ".join(text.value for text in page.warning).replace("\\", "")
-    assert "2 rated clips not in this comparison, left out of all figures with 2 ratings" in told
+    assert "2 rated clips not in this comparison, left out of all numbers with 2 ratings" in told
     assert "ghost (FIR), *ghost* (FIR). Nothing is left of P99." in told
     assert list(metrics(page).values()) == ["0.56", "16", "20", "4"]
     assert len(table(page, "mean_rank")) == 20
