@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from difflib import get_close_matches
 from typing import Final
 
 UNDEFINED: Final = "–"
@@ -44,6 +45,12 @@ def capitalised(text: str) -> str:
 def listed(words: Sequence[str]) -> str:
     """Words in a row: "alpha, IoU and midpoint"."""
     return "".join(words) if len(words) < 2 else f"{', '.join(words[:-1])} and {words[-1]}"
+
+
+def did_you_mean(name: str, names: Iterable[str], sentence: str) -> str:
+    """The closest name as a question, if one is close, and the sentence that names them all."""
+    close = get_close_matches(name, names, n=1)
+    return f"did you mean {close[0]!r}? {capitalised(sentence)}" if close else sentence
 
 
 def one_line(text: str) -> str:

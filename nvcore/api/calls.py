@@ -19,15 +19,7 @@ from nvcore.inputs.conversion import convert as convert_input
 from nvcore.inputs.readers.base import Role
 from nvcore.inputs.session import Session, Source
 from nvcore.protocols import Protocol
-from nvcore.report.gate import (
-    Outcome,
-    audit_rules,
-    explain,
-    gate_measures,
-    judge,
-    measure_names,
-    read_rules,
-)
+from nvcore.report.gate import Outcome, measure_names, read_rules, run_gate
 from nvcore.report.gate_results import terminal_lines
 
 
@@ -192,14 +184,10 @@ def gate(result: Comparison, rules: Iterable[str], *, strict: bool = False) -> G
     """
     texts = [rules] if isinstance(rules, str) else list(rules)
     numbered = [(f"rule {number}", text) for number, text in enumerate(texts, 1)]
-    wanted, problems = read_rules(numbered, measure_names())
+    parsed, problems = read_rules(numbered, measure_names())
     if problems:
         raise ParameterError("\n".join(problems))
-    wanted += audit_rules(wanted, strict=strict)
-    measures = gate_measures(
-        result.result, result.findings, result.protocol, [rule.name for rule in wanted]
-    )
-    outcomes = explain(judge(wanted, measures), result.result, result.findings)
+    outcomes, _ = run_gate(parsed, result.result, result.findings, strict=strict)
     return GateOutcome(tuple(outcomes))
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from difflib import get_close_matches
 from typing import TYPE_CHECKING
 
 from nvcore.comparison import Result, SystemResult
@@ -32,6 +31,7 @@ from nvcore.stability.map import map_stability
 from nvcore.stability.scores import Criterion
 from nvcore.tables.miss_classes import fusion_table
 from nvcore.tables.result import encounters_table, recordings_table
+from nvcore.wording import did_you_mean
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
@@ -196,6 +196,5 @@ class Figures:
             return int(names.index(recording))
         if isinstance(recording, int) and 0 <= recording < len(names):
             return recording
-        close = get_close_matches(str(recording), names, n=1)
-        hint = f"did you mean {close[0]!r}? There are" if close else "there are"
-        raise InputError(f"there is no recording {recording!r}; {hint} {', '.join(names)}")
+        hint = did_you_mean(str(recording), names, f"there are {', '.join(names)}")
+        raise InputError(f"there is no recording {recording!r}; {hint}")

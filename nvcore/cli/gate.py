@@ -123,14 +123,7 @@ def gate(
     input or no such figure.
     """
     from nvcore.inputs.files import paths_to_show
-    from nvcore.report.gate import (
-        audit_rules,
-        explain,
-        gate_measures,
-        judge,
-        measure_names,
-        value_text,
-    )
+    from nvcore.report.gate import measure_names, run_gate, value_text
     from nvcore.report.gate_results import junit_xml, markdown, terminal_lines
     from nvcore.report.keep_inputs import files_read
     from nvcore.report.terminal import render_findings
@@ -150,10 +143,8 @@ def gate(
     sources = sources_of(session)
     with pasteable_errors(session.folder, sources):
         result, findings = compare_session(session)
-    wanted += audit_rules(wanted, strict=strict)
-    names = measure_names() if lists else [rule.name for rule in wanted]
-    values = gate_measures(result, findings, session.protocol, names)
-    outcomes = explain(judge(wanted, values), result, findings)
+    names = measure_names() if lists else ()
+    outcomes, values = run_gate(wanted, result, findings, strict=strict, names=names)
     shown = findings_at_paths(findings, paths_to_show(session.folder, sources))
     click.echo(render_findings(shown), err=is_machine_read)
     if lists:

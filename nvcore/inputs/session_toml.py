@@ -64,7 +64,6 @@ import tomllib
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import MISSING, fields
-from difflib import get_close_matches
 from pathlib import Path
 from types import UnionType
 from typing import Any, Final, TypeVar, get_args, get_origin, get_type_hints
@@ -82,6 +81,7 @@ from nvcore.inputs.session import (
 )
 from nvcore.params import params_from
 from nvcore.protocols import protocol_from
+from nvcore.wording import did_you_mean
 
 _T = TypeVar("_T")
 
@@ -220,10 +220,8 @@ class _Decoder:
     def check_keys(self, table: dict[str, Any], known: Collection[str], where: str) -> None:
         for key in table:
             if key not in known:
-                close = get_close_matches(key, known, 1)
-                hint = f"; did you mean {close[0]!r}? Its" if close else "; its"
-                keys = ", ".join(sorted(known))
-                raise self.fail(f"{where} has no key {key!r}{hint} keys are {keys}")
+                hint = did_you_mean(key, known, f"its keys are {', '.join(sorted(known))}")
+                raise self.fail(f"{where} has no key {key!r}; {hint}")
 
     def table(self, content: dict[str, Any], key: str) -> dict[str, Any]:
         table = content.get(key, {})

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
-from difflib import get_close_matches
 from functools import cache
 from typing import Any, Final, Literal
 
@@ -29,6 +28,7 @@ from nvcore.params.metadata import (
     Stage,
     setting,
 )
+from nvcore.wording import did_you_mean
 
 Distance = Literal["lateral", "ground"]
 Proximity = Literal["height", "horizon", "distance", "none"]
@@ -360,8 +360,6 @@ def params_from(values: Mapping[str, object]) -> Params:
     """
     for name in values:
         if name not in SETTINGS:
-            close = get_close_matches(name, SETTINGS, n=1)
-            hint = f"did you mean {close[0]!r}? The" if close else "the"
-            names = ", ".join(sorted(SETTINGS))
-            raise ParameterError(f"there is no parameter {name!r}; {hint} parameters are {names}")
+            hint = did_you_mean(name, SETTINGS, f"the parameters are {', '.join(sorted(SETTINGS))}")
+            raise ParameterError(f"there is no parameter {name!r}; {hint}")
     return Params(**values)  # type: ignore[arg-type]

@@ -211,6 +211,29 @@ def _check_name(rule: Rule, names: Iterable[str]) -> None:
     )
 
 
+def run_gate(
+    rules: Sequence[Rule],
+    result: Result,
+    findings: Sequence[Finding],
+    *,
+    strict: bool,
+    names: Iterable[str] = (),
+) -> tuple[list[Outcome], dict[str, float]]:
+    """The outcomes of these rules and of those of the audit, and the measures they were judged by.
+
+    Parameters
+    ----------
+    strict
+        Whether warnings of the audit count as errors do.
+    names
+        Measures to compute beside those that the rules name.
+    """
+    every = [*rules, *audit_rules(rules, strict=strict)]
+    needed = [*names, *(rule.name for rule in every)]
+    measures = gate_measures(result, findings, result.dataset.settings.protocol, needed)
+    return explain(judge(every, measures), result, findings), measures
+
+
 def audit_rules(rules: Iterable[Rule], *, strict: bool) -> list[Rule]:
     """Rules that allow no errors of the audit and, if `strict`, no warnings.
 
