@@ -32,9 +32,9 @@ def difference(x: float, y: float, form: str) -> str:
     return format(x - y, sign + form).replace("%", " pp")
 
 
-def count_text(n: int, noun: str) -> str:
-    """A count with its noun: "1 frame", "3,000 frames"."""
-    return f"{n:,} {noun}{'' if n == 1 else 's'}"
+def count_text(n: int, noun: str, plural: str | None = None) -> str:
+    """A count with its noun: "1 frame", "3,000 frames"; `plural`: `noun` + s."""
+    return f"{n:,} {noun if n == 1 else plural or noun + 's'}"
 
 
 def capitalised(text: str) -> str:

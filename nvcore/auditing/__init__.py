@@ -13,7 +13,7 @@ from nvcore.auditing.agreement import (
     match_pair,
 )
 from nvcore.auditing.boxes import audit_doubles, audit_geometry, audit_tracks
-from nvcore.auditing.cases import Audited, audited_system, audited_systems, audited_truth
+from nvcore.auditing.cases import BoxSource, system_source, truth_source
 from nvcore.auditing.comparability import (
     audit_encounter_lengths,
     audit_operating_points,
@@ -83,11 +83,11 @@ def audit(
 
 def audit_inputs(dataset: Dataset) -> tuple[Finding, ...]:
     """The part of `audit` that depends on no setting: readers' findings, frames, boxes, scores."""
-    truth = audited_truth(dataset)
+    truth = truth_source(dataset)
     findings = [*dataset.findings, *audit_left_out(dataset)]
     findings += [*audit_truth_coverage(dataset), *_audit_boxes(truth), *audit_tracks(truth)]
     findings += [*audit_size(dataset), *audit_fps(dataset), *audit_frame_list(dataset)]
-    for system in audited_systems(dataset):
+    for system in (system_source(dataset, name) for name in dataset.systems):
         findings += [*audit_system_coverage(system), *_audit_boxes(system), *audit_scores(system)]
         findings += audit_same_as_truth(system)
     return tuple(findings)
@@ -107,7 +107,7 @@ def audit_system(
     letter
         ``x`` or ``y`` where it is one of the compared systems: its flags are named.
     """
-    system = audited_system(dataset, name)
+    system = system_source(dataset, name)
     counting = above_threshold(system.boxes, threshold)
     return (
         *audit_threshold(system, threshold, flag=f"--threshold-{letter}"),
@@ -123,8 +123,8 @@ def audit_pair(
     findings = [*audit_encounter_lengths(dataset, params)]
     if len(names) < 2 or names[0] == names[1]:
         return tuple(findings)
-    system_x, system_y = (audited_system(dataset, name) for name in names)
-    findings += audit_weighting(audited_truth(dataset), system_x, system_y, params)
+    system_x, system_y = (system_source(dataset, name) for name in names)
+    findings += audit_weighting(truth_source(dataset), system_x, system_y, params)
     thresholds = params.threshold_x, params.threshold_y
     counting = tuple(
         above_threshold(system.boxes, threshold)
@@ -138,8 +138,8 @@ def audit_pair(
     return tuple(findings)
 
 
-def _audit_boxes(audited: Audited) -> list[Finding]:
-    return [*audit_geometry(audited), *audit_doubles(audited)]
+def _audit_boxes(source: BoxSource) -> list[Finding]:
+    return [*audit_geometry(source), *audit_doubles(source)]
 
 
 def role_of(system: str, names: Sequence[str | None], params: Params) -> tuple[float | None, str]:

@@ -7,12 +7,13 @@ from typing import Final
 import numpy as np
 
 from nvcore.auditing.boxes import repeated_rows
-from nvcore.auditing.cases import Audited, audited_truth, counted, place_of_frame
+from nvcore.auditing.cases import BoxSource, place_of_frame, truth_source
 from nvcore.dataset import BoxColumns, Dataset
 from nvcore.findings import Finding, Severity
 from nvcore.metrics.kernels import over_ranges, pair_frames
 from nvcore.metrics.matching import Matches, match_system
 from nvcore.params import Params
+from nvcore.wording import count_text
 
 MIN_BOXES: Final = 20
 """Fewer boxes than this may be the same by chance."""
@@ -20,9 +21,9 @@ SAME_SHARE: Final = 0.95
 """Share of a system's boxes that are exactly the truth's from which on it is no chance."""
 
 
-def audit_same_as_truth(audited: Audited) -> list[Finding]:
+def audit_same_as_truth(source: BoxSource) -> list[Finding]:
     """A system nearly all of whose boxes are exactly those of the ground truth."""
-    boxes, truth = audited.boxes, audited.dataset.truth
+    boxes, truth = source.boxes, source.dataset.truth
     n = len(boxes)
     if n < MIN_BOXES:
         return []
@@ -38,20 +39,20 @@ def audit_same_as_truth(audited: Audited) -> list[Finding]:
     n_same, n_different = len(repeats) - n_doubles, n - n_doubles
     if n_same < max(MIN_BOXES, SAME_SHARE * n_different):
         return []
-    return [
-        audited.finding(
-            Severity.WARNING,
-            "same-boxes",
-            repeats - len(truth),
-            f"{n_same:,} of {n_different:,} boxes are exactly those of the ground truth.",
-            "Check whether the ground truth was given as a system, or the ground truth made from "
-            "this system's detections: no detector draws the very same boxes.",
-            count=n_same,
-        )
-    ]
+    return source.findings(
+        Severity.WARNING,
+        "same-boxes",
+        repeats - len(truth),
+        f"{n_same:,} of {n_different:,} boxes are exactly those of the ground truth.",
+        "Check whether the ground truth was given as a system, or the ground truth made from this "
+        "system's detections: no detector draws the very same boxes.",
+        count=n_same,
+    )
 
 
-def audit_same_systems(x: Audited, y: Audited, counting: tuple[BoxColumns, ...]) -> list[Finding]:
+def audit_same_systems(
+    x: BoxSource, y: BoxSource, counting: tuple[BoxColumns, ...]
+) -> list[Finding]:
     """X and Y with the very same boxes in the same frames.
 
     Parameters
@@ -71,17 +72,14 @@ def audit_same_systems(x: Audited, y: Audited, counting: tuple[BoxColumns, ...])
     )
     if not np.array_equal(in_x, in_y):
         return []
-    return [
-        x.finding(
-            Severity.WARNING,
-            "same-boxes",
-            np.arange(1),
-            f"{x.name} and {y.name} have exactly the same {len(of_x):,} boxes.",
-            "Check whether the same file was given twice: the comparison cannot tell the two "
-            "apart.",
-            count=len(of_x),
-        )
-    ]
+    return x.findings(
+        Severity.WARNING,
+        "same-boxes",
+        np.arange(1),
+        f"{x.name} and {y.name} have exactly the same {len(of_x):,} boxes.",
+        "Check whether the same file was given twice: the comparison cannot tell the two apart.",
+        count=len(of_x),
+    )
 
 
 def _columns(boxes: BoxColumns) -> tuple[np.ndarray, ...]:
@@ -98,7 +96,9 @@ MANY_BOXES: Final = 20
 """Fewer boxes than this stay a note."""
 
 
-def match_pair(dataset: Dataset, x: Audited, y: Audited, params: Params) -> tuple[Matches, Matches]:
+def match_pair(
+    dataset: Dataset, x: BoxSource, y: BoxSource, params: Params
+) -> tuple[Matches, Matches]:
     """Matches of X and Y with their thresholds."""
     return (
         match_system(dataset, x.name, params.threshold_x, params),
@@ -107,7 +107,7 @@ def match_pair(dataset: Dataset, x: Audited, y: Audited, params: Params) -> tupl
 
 
 def find_disagreement(
-    dataset: Dataset, x: Audited, y: Audited, matches: tuple[Matches, Matches]
+    dataset: Dataset, x: BoxSource, y: BoxSource, matches: tuple[Matches, Matches]
 ) -> list[Finding]:
     """Pedestrians that both systems place elsewhere, and detections of nobody on which they agree.
 
@@ -181,19 +181,16 @@ def _overlapped(
 
 
 def _drawn_elsewhere(dataset: Dataset, rows: np.ndarray, n_truth: int) -> list[Finding]:
-    if not len(rows):
-        return []
     n_frames = len(np.unique(dataset.truth.frame_index[rows]))
-    return [
-        audited_truth(dataset).finding(
-            _severity(len(rows), n_truth),
-            "box-disputed-by-both",
-            rows,
-            f"Neither system matches {counted(len(rows), 'pedestrian')} in "
-            f"{counted(n_frames, 'frame')}, while both agree on a box close by.",
-            "Look at them: the ground truth's box may be drawn badly, or be of another frame.",
-        )
-    ]
+    are_many = len(rows) >= max(MANY_BOXES, MANY_SHARE * n_truth)
+    return truth_source(dataset).findings(
+        Severity.WARNING if are_many else Severity.NOTE,
+        "box-disputed-by-both",
+        rows,
+        f"Neither system matches {count_text(len(rows), 'pedestrian')} in "
+        f"{count_text(n_frames, 'frame')}, while both agree on a box close by.",
+        "Look at them: the ground truth's box may be drawn badly, or be of another frame.",
+    )
 
 
 def _missing(
@@ -208,14 +205,10 @@ def _missing(
             code="agreed-by-both-not-in-truth",
             subject="truth",
             count=len(rows),
-            message=f"In {counted(len(frames), 'frame')} {x} and {y} agree on "
-            f"{counted(len(rows), 'box', 'boxes')} where the ground truth has nobody.",
+            message=f"In {count_text(len(frames), 'frame')} {x} and {y} agree on "
+            f"{count_text(len(rows), 'box', 'boxes')} where the ground truth has nobody.",
             advice="Look at them: a pedestrian may be missing from the annotation, and each counts "
             "as a false alarm of both. If many are weak detections, give thresholds.",
             example=place_of_frame(dataset, int(frames[0])),
         )
     ]
-
-
-def _severity(n: int, n_truth: int) -> Severity:
-    return Severity.WARNING if n >= max(MANY_BOXES, MANY_SHARE * n_truth) else Severity.NOTE

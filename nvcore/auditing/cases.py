@@ -11,6 +11,7 @@ import numpy as np
 from nvcore.dataset import BoxColumns, Dataset
 from nvcore.findings import Finding, Severity
 from nvcore.schema import TABLE_ENDING
+from nvcore.wording import count_text
 
 TRUTH_NAME: Final = "truth"
 """`Finding.subject` of the ground truth."""
@@ -19,7 +20,7 @@ MOST_NAMES: Final = 3
 
 
 @dataclass(frozen=True)
-class Audited:
+class BoxSource:
     """One source of boxes: the truth or a system.
 
     Attributes
@@ -45,7 +46,7 @@ class Audited:
         of_box: np.ndarray = self.dataset.frame_columns.recording[self.boxes.frame_index]
         return of_box
 
-    def finding(
+    def findings(
         self,
         severity: Severity,
         code: str,
@@ -54,46 +55,36 @@ class Audited:
         advice: str,
         *,
         count: int | None = None,
-    ) -> Finding:
-        """A finding about some boxes, the first of which is the example.
+    ) -> list[Finding]:
+        """A finding about some boxes, the first of which is the example; none without boxes.
 
         Parameters
         ----------
         rows
-            Rows of `boxes`, at least one.
+            Rows of `boxes`.
         count
             What to count; None: the rows.
         """
+        if not len(rows):
+            return []
         first = int(rows[0])
         row = self.boxes.first_row + first
         file, line = (int(self.dataset.boxes[name].iloc[row]) for name in ("file", "line"))
         name = file_name(self.dataset, file, line)
         frame_index = int(self.boxes.frame_index[first])
-        return Finding(
-            severity=severity,
-            code=code,
-            subject=self.name,
-            count=len(rows) if count is None else count,
-            message=message,
-            advice=advice,
-            file=name,
-            example=place_of_frame(self.dataset, frame_index, line=line, file=name),
-        )
+        n = len(rows) if count is None else count
+        example = place_of_frame(self.dataset, frame_index, line=line, file=name)
+        return [Finding(severity, code, self.name, n, message, advice, name, example)]
 
 
-def audited_truth(dataset: Dataset) -> Audited:
+def truth_source(dataset: Dataset) -> BoxSource:
     """The ground truth."""
-    return Audited(dataset, TRUTH_NAME, True, dataset.truth)
+    return BoxSource(dataset, TRUTH_NAME, True, dataset.truth)
 
 
-def audited_systems(dataset: Dataset) -> list[Audited]:
-    """All systems, in the order of the dataset."""
-    return [audited_system(dataset, name) for name in dataset.systems]
-
-
-def audited_system(dataset: Dataset, name: str) -> Audited:
+def system_source(dataset: Dataset, name: str) -> BoxSource:
     """One system, by its name."""
-    return Audited(dataset, name, False, dataset.system(name))
+    return BoxSource(dataset, name, False, dataset.system(name))
 
 
 def file_name(dataset: Dataset, file: int, line: int) -> str:
@@ -121,9 +112,37 @@ def place_of_frame(dataset: Dataset, frame_index: int, *, line: int = 0, file: s
     return place(name, int(frames.frame[frame_index]), line=line, file=file)
 
 
-def counted(n: int, singular: str, plural: str | None = None) -> str:
-    """Number and noun, such as ``1 box`` or ``12,000 boxes``; `plural`: `singular` + s."""
-    return f"{n:,} {singular if n == 1 else plural or singular + 's'}"
+def recording_findings(
+    dataset: Dataset,
+    severity: Severity,
+    code: str,
+    subject: str,
+    recordings: np.ndarray,
+    what: str,
+    advice: str,
+    *,
+    frame_index: int | None = None,
+) -> list[Finding]:
+    """A finding about some recordings, the first of which is the example; none without any.
+
+    Parameters
+    ----------
+    recordings
+        Rows of the recordings table.
+    what
+        What they have.
+    frame_index
+        Row of the frame that is the example; None: the recording.
+    """
+    if not len(recordings):
+        return []
+    names = dataset.recordings["name"].iloc[recordings]
+    having = count_text(len(recordings), "recording has", "recordings have")
+    example = f"recording {names.iloc[0]}"
+    if frame_index is not None:
+        example = place_of_frame(dataset, frame_index)
+    message = f"{having} {what}: {spelled(names)}."
+    return [Finding(severity, code, subject, len(recordings), message, advice, example=example)]
 
 
 def spelled(names: Iterable[object]) -> str:

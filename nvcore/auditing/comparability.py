@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.auditing.cases import TRUTH_NAME, Audited, counted
+from nvcore.auditing.cases import TRUTH_NAME, BoxSource
 from nvcore.dataset import Dataset
 from nvcore.detection.operating_point import threshold_for
 from nvcore.findings import Finding, Severity
@@ -16,6 +16,7 @@ from nvcore.metrics.linking import track_truth
 from nvcore.metrics.matching import Matches
 from nvcore.metrics.proximity import weigh_proximity
 from nvcore.params import Params
+from nvcore.wording import count_text
 
 MIN_ENCOUNTERS: Final = 10
 """Fewer near encounters than this say little."""
@@ -71,7 +72,7 @@ SHARE_APART: Final = 0.5
 """Difference of the shares without distance from which on two sources are weighted unlike."""
 
 
-def audit_weighting(truth: Audited, x: Audited, y: Audited, params: Params) -> list[Finding]:
+def audit_weighting(truth: BoxSource, x: BoxSource, y: BoxSource, params: Params) -> list[Finding]:
     """X, Y and truth weighted by different rules, because one of them lacks distances.
 
     Only with proximity by distance. A box without a distance is weighted by its height, so that a
@@ -87,7 +88,10 @@ def audit_weighting(truth: Audited, x: Audited, y: Audited, params: Params) -> l
     ]
     least = np.nanmin(shares, initial=1.0)
     return [
-        source.finding(
+        finding
+        for (source, rows), share in zip(without, shares, strict=True)
+        if share - least >= SHARE_APART
+        for finding in source.findings(
             Severity.WARNING,
             "mixed-weighting",
             rows,
@@ -95,8 +99,6 @@ def audit_weighting(truth: Audited, x: Audited, y: Audited, params: Params) -> l
             f"others by metres; of the truth, X and Y the least is {least:.0%}.",
             "Compare with --proximity height, which all boxes have, or give the distances.",
         )
-        for (source, rows), share in zip(without, shares, strict=True)
-        if share - least >= SHARE_APART
     ]
 
 
@@ -109,7 +111,7 @@ MAX_RATIO: Final = 3.0
 
 
 def audit_operating_points(
-    x: Audited, y: Audited, matches: tuple[Matches, Matches], params: Params
+    x: BoxSource, y: BoxSource, matches: tuple[Matches, Matches], params: Params
 ) -> list[Finding]:
     """Scores that reach down to different values, or far more detections of one system.
 
@@ -157,7 +159,7 @@ def audit_operating_points(
     ]
 
 
-def _proposal(alarms: np.ndarray, n_wanted: int, more: int, x: Audited, y: Audited) -> str:
+def _proposal(alarms: np.ndarray, n_wanted: int, more: int, x: BoxSource, y: BoxSource) -> str:
     """The threshold that leaves one system as many false alarms as the other has; or nothing."""
     threshold = threshold_for(alarms, n_wanted)
     if threshold is None:
@@ -168,5 +170,5 @@ def _proposal(alarms: np.ndarray, n_wanted: int, more: int, x: Audited, y: Audit
     return (
         f" For example, --threshold-{'xy'[more]} {threshold:g} alone leaves {first.name} "
         f"{n_left / n_frames:.2g} false alarms per frame; {other.name} has "
-        f"{n_wanted / n_frames:.2g} ({counted(n_wanted, 'false alarm')} in all)."
+        f"{n_wanted / n_frames:.2g} ({count_text(n_wanted, 'false alarm')} in all)."
     )

@@ -6,13 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.auditing.cases import (
-    TRUTH_NAME,
-    Audited,
-    counted,
-    place_of_frame,
-    spelled,
-)
+from nvcore.auditing.cases import TRUTH_NAME, BoxSource, recording_findings
 from nvcore.dataset import Dataset, offsets_of
 from nvcore.findings import Finding, Severity
 from nvcore.inputs.evaluated_frames import nth
@@ -32,128 +26,99 @@ def audit_truth_coverage(dataset: Dataset) -> list[Finding]:
     truth, frames = dataset.truth, dataset.frame_columns
     counts = ~truth.ignore
     if not counts.any():
-        message = "There is no pedestrian in the ground truth."
-        if len(truth):
-            message = (
-                f"There is no pedestrian in the ground truth: all {len(truth):,} boxes are ignore "
-                "regions."
-            )
+        why = f": all {len(truth):,} boxes are ignore regions" if len(truth) else ""
         return [
             Finding(
                 severity=Severity.ERROR,
                 code="no-pedestrian",
                 subject=TRUTH_NAME,
                 count=len(truth),
-                message=message,
+                message=f"There is no pedestrian in the ground truth{why}.",
                 advice=(
                     "Check which classes count as pedestrians (--classes) and that this is the "
                     "ground truth: without pedestrians nothing can be missed."
                 ),
             )
         ]
-    findings = []
     has_truth = frames_with(truth.frame_index[counts], dataset)
-    without = np.flatnonzero(~_any_per_recording(has_truth, frames.first))
-    if len(without):
-        findings.append(
-            _about_recordings(
-                dataset,
-                severity=Severity.NOTE,
-                code="recording-without-pedestrians",
-                subject=TRUTH_NAME,
-                recordings=without,
-                what="no pedestrian",
-                advice=(
-                    "Nothing to do if nobody is there: every detection in them is a false alarm. "
-                    "Else add the annotation, or leave the recordings out."
-                ),
-            )
-        )
     # a frame with an ignore region only has been annotated, too
     steps = regular_steps(frames_with(truth.frame_index, dataset), frames.first)
-    sparse = np.flatnonzero(steps > 1)
-    if len(sparse):
-        findings.append(
-            _about_recordings(
-                dataset,
-                severity=Severity.WARNING,
-                code="truth-every-nth-frame",
-                subject=TRUTH_NAME,
-                recordings=sparse,
-                what=f"ground truth in every {nth(steps[sparse[0]])} evaluated frame only",
-                advice=(
-                    "If only those frames were annotated, give the frame list (--frames "
-                    "first:last:step): in all others every detection counts as a false alarm."
-                ),
-            )
-        )
-    return findings
+    return [
+        *_about_recordings(
+            dataset,
+            Severity.NOTE,
+            "recording-without-pedestrians",
+            TRUTH_NAME,
+            np.flatnonzero(~_any_per_recording(has_truth, frames.first)),
+            "no pedestrian",
+            "Nothing to do if nobody is there: every detection in them is a false alarm. "
+            "Else add the annotation, or leave the recordings out.",
+        ),
+        *_about_recordings(
+            dataset,
+            Severity.WARNING,
+            "truth-every-nth-frame",
+            TRUTH_NAME,
+            np.flatnonzero(steps > 1),
+            f"ground truth in every {_first_step(steps, steps > 1)} evaluated frame only",
+            "If only those frames were annotated, give the frame list (--frames "
+            "first:last:step): in all others every detection counts as a false alarm.",
+        ),
+    ]
 
 
-def audit_system_coverage(audited: Audited) -> list[Finding]:
+def audit_system_coverage(source: BoxSource) -> list[Finding]:
     """Recordings and frames without detections of a system although there is truth."""
-    dataset, frames = audited.dataset, audited.dataset.frame_columns
+    dataset, frames = source.dataset, source.dataset.frame_columns
     truth = dataset.truth
     has_truth = frames_with(truth.frame_index[~truth.ignore], dataset)
-    has_box = frames_with(audited.boxes.frame_index, dataset)
+    has_box = frames_with(source.boxes.frame_index, dataset)
     truth_in = _any_per_recording(has_truth, frames.first)
     box_in = _any_per_recording(has_box, frames.first)
-    if not len(audited.boxes):
+    if not len(source.boxes):
         return [
             Finding(
                 severity=Severity.ERROR,
                 code="no-detections",
-                subject=audited.name,
+                subject=source.name,
                 count=len(box_in),
                 message="There is no detection in any evaluated frame: nothing can be compared.",
                 advice="Check its files, and that they count frames as the ground truth does.",
             )
         ]
-    findings = []
-    silent = np.flatnonzero(truth_in & ~box_in)
-    if len(silent):
-        findings.append(
-            _about_recordings(
-                dataset,
-                severity=Severity.WARNING,
-                code="recording-without-detections",
-                subject=audited.name,
-                recordings=silent,
-                what="pedestrians and no detection",
-                advice=(
-                    "If a file is missing, add it; if the system found nothing there, this is "
-                    "right."
-                ),
-            )
-        )
     steps = regular_steps(has_box, frames.first)
-    truth_steps = regular_steps(has_truth, frames.first)
-    sparse = np.flatnonzero((steps > 1) & (truth_steps != steps))
-    if len(sparse):
-        findings.append(
-            _about_recordings(
-                dataset,
-                severity=Severity.WARNING,
-                code="detections-every-nth-frame",
-                subject=audited.name,
-                recordings=sparse,
-                what=f"detections in every {nth(steps[sparse[0]])} evaluated frame only",
-                advice=(
-                    "If the system ran on those frames only, evaluate both systems on them "
-                    "(--frames first:last:step): in all others it misses everybody."
-                ),
-            )
-        )
-    return findings + _silent_ends(audited, has_box)
+    is_sparse = (steps > 1) & (steps != regular_steps(has_truth, frames.first))
+    return [
+        *_about_recordings(
+            dataset,
+            Severity.WARNING,
+            "recording-without-detections",
+            source.name,
+            np.flatnonzero(truth_in & ~box_in),
+            "pedestrians and no detection",
+            "If a file is missing, add it; if the system found nothing there, this is right.",
+        ),
+        *_about_recordings(
+            dataset,
+            Severity.WARNING,
+            "detections-every-nth-frame",
+            source.name,
+            np.flatnonzero(is_sparse),
+            f"detections in every {_first_step(steps, is_sparse)} evaluated frame only",
+            "If the system ran on those frames only, evaluate both systems on them "
+            "(--frames first:last:step): in all others it misses everybody.",
+        ),
+        *_silent_ends(source, has_box),
+    ]
 
 
-def _silent_ends(audited: Audited, has_box: np.ndarray) -> list[Finding]:
+def _silent_ends(source: BoxSource, has_box: np.ndarray) -> list[Finding]:
     """Long silence before the first or after the last detection of a recording.
 
     Pedestrians that are merely too far away do not count: only those as tall as the system's
     usual detection.
     """
-    dataset, frames, boxes = audited.dataset, audited.dataset.frame_columns, audited.boxes
+    dataset, frames, boxes = source.dataset, source.dataset.frame_columns, source.boxes
     start, stop = frames.first[:-1], frames.first[1:]
     boxed_frames = np.flatnonzero(has_box)
     n_before, n_until = np.searchsorted(boxed_frames, start), np.searchsorted(boxed_frames, stop)
@@ -181,24 +146,18 @@ def _silent_ends(audited: Audited, has_box: np.ndarray) -> list[Finding]:
     odd = np.array(partial)
     number = frames.frame
     first = odd[0]
-    return [
-        _about_recordings(
-            dataset,
-            severity=Severity.WARNING,
-            code="detections-in-part-of-recording",
-            subject=audited.name,
-            recordings=odd,
-            what=(
-                f"detections in a part only (first: frames {number[lo[first]]} to "
-                f"{number[hi[first] - 1]} of {number[start[first]]} to {number[stop[first] - 1]}), "
-                "although there are near pedestrians in the rest"
-            ),
-            advice=(
-                "If the system ran on that part only, evaluate both systems on it (--frames "
-                "first:last): in the rest it misses everybody."
-            ),
-        )
-    ]
+    return _about_recordings(
+        dataset,
+        Severity.WARNING,
+        "detections-in-part-of-recording",
+        source.name,
+        odd,
+        f"detections in a part only (first: frames {number[lo[first]]} to "
+        f"{number[hi[first] - 1]} of {number[start[first]]} to {number[stop[first] - 1]}), "
+        "although there are near pedestrians in the rest",
+        "If the system ran on that part only, evaluate both systems on it (--frames "
+        "first:last): in the rest it misses everybody.",
+    )
 
 
 def frames_with(frame_index: np.ndarray, dataset: Dataset) -> np.ndarray:
@@ -237,6 +196,11 @@ def _any_per_recording(has: np.ndarray, first: np.ndarray) -> np.ndarray:
     return some
 
 
+def _first_step(steps: np.ndarray, is_sparse: np.ndarray) -> str:
+    """The step of the first recording that is sparse, as an ordinal."""
+    return nth(steps[np.argmax(is_sparse)])
+
+
 def _about_recordings(
     dataset: Dataset,
     severity: Severity,
@@ -245,19 +209,12 @@ def _about_recordings(
     recordings: np.ndarray,
     what: str,
     advice: str,
-) -> Finding:
-    names = dataset.recordings["name"].iloc[recordings]
-    frame_index = int(dataset.frame_columns.first[recordings[0]])
-    is_empty = frame_index == dataset.frame_columns.first[recordings[0] + 1]
-    return Finding(
-        severity=severity,
-        code=code,
-        subject=subject,
-        count=len(recordings),
-        message=(
-            f"{counted(len(recordings), 'recording has', 'recordings have')} {what}: "
-            f"{spelled(names)}."
-        ),
-        advice=advice,
-        example=f"recording {names.iloc[0]}" if is_empty else place_of_frame(dataset, frame_index),
+) -> list[Finding]:
+    """As `recording_findings`; the example is the first frame, if there is one."""
+    first_frames = dataset.frame_columns.first
+    frame_index = None
+    if len(recordings) and first_frames[recordings[0]] < first_frames[recordings[0] + 1]:
+        frame_index = int(first_frames[recordings[0]])
+    return recording_findings(
+        dataset, severity, code, subject, recordings, what, advice, frame_index=frame_index
     )

@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.auditing.cases import Audited
+from nvcore.auditing.cases import BoxSource
 from nvcore.auditing.overlaps import MAX_SHIFT, Correction, Overlaps, Sample, take_sample
 from nvcore.auditing.scales import scale_candidates, scale_text
 from nvcore.dataset import BoxColumns
@@ -57,7 +57,7 @@ class _Step:
         return self.after - self.before
 
 
-def find_offsets(audited: Audited, detections: BoxColumns, *, letter: str = "") -> list[Finding]:
+def find_offsets(source: BoxSource, detections: BoxColumns, *, letter: str = "") -> list[Finding]:
     """Scale mismatch, time offset and constant pixel offset of a system against the truth.
 
     Each is looked for after what was found before has been corrected: first the scale, then
@@ -65,7 +65,7 @@ def find_offsets(audited: Audited, detections: BoxColumns, *, letter: str = "") 
 
     Parameters
     ----------
-    audited
+    source
         The system.
     detections
         Those of its detections that count.
@@ -76,7 +76,7 @@ def find_offsets(audited: Audited, detections: BoxColumns, *, letter: str = "") 
     -----
     With fewer than 50 pedestrians or detections nothing is reported.
     """
-    sample = take_sample(audited.dataset, detections)
+    sample = take_sample(source.dataset, detections)
     if min(len(sample.rows), len(detections)) < MIN_BOXES:
         return []
     moved = _find_moves(sample, Correction())
@@ -84,15 +84,15 @@ def find_offsets(audited: Audited, detections: BoxColumns, *, letter: str = "") 
     findings = []
     # boxes of another resolution fit a bit better when moved, but best when scaled
     if scaled is not None and all(scaled.after > step.after for step in moved):
-        findings.append(_scale_finding(audited, sample, scaled, letter))
+        findings.append(_scale_finding(source, sample, scaled, letter))
         moved = _find_moves(sample, scaled.correction)
     is_moved_in_time = False
     for step in moved:
         if step.correction.offset_frames and not is_moved_in_time:
-            findings.append(_time_finding(audited, sample, step, letter))
+            findings.append(_time_finding(source, sample, step, letter))
             is_moved_in_time = True
         else:
-            findings.append(_pixel_finding(audited, sample, step, letter))
+            findings.append(_pixel_finding(source, sample, step, letter))
     return findings
 
 
@@ -212,7 +212,7 @@ def _spread(values: np.ndarray) -> float:
     return float(high - low)
 
 
-def _scale_finding(audited: Audited, sample: Sample, step: _Step, letter: str) -> Finding:
+def _scale_finding(source: BoxSource, sample: Sample, step: _Step, letter: str) -> Finding:
     sx, sy = step.correction.scale
     is_uniform = sx == sy
     message = (
@@ -223,10 +223,10 @@ def _scale_finding(audited: Audited, sample: Sample, step: _Step, letter: str) -
     flag = f", or --scale-{letter} {value.strip('[]').replace(' ', '')}" if letter else ""
     advice = f"Set scale = {value} for this system ([[system]] in the session file{flag})."
     suggestion = (("scale", sx),) if is_uniform else (("scale_x", sx), ("scale_y", sy))
-    return _finding(audited, sample, step, "scale-mismatch", message, advice, suggestion)
+    return _finding(source, sample, step, "scale-mismatch", message, advice, suggestion)
 
 
-def _time_finding(audited: Audited, sample: Sample, step: _Step, letter: str) -> Finding:
+def _time_finding(source: BoxSource, sample: Sample, step: _Step, letter: str) -> Finding:
     frames = step.correction.offset_frames
     n = abs(frames)
     message = (
@@ -242,10 +242,10 @@ def _time_finding(audited: Audited, sample: Sample, step: _Step, letter: str) ->
     if at_limit:
         advice += " No larger offset was tried: the true one may be larger still."
     suggestion = (("offset_frames", float(frames)),)
-    return _finding(audited, sample, step, "time-offset", message, advice, suggestion)
+    return _finding(source, sample, step, "time-offset", message, advice, suggestion)
 
 
-def _pixel_finding(audited: Audited, sample: Sample, step: _Step, letter: str) -> Finding:
+def _pixel_finding(source: BoxSource, sample: Sample, step: _Step, letter: str) -> Finding:
     x, y = step.correction.offset_px
     parts = [
         f"{abs(value):.1f} px too far {words[value < 0]}"
@@ -259,11 +259,11 @@ def _pixel_finding(audited: Audited, sample: Sample, step: _Step, letter: str) -
         f"([[system]] in the session file{flag})."
     )
     suggestion = (("offset_x_px", x), ("offset_y_px", y))
-    return _finding(audited, sample, step, "pixel-offset", message, advice, suggestion)
+    return _finding(source, sample, step, "pixel-offset", message, advice, suggestion)
 
 
 def _finding(
-    audited: Audited,
+    source: BoxSource,
     sample: Sample,
     step: _Step,
     code: str,
@@ -274,12 +274,12 @@ def _finding(
     looked_at = "" if sample.every == 1 else f", judged by every {nth(sample.every)} frame"
     if step.needs_both:
         looked_at = f", together with the pixel offset{looked_at}"
-    finding = audited.finding(
+    [finding] = source.findings(
         Severity.WARNING,
         code,
         np.arange(1),
         f"{message} (mean IoU {step.after:.2f} instead of {step.before:.2f}{looked_at}).",
         advice,
-        count=len(audited.boxes),
+        count=len(source.boxes),
     )
     return replace(finding, example="", suggestion=suggestion)

@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.auditing.cases import TRUTH_NAME, counted, place_of_frame, spelled
+from nvcore.auditing.cases import TRUTH_NAME, recording_findings
 from nvcore.auditing.scales import SIZES
 from nvcore.dataset import Dataset
 from nvcore.findings import Finding, Severity
@@ -88,24 +88,16 @@ def audit_fps(dataset: Dataset) -> list[Finding]:
     odd = np.flatnonzero((fps < FPS_RANGE[0]) | (fps > FPS_RANGE[1]))
     if not len(odd):
         return []
-    names = dataset.recordings["name"].iloc[odd]
-    return [
-        Finding(
-            severity=Severity.WARNING,
-            code="implausible-fps",
-            subject=TRUTH_NAME,
-            count=len(odd),
-            message=(
-                f"{counted(len(odd), 'recording has', 'recordings have')} an implausible frame "
-                f"rate (first: {fps[odd[0]]:g} frames per second): {spelled(names)}."
-            ),
-            advice=(
-                "Check the frame rate (--fps), which counts all frames of the camera, annotated or "
-                "not: every time and every rate per hour depends on it."
-            ),
-            example=f"recording {names.iloc[0]}",
-        )
-    ]
+    return recording_findings(
+        dataset,
+        Severity.WARNING,
+        "implausible-fps",
+        TRUTH_NAME,
+        odd,
+        f"an implausible frame rate (first: {fps[odd[0]]:g} frames per second)",
+        "Check the frame rate (--fps), which counts all frames of the camera, annotated or not: "
+        "every time and every rate per hour depends on it.",
+    )
 
 
 def audit_frame_list(dataset: Dataset) -> list[Finding]:
@@ -130,24 +122,17 @@ def audit_frame_list(dataset: Dataset) -> list[Finding]:
         where.append(f"before frame {frames.frame[first[example]]}")
     if is_after[example]:
         where.append(f"after frame {frames.frame[last[example]]}")
-    names = dataset.recordings["name"].iloc[seen[odd]]
     empty_row = int(start[recording] if is_before[example] else last[example] + 1)
-    return [
-        Finding(
-            severity=Severity.WARNING,
-            code="frames-beyond-boxes",
-            subject=TRUTH_NAME,
-            count=len(odd),
-            message=(
-                f"{counted(len(odd), 'recording has', 'recordings have')} no box of anybody in a "
-                f"long part at the beginning or end (first: none {' and none '.join(where)} of "
-                f"{frames.frame[start[recording]]} to {frames.frame[stop[recording] - 1]}): "
-                f"{spelled(names)}."
-            ),
-            advice=(
-                "Check the frame list (--frames first:last): frames without anybody count as "
-                "perfect, and as recording time. Nothing to do if nobody was there."
-            ),
-            example=place_of_frame(dataset, empty_row),
-        )
-    ]
+    return recording_findings(
+        dataset,
+        Severity.WARNING,
+        "frames-beyond-boxes",
+        TRUTH_NAME,
+        seen[odd],
+        "no box of anybody in a long part at the beginning or end (first: none "
+        f"{' and none '.join(where)} of {frames.frame[start[recording]]} to "
+        f"{frames.frame[stop[recording] - 1]})",
+        "Check the frame list (--frames first:last): frames without anybody count as perfect, and "
+        "as recording time. Nothing to do if nobody was there.",
+        frame_index=empty_row,
+    )

@@ -7,7 +7,6 @@ import pandas as pd
 
 from nvcore.auditing.cases import (
     TRUTH_NAME,
-    counted,
     file_name,
     place,
     spelled,
@@ -15,6 +14,7 @@ from nvcore.auditing.cases import (
 )
 from nvcore.dataset import Dataset
 from nvcore.findings import Finding, Severity
+from nvcore.wording import count_text
 
 
 def audit_left_out(dataset: Dataset) -> list[Finding]:
@@ -38,7 +38,7 @@ def audit_left_out(dataset: Dataset) -> list[Finding]:
 
 
 def _no_box(dataset: Dataset, subject: str, reason: str, rows: pd.DataFrame) -> Finding:
-    what = counted(len(rows), "row is left out", "rows are left out")
+    what = count_text(len(rows), "row is left out", "rows are left out")
     if reason == "not a number":
         code = "not-a-number"
         message = f"{what}: a coordinate is no finite number."
@@ -57,8 +57,8 @@ def _unknown_recording(dataset: Dataset, subject: str, rows: pd.DataFrame) -> Fi
     names = without_doubles(rows["recording"])
     known = spelled(dataset.recordings["name"])
     message = (
-        f"{counted(len(rows), 'row is', 'rows are')} left out, of "
-        f"{counted(len(names), 'recording')} without ground truth ({spelled(names)})."
+        f"{count_text(len(rows), 'row is', 'rows are')} left out, of "
+        f"{count_text(len(names), 'recording')} without ground truth ({spelled(names)})."
     )
     nothing = _nothing_left(dataset, subject)
     if nothing:
@@ -84,8 +84,8 @@ def _not_listed(dataset: Dataset, subject: str, rows: pd.DataFrame) -> list[Find
         odd = rows[~is_usual]
         numbers = without_doubles(odd["frame"])
         message = (
-            f"{counted(len(odd), 'row is', 'rows are')} left out, in "
-            f"{counted(len(numbers), 'frame number')} not evaluated."
+            f"{count_text(len(odd), 'row is', 'rows are')} left out, in "
+            f"{count_text(len(numbers), 'frame number')} not evaluated."
         )
         nothing = _nothing_left(dataset, subject)
         if nothing:
@@ -110,7 +110,7 @@ def _not_listed(dataset: Dataset, subject: str, rows: pd.DataFrame) -> list[Find
                 "between-sampled-frames",
                 subject,
                 between,
-                f"{counted(len(between), 'row is', 'rows are')} left out, between the annotated "
+                f"{count_text(len(between), 'row is', 'rows are')} left out, between the annotated "
                 "frames of sampled recordings.",
                 "Nothing to do if only every n-th frame is annotated; else check the frame list.",
             )

@@ -4,69 +4,57 @@ from __future__ import annotations
 
 import numpy as np
 
-from nvcore.auditing.cases import Audited, counted
+from nvcore.auditing.cases import BoxSource
 from nvcore.findings import Finding, Severity
+from nvcore.wording import count_text
 
 
-def audit_scores(audited: Audited) -> list[Finding]:
+def audit_scores(source: BoxSource) -> list[Finding]:
     """Missing, constant and unusual scores of a system."""
-    score = audited.boxes.score
+    score = source.boxes.score
     if not len(score):
         return []
     is_missing = np.isnan(score)
     if is_missing.all():
-        return [
-            audited.finding(
-                Severity.NOTE,
-                "no-scores",
-                np.arange(len(score)),
-                "No detection has a score.",
-                "Nothing to do if the system decides by itself: every detection counts, and a "
-                "threshold has no effect.",
-            )
-        ]
-    findings = []
-    rows = np.flatnonzero(is_missing)
-    if len(rows):
-        share = len(rows) / len(score)
-        findings.append(
-            audited.finding(
-                Severity.WARNING,
-                "missing-score",
-                rows,
-                f"{counted(len(rows), 'detection has', 'detections have')} no score ({share:.0%} "
-                "of all), while others have one.",
-                "Complete the scores: a detection without one passes every threshold.",
-            )
+        return source.findings(
+            Severity.NOTE,
+            "no-scores",
+            np.arange(len(score)),
+            "No detection has a score.",
+            "Nothing to do if the system decides by itself: every detection counts, and a "
+            "threshold has no effect.",
         )
     low, high = float(np.nanmin(score)), float(np.nanmax(score))
-    n_scores = len(score) - len(rows)
-    if low == high and n_scores > 1:
-        findings.append(
-            audited.finding(
-                Severity.NOTE,
-                "constant-score",
-                np.flatnonzero(~is_missing),
-                f"Every score is {low:g}.",
-                "Nothing to do if the system decides by itself; a threshold keeps all or nothing.",
-            )
-        )
-    unusual = np.flatnonzero((score < 0) | (score > 1))
-    if len(unusual):
-        findings.append(
-            audited.finding(
-                Severity.NOTE,
-                "unusual-scores",
-                unusual,
-                f"The scores go from {low:g} to {high:g}, not from 0 to 1.",
-                "That is allowed; give a threshold on this scale, and check that the score was "
-                "read from the right column.",
-            )
-        )
-    return findings
+    without, known = np.flatnonzero(is_missing), np.flatnonzero(~is_missing)
+    is_constant = low == high and len(known) > 1
+    return [
+        *source.findings(
+            Severity.WARNING,
+            "missing-score",
+            without,
+            f"{count_text(len(without), 'detection has', 'detections have')} no score "
+            f"({len(without) / len(score):.0%} of all), while others have one.",
+            "Complete the scores: a detection without one passes every threshold.",
+        ),
+        *source.findings(
+            Severity.NOTE,
+            "constant-score",
+            known if is_constant else known[:0],
+            f"Every score is {low:g}.",
+            "Nothing to do if the system decides by itself; a threshold keeps all or nothing.",
+        ),
+        *source.findings(
+            Severity.NOTE,
+            "unusual-scores",
+            np.flatnonzero((score < 0) | (score > 1)),
+            f"The scores go from {low:g} to {high:g}, not from 0 to 1.",
+            "That is allowed; give a threshold on this scale, and check that the score was read "
+            "from the right column.",
+        ),
+    ]
 
 
-def audit_threshold(audited: Audited, threshold: float | None, *, flag: str) -> list[Finding]:
+def audit_threshold(source: BoxSource, threshold: float | None, *, flag: str) -> list[Finding]:
     """A threshold that keeps nothing, keeps everything, or has no scores to work on.
 
     Parameters
@@ -74,48 +62,36 @@ def audit_threshold(audited: Audited, threshold: float | None, *, flag: str) -> 
     flag
         The threshold's flag, for the advice.
     """
-    score = audited.boxes.score
+    score = source.boxes.score
     if threshold is None or not len(score):
         return []
     rows = np.arange(len(score))
-    low, high = _range(score)
+    subject = f"The threshold {threshold:g}"
     if np.isnan(score).all():
-        return [
-            audited.finding(
-                Severity.WARNING,
-                "threshold-without-scores",
-                rows,
-                f"The threshold {threshold:g} has no effect: no detection has a score.",
-                f"Leave out {flag}, or give a file with scores.",
-            )
-        ]
+        return source.findings(
+            Severity.WARNING,
+            "threshold-without-scores",
+            rows,
+            f"{subject} has no effect: no detection has a score.",
+            f"Leave out {flag}, or give a file with scores.",
+        )
+    span = f"the scores go from {np.nanmin(score):g} to {np.nanmax(score):g}"
     n_below = int(np.count_nonzero(score < threshold))
     if n_below == len(score):
-        return [
-            audited.finding(
-                Severity.ERROR,
-                "threshold-keeps-nothing",
-                rows,
-                f"The threshold {threshold:g} leaves no detection: the scores go from {low:g} to "
-                f"{high:g}.",
-                f"Give {flag} a value within that range.",
-            )
-        ]
+        return source.findings(
+            Severity.ERROR,
+            "threshold-keeps-nothing",
+            rows,
+            f"{subject} leaves no detection: {span}.",
+            f"Give {flag} a value within that range.",
+        )
     if n_below == 0:
-        return [
-            audited.finding(
-                Severity.NOTE,
-                "threshold-keeps-all",
-                rows,
-                f"The threshold {threshold:g} removes no detection: the scores go from {low:g} to "
-                f"{high:g}.",
-                "Nothing to do if the file was made at that threshold or a higher one; else check "
-                "it against the range of the scores.",
-            )
-        ]
+        return source.findings(
+            Severity.NOTE,
+            "threshold-keeps-all",
+            rows,
+            f"{subject} removes no detection: {span}.",
+            "Nothing to do if the file was made at that threshold or a higher one; else check it "
+            "against the range of the scores.",
+        )
     return []
-
-
-def _range(score: np.ndarray) -> tuple[float, float]:
-    known = score[~np.isnan(score)]
-    return (float(known.min()), float(known.max())) if len(known) else (np.nan, np.nan)

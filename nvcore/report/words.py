@@ -13,6 +13,7 @@ import pandas as pd
 
 from nvcore.comparison import Result, SystemResult
 from nvcore.evidence.paired_tests import SIGNIFICANT
+from nvcore.wording import count_text
 
 FEW_MISSES: Final = 5
 """Fewest misses of a system for an explanation of phi."""
@@ -101,7 +102,7 @@ def describe_lead(result: Result) -> str:
     first_x, first_y = int(np.count_nonzero(lead_s > 0)), int(np.count_nonzero(lead_s < 0))
     mean, median = round(float(lead_s.mean()), 2), round(float(np.median(lead_s)), 2)
     text = (
-        f"Of {_count(len(lead_s), 'encounter')} that both match, X matches {first_x} first, Y "
+        f"Of {count_text(len(lead_s), 'encounter')} that both match, X matches {first_x} first, Y "
         f"{first_y}, and {len(lead_s) - first_x - first_y} at once. X's lead is {mean:+z.2f} s on "
         f"average, median {median:+z.2f} s"
     )
@@ -147,7 +148,7 @@ def _fused_sentence(row: dict[Hashable, Any], name: str, best: str, n: int) -> s
         "and has as many false-alert episodes"
         if not more
         else f"{'and costs' if more > 0 else 'and saves'} "
-        f"{_count(abs(more), 'false-alert episode')}{rate}"
+        f"{count_text(abs(more), 'false-alert episode')}{rate}"
     )
     return (
         f"\u201c{name}\u201d detects {row['encounters_detected']} of {n} encounters, "
@@ -167,18 +168,14 @@ def _saliency(result: Result, letter: str, system: SystemResult) -> str:
     if result.params.saliency_aggregate == "sum":
         total_s = float(events["duration_s"].sum())
         return (
-            f"{letter}: {_count(len(events), 'event')}, {total_s:.1f} s in all; weighted by "
+            f"{letter}: {count_text(len(events), 'event')}, {total_s:.1f} s in all; weighted by "
             f"recency and added they make {system.saliency_s:.2f} s."
         )
     worst = events.iloc[events["saliency_s"].argmax()]
     whole = "encounter" if result.params.saliency_scope == "encounter" else "recording"
     return (
-        f"{letter}: the most salient of {_count(len(events), 'event')} lasts "
+        f"{letter}: the most salient of {count_text(len(events), 'event')} lasts "
         f"{worst['duration_s']:.2f} s and ends when {worst['tau']:.0%} of the {whole} has passed, "
         f"which gives it the weight {worst['recency']:.2f}: {worst['duration_s']:.2f} s × "
         f"{worst['recency']:.2f} = {worst['saliency_s']:.2f} s."
     )
-
-
-def _count(n: int, noun: str) -> str:
-    return f"{n:,} {noun}{'' if n == 1 else 's'}"
