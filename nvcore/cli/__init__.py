@@ -16,17 +16,21 @@ from nvcore.cli.gate import gate
 from nvcore.cli.options import (
     OUTPUT,
     GroupedCommand,
-    findings_at_paths,
     grouped_option,
     input_options,
     parameter_options,
-    pasteable_errors,
     protocol_option,
-    session_from,
-    sources_of,
+    strict_option,
 )
 from nvcore.cli.report import report
-from nvcore.cli.steps import exit_on_findings, refuse_to_replace
+from nvcore.cli.session_options import session_from
+from nvcore.cli.steps import (
+    exit_on_findings,
+    findings_at_paths,
+    pasteable_errors,
+    refuse_to_replace,
+    sources_of,
+)
 from nvcore.errors import InputError, NvcoreError
 from nvcore.inputs.session import Session
 from nvcore.params.metadata import THRESHOLD
@@ -113,9 +117,7 @@ def main() -> None:
 @grouped_option(
     OUTPUT, "--json", "as_json", is_flag=True, help="Print summary.json, not the scorecard."
 )
-@grouped_option(
-    OUTPUT, "--strict", is_flag=True, help="Warnings of the audit give exit code 1, too."
-)
+@strict_option
 @protocol_option
 @parameter_options
 def compare(out: Path | None, as_json: bool, strict: bool, **options: Any) -> None:

@@ -7,14 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from nvcore.cli.options import (
-    findings_at_paths,
-    format_option,
-    pasteable_errors,
-    reading_options,
-    size_option,
-    source_options,
-)
+from nvcore.cli.options import format_option, reading_options
+from nvcore.cli.session_options import size_option, source_options
+from nvcore.cli.steps import findings_at_paths, pasteable_errors
 from nvcore.inputs.session import Source
 from nvcore.wording import one_line
 

@@ -12,16 +12,19 @@ import click
 from nvcore.cli.options import (
     OUTPUT,
     GroupedCommand,
-    findings_at_paths,
     grouped_option,
     input_options,
     parameter_options,
-    pasteable_errors,
     protocol_option,
-    session_from,
+)
+from nvcore.cli.session_options import session_from
+from nvcore.cli.steps import (
+    compare_session,
+    findings_at_paths,
+    pasteable_errors,
+    refuse_to_replace,
     sources_of,
 )
-from nvcore.cli.steps import compare_session, refuse_to_replace
 from nvcore.errors import InputError, NvcoreError
 from nvcore.wording import one_line
 

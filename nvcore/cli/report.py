@@ -11,16 +11,21 @@ import click
 from nvcore.cli.options import (
     OUTPUT,
     GroupedCommand,
-    findings_at_paths,
     grouped_option,
     input_options,
     parameter_options,
-    pasteable_errors,
     protocol_option,
-    session_from,
+    strict_option,
+)
+from nvcore.cli.session_options import session_from
+from nvcore.cli.steps import (
+    compare_session,
+    exit_on_findings,
+    findings_at_paths,
+    pasteable_errors,
+    refuse_to_replace,
     sources_of,
 )
-from nvcore.cli.steps import compare_session, exit_on_findings, refuse_to_replace
 from nvcore.progress import Progress
 from nvcore.wording import one_line
 
@@ -46,9 +51,7 @@ REPORT = "Report"
     show_default=True,
     help="The file to write.",
 )
-@grouped_option(
-    OUTPUT, "--strict", is_flag=True, help="Warnings of the audit give exit code 1, too."
-)
+@strict_option
 @parameter_options
 def report(stability: bool | None, out: Path, strict: bool, **options: Any) -> None:
     """Write the comparison of X and Y as one HTML file.

@@ -1,20 +1,24 @@
-"""Steps that several commands take: keeping the inputs, the comparison, the exit code."""
+"""Steps that several commands take: naming and keeping the inputs, comparing, the exit code."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from nvcore.inputs.session import Session
+from nvcore.errors import InputError
+from nvcore.inputs.session import Session, Source
 from nvcore.progress import Progress, no_progress
 from nvcore.wording import one_line
 
 if TYPE_CHECKING:
     from nvcore.comparison import Result
     from nvcore.findings import Finding
+    from nvcore.inputs.readers.base import Role
 
 # Nothing here imports numpy, pandas or numba before it is called.
 
@@ -62,3 +66,28 @@ def exit_on_findings(findings: Iterable[Finding], strict: bool) -> None:
     bad = {"error", "warning"} if strict else {"error"}
     if any(finding.severity.value in bad for finding in findings):
         raise SystemExit(EXIT_FINDINGS)
+
+
+def sources_of(session: Session) -> list[tuple[Source, Role]]:
+    """The session's sources, each with what it holds."""
+    systems: list[tuple[Source, Role]] = [(system, "detections") for system in session.systems]
+    return [(session.truth, "truth"), *systems]
+
+
+@contextmanager
+def pasteable_errors(folder: Path, sources: list[tuple[Source, Role]]) -> Iterator[None]:
+    """Within it, errors name a file by a path that can be pasted into the terminal."""
+    try:
+        yield
+    except InputError as error:
+        from nvcore.inputs.files import paths_to_show
+
+        path = None if error.file is None else paths_to_show(folder, sources).get(error.file)
+        if path is None:
+            raise
+        raise InputError(error.message, file=path, line=error.line) from error
+
+
+def findings_at_paths(findings: tuple[Finding, ...], shown: dict[str, str]) -> tuple[Finding, ...]:
+    """Findings that name their files as `nvcore.inputs.files.paths_to_show` says."""
+    return tuple(replace(one, file=shown.get(one.file, one.file)) for one in findings)

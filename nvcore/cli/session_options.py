@@ -1,0 +1,165 @@
+"""The `Session` that the flags of the command line make."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, Final
+
+import click
+
+from nvcore.cli.options import flag_of
+from nvcore.inputs.session import (
+    Session,
+    Source,
+    SystemSource,
+    is_frame_range,
+    parse_size,
+    with_facts,
+)
+from nvcore.inputs.session_toml import read_session
+from nvcore.params import SETTINGS, params_from
+from nvcore.protocols import PROTOCOLS
+
+OF_FILES: Final = (
+    "format_",
+    "format_truth",
+    "format_x",
+    "format_y",
+    "classes",
+    "frame_base",
+    "box_base",
+)
+"""Flags that say how the files named by flags are read."""
+
+
+def session_from(options: dict[str, Any], *, needs_y: bool) -> Session:
+    """The session file, or one made from the flags; flags go before the file.
+
+    Raises
+    ------
+    click.UsageError
+        If the flags do not go together.
+    NvcoreError
+        If the session file or a value cannot be used.
+    """
+    given = {name: options[name] for name in SETTINGS if options.get(name) is not None}
+    if options["session_file"] is not None:
+        return _from_file(options, given)
+    if not options["truth"] or not options["x_paths"] or (needs_y and not options["y_paths"]):
+        wanted = (
+            "--truth, --x and --y; to audit a single system use nvcore check"
+            if needs_y
+            else "--truth and --x; one system is enough, --y may be added"
+        )
+        raise click.UsageError(f"give a session file, or {wanted}")
+    whole = options["format_"]
+    common = source_options(options)
+    truth = Source(options["truth"], format=options["format_truth"] or whole, **common)
+    systems = [
+        SystemSource(
+            options[f"{letter}_paths"],
+            format=options[f"format_{letter}"] or whole,
+            name=options[f"name_{letter}"],
+            **common,
+            **_corrections(options, letter),
+        )
+        for letter in "xy"
+        if options[f"{letter}_paths"]
+    ]
+    return Session(
+        folder=Path.cwd(),
+        truth=truth,
+        systems=tuple(systems),
+        size=size_option(options),
+        fps=options["fps"],
+        frames=None if options["frames"] is None else _frames(options["frames"]),
+        params=params_from(given),
+        protocol=PROTOCOLS[options.get("protocol") or "all"],
+    )
+
+
+def _from_file(options: dict[str, Any], given: dict[str, Any]) -> Session:
+    if options["truth"] or options["x_paths"] or options["y_paths"]:
+        raise click.UsageError("give a session file or --truth, --x and --y, not both")
+    for name in OF_FILES:
+        if options[name] is not None:
+            flag = flag_of(name.rstrip("_"))
+            raise click.UsageError(
+                f"{flag} is for files named by flags; in a session file write it under [truth] "
+                "or [[system]]"
+            )
+    # a flag goes before what the file says, of single recordings, too
+    session = with_facts(
+        read_session(options["session_file"]),
+        size=size_option(options),
+        fps=options["fps"],
+        frames=None if options["frames"] is None else _frames(options["frames"]),
+    )
+    protocol = options.get("protocol")
+    session = replace(
+        session,
+        x=options["name_x"] or session.x,
+        y=options["name_y"] or session.y,
+        params=params_from({**session.params.given(), **given}),
+        protocol=session.protocol if protocol is None else PROTOCOLS[protocol],
+    )
+    return replace(session, systems=_corrected(session, options))
+
+
+def _corrected(session: Session, options: dict[str, Any]) -> tuple[SystemSource, ...]:
+    """The session's systems with the corrections of the flags in place of their own."""
+    systems = list(session.systems)
+    chosen = {"x": session.x, "y": session.y}
+    for letter, default in (("x", 0), ("y", 1)):
+        corrections = _corrections(options, letter)
+        if not corrections:
+            continue
+        named = [system.name for system in systems]
+        wanted = chosen[letter]
+        if wanted is None and not any(chosen.values()) and default < len(systems):
+            at = default
+        elif wanted is not None and wanted in named:
+            at = named.index(wanted)
+        else:
+            raise click.UsageError(
+                f"cannot tell which system of the session is {letter.upper()}, to correct it; name "
+                "both systems in the file and under [compare], or by --name-x and --name-y"
+            )
+        systems[at] = replace(systems[at], **corrections)
+    return tuple(systems)
+
+
+def _corrections(options: dict[str, Any], letter: str) -> dict[str, Any]:
+    names = ("offset_frames", "offset_px", "scale")
+    return {
+        name: options[f"{name}_{letter}"]
+        for name in names
+        if options[f"{name}_{letter}"] is not None
+    }
+
+
+def size_option(options: dict[str, Any]) -> tuple[int, int] | None:
+    """Width and height given by ``--size``."""
+    if options["size"] is None:
+        return None
+    try:
+        return parse_size(options["size"])
+    except ValueError as error:
+        raise click.BadParameter(str(error), param_hint="--size") from error
+
+
+def source_options(options: dict[str, Any]) -> dict[str, Any]:
+    """Fields of `Source` that the flags give."""
+    classes = options["classes"]
+    bases = {
+        key: None if options[key] is None else int(options[key])
+        for key in ("frame_base", "box_base")
+    }
+    names = None if classes is None else tuple(name.strip() for name in classes.split(","))
+    return {"classes": names, **bases}
+
+
+def _frames(text: str) -> str:
+    """A frame list file named by flag is relative to where the command runs."""
+    return text if is_frame_range(text) else str(Path.cwd() / text)
