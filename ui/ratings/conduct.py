@@ -26,10 +26,8 @@ NEWS_S: Final = 5.0
 
 def choose_part() -> str:
     """The part of the page; a conductor's link opens the rating session."""
-    if CONDUCT in st.query_params:
-        st.session_state.setdefault(PART, SESSION)
-    parts = [RESULTS, SESSION]
-    return choose_side_by_side("Part", parts, PART, default=RESULTS, label_visibility="collapsed")
+    st.session_state.setdefault(PART, SESSION if CONDUCT in st.query_params else RESULTS)
+    return choose_side_by_side("Part", [RESULTS, SESSION], PART, label_visibility="collapsed")
 
 
 def draw(result: Result) -> None:
@@ -108,6 +106,9 @@ def _conduct(study: Study) -> None:
         if st.button("Close, and start another", key="rating_close", type="tertiary"):
             links.close()
             st.rerun()
+        # not in what is drawn again every few seconds: a click would meet a button that is gone
+        store = links.store()
+        download_csv("Ratings (CSV)", lambda: store.ratings(study), "ratings.csv", "rating_export")
     _draw_progress(study)
 
 
@@ -138,4 +139,3 @@ def _draw_progress(study: Study) -> None:
         st.caption("Nobody has joined yet. This is looked up every five seconds.")
     if n_ratings:
         st.caption(f'Whether they agree is told under "{RESULTS}", with ratings from "{SESSION}".')
-        download_csv("Ratings (CSV)", lambda: store.ratings(study), "ratings.csv", "rating_export")
