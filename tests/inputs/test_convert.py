@@ -16,7 +16,6 @@ from nvcore.inputs.readers.base import (
     ReadOptions,
     SourceFile,
     reading_boxes,
-    recording_row,
     recordings_table,
 )
 from nvcore.inputs.readers.coco.results import read as read_coco_results
@@ -28,9 +27,9 @@ PLACE = ["recording", "frame", "x", "y", "w", "h"]
 def reading_of(names: list[str], sizes: dict[str, float], header: str, *boxes: tuple) -> Reading:
     """Boxes of these columns; the first recording has sizes."""
     columns = dict(zip(header.split(), map(list, zip(*boxes, strict=True)), strict=True))
-    first, *others = names
-    recordings = [recording_row(first, **sizes), *map(recording_row, others)]
-    return Reading(reading_boxes(len(boxes), **columns), recordings_table(recordings), "")
+    recordings = recordings_table(names)
+    recordings.loc[0, list(sizes)] = list(sizes.values())
+    return Reading(reading_boxes(len(boxes), **columns), recordings, "")
 
 
 def truth(**columns: object) -> Reading:
@@ -185,8 +184,7 @@ def test_truth_comes_back_from_mot(tmp_path):
 
 def test_several_recordings_become_mot_files_with_harmless_names(tmp_path):
     reading = truth(recording=["set06/V000", "../V000", "set06_V000"])
-    rows = [recording_row(name) for name in reading.boxes["recording"]]
-    reading = Reading(reading.boxes, recordings_table(rows), "")
+    reading = Reading(reading.boxes, recordings_table(reading.boxes["recording"]), "")
     paths = write(reading, "mot", tmp_path / "out", role="truth")
     names = ["set06_V000.txt", "_V000.txt", "set06_V000_2.txt"]
     assert paths == [tmp_path / "out" / name for name in names]

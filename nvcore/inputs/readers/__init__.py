@@ -14,7 +14,6 @@ from nvcore.inputs.readers.base import (
     Role,
     SourceFile,
     reading_boxes,
-    recording_row,
     recordings_table,
 )
 from nvcore.inputs.readers.caltech.boxes import FORMAT as BBGT
@@ -58,14 +57,13 @@ _HOLDS: Final[dict[Role, str]] = {
 def _read_nothing(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     """No box in any recording of the truth."""
     what = "empty file" if len(files) == 1 else "empty files"
-    rows = [recording_row(name) for name in options.recordings]
-    return Reading(reading_boxes(0), recordings_table(rows), f"{what}: no detections")
+    return Reading(reading_boxes(0), recordings_table(options.recordings), f"{what}: no detections")
 
 
 NOTHING: Final = Format(
-    name="empty",
-    title="empty",
-    roles=("detections",),
+    "empty",
+    "empty",
+    ("detections",),
     suffixes=(),
     recognise=lambda _name, _head, _role: False,
     read=_read_nothing,
@@ -155,6 +153,7 @@ def _unknown(file: SourceFile, content: bytes, head: str, role: Role) -> str:
 
 
 def _head(file: SourceFile) -> bytes:
+    """The first `HEAD_BYTES` of a file."""
     try:
         with file.path.open("rb") as stream:
             return stream.read(HEAD_BYTES)

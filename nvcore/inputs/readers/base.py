@@ -5,15 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Literal
+from typing import Final, Literal
 
 import numpy as np
 import pandas as pd
 
+from nvcore.errors import FormatError
 from nvcore.findings import Finding, Severity
 from nvcore.schema import READING_DTYPES, conform
 
 Role = Literal["truth", "detections"]
+BOTH_ROLES: Final[tuple[Role, ...]] = ("truth", "detections")
 
 
 @dataclass(frozen=True)
@@ -32,6 +34,65 @@ class SourceFile:
 
     path: Path
     name: str
+
+    def fault(self, message: str, line: int | None = None) -> FormatError:
+        """The error that refuses the content, as a whole or at a 1-based line; to be raised."""
+        return FormatError(message, file=self.name, line=None if line is None else int(line))
+
+
+@dataclass(frozen=True)
+class Lines:
+    """Where the rows of a reading stand.
+
+    Attributes
+    ----------
+    files
+        The files of the reading.
+    file, line
+        Index of the file and 1-based line of each row, int64, shape (n,).
+    """
+
+    files: Sequence[SourceFile]
+    file: np.ndarray
+    line: np.ndarray
+
+    @classmethod
+    def of(cls, file: SourceFile, line: np.ndarray) -> Lines:
+        """Rows of a single file."""
+        return cls((file,), np.zeros(len(line), dtype=np.int64), line)
+
+    def __len__(self) -> int:
+        return len(self.line)
+
+    def __getitem__(self, rows: np.ndarray) -> Lines:
+        return Lines(self.files, self.file[rows], self.line[rows])
+
+    def fault(self, row: int | np.intp, message: str) -> FormatError:
+        """The error that refuses a row; to be raised."""
+        file: SourceFile = self.files[self.file[row]]
+        return file.fault(message, self.line[row])
+
+    def finding(
+        self,
+        is_odd: np.ndarray,
+        code: str,
+        message: str,
+        advice: str,
+        *,
+        role: Role,
+        example: Callable[[int], str] | None = None,
+        severity: Severity = Severity.WARNING,
+    ) -> list[Finding]:
+        """`rows_finding`, with the line and, where given, the row as an example ("class 99")."""
+
+        def place(row: int) -> tuple[str, str]:
+            where = f"line {self.line[row]}"
+            text = where if example is None else f"{where}: {example(row)}"
+            return self.files[self.file[row]].name, text
+
+        return rows_finding(
+            is_odd, code, message, advice, role=role, place=place, severity=severity
+        )
 
 
 @dataclass(frozen=True)
@@ -182,12 +243,45 @@ def joined_findings(findings: Iterable[Finding]) -> tuple[Finding, ...]:
     return tuple(joined)
 
 
+def warning(
+    code: str, count: int, message: str, advice: str, *, role: Role, file: str, example: str
+) -> Finding:
+    """A warning about what files of this role hold; see `Finding`."""
+    return Finding(Severity.WARNING, code, role, count, message, advice, file=file, example=example)
+
+
 def reading_boxes(n_rows: int, **columns: object) -> pd.DataFrame:
     """Boxes table of a reading from the columns that the format has; the rest is unknown."""
     return conform(columns, READING_DTYPES, n_rows=n_rows)
 
 
-def object_array(texts: Sequence[str]) -> np.ndarray:
+def boxes_at(
+    lines: Lines, box: Iterable[object], *, keep: np.ndarray | None = None, **columns: object
+) -> pd.DataFrame:
+    """`reading_boxes` of rows of files.
+
+    Parameters
+    ----------
+    lines
+        Where the rows stand.
+    box
+        x, y, w, h, each of shape (n,), px.
+    keep
+        Rows that stay, bool, shape (n,); None: all.
+    **columns
+        What else is known; file and line are those of `lines`, unless given.
+    """
+    columns = {"file": lines.file, "line": lines.line} | columns
+    boxes = reading_boxes(len(lines), **dict(zip("xywh", box, strict=True)), **columns)
+    return boxes if keep is None else kept(boxes, keep)
+
+
+def kept(boxes: pd.DataFrame, keep: np.ndarray) -> pd.DataFrame:
+    """The boxes that stay, numbered anew; no copy where all do."""
+    return boxes if keep.all() else boxes[keep].reset_index(drop=True)
+
+
+def object_array(texts: Iterable[str]) -> np.ndarray:
     """Texts as an array of object, shape (n,); numpy would make a wide array of text of them."""
     return np.array([*texts, None], dtype=object)[:-1]
 
@@ -198,6 +292,13 @@ def annotated_frames(recording: object, frame: np.ndarray) -> pd.DataFrame:
     return pairs.drop_duplicates(ignore_index=True)
 
 
+def image_list(recordings: Sequence[str], frames: Sequence[np.ndarray]) -> pd.DataFrame:
+    """`Reading.images` of recordings with these frames, which are the ids of their images."""
+    frame = np.concatenate(frames)
+    recording = np.repeat(object_array(recordings), [len(listed) for listed in frames])
+    return pd.DataFrame({"recording": recording, "frame": frame, "image_id": frame})
+
+
 def concat_boxes(tables: Sequence[pd.DataFrame]) -> pd.DataFrame:
     """Boxes of several files in one table; no file gives an empty table with all columns."""
     if not tables:
@@ -205,15 +306,29 @@ def concat_boxes(tables: Sequence[pd.DataFrame]) -> pd.DataFrame:
     return pd.concat(tables, ignore_index=True) if len(tables) > 1 else tables[0]
 
 
-def recording_row(
-    name: str, *, width: float = np.nan, height: float = np.nan, fps: float = np.nan
-) -> dict[str, object]:
-    """One row of `Reading.recordings`."""
-    return {"name": name, "width": width, "height": height, "fps": fps}
+def recordings_table(
+    names: Iterable[str],
+    *,
+    width: object = np.nan,
+    height: object = np.nan,
+    fps: object = np.nan,
+) -> pd.DataFrame:
+    """The recordings of a reading; doubles by name are dropped.
 
-
-def recordings_table(rows: Sequence[dict[str, object]]) -> pd.DataFrame:
-    """The recordings of a reading from `recording_row`s; doubles by name are dropped."""
-    table = pd.DataFrame(rows, columns=["name", "width", "height", "fps"])
+    Parameters
+    ----------
+    names
+        Names of the recordings.
+    width, height, fps
+        Of all, or of each; NaN where unknown.
+    """
+    table = pd.DataFrame(
+        {"name": object_array(names), "width": width, "height": height, "fps": fps}
+    )
     table = table.astype({"name": object, "width": float, "height": float, "fps": float})
     return table.drop_duplicates("name", ignore_index=True)
+
+
+def conversion_text(facts: Iterable[str]) -> str:
+    """`Reading.conversion` from its parts, each named once; empty ones are passed over."""
+    return "; ".join(dict.fromkeys(fact for fact in facts if fact))

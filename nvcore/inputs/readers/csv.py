@@ -5,25 +5,29 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from nvcore.errors import FormatError
-from nvcore.findings import Finding, Severity
+from nvcore.findings import Finding
 from nvcore.inputs.readers.base import (
+    BOTH_ROLES,
     Format,
+    Lines,
     Reading,
     ReadOptions,
     Role,
     SourceFile,
     annotated_frames,
+    boxes_at,
     concat_boxes,
-    reading_boxes,
-    recording_row,
+    conversion_text,
+    kept,
     recordings_table,
+    warning,
 )
-from nvcore.inputs.readers.coco.images import place_of_picture
+from nvcore.inputs.readers.coco.images import places_of_pictures
 from nvcore.inputs.readers.csv_columns import Header, csv_content, read_columns, read_header
 from nvcore.inputs.readers.meaning.categories import CategoryChoice, choose_categories, is_lookalike
 from nvcore.inputs.readers.meaning.names import recordings_of
@@ -72,9 +76,9 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     for file in files:
         content = csv_content(file, role=options.role)
         header = read_header(content.split(b"\n", 1)[0].decode())
-        lack = lacking_columns(header)
+        lack = missing_columns(header)
         if lack is not None:
-            raise FormatError(f"expected a header line with {lack}", file=file.name, line=1)
+            raise file.fault(f"expected a header line with {lack}", 1)
         tables.append(NamedColumns(file, header, partial(read_columns, file, header, content)))
     return read_named_columns(tables, options)
 
@@ -95,18 +99,16 @@ def read_named_columns(inputs: Sequence[NamedColumns], options: ReadOptions) -> 
     ]
     names, facts = recordings_of([files[number].name for number in whole], options.recordings)
     recording_of_file = dict(zip(whole, names, strict=True))
-    tables, kinds, rows = [], [], []
+    tables, kinds = [], []
     findings: list[Finding] = []
     facts = ["pixels as they are (0-based)", *facts]
     for number, each in enumerate(inputs):
         own = recording_of_file.get(number)
         boxes, kind, what, oddities = _read_one(each, number, own, options)
         findings += oddities
-        if options.role == "truth" and "score" in each.header.place:
-            findings.append(_truth_with_scores(each.file, len(boxes)))
         tables.append(boxes)
         kinds.append(kind)
-        facts += [fact for fact in what if fact not in facts]
+        facts += what
     annotated = None
     choice = _classes(kinds, files, options)
     if choice is not None:
@@ -117,32 +119,20 @@ def read_named_columns(inputs: Sequence[NamedColumns], options: ReadOptions) -> 
             boxes if kind is None else _sorted_by_class(boxes, kind, choice, options.role)
             for boxes, kind in zip(tables, kinds, strict=True)
         ]
+    recordings: list[str] = []
     for number, boxes in enumerate(tables):
         own = recording_of_file.get(number)
-        rows += [recording_row(name) for name in ([own] if own else boxes["recording"].unique())]
+        recordings += [own] if own else boxes["recording"].unique().tolist()
     return Reading(
         boxes=concat_boxes(tables),
-        recordings=recordings_table(rows),
-        conversion="; ".join(facts),
+        recordings=recordings_table(recordings),
+        conversion=conversion_text(facts),
         annotated=annotated,
         findings=tuple(findings),
     )
 
 
-def _truth_with_scores(file: SourceFile, n_rows: int) -> Finding:
-    return Finding(
-        severity=Severity.WARNING,
-        code="truth-with-scores",
-        subject="truth",
-        count=n_rows,
-        message="The ground truth has a score column, which is left unused.",
-        advice="Check that the truth and a system's detections are not swapped.",
-        file=file.name,
-        example="line 1",
-    )
-
-
-def lacking_columns(header: Header) -> str | None:
+def missing_columns(header: Header) -> str | None:
     """Which columns are expected, found and missing, in words; None if none is missing."""
     if header.has_frame and header.has_box:
         return None
@@ -158,23 +148,37 @@ def _read_one(
     source: NamedColumns, number: int, own: str | None, options: ReadOptions
 ) -> tuple[pd.DataFrame, pd.Series | None, list[str], list[Finding]]:
     """All boxes of a file, the class of each, the conversion in words, and what is odd."""
-    file, header = source.file, source.header
+    header = source.header
     wanted = _wanted(header, options.role)
     columns, line, has_decimal_comma = source.parse(wanted)
-    unused = [n for i, n in enumerate(header.names) if n and i not in _places(header, wanted)]
+    lines = Lines.of(source.file, line)
+    used = {header.place[name] for name in wanted}
+    unused = [name for i, name in enumerate(header.names) if name and i not in used]
     facts = [f"columns left unused: {', '.join(unused)}"] if unused else []
     facts += ["decimal commas"] if has_decimal_comma else []
     if "frame" in columns:
-        frame, what = _frames(columns["frame"].to_numpy(), file, line, options.frame_base)
-        recording = _named(columns["recording"], file, line) if own is None else own
+        frame, what = _frames(columns["frame"].to_numpy(), lines, options.frame_base)
+        recording = _named(columns["recording"], lines) if own is None else own
     else:
-        recording, frame = _places_of_pictures(columns["picture"], file, line, options)
+        recording, frame = places_of_pictures(
+            columns["picture"],
+            options.recordings,
+            lambda row, name: lines.fault(
+                row,
+                "expected a frame number at the end of the picture's name, found "
+                f"{name!r}; add a column frame",
+            ),
+        )
         what = "recordings and frame numbers from the pictures' names"
         if "recording" in columns:
-            recording = _named(columns["recording"], file, line)
+            recording = _named(columns["recording"], lines)
     facts.append(what)
     x, y = columns["x"].to_numpy(), columns["y"].to_numpy()
-    values: dict[str, object] = {}
+    values: dict[str, Any] = {
+        name: columns[name].to_numpy()
+        for name in ("score", "distance_m", "ignore")
+        if name in columns
+    }
     findings: list[Finding] = []
     if "right" in columns:
         with np.errstate(invalid="ignore"):  # infinite corners: reported as rows that are no box
@@ -189,24 +193,20 @@ def _read_one(
     if "occlusion" in columns:
         level = columns["occlusion"].to_numpy()
         values["occlusion"] = levels_of_numbers(level)
-        findings = odd_levels(level, file, line, options.role)
-    ignore = columns["ignore"].to_numpy() if "ignore" in columns else np.zeros(len(line), bool)
-    for name in ("score", "distance_m"):
-        if name in columns:
-            values[name] = columns[name].to_numpy()
-    boxes = reading_boxes(
-        len(line),
-        recording=recording,
-        frame=frame,
-        x=x,
-        y=y,
-        w=w,
-        h=h,
-        ignore=ignore,
-        file=number,
-        line=line,
-        **values,
-    )
+        findings = odd_levels(level, lines, options.role)
+    if options.role == "truth" and "score" in header.place:
+        findings.append(
+            warning(
+                "truth-with-scores",
+                len(lines),
+                "The ground truth has a score column, which is left unused.",
+                "Check that the truth and a system's detections are not swapped.",
+                role="truth",
+                file=source.file.name,
+                example="line 1",
+            )
+        )
+    boxes = boxes_at(lines, (x, y, w, h), recording=recording, frame=frame, file=number, **values)
     return boxes, columns.get("class"), facts, findings
 
 
@@ -233,7 +233,7 @@ def _sorted_by_class(
         boxes = boxes.assign(ignore=boxes["ignore"].to_numpy() | is_neutral)
     else:
         keep &= ~is_neutral
-    return boxes if keep.all() else boxes[keep].reset_index(drop=True)
+    return kept(boxes, keep)
 
 
 def _wanted(header: Header, role: Role) -> list[str]:
@@ -246,65 +246,30 @@ def _wanted(header: Header, role: Role) -> list[str]:
     return [name for name in header.place if name not in left_aside]
 
 
-def _named(recording: pd.Series, file: SourceFile, line: np.ndarray) -> np.ndarray:
+def _named(recording: pd.Series, lines: Lines) -> np.ndarray:
+    """The recording of each row; an empty field is an error."""
     is_empty = recording.eq("").to_numpy()
     if is_empty.any():
-        raise FormatError(
-            "expected the name of a recording, found an empty field",
-            file=file.name,
-            line=int(line[int(np.argmax(is_empty))]),
-        )
+        message = "expected the name of a recording, found an empty field"
+        raise lines.fault(np.argmax(is_empty), message)
     return recording.to_numpy()
 
 
-def _places(header: Header, wanted: Sequence[str]) -> set[int]:
-    return {header.place[name] for name in wanted}
-
-
-def _frames(
-    values: np.ndarray, file: SourceFile, line: np.ndarray, base: int | None
-) -> tuple[np.ndarray, str]:
+def _frames(values: np.ndarray, lines: Lines, base: int | None) -> tuple[np.ndarray, str]:
     """Frame numbers, and in words what was done to them."""
-    frame = whole_numbers(values, file, line, "frame")
+    frame = whole_numbers(values, lines, "frame")
     if base is None:
         return frame, "frame numbers as they are"
     if len(frame) and frame.min() < base:
         first = int(np.argmax(frame < base))
-        raise FormatError(
+        raise lines.fault(
+            first,
             f"expected frame numbers from {base} on, as declared by the frame base; found "
             f"{frame[first]}",
-            file=file.name,
-            line=int(line[first]),
         )
     return frame - base, f"frame numbers from {base}-based to 0-based" if base else (
         "frame numbers as they are (0-based)"
     )
 
 
-def _places_of_pictures(
-    pictures: pd.Series, file: SourceFile, line: np.ndarray, options: ReadOptions
-) -> tuple[np.ndarray, np.ndarray]:
-    """Recording and frame of each row from the name of its picture."""
-    codes, names = pd.factorize(pictures)
-    places = [place_of_picture(str(name), options.recordings) for name in names]  # text: each once
-    if None in places:
-        wrong = places.index(None)
-        raise FormatError(
-            f"expected a frame number at the end of the picture's name, found {names[wrong]!r}; "
-            "add a column frame",
-            file=file.name,
-            line=int(line[int(np.argmax(codes == wrong))]),
-        )
-    recording = np.array([place[0] for place in places if place], dtype=object)
-    frame = np.array([place[1] for place in places if place], dtype=np.int64)
-    return recording[codes], frame[codes]
-
-
-FORMAT = Format(
-    name="csv",
-    title="plain CSV",
-    roles=("truth", "detections"),
-    suffixes=(".csv", ".tsv", ".txt"),
-    recognise=recognise,
-    read=read,
-)
+FORMAT = Format("csv", "plain CSV", BOTH_ROLES, (".csv", ".tsv", ".txt"), recognise, read)

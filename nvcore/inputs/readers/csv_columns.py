@@ -154,6 +154,7 @@ def read_columns(
 
 
 def _kind(name: str) -> pa.DataType:
+    """Type that the values of a column are read as."""
     if name in (*NUMBERS, "track"):
         return pa.float64()
     return pa.bool_() if name == "ignore" else _TEXT
@@ -193,6 +194,7 @@ def _parse(
 
 
 def _column(column: pa.ChunkedArray) -> pd.Series:
+    """A column as pandas holds it: missing flags are not set, missing numbers are NaN."""
     if pa.types.is_boolean(column.type):
         return pd.Series(pc.fill_null(column, False).to_numpy())
     if pa.types.is_floating(column.type):
@@ -230,13 +232,12 @@ def _first_fault(
                 continue
             fault = _fault(row, header, wanted, what)
             if fault is not None:
-                return FormatError(fault, file=file.name, line=rows.line_num)
+                return file.fault(fault, rows.line_num)
     except csv.Error as error:
-        return FormatError(f"expected CSV: {error}", file=file.name, line=rows.line_num)
-    return FormatError(
+        return file.fault(f"expected CSV: {error}", rows.line_num)
+    return file.fault(
         f"expected CSV with the columns {what}, found lines that cannot be told apart; is there a "
-        "quotation mark too many?",
-        file=file.name,
+        "quotation mark too many?"
     )
 
 
@@ -273,9 +274,8 @@ def csv_content(file: SourceFile, *, role: Role) -> bytes:
     if not text.strip():
         if role == "detections":
             return b"frame,x,y,w,h\n"
-        raise FormatError(
+        raise file.fault(
             "the file is empty; expected a header line such as frame,x,y,w,h,track (the ground "
-            "truth of a recording without pedestrians has the header only)",
-            file=file.name,
+            "truth of a recording without pedestrians has the header only)"
         )
     return text.encode()

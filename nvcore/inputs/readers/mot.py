@@ -10,33 +10,26 @@ import pandas as pd
 from nvcore.errors import InputError
 from nvcore.findings import Finding
 from nvcore.inputs.readers.base import (
+    BOTH_ROLES,
     Format,
     Reading,
     ReadOptions,
     Role,
     SourceFile,
     annotated_frames,
+    boxes_at,
     concat_boxes,
-    reading_boxes,
-    recording_row,
+    conversion_text,
+    image_list,
     recordings_table,
-    rows_finding,
 )
 from nvcore.inputs.readers.meaning.names import recordings_of
 from nvcore.inputs.readers.meaning.occlusion import levels_of_visible_share
 from nvcore.inputs.readers.meaning.seqinfo import sequence_info
-from nvcore.inputs.readers.parse.text import (
-    NumberTable,
-    are_numbers,
-    is_whole,
-    read_numbers,
-    rows_of_text,
-    whole_numbers,
-)
+from nvcore.inputs.readers.parse.text import Layout, NumberTable, read_numbers, whole_numbers
 from nvcore.schema import NO_TRACK
 
-N_COLUMNS = (7, 8, 9, 10)
-WHAT = "frame,id,left,top,width,height,conf,..."
+LAYOUT = Layout((7, 8, 9, 10), "frame,id,left,top,width,height,conf,...", whole=(0, 1))
 CLASSES = {
     1: "pedestrian",
     2: "person_on_vehicle",
@@ -59,11 +52,7 @@ DISTRACTORS = frozenset({2, 7, 8, 12, 13})
 def recognise(name: str, head: str, role: Role) -> bool:
     """Whether the text has 7 to 10 comma-separated numbers a line, whole frame and id."""
     del name, role
-    rows = rows_of_text(head)[:20]
-    return bool(rows) and all(
-        len(row) in N_COLUMNS and is_whole(row[0]) and is_whole(row[1]) and are_numbers(row)
-        for row in rows
-    )
+    return LAYOUT.fits(head)
 
 
 def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
@@ -86,29 +75,30 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         options.recordings,
         stated=[info.name for info in infos],
     )
-    rows = [
-        recording_row(name, width=info.width, height=info.height, fps=info.fps)
-        for name, info in zip(names, infos, strict=True)
-    ]
     tables: list[pd.DataFrame] = []
     annotated: list[pd.DataFrame] = []
     findings: list[Finding] = []
     facts = ["pixels from 1-based to 0-based", "frame numbers kept (1-based)"]
     for number, (file, name) in enumerate(zip(files, names, strict=True)):
-        boxes, keep, what, problems = _read_one(file, number, name, options)
+        boxes, every_frame, what, problems = _read_one(file, number, name, options)
         if options.role == "truth":
-            annotated.append(annotated_frames(name, boxes["frame"].to_numpy()))
-        tables.append(boxes if keep.all() else boxes[keep].reset_index(drop=True))
-        facts += [fact for fact in what if fact not in facts]
+            annotated.append(annotated_frames(name, every_frame))
+        tables.append(boxes)
+        facts += what
         findings += problems
     images = None
     if options.role == "truth" and all(info.n_frames is not None for info in infos):
-        images = _listed_frames(names, [info.n_frames or 0 for info in infos])
+        images = image_list(names, [np.arange(1, (info.n_frames or 0) + 1) for info in infos])
         facts.append("evaluated frames 1..seqLength from seqinfo.ini")
     return Reading(
         boxes=concat_boxes(tables),
-        recordings=recordings_table(rows),
-        conversion="; ".join([*facts, *assumed]),
+        recordings=recordings_table(
+            names,
+            width=[info.width for info in infos],
+            height=[info.height for info in infos],
+            fps=[info.fps for info in infos],
+        ),
+        conversion=conversion_text([*facts, *assumed]),
         images=images,
         annotated=pd.concat(annotated, ignore_index=True) if annotated else None,
         findings=tuple(findings),
@@ -118,41 +108,62 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
 def _read_one(
     file: SourceFile, number: int, name: str, options: ReadOptions
 ) -> tuple[pd.DataFrame, np.ndarray, list[str], list[Finding]]:
-    """All boxes of a file, which of them stay, the conversion in words, and what is odd."""
-    table = read_numbers(file, n_columns=N_COLUMNS, what=WHAT)
-    frame, track, left, top, width, height, conf, kind, visibility, last = table.columns
-    frame = whole_numbers(frame, file, table.line, "frame")
-    track = whole_numbers(track, file, table.line, "id")
-    findings = _frame_zero(frame, file, table, options)
-    keep = np.ones(len(table), dtype=bool)
-    columns: dict[str, object] = {
-        "recording": name,
-        "frame": frame,
-        "x": left - 1,
-        "y": top - 1,
-        "w": width,
-        "h": height,
-        "track": np.where(track < 0, NO_TRACK, track),
-        "file": number,
-        "line": table.line,
-    }
-    if options.role == "detections":
-        has_scores = bool(len(table)) and not np.all((conf == -1) | np.isnan(conf))
-        columns["score"] = conf if has_scores else np.nan
-        no_scores = ["score column is -1 throughout: no scores"]
-        return (
-            reading_boxes(len(table), **columns),
-            keep,
-            no_scores if len(table) and not has_scores else [],
-            findings,
-        )
+    """Boxes of a file, the frames of all its rows, the conversion in words, and what is odd."""
+    table = read_numbers(file, LAYOUT)
+    frame, track, left, top, width, height, conf = table.columns[:7]
+    frame = whole_numbers(frame, table.lines, "frame")
+    track = whole_numbers(track, table.lines, "id")
+    findings = table.lines.finding(
+        frame < 1,
+        "frame-before-first",
+        "Rows stand before frame 1, with which MOTChallenge recordings begin.",
+        "The file may count frames from 0: add 1 to its frame numbers.",
+        role=options.role,
+        example=lambda row: f"frame {frame[row]}",
+    )
+    keep = None
+    facts: list[str] = []
+    columns: dict[str, object] = {}
+    if options.role == "truth":
+        keep, columns, facts, problems = _truth_columns(table, name, options)
+        findings += problems
+    elif np.all((conf == -1) | np.isnan(conf)):
+        facts = ["score column is -1 throughout: no scores"] if len(table) else []
+    else:
+        columns = {"score": conf}
+    boxes = boxes_at(
+        table.lines,
+        (left - 1, top - 1, width, height),
+        keep=keep,
+        recording=name,
+        frame=frame,
+        track=np.where(track < 0, NO_TRACK, track),
+        file=number,
+        **columns,
+    )
+    return boxes, frame, facts, findings
+
+
+def _truth_columns(
+    table: NumberTable, name: str, options: ReadOptions
+) -> tuple[np.ndarray, dict[str, object], list[str], list[Finding]]:
+    """What rows of truth stay, their further columns, the conversion in words, what is odd."""
+    conf, kind, visibility, last = table.columns[6:]
+    findings = table.lines.finding(
+        (conf != np.floor(conf)) | (conf > 1),
+        "truth-with-scores",
+        "Rows of the ground truth have a number in column 7 other than 0 (ignore) and 1.",
+        "It looks like scores: check that the truth and a system's detections are not swapped.",
+        role="truth",
+        example=lambda row: f"{conf[row]:g}",
+    )
+    keep, ignore = np.ones(len(table), dtype=bool), conf == 0
+    columns: dict[str, object] = {}
     facts = ["conf 0 = ignore"]
-    findings += _scores(conf, file, table)
-    ignore = conf == 0
     # MOT16 and later have 8 or 9 columns with a class; MOT15 has 10, of which 8 to 10 are x, y, z
     if np.isnan(last).all() and np.any(kind > 0):
-        classes = whole_numbers(kind, file, table.line, "class")
-        wanted = _class_numbers(options.classes, file)
+        classes = whole_numbers(kind, table.lines, "class")
+        wanted = _class_numbers(options.classes, table.lines.files[0])
         # the benchmark's rule: class 6 became a distractor with MOT20
         distractors = DISTRACTORS | ({6} if name.upper().startswith("MOT20") else set())
         neutral = sorted(distractors - set(wanted))
@@ -165,14 +176,21 @@ def _read_one(
             f"classes: {', '.join(CLASSES[k] for k in wanted)} counted; "
             f"{', '.join(CLASSES[k] for k in neutral)} ignored; others left out"
         )
-        findings += _unknown_classes(classes, file, table)
+        findings += table.lines.finding(
+            ~np.isin(classes, list(CLASSES)),
+            "unknown-class",
+            "Rows of a class that MOTChallenge does not have (it has 1 to 13) were left out.",
+            "Number the classes as MOTChallenge does; 1 is pedestrian.",
+            role="truth",
+            example=lambda row: f"class {classes[row]}",
+        )
     elif options.classes is not None and len(table):
         facts.append("no class column: all rows counted")
-    columns["ignore"] = ignore
-    return reading_boxes(len(table), **columns), keep, facts, findings
+    return keep, columns | {"ignore": ignore}, facts, findings
 
 
 def _class_numbers(classes: tuple[str, ...] | None, file: SourceFile) -> list[int]:
+    """Numbers of the classes that count."""
     if classes is None:
         return [1]
     by_name = {v: k for k, v in CLASSES.items()}
@@ -188,58 +206,4 @@ def _class_numbers(classes: tuple[str, ...] | None, file: SourceFile) -> list[in
     return numbers
 
 
-def _unknown_classes(classes: np.ndarray, file: SourceFile, table: NumberTable) -> list[Finding]:
-    return rows_finding(
-        ~np.isin(classes, list(CLASSES)),
-        "unknown-class",
-        "Rows of a class that MOTChallenge does not have (it has 1 to 13) were left out.",
-        "Number the classes as MOTChallenge does; 1 is pedestrian.",
-        role="truth",
-        place=lambda row: (file.name, f"line {table.line[row]}: class {classes[row]}"),
-    )
-
-
-def _scores(conf: np.ndarray, file: SourceFile, table: NumberTable) -> list[Finding]:
-    return rows_finding(
-        (conf != np.floor(conf)) | (conf > 1),
-        "truth-with-scores",
-        "Rows of the ground truth have a number in column 7 other than 0 (ignore) and 1.",
-        "It looks like scores: check that the truth and a system's detections are not swapped.",
-        role="truth",
-        place=lambda row: (file.name, f"line {table.line[row]}: {conf[row]:g}"),
-    )
-
-
-def _frame_zero(
-    frame: np.ndarray, file: SourceFile, table: NumberTable, options: ReadOptions
-) -> list[Finding]:
-    return rows_finding(
-        frame < 1,
-        "frame-before-first",
-        "Rows stand before frame 1, with which MOTChallenge recordings begin.",
-        "The file may count frames from 0: add 1 to its frame numbers.",
-        role=options.role,
-        place=lambda row: (file.name, f"line {table.line[row]}: frame {frame[row]}"),
-    )
-
-
-def _listed_frames(names: Sequence[str], lengths: Sequence[int]) -> pd.DataFrame:
-    """Frames 1..seqLength of every recording."""
-    frames = np.concatenate([np.arange(1, length + 1) for length in lengths])
-    return pd.DataFrame(
-        {
-            "recording": np.repeat(np.array(names, dtype=object), lengths),
-            "frame": frames,
-            "image_id": frames,
-        }
-    )
-
-
-FORMAT = Format(
-    name="mot",
-    title="MOTChallenge",
-    roles=("truth", "detections"),
-    suffixes=(".txt", ".csv"),
-    recognise=recognise,
-    read=read,
-)
+FORMAT = Format("mot", "MOTChallenge", BOTH_ROLES, (".txt", ".csv"), recognise, read)

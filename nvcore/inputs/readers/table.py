@@ -14,16 +14,9 @@ import pandas as pd
 
 from nvcore.errors import FormatError
 from nvcore.findings import Finding
-from nvcore.inputs.readers.base import Format, Reading, ReadOptions, SourceFile
-from nvcore.inputs.readers.csv import NamedColumns, lacking_columns, read_named_columns
-from nvcore.inputs.readers.csv_columns import (
-    FALSE,
-    MISSING,
-    NUMBERS,
-    TRUE,
-    Header,
-    header_of,
-)
+from nvcore.inputs.readers.base import BOTH_ROLES, Format, Reading, ReadOptions, SourceFile
+from nvcore.inputs.readers.csv import NamedColumns, missing_columns, read_named_columns
+from nvcore.inputs.readers.csv_columns import FALSE, MISSING, NUMBERS, TRUE, Header, header_of
 from nvcore.inputs.readers.parse.text import MAX_INTEGER
 from nvcore.schema import TABLE_ENDING
 from nvcore.wording import shortened
@@ -55,16 +48,15 @@ def read_table(table: pd.DataFrame, file: SourceFile, options: ReadOptions) -> R
     header = header_of([str(name).strip() for name in table.columns])
     if "recording" not in header.place and "frame" in header.place:
         if len(options.recordings) > 1:
-            raise FormatError(
+            raise file.fault(
                 "expected a column recording, as the ground truth has "
-                f"{len(options.recordings)} recordings; found {', '.join(header.names)}",
-                file=file.name,
+                f"{len(options.recordings)} recordings; found {', '.join(header.names)}"
             )
         table = table.assign(recording=[*options.recordings, ONLY_RECORDING][0])
         header = header_of([*header.names, "recording"])
-    lack = lacking_columns(header)
+    lack = missing_columns(header)
     if lack is not None:
-        raise FormatError(f"expected {lack}", file=file.name)
+        raise file.fault(f"expected {lack}")
     columns = NamedColumns(file, header, partial(_parse, table, file, header))
     try:
         reading = read_named_columns([columns], options)
@@ -77,6 +69,7 @@ def read_table(table: pd.DataFrame, file: SourceFile, options: ReadOptions) -> R
 
 
 def _with_row(finding: Finding) -> Finding:
+    """The finding with the row, counted from 0, where its example has a line."""
     example = re.sub(r"^line (\d+)", lambda line: f"row {int(line[1]) - 1}", finding.example)
     return replace(finding, example=example)
 
@@ -101,6 +94,7 @@ def _parse(
 
 
 def _texts(column: pd.Series) -> pd.Series:
+    """The column as text, empty where missing."""
     return column.astype(object).where(column.notna(), "").map(str).str.strip().astype(object)
 
 
@@ -136,17 +130,18 @@ def _whole(column: pd.Series) -> pd.Series | None:
 
 def _fault(expected: str, column: pd.Series, row: int, file: SourceFile) -> FormatError:
     value = repr(shortened(str(column.iloc[row]), 60))
-    return FormatError(f"expected {expected}, found {value}", file=file.name, line=row + 1)
+    return file.fault(f"expected {expected}, found {value}", row + 1)
 
 
 def _no_files(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
+    """Stands for a reader of files, of which there are none."""
     raise AssertionError(f"a table is read by read_table: {files}, {options}")
 
 
 FORMAT: Final = Format(
-    name="table",
-    title="table in memory",
-    roles=("truth", "detections"),
+    "table",
+    "table in memory",
+    BOTH_ROLES,
     suffixes=(),
     recognise=lambda _name, _head, _role: False,
     read=_no_files,

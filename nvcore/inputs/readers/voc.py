@@ -8,26 +8,26 @@ from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
-import pandas as pd
 
-from nvcore.errors import FormatError
-from nvcore.findings import Finding, Severity
+from nvcore.findings import Finding
 from nvcore.inputs.readers.base import (
+    BOTH_ROLES,
     Format,
+    Lines,
     Reading,
     ReadOptions,
     Role,
     SourceFile,
+    boxes_at,
+    conversion_text,
     object_array,
-    reading_boxes,
-    recording_row,
-    recordings_table,
-    rows_finding,
+    warning,
 )
 from nvcore.inputs.readers.meaning.categories import concerns_pedestrians, free_labels
 from nvcore.inputs.readers.meaning.classes import choose_classes, name_left_out
 from nvcore.inputs.readers.meaning.names import listed_frames
 from nvcore.inputs.readers.meaning.occlusion import levels_of_numbers
+from nvcore.inputs.readers.meaning.sizes import recordings_with_sizes
 from nvcore.inputs.readers.parse.xml import Element, is_true, number, read_elements, root_of
 
 CORNERS: Final = ("xmin", "ymin", "xmax", "ymax")
@@ -73,58 +73,59 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         _read_one(file, position, objects)
     table = np.frombuffer(objects.numbers, dtype=np.float64).reshape(-1, len(_COLUMNS))
     column = {name: table[:, i] for i, name in enumerate(_COLUMNS)}
-    index, line = column["file"].astype(np.int64), column["line"].astype(np.int64)
+    lines = Lines(files, column["file"].astype(np.int64), column["line"].astype(np.int64))
     label = object_array(objects.label)
     declared = {shape[0] for shape in objects.shapes}
-    choice = choose_classes(
-        label,
-        free_labels({*label, *declared}, options),
-        options,
-        files=files,
-        file=index,
-        line=line,
-    )
+    choice = choose_classes(label, free_labels({*label, *declared}, options), options, lines)
     base = 1 if options.box_base is None else options.box_base
     is_truth = options.role == "truth"
     x, y = column["xmin"] - base, column["ymin"] - base
     with np.errstate(invalid="ignore", over="ignore"):
         w, h = column["xmax"] - x, column["ymax"] - y
-    boxes = reading_boxes(
-        len(label),
-        recording=images["recording"].to_numpy()[index],
-        frame=images["frame"].to_numpy()[index],
-        x=x,
-        y=y,
-        w=w,
-        h=h,
+    boxes = boxes_at(
+        lines,
+        (x, y, w, h),
+        keep=choice.keep,
+        recording=images["recording"].to_numpy()[lines.file],
+        frame=images["frame"].to_numpy()[lines.file],
         score=column["score"],
         ignore=(choice.ignore | (column["difficult"] == 1)) & is_truth,
         occlusion=levels_of_numbers(column["occluded"]),
-        file=index,
-        line=line,
     )
-    others = name_left_out(label, choice.keep)
     facts = [
         "frame numbers from the file names",
         "inclusive corners to width and height, pixels from 1-based to 0-based"
         if base
         else "corners taken as edges, pixels 0-based (box base 0)",
         choice.fact,
-        *([others] if others else []),
-        *(["difficult = ignore"] if is_truth else []),
+        name_left_out(label, choice.keep),
+        "difficult = ignore" if is_truth else "",
         "occluded = partial occlusion, truncated not used",
     ]
-    recordings, odd_sizes = _recordings(images, objects.sizes, files, options)
+    width, height = np.array(objects.sizes, dtype=float).reshape(-1, 2).T
+    recordings, odd_sizes = recordings_with_sizes(
+        images.assign(width=width, height=height),
+        options.role,
+        lambda picture: (files[picture].name, ""),
+    )
+    # what a file that counts pixels from 1 cannot have
+    is_before_first = choice.keep & ((x == -base) | (y == -base)) & (base != 0)
     findings = [
         *_shapes(objects, files, options),
-        *_wrong_base(x, y, choice.keep, base, files, index, line, options),
+        *lines.finding(
+            is_before_first,
+            "box-base",
+            "Boxes have xmin or ymin 0, but Pascal VOC counts pixels from 1.",
+            "The files seem to count from 0: say so with --box-base 0.",
+            role=options.role,
+        ),
         *odd_sizes,
         *choice.findings,
     ]
     return Reading(
-        boxes=boxes[choice.keep].reset_index(drop=True),
+        boxes=boxes,
         recordings=recordings,
-        conversion="; ".join(facts),
+        conversion=conversion_text(facts),
         images=images.sort_values("image_id", ignore_index=True),
         findings=tuple(findings),
     )
@@ -151,8 +152,9 @@ def _read_one(file: SourceFile, index: int, objects: _Objects) -> None:
 def _add_object(
     element: Element, facts: dict[str, Element], file: SourceFile, index: int, objects: _Objects
 ) -> None:
+    """Append an object by the elements in it, or its label where it has no box."""
     if "name" not in facts:
-        raise FormatError("expected <object> with a <name>", file=file.name, line=element.line)
+        raise file.fault("expected <object> with a <name>", element.line)
     label = facts["name"].text
     if "bndbox" not in facts:
         objects.shapes.append((label, index, element.line))
@@ -178,35 +180,6 @@ def _add_object(
     objects.label.append(label)
 
 
-def _recordings(
-    images: pd.DataFrame,
-    sizes: Sequence[tuple[float, float]],
-    files: Sequence[SourceFile],
-    options: ReadOptions,
-) -> tuple[pd.DataFrame, list[Finding]]:
-    """Recordings with the size of their first picture, and pictures of another size."""
-    table = images[["recording"]].assign(
-        width=np.array([size[0] for size in sizes]), height=np.array([size[1] for size in sizes])
-    )
-    by_recording = table.groupby("recording", sort=False)[["width", "height"]]
-    first = by_recording.transform("first")
-    differs = ((table[["width", "height"]] != first) & table[["width", "height"]].notna()).any(
-        axis=1
-    )
-    rows = [
-        recording_row(str(name), width=size["width"], height=size["height"])
-        for name, size in by_recording.first().iterrows()
-    ]
-    return recordings_table(rows), rows_finding(
-        differs.to_numpy(),
-        "picture-size",
-        "Pictures differ in size from the first of their recording, whose size is taken.",
-        "Give each size a recording of its own, or scale the boxes to one size.",
-        role=options.role,
-        place=lambda index: (files[index].name, f"{sizes[index][0]:g} x {sizes[index][1]:g}"),
-    )
-
-
 def _shapes(objects: _Objects, files: Sequence[SourceFile], options: ReadOptions) -> list[Finding]:
     """Pedestrians without a box."""
     shapes = [shape for shape in objects.shapes if concerns_pedestrians(shape[0], options)]
@@ -214,46 +187,16 @@ def _shapes(objects: _Objects, files: Sequence[SourceFile], options: ReadOptions
         return []
     label, index, line = shapes[0]
     return [
-        Finding(
-            severity=Severity.WARNING,
-            code="no-box",
-            subject=options.role,
-            count=len(shapes),
-            message="Pedestrians without <bndbox> are not boxes and were left out.",
-            advice="Annotate them as upright boxes.",
+        warning(
+            "no-box",
+            len(shapes),
+            "Pedestrians without <bndbox> are not boxes and were left out.",
+            "Annotate them as upright boxes.",
+            role=options.role,
             file=files[index].name,
             example=f"line {line}: {label}",
         )
     ]
 
 
-def _wrong_base(
-    x: np.ndarray,
-    y: np.ndarray,
-    keep: np.ndarray,
-    base: int,
-    files: Sequence[SourceFile],
-    index: np.ndarray,
-    line: np.ndarray,
-    options: ReadOptions,
-) -> list[Finding]:
-    """Corners of exactly 0, which a file that counts pixels from 1 cannot have."""
-    at_zero = keep & ((x == -base) | (y == -base))
-    return rows_finding(
-        at_zero & (base != 0),
-        "box-base",
-        "Boxes have xmin or ymin 0, but Pascal VOC counts pixels from 1.",
-        "The files seem to count from 0: say so with --box-base 0.",
-        role=options.role,
-        place=lambda row: (files[index[row]].name, f"line {line[row]}"),
-    )
-
-
-FORMAT = Format(
-    name="voc",
-    title="Pascal VOC",
-    roles=("truth", "detections"),
-    suffixes=(".xml",),
-    recognise=recognise,
-    read=read,
-)
+FORMAT = Format("voc", "Pascal VOC", BOTH_ROLES, (".xml",), recognise, read)

@@ -10,27 +10,26 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.errors import FormatError, InputError, MissingFactError
+from nvcore.errors import InputError, MissingFactError
 from nvcore.findings import Finding
 from nvcore.inputs.readers.base import (
+    BOTH_ROLES,
     Format,
     Reading,
     ReadOptions,
     Role,
     SourceFile,
+    boxes_at,
+    conversion_text,
     object_array,
-    reading_boxes,
-    recording_row,
     recordings_table,
-    rows_finding,
 )
 from nvcore.inputs.readers.meaning.categories import free_labels
 from nvcore.inputs.readers.meaning.classes import ClassRule, choose_classes, name_left_out
 from nvcore.inputs.readers.meaning.names import listed_frames
 from nvcore.inputs.readers.parse.text import (
-    MAX_INTEGER,
+    Layout,
     NumberTable,
-    are_numbers,
     number_of,
     read_numbers,
     read_text,
@@ -40,7 +39,7 @@ from nvcore.inputs.readers.parse.text import (
 )
 from nvcore.schema import NO_TRACK
 
-WHAT = "class x y width height [confidence]"
+LAYOUT = Layout((5, 6, 7), "class x y width height [confidence]", delimiter=" ")
 MAX_SHARE: Final = 2.0
 """Largest coordinate, in shares of the picture, that can be a box that sticks out of it."""
 _INSIDE: Final = 0.01
@@ -57,19 +56,15 @@ def recognise(name: str, head: str, role: Role) -> bool:
     del role
     if _is_extra(name):
         return _NAMES.fullmatch(PurePosixPath(name).name.casefold()) is not None
-    rows = rows_of_text(head, delimiter=" ")[:20]
-    return bool(rows) and all(_is_row(row) for row in rows)
-
-
-def _is_row(row: Sequence[str]) -> bool:
-    if len(row) not in (5, 6, 7) or not are_numbers(row) or not row[0].isdecimal():
-        return False
-    return all(0 <= (number_of(share) or 0) <= 1.1 for share in row[1:5])
+    return LAYOUT.fits(head) and all(
+        row[0].isdecimal() and all(0 <= (number_of(share) or 0) <= 1.1 for share in row[1:5])
+        for row in rows_of_text(head, delimiter=" ")[:20]
+    )
 
 
 @dataclass(frozen=True)
-class _Rows:
-    """Rows of all files; which field holds what was inferred from the content."""
+class _Fields:
+    """Fields of all rows by what they hold, inferred from the content."""
 
     middle_and_size: list[np.ndarray]
     score: np.ndarray
@@ -109,53 +104,43 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         )
     names = _class_names(files, frames)
     images = listed_frames(frames, options)
-    table, file = stacked(
-        [read_numbers(frame, n_columns=(5, 6, 7), delimiter=" ", what=WHAT) for frame in frames]
-    )
-    _check_shares(table, frames, file)
-    rows = _identified(table, frames, file, options)
-    kind = _per_file_whole(table.columns[0], frames, file, table.line)
-    label = _labels(kind, names)
+    table = stacked([read_numbers(frame, LAYOUT) for frame in frames])
+    file = table.lines.file
+    _check_shares(table)
+    fields = _identified(table, options)
+    label = _labels(whole_numbers(table.columns[0], table.lines, "class number"), names)
     rule, wanted = _rule(label, names, options)
-    choice = choose_classes(label, rule, wanted, files=frames, file=file, line=table.line)
+    choice = choose_classes(label, rule, wanted, table.lines)
     width, height = options.size
-    x, y, w, h = rows.middle_and_size
-    boxes = reading_boxes(
-        len(table),
+    x, y, w, h = fields.middle_and_size
+    boxes = boxes_at(
+        table.lines,
+        ((x - w / 2) * width, (y - h / 2) * height, w * width, h * height),
+        keep=choice.keep,
         recording=images["recording"].to_numpy()[file],
         frame=images["frame"].to_numpy()[file],
-        x=(x - w / 2) * width,
-        y=(y - h / 2) * height,
-        w=w * width,
-        h=h * height,
-        score=rows.score,
-        track=rows.track,
+        score=fields.score,
+        track=fields.track,
         ignore=choice.ignore,
         file=position[file],
-        line=table.line,
     )
-    others = name_left_out(label, choice.keep)
     extras = [other for other in files if _is_extra(other.name)]
     passed = sorted({PurePosixPath(extra.name).name for extra in extras})
     facts = [
         "frame numbers from the file names",
         f"shares of the picture to pixels of {width} x {height} (0-based)",
-        *rows.facts,
+        *fields.facts,
         choice.fact,
-        *([others] if others else []),
-        *([f"class names from {names.source}"] if names.source else []),
-        *([f"not read as pictures: {', '.join(passed)}"] if passed else []),
-    ]
-    recordings = [
-        recording_row(str(name), width=width, height=height)
-        for name in dict.fromkeys(images["recording"])
+        name_left_out(label, choice.keep),
+        f"class names from {names.source}" if names.source else "",
+        f"not read as pictures: {', '.join(passed)}" if passed else "",
     ]
     return Reading(
-        boxes=boxes[choice.keep].reset_index(drop=True),
-        recordings=recordings_table(recordings),
-        conversion="; ".join(facts),
+        boxes=boxes,
+        recordings=recordings_table(images["recording"], width=width, height=height),
+        conversion=conversion_text(facts),
         images=images.sort_values("image_id", ignore_index=True),
-        findings=(*rows.findings, *choice.findings),
+        findings=(*fields.findings, *choice.findings),
     )
 
 
@@ -221,23 +206,21 @@ def _rule(label: np.ndarray, names: _Names, options: ReadOptions) -> tuple[Class
     return free_labels(classes, options), options
 
 
-def _check_shares(table: NumberTable, files: Sequence[SourceFile], file: np.ndarray) -> None:
+def _check_shares(table: NumberTable) -> None:
+    """Raise FormatError for the first row with a coordinate that can be no share."""
     values = np.column_stack(table.columns[1:5])
     with np.errstate(invalid="ignore"):
         wrong = np.abs(values) > MAX_SHARE
     if wrong.any():
         row = int(np.argmax(wrong.any(axis=1)))
-        value = values[row][wrong[row]][0]
-        raise FormatError(
-            f"expected shares of the picture in 0..1 ({WHAT}), found {value:g}; are these pixels?",
-            file=files[file[row]].name,
-            line=int(table.line[row]),
+        raise table.lines.fault(
+            row,
+            f"expected shares of the picture in 0..1 ({LAYOUT.what}), found "
+            f"{values[row][wrong[row]][0]:g}; are these pixels?",
         )
 
 
-def _identified(
-    table: NumberTable, files: Sequence[SourceFile], file: np.ndarray, options: ReadOptions
-) -> _Rows:
+def _identified(table: NumberTable, options: ReadOptions) -> _Fields:
     """Which fields are the box, the confidence and the track id."""
     second, third, fourth, fifth, sixth, seventh = table.columns[1:]
     box, score, track = [second, third, fourth, fifth], sixth, seventh
@@ -262,19 +245,18 @@ def _identified(
         facts.append(f"confidence in the {place} field")
         if n_last == n_second:
             facts[-1] += " (could not be told from the content)"
-            findings = rows_finding(
+            findings = table.lines.finding(
                 has_sixth,
                 "confidence-field",
                 "Whether the confidence is the last field or the second cannot be told from the "
                 "rows; it was taken as the last.",
                 "Check that the boxes lie where they should.",
                 role=options.role,
-                place=lambda row: (files[file[row]].name, f"line {table.line[row]}"),
             )
     ids = np.full(len(table), NO_TRACK, dtype=np.int64)
     given = ~np.isnan(track)
-    ids[given] = _per_file_whole(track[given], files, file[given], table.line[given], "track id")
-    return _Rows(box, score, np.maximum(ids, NO_TRACK), tuple(facts), tuple(findings))
+    ids[given] = whole_numbers(track[given], table.lines[given], "track id")
+    return _Fields(box, score, np.maximum(ids, NO_TRACK), tuple(facts), tuple(findings))
 
 
 def _are_ids(values: np.ndarray) -> bool:
@@ -297,27 +279,4 @@ def _n_outside(box: Sequence[np.ndarray]) -> int:
     return int((~inside).sum())
 
 
-def _per_file_whole(
-    values: np.ndarray,
-    files: Sequence[SourceFile],
-    file: np.ndarray,
-    line: np.ndarray,
-    what: str = "class number",
-) -> np.ndarray:
-    """The values as int64; the error names the file of the first that is no whole number."""
-    if not len(values):
-        return np.empty(0, dtype=np.int64)
-    with np.errstate(invalid="ignore"):
-        bad = ~((values == np.floor(values)) & (np.abs(values) < MAX_INTEGER))
-    # without a fault, argmax is the first row and the name is not needed
-    return whole_numbers(values, files[file[int(np.argmax(bad))]], line, what)
-
-
-FORMAT = Format(
-    name="yolo",
-    title="YOLO text",
-    roles=("truth", "detections"),
-    suffixes=(".txt",),
-    recognise=recognise,
-    read=read,
-)
+FORMAT = Format("yolo", "YOLO text", BOTH_ROLES, (".txt",), recognise, read)

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from nvcore.findings import Finding
 from nvcore.inputs.readers.base import (
     Format,
     Reading,
     ReadOptions,
     Role,
     SourceFile,
-    reading_boxes,
-    recording_row,
+    boxes_at,
     recordings_table,
-    rows_finding,
 )
 from nvcore.inputs.readers.meaning.classes import ClassRule, choose_classes
 from nvcore.inputs.readers.meaning.names import listed_frames
@@ -25,9 +23,15 @@ from nvcore.inputs.readers.meaning.occlusion import (
     levels_of_numbers,
     levels_of_visible_share,
 )
-from nvcore.inputs.readers.parse.text import are_numbers, read_numbers, rows_of_text, stacked
+from nvcore.inputs.readers.parse.text import Layout, read_numbers, stacked
 
-WHAT = "label l t w h occluded vl vt vw vh [ignore [angle]]"
+LAYOUT = Layout(
+    (10, 11, 12),
+    "label l t w h occluded vl vt vw vh [ignore [angle]]",
+    delimiter=" ",
+    label_at=0,
+    comment="%",
+)
 HEADER = "% bbGt version="
 RULE = ClassRule(
     counted=("person",),
@@ -39,14 +43,8 @@ RULE = ClassRule(
 def recognise(name: str, head: str, role: Role) -> bool:
     """Whether the text begins with the bbGt header, or has 10 fields as version 0 has them."""
     del name
-    if role != "truth":
-        return False
-    if head.removeprefix("\ufeff").startswith(HEADER):
-        return True
-    rows = rows_of_text(head, delimiter=" ")[:20]
-    return bool(rows) and all(
-        len(row) == 10 and not are_numbers(row[:1]) and are_numbers(row[1:]) for row in rows
-    )
+    has_header = head.removeprefix("\ufeff").startswith(HEADER)
+    return role == "truth" and (has_header or replace(LAYOUT, n_columns=(10,)).fits(head))
 
 
 def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
@@ -65,45 +63,34 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         With file and line of the first row that is not bbGt.
     """
     images = listed_frames(files, options)
-    names = images["recording"].to_numpy()
-    table, file = stacked(
-        [
-            read_numbers(
-                frame_file,
-                n_columns=(10, 11, 12),
-                delimiter=" ",
-                what=WHAT,
-                label_at=0,
-                comment="%",
-            )
-            for frame_file in files
-        ]
-    )
-    label = table.label
-    assert label is not None
-    x, y, w, h, flag, *visible, ign, angle = table.columns
-    choice = choose_classes(label, RULE, options, files=files, file=file, line=table.line)
-    boxes = reading_boxes(
-        len(table),
-        recording=names[file],
-        frame=images["frame"].to_numpy()[file],
-        x=x,
-        y=y,
-        w=w,
-        h=h,
-        ignore=choice.ignore | (np.nan_to_num(ign) != 0),
-        occlusion=_occlusion(flag, (x, y, w, h), visible),
-        file=file,
-        line=table.line,
+    table = stacked([read_numbers(frame_file, LAYOUT) for frame_file in files])
+    assert table.label is not None
+    *box, flag, vl, vt, vw, vh, ignore, angle = table.columns
+    choice = choose_classes(table.label, RULE, options, table.lines)
+    rotated = table.lines.finding(
+        choice.keep & (np.nan_to_num(angle) != 0),
+        "rotated-box",
+        "Boxes with an angle are taken as upright boxes.",
+        "Give upright boxes if the angle matters.",
+        role="truth",
+        example=lambda row: f"angle {angle[row]:g}",
     )
     return Reading(
-        boxes=boxes[choice.keep].reset_index(drop=True),
-        recordings=recordings_table([recording_row(name) for name in dict.fromkeys(names)]),
+        boxes=boxes_at(
+            table.lines,
+            box,
+            keep=choice.keep,
+            recording=images["recording"].to_numpy()[table.lines.file],
+            frame=images["frame"].to_numpy()[table.lines.file],
+            ignore=choice.ignore | (np.nan_to_num(ignore) != 0),
+            occlusion=_occlusion(flag, box, (vl, vt, vw, vh)),
+        ),
+        recordings=recordings_table(images["recording"]),
         conversion="x, y, w, h in pixels kept as they are; frame numbers from the file names; "
         f"{choice.fact}; ignore flag kept; occlusion levels kept, Caltech's flag made a level by "
         f"the visible box (up to {PARTIAL_OCCLUSION:g} hidden = partial)",
         images=images.sort_values("image_id", ignore_index=True),
-        findings=(*choice.findings, *_rotated(angle, choice.keep, files, file, table.line)),
+        findings=(*choice.findings, *rotated),
     )
 
 
@@ -120,28 +107,4 @@ def _occlusion(
     return levels_of_numbers(np.where((flag == 1) & is_heavy, 2, flag))
 
 
-def _rotated(
-    angle: np.ndarray,
-    keep: np.ndarray,
-    files: Sequence[SourceFile],
-    file: np.ndarray,
-    line: np.ndarray,
-) -> list[Finding]:
-    return rows_finding(
-        keep & (np.nan_to_num(angle) != 0),
-        "rotated-box",
-        "Boxes with an angle are taken as upright boxes.",
-        "Give upright boxes if the angle matters.",
-        role="truth",
-        place=lambda row: (files[file[row]].name, f"line {line[row]}: angle {angle[row]:g}"),
-    )
-
-
-FORMAT = Format(
-    name="bbgt",
-    title="Caltech/KAIST bbGt text",
-    roles=("truth",),
-    suffixes=(".txt",),
-    recognise=recognise,
-    read=read,
-)
+FORMAT = Format("bbgt", "Caltech/KAIST bbGt text", ("truth",), (".txt",), recognise, read)

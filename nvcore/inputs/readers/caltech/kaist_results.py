@@ -20,24 +20,22 @@ from nvcore.inputs.readers.base import (
     ReadOptions,
     Role,
     SourceFile,
+    boxes_at,
     concat_boxes,
-    reading_boxes,
-    recording_row,
+    conversion_text,
     recordings_table,
-    rows_finding,
 )
 from nvcore.inputs.readers.meaning.names import known_recording
 from nvcore.inputs.readers.parse.text import (
+    Layout,
     NumberTable,
-    are_numbers,
-    is_whole,
     number_of,
     read_numbers,
     rows_of_text,
     whole_numbers,
 )
 
-WHAT = "image number or frame,x,y,w,h,score"
+LAYOUT = Layout((6,), "image number or frame,x,y,w,h,score", whole=(0,))
 _SEQUENCE = re.compile(r"V\d+", re.IGNORECASE)
 
 
@@ -47,12 +45,11 @@ def recognise(name: str, head: str, role: Role) -> bool:
     Corners (``frame,x1,y1,x2,y2,score``) look the same: `kitti_detections` is asked first.
     """
     del name
-    if role != "detections":
-        return False
-    rows = rows_of_text(head)[:50]
-    return bool(rows) and all(
-        len(row) == 6 and are_numbers(row) and is_whole(row[0]) and (number_of(row[0]) or 0) >= 1
-        for row in rows
+    n_rows = 50
+    return (
+        role == "detections"
+        and LAYOUT.fits(head, n_rows=n_rows)
+        and all((number_of(row[0]) or 0) >= 1 for row in rows_of_text(head)[:n_rows])
     )
 
 
@@ -79,8 +76,8 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     facts = ["x, y, w, h in pixels kept as they are"]
     first_of: dict[str, str] = {}
     for number, file in enumerate(files):
-        table = read_numbers(file, n_columns=(6,), what=WHAT)
-        index = whole_numbers(table.columns[0], file, table.line, "image number or frame")
+        table = read_numbers(file, LAYOUT)
+        index = whole_numbers(table.columns[0], table.lines, "image number or frame")
         recording = _sequence_of(file.name, options.recordings)
         if recording is not None:
             if recording in first_of:
@@ -92,7 +89,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
             first_of[recording] = file.name
             base = 1 if options.frame_base is None else options.frame_base
             facts.append(f"frames from {base}-based to 0-based; recordings from the file names")
-            tables.append(_boxes(table, number, recording, index - base))
+            tables.append(_boxes(table, number, recording=recording, frame=index - base))
             names.append(recording)
             continue
         images = options.images
@@ -106,20 +103,21 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         position, fact = _positions(index, images)
         facts.append(fact)
         is_listed = position >= 0
-        findings += _unlisted(file, table, index, is_listed, len(images))
-        image = position[is_listed]
-        boxes = _boxes(table, number, "", index)[is_listed]
+        findings += _unlisted(table, index, is_listed, len(images))
         tables.append(
-            boxes.assign(
-                recording=images["recording"].to_numpy()[image],
-                frame=images["frame"].to_numpy()[image],
+            _boxes(
+                table,
+                number,
+                keep=is_listed,
+                recording=images["recording"].to_numpy()[position],
+                frame=images["frame"].to_numpy()[position],
             )
         )
         names += images["recording"].tolist()
     return Reading(
-        boxes=concat_boxes(tables).reset_index(drop=True),
-        recordings=recordings_table([recording_row(name) for name in dict.fromkeys(names)]),
-        conversion="; ".join(dict.fromkeys(facts)),
+        boxes=concat_boxes(tables),
+        recordings=recordings_table(names),
+        conversion=conversion_text(facts),
         findings=tuple(findings),
     )
 
@@ -152,40 +150,40 @@ def _positions(index: np.ndarray, images: pd.DataFrame) -> tuple[np.ndarray, str
 
 
 def _unlisted(
-    file: SourceFile, table: NumberTable, index: np.ndarray, is_listed: np.ndarray, n_images: int
+    table: NumberTable, index: np.ndarray, is_listed: np.ndarray, n_images: int
 ) -> list[Finding]:
-    return rows_finding(
+    """Rows whose image number is not on the truth's list."""
+    return table.lines.finding(
         ~is_listed,
         "unknown-image",
         f"Rows whose image number is not on the truth's list of {n_images} images were left out.",
         "Give the truth that these results were made for; image numbers count from 1.",
         role="detections",
-        place=lambda row: (file.name, f"line {table.line[row]}: image number {index[row]}"),
+        example=lambda row: f"image number {index[row]}",
         severity=Severity.ERROR,
     )
 
 
-def _boxes(table: NumberTable, number: int, recording: str, frame: np.ndarray) -> pd.DataFrame:
-    _, x, y, w, h, score = table.columns
-    return reading_boxes(
-        len(table),
-        recording=recording,
-        frame=frame,
-        x=x,
-        y=y,
-        w=w,
-        h=h,
-        score=score,
-        file=number,
-        line=table.line,
+def _boxes(
+    table: NumberTable,
+    number: int,
+    *,
+    recording: object,
+    frame: np.ndarray,
+    keep: np.ndarray | None = None,
+) -> pd.DataFrame:
+    """Boxes of one file, which is the reading's of this number."""
+    _, *box, score = table.columns
+    return boxes_at(
+        table.lines, box, keep=keep, recording=recording, frame=frame, score=score, file=number
     )
 
 
 FORMAT = Format(
-    name="kaist-results",
-    title="KAIST results or Caltech detections",
-    roles=("detections",),
-    suffixes=(".txt", ".csv"),
-    recognise=recognise,
-    read=read,
+    "kaist-results",
+    "KAIST results or Caltech detections",
+    ("detections",),
+    (".txt", ".csv"),
+    recognise,
+    read,
 )

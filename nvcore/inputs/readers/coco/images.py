@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import PurePosixPath
 
@@ -11,10 +11,10 @@ import numpy as np
 import pandas as pd
 
 from nvcore.errors import FormatError
-from nvcore.findings import Finding, Severity
-from nvcore.inputs.readers.base import SourceFile, recording_row, rows_finding
+from nvcore.findings import Finding
+from nvcore.inputs.readers.base import Lines, SourceFile, object_array, rows_finding, warning
 from nvcore.inputs.readers.meaning.names import recording_and_frame_of, recording_of
-from nvcore.inputs.readers.parse.json import Records
+from nvcore.inputs.readers.parse.json import Records, first_other
 from nvcore.inputs.readers.parse.text import whole_numbers
 
 NAME_KEYS = ("file_name", "im_name", "filename", "image_name", "image_filepath")
@@ -32,7 +32,7 @@ class ImageList:
     table
         Columns recording, frame, image_id, file_name (empty where not given), in file order.
     recordings
-        `recording_row`s.
+        Columns name, width, height, fps; one row per recording.
     conversion
         Where recordings and frame numbers come from, in words.
     findings
@@ -40,7 +40,7 @@ class ImageList:
     """
 
     table: pd.DataFrame
-    recordings: tuple[dict[str, object], ...]
+    recordings: pd.DataFrame
     conversion: str
     findings: tuple[Finding, ...]
 
@@ -62,6 +62,30 @@ def place_of_picture(name: str, known: tuple[str, ...] = ()) -> tuple[str, int] 
     return recording_and_frame_of(name, known)
 
 
+def places_of_pictures(
+    pictures: pd.Series, known: tuple[str, ...], fault: Callable[[int, str], FormatError]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Recording and frame number of each row, from the name of its picture.
+
+    Parameters
+    ----------
+    pictures
+        Names of the pictures, text, shape (n,).
+    known
+        Recordings of the truth.
+    fault
+        First row and name without a number -> the error to be raised.
+    """
+    codes, names = pd.factorize(pictures)
+    places = [place_of_picture(str(name), known) for name in names]  # text: each name once
+    if None in places:
+        wrong = places.index(None)
+        raise fault(int(np.argmax(codes == wrong)), names[wrong])
+    recording = object_array([place[0] for place in places if place])
+    frame = np.array([place[1] for place in places if place], dtype=np.int64)
+    return recording[codes], frame[codes]
+
+
 def read_images(document: dict[str, object], file: SourceFile) -> ImageList:
     """The image list of a COCO document.
 
@@ -73,13 +97,14 @@ def read_images(document: dict[str, object], file: SourceFile) -> ImageList:
     images = Records(document.get("images"), file, "image", "images")
     ids = image_ids(images)
     keep, findings = _first_of_each_id(images, ids)
-    recording, frame, conversion, oddities = _places(images, document, file)
+    names = _names(images)
+    recording, frame, conversion, oddities = _places(images, names, document)
     table = pd.DataFrame(
         {
             "recording": pd.Series(recording, dtype=object),
             "frame": frame,
             "image_id": ids,
-            "file_name": pd.Series(_names(images), dtype=object),
+            "file_name": pd.Series(names, dtype=object),
             "width": _sizes(images, "width"),
             "height": _sizes(images, "height"),
         }
@@ -88,15 +113,14 @@ def read_images(document: dict[str, object], file: SourceFile) -> ImageList:
     double = table.duplicated(["recording", "frame"])
     if double.any():
         first = table[double].iloc[0]
-        raise FormatError(
+        raise file.fault(
             f"two images are frame {first['frame']} of recording {first['recording']!r} (the "
-            f"second has id {first['image_id']}); expected one image per frame",
-            file=file.name,
+            f"second has id {first['image_id']}); expected one image per frame"
         )
-    rows, sizes = _recordings(table, document, file)
+    recordings, sizes = _recordings(table, document, file)
     return ImageList(
         table=table[["recording", "frame", "image_id", "file_name"]],
-        recordings=rows,
+        recordings=recordings,
         conversion=conversion,
         findings=tuple(findings + oddities + sizes),
     )
@@ -111,11 +135,11 @@ def image_ids(records: Records, *keys: str) -> pd.Series:
         With the first record that has none or one that is neither number nor text.
     """
     values = records.required(*(keys or ("id",)))
-    kinds = set(map(type, values))
-    if not kinds <= {int, float, str}:
-        first = next(i for i, value in enumerate(values) if type(value) not in {int, float, str})
-        raise records.error(first, "expected a number or text as image id")
-    if kinds <= {int, float} and all(-(2**53) < value < 2**53 for value in values):  # type: ignore[operator]
+    wrong = first_other(values, {int, float, str})
+    if wrong is not None:
+        raise records.error(wrong, "expected a number or text as image id")
+    has_text = first_other(values, {int, float}) is not None
+    if not has_text and all(-(2**53) < value < 2**53 for value in values):  # type: ignore[operator]
         numbers = np.array(values, dtype=float)
         if not np.any(numbers % 1):
             return pd.Series(numbers.astype(np.int64))
@@ -125,6 +149,22 @@ def image_ids(records: Records, *keys: str) -> pd.Series:
 def id_text(value: object) -> str:
     """An image id as text; 3.0 is 3."""
     return str(int(value)) if isinstance(value, float) and value.is_integer() else str(value)
+
+
+def id_texts(records: Records, what: str, *keys: str) -> pd.Series | None:
+    """Ids of a field (see `Records.values`) as text, missing where a record has none.
+
+    Raises
+    ------
+    FormatError
+        With the first record whose id is neither number nor text.
+    """
+    values = records.values(*keys)
+    if values is None:
+        return None
+    records.check_types(values, {int, float, str, type(None)}, f"a number or text as {what}")
+    texts = [None if value is None else id_text(value) for value in values]
+    return pd.Series(texts, dtype="str")
 
 
 def rows_by_id(ids: pd.Series, listed: pd.Series) -> np.ndarray:
@@ -145,15 +185,12 @@ def places_of_rows(
 
 
 def _names(images: Records) -> list[str]:
-    values = images.values(*NAME_KEYS)
-    if values is None:
-        return [""] * len(images)
-    names = []
-    for index, value in enumerate(values):  # text: value by value
-        if not isinstance(value, (str, type(None))):
-            raise images.error(index, "expected text as file_name")
-        names.append(value or "")
-    return names
+    """File name of each picture, empty where it has none."""
+    values = images.values(*NAME_KEYS) or [None] * len(images)
+    wrong = first_other(values, {str, type(None)})
+    if wrong is not None:
+        raise images.error(wrong, "expected text as file_name")
+    return [str(value or "") for value in values]
 
 
 def _first_of_each_id(images: Records, ids: pd.Series) -> tuple[np.ndarray, list[Finding]]:
@@ -176,46 +213,47 @@ def _first_of_each_id(images: Records, ids: pd.Series) -> tuple[np.ndarray, list
 
 
 def _places(
-    images: Records, document: dict[str, object], file: SourceFile
-) -> tuple[list[str], np.ndarray, str, list[Finding]]:
+    images: Records, names: Sequence[str], document: dict[str, object]
+) -> tuple[Sequence[str], np.ndarray, str, list[Finding]]:
     """Recording and frame number of every image, and in words where they come from."""
-    whole = recording_of(file.name)
-    places = [place_of_picture(name) for name in _names(images)]  # text: one by one
+    whole = recording_of(images.file.name)
+    places = [place_of_picture(name) for name in names]  # text: one by one
+    by_name = [place for place in places if place is not None]
+    are_placed = len(by_name) == len(places)
+    folders = (_folders(names, whole), "recordings from the folders")
     videos = _videos(images, document)
     numbers = images.numbers(*FRAME_KEYS)
-    has_numbers = numbers is not None and bool(len(numbers)) and not np.isnan(numbers).any()
+    recording: Sequence[str]
     if videos is not None:
         recording, source = videos, "recordings from the video of each image"
-    elif all(place is not None for place in places):
-        recording = [_or_whole(place[0], whole) for place in places if place is not None]
+    elif are_placed:
+        recording = [_or_whole(place[0], whole) for place in by_name]
         source = "recordings from the file names"
     else:
-        recording, source = _folders(images, whole), "recordings from the folders"
-    if has_numbers:
-        assert numbers is not None
-        frame = whole_numbers(numbers, file, np.arange(1, len(numbers) + 1), "frame number")
+        recording, source = folders
+    if numbers is not None and len(numbers) and not np.isnan(numbers).any():
+        lines = Lines.of(images.file, np.arange(1, len(numbers) + 1))
+        frame = whole_numbers(numbers, lines, "frame number")
         if videos is None and _is_scattered(recording):
-            recording, source = _folders(images, whole), "recordings from the folders"
+            recording, source = folders
         return recording, frame, f"{source}, frame numbers from the images' fields", []
-    if all(place is not None for place in places) and not _is_scattered(recording):
-        frame = np.array([place[1] for place in places if place is not None], dtype=np.int64)
-        names = pd.DataFrame({"recording": recording, "frame": frame, "name": _names(images)})
-        names = names.drop_duplicates()
-        if not names.duplicated(["recording", "frame"]).any():
+    if are_placed and not _is_scattered(recording):
+        frame = np.array([place[1] for place in by_name], dtype=np.int64)
+        pictures = pd.DataFrame({"recording": recording, "frame": frame, "name": names})
+        if not pictures.drop_duplicates().duplicated(["recording", "frame"]).any():
             return recording, frame, f"{source}, frame numbers from the file names", []
     if videos is None:
-        recording, source = _folders(images, whole), "recordings from the folders"
+        recording, source = folders
     frame = pd.Series(recording, dtype=object).groupby(recording).cumcount().to_numpy(np.int64)
-    finding = Finding(
-        severity=Severity.WARNING,
-        code="frames-by-order",
-        subject="truth",
-        count=len(images),
-        message="Neither fields nor file names of the images tell the frame number; they are "
+    finding = warning(
+        "frames-by-order",
+        len(images),
+        "Neither fields nor file names of the images tell the frame number; they are "
         "numbered 0, 1, 2, ... in the order of the list.",
-        advice="Check that the list is in the order of time.",
-        file=file.name,
-        example=next(iter(_names(images)), ""),
+        "Check that the list is in the order of time.",
+        role="truth",
+        file=images.file.name,
+        example=next(iter(names), ""),
     )
     return recording, frame, f"{source}, frame numbers from the order of the list", [finding]
 
@@ -230,8 +268,9 @@ def _is_scattered(recording: Sequence[str]) -> bool:
     return len(recording) >= 4 and len(set(recording)) > len(recording) / 2
 
 
-def _folders(images: Records, whole: str) -> list[str]:
-    parents = [PurePosixPath(name.replace("\\", "/")).parent for name in _names(images)]
+def _folders(names: Sequence[str], whole: str) -> list[str]:
+    """Recording of each picture by its folder alone."""
+    parents = [PurePosixPath(name.replace("\\", "/")).parent for name in names]
     # a made-up frame number lets the rules of `naming` for folders apply
     places = [recording_and_frame_of(str(parent / "0")) for parent in parents]
     return [_or_whole(place[0], whole) if place else whole for place in places]
@@ -253,6 +292,7 @@ def _videos(images: Records, document: dict[str, object]) -> list[str] | None:
 
 
 def _sizes(images: Records, key: str) -> np.ndarray:
+    """Width or height of each picture; NaN where missing, or no size at all."""
     values = images.numbers(key)
     if values is None:
         return np.full(len(images), np.nan)
@@ -261,7 +301,7 @@ def _sizes(images: Records, key: str) -> np.ndarray:
 
 def _recordings(
     table: pd.DataFrame, document: dict[str, object], file: SourceFile
-) -> tuple[tuple[dict[str, object], ...], list[Finding]]:
+) -> tuple[pd.DataFrame, list[Finding]]:
     """One row per recording with its commonest picture size, and what differs from it."""
     fps = {}
     if document.get("videos"):
@@ -274,34 +314,31 @@ def _recordings(
                 for title, rate in zip(titles, rates, strict=True)
                 if 0 < rate < np.inf
             }
-    rows, odd, example = [], 0, ""
+    rows, n_odd, example = [], 0, ""
     # a loop over recordings: there are few
     for name, group in table.groupby("recording", sort=False):
         sizes = group[["width", "height"]].value_counts(sort=True)
         width, height = sizes.index[0] if len(sizes) else (np.nan, np.nan)
         differs = group["width"].notna() & ~(group["width"].eq(width) & group["height"].eq(height))
-        if differs.any() and not odd:
+        if differs.any() and not n_odd:
             first = group[differs].iloc[0]
             example = (
                 f"image id {first['image_id']} is {first['width']:g}x{first['height']:g}, "
                 f"most of {name} is {width:g}x{height:g}"
             )
-        odd += int(differs.sum())
-        rows.append(
-            recording_row(str(name), width=width, height=height, fps=fps.get(str(name), np.nan))
-        )
-    findings = []
-    if odd:
-        findings.append(
-            Finding(
-                severity=Severity.WARNING,
-                code="picture-size",
-                subject="truth",
-                count=odd,
-                message="Pictures of one recording differ in size; the commonest size is taken.",
-                advice="Give each size a recording of its own, or scale the boxes to one size.",
-                file=file.name,
-                example=example,
-            )
-        )
-    return tuple(rows), findings
+        n_odd += int(differs.sum())
+        rows.append((str(name), width, height, fps.get(str(name), np.nan)))
+    recordings = pd.DataFrame(rows, columns=["name", "width", "height", "fps"])
+    recordings = recordings.astype({"name": object, "width": float, "height": float, "fps": float})
+    if not n_odd:
+        return recordings, []
+    finding = warning(
+        "picture-size",
+        n_odd,
+        "Pictures of one recording differ in size; the commonest size is taken.",
+        "Give each size a recording of its own, or scale the boxes to one size.",
+        role="truth",
+        file=file.name,
+        example=example,
+    )
+    return recordings, [finding]

@@ -12,8 +12,8 @@ import pyarrow as pa
 import pyarrow.json
 
 from nvcore.inputs.readers.base import SourceFile
-from nvcore.inputs.readers.coco.images import NAME_KEYS, id_text, image_ids, read_images
-from nvcore.inputs.readers.parse.json import Records, read_json, short_json
+from nvcore.inputs.readers.coco.images import NAME_KEYS, id_text, id_texts, image_ids, read_images
+from nvcore.inputs.readers.parse.json import Records, read_json
 from nvcore.inputs.readers.parse.text import read_bytes
 
 
@@ -149,26 +149,21 @@ def _careful(file: SourceFile) -> tuple[ResultColumns, pd.DataFrame | None]:
     records = Records(document, file, "result", key)
     category = records.values("category_id")
     picture = records.values(*NAME_KEYS)
-    track = records.values("track_id")
-    for values, what in ((category, "category_id"), (picture, "file name"), (track, "track_id")):
-        allowed = {str, type(None)} if what == "file name" else {int, float, str, type(None)}
-        if values is not None and not set(map(type, values)) <= allowed:
-            first = next(i for i, value in enumerate(values) if type(value) not in allowed)
-            raise records.error(
-                first, f"expected a number or text as {what}, found {short_json(values[first])}"
-            )
+    texts: set[type] = {str, type(None)}
+    records.check_types(category or [], texts | {int, float}, "a number or text as category_id")
+    records.check_types(picture or [], texts, "a number or text as file name")
+    track = id_texts(records, "track_id", "track_id")
     has_ids = records.values("image_id") is not None and (
         picture is None or None not in (records.values("image_id") or [])
     )
     if len(records) and not has_ids and (picture is None or None in picture):
         first = picture.index(None) if picture is not None else 0
         raise records.error(first, 'expected the field "image_id" or "image_filepath", found none')
-    texts = [None if value is None else id_text(value) for value in track or []]
     return ResultColumns(
         box=records.boxes() if len(records) else np.empty((0, 4)),
         score=records.numbers("score"),
         category=None if category is None else pd.Series(category, dtype=object).map(id_text),
         image_id=image_ids(records, "image_id") if has_ids else None,
         picture=None if picture is None else pd.Series(picture, dtype=object),
-        track=pd.Series(texts, dtype="str") if track is not None else None,
+        track=track,
     ), own

@@ -3,26 +3,34 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 import pandas as pd
 
-from nvcore.errors import FormatError, MissingFactError
+from nvcore.errors import MissingFactError
 from nvcore.findings import Finding, Severity
 from nvcore.inputs.readers.base import (
     Format,
+    Lines,
     Reading,
     ReadOptions,
     Role,
     SourceFile,
+    boxes_at,
     concat_boxes,
+    conversion_text,
     reading_boxes,
-    recording_row,
     recordings_table,
     rows_finding,
+    warning,
 )
-from nvcore.inputs.readers.coco.images import id_text, place_of_picture, places_of_rows, rows_by_id
+from nvcore.inputs.readers.coco.images import (
+    id_text,
+    places_of_pictures,
+    places_of_rows,
+    rows_by_id,
+)
 from nvcore.inputs.readers.coco.result_columns import ResultColumns, read_columns
 from nvcore.inputs.readers.meaning.categories import is_pedestrian
 from nvcore.inputs.readers.meaning.names import recording_of
@@ -68,14 +76,13 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         images = options.images if own is None else own
         boxes, what, oddities = _boxes(columns, file, number, images, options)
         tables.append(boxes)
-        facts += [fact for fact in what if fact not in facts]
+        facts += what
         findings += oddities
     boxes = concat_boxes(tables)
-    rows = [recording_row(name) for name in boxes["recording"].unique()]
     return Reading(
         boxes=boxes,
-        recordings=recordings_table(rows),
-        conversion="; ".join(facts),
+        recordings=recordings_table(boxes["recording"]),
+        conversion=conversion_text(facts),
         findings=tuple(findings),
     )
 
@@ -87,6 +94,7 @@ def _boxes(
     images: pd.DataFrame | None,
     options: ReadOptions,
 ) -> tuple[pd.DataFrame, list[str], list[Finding]]:
+    """Boxes of a file, the conversion in words, and what is odd."""
     n_rows = len(columns)
     if not n_rows:
         return reading_boxes(0), ["an empty list: nothing was detected"], []
@@ -117,20 +125,16 @@ def _boxes(
         values["score"] = columns.score
     else:
         facts.append("no scores")
-    boxes = reading_boxes(
-        n_rows,
+    boxes = boxes_at(
+        Lines.of(file, np.arange(1, n_rows + 1)),
+        columns.box.T,
+        keep=is_wanted & is_known,
         recording=recording,
         frame=frame,
-        x=columns.box[:, 0],
-        y=columns.box[:, 1],
-        w=columns.box[:, 2],
-        h=columns.box[:, 3],
         file=number,
-        line=np.arange(1, n_rows + 1),
         **values,
     )
-    keep = is_wanted & is_known
-    return boxes if keep.all() else boxes[keep].reset_index(drop=True), facts, findings
+    return boxes, facts, findings
 
 
 def _categories(
@@ -149,27 +153,22 @@ def _categories(
         persons = [name for name in named if is_pedestrian(name)]
         wanted = set(options.classes) - set(named) | ({PERSON} if persons else set())
         if len(persons) < len(named) and set(present) - wanted:
-            raise FormatError(
+            raise file.fault(
                 f"results number their classes: found category_id {listed}; give the classes as "
-                "numbers",
-                file=file.name,
+                "numbers"
             )
     if not wanted & set(present):
         if len(present) > 1 or options.classes is not None:
-            raise FormatError(
+            raise file.fault(
                 f"expected results of category_id {', '.join(sorted(wanted))}, found {listed}; "
-                "name the category ids that are pedestrians as classes",
-                file=file.name,
+                "name the category ids that are pedestrians as classes"
             )
-        finding = Finding(
-            severity=Severity.WARNING,
-            code="unusual-category",
-            subject="detections",
-            count=n_rows,
-            message=f"All results have category_id {next(iter(present))}, not 1 (person); "
-            "all count.",
-            advice="Check that they are pedestrians; naming the class (--classes) ends this "
-            "warning.",
+        finding = warning(
+            "unusual-category",
+            n_rows,
+            f"All results have category_id {next(iter(present))}, not 1 (person); all count.",
+            "Check that they are pedestrians; naming the class (--classes) ends this warning.",
+            role="detections",
             file=file.name,
             example="result 1",
         )
@@ -198,10 +197,9 @@ def _places_by_id(
         name = recording_of(file.name, tuple(images["recording"].unique()))
         images = images[images["recording"] == name]
         if images["image_id"].duplicated().any() or images.empty:
-            raise FormatError(
+            raise file.fault(
                 "image ids stand for different images in the truth's files; expected results in "
-                "one file per recording, named by it",
-                file=file.name,
+                "one file per recording, named by it"
             )
     return places_of_rows(images, rows_by_id(ids, images["image_id"]))
 
@@ -210,46 +208,39 @@ def _places_by_name(
     pictures: pd.Series, file: SourceFile, images: pd.DataFrame | None, options: ReadOptions
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """As `_places_by_id`, from file names: those of the image list, or what they tell."""
-    codes, names = pd.factorize(pictures)
     if images is not None and "file_name" in images:
+        codes, names = pd.factorize(pictures)
         row = _rows_by_name(names, images["file_name"])
         if np.any(row >= 0):
             return places_of_rows(images, row[codes])
-    known = options.recordings
-    places = [place_of_picture(name, known) for name in names]  # text: one by one
-    if None in places:
-        raise FormatError(
-            f"expected a frame number at the end of the file name, found "
-            f"{names[places.index(None)]!r}",
-            file=file.name,
-        )
-    recording = np.array([place[0] for place in places if place], dtype=object)
-    frame = np.array([place[1] for place in places if place], dtype=np.int64)
-    return recording[codes], frame[codes], np.ones(len(codes), dtype=bool)
+    recording, frame = places_of_pictures(
+        pictures,
+        options.recordings,
+        lambda _row, name: file.fault(
+            f"expected a frame number at the end of the file name, found {name!r}"
+        ),
+    )
+    return recording, frame, np.ones(len(frame), dtype=bool)
 
 
-def _rows_by_name(names: pd.Index[str], listed: pd.Series) -> np.ndarray:
+def _rows_by_name(names: Iterable[str], listed: Iterable[str]) -> np.ndarray:
     """Row of the list that has each name, whole or, where that is clear, without its folders."""
-    whole = pd.Series(range(len(listed)), index=listed.to_numpy())
-    whole = whole[~whole.index.duplicated(keep=False)]
-    short = pd.Series(range(len(listed)), index=[_short(name) for name in listed])
-    short = short[~short.index.duplicated(keep=False)]
-    row = whole.index.get_indexer(names)
-    row = np.where(row >= 0, whole.to_numpy()[row], -1) if len(whole) else row
-    by_short = short.index.get_indexer(pd.Index([_short(name) for name in names]))
-    by_short = np.where(by_short >= 0, short.to_numpy()[by_short], -1) if len(short) else by_short
-    return np.where(row >= 0, row, by_short)
+    whole = _rows_by_text(names, listed)
+    short = _rows_by_text(map(_short, names), map(_short, listed))
+    return np.where(whole >= 0, whole, short)
+
+
+def _rows_by_text(names: Iterable[str], listed: Iterable[str]) -> np.ndarray:
+    """Row of the list that has each text; -1 where none or several have it."""
+    index = pd.Index(list(listed))
+    rows = np.flatnonzero(~index.duplicated(keep=False))
+    place = index[rows].get_indexer(pd.Index(list(names)))
+    return np.append(rows, -1)[place]
 
 
 def _short(name: str) -> str:
+    """File name without folders."""
     return name.replace("\\", "/").rsplit("/", 1)[-1]
 
 
-FORMAT = Format(
-    name="coco-results",
-    title="COCO results",
-    roles=("detections",),
-    suffixes=(".json",),
-    recognise=recognise,
-    read=read,
-)
+FORMAT = Format("coco-results", "COCO results", ("detections",), (".json",), recognise, read)

@@ -8,22 +8,24 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from nvcore.errors import FormatError
 from nvcore.findings import Finding, Severity
 from nvcore.inputs.readers.base import (
     Format,
+    Lines,
     Reading,
     ReadOptions,
     Role,
     SourceFile,
+    boxes_at,
     concat_boxes,
+    conversion_text,
     reading_boxes,
-    recordings_table,
     rows_finding,
 )
 from nvcore.inputs.readers.coco.images import (
     ImageList,
     id_text,
+    id_texts,
     image_ids,
     places_of_rows,
     read_images,
@@ -37,7 +39,7 @@ from nvcore.inputs.readers.meaning.occlusion import (
 )
 from nvcore.inputs.readers.meaning.tracks import TEXT_IDS, track_numbers
 from nvcore.inputs.readers.parse.json import Records, read_json, short_json
-from nvcore.schema import NO_TRACK, UNKNOWN_OCCLUSION
+from nvcore.schema import UNKNOWN_OCCLUSION
 
 TRACK_KEYS = ("track_id", "target_id", "instance_id", "tracking_id")
 _LIST = re.compile(r'"(?:images|annotations|categories)"\s*:\s*\[')
@@ -59,36 +61,35 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     FormatError
         With file and record of the first thing that is not COCO, or is not clear.
     """
-    tables, images = [], []
-    rows: list[dict[str, object]] = []
+    tables, images, recordings = [], [], []
     facts: list[str] = ["boxes as they are (0-based)"]
     findings: list[Finding] = []
     for number, file in enumerate(files):
         document = read_json(file)
         if not isinstance(document, dict):
-            raise FormatError(
+            raise file.fault(
                 "expected a JSON object with images, annotations and categories, found "
-                f"{short_json(document)}; a list of results is no ground truth",
-                file=file.name,
+                f"{short_json(document)}; a list of results is no ground truth"
             )
         listed = read_images(document, file)
         boxes, what, oddities = _read_annotations(document, file, number, listed, options)
         tables.append(boxes)
-        rows += listed.recordings
+        recordings.append(listed.recordings)
         images.append(listed.table)
-        facts += [fact for fact in (listed.conversion, *what) if fact not in facts]
+        facts += [listed.conversion, *what]
         findings += [*listed.findings, *oddities]
     facts.append("evaluated frames from the image list")
     return Reading(
         boxes=concat_boxes(tables),
-        recordings=recordings_table(rows),
-        conversion="; ".join(facts),
+        recordings=pd.concat(recordings).drop_duplicates("name", ignore_index=True),
+        conversion=conversion_text(facts),
         images=_all_images(images, files),
         findings=tuple(findings),
     )
 
 
 def _all_images(images: list[pd.DataFrame], files: Sequence[SourceFile]) -> pd.DataFrame | None:
+    """Image list of all files; a frame in two of them is an error."""
     if not images:
         return None
     table = pd.concat(images, ignore_index=True)
@@ -96,10 +97,9 @@ def _all_images(images: list[pd.DataFrame], files: Sequence[SourceFile]) -> pd.D
     if double.any():
         first = table[double].iloc[0]
         owner = np.repeat(np.arange(len(images)), [len(part) for part in images])
-        raise FormatError(
+        raise files[owner[int(np.argmax(double))]].fault(
             f"frame {first['frame']} of recording {first['recording']!r} is in an earlier file "
-            "too; expected each frame in one file",
-            file=files[int(owner[int(np.argmax(double))])].name,
+            "too; expected each frame in one file"
         )
     return table
 
@@ -111,6 +111,7 @@ def _read_annotations(
     listed: ImageList,
     options: ReadOptions,
 ) -> tuple[pd.DataFrame, list[str], list[Finding]]:
+    """Boxes of a file, the conversion in words, and what is odd."""
     records = Records(document.get("annotations"), file, "annotation", "annotations")
     choice, keys = _classes(document, records, file, options)
     facts = [choice.conversion] if choice is not None else ["no categories: all annotations count"]
@@ -125,44 +126,39 @@ def _read_annotations(
     if choice is not None:
         ignore |= keys.isin(choice.ignored).to_numpy()
         is_left_out = keys.isin(choice.left_out).to_numpy()
-    track, has_text = _tracks(records, recording)
-    facts += [TEXT_IDS] if has_text else []
-    occlusion, how, findings = _occlusion(records)
+    columns: dict[str, object] = {}
+    track = id_texts(records, "track id", *TRACK_KEYS)
+    if track is not None:
+        columns["track"], has_text = track_numbers(track, recording)
+        facts += [TEXT_IDS] if has_text else []
+    lines = Lines.of(file, np.arange(1, len(records) + 1))
+    columns["occlusion"], how, findings = _occlusion(records, lines)
     facts += how
     distance = records.numbers("distance_m", "distance")
-    boxes = reading_boxes(
-        len(records),
+    boxes = boxes_at(
+        lines,
+        box.T,
+        keep=is_known & ~is_left_out,
         recording=recording,
         frame=frame,
-        x=box[:, 0],
-        y=box[:, 1],
-        w=box[:, 2],
-        h=box[:, 3],
-        track=track,
         ignore=ignore,
-        occlusion=occlusion,
         distance_m=np.nan if distance is None else distance,
         file=number,
-        line=np.arange(1, len(records) + 1),
+        **columns,
     )
-    findings += _unknown_images(records, ~is_known)
-    return boxes[is_known & ~is_left_out].reset_index(drop=True), facts, findings
-
-
-def _unknown_images(records: Records, unknown: np.ndarray) -> list[Finding]:
-    def place(row: int) -> tuple[str, str]:
-        image = records.rows[row].get("image_id")
-        return records.file.name, f"annotation {row + 1}, image_id {image}"
-
-    return rows_finding(
-        unknown,
+    findings += rows_finding(
+        ~is_known,
         "unknown-image",
         "Annotations that name an image which is not in the image list were left out.",
         "Complete the image list, or remove the annotations.",
         role="truth",
-        place=place,
+        place=lambda row: (
+            file.name,
+            f"annotation {row + 1}, image_id {records.rows[row].get('image_id')}",
+        ),
         severity=Severity.ERROR,
     )
+    return boxes, facts, findings
 
 
 def _classes(
@@ -183,10 +179,9 @@ def _classes(
             return None, keys
         names = {key: key for key in keys.unique()}
         if options.classes is None:
-            raise FormatError(
+            raise file.fault(
                 f'there are no "categories", and annotations of category_id {", ".join(names)}; '
-                "name the category ids that count as pedestrians",
-                file=file.name,
+                "name the category ids that count as pedestrians"
             )
     elif "0" not in names:
         names["0"] = "ignore"  # CityPersons: category 0 is on no list
@@ -203,21 +198,7 @@ def _classes(
     return choose_categories(names, options.classes, file=file.name), keys
 
 
-def _tracks(records: Records, recording: np.ndarray) -> tuple[np.ndarray, bool]:
-    values = records.values(*TRACK_KEYS)
-    if values is None:
-        return np.full(len(records), NO_TRACK), False
-    allowed = {int, float, str, type(None)}
-    if not set(map(type, values)) <= allowed:
-        first = next(i for i, value in enumerate(values) if type(value) not in allowed)
-        raise records.error(
-            first, f"expected a number or text as track id, found {short_json(values[first])}"
-        )
-    texts = [None if value is None else id_text(value) for value in values]
-    return track_numbers(pd.Series(texts, dtype="str"), recording)
-
-
-def _occlusion(records: Records) -> tuple[np.ndarray, list[str], list[Finding]]:
+def _occlusion(records: Records, lines: Lines) -> tuple[np.ndarray, list[str], list[Finding]]:
     """Levels of occlusion from whichever field there is, the conversion, and what is odd."""
     visible = records.numbers("vis_ratio", "visibility")
     if visible is not None:
@@ -229,25 +210,17 @@ def _occlusion(records: Records) -> tuple[np.ndarray, list[str], list[Finding]]:
         kinds = set(map(type, values)) - {type(None)}
         if kinds == {bool}:
             share = [np.nan if v is None else _VISIBLE_IF_OCCLUDED if v else 1.0 for v in values]
-            level = levels_of_visible_share(np.array(share))
-            return (
-                level,
-                [f"{key} true = heavy occlusion (half visible, as NightOwls counts it)"],
-                [],
-            )
+            how = f"{key} true = heavy occlusion (half visible, as NightOwls counts it)"
+            return levels_of_visible_share(np.array(share)), [how], []
         if kinds <= {int, float, bool}:
             numbers = records.to_floats(values, key)
-            record = np.arange(1, len(numbers) + 1)
-            odd = odd_levels(numbers, records.file, record, "truth")
+            odd = odd_levels(numbers, lines, "truth")
             return levels_of_numbers(numbers), [f"{key} 0, 1, 2 kept"], odd
         if kinds == {str}:
             words = pd.Series(values, dtype=object).map(_level_of_words, na_action="ignore")
             level = words.fillna(UNKNOWN_OCCLUSION).to_numpy(dtype=np.int8)
             return level, [f"{key} from words (fully visible, partially, difficult to see)"], []
-        first = next(i for i, v in enumerate(values) if not isinstance(v, (int, float, type(None))))
-        raise records.error(
-            first, f'expected 0, 1, 2 as "{key}", found {short_json(values[first])}'
-        )
+        records.check_types(values, {bool, int, float, type(None)}, f'0, 1, 2 as "{key}"')
     return np.full(len(records), UNKNOWN_OCCLUSION, dtype=np.int8), [], []
 
 
@@ -261,11 +234,4 @@ def _level_of_words(words: str) -> int:
     return 0 if lowered.startswith("no") or "fully_visible" in lowered else UNKNOWN_OCCLUSION
 
 
-FORMAT = Format(
-    name="coco",
-    title="COCO ground truth",
-    roles=("truth",),
-    suffixes=(".json",),
-    recognise=recognise,
-    read=read,
-)
+FORMAT = Format("coco", "COCO ground truth", ("truth",), (".json",), recognise, read)

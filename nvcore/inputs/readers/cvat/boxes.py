@@ -9,9 +9,17 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 import pandas as pd
 
-from nvcore.findings import Finding, Severity
-from nvcore.inputs.readers.base import Reading, ReadOptions, SourceFile, reading_boxes
-from nvcore.inputs.readers.cvat.xml import CvatFile
+from nvcore.findings import Finding
+from nvcore.inputs.readers.base import (
+    Lines,
+    Reading,
+    ReadOptions,
+    SourceFile,
+    boxes_at,
+    conversion_text,
+    warning,
+)
+from nvcore.inputs.readers.cvat.xml import CvatContent
 from nvcore.inputs.readers.meaning.categories import concerns_pedestrians, free_labels
 from nvcore.inputs.readers.meaning.classes import choose_classes, name_left_out
 from nvcore.inputs.readers.meaning.occlusion import levels_of_numbers
@@ -72,52 +80,41 @@ def boxes_reading(
     }
     label = column["label"]
     declared = {name for table in tables for name in table.declared}
-    choice = choose_classes(
-        label,
-        free_labels({*label, *declared}, options),
-        options,
-        files=files,
-        file=column["file"],
-        line=column["line"],
-    )
+    lines = Lines(files, column["file"], column["line"])
+    choice = choose_classes(label, free_labels({*label, *declared}, options), options, lines)
     is_truth = options.role == "truth"
-    rotated = choice.keep & (np.nan_to_num(column["rotation"]) != 0)
-    x, y, width, height = _upright(column["corners"], column["rotation"])
-    boxes = reading_boxes(
-        len(label),
+    n_rotated = int((choice.keep & (np.nan_to_num(column["rotation"]) != 0)).sum())
+    boxes = boxes_at(
+        lines,
+        _upright(column["corners"], column["rotation"]),
+        keep=choice.keep,
         recording=column["recording"],
         frame=column["frame"],
-        x=x,
-        y=y,
-        w=width,
-        h=height,
         score=column["score"],
         track=column["track"],
         ignore=(choice.ignore | column["ignore"]) & is_truth,
         occlusion=levels_of_numbers(column["occluded"]),
-        file=column["file"],
-        line=column["line"],
     )
-    steps = ["corners to width and height (0-based, continuous)", *facts, choice.fact]
-    others = name_left_out(label, choice.keep)
-    steps += [others] if others else []
-    if is_truth:
-        steps.append("attributes such as ignore or iscrowd = ignore; occluded = partial occlusion")
-    if rotated.any():
-        steps.append(f"{rotated.sum()} rotated boxes replaced by the upright box around them")
+    attributes = "attributes such as ignore or iscrowd = ignore; occluded = partial occlusion"
+    steps = [
+        "corners to width and height (0-based, continuous)",
+        *facts,
+        choice.fact,
+        name_left_out(label, choice.keep),
+        attributes if is_truth else "",
+        f"{n_rotated} rotated boxes replaced by the upright box around them" if n_rotated else "",
+    ]
     return Reading(
-        boxes=boxes[choice.keep].reset_index(drop=True),
+        boxes=boxes,
         recordings=recordings,
-        conversion="; ".join(steps),
+        conversion=conversion_text(steps),
         images=images,
         findings=(*merged(findings), *choice.findings),
     )
 
 
-def _upright(
-    corners: np.ndarray, rotation: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """x, y, w, h of the upright box around each rotated one."""
+def _upright(corners: np.ndarray, rotation: np.ndarray) -> np.ndarray:
+    """x, y, w, h of the upright box around each rotated one, shape (4, n)."""
     x0, y0, x1, y1 = corners.T
     # numbers near the largest float pass through as infinite, the dataset reports them
     with np.errstate(invalid="ignore", over="ignore"):
@@ -127,38 +124,11 @@ def _upright(
         wide = width * cosine + height * sine
         high = width * sine + height * cosine
         x, y = (x0 + x1 - wide) / 2, (y0 + y1 - high) / 2
-    upright = np.nan_to_num(rotation) == 0
-    return (
-        np.where(upright, x0, x),
-        np.where(upright, y0, y),
-        np.where(upright, width, wide),
-        np.where(upright, height, high),
-    )
+    is_upright = np.nan_to_num(rotation) == 0
+    return np.where(is_upright, (x0, y0, width, height), (x, y, wide, high))
 
 
-def oddity(
-    code: str,
-    count: int,
-    message: str,
-    advice: str,
-    file: str,
-    options: ReadOptions,
-    example: str,
-) -> Finding:
-    """A warning about the annotations."""
-    return Finding(
-        severity=Severity.WARNING,
-        code=code,
-        subject=options.role,
-        count=count,
-        message=message,
-        advice=advice,
-        file=file,
-        example=example,
-    )
-
-
-def other_shapes(content: CvatFile, file: SourceFile, options: ReadOptions) -> list[Finding]:
+def other_shapes(content: CvatContent, file: SourceFile, options: ReadOptions) -> list[Finding]:
     """Pedestrians that were drawn as anything but a box."""
     shapes = [shape for shape in content.other_shapes if concerns_pedestrians(shape[1], options)]
     if not shapes:
@@ -167,14 +137,14 @@ def other_shapes(content: CvatFile, file: SourceFile, options: ReadOptions) -> l
     listed = ", ".join(sorted(kinds))
     kind, label, line = shapes[0]
     return [
-        oddity(
+        warning(
             "no-box",
             len(shapes),
             f"Pedestrians drawn as {listed} are not boxes and were left out.",
             "Convert them to boxes in CVAT and export again.",
-            file.name,
-            options,
-            f"line {line}: {kind} of {label}",
+            role=options.role,
+            file=file.name,
+            example=f"line {line}: {kind} of {label}",
         )
     ]
 

@@ -11,18 +11,19 @@ import pandas as pd
 from nvcore.errors import FormatError
 from nvcore.findings import Finding
 from nvcore.inputs.readers.base import (
+    BOTH_ROLES,
     Format,
     Reading,
     ReadOptions,
     Role,
     SourceFile,
     object_array,
-    recording_row,
-    recordings_table,
+    warning,
 )
-from nvcore.inputs.readers.cvat.boxes import CvatBoxes, boxes_reading, oddity, other_shapes
-from nvcore.inputs.readers.cvat.xml import CvatFile, Owner, read_cvat
+from nvcore.inputs.readers.cvat.boxes import CvatBoxes, boxes_reading, other_shapes
+from nvcore.inputs.readers.cvat.xml import CvatContent, Owner, read_cvat
 from nvcore.inputs.readers.meaning.names import recording_and_frame_of, recording_of
+from nvcore.inputs.readers.meaning.sizes import recordings_with_sizes
 from nvcore.inputs.readers.parse.xml import root_of
 from nvcore.schema import NO_TRACK
 
@@ -73,24 +74,25 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
                 declared=tuple(content.declared),
             )
         )
-        listed.append(_pictures(content, file, recording, frame))
+        pictures = content.owner_table.assign(recording=recording, frame=frame, file=file.name)
+        listed.append(pictures)
         findings += [*odd, *other_shapes(content, file, options)]
     pictures = pd.concat(listed, ignore_index=True)
     _check_doubles(pictures)
     ids = pictures["number"].to_numpy()
     if pictures["number"].duplicated().any():
         ids = np.arange(len(pictures))
-    sizes = pictures.groupby("recording", sort=False)[["width", "height"]]
-    rows = [
-        recording_row(str(name), width=size["width"], height=size["height"])
-        for name, size in sizes.first().iterrows()
-    ]
-    findings += _sizes_that_differ(pictures, sizes.transform("first"), options)
+    recordings, odd_sizes = recordings_with_sizes(
+        pictures,
+        options.role,
+        lambda row: (pictures["file"].iloc[row], f"line {pictures['line'].iloc[row]}: "),
+    )
+    findings += odd_sizes
     return boxes_reading(
         tables,
         files,
         options,
-        recordings_table(rows),
+        recordings,
         pictures[["recording", "frame"]].assign(image_id=ids),
         facts=["recordings and frame numbers from the picture names"],
         findings=findings,
@@ -98,7 +100,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
 
 
 def _places(
-    content: CvatFile, file: SourceFile, options: ReadOptions
+    content: CvatContent, file: SourceFile, options: ReadOptions
 ) -> tuple[np.ndarray, np.ndarray, list[Finding]]:
     """Recording and frame of each picture."""
     known = options.recordings
@@ -123,24 +125,25 @@ def _places(
 
 
 def _places_by_id(
-    content: CvatFile, strange: Owner, fallback: str, file: SourceFile, options: ReadOptions
+    content: CvatContent, strange: Owner, fallback: str, file: SourceFile, options: ReadOptions
 ) -> tuple[np.ndarray, np.ndarray, list[Finding]]:
+    """Recording and the id, as the frame, of each picture; and the warning that says so."""
     n_strange = sum(recording_and_frame_of(owner.name) is None for owner in content.owners)
-    finding = oddity(
+    finding = warning(
         "picture-without-number",
         n_strange,
         "Names of pictures have no frame number: the ids of the pictures are taken as frames.",
         "Check that the pictures follow each other in time in the order of their ids.",
-        file.name,
-        options,
-        f"line {strange.line}: {strange.name[:60]}",
+        role=options.role,
+        file=file.name,
+        example=f"line {strange.line}: {strange.name[:60]}",
     )
     recordings = [_task_recording(content, owner, fallback) for owner in content.owners]
     frames = np.array([owner.number for owner in content.owners], dtype=np.int64)
     return object_array(recordings), frames, [finding]
 
 
-def _task_recording(content: CvatFile, owner: Owner, fallback: str) -> str:
+def _task_recording(content: CvatContent, owner: Owner, fallback: str) -> str:
     """The file's recording, or the task's where the file has several."""
     task = content.tasks.get(owner.task)
     if len(content.tasks) == 1 or task is None:
@@ -148,23 +151,8 @@ def _task_recording(content: CvatFile, owner: Owner, fallback: str) -> str:
     return f"{task.stated or 'task'}-{task.key}"
 
 
-def _pictures(
-    content: CvatFile, file: SourceFile, recording: np.ndarray, frame: np.ndarray
-) -> pd.DataFrame:
-    return pd.DataFrame(
-        {
-            "recording": recording,
-            "frame": frame,
-            "number": np.array([owner.number for owner in content.owners], dtype=np.int64),
-            "width": np.array([owner.width for owner in content.owners], dtype=float),
-            "height": np.array([owner.height for owner in content.owners], dtype=float),
-            "file": file.name,
-            "line": np.array([owner.line for owner in content.owners], dtype=np.int64),
-        }
-    )
-
-
 def _check_doubles(pictures: pd.DataFrame) -> None:
+    """Raise FormatError for the second picture of a frame."""
     double = pictures.duplicated(["recording", "frame"])
     if not double.any():
         return
@@ -180,31 +168,4 @@ def _check_doubles(pictures: pd.DataFrame) -> None:
     )
 
 
-def _sizes_that_differ(
-    pictures: pd.DataFrame, first: pd.DataFrame, options: ReadOptions
-) -> list[Finding]:
-    differs = ((pictures[["width", "height"]] != first) & first.notna()).any(axis=1)
-    if not differs.any():
-        return []
-    example = pictures[differs].iloc[0]
-    return [
-        oddity(
-            "picture-size",
-            int(differs.sum()),
-            "Pictures differ in size from the first of their recording, whose size is taken.",
-            "Give each size a recording of its own, or scale the boxes to one size.",
-            str(example["file"]),
-            options,
-            f"line {example['line']}: {example['width']:g} x {example['height']:g}",
-        )
-    ]
-
-
-FORMAT = Format(
-    name="cvat-images",
-    title="CVAT for images XML 1.1",
-    roles=("truth", "detections"),
-    suffixes=(".xml",),
-    recognise=recognise,
-    read=read,
-)
+FORMAT = Format("cvat-images", "CVAT for images XML 1.1", BOTH_ROLES, (".xml",), recognise, read)

@@ -8,21 +8,23 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-import pandas as pd
 
-from nvcore.errors import FormatError
-from nvcore.findings import Finding, Severity
+from nvcore.findings import Finding
 from nvcore.inputs.readers.base import (
+    BOTH_ROLES,
     Format,
+    Lines,
     Reading,
     ReadOptions,
     Role,
     SourceFile,
-    recording_row,
+    image_list,
+    object_array,
     recordings_table,
+    warning,
 )
-from nvcore.inputs.readers.cvat.boxes import CvatBoxes, boxes_reading, oddity, other_shapes
-from nvcore.inputs.readers.cvat.xml import CvatFile, Task, read_cvat
+from nvcore.inputs.readers.cvat.boxes import CvatBoxes, boxes_reading, other_shapes
+from nvcore.inputs.readers.cvat.xml import CvatContent, Task, read_cvat
 from nvcore.inputs.readers.meaning.names import recordings_of
 from nvcore.inputs.readers.parse.xml import root_of
 
@@ -164,15 +166,12 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         (number, task) for number, content in enumerate(contents) for task in content.tasks.values()
     ]
     names, facts = _recordings(files, contents, units, options)
-    rows, listed, findings = [], [], []
-    by_task: dict[tuple[int, str], str] = {}
-    for (number, task), name in zip(units, names, strict=True):
-        by_task[number, task.key] = name
-        rows.append(recording_row(name, width=task.width, height=task.height))
+    by_task = {(number, task.key): name for (number, task), name in zip(units, names, strict=True)}
+    tables, listed, findings = [], [], []
+    for number, task in units:
         frames, odd = _frames_of(task, files[number], options)
         findings += odd
-        listed.append(None if frames is None else (name, frames))
-    tables = []
+        listed += [] if frames is None else [frames]
     for number, (file, content) in enumerate(zip(files, contents, strict=True)):
         table, odd = _boxes_of(content, file, number, by_task, options)
         tables.append(table)
@@ -185,17 +184,20 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         *facts,
     ]
     images = None
-    if all(frames is not None for frames in listed):
-        images = _images([task_frames for task_frames in listed if task_frames is not None])
+    if len(listed) == len(units):
+        images = image_list(names, listed)
         facts.append("evaluated frames from the task's size, start and step")
-    return boxes_reading(
-        tables, files, options, recordings_table(rows), images, facts=facts, findings=findings
+    recordings = recordings_table(
+        names,
+        width=[task.width for _, task in units],
+        height=[task.height for _, task in units],
     )
+    return boxes_reading(tables, files, options, recordings, images, facts=facts, findings=findings)
 
 
 def _recordings(
     files: Sequence[SourceFile],
-    contents: Sequence[CvatFile],
+    contents: Sequence[CvatContent],
     units: Sequence[tuple[int, Task]],
     options: ReadOptions,
 ) -> tuple[list[str], list[str]]:
@@ -218,21 +220,18 @@ def _frames_of(
     """The task's frames, None where the file does not tell them."""
     n_frames = task.n_frames
     if n_frames is not None and n_frames > MAX_FRAMES:
-        raise FormatError(
-            f"expected a task of at most {MAX_FRAMES} frames, found {n_frames}",
-            file=file.name,
-            line=task.line,
+        raise file.fault(
+            f"expected a task of at most {MAX_FRAMES} frames, found {n_frames}", task.line
         )
     if task.is_contradictory:
         text = f"{task.size} frames, from {task.start} to {task.stop} by {task.step}"
-        finding = Finding(
-            severity=Severity.WARNING,
-            code="frame-count",
-            subject=options.role,
-            count=1,
-            message="Size, start, stop and step of the task do not agree: the evaluated frames "
-            "are not taken from them.",
-            advice="Give the evaluated frames with --frames.",
+        finding = warning(
+            "frame-count",
+            1,
+            "Size, start, stop and step of the task do not agree: the evaluated frames are not "
+            "taken from them.",
+            "Give the evaluated frames with --frames.",
+            role=options.role,
             file=file.name,
             example=f"line {task.line}: {text}",
         )
@@ -240,14 +239,6 @@ def _frames_of(
     if n_frames is None:
         return None, []
     return task.start + task.step * np.arange(n_frames, dtype=np.int64), []
-
-
-def _images(listed: Sequence[tuple[str, np.ndarray]]) -> pd.DataFrame:
-    frame = np.concatenate([frames for _, frames in listed])
-    recording = np.repeat(
-        np.array([name for name, _ in listed], dtype=object), [len(frames) for _, frames in listed]
-    )
-    return pd.DataFrame({"recording": recording, "frame": frame, "image_id": frame})
 
 
 @dataclass(frozen=True)
@@ -261,11 +252,11 @@ class _Rows:
     start: np.ndarray
     step: np.ndarray
     last: np.ndarray
-    line: np.ndarray
+    lines: Lines
 
 
 def _boxes_of(
-    content: CvatFile,
+    content: CvatContent,
     file: SourceFile,
     number: int,
     by_task: dict[tuple[int, str], str],
@@ -286,25 +277,24 @@ def _boxes_of(
         start=per_owner[:, 0].astype(np.int64),
         step=per_owner[:, 1].astype(np.int64),
         last=per_owner[:, 2],
-        line=columns["line"].astype(np.int64),
+        lines=Lines.of(file, columns["line"].astype(np.int64)),
     )
     try:
         filled = fill_between_keyframes(
             owner, rows.frame, rows.outside, rows.keyframe, rows.step, limit=MAX_FRAMES
         )
     except TooManyFramesError as error:
-        raise FormatError(
+        raise rows.lines.fault(
+            error.row,
             f"expected keyframes near each other, found a gap after frame "
             f"{rows.frame[error.row]} that would take more than {MAX_FRAMES} boxes to fill",
-            file=file.name,
-            line=int(rows.line[error.row]),
         ) from error
     findings = _findings(rows, filled, content, file, options)
     visible = ~rows.outside[filled.left]
     left = filled.left[visible]
     corners = np.column_stack([columns[name] for name in ("x0", "y0", "x1", "y1")])
-    recording = np.array([by_task[number, task.key] for task in tasks] + [None], dtype=object)
-    track = np.array([cvat_track.track for cvat_track in content.owners], dtype=np.int64)
+    recording = object_array([by_task[number, task.key] for task in tasks])
+    track = content.owner_table["track"].to_numpy()
     return CvatBoxes(
         recording=recording[owner[left]],
         frame=filled.frame[visible],
@@ -316,92 +306,78 @@ def _boxes_of(
         ignore=columns["ignore"][left] == 1,
         score=columns["score"][left],
         file=np.full(len(left), number),
-        line=rows.line[left],
+        line=rows.lines.line[left],
         declared=tuple(content.declared),
         n_filled=int((filled.share[visible] > 0).sum()),
     ), findings
 
 
-def _task_of(content: CvatFile, key: str, line: int, file: SourceFile) -> Task:
+def _task_of(content: CvatContent, key: str, line: int, file: SourceFile) -> Task:
     """Task of a track: the only one, or the one that it names."""
     if len(content.tasks) == 1:
         return next(iter(content.tasks.values()))
     if key not in content.tasks:
-        raise FormatError(
+        raise file.fault(
             f"expected one of the tasks {', '.join(list(content.tasks)[:10])} as task_id, "
             f"found {key[:60]!r}",
-            file=file.name,
-            line=line,
+            line,
         )
     return content.tasks[key]
 
 
 def _findings(
-    rows: _Rows, filled: Filled, content: CvatFile, file: SourceFile, options: ReadOptions
+    rows: _Rows, filled: Filled, content: CvatContent, file: SourceFile, options: ReadOptions
 ) -> list[Finding]:
     """Frames beside the step, gaps that were not filled, tracks without an end, ids used twice."""
-
-    def found(code: str, which: np.ndarray, message: str, advice: str) -> list[Finding]:
-        if not len(which):
-            return []
-        row = int(which[0])
-        example = f"line {rows.line[row]}: track {track[row]}, frame {rows.frame[row]}"
-        return [oddity(code, len(which), message, advice, file.name, options, example)]
-
-    track = np.array([owner.track for owner in content.owners], dtype=np.int64)[rows.owner]
-    beside = ~rows.outside & ((rows.frame - rows.start) % rows.step != 0)
+    owners = content.owner_table
+    track = owners["track"].to_numpy()
     order = np.lexsort((rows.frame, rows.owner))
-    is_last = np.append(np.diff(rows.owner[order]) != 0, [True] * bool(len(order)))
-    last = order[is_last.astype(bool)]
+    last = order[np.flatnonzero(np.diff(rows.owner[order], append=-1))]
+    is_endless = np.zeros(len(order), dtype=bool)
     # CVAT writes no end for a box in one of the last two frames
-    endless = ~rows.outside[last] & (rows.frame[last] < rows.last[last] - rows.step[last])
-    ids = pd.Series([owner.track for owner in content.owners], dtype=np.int64)
-    # a file of several tasks may number the tracks of each
-    tasks = pd.Series([owner.task for owner in content.owners], dtype=object)
-    doubles = np.flatnonzero(pd.DataFrame({"i": ids, "t": tasks})[ids >= 0].duplicated())
-    findings = [
-        *found(
+    is_endless[last] = rows.frame[last] < rows.last[last] - rows.step[last]
+    has_gap = np.isin(np.arange(len(order)), filled.gaps)
+    findings: list[Finding] = []
+    for is_odd, code, message, advice in (
+        (
+            ~rows.outside & ((rows.frame - rows.start) % rows.step != 0),
             "frame-beside-step",
-            np.flatnonzero(beside),
             "Boxes lie in frames that the task, by its start and step, does not have.",
             "Check that the boxes carry frame numbers of the video, not of the task.",
         ),
-        *found(
+        (
+            has_gap,
             "track-with-gap",
-            np.sort(filled.gaps),
             "Tracks miss frames beside boxes that are no keyframes; nothing was filled in (CVAT "
             "leaves out deleted frames).",
             "If the frames were deleted, leave them out of the evaluated frames (--frames).",
         ),
-        *found(
+        (
+            ~rows.outside & is_endless,
             "track-without-end",
-            last[endless],
             "Tracks stop before the last frame without a box marked outside; CVAT itself shows "
             "such a box up to the last frame, here the track ends with its last box.",
             "Mark the end of the tracks in CVAT, or export the task again.",
         ),
-    ]
-    if len(doubles):
-        where = content.owners[int(doubles[0])]
-        findings.append(
-            oddity(
-                "track-id-twice",
-                len(doubles),
-                "Several tracks have the same id and count as one.",
-                "Give every track an id of its own.",
-                file.name,
-                options,
-                f"line {where.line}: track {where.track}",
-            )
+    ):
+        findings += rows.lines.finding(
+            is_odd,
+            code,
+            message,
+            advice,
+            role=options.role,
+            example=lambda row: f"track {track[rows.owner[row]]}, frame {rows.frame[row]}",
         )
-    return findings
+    # a file of several tasks may number the tracks of each
+    is_double = owners.duplicated(["track", "task"]).to_numpy() & (track >= 0)
+    return findings + Lines.of(file, owners["line"].to_numpy()).finding(
+        is_double,
+        "track-id-twice",
+        "Several tracks have the same id and count as one.",
+        "Give every track an id of its own.",
+        role=options.role,
+        example=lambda owner: f"track {track[owner]}",
+    )
 
 
-FORMAT = Format(
-    name="cvat-video",
-    title="CVAT for video XML 1.1",
-    roles=("truth", "detections"),
-    suffixes=(".xml",),
-    recognise=recognise,
-    read=read,
-)
+FORMAT = Format("cvat-video", "CVAT for video XML 1.1", BOTH_ROLES, (".xml",), recognise, read)

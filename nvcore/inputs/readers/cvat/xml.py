@@ -1,15 +1,15 @@
-"""What a CVAT XML file says, as columns; see `cvat_boxes` for what is made of it."""
+"""What a CVAT XML file says, as columns; see `boxes` for what is made of it."""
 
 from __future__ import annotations
 
 import re
 from array import array
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Final
 
 import numpy as np
+import pandas as pd
 
-from nvcore.errors import FormatError
 from nvcore.inputs.readers.base import SourceFile, object_array
 from nvcore.inputs.readers.parse.xml import (
     Element,
@@ -30,6 +30,7 @@ _COLUMNS = (
     *("owner", "frame", "x0", "y0", "x1", "y1", "rotation"),
     *("outside", "occluded", "keyframe", "ignore", "score", "line"),
 )
+_TEXT_FACTS = {"id": "key", "name": "name", "source": "source"}
 _FRAME_FACTS = {"size": "size", "start_frame": "start", "stop_frame": "stop"}
 _TASK = re.compile(r"annotations/meta/(?:task|job|project/tasks/task)(?:/(?P<fact>.*))?")
 _STEP = re.compile(r"\s*(?:step\s*=\s*(?P<step>[0-9]{1,9})\s*)?")
@@ -121,7 +122,7 @@ class Owner:
 
 
 @dataclass
-class CvatFile:
+class CvatContent:
     """Content of one file.
 
     Attributes
@@ -148,6 +149,13 @@ class CvatFile:
     other_shapes: list[tuple[str, str, int]] = field(default_factory=list)
     declared: list[str] = field(default_factory=list)
 
+    @property
+    def owner_table(self) -> pd.DataFrame:
+        """The owners, one row each, with the fields of `Owner` as columns."""
+        table = pd.DataFrame(self.owners, columns=[spec.name for spec in fields(Owner)])
+        numbers = dict.fromkeys(("line", "track", "number"), np.int64)
+        return table.astype({**numbers, "width": float, "height": float})
+
 
 class _Parser:
     """Collects the elements of one file."""
@@ -155,7 +163,7 @@ class _Parser:
     def __init__(self, file: SourceFile, kind: str):
         self.file = file
         self.kind = kind
-        self.content = CvatFile()
+        self.content = CvatContent()
         self.values = array("d")
         self.labels: list[str] = []
         self.task: Task | None = None
@@ -179,11 +187,10 @@ class _Parser:
         elif path == "annotations/image" or path == "annotations/track":
             if path != f"annotations/{self.kind}":
                 other = "cvat-images" if self.kind == "track" else "cvat-video"
-                raise FormatError(
+                raise self.file.fault(
                     f"expected <{self.kind}>, found <{element.tag}>: the file is {other}; give "
                     "that as its format",
-                    file=self.file.name,
-                    line=element.line,
+                    element.line,
                 )
             if element is not self.owner:
                 self.add_owner(element)
@@ -269,11 +276,7 @@ class _Parser:
         """An attribute that must be there."""
         text = element.attributes.get(name)
         if text is None:
-            raise FormatError(
-                f"expected a {name} in <{element.tag}>, found none",
-                file=self.file.name,
-                line=element.line,
-            )
+            raise self.file.fault(f"expected a {name} in <{element.tag}>, found none", element.line)
         return text.strip()
 
     def take_meta(self, element: Element) -> None:
@@ -298,36 +301,24 @@ class _Parser:
 
     def take_fact(self, task: Task, fact: str, element: Element) -> None:
         text = element.text
-        if fact == "id":
-            task.key = text
-        elif fact == "name":
-            task.name = text
-        elif fact == "source":
-            task.source = text
+        if fact in _TEXT_FACTS:
+            setattr(task, _TEXT_FACTS[fact], text)
         elif fact == "frame_filter":
             match = _STEP.fullmatch(text)
             if match is None or (match["step"] is not None and int(match["step"]) == 0):
-                raise FormatError(
-                    f"expected a frame filter such as step=5, found {text[:60]!r}",
-                    file=self.file.name,
-                    line=element.line,
+                raise self.file.fault(
+                    f"expected a frame filter such as step=5, found {text[:60]!r}", element.line
                 )
             task.step = int(match["step"] or 1)
-        elif fact == "original_size/width":
-            task.width = number(text, "width", self.file, element.line)
-        elif fact == "original_size/height":
-            task.height = number(text, "height", self.file, element.line)
+        elif fact in ("original_size/width", "original_size/height"):
+            setattr(task, element.tag, number(text, element.tag, self.file, element.line))
         elif fact in _FRAME_FACTS and text:
             value = whole_number(text, fact, self.file, element.line)
             if value < 0:
-                raise FormatError(
-                    f"expected {fact} of 0 or more, found {value}",
-                    file=self.file.name,
-                    line=element.line,
-                )
+                raise self.file.fault(f"expected {fact} of 0 or more, found {value}", element.line)
             setattr(task, _FRAME_FACTS[fact], value)
 
-    def finish(self) -> CvatFile:
+    def finish(self) -> CvatContent:
         table = np.frombuffer(self.values, dtype=np.float64).reshape(-1, len(_COLUMNS))
         self.content.columns = {name: table[:, i].copy() for i, name in enumerate(_COLUMNS)}
         self.content.label = object_array(self.labels)
@@ -340,7 +331,7 @@ class _Parser:
         return self.content
 
 
-def read_cvat(file: SourceFile, *, kind: str) -> CvatFile:
+def read_cvat(file: SourceFile, *, kind: str) -> CvatContent:
     """Content of a CVAT file.
 
     Parameters

@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from nvcore.errors import FormatError
 from nvcore.findings import Finding
 from nvcore.inputs.readers.base import (
     Format,
@@ -15,14 +14,16 @@ from nvcore.inputs.readers.base import (
     ReadOptions,
     Role,
     SourceFile,
-    reading_boxes,
-    recording_row,
+    boxes_at,
+    conversion_text,
+    object_array,
     recordings_table,
 )
-from nvcore.inputs.readers.kitti.label import CORNERS, DISTANCE, corner_columns, distance_of
+from nvcore.inputs.readers.kitti.label import CORNERS, DISTANCE, box_of_corners, distance_of
 from nvcore.inputs.readers.meaning.classes import ClassRule, choose_classes
 from nvcore.inputs.readers.meaning.names import recordings_of
 from nvcore.inputs.readers.parse.text import (
+    Layout,
     NumberTable,
     are_numbers,
     is_whole,
@@ -33,7 +34,9 @@ from nvcore.inputs.readers.parse.text import (
     whole_numbers,
 )
 
-WHAT = "frame,x1,y1,x2,y2,score or frame,type,x1,y1,x2,y2,score,h,w,l,X,Y,Z,ry,alpha"
+LAYOUT = Layout(
+    (6, 15), "frame,x1,y1,x2,y2,score or frame,type,x1,y1,x2,y2,score,h,w,l,X,Y,Z,ry,alpha"
+)
 TYPES = {1: "Pedestrian", 2: "Car", 3: "Cyclist"}
 """Type numbers of the 15-column layout."""
 RULE = ClassRule(counted=("Pedestrian",), ignored=(), left_out=("Car", "Cyclist"))
@@ -58,10 +61,8 @@ def recognise(name: str, head: str, role: Role) -> bool:
         return False
     if n_columns == 15:
         return True
-    left, top, right, bottom = np.array(
-        [[number_of(field) for field in row[1:5]] for row in rows], dtype=float
-    ).T
-    return _first_without_corners(left, top, right, bottom) is None
+    edges = np.array([[number_of(field) for field in row[1:5]] for row in rows], dtype=float)
+    return _first_without_corners(*edges.T) is None
 
 
 def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
@@ -79,16 +80,11 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     """
     names, assumed = recordings_of([file.name for file in files], options.recordings)
     facts = ["frame numbers kept (0-based)", CORNERS]
-    tables = [read_numbers(file, n_columns=(6, 15), what=WHAT) for file in files]
-    for source, part in zip(files, tables, strict=True):
-        _check(source, part)
-    frame = np.concatenate(
-        [
-            whole_numbers(t.columns[0], f, t.line, "frame")
-            for f, t in zip(files, tables, strict=True)
-        ]
-    )
-    table, file = stacked(tables)
+    tables = [read_numbers(file, LAYOUT) for file in files]
+    for part in tables:
+        _check(part)
+    table = stacked(tables)
+    frame = whole_numbers(table.columns[0], table.lines, "frame")
     is_long = _is_long(table)
     # the long layout has the type between frame and corners
     left, top, right, bottom, score = (
@@ -98,32 +94,24 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     findings: tuple[Finding, ...] = ()
     if is_long.any():
         named = replace(options, classes=_class_names(options.classes))
-        choice = choose_classes(
-            _type_names(np.where(is_long, table.columns[1], 1)),
-            RULE,
-            named,
-            files=files,
-            file=file,
-            line=table.line,
-        )
+        label = _type_names(np.where(is_long, table.columns[1], 1))
+        choice = choose_classes(label, RULE, named, table.lines)
         keep, findings = choice.keep, choice.findings
         facts += [DISTANCE, choice.fact]
     elif len(table):
         facts.append("columns 2 to 5 taken for corners (x2 > x1 and y2 > y1 in every row)")
-    boxes = reading_boxes(
-        len(table),
-        recording=np.array(names, dtype=object)[file],
-        frame=frame,
-        **corner_columns(left, top, right, bottom),
-        score=score,
-        distance_m=distance_of(table.columns[12]),
-        file=file,
-        line=table.line,
-    )
     return Reading(
-        boxes=boxes[keep].reset_index(drop=True),
-        recordings=recordings_table([recording_row(name) for name in names]),
-        conversion="; ".join([*facts, *assumed]),
+        boxes=boxes_at(
+            table.lines,
+            box_of_corners(left, top, right, bottom),
+            keep=keep,
+            recording=object_array(names)[table.lines.file],
+            frame=frame,
+            score=score,
+            distance_m=distance_of(table.columns[12]),
+        ),
+        recordings=recordings_table(names),
+        conversion=conversion_text([*facts, *assumed]),
         findings=findings,
     )
 
@@ -133,29 +121,28 @@ def _is_long(table: NumberTable) -> np.ndarray:
     return np.asarray(~np.isnan(np.stack(table.columns[6:])).all(axis=0))
 
 
-def _check(file: SourceFile, table: NumberTable) -> None:
+def _check(table: NumberTable) -> None:
     """Raise FormatError for a file that mixes the layouts or whose 6 columns are no corners."""
     is_long = _is_long(table)
     if not len(table):
         return
     if is_long.any():
         if not is_long.all():
-            raise FormatError(
-                f"expected the same number of columns in all rows, found both 6 and 15 ({WHAT})",
-                file=file.name,
-                line=int(table.line[np.argmax(is_long != is_long[0])]),
+            raise table.lines.fault(
+                np.argmax(is_long != is_long[0]),
+                "expected the same number of columns in all rows, found both 6 and 15 "
+                f"({LAYOUT.what})",
             )
-        whole_numbers(table.columns[1], file, table.line, "type")
+        whole_numbers(table.columns[1], table.lines, "type")
         return
-    left, top, right, bottom = table.columns[1:5]
-    first = _first_without_corners(left, top, right, bottom)
+    edges = table.columns[1:5]
+    first = _first_without_corners(*edges)
     if first is not None:
-        edges = ",".join(f"{column[first]:g}" for column in (left, top, right, bottom))
-        raise FormatError(
-            f"expected corners x1,y1,x2,y2 with x2 > x1 and y2 > y1, found {edges}; if the columns "
-            "are x,y,w,h, the format is kaist-results",
-            file=file.name,
-            line=int(table.line[first]),
+        raise table.lines.fault(
+            first,
+            "expected corners x1,y1,x2,y2 with x2 > x1 and y2 > y1, found "
+            f"{','.join(f'{edge[first]:g}' for edge in edges)}; if the columns are x,y,w,h, the "
+            "format is kaist-results",
         )
 
 
@@ -169,8 +156,9 @@ def _first_without_corners(
 
 
 def _type_names(types: np.ndarray) -> np.ndarray:
+    """Name of each row's type, its number where it has none."""
     numbers, rows = np.unique(types.astype(np.int64), return_inverse=True)
-    return np.array([TYPES.get(int(n), str(n)) for n in numbers], dtype=object)[rows]
+    return object_array([TYPES.get(int(n), str(n)) for n in numbers])[rows]
 
 
 def _class_names(classes: tuple[str, ...] | None) -> tuple[str, ...] | None:
@@ -181,10 +169,10 @@ def _class_names(classes: tuple[str, ...] | None) -> tuple[str, ...] | None:
 
 
 FORMAT = Format(
-    name="kitti-detections",
-    title="KITTI detections, comma-separated",
-    roles=("detections",),
-    suffixes=(".txt", ".csv"),
-    recognise=recognise,
-    read=read,
+    "kitti-detections",
+    "KITTI detections, comma-separated",
+    ("detections",),
+    (".txt", ".csv"),
+    recognise,
+    read,
 )

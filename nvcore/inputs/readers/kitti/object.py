@@ -5,26 +5,26 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from nvcore.inputs.readers.base import (
+    BOTH_ROLES,
     Format,
     Reading,
     ReadOptions,
     Role,
     SourceFile,
-    recording_row,
+    conversion_text,
     recordings_table,
 )
 from nvcore.inputs.readers.kitti.label import FIELDS, label_boxes
 from nvcore.inputs.readers.meaning.names import listed_frames
-from nvcore.inputs.readers.parse.text import are_numbers, read_numbers, rows_of_text, stacked
+from nvcore.inputs.readers.parse.text import Layout, read_numbers, stacked
+
+LAYOUT = Layout((15, 16), FIELDS, delimiter=" ", label_at=0)
 
 
 def recognise(name: str, head: str, role: Role) -> bool:
     """Whether the rows have 15 or 16 fields: a type and numbers."""
     del name, role
-    rows = rows_of_text(head, delimiter=" ")[:20]
-    return bool(rows) and all(
-        len(row) in (15, 16) and not are_numbers(row[:1]) and are_numbers(row[1:]) for row in rows
-    )
+    return LAYOUT.fits(head)
 
 
 def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
@@ -42,35 +42,15 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         With file and line of the first row that is not KITTI object.
     """
     images = listed_frames(files, options)
-    names = images["recording"].to_numpy()
-    table, file = stacked(
-        [
-            read_numbers(frame_file, n_columns=(15, 16), delimiter=" ", what=FIELDS, label_at=0)
-            for frame_file in files
-        ]
-    )
-    boxes, choice, facts = label_boxes(
-        table,
-        options,
-        files=files,
-        file=file,
-        recording=names[file],
-        frame=images["frame"].to_numpy()[file],
-    )
+    table = stacked([read_numbers(file, LAYOUT) for file in files])
+    boxes, choice, facts = label_boxes(table, images.iloc[table.lines.file], options)
     return Reading(
         boxes=boxes,
-        recordings=recordings_table([recording_row(name) for name in dict.fromkeys(names)]),
-        conversion="; ".join(["frame numbers from the file names", *facts]),
+        recordings=recordings_table(images["recording"]),
+        conversion=conversion_text(["frame numbers from the file names", *facts]),
         images=images.sort_values("image_id", ignore_index=True),
         findings=choice.findings,
     )
 
 
-FORMAT = Format(
-    name="kitti-object",
-    title="KITTI object",
-    roles=("truth", "detections"),
-    suffixes=(".txt",),
-    recognise=recognise,
-    read=read,
-)
+FORMAT = Format("kitti-object", "KITTI object", BOTH_ROLES, (".txt",), recognise, read)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -11,7 +10,7 @@ import pandas as pd
 
 from nvcore.errors import InputError
 from nvcore.findings import Finding
-from nvcore.inputs.readers.base import ReadOptions, SourceFile, rows_finding
+from nvcore.inputs.readers.base import Lines, ReadOptions
 
 _MAX_NAMED: Final = 8
 """Most labels that a conversion text names."""
@@ -64,13 +63,7 @@ class ClassChoice:
 
 
 def choose_classes(
-    label: np.ndarray,
-    rule: ClassRule,
-    options: ReadOptions,
-    *,
-    files: Sequence[SourceFile],
-    file: np.ndarray,
-    line: np.ndarray,
+    label: np.ndarray, rule: ClassRule, options: ReadOptions, lines: Lines
 ) -> ClassChoice:
     """Sort rows by their class into counted, ignored (in truth only) and left out.
 
@@ -82,10 +75,8 @@ def choose_classes(
         The format's classes.
     options
         `classes` and `role` are used.
-    files
-        The files of the reading, for errors and findings.
-    file, line
-        Index of the file and 1-based line of each row, shape (n,).
+    lines
+        Where the rows stand, for errors and findings.
 
     Raises
     ------
@@ -106,7 +97,7 @@ def choose_classes(
                 raise InputError(
                     f"there is no class {name!r}; the classes are {', '.join(rule.known)}"
                     + (f", the files also have {', '.join(others)}" if others else ""),
-                    file=files[0].name if files else None,
+                    file=lines.files[0].name if lines.files else None,
                 )
     neutral = {name.casefold() for name in rule.ignored} - wanted
     if options.role == "detections":
@@ -118,28 +109,24 @@ def choose_classes(
     ignored = [name for name in rule.ignored if name.casefold() in neutral]
     if ignored:
         fact += f"; {', '.join(ignored)} ignored"
-
-    def place(row: int) -> tuple[str, str]:
-        return files[file[row]].name, f"line {line[row]}: {label[row]}"
-
     is_strange = np.array([str(n).casefold() not in known | wanted for n in classes], bool)[codes]
-    findings = rows_finding(
+    findings = lines.finding(
         is_strange,
         "unknown-class",
         "Rows of classes that the format does not have were left out: "
         f"{', '.join(sorted({str(name) for name in label[is_strange]}))}.",
         "If one of them is a pedestrian, name it as a class that counts (--classes).",
         role=options.role,
-        place=place,
+        example=lambda row: str(label[row]),
     )
-    findings += rows_finding(
+    findings += lines.finding(
         np.full(len(label), not is_wanted.any()),
         "no-counted-class",
         f"No row is of a class that counts ({', '.join(counted)}); found "
         f"{', '.join(sorted(str(name) for name in classes))}.",
         "Name the classes that are pedestrians (--classes).",
         role=options.role,
-        place=place,
+        example=lambda row: str(label[row]),
     )
     return ClassChoice(
         keep=is_wanted | is_neutral,

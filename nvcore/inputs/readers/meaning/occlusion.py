@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from nvcore.findings import Finding
-from nvcore.inputs.readers.base import Role, SourceFile, rows_finding
+from nvcore.inputs.readers.base import Lines, Role
 from nvcore.schema import UNKNOWN_OCCLUSION
 
 PARTIAL_OCCLUSION: Final = 0.35
@@ -28,13 +28,13 @@ def levels_of_numbers(values: np.ndarray) -> np.ndarray:
     return np.where(known, values, UNKNOWN_OCCLUSION).astype(np.int8)
 
 
-def odd_levels(values: np.ndarray, file: SourceFile, line: np.ndarray, role: Role) -> list[Finding]:
+def odd_levels(values: np.ndarray, lines: Lines, role: Role) -> list[Finding]:
     """Finding about numbers that are no level: neither 0, 1, 2, nor -1 or NaN for unknown."""
-    return rows_finding(
+    return lines.finding(
         ~(np.isin(values, (0.0, 1.0, 2.0, -1.0)) | np.isnan(values)),
         "unknown-occlusion",
         "Levels of occlusion other than 0 (none), 1 (partial), 2 (heavy) are taken as unknown.",
         "Write the level as 0, 1 or 2, or leave it empty.",
         role=role,
-        place=lambda row: (file.name, f"line {line[row]}: {values[row]:g}"),
+        example=lambda row: f"{values[row]:g}",
     )

@@ -34,36 +34,37 @@ def read_json(file: SourceFile) -> object:
     try:
         document: object = json.loads(text)
     except json.JSONDecodeError as error:
-        raise FormatError(
+        raise file.fault(
             f"expected JSON: {error.msg} (column {error.colno}); is the file complete?",
-            file=file.name,
-            line=error.lineno,
+            error.lineno,
         ) from error
     except (RecursionError, ValueError) as error:
         # ValueError: a whole number of more than 4300 digits
-        raise FormatError(
+        raise file.fault(
             "expected JSON with lists and numbers of sensible size, found nesting or a number "
-            "without end",
-            file=file.name,
+            "without end"
         ) from error
     if _SURROGATE.search(text) is not None:
         try:
             json.dumps(document, ensure_ascii=False).encode()
         except UnicodeEncodeError as error:
-            raise FormatError(
-                r"expected Unicode text, found half a character (\ud800 to \udfff)", file=file.name
+            raise file.fault(
+                r"expected Unicode text, found half a character (\ud800 to \udfff)"
             ) from error
     return document
 
 
 def short_json(value: object) -> str:
     """A value of a JSON file as short text, for errors."""
-    text = (
-        json.dumps(value)
-        if value is None or isinstance(value, (bool, dict, list))
-        else f"{value!r}"
-    )
-    return shortened(text, 60)
+    is_json = value is None or isinstance(value, (bool, dict, list))
+    return shortened(json.dumps(value) if is_json else repr(value), 60)
+
+
+def first_other(values: Sequence[object], allowed: set[type]) -> int | None:
+    """Index of the first value that is of none of these types."""
+    if set(map(type, values)) <= allowed:
+        return None
+    return next(i for i, value in enumerate(values) if type(value) not in allowed)
 
 
 class Records:
@@ -92,14 +93,9 @@ class Records:
         self.key = key
         if not isinstance(rows, list):
             where = f'"{key}"' if key else "the file"
-            raise FormatError(
-                f"expected {where} to be a list of {what}s, found {short_json(rows)}",
-                file=file.name,
-            )
+            raise file.fault(f"expected {where} to be a list of {what}s, found {short_json(rows)}")
         self.rows: list[dict[str, object]] = rows
-        if not set(map(type, rows)) <= {dict}:
-            first = next(i for i, row in enumerate(rows) if not isinstance(row, dict))
-            raise self.error(first, f"expected an object {{...}}, found {short_json(rows[first])}")
+        self.check_types(rows, {dict}, "an object {...}")
 
     def __len__(self) -> int:
         return len(self.rows)
@@ -107,11 +103,13 @@ class Records:
     def error(self, index: int, message: str) -> FormatError:
         """Error about one record, to be raised."""
         line = _line_of_record(read_text(self.file), self.key, index)
-        return FormatError(
-            f"{self.what} {index + 1} of {len(self.rows)}: {message}",
-            file=self.file.name,
-            line=line,
-        )
+        return self.file.fault(f"{self.what} {index + 1} of {len(self.rows)}: {message}", line)
+
+    def check_types(self, values: Sequence[object], allowed: set[type], expected: str) -> None:
+        """Raise FormatError for the first record whose value is of none of these types."""
+        first = first_other(values, allowed)
+        if first is not None:
+            raise self.error(first, f"expected {expected}, found {short_json(values[first])}")
 
     @cached_property
     def _layers(self) -> list[tuple[list[dict[str, object]], set[str]]]:
@@ -149,7 +147,7 @@ class Records:
         values = self.values(*keys)
         if values is None:
             return None
-        self._check_types(values, {int, float, type(None)}, keys[0], "a number")
+        self.check_types(values, {int, float, type(None)}, f'a number as "{keys[0]}"')
         return self.to_floats(values, keys[0])
 
     def flags(self, *keys: str) -> np.ndarray:
@@ -158,50 +156,36 @@ class Records:
         for key in keys:
             values = self.values(key)
             if values is not None:
-                self._check_types(values, {int, float, bool, type(None)}, key, "0 or 1")
+                self.check_types(values, {int, float, bool, type(None)}, f'0 or 1 as "{key}"')
                 is_set |= np.fromiter((bool(value) for value in values), bool, len(values))
         return is_set
 
     def boxes(self) -> np.ndarray:
         """``bbox`` of every record as float64 of shape (n, 4): x, y, w, h."""
         values = self.required("bbox")
-        if not set(map(type, values)) <= {list}:
-            first = next(i for i, value in enumerate(values) if not isinstance(value, list))
-            raise self.error(
-                first, f"expected bbox [x, y, width, height], found {short_json(values[first])}"
-            )
+        expected = "bbox [x, y, width, height]"
+        self.check_types(values, {list}, expected)
         boxes: list[list[object]] = values  # type: ignore[assignment]
         if not set(map(len, boxes)) <= {4}:
             first = next(i for i, box in enumerate(boxes) if len(box) != 4)
+            box = boxes[first]
             raise self.error(
-                first,
-                f"expected bbox [x, y, width, height], found {len(boxes[first])} values: "
-                f"{short_json(boxes[first])}",
+                first, f"expected {expected}, found {len(box)} values: {short_json(box)}"
             )
         flat = list(chain.from_iterable(boxes))
-        if not set(map(type, flat)) <= {int, float}:
-            first = next(i for i, value in enumerate(flat) if type(value) not in {int, float})
-            raise self.error(
-                first // 4, f"expected four numbers as bbox, found {short_json(boxes[first // 4])}"
-            )
+        wrong = first_other(flat, {int, float})
+        if wrong is not None:
+            box = boxes[wrong // 4]
+            raise self.error(wrong // 4, f"expected four numbers as bbox, found {short_json(box)}")
         return self.to_floats(flat, "bbox").reshape(-1, 4)
-
-    def _check_types(
-        self, values: Sequence[object], allowed: set[type], key: str, expected: str
-    ) -> None:
-        if not set(map(type, values)) <= allowed:
-            first = next(i for i, value in enumerate(values) if type(value) not in allowed)
-            raise self.error(
-                first, f'expected {expected} as "{key}", found {short_json(values[first])}'
-            )
 
     def to_floats(self, values: list[object], key: str) -> np.ndarray:
         """Numbers of a field as float64, None as NaN."""
         try:
             return np.array(values, dtype=float)
         except OverflowError:
-            raise FormatError(
-                f'expected numbers below 1e308 as "{key}" of the {self.what}s', file=self.file.name
+            raise self.file.fault(
+                f'expected numbers below 1e308 as "{key}" of the {self.what}s'
             ) from None
 
 

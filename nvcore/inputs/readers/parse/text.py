@@ -9,9 +9,9 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.csv
 
-from nvcore.errors import FormatError, InputError
+from nvcore.errors import InputError
 from nvcore.file_kinds import binary_kind
-from nvcore.inputs.readers.base import SourceFile
+from nvcore.inputs.readers.base import Lines, SourceFile
 from nvcore.wording import shortened
 
 MAX_INTEGER = 2.0**53
@@ -55,79 +55,91 @@ def _decode(content: bytes, file: SourceFile) -> str:
     except UnicodeDecodeError as error:
         kind = binary_kind(content)
         if kind is not None:
-            raise FormatError(f"expected UTF-8 text, found {kind}", file=file.name) from error
+            raise file.fault(f"expected UTF-8 text, found {kind}") from error
         # the codec counts from behind the byte order mark
         before, wrong = error.object[: error.start], error.object[error.start]
-        raise FormatError(
+        raise file.fault(
             f"expected UTF-8 text, found byte 0x{wrong:02x}; is it another kind of file?",
-            file=file.name,
-            line=before.count(b"\n") + 1,
+            before.count(b"\n") + 1,
         ) from error
 
 
 @dataclass(frozen=True)
 class NumberTable:
-    """A table of numbers from a text file.
+    """A table of numbers from text files.
 
     Attributes
     ----------
     columns
         One float64 array of shape (n,) per column that is a number; empty fields and columns that
         a row lacks are NaN.
-    line
-        1-based line of each row, int64, shape (n,).
+    lines
+        Where each row stands.
     label
-        The column of text, object, shape (n,), where one was asked for.
+        The column of text, object, shape (n,), where the layout has one.
     """
 
     columns: list[np.ndarray]
-    line: np.ndarray
+    lines: Lines
     label: np.ndarray | None = None
 
     def __len__(self) -> int:
-        return len(self.line)
+        return len(self.lines)
 
 
 @dataclass(frozen=True)
-class _Layout:
-    """How the rows of a file look; see `read_numbers`."""
+class Layout:
+    """How the rows of a text file without header look.
+
+    Attributes
+    ----------
+    n_columns
+        Allowed numbers of columns.
+    what
+        What the fields are, for errors: "frame,id,left,top,width,height,...".
+    delimiter
+        ``","`` or ``" "`` (any white space).
+    label_at
+        Position (0-based) of the one column that is text.
+    whole
+        Columns whose whole numbers tell this format from others.
+    comment
+        Lines that begin with this are passed over; empty: there are no comments.
+    """
 
     n_columns: tuple[int, ...]
-    delimiter: str
     what: str
-    label_at: int | None
-    comment: str
+    delimiter: str = ","
+    label_at: int | None = None
+    whole: tuple[int, ...] = ()
+    comment: str = ""
 
     @property
     def n_numbers(self) -> int:
+        """Columns that are numbers, in the longest rows."""
         return max(self.n_columns) - (self.label_at is not None)
 
+    def fits(self, head: str, *, n_rows: int = 20) -> bool:
+        """Whether the first rows of a file, of which there is at least one, look like this."""
+        rows = rows_of_text(head, delimiter=self.delimiter)[:n_rows]
+        return bool(rows) and all(map(self._is_row, rows))
 
-def read_numbers(
-    file: SourceFile,
-    *,
-    n_columns: Sequence[int],
-    delimiter: str = ",",
-    what: str,
-    label_at: int | None = None,
-    comment: str = "",
-) -> NumberTable:
+    def _is_row(self, fields: list[str]) -> bool:
+        """Whether the fields of a row are as many and of the kinds that they should be."""
+        if len(fields) not in self.n_columns or not all(is_whole(fields[i]) for i in self.whole):
+            return False
+        if self.label_at is None:
+            return are_numbers(fields)
+        before, behind = fields[: self.label_at], fields[self.label_at + 1 :]
+        return not are_numbers(fields[self.label_at : self.label_at + 1]) and are_numbers(
+            before + behind
+        )
+
+
+def read_numbers(file: SourceFile, layout: Layout) -> NumberTable:
     """Read a text file without header in which every field, but for one label, is a number.
 
-    Parameters
-    ----------
-    file
-        The file; empty lines are passed over, an empty file gives no rows.
-    n_columns
-        Allowed numbers of columns.
-    delimiter
-        ``","`` or ``" "`` (any white space).
-    what
-        What the fields are, for the error: "frame,id,left,top,width,height,...".
-    label_at
-        Position (0-based) of the one column that is text.
-    comment
-        Lines that begin with this are passed over; empty: there are no comments.
+    Empty lines are passed over, an empty file gives no rows.
 
     Raises
     ------
@@ -136,36 +148,43 @@ def read_numbers(
     FormatError
         With the first line that has another number of columns or a field that is no number.
     """
-    layout = _Layout(tuple(n_columns), delimiter, what, label_at, comment)
     content = read_bytes(file).removeprefix(b"\xef\xbb\xbf")
     if b"\r" in content:
         content = content.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
-    if len(content) >= _SMALL and not comment:
-        table = _fast(content, layout)
+    if len(content) >= _SMALL and not layout.comment:
+        table = _fast(content, file, layout)
         if table is not None:
             return table
     return _careful(_decode(content, file), file, layout)
 
 
-def stacked(tables: Sequence[NumberTable]) -> tuple[NumberTable, np.ndarray]:
-    """Rows of several files in one table, and the index of the file that each row is from.
+def stacked(tables: Sequence[NumberTable]) -> NumberTable:
+    """Rows of several files in one table.
+
+    Parameters
+    ----------
+    tables
+        Of one layout, each of a single file.
 
     Raises
     ------
     AssertionError
-        If there is no table; all must be of one layout.
+        If there is no table.
     """
     assert tables
-    file = np.repeat(np.arange(len(tables)), [len(table) for table in tables])
     if len(tables) == 1:
-        return tables[0], file
+        return tables[0]
+    lines = Lines(
+        [file for table in tables for file in table.lines.files],
+        np.repeat(np.arange(len(tables)), [len(table) for table in tables]),
+        np.concatenate([table.lines.line for table in tables]),
+    )
     columns = [np.concatenate(parts) for parts in zip(*(t.columns for t in tables), strict=True)]
     labels = [table.label for table in tables if table.label is not None]
-    label = np.concatenate(labels) if labels else None
-    return NumberTable(columns, np.concatenate([table.line for table in tables]), label), file
+    return NumberTable(columns, lines, np.concatenate(labels) if labels else None)
 
 
-def _fast(content: bytes, layout: _Layout) -> NumberTable | None:
+def _fast(content: bytes, file: SourceFile, layout: Layout) -> NumberTable | None:
     """The table by pyarrow, or None where the careful parser must look."""
     begin = len(content) - len(content.lstrip())
     end = content.find(b"\n", begin)
@@ -192,7 +211,7 @@ def _fast(content: bytes, layout: _Layout) -> NumberTable | None:
     label = None if layout.label_at is None else columns.pop(layout.label_at)
     missing = layout.n_numbers - len(columns)
     columns += [np.full(table.num_rows, np.nan) for _ in range(missing)]
-    return NumberTable(columns, _lines(content, table.num_rows), label)
+    return NumberTable(columns, Lines.of(file, _lines(content, table.num_rows)), label)
 
 
 def _lines(content: bytes, n_rows: int) -> np.ndarray:
@@ -203,7 +222,7 @@ def _lines(content: bytes, n_rows: int) -> np.ndarray:
     return np.flatnonzero(np.diff(ends, prepend=-1) > 1) + 1
 
 
-def _careful(text: str, file: SourceFile, layout: _Layout) -> NumberTable:
+def _careful(text: str, file: SourceFile, layout: Layout) -> NumberTable:
     """Row by row, for files with ragged rows, odd spacing or a fault to be named."""
     rows: list[list[float]] = []
     lines: list[int] = []
@@ -216,28 +235,25 @@ def _careful(text: str, file: SourceFile, layout: _Layout) -> NumberTable:
         fields = stripped.split() if layout.delimiter == " " else raw.split(layout.delimiter)
         if len(fields) not in layout.n_columns:
             expected = " or ".join(str(n) for n in layout.n_columns)
-            raise FormatError(
+            raise file.fault(
                 f"expected {expected} fields ({layout.what}), found {len(fields)}: "
                 f"{shortened(stripped, 60)!r}",
-                file=file.name,
-                line=number,
+                number,
             )
         if layout.label_at is not None:
             labels.append(fields.pop(layout.label_at).strip())
         row = [number_of(field) for field in fields]
         if None in row:
             wrong = fields[row.index(None)].strip()
-            raise FormatError(
-                f"expected numbers ({layout.what}), found {shortened(wrong, 60)!r}",
-                file=file.name,
-                line=number,
+            raise file.fault(
+                f"expected numbers ({layout.what}), found {shortened(wrong, 60)!r}", number
             )
         rows.append([*row, *[np.nan] * (layout.n_numbers - len(row))])  # type: ignore[list-item]
         lines.append(number)
     values = np.array(rows, dtype=float).reshape(len(rows), layout.n_numbers)
     return NumberTable(
         [values[:, i].copy() for i in range(layout.n_numbers)],
-        np.array(lines, np.int64),
+        Lines.of(file, np.array(lines, np.int64)),
         None if layout.label_at is None else np.array(labels, dtype=object),
     )
 
@@ -257,7 +273,7 @@ def number_of(field: str) -> float | None:
         return None
 
 
-def whole_numbers(values: np.ndarray, file: SourceFile, line: np.ndarray, what: str) -> np.ndarray:
+def whole_numbers(values: np.ndarray, lines: Lines, what: str) -> np.ndarray:
     """The values as int64.
 
     Raises
@@ -269,15 +285,11 @@ def whole_numbers(values: np.ndarray, file: SourceFile, line: np.ndarray, what: 
         bad = ~(np.abs(values) < MAX_INTEGER) | (values != np.floor(values))
     if bad.any():
         first = int(np.argmax(bad))
-        raise FormatError(
-            f"expected a whole number as {what}, found {values[first]:g}",
-            file=file.name,
-            line=int(line[first]),
-        )
+        raise lines.fault(first, f"expected a whole number as {what}, found {values[first]:g}")
     return values.astype(np.int64)
 
 
-def rows_of_text(head: str, *, delimiter: str = ",", comment: str = "") -> list[list[str]]:
+def rows_of_text(head: str, *, delimiter: str = ",") -> list[list[str]]:
     """Fields of the first lines of a file, for telling its format; a cut last line is left out.
 
     Parameters
@@ -285,17 +297,13 @@ def rows_of_text(head: str, *, delimiter: str = ",", comment: str = "") -> list[
     head
         Beginning of the file as text.
     delimiter
-        ``","`` or ``" "`` (any white space).
-    comment
-        Lines that begin with this are passed over.
+        See `Layout`.
     """
     lines = head.removeprefix("\ufeff").splitlines()
     if len(lines) > 1 and not head.endswith(("\n", "\r")):
         lines.pop()
-    lines = [line for line in lines if line.strip()]
-    if comment:
-        lines = [line for line in lines if not line.startswith(comment)]
-    return [line.split() if delimiter == " " else line.split(delimiter) for line in lines]
+    rows = (line for line in lines if line.strip())
+    return [row.split() if delimiter == " " else row.split(delimiter) for row in rows]
 
 
 def are_numbers(fields: Sequence[str]) -> bool:

@@ -11,7 +11,7 @@ from xml.etree.ElementTree import ParseError
 from defusedxml.common import DefusedXmlException
 from defusedxml.ElementTree import DefusedXMLParser
 
-from nvcore.errors import FormatError, InputError
+from nvcore.errors import InputError
 from nvcore.inputs.readers.base import SourceFile
 from nvcore.inputs.readers.parse.text import MAX_INTEGER
 
@@ -75,10 +75,8 @@ class _Collector:
     def start(self, tag: str, attributes: dict[str, str]) -> None:
         line = self.expat.CurrentLineNumber
         if len(self.open) == MAX_DEPTH:
-            raise FormatError(
-                f"expected annotations, found elements nested more than {MAX_DEPTH} deep",
-                file=self.file.name,
-                line=line,
+            raise self.file.fault(
+                f"expected annotations, found elements nested more than {MAX_DEPTH} deep", line
             )
         parent = self.open[-1] if self.open else None
         path = tag if parent is None else f"{parent.path}/{tag}"
@@ -123,31 +121,28 @@ def read_elements(file: SourceFile, *, root: str) -> Iterator[Element]:
             else:
                 parser.close()
         except ParseError as error:
-            raise FormatError(
+            raise file.fault(
                 f"expected XML, found a fault: {str(error).partition(': line')[0]}; is the file "
                 "complete?",
-                file=file.name,
-                line=error.position[0],
+                error.position[0],
             ) from error
         except DefusedXmlException as error:
-            raise FormatError(
+            raise file.fault(
                 "declares a DTD or entities, which annotations do not need and which are not "
                 "read: remove the DOCTYPE",
-                file=file.name,
-                line=collector.expat.CurrentLineNumber,
+                collector.expat.CurrentLineNumber,
             ) from error
         except (LookupError, ValueError) as error:  # encodings that expat cannot have
-            raise FormatError(
-                f"expected XML in UTF-8, found another encoding: {error}", file=file.name, line=1
+            raise file.fault(
+                f"expected XML in UTF-8, found another encoding: {error}", 1
             ) from error
         if not checked and (collector.closed or collector.open):
             checked = True
             first = collector.open[0] if collector.open else collector.closed[-1]
             if first.path != root:
-                raise FormatError(
+                raise file.fault(
                     f"expected <{root}> as the outermost element, found <{first.path[:60]}>",
-                    file=file.name,
-                    line=first.line,
+                    first.line,
                 )
         closed, collector.closed = collector.closed, []
         yield from closed
@@ -173,16 +168,14 @@ def number(text: str | None, what: str, file: SourceFile, line: int) -> float:
         If it is missing (None) or no number.
     """
     if text is None:
-        raise FormatError(f"expected {what}, found none", file=file.name, line=line)
+        raise file.fault(f"expected {what}, found none", line)
     try:
         if "_" not in text:  # Python's own notation, 1_000
             return float(text)
     except ValueError:
         if not text.strip():
             return float("nan")
-    raise FormatError(
-        f"expected a number as {what}, found {text[:60]!r}", file=file.name, line=line
-    )
+    raise file.fault(f"expected a number as {what}, found {text[:60]!r}", line)
 
 
 def whole_number(text: str | None, what: str, file: SourceFile, line: int) -> int:
@@ -195,11 +188,7 @@ def whole_number(text: str | None, what: str, file: SourceFile, line: int) -> in
     """
     value = number(text, what, file, line)
     if not (abs(value) < MAX_INTEGER and value == int(value)):
-        raise FormatError(
-            f"expected a whole number as {what}, found {str(text)[:60]!r}",
-            file=file.name,
-            line=line,
-        )
+        raise file.fault(f"expected a whole number as {what}, found {str(text)[:60]!r}", line)
     return int(value)
 
 
