@@ -10,9 +10,9 @@ from nvcore.findings import Finding
 from nvcore.inputs.convert import write, write_frame_lists
 from nvcore.inputs.evaluated_frames import LostFrames, frames_lost_without_list
 from nvcore.inputs.files import find_files
-from nvcore.inputs.load import read_source
+from nvcore.inputs.load import read_options, read_source
 from nvcore.inputs.readers import NOTHING
-from nvcore.inputs.readers.base import Format, Reading, ReadOptions, Role, SourceFile
+from nvcore.inputs.readers.base import Format, Reading, Role, SourceFile
 from nvcore.inputs.session import Source
 
 
@@ -112,7 +112,7 @@ def convert(
     images = None if of_truth is None else of_truth.images
     written = write(reading, to, target, role=kind, images=images, inputs=inputs, force=force)
     if lost is not None:
-        warnings += _lacking_size(reading) if to == "coco" else _lost(lost, to, frames_out)
+        warnings += _unknown_sizes(reading) if to == "coco" else _lost(lost, to, frames_out)
     lists: list[Path] = []
     if lost is not None and frames_out is not None:
         kept = [*inputs, *written]
@@ -141,6 +141,7 @@ def _files_of(source: Source, role: Role, *, is_guess: bool) -> tuple[list[Sourc
 
 
 def _are_detections(source: Source) -> bool:
+    """Whether the files are recognised as detections, and hold some."""
     try:
         return find_files(source, Path.cwd(), "detections")[1] is not NOTHING
     except InputError:
@@ -156,13 +157,7 @@ def _has_scores(
     """
     if "detections" not in chosen.roles:
         return False
-    options = ReadOptions(
-        role="detections",
-        classes=source.classes,
-        size=size,
-        frame_base=source.frame_base,
-        box_base=source.box_base,
-    )
+    options = read_options(source, "detections", size, None)
     try:
         scores = chosen.read(files, options).boxes["score"].dropna()
     except InputError:  # what is wrong is told when they are read as ground truth
@@ -188,7 +183,8 @@ def _with_size(reading: Reading, size: tuple[int, int] | None) -> tuple[Reading,
     return replace(reading, recordings=table), warnings
 
 
-def _lacking_size(reading: Reading) -> list[str]:
+def _unknown_sizes(reading: Reading) -> list[str]:
+    """A warning about recordings whose size is not known, if there are any."""
     n_unknown = int((~(reading.recordings[["width", "height"]] > 0).all(axis=1)).sum())
     if not n_unknown:
         return []
@@ -199,6 +195,7 @@ def _lacking_size(reading: Reading) -> list[str]:
 
 
 def _lost(lost: LostFrames, to: str, frames_out: Path | None) -> list[str]:
+    """A warning about evaluated frames that the boxes do not tell, if there are any."""
     if lost.is_same:
         return []
     advice = "; write the list too, with --frames-out PATH" if frames_out is None else ""

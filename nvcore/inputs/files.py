@@ -86,9 +86,9 @@ def _is_frame_list(files: Sequence[SourceFile]) -> bool:
     if len(files) != 1:
         return False
     try:
-        with files[0].path.open("rb") as stream:
+        with files[0].open() as stream:
             head = stream.read(HEAD_BYTES)
-    except OSError:  # reported when it is read
+    except InputError:  # reported when it is read
         return False
     lines = head.removeprefix(b"\xef\xbb\xbf").splitlines()
     if len(head) == HEAD_BYTES:
@@ -98,6 +98,7 @@ def _is_frame_list(files: Sequence[SourceFile]) -> bool:
 
 
 def _expand(text: str, folder: Path, role: Role, named: Format | None) -> list[SourceFile]:
+    """Files of one path of a source: a file, a glob or a folder."""
     path = folder / text
     try:
         is_folder, is_file = path.is_dir(), path.is_file()
@@ -119,6 +120,7 @@ def _expand(text: str, folder: Path, role: Role, named: Format | None) -> list[S
 
 
 def _in_folder(path: Path, text: str, role: Role, named: Format | None) -> list[SourceFile]:
+    """Files of a folder, see `find_files`."""
     pattern = "*/gt/gt.txt" if role == "truth" else "*/det/det.txt"
     matches = sorted(path.glob(pattern)) or sorted(path.glob(pattern.partition("/")[2]))
     if matches and (named is None or named.name == "mot"):
@@ -143,6 +145,7 @@ def _in_folder(path: Path, text: str, role: Role, named: Format | None) -> list[
 
 
 def _shown(path: Path) -> str:
+    """The last parts of a path, by which its file is shown."""
     # abspath, not resolve: what a link points to may be named by its hash
     return "/".join(Path(os.path.abspath(path)).parts[-NAME_PARTS:]).replace("//", "/")  # noqa: PTH100
 
@@ -172,6 +175,7 @@ def paths_to_show(folder: Path, sources: Iterable[tuple[Source, Role]]) -> dict[
 
 
 def _check_name(path: Path) -> None:
+    """Raise InputError for a name that cannot be written into a report."""
     try:
         str(path).encode()
     except UnicodeEncodeError as error:
@@ -236,9 +240,6 @@ def digest(files: Sequence[SourceFile]) -> list[str]:
     """
     digests = []
     for file in files:
-        try:
-            with file.path.open("rb") as stream:
-                digests.append(hashlib.file_digest(stream, "sha256").hexdigest())
-        except OSError as error:
-            raise InputError(f"cannot be opened ({error.strerror})", file=file.name) from error
+        with file.open() as stream:
+            digests.append(hashlib.file_digest(stream, "sha256").hexdigest())
     return digests

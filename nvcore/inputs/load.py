@@ -6,6 +6,7 @@ import hashlib
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -17,7 +18,7 @@ from nvcore.dataset import (
     without_empty_tags,
 )
 from nvcore.errors import MissingFactError
-from nvcore.findings import Finding, Severity
+from nvcore.findings import Finding
 from nvcore.inputs.evaluated_frames import own_frames, parse_frames
 from nvcore.inputs.files import digest, find_files, system_names
 from nvcore.inputs.readers.base import (
@@ -27,6 +28,7 @@ from nvcore.inputs.readers.base import (
     Role,
     SourceFile,
     joined_findings,
+    warning,
 )
 from nvcore.inputs.readers.table import FORMAT as TABLE
 from nvcore.inputs.readers.table import read_table, table_as_file
@@ -105,13 +107,14 @@ def read_source(
         If a file cannot be used.
     """
     files, chosen = find_files(source, folder or Path.cwd(), role)
-    reading = chosen.read(files, _options(source, role, size, truth))
+    reading = chosen.read(files, read_options(source, role, size, truth))
     return replace(reading, findings=joined_findings(reading.findings))
 
 
-def _options(
+def read_options(
     source: Source, role: Role, size: tuple[int, int] | None, truth: Reading | None
 ) -> ReadOptions:
+    """What the reader of a source needs to know; truth only for detections."""
     return ReadOptions(
         role=role,
         classes=source.classes,
@@ -131,7 +134,8 @@ def _read(
     truth: Reading | None,
     table: pd.DataFrame | None,
 ) -> _Loaded:
-    options = _options(source, role, session.common_size or _common_size(truth), truth)
+    """A source read, from its files or from the table that stands in for them."""
+    options = read_options(source, role, session.common_size or _common_size(truth), truth)
     if table is None:
         files, chosen = find_files(source, session.folder, role)
         reading, digests = chosen.read(files, options), digest(files)
@@ -163,14 +167,25 @@ def _same_single_recording(reading: Reading, truth: Reading) -> Reading:
     theirs, ours = reading.recordings["name"].tolist(), truth.recordings["name"].tolist()
     if len(theirs) != 1 or len(ours) != 1 or theirs == ours:
         return reading
-    boxes = reading.boxes.assign(recording=ours[0])
-    recordings = reading.recordings.assign(name=ours[0])
     note = f"recording {theirs[0]!r} taken for the truth's only recording {ours[0]!r}"
+    conversion = "; ".join(part for part in (reading.conversion, note) if part)
+    return replace(_renamed(reading, theirs[0], ours[0]), conversion=conversion)
+
+
+def _renamed(reading: Reading, old: str, new: str) -> Reading:
+    """The reading with another name of one of its recordings."""
+
+    def renamed(table: pd.DataFrame | None, column: str = "recording") -> Any:
+        if table is None:
+            return None
+        return table.assign(**{column: table[column].where(table[column] != old, new)})
+
     return replace(
         reading,
-        boxes=boxes,
-        recordings=recordings,
-        conversion="; ".join(part for part in (reading.conversion, note) if part),
+        boxes=renamed(reading.boxes),
+        recordings=renamed(reading.recordings, "name"),
+        images=renamed(reading.images),
+        annotated=renamed(reading.annotated),
     )
 
 
@@ -183,24 +198,7 @@ def _named_by_session(session: Session, loaded: list[_Loaded]) -> list[_Loaded]:
     if any((source.reading.recordings["name"] == new).any() for source in loaded):
         return loaded  # it is called so already, or a system holds another one of that name
 
-    def renamed(table: pd.DataFrame, column: str = "recording") -> pd.DataFrame:
-        return table.assign(**{column: table[column].where(table[column] != old, new)})
-
-    readings = [
-        replace(
-            source.reading,
-            boxes=renamed(source.reading.boxes),
-            recordings=renamed(source.reading.recordings, "name"),
-            images=None if source.reading.images is None else renamed(source.reading.images),
-            annotated=None
-            if source.reading.annotated is None
-            else renamed(source.reading.annotated),
-        )
-        for source in loaded
-    ]
-    return [
-        replace(source, reading=reading) for source, reading in zip(loaded, readings, strict=True)
-    ]
+    return [replace(source, reading=_renamed(source.reading, old, new)) for source in loaded]
 
 
 def _corrected(system: _Loaded, source: SystemSource) -> _Loaded:
@@ -225,6 +223,7 @@ def _corrected(system: _Loaded, source: SystemSource) -> _Loaded:
 
 
 def _place(session: Session, loaded: list[_Loaded]) -> Dataset:
+    """The dataset of all sources, every box in its frame."""
     truth = loaded[0].reading
     recordings = describe_recordings(session, truth)
     frames, notes = _frames(session, truth, recordings)
@@ -277,29 +276,26 @@ def source_hashes(dataset: Dataset) -> dict[str, str]:
 
 
 def _source_hash(digests: Iterable[str]) -> str:
+    """sha256 over the hashes of files."""
     return hashlib.sha256("\n".join(digests).encode()).hexdigest()
 
 
 def _changed_inputs(session: Session, loaded: list[_Loaded]) -> list[Finding]:
+    """Inputs that are not those of the time when the session was written."""
     findings = []
     for source in loaded:
         now = _source_hash(source.digests)
         before = session.hashes.get(source.subject)
         if before is not None and before != now:
-            findings.append(
-                Finding(
-                    severity=Severity.WARNING,
-                    code="input-changed",
-                    subject=source.subject,
-                    count=len(source.files),
-                    message="The input has changed since the session file was written.",
-                    advice=(
-                        "The figures will differ from those of then; find out which files are "
-                        "meant."
-                    ),
-                    file=source.files[0].name,
-                )
+            finding = warning(
+                "input-changed",
+                len(source.files),
+                "The input has changed since the session file was written.",
+                "The figures will differ from those of then; find out which files are meant.",
+                role=source.subject,
+                file=source.files[0].name,
             )
+            findings.append(finding)
     return findings
 
 

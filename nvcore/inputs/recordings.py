@@ -8,8 +8,8 @@ import numpy as np
 import pandas as pd
 
 from nvcore.errors import InputError, MissingFactError
-from nvcore.findings import Finding, Severity
-from nvcore.inputs.readers.base import Reading
+from nvcore.findings import Finding
+from nvcore.inputs.readers.base import Reading, warning
 from nvcore.inputs.session import Session
 
 NO_BOX: Final = (
@@ -33,19 +33,15 @@ def contradicted_facts(truth: Reading, recordings: pd.DataFrame) -> list[Finding
             continue
         first = int(np.argmax(differs))
         given, stated_text = ("x".join(f"{v:g}" for v in row[first]) for row in (ours, theirs))
-        findings.append(
-            Finding(
-                severity=Severity.WARNING,
-                code="contradicted-fact",
-                subject="truth",
-                count=int(np.count_nonzero(differs)),
-                message=f"The {what} given ({given}) is not that of the data ({stated_text}).",
-                advice=(
-                    f"Leave {flag} away (or the value in the session file) where the data hold it."
-                ),
-                example=f"recording {recordings['name'].iloc[first]}",
-            )
+        finding = warning(
+            "contradicted-fact",
+            int(np.count_nonzero(differs)),
+            f"The {what} given ({given}) is not that of the data ({stated_text}).",
+            f"Leave {flag} away (or the value in the session file) where the data hold it.",
+            role="truth",
+            example=f"recording {recordings['name'].iloc[first]}",
         )
+        findings.append(finding)
     return findings
 
 

@@ -63,7 +63,7 @@ class Pictures(Protocol):
         ...
 
 
-class Recent:
+class RecentPictures:
     """The pictures read last, up to 16 of them and 64 MiB."""
 
     def __init__(self) -> None:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from nvcore.errors import MediaError
 from nvcore.inputs.readers.meaning.names import recording_and_frame_of
 from nvcore.pictures.archive import Archive
-from nvcore.pictures.base import Picture, Recent, check_index
+from nvcore.pictures.base import Picture, RecentPictures, check_index
 from nvcore.pictures.header import IMAGE_SUFFIXES, image_size
 from nvcore.wording import one_line
 
@@ -57,7 +57,7 @@ class Images:
         self.numbers = numbers_of(names)
         self.fps: float | None = None
         self._names, self._read_bytes, self._close = names, read_bytes, close
-        self._recent, self._lock = Recent(), Lock()
+        self._recent, self._lock = RecentPictures(), Lock()
         self.height, self.width = self.read(0).shape[:2]
 
     def read(self, index: int) -> Picture:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from nvcore.pictures.base import Pictures
@@ -71,6 +72,7 @@ def _of_video(frames: NDArray[np.int64], n: int) -> tuple[NDArray[np.int64], str
 def _by_number(
     frames: NDArray[np.int64], numbers: NDArray[np.int64]
 ) -> tuple[NDArray[np.int64], str]:
+    """The number in a name is the frame, or the frame + 1; by order where too few match."""
     as_named, one_based = _find(frames, numbers), _find(frames, numbers - 1)
     n_as_named, n_one_based = np.count_nonzero(as_named >= 0), np.count_nonzero(one_based >= 0)
     enough = _ENOUGH * min(len(frames), len(numbers))
@@ -88,6 +90,7 @@ def _by_number(
 
 
 def _by_order(frames: NDArray[np.int64], n: int) -> tuple[NDArray[np.int64], str]:
+    """As many pictures as listed frames show these; else they show 0, 1, 2 and so on."""
     if len(frames) == n:
         return np.arange(n), "the pictures in their order show the listed frames"
     return frames.copy(), "the pictures in their order show frame 0, 1, 2 and so on"
@@ -95,10 +98,7 @@ def _by_order(frames: NDArray[np.int64], n: int) -> tuple[NDArray[np.int64], str
 
 def _find(frames: NDArray[np.int64], numbers: NDArray[np.int64]) -> NDArray[np.int64]:
     """Position of each frame among the numbers, -1 none."""
-    order = np.argsort(numbers)
-    place = np.minimum(np.searchsorted(numbers[order], frames), len(numbers) - 1)
-    picture = order[place]
-    return np.where(numbers[picture] == frames, picture, -1).astype(np.int64)
+    return np.asarray(pd.Index(numbers).get_indexer(pd.Index(frames)), dtype=np.int64)
 
 
 def size_note(pictures: Pictures, width: float, height: float) -> str:

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nvcore.errors import MediaError
-from nvcore.pictures.base import Picture, Recent, check_index
+from nvcore.pictures.base import Picture, RecentPictures, check_index
 from nvcore.pictures.containers import (
     DAMAGED,
     REORDERED,
@@ -47,7 +47,7 @@ class Video:
         """
         self.name = one_line(path.name)
         self.numbers: NDArray[np.int64] | None = None
-        self._path, self._lock, self._recent = path, Lock(), Recent()
+        self._path, self._lock, self._recent = path, Lock(), RecentPictures()
         self._container: Any = None
         self._stream: Any = None
         self._frames: Iterator[Any] = iter(())

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final
 
-from nvcore.errors import InputError, UnknownFormatError
+from nvcore.errors import UnknownFormatError
 from nvcore.file_kinds import binary_kind
 from nvcore.inputs.readers.base import (
     Format,
@@ -154,8 +154,5 @@ def _unknown(file: SourceFile, content: bytes, head: str, role: Role) -> str:
 
 def _head(file: SourceFile) -> bytes:
     """The first `HEAD_BYTES` of a file."""
-    try:
-        with file.path.open("rb") as stream:
-            return stream.read(HEAD_BYTES)
-    except OSError as error:
-        raise InputError(f"cannot be opened ({error.strerror})", file=file.name) from error
+    with file.open() as stream:
+        return stream.read(HEAD_BYTES)

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from io import BufferedReader
 from pathlib import Path
 from typing import Final, Literal
 
 import numpy as np
 import pandas as pd
 
-from nvcore.errors import FormatError
+from nvcore.errors import FormatError, InputError
 from nvcore.findings import Finding, Severity
 from nvcore.schema import READING_DTYPES, conform
 
@@ -34,6 +36,15 @@ class SourceFile:
 
     path: Path
     name: str
+
+    @contextmanager
+    def open(self) -> Iterator[BufferedReader]:
+        """The content as bytes, from its beginning; InputError if it cannot be read."""
+        try:
+            with self.path.open("rb") as stream:
+                yield stream
+        except OSError as error:
+            raise InputError(f"cannot be opened ({error.strerror})", file=self.name) from error
 
     def fault(self, message: str, line: int | None = None) -> FormatError:
         """The error that refuses the content, as a whole or at a 1-based line; to be raised."""
@@ -244,9 +255,16 @@ def joined_findings(findings: Iterable[Finding]) -> tuple[Finding, ...]:
 
 
 def warning(
-    code: str, count: int, message: str, advice: str, *, role: Role, file: str, example: str
+    code: str,
+    count: int,
+    message: str,
+    advice: str,
+    *,
+    role: str,
+    file: str = "",
+    example: str = "",
 ) -> Finding:
-    """A warning about what files of this role hold; see `Finding`."""
+    """A warning about what the files of a role, or of a system, hold; see `Finding`."""
     return Finding(Severity.WARNING, code, role, count, message, advice, file=file, example=example)
 
 

@@ -113,7 +113,7 @@ def free_labels(labels: Iterable[str], options: ReadOptions) -> ClassRule:
 
     Parameters
     ----------
-    found
+    labels
         Labels in the files, used or only declared.
     options
         `classes` is used.
@@ -144,6 +144,7 @@ def is_lookalike(name: str) -> bool:
 
 
 def _concerns(name: str) -> bool:
+    """Whether boxes of this name are counted or ignored, unless the user says otherwise."""
     return is_pedestrian(name) or is_lookalike(name)
 
 
@@ -153,4 +154,5 @@ def _plain(name: str) -> str:
 
 
 def _shown(key: str, name: str) -> str:
+    """A category in messages."""
     return name if key == name else f"{name} ({key})"

@@ -9,7 +9,6 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.csv
 
-from nvcore.errors import InputError
 from nvcore.file_kinds import binary_kind
 from nvcore.inputs.readers.base import Lines, SourceFile
 from nvcore.wording import shortened
@@ -30,10 +29,8 @@ def read_bytes(file: SourceFile) -> bytes:
     InputError
         If it cannot be opened.
     """
-    try:
-        return file.path.read_bytes()
-    except OSError as error:
-        raise InputError(f"cannot be opened ({error.strerror})", file=file.name) from error
+    with file.open() as stream:
+        return stream.read()
 
 
 def read_text(file: SourceFile) -> str:

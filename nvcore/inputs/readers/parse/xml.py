@@ -11,7 +11,6 @@ from xml.etree.ElementTree import ParseError
 from defusedxml.common import DefusedXmlException
 from defusedxml.ElementTree import DefusedXMLParser
 
-from nvcore.errors import InputError
 from nvcore.inputs.readers.base import SourceFile
 from nvcore.inputs.readers.parse.text import MAX_INTEGER
 
@@ -150,12 +149,9 @@ def read_elements(file: SourceFile, *, root: str) -> Iterator[Element]:
 
 def _pieces(file: SourceFile) -> Iterator[bytes]:
     """The file in pieces, then an empty one."""
-    try:
-        with file.path.open("rb") as stream:
-            while piece := stream.read(_CHUNK):
-                yield piece
-    except OSError as error:
-        raise InputError(f"cannot be opened ({error.strerror})", file=file.name) from error
+    with file.open() as stream:
+        while piece := stream.read(_CHUNK):
+            yield piece
     yield b""
 
 
