@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -24,46 +24,12 @@ from nvcore.inputs.readers.meaning.categories import concerns_pedestrians, free_
 from nvcore.inputs.readers.meaning.classes import choose_classes, name_left_out
 from nvcore.inputs.readers.meaning.occlusion import levels_of_numbers
 
-
-@dataclass(frozen=True)
-class CvatBoxes:
-    """Boxes of one file, one row per visible box, each array of shape (n,).
-
-    Attributes
-    ----------
-    recording, frame, track, label
-        As in `Reading.boxes`; label as in the file.
-    corners
-        x0, y0, x1, y1 of the box before it is rotated, shape (n, 4), px.
-    rotation
-        Clockwise rotation about the middle of the box, degrees.
-    occluded
-        1 occluded, 0 not, NaN unknown.
-    ignore, score, file, line
-        As in `Reading.boxes`.
-    declared
-        Labels that the file declares.
-    n_filled
-        How many of the boxes were filled in between keyframes.
-    """
-
-    recording: np.ndarray
-    frame: np.ndarray
-    track: np.ndarray
-    corners: np.ndarray
-    rotation: np.ndarray
-    label: np.ndarray
-    occluded: np.ndarray
-    ignore: np.ndarray
-    score: np.ndarray
-    file: np.ndarray
-    line: np.ndarray
-    declared: tuple[str, ...] = ()
-    n_filled: int = 0
+CORNERS = ["x0", "y0", "x1", "y1"]
 
 
 def boxes_reading(
-    tables: Sequence[CvatBoxes],
+    boxes: pd.DataFrame,
+    declared: Iterable[str],
     files: Sequence[SourceFile],
     options: ReadOptions,
     recordings: pd.DataFrame,
@@ -72,21 +38,30 @@ def boxes_reading(
     facts: Sequence[str],
     findings: Sequence[Finding],
 ) -> Reading:
-    """The reading: classes sorted, rotated boxes made upright, the conversion in words."""
-    column = {
-        spec.name: np.concatenate([getattr(table, spec.name) for table in tables])
-        for spec in fields(CvatBoxes)
-        if spec.name not in ("declared", "n_filled")
-    }
+    """The reading: classes sorted, rotated boxes made upright, the conversion in words.
+
+    Parameters
+    ----------
+    boxes
+        `CvatContent.boxes` of all files, those that are visible, with recording, track and file.
+    declared
+        Labels that the files declare.
+    files, options
+        As a reader gets them.
+    recordings, images, findings
+        As in `Reading`.
+    facts
+        Further parts of the conversion.
+    """
+    column = {str(name): values.to_numpy() for name, values in boxes.items()}
     label = column["label"]
-    declared = {name for table in tables for name in table.declared}
     lines = Lines(files, column["file"], column["line"])
     choice = choose_classes(label, free_labels({*label, *declared}, options), options, lines)
     is_truth = options.role == "truth"
     n_rotated = int((choice.keep & (np.nan_to_num(column["rotation"]) != 0)).sum())
-    boxes = boxes_at(
+    upright = boxes_at(
         lines,
-        _upright(column["corners"], column["rotation"]),
+        _upright(boxes[CORNERS].to_numpy(), column["rotation"]),
         keep=choice.keep,
         recording=column["recording"],
         frame=column["frame"],
@@ -105,7 +80,7 @@ def boxes_reading(
         f"{n_rotated} rotated boxes replaced by the upright box around them" if n_rotated else "",
     ]
     return Reading(
-        boxes=boxes,
+        boxes=upright,
         recordings=recordings,
         conversion=conversion_text(steps),
         images=images,

@@ -20,7 +20,7 @@ from nvcore.inputs.readers.base import (
     object_array,
     warning,
 )
-from nvcore.inputs.readers.cvat.boxes import CvatBoxes, boxes_reading, other_shapes
+from nvcore.inputs.readers.cvat.boxes import boxes_reading, other_shapes
 from nvcore.inputs.readers.cvat.xml import CvatContent, Owner, read_cvat
 from nvcore.inputs.readers.meaning.names import recording_and_frame_of, recording_of
 from nvcore.inputs.readers.meaning.sizes import recordings_with_sizes
@@ -52,28 +52,19 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     FormatError
         With file and line of what is not CVAT for images, or of a second picture of one frame.
     """
-    tables, listed, findings = [], [], []
+    tables, listed = [], []
+    declared: list[str] = []
+    findings: list[Finding] = []
     for number, file in enumerate(files):
         content = read_cvat(file, kind="image")
         recording, frame, odd = _places(content, file, options)
-        columns = content.columns
-        owner = columns["owner"].astype(np.int64)
+        owner = content.boxes["owner"].to_numpy()
         tables.append(
-            CvatBoxes(
-                recording=recording[owner],
-                frame=frame[owner],
-                track=np.full(len(owner), NO_TRACK),
-                corners=np.column_stack([columns[name] for name in ("x0", "y0", "x1", "y1")]),
-                rotation=columns["rotation"],
-                label=content.label,
-                occluded=columns["occluded"],
-                ignore=columns["ignore"] == 1,
-                score=columns["score"],
-                file=np.full(len(owner), number),
-                line=columns["line"].astype(np.int64),
-                declared=tuple(content.declared),
+            content.boxes.assign(
+                recording=recording[owner], frame=frame[owner], track=NO_TRACK, file=number
             )
         )
+        declared += content.declared
         pictures = content.owner_table.assign(recording=recording, frame=frame, file=file.name)
         listed.append(pictures)
         findings += [*odd, *other_shapes(content, file, options)]
@@ -89,7 +80,8 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     )
     findings += odd_sizes
     return boxes_reading(
-        tables,
+        pd.concat(tables, ignore_index=True),
+        declared,
         files,
         options,
         recordings,

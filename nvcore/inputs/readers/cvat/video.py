@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+import pandas as pd
 
 from nvcore.findings import Finding
 from nvcore.inputs.readers.base import (
@@ -23,7 +24,7 @@ from nvcore.inputs.readers.base import (
     recordings_table,
     warning,
 )
-from nvcore.inputs.readers.cvat.boxes import CvatBoxes, boxes_reading, other_shapes
+from nvcore.inputs.readers.cvat.boxes import CORNERS, boxes_reading, other_shapes
 from nvcore.inputs.readers.cvat.xml import CvatContent, Task, read_cvat
 from nvcore.inputs.readers.meaning.names import recordings_of
 from nvcore.inputs.readers.parse.xml import root_of
@@ -167,7 +168,8 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     ]
     names, facts = _recordings(files, contents, units, options)
     by_task = {(number, task.key): name for (number, task), name in zip(units, names, strict=True)}
-    tables, listed, findings = [], [], []
+    tables, listed = [], []
+    findings: list[Finding] = []
     for number, task in units:
         frames, odd = _frames_of(task, files[number], options)
         findings += odd
@@ -176,11 +178,11 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         table, odd = _boxes_of(content, file, number, by_task, options)
         tables.append(table)
         findings += [*odd, *other_shapes(content, file, options)]
-    n_filled = sum(table.n_filled for table in tables)
+    boxes = pd.concat(tables, ignore_index=True)
     facts = [
         "frame numbers of the video kept (0-based)",
         "boxes marked outside left out",
-        f"{n_filled} boxes filled in between keyframes (linear)",
+        f"{boxes['is_filled'].sum()} boxes filled in between keyframes (linear)",
         *facts,
     ]
     images = None
@@ -192,7 +194,16 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         width=[task.width for _, task in units],
         height=[task.height for _, task in units],
     )
-    return boxes_reading(tables, files, options, recordings, images, facts=facts, findings=findings)
+    return boxes_reading(
+        boxes,
+        [label for content in contents for label in content.declared],
+        files,
+        options,
+        recordings,
+        images,
+        facts=facts,
+        findings=findings,
+    )
 
 
 def _recordings(
@@ -241,75 +252,44 @@ def _frames_of(
     return task.start + task.step * np.arange(n_frames, dtype=np.int64), []
 
 
-@dataclass(frozen=True)
-class _Rows:
-    """The rows of one file by track, before anything is filled in."""
-
-    owner: np.ndarray
-    frame: np.ndarray
-    outside: np.ndarray
-    keyframe: np.ndarray
-    start: np.ndarray
-    step: np.ndarray
-    last: np.ndarray
-    lines: Lines
-
-
 def _boxes_of(
     content: CvatContent,
     file: SourceFile,
     number: int,
     by_task: dict[tuple[int, str], str],
     options: ReadOptions,
-) -> tuple[CvatBoxes, list[Finding]]:
+) -> tuple[pd.DataFrame, list[Finding]]:
     """Boxes of one file, those between keyframes filled in."""
     tasks = [_task_of(content, owner.task, owner.line, file) for owner in content.owners]
-    columns = content.columns
-    owner = columns["owner"].astype(np.int64)
-    per_owner = np.array(
-        [(t.start, t.step, -np.inf if t.last is None else t.last) for t in tasks], dtype=float
-    ).reshape(-1, 3)[owner]
-    rows = _Rows(
-        owner=owner,
-        frame=columns["frame"].astype(np.int64),
-        outside=columns["outside"] == 1,
-        keyframe=columns["keyframe"] == 1,
-        start=per_owner[:, 0].astype(np.int64),
-        step=per_owner[:, 1].astype(np.int64),
-        last=per_owner[:, 2],
-        lines=Lines.of(file, columns["line"].astype(np.int64)),
-    )
+    spans = [(t.start, t.step, -np.inf if t.last is None else t.last) for t in tasks]
+    columns = {str(name): values.to_numpy() for name, values in content.boxes.items()}
+    owner, frame, outside = columns["owner"], columns["frame"], columns["outside"]
+    start, step, last = np.array(spans, dtype=float).reshape(-1, 3)[owner].T
+    lines = Lines.of(file, columns["line"])
     try:
         filled = fill_between_keyframes(
-            owner, rows.frame, rows.outside, rows.keyframe, rows.step, limit=MAX_FRAMES
+            owner, frame, outside, columns["keyframe"], step.astype(np.int64), limit=MAX_FRAMES
         )
     except TooManyFramesError as error:
-        raise rows.lines.fault(
+        raise lines.fault(
             error.row,
-            f"expected keyframes near each other, found a gap after frame "
-            f"{rows.frame[error.row]} that would take more than {MAX_FRAMES} boxes to fill",
+            f"expected keyframes near each other, found a gap after frame {frame[error.row]} that "
+            f"would take more than {MAX_FRAMES} boxes to fill",
         ) from error
-    findings = _findings(rows, filled, content, file, options)
-    visible = ~rows.outside[filled.left]
-    left = filled.left[visible]
-    corners = np.column_stack([columns[name] for name in ("x0", "y0", "x1", "y1")])
+    corners = filled.between(content.boxes[CORNERS].to_numpy())
     recording = object_array([by_task[number, task.key] for task in tasks])
-    track = content.owner_table["track"].to_numpy()
-    return CvatBoxes(
+    left = filled.left
+    boxes = content.boxes.iloc[left].assign(
         recording=recording[owner[left]],
-        frame=filled.frame[visible],
-        track=track[owner[left]],
-        corners=filled.between(corners)[visible],
-        rotation=filled.angle_between(columns["rotation"])[visible],
-        label=content.label[left],
-        occluded=columns["occluded"][left],
-        ignore=columns["ignore"][left] == 1,
-        score=columns["score"][left],
-        file=np.full(len(left), number),
-        line=rows.lines.line[left],
-        declared=tuple(content.declared),
-        n_filled=int((filled.share[visible] > 0).sum()),
-    ), findings
+        frame=filled.frame,
+        track=content.owner_table["track"].to_numpy()[owner[left]],
+        **dict(zip(CORNERS, corners.T, strict=True)),
+        rotation=filled.angle_between(columns["rotation"]),
+        file=number,
+        is_filled=filled.share > 0,
+    )
+    rows = content.boxes.assign(start=start, step=step, last=last)
+    return boxes[~boxes["outside"]], _findings(rows, lines, filled, content, options)
 
 
 def _task_of(content: CvatContent, key: str, line: int, file: SourceFile) -> Task:
@@ -326,51 +306,58 @@ def _task_of(content: CvatContent, key: str, line: int, file: SourceFile) -> Tas
 
 
 def _findings(
-    rows: _Rows, filled: Filled, content: CvatContent, file: SourceFile, options: ReadOptions
+    rows: pd.DataFrame, lines: Lines, filled: Filled, content: CvatContent, options: ReadOptions
 ) -> list[Finding]:
-    """Frames beside the step, gaps that were not filled, tracks without an end, ids used twice."""
+    """Frames beside the step, gaps that were not filled, tracks without an end, ids used twice.
+
+    Parameters
+    ----------
+    rows
+        `CvatContent.boxes` with start, step and last frame of each box's task (-inf: unknown).
+    """
     owners = content.owner_table
     track = owners["track"].to_numpy()
-    order = np.lexsort((rows.frame, rows.owner))
-    last = order[np.flatnonzero(np.diff(rows.owner[order], append=-1))]
-    is_endless = np.zeros(len(order), dtype=bool)
+    is_visible = ~rows["outside"]
     # CVAT writes no end for a box in one of the last two frames
-    is_endless[last] = rows.frame[last] < rows.last[last] - rows.step[last]
-    has_gap = np.isin(np.arange(len(order)), filled.gaps)
+    is_early = rows["frame"] < rows["last"] - rows["step"]
+    by_track = rows.sort_values(["owner", "frame"], kind="stable")
+    is_last = ~by_track.duplicated("owner", keep="last").sort_index()
     findings: list[Finding] = []
     for is_odd, code, message, advice in (
         (
-            ~rows.outside & ((rows.frame - rows.start) % rows.step != 0),
+            is_visible & ((rows["frame"] - rows["start"]) % rows["step"] != 0),
             "frame-beside-step",
             "Boxes lie in frames that the task, by its start and step, does not have.",
             "Check that the boxes carry frame numbers of the video, not of the task.",
         ),
         (
-            has_gap,
+            rows.index.isin(filled.gaps),
             "track-with-gap",
             "Tracks miss frames beside boxes that are no keyframes; nothing was filled in (CVAT "
             "leaves out deleted frames).",
             "If the frames were deleted, leave them out of the evaluated frames (--frames).",
         ),
         (
-            ~rows.outside & is_endless,
+            is_visible & is_early & is_last,
             "track-without-end",
             "Tracks stop before the last frame without a box marked outside; CVAT itself shows "
             "such a box up to the last frame, here the track ends with its last box.",
             "Mark the end of the tracks in CVAT, or export the task again.",
         ),
     ):
-        findings += rows.lines.finding(
-            is_odd,
+        findings += lines.finding(
+            np.asarray(is_odd),
             code,
             message,
             advice,
             role=options.role,
-            example=lambda row: f"track {track[rows.owner[row]]}, frame {rows.frame[row]}",
+            example=lambda row: (
+                f"track {track[rows['owner'].iloc[row]]}, frame {rows['frame'].iloc[row]}"
+            ),
         )
     # a file of several tasks may number the tracks of each
     is_double = owners.duplicated(["track", "task"]).to_numpy() & (track >= 0)
-    return findings + Lines.of(file, owners["line"].to_numpy()).finding(
+    return findings + Lines.of(lines.files[0], owners["line"].to_numpy()).finding(
         is_double,
         "track-id-twice",
         "Several tracks have the same id and count as one.",

@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from nvcore.inputs.readers.base import SourceFile, object_array
+from nvcore.inputs.readers.base import SourceFile
 from nvcore.inputs.readers.parse.xml import (
     Element,
     file_stem,
@@ -29,6 +29,9 @@ _NO_SHAPES = frozenset({"box", "tag"})
 _COLUMNS = (
     *("owner", "frame", "x0", "y0", "x1", "y1", "rotation"),
     *("outside", "occluded", "keyframe", "ignore", "score", "line"),
+)
+_TYPES = dict.fromkeys(("owner", "frame", "line"), np.int64) | dict.fromkeys(
+    ("outside", "keyframe", "ignore"), np.bool_
 )
 _TEXT_FACTS = {"id": "key", "name": "name", "source": "source"}
 _FRAME_FACTS = {"size": "size", "start_frame": "start", "stop_frame": "stop"}
@@ -131,11 +134,10 @@ class CvatContent:
         By key.
     owners
         Tracks or pictures, in the order of the file, pictures without boxes too.
-    columns
-        One float64 array of shape (n,) per name in owner, frame, x0, y0, x1, y1, rotation
-        (degrees), outside, occluded, keyframe, ignore, score, line.
-    label
-        Label of each box, object, shape (n,).
+    boxes
+        One row per box: owner (its position in `owners`), frame and line, int64; x0, y0, x1, y1
+        (before it is rotated, px), rotation (clockwise about its middle, degrees), occluded (NaN:
+        unknown) and score, float64; outside, keyframe and ignore, bool; label.
     other_shapes
         (kind, label, line) of each shape that is no box.
     declared
@@ -144,8 +146,7 @@ class CvatContent:
 
     tasks: dict[str, Task] = field(default_factory=dict)
     owners: list[Owner] = field(default_factory=list)
-    columns: dict[str, np.ndarray] = field(default_factory=dict)
-    label: np.ndarray = field(default_factory=lambda: np.empty(0, dtype=object))
+    boxes: pd.DataFrame = field(default_factory=pd.DataFrame)
     other_shapes: list[tuple[str, str, int]] = field(default_factory=list)
     declared: list[str] = field(default_factory=list)
 
@@ -204,6 +205,7 @@ class _Parser:
             self.content.other_shapes.append((element.tag, label.strip(), element.line))
 
     def take_attribute(self, element: Element) -> None:
+        """What an attribute says of the shape around it."""
         assert element.parent is not None
         if element.parent is not self.shape:
             self.begin_shape(element.parent)
@@ -216,11 +218,13 @@ class _Parser:
             self.score = number(element.text, name, self.file, element.line)
 
     def begin_shape(self, element: Element) -> None:
+        """Nothing is known yet of a new shape."""
         self.shape = element
         self.is_ignored = self.is_occluded = False
         self.score = float("nan")
 
     def take_box(self, element: Element) -> None:
+        """A box of the track or picture around it."""
         if element is not self.shape:
             self.begin_shape(element)
         assert element.parent is not None
@@ -254,6 +258,7 @@ class _Parser:
         self.labels.append(label)
 
     def add_owner(self, element: Element) -> None:
+        """A track or a picture, at its end or at the first box in it."""
         self.owner = element
         get, file, line = element.attributes.get, self.file, element.line
         task = get("task_id", "")
@@ -280,6 +285,7 @@ class _Parser:
         return text.strip()
 
     def take_meta(self, element: Element) -> None:
+        """What the head of the file says of labels and tasks."""
         if element.path == "annotations/meta/source":
             self.source = element.text
         elif element.path.endswith("/labels/label/name"):
@@ -300,6 +306,7 @@ class _Parser:
             self.take_fact(self.task, fact, element)
 
     def take_fact(self, task: Task, fact: str, element: Element) -> None:
+        """One fact about a task."""
         text = element.text
         if fact in _TEXT_FACTS:
             setattr(task, _TEXT_FACTS[fact], text)
@@ -319,9 +326,10 @@ class _Parser:
             setattr(task, _FRAME_FACTS[fact], value)
 
     def finish(self) -> CvatContent:
-        table = np.frombuffer(self.values, dtype=np.float64).reshape(-1, len(_COLUMNS))
-        self.content.columns = {name: table[:, i].copy() for i, name in enumerate(_COLUMNS)}
-        self.content.label = object_array(self.labels)
+        """The content, when the file has ended."""
+        values = np.array(self.values, dtype=np.float64).reshape(-1, len(_COLUMNS))
+        boxes = pd.DataFrame(values, columns=list(_COLUMNS)).astype(_TYPES)
+        self.content.boxes = boxes.assign(label=pd.Series(self.labels, dtype=object))
         tasks = self.content.tasks
         if not tasks:
             tasks[""] = Task()
