@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import OrderedDict
+from pathlib import Path
 from typing import Any, Final, Protocol, TypeAlias
 
 import numpy as np
@@ -91,6 +92,21 @@ class RecentPictures:
     def clear(self) -> None:
         """Forget all."""
         self._pictures.clear()
+
+
+def first_bytes(path: Path, n_bytes: int, name: str) -> bytes:
+    """The beginning of a file.
+
+    Raises
+    ------
+    MediaError
+        If it cannot be opened; with the name.
+    """
+    try:
+        with path.open("rb") as file:
+            return file.read(n_bytes)
+    except OSError as error:
+        raise MediaError(f"cannot be opened ({error.strerror})", file=name) from error
 
 
 def check_index(index: int, pictures: Pictures) -> None:

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nvcore.errors import MediaError
+from nvcore.pictures.base import first_bytes
 from nvcore.pictures.header import MAX_PIXELS, check_size
 
 DAMAGED: Final = "is damaged or no such video; copy or convert it again (MP4 with H.264 is sure)"
@@ -58,11 +59,7 @@ def format_of_file(path: Path, name: str) -> str:
     MediaError
         If it cannot be opened or is no video of these formats.
     """
-    try:
-        with path.open("rb") as file:
-            container_format = video_format(file.read(_LOOKED_AT))
-    except OSError as error:
-        raise MediaError(f"cannot be opened ({error.strerror})", file=name) from error
+    container_format = video_format(first_bytes(path, _LOOKED_AT, name))
     if container_format is None:
         raise MediaError(
             "is no video that can be read, whatever its name says; expected MP4, MOV, "

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from nvcore.errors import MediaError
 from nvcore.file_kinds import binary_kind
-from nvcore.pictures.base import Pictures
+from nvcore.pictures.base import Pictures, first_bytes
 from nvcore.pictures.containers import video_format
 from nvcore.pictures.header import is_image
 from nvcore.pictures.images import archive_as_pictures, files_as_pictures, folder_as_pictures
@@ -45,11 +45,7 @@ def open_pictures(path: Path | Sequence[Path], *, inside: str | None = None) -> 
         return folder_as_pictures(path, inside=inside)
     if not is_file:
         raise MediaError("there is no such file or folder of pictures", file=name)
-    try:
-        with path.open("rb") as file:
-            content = file.read(4096)
-    except OSError as error:
-        raise MediaError(f"cannot be opened ({error.strerror})", file=name) from error
+    content = first_bytes(path, 4096, name)
     if content.startswith((b"PK\3\4", b"PK\5\6")):
         return archive_as_pictures(path, inside=inside)
     if is_image(content):

@@ -83,6 +83,24 @@ class Lines:
         file: SourceFile = self.files[self.file[row]]
         return file.fault(message, self.line[row])
 
+    def boxes(
+        self, box: Iterable[object], *, keep: np.ndarray | None = None, **columns: object
+    ) -> pd.DataFrame:
+        """Boxes table of a reading, of these rows or those that stay.
+
+        Parameters
+        ----------
+        box
+            x, y, w, h, each of shape (n,), px.
+        keep
+            Rows that stay, bool, shape (n,); None: all.
+        **columns
+            What else is known, see `reading_boxes`; also another file or line.
+        """
+        columns = {"file": self.file, "line": self.line} | columns
+        boxes = reading_boxes(len(self), **dict(zip("xywh", box, strict=True)), **columns)
+        return boxes if keep is None else kept(boxes, keep)
+
     def finding(
         self,
         is_odd: np.ndarray,
@@ -271,27 +289,6 @@ def warning(
 def reading_boxes(n_rows: int, **columns: object) -> pd.DataFrame:
     """Boxes table of a reading from the columns that the format has; the rest is unknown."""
     return conform(columns, READING_DTYPES, n_rows=n_rows)
-
-
-def boxes_at(
-    lines: Lines, box: Iterable[object], *, keep: np.ndarray | None = None, **columns: object
-) -> pd.DataFrame:
-    """`reading_boxes` of rows of files.
-
-    Parameters
-    ----------
-    lines
-        Where the rows stand.
-    box
-        x, y, w, h, each of shape (n,), px.
-    keep
-        Rows that stay, bool, shape (n,); None: all.
-    **columns
-        What else is known; file and line are those of `lines`, unless given.
-    """
-    columns = {"file": lines.file, "line": lines.line} | columns
-    boxes = reading_boxes(len(lines), **dict(zip("xywh", box, strict=True)), **columns)
-    return boxes if keep is None else kept(boxes, keep)
 
 
 def kept(boxes: pd.DataFrame, keep: np.ndarray) -> pd.DataFrame:

@@ -20,7 +20,6 @@ from nvcore.inputs.readers.base import (
     Role,
     SourceFile,
     annotated_frames,
-    boxes_at,
     concat_boxes,
     conversion_text,
     kept,
@@ -206,7 +205,7 @@ def _read_one(
                 example="line 1",
             )
         )
-    boxes = boxes_at(lines, (x, y, w, h), recording=recording, frame=frame, file=number, **values)
+    boxes = lines.boxes((x, y, w, h), recording=recording, frame=frame, file=number, **values)
     return boxes, columns.get("class"), facts, findings
 
 

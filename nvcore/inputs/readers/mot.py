@@ -17,7 +17,6 @@ from nvcore.inputs.readers.base import (
     Role,
     SourceFile,
     annotated_frames,
-    boxes_at,
     concat_boxes,
     conversion_text,
     image_list,
@@ -131,8 +130,7 @@ def _read_one(
         facts = ["score column is -1 throughout: no scores"] if len(table) else []
     else:
         columns = {"score": conf}
-    boxes = boxes_at(
-        table.lines,
+    boxes = table.lines.boxes(
         (left - 1, top - 1, width, height),
         keep=keep,
         recording=name,

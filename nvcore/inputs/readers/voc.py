@@ -18,7 +18,6 @@ from nvcore.inputs.readers.base import (
     ReadOptions,
     Role,
     SourceFile,
-    boxes_at,
     conversion_text,
     object_array,
     warning,
@@ -82,8 +81,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     x, y = column["xmin"] - base, column["ymin"] - base
     with np.errstate(invalid="ignore", over="ignore"):
         w, h = column["xmax"] - x, column["ymax"] - y
-    boxes = boxes_at(
-        lines,
+    boxes = lines.boxes(
         (x, y, w, h),
         keep=choice.keep,
         recording=images["recording"].to_numpy()[lines.file],

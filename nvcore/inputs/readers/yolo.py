@@ -19,7 +19,6 @@ from nvcore.inputs.readers.base import (
     ReadOptions,
     Role,
     SourceFile,
-    boxes_at,
     conversion_text,
     object_array,
     recordings_table,
@@ -113,8 +112,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     choice = choose_classes(label, rule, wanted, table.lines)
     width, height = options.size
     x, y, w, h = fields.middle_and_size
-    boxes = boxes_at(
-        table.lines,
+    boxes = table.lines.boxes(
         ((x - w / 2) * width, (y - h / 2) * height, w * width, h * height),
         keep=choice.keep,
         recording=images["recording"].to_numpy()[file],

@@ -13,7 +13,6 @@ from nvcore.inputs.readers.base import (
     ReadOptions,
     Role,
     SourceFile,
-    boxes_at,
     recordings_table,
 )
 from nvcore.inputs.readers.meaning.classes import ClassRule, choose_classes
@@ -76,8 +75,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         example=lambda row: f"angle {angle[row]:g}",
     )
     return Reading(
-        boxes=boxes_at(
-            table.lines,
+        boxes=table.lines.boxes(
             box,
             keep=choice.keep,
             recording=images["recording"].to_numpy()[table.lines.file],

@@ -20,7 +20,6 @@ from nvcore.inputs.readers.base import (
     ReadOptions,
     Role,
     SourceFile,
-    boxes_at,
     concat_boxes,
     conversion_text,
     recordings_table,
@@ -174,8 +173,8 @@ def _boxes(
 ) -> pd.DataFrame:
     """Boxes of one file, which is the reading's of this number."""
     _, *box, score = table.columns
-    return boxes_at(
-        table.lines, box, keep=keep, recording=recording, frame=frame, score=score, file=number
+    return table.lines.boxes(
+        box, keep=keep, recording=recording, frame=frame, score=score, file=number
     )
 
 

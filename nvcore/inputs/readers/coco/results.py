@@ -17,7 +17,6 @@ from nvcore.inputs.readers.base import (
     ReadOptions,
     Role,
     SourceFile,
-    boxes_at,
     concat_boxes,
     conversion_text,
     reading_boxes,
@@ -125,8 +124,7 @@ def _boxes(
         values["score"] = columns.score
     else:
         facts.append("no scores")
-    boxes = boxes_at(
-        Lines.of(file, np.arange(1, n_rows + 1)),
+    boxes = Lines.of(file, np.arange(1, n_rows + 1)).boxes(
         columns.box.T,
         keep=is_wanted & is_known,
         recording=recording,

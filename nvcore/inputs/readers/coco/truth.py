@@ -16,7 +16,6 @@ from nvcore.inputs.readers.base import (
     ReadOptions,
     Role,
     SourceFile,
-    boxes_at,
     concat_boxes,
     conversion_text,
     reading_boxes,
@@ -135,8 +134,7 @@ def _read_annotations(
     columns["occlusion"], how, findings = _occlusion(records, lines)
     facts += how
     distance = records.numbers("distance_m", "distance")
-    boxes = boxes_at(
-        lines,
+    boxes = lines.boxes(
         box.T,
         keep=is_known & ~is_left_out,
         recording=recording,

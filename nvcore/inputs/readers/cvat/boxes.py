@@ -15,7 +15,6 @@ from nvcore.inputs.readers.base import (
     Reading,
     ReadOptions,
     SourceFile,
-    boxes_at,
     conversion_text,
     warning,
 )
@@ -59,8 +58,7 @@ def boxes_reading(
     choice = choose_classes(label, free_labels({*label, *declared}, options), options, lines)
     is_truth = options.role == "truth"
     n_rotated = int((choice.keep & (np.nan_to_num(column["rotation"]) != 0)).sum())
-    upright = boxes_at(
-        lines,
+    upright = lines.boxes(
         _upright(boxes[CORNERS].to_numpy(), column["rotation"]),
         keep=choice.keep,
         recording=column["recording"],

@@ -308,13 +308,7 @@ def _task_of(content: CvatContent, key: str, line: int, file: SourceFile) -> Tas
 def _findings(
     rows: pd.DataFrame, lines: Lines, filled: Filled, content: CvatContent, options: ReadOptions
 ) -> list[Finding]:
-    """Frames beside the step, gaps that were not filled, tracks without an end, ids used twice.
-
-    Parameters
-    ----------
-    rows
-        `CvatContent.boxes` with start, step and last frame of each box's task (-inf: unknown).
-    """
+    """Frames beside the step, gaps that were not filled, tracks without an end, ids used twice."""
     owners = content.owner_table
     track = owners["track"].to_numpy()
     is_visible = ~rows["outside"]

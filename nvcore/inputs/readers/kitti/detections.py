@@ -14,7 +14,6 @@ from nvcore.inputs.readers.base import (
     ReadOptions,
     Role,
     SourceFile,
-    boxes_at,
     conversion_text,
     object_array,
     recordings_table,
@@ -101,8 +100,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     elif len(table):
         facts.append("columns 2 to 5 taken for corners (x2 > x1 and y2 > y1 in every row)")
     return Reading(
-        boxes=boxes_at(
-            table.lines,
+        boxes=table.lines.boxes(
             box_of_corners(left, top, right, bottom),
             keep=keep,
             recording=object_array(names)[table.lines.file],

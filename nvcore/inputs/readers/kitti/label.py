@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from nvcore.inputs.readers.base import ReadOptions, boxes_at
+from nvcore.inputs.readers.base import ReadOptions
 from nvcore.inputs.readers.meaning.classes import ClassChoice, ClassRule, choose_classes
 from nvcore.inputs.readers.meaning.occlusion import levels_of_numbers
 from nvcore.inputs.readers.parse.text import NumberTable
@@ -62,8 +62,7 @@ def label_boxes(
     has_score = options.role == "detections"
     if has_score and len(table) and np.isnan(score).all():
         facts.append("no score column: no scores")
-    boxes = boxes_at(
-        table.lines,
+    boxes = table.lines.boxes(
         box_of_corners(left, top, right, bottom),
         keep=choice.keep,
         recording=places["recording"].to_numpy(),

@@ -85,14 +85,14 @@ def choose_classes(
     """
     codes, classes = pd.factorize(label)
     known = {name.casefold() for name in rule.known}
-    present = {str(name).casefold() for name in classes}
+    folded = pd.Index([str(name).casefold() for name in classes])  # the few different names
     wanted = {name.casefold() for name in rule.counted}
     counted = rule.counted
     if options.classes is not None:
         counted = options.classes
         wanted = {name.casefold() for name in counted}
         for name in counted:
-            if name.casefold() not in known | present:
+            if name.casefold() not in known | {*folded}:
                 others = sorted(str(other) for other in classes if other.casefold() not in known)
                 raise InputError(
                     f"there is no class {name!r}; the classes are {', '.join(rule.known)}"
@@ -102,14 +102,12 @@ def choose_classes(
     neutral = {name.casefold() for name in rule.ignored} - wanted
     if options.role == "detections":
         neutral = set()
-    # over the few different names, not over the rows
-    is_wanted = np.array([str(name).casefold() in wanted for name in classes], dtype=bool)[codes]
-    is_neutral = np.array([str(name).casefold() in neutral for name in classes], dtype=bool)[codes]
+    is_wanted, is_neutral = folded.isin(wanted)[codes], folded.isin(neutral)[codes]
     fact = f"classes: {', '.join(counted)} counted"
     ignored = [name for name in rule.ignored if name.casefold() in neutral]
     if ignored:
         fact += f"; {', '.join(ignored)} ignored"
-    is_strange = np.array([str(n).casefold() not in known | wanted for n in classes], bool)[codes]
+    is_strange = ~folded.isin(known | wanted)[codes]
     findings = lines.finding(
         is_strange,
         "unknown-class",
