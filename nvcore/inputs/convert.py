@@ -15,7 +15,7 @@ import tomli_w
 from nvcore.csv_text import to_csv_bytes
 from nvcore.errors import InputError, UnknownFormatError
 from nvcore.inputs.evaluated_frames import own_frames
-from nvcore.inputs.readers.base import Reading, Role
+from nvcore.inputs.readers.base import Reading, Role, image_list
 from nvcore.schema import NO_TRACK, UNKNOWN_OCCLUSION
 
 FORMATS: Final = ("csv", "coco", "mot")
@@ -268,14 +268,7 @@ def _image_list(reading: Reading) -> pd.DataFrame:
     images = reading.images
     if images is None:
         listed_frames = own_frames(reading, reading.recordings["name"])
-        images = pd.concat(
-            [
-                pd.DataFrame({"recording": name, "frame": frames}).astype({"recording": object})
-                for name, (frames, _) in listed_frames.items()
-            ]
-            or [pd.DataFrame({"recording": [], "frame": []})],
-            ignore_index=True,
-        )
+        images = image_list([*listed_frames], [frames for frames, _ in listed_frames.values()])
     elif not images["image_id"].duplicated().any():
         return images
     return images.assign(image_id=np.arange(1, len(images) + 1))
@@ -335,15 +328,16 @@ def _mot(reading: Reading, path: Path, role: Role) -> dict[Path, bytes]:
         columns |= {"x": -1, "y": -1, "z": -1}
     table = pd.DataFrame(columns, index=boxes.index)
     names = reading.recordings["name"].tolist()
-    if len(names) <= 1:
-        return {path: to_csv_bytes(table, digits=None, header=False, missing="nan")}
-    files = {}
-    for name, file_name in zip(names, _safe_names(names), strict=True):
-        rows = table[(boxes["recording"] == name).to_numpy()]
-        files[path / f"{file_name}.txt"] = to_csv_bytes(
-            rows, digits=None, header=False, missing="nan"
-        )
-    return files
+    parts = {path: table}
+    if len(names) > 1:
+        parts = {
+            path / f"{file_name}.txt": table[(boxes["recording"] == name).to_numpy()]
+            for name, file_name in zip(names, _safe_names(names), strict=True)
+        }
+    return {
+        target: to_csv_bytes(part, digits=None, header=False, missing="nan")
+        for target, part in parts.items()
+    }
 
 
 def _safe_names(names: list[str]) -> list[str]:

@@ -309,7 +309,7 @@ def annotated_frames(recording: object, frame: np.ndarray) -> pd.DataFrame:
 
 def image_list(recordings: Sequence[str], frames: Sequence[np.ndarray]) -> pd.DataFrame:
     """`Reading.images` of recordings with these frames, which are the ids of their images."""
-    frame = np.concatenate(frames)
+    frame = np.concatenate([np.empty(0, dtype=np.int64), *frames])
     recording = np.repeat(object_array(recordings), [len(listed) for listed in frames])
     return pd.DataFrame({"recording": recording, "frame": frame, "image_id": frame})
 

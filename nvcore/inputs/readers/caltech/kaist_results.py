@@ -76,7 +76,8 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     first_of: dict[str, str] = {}
     for number, file in enumerate(files):
         table = read_numbers(file, LAYOUT)
-        index = whole_numbers(table.columns[0], table.lines, "image number or frame")
+        numbers, *box, score = table.columns
+        index = whole_numbers(numbers, table.lines, "image number or frame")
         recording = _sequence_of(file.name, options.recordings)
         if recording is not None:
             if recording in first_of:
@@ -88,7 +89,11 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
             first_of[recording] = file.name
             base = 1 if options.frame_base is None else options.frame_base
             facts.append(f"frames from {base}-based to 0-based; recordings from the file names")
-            tables.append(_boxes(table, number, recording=recording, frame=index - base))
+            tables.append(
+                table.lines.boxes(
+                    box, recording=recording, frame=index - base, score=score, file=number
+                )
+            )
             names.append(recording)
             continue
         images = options.images
@@ -104,12 +109,13 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         is_listed = position >= 0
         findings += _unlisted(table, index, is_listed, len(images))
         tables.append(
-            _boxes(
-                table,
-                number,
+            table.lines.boxes(
+                box,
                 keep=is_listed,
                 recording=images["recording"].to_numpy()[position],
                 frame=images["frame"].to_numpy()[position],
+                score=score,
+                file=number,
             )
         )
         names += images["recording"].tolist()
@@ -160,21 +166,6 @@ def _unlisted(
         role="detections",
         example=lambda row: f"image number {index[row]}",
         severity=Severity.ERROR,
-    )
-
-
-def _boxes(
-    table: NumberTable,
-    number: int,
-    *,
-    recording: object,
-    frame: np.ndarray,
-    keep: np.ndarray | None = None,
-) -> pd.DataFrame:
-    """Boxes of one file, which is the reading's of this number."""
-    _, *box, score = table.columns
-    return table.lines.boxes(
-        box, keep=keep, recording=recording, frame=frame, score=score, file=number
     )
 
 

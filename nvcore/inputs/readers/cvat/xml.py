@@ -242,10 +242,7 @@ class _Parser:
             (
                 len(self.content.owners) - 1,
                 frame,
-                number(get("xtl"), "xtl", file, line),
-                number(get("ytl"), "ytl", file, line),
-                number(get("xbr"), "xbr", file, line),
-                number(get("ybr"), "ybr", file, line),
+                *(number(get(edge), edge, file, line) for edge in ("xtl", "ytl", "xbr", "ybr")),
                 number(get("rotation", "0"), "rotation", file, line),
                 is_true(get("outside")),
                 occluded,
