@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import hashlib
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from itertools import pairwise
 
@@ -65,8 +65,14 @@ class BoxColumns:
     def __len__(self) -> int:
         return len(self.x)
 
+    def only(self, is_kept: np.ndarray) -> BoxColumns:
+        """The boxes for which `is_kept` is true; bool, shape (n,)."""
+        columns = {name: getattr(self, name)[is_kept] for name in BOX_COLUMNS}
+        n_before = np.concatenate([[0], np.cumsum(is_kept)])
+        return replace(self, **columns, offsets=n_before[self.offsets])
 
-BOX_COLUMNS = ("x", "y", "w", "h", "score", "track", "ignore", "distance_m", "frame_index")
+
+BOX_COLUMNS = tuple(spec.name for spec in fields(BoxColumns))[:-2]
 """Columns of the boxes table that `BoxColumns` holds."""
 
 

@@ -66,10 +66,8 @@ def compare(
     >>> print(result)  # doctest: +SKIP
     >>> result = compare(truth=truth, x=x, y=y, size=(1280, 720), fps=30)  # doctest: +SKIP
     """
-    inputs: dict[str, Any] = {"truth": truth, "x": x, "y": y}
-    facts: dict[str, Any] = {"size": size, "fps": fps, "frames": frames}
-    choices: dict[str, Any] = {"name_x": name_x, "name_y": name_y, "protocol": protocol}
-    dataset = _dataset(source, inputs | facts, choices)
+    inputs = {"truth": truth, "x": x, "y": y, "size": size, "fps": fps, "frames": frames}
+    dataset = _dataset(source, inputs, name_x, name_y, protocol)
     return Comparison(comparison.compare(with_params(dataset, params)))
 
 
@@ -106,23 +104,24 @@ def audit(
     >>> for finding in audit("sample_data/session.toml"):  # doctest: +SKIP
     ...     print(finding.severity, finding.subject, finding.message)
     """
-    inputs: dict[str, Any] = {"truth": truth, "x": x, "y": y}
-    facts: dict[str, Any] = {"size": size, "fps": fps, "frames": frames}
-    dataset = _dataset(source, inputs | facts, {"name_x": name_x, "name_y": name_y})
+    inputs = {"truth": truth, "x": x, "y": y, "size": size, "fps": fps, "frames": frames}
+    dataset = _dataset(source, inputs, name_x, name_y, None)
     return audit_dataset(with_params(dataset, params))
 
 
 def _dataset(
-    source: PathLike | Session | Dataset | None, inputs: dict[str, Any], choices: dict[str, Any]
+    source: PathLike | Session | Dataset | None,
+    inputs: dict[str, Any],
+    name_x: str | None,
+    name_y: str | None,
+    protocol: str | Protocol | None,
 ) -> Dataset:
     if not isinstance(source, Dataset):
-        return load(source, **inputs, **choices)
+        return load(source, **inputs, name_x=name_x, name_y=name_y, protocol=protocol)
     given = [f"{name}=" for name, value in inputs.items() if value is not None]
     if given:
         raise InputError(f"a dataset is loaded already: give {', '.join(given)} to load()")
-    settings = with_choices(
-        source.settings, choices["name_x"], choices["name_y"], choices.get("protocol")
-    )
+    settings = with_choices(source.settings, name_x, name_y, protocol)
     return source if settings == source.settings else source.with_settings(settings)
 
 

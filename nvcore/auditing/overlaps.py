@@ -5,7 +5,7 @@ Only samples are compared: a correction that holds for the whole recording shows
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -177,12 +177,4 @@ def take_sample(dataset: Dataset, detections: BoxColumns) -> Sample:
 
 def above_threshold(boxes: BoxColumns, threshold: float | None) -> BoxColumns:
     """The detections that pass a threshold; those without a score always do."""
-    if threshold is None:
-        return boxes
-    keep = ~(boxes.score < threshold)
-    total = np.concatenate([[0], np.cumsum(keep)])
-    columns = {
-        name: getattr(boxes, name)[keep]
-        for name in ("x", "y", "w", "h", "score", "track", "ignore", "distance_m", "frame_index")
-    }
-    return replace(boxes, **columns, offsets=total[boxes.offsets])
+    return boxes if threshold is None else boxes.only(~(boxes.score < threshold))

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from nvcore.dataset import BOX_COLUMNS, BoxColumns, Dataset, offsets_of
+from nvcore.dataset import BoxColumns, Dataset
 from nvcore.detection.filtered_truth import FilteredTruth, filter_detections, filter_truth
 from nvcore.errors import ParameterError
 from nvcore.metrics.matching import match_boxes
@@ -359,11 +359,7 @@ def _taking_part(dataset: Dataset, system: str, protocol: Protocol) -> BoxColumn
     """Detections of a system without those that the protocol leaves out."""
     detections = dataset.system(system)
     takes_part = filter_detections(detections, protocol)
-    if takes_part.all():
-        return detections
-    columns = {name: getattr(detections, name)[takes_part] for name in BOX_COLUMNS}
-    offsets = offsets_of(columns["frame_index"], len(dataset.frames))
-    return replace(detections, **columns, offsets=offsets)
+    return detections if takes_part.all() else detections.only(takes_part)
 
 
 def _ratio(part: np.ndarray, whole: np.ndarray | int) -> np.ndarray:

@@ -27,6 +27,7 @@ from nvcore.params.metadata import (
     Setting,
     Stage,
     setting,
+    share,
 )
 from nvcore.wording import did_you_mean
 
@@ -59,12 +60,9 @@ class Params:
     Paper 11-0360; the defaults marked as choices are argued in ``docs/metrics.md``.
     """
 
-    alpha: float = setting(
+    alpha: float = share(
         SIMILARITY,
         0.9,
-        low=0,
-        high=1,
-        step=0.05,
         label="Misses against false alarms (alpha)",
         meaning="Weight of misses against false alarms in similarity: 1 counts misses only, "
         "0 false alarms only.",
@@ -78,12 +76,9 @@ class Params:
         "points in the picture (ground).",
         is_advanced=True,
     )
-    edge_weight: float = setting(
+    edge_weight: float = share(
         DISTANCES,
         0.0,
-        low=0,
-        high=1,
-        step=0.05,
         slider_format="urban %0.2f rural",
         label="Traffic context",
         meaning="Traffic context. 0 (urban): a miss far to the side costs little; 1 (rural): a "
@@ -182,22 +177,17 @@ class Params:
         "sideways position alone (lateral).",
         is_advanced=True,
     )
-    iou: float = setting(
+    iou: float = share(
         MATCH,
         0.5,
-        low=0,
-        high=1,
-        step=0.05,
         is_above_low=True,
         label="Smallest overlap (IoU)",
         meaning="Smallest overlap (intersection over union) of a match.",
         is_advanced=True,
     )
-    lateral_tolerance: float = setting(
+    lateral_tolerance: float = share(
         MATCH,
         0.02,
-        low=0,
-        high=1,
         step=0.005,
         unit="of image width",
         label="Largest sideways offset (of width)",
@@ -205,12 +195,9 @@ class Params:
         "width is always allowed.",
         is_advanced=True,
     )
-    coverage: float = setting(
+    coverage: float = share(
         ENCOUNTERS,
         0.5,
-        low=0,
-        high=1,
-        step=0.05,
         label="Detected if matched in (share)",
         meaning="Share of its relevant frames in which an encounter must be matched to count as "
         "detected.",
@@ -241,11 +228,9 @@ class Params:
         "is an early loss.",
         is_advanced=True,
     )
-    low: float = setting(
+    low: float = share(
         LOW,
         0.9,
-        low=0,
-        high=1,
         step=0.01,
         label="Low similarity below",
         meaning="Frames with a similarity below this are low.",
@@ -263,23 +248,18 @@ class Params:
         meaning="Width of the moving mean of similarity.",
         is_advanced=True,
     )
-    tolerance: float = setting(
+    tolerance: float = share(
         SALIENT,
         0.05,
-        low=0,
-        high=1,
         step=0.01,
         unit="of half the image width",
         label="Least miss for saliency",
         meaning="A miss counts for saliency only when its weighted distance is larger than this.",
         is_advanced=True,
     )
-    recency_midpoint: float = setting(
+    recency_midpoint: float = share(
         EVENTS,
         0.5,
-        low=0,
-        high=1,
-        step=0.05,
         unit="of the duration",
         label="Remembered half at (of duration)",
         meaning="When in the recording a miss starts to be remembered: it counts half here.",

@@ -134,3 +134,8 @@ class Setting:
 def setting(stage: Stage, default: float | str | None, **known: Any) -> Any:
     """A field of `Params`; `known` as of `Setting`."""
     return field(default=default, metadata={"setting": Setting(stage, default, **known)})
+
+
+def share(stage: Stage, default: float, *, step: float = 0.05, **known: Any) -> Any:
+    """A field of `Params` from 0 to 1; `known` as of `Setting`."""
+    return setting(stage, default, low=0, high=1, step=step, **known)
