@@ -165,14 +165,24 @@ def draw_boxes(
     size = canvas_size(width, height)
     canvas = _background(picture, size, inks)
     scale = np.array([size[0] / width, size[1] / height] * 2)
-    unit = max(1, round(size[0] / 960)) if unit is None else unit
+    brush = _Brush(canvas, scale, max(1, round(size[0] / 960)) if unit is None else unit, inks)
     for boxes, colour, is_dashed in ((x, inks.x, False), (y, inks.y, True)):
         if boxes is not None:
-            _draw_detections(canvas, boxes, scale, colour, is_dashed=is_dashed, unit=unit)
+            _draw_detections(brush, boxes, colour, is_dashed=is_dashed)
     if truth is not None:
-        _draw_truth(canvas, truth, scale, unit, inks)
-    _draw_labels(canvas, truth or DrawnTruth(), x, y, scale, unit, inks)
+        _draw_truth(brush, truth)
+    _draw_labels(brush, truth or DrawnTruth(), x, y)
     return canvas
+
+
+@dataclass(frozen=True)
+class _Brush:
+    """Canvas, scale of the boxes (x, y, x, y), thickness of thin lines in px, and colours."""
+
+    canvas: Canvas
+    scale: NDArray[np.float64]
+    unit: int
+    inks: Inks
 
 
 def _background(picture: Picture | None, size: tuple[int, int], inks: Inks) -> Canvas:
@@ -186,50 +196,45 @@ def _background(picture: Picture | None, size: tuple[int, int], inks: Inks) -> C
     return np.asarray(cv2.resize(picture, size, interpolation=method), dtype=np.uint8)
 
 
-def _corners(canvas: Canvas, xywh: NDArray[np.float64], scale: NDArray[np.float64]) -> list[Box]:
+def _corners(brush: _Brush, xywh: NDArray[np.float64]) -> list[Box]:
     """First and last column and row on the canvas: left, top, right, bottom.
 
     Whole pixels, so that thin lines are sharp; far outside is cut, so that numbers stay small.
     """
-    scaled = xywh * scale
+    scaled = xywh * brush.scale
     edges = np.column_stack([scaled[:, :2], scaled[:, :2] + scaled[:, 2:] - 1])
-    limits = np.array([canvas.shape[1], canvas.shape[0]] * 2, dtype=float)
+    limits = np.array([brush.canvas.shape[1], brush.canvas.shape[0]] * 2, dtype=float)
     clipped = np.clip(edges, -limits, 2 * limits)
     return [(row[0], row[1], row[2], row[3]) for row in np.round(clipped).tolist()]
 
 
 def _draw_detections(
-    canvas: Canvas,
-    boxes: DrawnDetections,
-    scale: NDArray[np.float64],
-    colour: Colour,
-    *,
-    is_dashed: bool,
-    unit: int,
+    brush: _Brush, boxes: DrawnDetections, colour: Colour, *, is_dashed: bool
 ) -> None:
+    unit = brush.unit
     # a loop over the boxes of one frame: drawing is done box by box
-    for number, box in enumerate(_corners(canvas, boxes.xywh, scale)):
-        _draw_rectangle(canvas, box, colour, 2 * unit, 7.0 * unit if is_dashed else None)
+    for number, box in enumerate(_corners(brush, boxes.xywh)):
+        _draw_rectangle(brush, box, colour, 2 * unit, 7.0 * unit if is_dashed else None)
         left, top, right, bottom = box
         if boxes.state[number] == DetectionState.FALSE_ALARM:
             arm = min(8.0 * unit, (right - left) / 2, (bottom - top) / 2)
             across, down = (left + right) / 2, (top + bottom) / 2
             for sign in (-1, 1):
                 start, end = down - sign * arm, down + sign * arm
-                _line(canvas, across - arm, start, across + arm, end, colour, unit)
+                _line(brush, across - arm, start, across + arm, end, colour, unit)
 
 
-def _draw_truth(
-    canvas: Canvas, boxes: DrawnTruth, scale: NDArray[np.float64], unit: int, inks: Inks
-) -> None:
+def _draw_truth(brush: _Brush, boxes: DrawnTruth) -> None:
     # a loop over the boxes of one frame
-    for box, mark in zip(_corners(canvas, boxes.xywh, scale), boxes.marks, strict=True):
-        _draw_rectangle(canvas, box, inks.truth, unit, 2.0 * unit if mark.is_ignored else None)
+    for box, mark in zip(_corners(brush, boxes.xywh), boxes.marks, strict=True):
+        dash = 2.0 * brush.unit if mark.is_ignored else None
+        _draw_rectangle(brush, box, brush.inks.truth, brush.unit, dash)
         if mark.is_missed:
-            _mark_miss(canvas, box, mark, unit, inks)
+            _mark_miss(brush, box, mark)
 
 
-def _mark_miss(canvas: Canvas, box: Box, mark: TruthMark, unit: int, inks: Inks) -> None:
+def _mark_miss(brush: _Brush, box: Box, mark: TruthMark) -> None:
+    unit, inks = brush.unit, brush.inks
     left_colour = inks.x if mark.state_x == TruthState.MISSED else inks.y
     right_colour = inks.y if mark.state_y == TruthState.MISSED else inks.x
     gap = 4.0 * unit
@@ -238,25 +243,19 @@ def _mark_miss(canvas: Canvas, box: Box, mark: TruthMark, unit: int, inks: Inks)
     thickness = 3 * unit if mark.is_relevant else unit
     for edge, sign, colour in ((left, 1, left_colour), (right, -1, right_colour)):
         for level, down in ((top, 1), (bottom, -1)):
-            _line(canvas, edge, level, edge + sign * arm_x, level, colour, thickness)
-            _line(canvas, edge, level, edge, level + down * arm_y, colour, thickness)
+            _line(brush, edge, level, edge + sign * arm_x, level, colour, thickness)
+            _line(brush, edge, level, edge, level + down * arm_y, colour, thickness)
 
 
 def _draw_labels(
-    canvas: Canvas,
-    truth: DrawnTruth,
-    x: DrawnDetections | None,
-    y: DrawnDetections | None,
-    scale: NDArray[np.float64],
-    unit: int,
-    inks: Inks,
+    brush: _Brush, truth: DrawnTruth, x: DrawnDetections | None, y: DrawnDetections | None
 ) -> None:
     """Tags of the missed pedestrians, the tallest first; then what else finds room."""
-    boxes = _corners(canvas, truth.xywh, scale)
+    boxes, inks = _corners(brush, truth.xywh), brush.inks
     texts = truth.labels or [""] * len(boxes)
-    gap = 5.0 * unit
+    gap = 5.0 * brush.unit
     grown = {i: (b[0] - gap, b[1] - gap, b[2] + gap, b[3] + gap) for i, b in enumerate(boxes)}
-    height, width = canvas.shape[:2]
+    height, width = brush.canvas.shape[:2]
     missed = {
         i: grown[i]
         for i, mark in enumerate(truth.marks)
@@ -264,22 +263,21 @@ def _draw_labels(
     }
     room = LabelRoom(width, height, list(missed.values()))
     for i in sorted(missed, key=lambda i: missed[i][1] - missed[i][3]):
-        _draw_tag(canvas, room, missed[i], truth.marks[i], texts[i], unit, inks)
+        _draw_tag(brush, room, missed[i], truth.marks[i], texts[i])
     for system, colour, is_upper in ((x, inks.x, True), (y, inks.y, False)):
         if system is not None and system.labels:
-            for text, box in zip(system.labels, _corners(canvas, system.xywh, scale), strict=True):
+            for text, box in zip(system.labels, _corners(brush, system.xywh), strict=True):
                 side = _Side(is_left=True, is_upper=is_upper)
-                _draw_label(canvas, room, text, box, colour, unit, inks, side)
+                _draw_label(brush, room, text, box, colour, side)
     for i, (text, box) in enumerate(zip(texts, boxes, strict=True)):
         if i not in missed:
             side = _Side(is_left=False, is_upper=False)
-            _draw_label(canvas, room, text, box, inks.truth, unit, inks, side)
+            _draw_label(brush, room, text, box, inks.truth, side)
 
 
-def _draw_tag(
-    canvas: Canvas, room: LabelRoom, box: Box, mark: TruthMark, text: str, unit: int, inks: Inks
-) -> None:
+def _draw_tag(brush: _Brush, room: LabelRoom, box: Box, mark: TruthMark, text: str) -> None:
     """A filled field for each system that misses, and the label."""
+    unit, inks = brush.unit, brush.inks
     chips = [
         (letter, colour, is_salient)
         for letter, colour, state, is_salient in (
@@ -296,12 +294,12 @@ def _draw_tag(
     left, top, _, _ = room.must_take(extent, tag_places(box, extent))
     base = top + 12 * unit
     for letter, colour, is_salient in chips:
-        _draw_chip(canvas, (left, base), letter, colour, is_salient, unit, inks)
+        _draw_chip(brush, (left, base), letter, colour, is_salient)
         left += _chip_width(is_salient, unit) + 2 * unit
     if text:
         right = left + text_width(text, size) + unit
-        _draw_plate(canvas, (left - unit, top, right, top + extent[1]), inks)
-        put_text(canvas, text, (left, base), size, inks.truth)
+        _draw_plate(brush, (left - unit, top, right, top + extent[1]))
+        put_text(brush.canvas, text, (left, base), size, inks.truth)
 
 
 class _Side(NamedTuple):
@@ -312,18 +310,12 @@ class _Side(NamedTuple):
 
 
 def _draw_label(
-    canvas: Canvas,
-    room: LabelRoom,
-    text: str,
-    box: Box,
-    colour: Colour,
-    unit: int,
-    inks: Inks,
-    side: _Side,
+    brush: _Brush, room: LabelRoom, text: str, box: Box, colour: Colour, side: _Side
 ) -> None:
     """A text beside its box, or above or below it; left out where there is no room."""
     if not text:
         return
+    unit = brush.unit
     size = 0.4 * unit
     width, height, gap = text_width(text, size), 13.0 * unit, 5.0 * unit
     left, top, right, bottom = box
@@ -335,56 +327,46 @@ def _draw_label(
     places = places + (upright if side.is_upper else upright[::-1])
     place = room.take((width, height), places)
     if place is not None:
-        _draw_plate(canvas, place, inks)
-        stronger = np.round(_TINT * np.array(colour) + (1 - _TINT) * np.array(inks.contrast))
-        put_text(canvas, text, (place[0], place[1] + 10 * unit), size, _colour(stronger))
+        _draw_plate(brush, place)
+        contrast = np.array(brush.inks.contrast)
+        red, green, blue = np.round(_TINT * np.array(colour) + (1 - _TINT) * contrast).tolist()
+        stronger = int(red), int(green), int(blue)
+        put_text(brush.canvas, text, (place[0], place[1] + 10 * unit), size, stronger)
 
 
-def _colour(rgb_values: NDArray[np.float64]) -> Colour:
-    red, green, blue = (int(value) for value in rgb_values)
-    return red, green, blue
-
-
-def _draw_plate(canvas: Canvas, box: Box, inks: Inks) -> None:
+def _draw_plate(brush: _Brush, box: Box) -> None:
     """The ground of a label, so that it can be read on any picture."""
     left, top, right, bottom = (max(0, round(edge)) for edge in box)
-    behind = canvas[top:bottom, left:right]
-    behind[:] = np.round((1 - _PLATE) * behind + _PLATE * np.array(inks.ground))
+    behind = brush.canvas[top:bottom, left:right]
+    behind[:] = np.round((1 - _PLATE) * behind + _PLATE * np.array(brush.inks.ground))
 
 
 def _chip_width(is_salient: bool, unit: int) -> int:
     return (25 if is_salient else 15) * unit
 
 
-def _draw_chip(
-    canvas: Canvas,
-    place: Place,
-    letter: str,
-    colour: Colour,
-    is_salient: bool,
-    unit: int,
-    inks: Inks,
-) -> None:
+def _draw_chip(brush: _Brush, place: Place, letter: str, colour: Colour, is_salient: bool) -> None:
     """A filled field with the letter (most salient: and a triangle), its base line at `place`."""
+    canvas, unit, ground = brush.canvas, brush.unit, brush.inks.ground
     left_px, base_px = round(place[0]), round(place[1])
     upper_left = (left_px, base_px - 12 * unit)
     lower_right = (left_px + _chip_width(is_salient, unit), base_px + 3 * unit)
     cv2.rectangle(canvas, upper_left, lower_right, colour, -1)
-    put_text(canvas, letter, (left_px + 3 * unit, base_px), 0.42 * unit, inks.ground)
+    put_text(canvas, letter, (left_px + 3 * unit, base_px), 0.42 * unit, ground)
     if is_salient:
         tip = np.array([[15, -8], [23, -8], [19, -1]]) * unit + [left_px, base_px]
-        cv2.fillPoly(canvas, [tip.astype(np.int32)], inks.ground, cv2.LINE_AA)
+        cv2.fillPoly(canvas, [tip.astype(np.int32)], ground, cv2.LINE_AA)
 
 
 def _draw_rectangle(
-    canvas: Canvas, box: Box, colour: Colour, thickness: int, dash: float | None
+    brush: _Brush, box: Box, colour: Colour, thickness: int, dash: float | None
 ) -> None:
     left, top, right, bottom = box
     corners = [(left, top), (right, top), (right, bottom), (left, bottom), (left, top)]
     for start, end in pairwise(corners):
         length = float(np.hypot(end[0] - start[0], end[1] - start[1]))
         if dash is None or length <= dash:
-            _line(canvas, *start, *end, colour, thickness)
+            _line(brush, *start, *end, colour, thickness)
             continue
         n_dashes = max(1, round(length / (1.8 * dash)))
         for number in range(n_dashes):
@@ -392,17 +374,17 @@ def _draw_rectangle(
             ends = [
                 start[axis] + part * (end[axis] - start[axis]) for part in share for axis in (0, 1)
             ]
-            _line(canvas, ends[0], ends[1], ends[2], ends[3], colour, thickness)
+            _line(brush, *ends, colour, thickness)
 
 
 def _line(
-    canvas: Canvas, x0: float, y0: float, x1: float, y1: float, colour: Colour, thickness: int
+    brush: _Brush, x0: float, y0: float, x1: float, y1: float, colour: Colour, thickness: int
 ) -> None:
     start, end = (
         (round(a * (1 << _SHIFT)), round(b * (1 << _SHIFT))) for a, b in ((x0, y0), (x1, y1))
     )
     kind = cv2.LINE_8 if x0 == x1 or y0 == y1 else cv2.LINE_AA  # upright lines stay sharp
-    cv2.line(canvas, start, end, colour, thickness, kind, _SHIFT)
+    cv2.line(brush.canvas, start, end, colour, thickness, kind, _SHIFT)
 
 
 def put_text(

@@ -65,7 +65,7 @@ def write_video(
         Picture of every frame of the recording, -1 none, as `nvcore.pictures.picture_index` gives
         it; None: by that function, with `first_picture`.
     first_picture, lo, hi, labels
-        See `nvcore.overlay.annotated_frame`.
+        See `nvcore.overlay.annotate`.
 
     Raises
     ------
