@@ -10,14 +10,12 @@ import pandas as pd
 
 from nvcore.dataset import BoxColumns, Dataset
 from nvcore.detection.filtered_truth import FilteredTruth, filter_detections, filter_truth
+from nvcore.detection.operating_point import MIXED_POINTS, thinned
 from nvcore.errors import ParameterError
 from nvcore.metrics.matching import match_boxes
 from nvcore.params import Params
 from nvcore.protocols import PROTOCOLS, Protocol
 from nvcore.schema import DetectionState
-
-MIXED_POINTS: Final = 25
-"""Points of a curve if some detections have no score: each then takes a matching of its own."""
 
 CURVE_COLUMNS: Final = (
     "threshold",
@@ -265,11 +263,8 @@ def detection_curve(
         tp = np.cumsum(outcomes.is_match)[is_last]
         fp = np.cumsum(~outcomes.is_match)[is_last]
     else:
-        threshold = np.unique(score[is_scored])[::-1]
-        if len(threshold) >= MIXED_POINTS:
-            indices = np.linspace(0, len(threshold) - 1, MIXED_POINTS - 1).round().astype(np.int64)
-            threshold = threshold[indices]
-        threshold = np.concatenate([[np.inf], threshold])
+        scores = thinned(np.unique(score[is_scored])[::-1], MIXED_POINTS - 1)
+        threshold = np.concatenate([[np.inf], scores])
         points = []
         for t in threshold:
             outcomes = _outcomes(dataset, truth, detections, params, threshold=t)

@@ -16,7 +16,7 @@ from nvcore.schema import DetectionState
 CURVE_POINTS: Final = 200
 """Most points of a false-alarm curve."""
 MIXED_POINTS: Final = 25
-"""The same if some detections have no score: each point then takes a matching of its own."""
+"""Most points of a curve if some detections have no score: each then takes its own matching."""
 LEAST_DECIMALS: Final = 2
 """Fewest decimals of a proposed threshold: those of a slider's step."""
 MAX_DECIMALS: Final = 6
@@ -111,11 +111,7 @@ def false_alarm_curve(
     score = dataset.system(system).score
     is_scored = ~np.isnan(score)
     thresholds = np.unique(score[is_scored])
-    if not is_scored.all():
-        n_points = min(n_points, MIXED_POINTS)
-    if len(thresholds) > n_points:
-        indices = np.linspace(0, len(thresholds) - 1, n_points).round().astype(np.int64)
-        thresholds = thresholds[indices]
+    thresholds = thinned(thresholds, n_points if is_scored.all() else min(n_points, MIXED_POINTS))
     if is_scored.all():
         matches = match_system(dataset, system, None, params)
         n_kept = _count_from(score, thresholds)
@@ -126,6 +122,13 @@ def false_alarm_curve(
         n_alarms = np.array([point.n_false_alarms for point in points], np.int64)
     columns = (thresholds, n_kept, n_alarms, *_rates(dataset, n_alarms))
     return pd.DataFrame(dict(zip(CURVE_COLUMNS, columns, strict=True)))
+
+
+def thinned(values: np.ndarray, most: int) -> np.ndarray:
+    """The values, or as many as `most` of them, evenly chosen, the first and the last included."""
+    if len(values) <= most:
+        return values
+    return values[np.linspace(0, len(values) - 1, most).round().astype(np.int64)]
 
 
 def same_operating_point(dataset: Dataset, params: Params, x: str, y: str) -> SameOperatingPoint:

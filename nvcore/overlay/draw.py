@@ -374,7 +374,7 @@ def _draw_rectangle(
             ends = [
                 start[axis] + part * (end[axis] - start[axis]) for part in share for axis in (0, 1)
             ]
-            _line(brush, *ends, colour, thickness)
+            _line(brush, ends[0], ends[1], ends[2], ends[3], colour, thickness)
 
 
 def _line(

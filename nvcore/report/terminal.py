@@ -11,15 +11,14 @@ from nvcore.comparison import Result, SystemResult
 from nvcore.dataset import Dataset
 from nvcore.evidence.table import evidence_table
 from nvcore.findings import Finding, Severity
-from nvcore.measures import MeasureTable
 from nvcore.metrics.venn import Exclusivity
 from nvcore.protocols import PROTOCOLS, Protocol
 from nvcore.report.verdict import verdict
+from nvcore.report.words import count_leads, scorecard_cells
 from nvcore.schema import Category
 from nvcore.tables.inputs import inputs_table
 from nvcore.tables.result import worst_intervals
-from nvcore.tables.scorecard import ScoreRow, score_rows
-from nvcore.wording import difference, number, one_line, shortened
+from nvcore.wording import number, one_line, shortened
 
 NAME_WIDTH = 16
 """Longest name of a system in the head of a column; the full name is above the table."""
@@ -122,10 +121,7 @@ def _heading(result: Result) -> str:
 
 def _table(result: Result) -> str:
     heads = [_head(letter, system) for letter, system in result.sides]
-    rows: list[tuple[str, ...]] = [("", *heads, "X - Y", "better")]
-    rows += [_row(row) for row in score_rows(result)]
-    rows.append((f"how the {result.venn.n_near} encounters went:", "", "", "", ""))
-    rows += [_row(row) for row in score_rows(result, MeasureTable.MISS_CLASSES)]
+    rows = [("", *heads, "X - Y", "better"), *scorecard_cells(result, indent="  ")]
     widths = [max(len(row[i]) for row in rows) for i in range(4)]
     lines = [
         "  ".join([row[0].ljust(widths[0]), *(row[i].rjust(max(widths[i], 9)) for i in (1, 2, 3))])
@@ -137,12 +133,6 @@ def _table(result: Result) -> str:
 
 def _head(letter: str, system: SystemResult) -> str:
     return f"{letter.upper()}: {shortened(one_line(system.name), NAME_WIDTH)}"
-
-
-def _row(row: ScoreRow) -> tuple[str, ...]:
-    label = "  " * row.level + row.label
-    values = (number(row.x, row.form), number(row.y, row.form), difference(row.x, row.y, row.form))
-    return (label, *values, row.better)
 
 
 def _venn(result: Result) -> str:
@@ -193,11 +183,9 @@ def describe_exclusivity(exclusivity: Exclusivity, x_only: int, y_only: int) -> 
 
 def _lead(result: Result) -> str:
     """Which system is first, in the encounters that both match."""
-    lead = result.lead_time_s
-    lead = lead[np.isfinite(lead)]
+    lead, first_x, first_y = count_leads(result)
     if not len(lead):
         return "lead time: no encounter is matched by both systems"
-    first_x, first_y = int(np.count_nonzero(lead > 0)), int(np.count_nonzero(lead < 0))
     return (
         f"lead time, in the {len(lead)} encounters that both match: X is first in {first_x}, Y in "
         f"{first_y}, at once in {len(lead) - first_x - first_y}; X leads by {lead.mean():+.2f} s "

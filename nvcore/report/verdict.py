@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from nvcore.comparison import Result, SystemResult
+from nvcore.comparison import Result
 from nvcore.evidence.paired_tests import MIN_DISCORDANT, MIN_SWAPPED, SIGNIFICANT
 from nvcore.findings import Finding, Severity
 from nvcore.measures import EVIDENCE_KEYS, inference_of
@@ -196,7 +196,13 @@ def _by_units(result: Result, codes: Set[str], evidence: pd.DataFrame | None) ->
 def _side_by_side(result: Result, evidence: pd.DataFrame | None) -> str:
     x, y = result.x, result.y
     parts = [
-        _better("the higher mean similarity", _mean(x), _mean(y), ".3f", is_high_better=True),
+        _better(
+            "the higher mean similarity",
+            x.summary.mean,
+            y.summary.mean,
+            ".3f",
+            is_high_better=True,
+        ),
         _better("the lower saliency", x.saliency_s, y.saliency_s, ".2f", unit=" s")
         + _mean_saliency(result, evidence),
         _better(
@@ -280,10 +286,6 @@ def _with_sign(value: float) -> str:
 
 def _duration(seconds: float) -> str:
     return f"{seconds:.0f} s" if seconds < 600 else f"{seconds / 3600:.1f} h"
-
-
-def _mean(system: SystemResult) -> float:
-    return system.summary.mean
 
 
 def _better(

@@ -5,7 +5,7 @@ The systems are called X and Y; these sentences contain no names from files.
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Hashable, Iterable
 from typing import Any, Final
 
 import numpy as np
@@ -13,10 +13,41 @@ import pandas as pd
 
 from nvcore.comparison import Result, SystemResult
 from nvcore.evidence.paired_tests import SIGNIFICANT
-from nvcore.wording import count_text
+from nvcore.measures import MeasureTable
+from nvcore.tables.scorecard import ScoreRow, score_rows
+from nvcore.wording import count_text, difference, number
 
 FEW_MISSES: Final = 5
 """Fewest misses of a system for an explanation of phi."""
+
+
+def score_cells(rows: Iterable[ScoreRow], *, indent: str) -> list[tuple[str, ...]]:
+    """Measures as text: label, X, Y, X - Y, and which is better; `indent` marks parts."""
+    return [
+        (
+            indent * row.level + row.label,
+            *(number(value, row.form) for value in (row.x, row.y)),
+            difference(row.x, row.y, row.form),
+            row.better,
+        )
+        for row in rows
+    ]
+
+
+def scorecard_cells(result: Result, *, indent: str) -> list[tuple[str, ...]]:
+    """The scorecard, then how the encounters went, as `score_cells`."""
+    return [
+        *score_cells(score_rows(result), indent=indent),
+        (f"how the {result.venn.n_near} encounters went:", "", "", "", ""),
+        *score_cells(score_rows(result, MeasureTable.MISS_CLASSES), indent=indent),
+    ]
+
+
+def count_leads(result: Result) -> tuple[np.ndarray, int, int]:
+    """Lead times of X over Y where both match, seconds, and how often X and Y are first."""
+    lead_s = result.lead_time_s
+    lead_s = lead_s[np.isfinite(lead_s)]
+    return lead_s, int(np.count_nonzero(lead_s > 0)), int(np.count_nonzero(lead_s < 0))
 
 
 def describe_misses(result: Result) -> tuple[str, ...]:
@@ -95,11 +126,9 @@ def _split(x_only: int, y_only: int, p: float, *, short: bool) -> str:
 
 def describe_lead(result: Result) -> str:
     """Which system matches a pedestrian first: mean and median lead time (positive: X first)."""
-    lead_s = result.lead_time_s
-    lead_s = lead_s[np.isfinite(lead_s)]
+    lead_s, first_x, first_y = count_leads(result)
     if not len(lead_s):
         return "No encounter is matched by both systems, so there is no lead time."
-    first_x, first_y = int(np.count_nonzero(lead_s > 0)), int(np.count_nonzero(lead_s < 0))
     mean, median = round(float(lead_s.mean()), 2), round(float(np.median(lead_s)), 2)
     text = (
         f"Of {count_text(len(lead_s), 'encounter')} that both match, X matches {first_x} first, Y "

@@ -26,8 +26,9 @@ from nvcore.protocols import Protocol
 from nvcore.report.html import words
 from nvcore.report.html.blocks import Block, Chart, Photo, Photos, Section, Sentences, Table, table
 from nvcore.report.html.charts import THEME, interval_plot
-from nvcore.report.html.result_sections import MEASURES_HEAD, score_row
+from nvcore.report.html.result_sections import MEASURES_HEAD, PART
 from nvcore.report.verdict import verdict
+from nvcore.report.words import score_cells
 from nvcore.stability.survey import SurveyRow, survey_stability, survey_table
 from nvcore.stability.words import (
     CRITERIA,
@@ -189,7 +190,7 @@ def detection_section(result: Result, protocol: Protocol) -> Section:
         summarise_curve(curve, threshold)
         for curve, threshold in zip(curves, thresholds, strict=True)
     ]
-    rows = [score_row(row) for row in curve_rows(*summaries)]
+    rows = score_cells(curve_rows(*summaries), indent=PART)
     notes = [
         f"{letter} has no averages and no areas ({summary.why_undefined})."
         for letter, summary in zip("XY", summaries, strict=True)

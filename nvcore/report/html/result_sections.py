@@ -17,7 +17,14 @@ from nvcore.report.html import words
 from nvcore.report.html.blocks import MAX_ROWS, Chart, Section, Sentences, Table, table
 from nvcore.report.html.charts import THEME
 from nvcore.report.html.input_sections import span_in_use
-from nvcore.report.words import describe_fusion, describe_lead, describe_misses, describe_saliency
+from nvcore.report.words import (
+    describe_fusion,
+    describe_lead,
+    describe_misses,
+    describe_saliency,
+    score_cells,
+    scorecard_cells,
+)
 from nvcore.schema import CATEGORY_TEXT, MISS_CLASS_TEXT, Category
 from nvcore.tables.miss_classes import fusion_table
 from nvcore.tables.moments import encounter_moments
@@ -27,10 +34,12 @@ from nvcore.tables.result import (
     worst_events,
     worst_intervals,
 )
-from nvcore.tables.scorecard import ScoreRow, score_rows
+from nvcore.tables.scorecard import score_rows
 from nvcore.wording import UNDEFINED, count_text, difference, number
 
 MEASURES_HEAD = ("Measure", "X", "Y", "X - Y", "Better")
+PART = "– "
+"""Before the label of a measure that is a part of the one above."""
 N_WORST = 3
 """How many intervals, events and episodes of each system are listed."""
 
@@ -42,22 +51,13 @@ def names_of(result: Result) -> tuple[str, str]:
 
 def scorecard_section(result: Result) -> Section:
     """All measures side by side."""
-    rows = [score_row(row) for row in score_rows(result)]
-    rows.append((f"how the {result.venn.n_near} encounters went:", "", "", "", ""))
-    rows += [score_row(row) for row in score_rows(result, MeasureTable.MISS_CLASSES)]
+    rows = scorecard_cells(result, indent=PART)
     return Section(
         "scorecard",
         "Scorecard",
         words.scorecard(result.params),
         (table("Measures of X and Y", MEASURES_HEAD, rows, right=(1, 2, 3)),),
     )
-
-
-def score_row(row: ScoreRow) -> tuple[str, ...]:
-    """Cells of a measure, under `MEASURES_HEAD`."""
-    label = ("– " if row.level else "") + row.label
-    values = (number(row.x, row.form), number(row.y, row.form), difference(row.x, row.y, row.form))
-    return (label, *values, row.better)
 
 
 def encounters_section(result: Result) -> Section:
@@ -241,7 +241,7 @@ def saliency_section(result: Result) -> Section:
 
 def false_alerts_section(result: Result) -> Section:
     """False alarms and episodes of both systems."""
-    rows = [score_row(row) for row in score_rows(result, MeasureTable.FALSE_ALERTS)]
+    rows = score_cells(score_rows(result, MeasureTable.FALSE_ALERTS), indent=PART)
     head = ("System", "Recording", "Frames", "Start (s)", "Duration (s)", "Boxes")
     return Section(
         "false-alerts",
