@@ -264,12 +264,9 @@ class Dataset:
 
         None where no system is left.
         """
-        settings_x, settings_y = self.settings.x, self.settings.y
-        return compared_names(
-            self.systems,
-            x or (None if settings_x == y else settings_x),
-            y or (None if settings_y == x else settings_y),
-        )
+        x, y = self.settings.names(x, y)
+        x = x or next((name for name in self.systems if name != y), None)
+        return x, y or next((name for name in self.systems if name != x), None)
 
     def params_of(self, x: str | None = None, y: str | None = None) -> Params:
         """The settings' parameters with the thresholds of these systems filled in.
@@ -294,17 +291,6 @@ class Dataset:
         columns = {name: self.boxes[name].to_numpy()[start:stop] for name in BOX_COLUMNS}
         offsets = offsets_of(columns["frame_index"], len(self.frames))
         return BoxColumns(**columns, offsets=offsets, first_row=int(start))
-
-
-def compared_names(
-    systems: Sequence[str], x: str | None, y: str | None
-) -> tuple[str | None, str | None]:
-    """Names of X and Y: those given, else the first system that is not the other one.
-
-    None where no system is left.
-    """
-    x = x or next((name for name in systems if name != y), None)
-    return x, y or next((name for name in systems if name != x), None)
 
 
 def offsets_of(frame_index: np.ndarray, n_frames: int) -> np.ndarray:

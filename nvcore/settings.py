@@ -27,6 +27,12 @@ class Settings:
     params: Params = field(default_factory=Params)
     protocol: Protocol = PROTOCOLS["all"]
 
+    def names(self, x: str | None, y: str | None) -> tuple[str | None, str | None]:
+        """Names of X and Y: those given, else its own where the other is not called so."""
+        own_x = None if self.x == y else self.x
+        own_y = None if self.y == x else self.y
+        return x or own_x, y or own_y
+
     @property
     def thresholds(self) -> tuple[float | None, ...]:
         """Score threshold of each system, in their order; empty: every detection counts."""

@@ -118,12 +118,8 @@ def with_choices(
     """
     if isinstance(protocol, str):
         protocol = protocol_from({"name": protocol})
-    return replace(
-        settings,
-        x=x or (None if settings.x == y else settings.x),
-        y=y or (None if settings.y == x else settings.y),
-        protocol=protocol or settings.protocol,
-    )
+    x, y = settings.names(x, y)
+    return replace(settings, x=x, y=y, protocol=protocol or settings.protocol)
 
 
 def with_params(dataset: Dataset, given: Mapping[str, Any]) -> Dataset:

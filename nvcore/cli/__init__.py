@@ -29,7 +29,6 @@ from nvcore.cli.steps import (
     findings_at_paths,
     pasteable_errors,
     refuse_to_replace,
-    sources_of,
 )
 from nvcore.errors import InputError, NvcoreError
 from nvcore.inputs.session import Session
@@ -136,9 +135,8 @@ def compare(out: Path | None, as_json: bool, strict: bool, **options: Any) -> No
 
     session = session_from(options, needs_y=True)
     _keep_inputs(session, options["session_file"], out)
-    sources = sources_of(session)
     n_steps = 6 + len(session.systems) + (10 if out is not None else 0)
-    with pasteable_errors(session.folder, sources), _Steps(n_steps) as steps:
+    with pasteable_errors(session.folder, session.sources), _Steps(n_steps) as steps:
         dataset = load(session, progress=steps)
         steps.begin("auditing the inputs")
         findings = audit(dataset)
@@ -152,7 +150,7 @@ def compare(out: Path | None, as_json: bool, strict: bool, **options: Any) -> No
         )
         if out is not None:
             write_report(result, session, out, findings, progress=steps)
-    shown = paths_to_show(session.folder, sources)
+    shown = paths_to_show(session.folder, session.sources)
     told = replace(result, dataset=_for_terminal(dataset, shown, longest=MAX_CONVERSION))
     click.echo(render_inputs(told), err=as_json)
     click.echo("\n" + render_findings(findings_at_paths(findings, shown)) + "\n", err=as_json)
@@ -197,12 +195,14 @@ def check(strict: bool, **options: Any) -> None:
     from nvcore.report.terminal import render_dataset, render_findings
 
     session = session_from(options, needs_y=False)
-    sources = sources_of(session)
-    with pasteable_errors(session.folder, sources), _Steps(4 + len(session.systems)) as steps:
+    with (
+        pasteable_errors(session.folder, session.sources),
+        _Steps(4 + len(session.systems)) as steps,
+    ):
         dataset = load(session, progress=steps)
         steps.begin("auditing the inputs")
         findings = audit(dataset)
-    shown = paths_to_show(session.folder, sources)
+    shown = paths_to_show(session.folder, session.sources)
     click.echo(render_dataset(_for_terminal(dataset, shown)))
     click.echo("\n" + render_findings(findings_at_paths(findings, shown)))
     exit_on_findings(findings, strict)

@@ -23,7 +23,6 @@ from nvcore.cli.steps import (
     findings_at_paths,
     pasteable_errors,
     refuse_to_replace,
-    sources_of,
 )
 from nvcore.errors import InputError, NvcoreError
 from nvcore.wording import one_line
@@ -143,12 +142,11 @@ def gate(
     session = session_from(options, needs_y=True)
     refuse_to_replace(written, files_read(session))
     _write_problem(junit, markdown_file, "it was stopped before it ended", prints=False)
-    sources = sources_of(session)
-    with pasteable_errors(session.folder, sources):
+    with pasteable_errors(session.folder, session.sources):
         result, findings = compare_session(session)
     names = measure_names() if lists else ()
     outcomes, values = run_gate(wanted, result, findings, strict=strict, names=names)
-    shown = findings_at_paths(findings, paths_to_show(session.folder, sources))
+    shown = findings_at_paths(findings, paths_to_show(session.folder, session.sources))
     click.echo(render_findings(shown), err=is_machine_read)
     if lists:
         width = max(map(len, values))

@@ -24,7 +24,6 @@ from nvcore.cli.steps import (
     findings_at_paths,
     pasteable_errors,
     refuse_to_replace,
-    sources_of,
 )
 from nvcore.progress import Progress
 from nvcore.wording import one_line
@@ -71,12 +70,11 @@ def report(stability: bool | None, out: Path, strict: bool, **options: Any) -> N
         )
     session = session_from(options, needs_y=True)
     refuse_to_replace([out], files_read(session))
-    sources = sources_of(session)
     progress = _terminal_progress()
-    with pasteable_errors(session.folder, sources):
+    with pasteable_errors(session.folder, session.sources):
         result, findings = compare_session(session, progress=progress)
         write_html_report(result, session, findings, out, stability=stability, progress=progress)
-    shown = paths_to_show(session.folder, sources)
+    shown = paths_to_show(session.folder, session.sources)
     click.echo(render_findings(findings_at_paths(findings, shown)))
     click.echo(one_line(f"written to {out}"), err=True)
     exit_on_findings(findings, strict)

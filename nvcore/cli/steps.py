@@ -68,14 +68,8 @@ def exit_on_findings(findings: Iterable[Finding], strict: bool) -> None:
         raise SystemExit(EXIT_FINDINGS)
 
 
-def sources_of(session: Session) -> list[tuple[Source, Role]]:
-    """The session's sources, each with what it holds."""
-    systems: list[tuple[Source, Role]] = [(system, "detections") for system in session.systems]
-    return [(session.truth, "truth"), *systems]
-
-
 @contextmanager
-def pasteable_errors(folder: Path, sources: list[tuple[Source, Role]]) -> Iterator[None]:
+def pasteable_errors(folder: Path, sources: Iterable[tuple[Source, Role]]) -> Iterator[None]:
     """Within it, errors name a file by a path that can be pasted into the terminal."""
     try:
         yield

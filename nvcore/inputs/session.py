@@ -7,10 +7,13 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from nvcore.errors import SessionError
 from nvcore.settings import Settings
+
+if TYPE_CHECKING:
+    from nvcore.inputs.readers.base import Role
 
 MAX_OFFSET_FRAMES: Final = 1_000_000
 """Largest correction of frame numbers."""
@@ -182,6 +185,11 @@ class Session(Settings):
     def thresholds(self) -> tuple[float | None, ...]:
         """Score threshold of each system, in their order; None: every detection counts."""
         return tuple(system.threshold for system in self.systems)
+
+    @property
+    def sources(self) -> tuple[tuple[Source, Role], ...]:
+        """Truth and systems, each with what it holds."""
+        return (self.truth, "truth"), *((system, "detections") for system in self.systems)
 
     @property
     def common_size(self) -> tuple[int, int] | None:

@@ -5,15 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from nvcore.errors import InputError
 from nvcore.inputs.files import find_files
-from nvcore.inputs.session import Session, Source, is_frame_range
+from nvcore.inputs.session import Session, is_frame_range
 from nvcore.pictures import IMAGE_SUFFIXES
-
-if TYPE_CHECKING:
-    from nvcore.inputs.readers.base import Role
 
 
 def replaced_input(outputs: Iterable[Path], inputs: Iterable[Path]) -> Path | None:
@@ -42,9 +38,7 @@ def replaced_input(outputs: Iterable[Path], inputs: Iterable[Path]) -> Path | No
 
 def files_read(session: Session) -> Iterator[Path]:
     """The files that the program reads for a session; folders of pictures as folders."""
-    sources: list[tuple[Source, Role]] = [(session.truth, "truth")]
-    sources += [(system, "detections") for system in session.systems]
-    for source, role in sources:
+    for source, role in session.sources:
         with suppress(InputError):  # reported when the files are read
             yield from (file.path for file in find_files(source, session.folder, role)[0])
     for frames in (session.frames, *(facts.frames for facts in session.recordings)):
