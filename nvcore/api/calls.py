@@ -165,7 +165,7 @@ def gate(result: Comparison, rules: Iterable[str], *, strict: bool = False) -> G
     Parameters
     ----------
     rules
-        A figure, a comparison and a number each, as of ``nvcore gate``: with the release in use as
+        A measure, a comparison and a number each, as of ``nvcore gate``: with the release in use as
         X and the candidate as Y, ``new_misses`` are the encounters that only the first detects.
     strict
         Whether warnings of the audit count as errors do.
@@ -173,7 +173,7 @@ def gate(result: Comparison, rules: Iterable[str], *, strict: bool = False) -> G
     Raises
     ------
     ParameterError
-        If a text is no rule, or there is no such figure.
+        If a text is no rule, or there is no such measure.
 
     Examples
     --------

@@ -72,7 +72,7 @@ class Comparison:
 
     @property
     def protocol(self) -> Protocol:
-        """Which pedestrians count in the detection figures."""
+        """Which pedestrians count in the detection measures."""
         return self.dataset.settings.protocol
 
     @property
@@ -156,7 +156,7 @@ class Comparison:
         return Figures(self.result)
 
     def evidence(self) -> pd.DataFrame:
-        """One row per figure of the verdict: difference, 95 % interval, p, effect."""
+        """One row per measure of the verdict: difference, 95 % interval, p, effect."""
         return self._evidence.copy()
 
     def verdict(self) -> tuple[str, ...]:

@@ -67,7 +67,7 @@ def load(
     name_x, name_y
         Names of X and Y; with a session: which of its systems they are.
     protocol
-        Which pedestrians count in the detection figures, such as ``"reasonable"``.
+        Which pedestrians count in the detection measures, such as ``"reasonable"``.
 
     Returns
     -------

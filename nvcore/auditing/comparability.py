@@ -62,7 +62,7 @@ def audit_encounter_lengths(dataset: Dataset, params: Params) -> list[Finding]:
             advice=(
                 "Saliency, lag, gap, lead time, dropout and rates per hour mean little here, and "
                 "McNemar's test counts frames rather than persons. Give ground truth with track "
-                "ids in every frame, or read the figures per frame only."
+                "ids in every frame, or read the measures per frame only."
             ),
         )
     ]

@@ -76,7 +76,7 @@ def _file_type() -> click.Path:
     "rules",
     multiple=True,
     metavar="RULE",
-    help="A figure, a comparison and a number: 'lamr_y <= 0.10'. Can be given again.",
+    help="A measure, a comparison and a number: 'lamr_y <= 0.10'. Can be given again.",
 )
 @grouped_option(
     RULES,
@@ -89,7 +89,7 @@ def _file_type() -> click.Path:
 @grouped_option(
     RULES, "--strict", is_flag=True, help="Warnings of the audit break the gate, as errors do."
 )
-@grouped_option(RULES, "--list", "lists", is_flag=True, help="Print all figures and their values.")
+@grouped_option(RULES, "--list", "lists", is_flag=True, help="Print all measures and their values.")
 @protocol_option
 @grouped_option(
     OUTPUT,
@@ -118,11 +118,11 @@ def gate(
 ) -> None:
     """Compare X and Y, and exit with 1 if a rule does not hold.
 
-    Inputs as for compare. A figure ends with _x, _y or _difference (X - Y); new_misses are the
+    Inputs as for compare. A measure ends with _x, _y or _difference (X - Y); new_misses are the
     encounters that X detects and Y does not: give the release in use as X, the candidate as Y. An
-    undefined figure breaks its rule, unless the rule ends with 'or undefined'. Exit code 0: all
+    undefined measure breaks its rule, unless the rule ends with 'or undefined'. Exit code 0: all
     rules hold, 1: one does not, or the audit found errors (with --strict: or warnings), 2: bad
-    input or no such figure.
+    input or no such measure.
     """
     from nvcore.inputs.files import paths_to_show
     from nvcore.report.gate import measure_names, run_gate, value_text

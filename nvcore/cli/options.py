@@ -108,13 +108,13 @@ def parameter_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
 
 protocol_option = grouped_option(
-    "Detection figures",
+    "Detection measures",
     "--protocol",
     type=click.Choice(list(PROTOCOLS)),
-    help="Which pedestrians count in the detection figures, such as the log-average miss rate "
+    help="Which pedestrians count in the detection measures, such as the log-average miss rate "
     "(docs/detection.md). Default: the session file's, or all.",
 )
-"""The flag for the protocol of the detection figures."""
+"""The flag for the protocol of the detection measures."""
 
 strict_option = grouped_option(
     OUTPUT, "--strict", is_flag=True, help="Warnings of the audit give exit code 1, too."

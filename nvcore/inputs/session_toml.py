@@ -35,7 +35,7 @@
 
     [parameters]             any of nvcore.params.Params
 
-    [protocol]               which pedestrians count in the detection figures: a named protocol,
+    [protocol]               which pedestrians count in the detection measures: a named protocol,
     name = "reasonable"      filters of its own (see nvcore.protocols.Protocol), or both
     height_px = [50, inf]
     occlusion = [0, 1]

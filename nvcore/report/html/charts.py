@@ -60,7 +60,7 @@ def interval_plot(evidence: pd.DataFrame) -> go.Figure:
     """
     defined = evidence[np.isfinite(evidence["difference"])]
     if defined.empty:
-        return empty_figure("No figure is defined for both systems.", theme=THEME)
+        return empty_figure("No measure is defined for both systems.", theme=THEME)
     has_interval = np.isfinite(defined["low"].to_numpy()) & np.isfinite(defined["high"].to_numpy())
     heights = np.where(has_interval, INTERVAL_PX, WORDS_PX)
     ends = np.cumsum(heights)
