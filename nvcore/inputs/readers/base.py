@@ -99,7 +99,7 @@ class Lines:
         """
         columns = {"file": self.file, "line": self.line} | columns
         boxes = reading_boxes(len(self), **dict(zip("xywh", box, strict=True)), **columns)
-        return boxes if keep is None else kept(boxes, keep)
+        return boxes if keep is None else select_boxes(boxes, keep)
 
     def finding(
         self,
@@ -291,7 +291,7 @@ def reading_boxes(n_rows: int, **columns: object) -> pd.DataFrame:
     return conform(columns, READING_DTYPES, n_rows=n_rows)
 
 
-def kept(boxes: pd.DataFrame, keep: np.ndarray) -> pd.DataFrame:
+def select_boxes(boxes: pd.DataFrame, keep: np.ndarray) -> pd.DataFrame:
     """The boxes that stay, numbered anew; no copy where all do."""
     return boxes if keep.all() else boxes[keep].reset_index(drop=True)
 

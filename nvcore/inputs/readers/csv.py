@@ -22,8 +22,8 @@ from nvcore.inputs.readers.base import (
     annotated_frames,
     concat_boxes,
     conversion_text,
-    kept,
     recordings_table,
+    select_boxes,
     warning,
 )
 from nvcore.inputs.readers.coco.images import places_of_pictures
@@ -232,7 +232,7 @@ def _sorted_by_class(
         boxes = boxes.assign(ignore=boxes["ignore"].to_numpy() | is_neutral)
     else:
         keep &= ~is_neutral
-    return kept(boxes, keep)
+    return select_boxes(boxes, keep)
 
 
 def _wanted(header: Header, role: Role) -> list[str]:
