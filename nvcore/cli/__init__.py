@@ -151,8 +151,8 @@ def compare(out: Path | None, as_json: bool, strict: bool, **options: Any) -> No
         if out is not None:
             write_report(result, session, out, findings, progress=steps)
     shown = paths_to_show(session.folder, session.sources)
-    told = replace(result, dataset=_for_terminal(dataset, shown, longest=MAX_CONVERSION))
-    click.echo(render_inputs(told), err=as_json)
+    short = _for_terminal(dataset, shown, longest=MAX_CONVERSION)
+    click.echo(render_inputs(replace(result, dataset=short)), err=as_json)
     click.echo("\n" + render_findings(findings_at_paths(findings, shown)) + "\n", err=as_json)
     click.echo(text, nl=not as_json)
     if out is not None:

@@ -130,11 +130,11 @@ def gate(
     from nvcore.report.keep_inputs import files_read
     from nvcore.report.terminal import render_findings
 
-    files = [one for one in (junit, markdown_file) if one is not None]
+    files = [file for file in (junit, markdown_file) if file is not None]
     is_machine_read = _takes_standard_output(files, lists)
-    written = [one for one in files if one != STANDARD]
+    written = [file for file in files if file != STANDARD]
     named = (options["session_file"], rules_file)
-    refuse_to_replace(written, (one for one in named if one is not None and one != STANDARD))
+    refuse_to_replace(written, (file for file in named if file is not None and file != STANDARD))
     wanted = _read(rules, rules_file)
     if not wanted and not lists:
         lack = "" if rules_file is None else "the file of rules holds none; "
@@ -158,7 +158,7 @@ def gate(
         _write(junit, junit_xml(outcomes, title, shown))
     if markdown_file is not None:
         _write(markdown_file, markdown(outcomes, title, shown).encode())
-    if not all(one.is_passed for one in outcomes):
+    if not all(outcome.is_passed for outcome in outcomes):
         raise SystemExit(EXIT_FAILED)
 
 
@@ -238,9 +238,9 @@ def _head(file: Path) -> bytes:
 
 def _value_of(flag: str, arguments: Sequence[str]) -> Path | None:
     """What a flag says in arguments that could not be parsed."""
-    for one, following in zip(arguments, [*arguments[1:], None], strict=True):
-        if one == flag and following is not None:
+    for argument, following in zip(arguments, [*arguments[1:], None], strict=True):
+        if argument == flag and following is not None:
             return Path(following)
-        if one.startswith(f"{flag}="):
-            return Path(one.partition("=")[2])
+        if argument.startswith(f"{flag}="):
+            return Path(argument.partition("=")[2])
     return None

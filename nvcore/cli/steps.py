@@ -84,4 +84,6 @@ def pasteable_errors(folder: Path, sources: Iterable[tuple[Source, Role]]) -> It
 
 def findings_at_paths(findings: tuple[Finding, ...], shown: dict[str, str]) -> tuple[Finding, ...]:
     """Findings that name their files as `nvcore.inputs.files.paths_to_show` says."""
-    return tuple(replace(one, file=shown.get(one.file, one.file)) for one in findings)
+    return tuple(
+        replace(finding, file=shown.get(finding.file, finding.file)) for finding in findings
+    )

@@ -22,6 +22,12 @@ rejected 8 to 10 % of equal traces with that length, 6 to 8 % with twice the len
 MAX_BLOCKS: Final = 1000
 """Most blocks of all recordings: more do not improve an interval, and longer ones are safer."""
 
+UNIT_WORDS: Final = {
+    "recordings": "recordings",
+    "blocks": "blocks of time, which say nothing of other recordings",
+}
+"""Kinds of units in a sentence."""
+
 
 @dataclass(frozen=True)
 class Units:

@@ -10,6 +10,7 @@ import pandas as pd
 
 from nvcore.comparison import Result
 from nvcore.evidence.paired_tests import MIN_DISCORDANT, MIN_SWAPPED, SIGNIFICANT
+from nvcore.evidence.units import UNIT_WORDS
 from nvcore.findings import Finding, Severity
 from nvcore.measures import EVIDENCE_KEYS, inference_of
 from nvcore.wording import capitalised, listed
@@ -18,10 +19,6 @@ SIDE_BY_SIDE: Final = tuple(key for key in EVIDENCE_KEYS if inference_of(key).no
 """Keys of the measures that the verdict puts side by side."""
 
 BLOCKS: Final = "blocks"
-UNITS: Final = {
-    "recordings": "recordings",
-    BLOCKS: "blocks of time, which say nothing of other recordings",
-}
 
 CAVEATS: Final = {
     "track-reused": "track ids of the ground truth are used again after a gap, so that two persons "
@@ -247,7 +244,7 @@ def _beyond_chance(rows: pd.DataFrame) -> str:
     if tested.empty:
         return "there are too few data to test these differences for chance"
     beyond = tested[tested["p_holm"] <= SIGNIFICANT]
-    by = f"by these {int(tested['n'].iloc[0]):,} {UNITS[tested['unit'].iloc[0]]}"
+    by = f"by these {int(tested['n'].iloc[0]):,} {UNIT_WORDS[tested['unit'].iloc[0]]}"
     if beyond.empty and len(rows) == 1:
         noun = inference_of(rows["figure"].iloc[0]).noun
         return f"{by}, the difference in {noun} is not shown to be more than chance"

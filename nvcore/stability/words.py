@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 
 from nvcore.evidence.paired_tests import SIGNIFICANT
+from nvcore.evidence.units import UNIT_WORDS
 from nvcore.stability.axes import Axis, Plane
 from nvcore.stability.flips import Flip, Interval, Winner, winners
 from nvcore.stability.map import StabilityMap
@@ -205,9 +206,7 @@ def describe_chance(stability: StabilityMap, evidence: pd.DataFrame) -> str:
             f"Whether {subject} is more than chance cannot be tested here{because}: {no_evidence}."
         )
     worst = tested.loc[tested["p_holm"].idxmax()]
-    by = f"by {int(worst['n']):,} {worst['unit']}"
-    if worst["unit"] == "blocks":
-        by += " of time, which say nothing of other recordings"
+    by = f"by {int(worst['n']):,} {UNIT_WORDS.get(worst['unit'], worst['unit'])}"
     p = f"p = {worst['p_holm']:.2g}, corrected for all measures tested; {by}"
     if worst["p_holm"] <= SIGNIFICANT:
         return f"{capitalised(subject)} is more than chance ({p})."
