@@ -1,7 +1,8 @@
 # make run   the dashboard, on the sample recordings
 #            (make run LOCAL_ROOT=DIR: it may also open what lies below that folder)
 # make check lint, types, import contracts, the tests of the library: for every day
-# make test  the same with the tests of the pages and of the app in a browser, and coverage
+# make test  the same with the tests of the pages, and of the app in a browser
+# make coverage  which lines of the library its tests run: at least 95 %, kernels as plain Python
 # make bench benchmarks against other tools, written to docs/benchmarks.md
 #            (make bench BENCH=--quick: a minute, nothing written)
 # make mutants  small mistakes put into the library: which do the tests not notice?
@@ -14,7 +15,7 @@ DEVELOP := $(BIN)/.installed-dev
 TOOLS := .venv-bench/tools/.installed
 MOTMETRICS := .venv-bench/motmetrics/.installed
 
-.PHONY: run check test bench mutants lint chromium clean
+.PHONY: run check test coverage bench mutants lint chromium clean
 
 run: $(LIBRARY)
 	$(BIN)/streamlit run app.py $(if $(LOCAL_ROOT),-- --local-root "$(LOCAL_ROOT)")
@@ -24,10 +25,13 @@ check: $(DEVELOP) lint
 
 # The browser tests run by themselves: they look at what is painted in time.
 test: $(DEVELOP) chromium lint
+	$(BIN)/python -m pytest -q -n auto --dist loadfile --ignore=tests/e2e
+	$(BIN)/python -m pytest -q -n 2 --dist loadfile tests/e2e
+
+coverage: $(DEVELOP)
 	$(BIN)/coverage erase
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q --cov --cov-report= --cov-fail-under=0 tests/metrics/test_kernels.py tests/metrics/test_link_kernel.py
-	$(BIN)/python -m pytest -q -n auto --dist loadfile --cov --cov-append --cov-report= --cov-fail-under=0 --ignore=tests/e2e
-	$(BIN)/python -m pytest -q --cov --cov-append tests/e2e
+	$(BIN)/python -m pytest -q -n auto --dist loadfile --cov --cov-append --ignore=tests/e2e
 
 lint: $(DEVELOP)
 	$(BIN)/ruff check .
