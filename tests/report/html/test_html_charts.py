@@ -97,4 +97,4 @@ def test_an_axis_of_no_difference_still_has_ticks_that_differ(evidence):
     figure = interval_plot(flat)
     assert list(figure.layout.xaxis.range) == [-1, 1]  # percentage points
     empty = interval_plot(evidence.assign(difference=np.nan))
-    assert "No figure" in annotations(empty)[0]
+    assert "No measure" in annotations(empty)[0]
