@@ -3,6 +3,8 @@
 # make check lint, types, import contracts, the tests of the library: for every day
 # make test  the same with the tests of the pages, and of the app in a browser
 # make coverage  which lines of the library its tests run: at least 95 %, kernels as plain Python
+# make lint  lint, types and import contracts alone
+# make docs  the help texts and tables of docs/ that the code says, written anew
 # make bench benchmarks against other tools, written to docs/benchmarks.md
 #            (make bench BENCH=--quick: a minute, nothing written)
 # make mutants  small mistakes put into the library: which do the tests not notice?
@@ -15,7 +17,7 @@ DEVELOP := $(BIN)/.installed-dev
 TOOLS := .venv-bench/tools/.installed
 MOTMETRICS := .venv-bench/motmetrics/.installed
 
-.PHONY: run check test coverage bench mutants lint chromium clean
+.PHONY: run check test coverage bench mutants lint docs chromium clean
 
 run: $(LIBRARY)
 	$(BIN)/streamlit run app.py $(if $(LOCAL_ROOT),-- --local-root "$(LOCAL_ROOT)")
@@ -39,6 +41,10 @@ lint: $(DEVELOP)
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
+docs: $(DEVELOP)
+	PYTHONPATH=tests/helpers $(BIN)/python tests/cli/test_docs_cli.py
+	PYTHONPATH=tests/helpers $(BIN)/python tests/tables/test_docs_report.py
+
 # The browser tests drive Debian's Chromium; where it is missing and may be installed, it is.
 chromium:
 	@command -v chromium > /dev/null || test -n "$$NVCORE_CHROMIUM" || \
@@ -60,11 +66,11 @@ $(LIBRARY): requirements.txt pyproject.toml
 	@echo "Installing into .venv: about a minute, once."
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements.txt
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps -e .
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --config-settings editable_mode=compat -e .
 	touch $@
 
 $(DEVELOP): $(LIBRARY) requirements-dev.txt
-	@echo "Installing what the tests need."
+	@echo "Installing what the tests need: about a minute, once."
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements-dev.txt
 	touch $@
 

@@ -13,24 +13,6 @@ from nvcore.protocols import PROTOCOLS
 
 # Nothing here imports numpy, pandas or numba: `nvcore --help` need not wait for them.
 
-FORMAT_NAMES = (
-    "bbgt",
-    "coco",
-    "coco-results",
-    "csv",
-    "cvat-images",
-    "cvat-video",
-    "kaist-results",
-    "kitti-detections",
-    "kitti-object",
-    "kitti-tracking",
-    "mot",
-    "voc",
-    "yolo",
-)
-"""Names of all formats; a test compares them with the registry."""
-
-
 INPUTS = "Inputs"
 READING = "How files are read"
 FACTS = "What the files do not say"
@@ -126,8 +108,8 @@ format_option = grouped_option(
     "--format",
     "format_",
     metavar="FORMAT",
-    help="Format of all files, one of " + ", ".join(FORMAT_NAMES) + ". Default: told from their "
-    "content.",
+    help="Format of all files, such as csv, coco or kitti-tracking (all: docs/formats.md). "
+    "Default: told from their content.",
 )
 """The flag for the format of all inputs."""
 

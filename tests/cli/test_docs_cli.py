@@ -1,6 +1,6 @@
 """docs/cli.md shows the program's own help, and its examples work.
 
-``python tests/cli/test_docs_cli.py`` writes the help texts of the page anew.
+``make docs`` writes the help texts of the page anew.
 """
 
 from __future__ import annotations

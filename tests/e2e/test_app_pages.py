@@ -8,10 +8,9 @@ import pytest
 from app_visit import Visit
 from playwright.sync_api import expect
 
-TITLES = (
-    *("Data", "Overview", "Timeline", "Encounters", "Saliency", "Detection", "Stability"),
-    *("Ratings", "Export", "Documentation"),
-)
+from ui.shell.pages import SECTIONS
+
+TITLES = tuple(title for section in SECTIONS.values() for title in section.values())
 THEMES = ("light", "dark")
 
 ADDRESSED_FRAME = "new URL(location).searchParams.get('frame')"

@@ -1,6 +1,6 @@
 """docs/report.md describes the files of a report as they are.
 
-``python tests/tables/test_docs_report.py`` writes the tables of the page anew.
+``make docs`` writes the tables of the page anew.
 """
 
 from __future__ import annotations

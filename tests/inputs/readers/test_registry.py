@@ -9,7 +9,6 @@ import pytest
 from places import DATA
 from reader_files import golden
 
-from nvcore.cli.options import FORMAT_NAMES
 from nvcore.errors import InputError, UnknownFormatError
 from nvcore.inputs.load import load
 from nvcore.inputs.readers import FORMATS, MAX_LOOKS, detect_format, format_named
@@ -91,10 +90,6 @@ def test_a_file_that_cannot_be_opened_is_an_input_error(tmp_path: Path):
 def test_an_unknown_name_lists_the_formats():
     with pytest.raises(UnknownFormatError, match=r"no format 'vbb'; the formats are bbgt, coco,"):
         format_named("vbb")
-
-
-def test_the_command_line_s_help_names_every_format():
-    assert sorted(one.name for one in FORMATS) == sorted(FORMAT_NAMES)
 
 
 @pytest.mark.parametrize(("name", "role", "format_name"), GOLDEN)
