@@ -106,6 +106,13 @@ class Visit:
     def is_dark(self) -> bool:
         return self.page.evaluate("matchMedia('(prefers-color-scheme: dark)').matches")
 
+    def recording_field(self, name: str) -> Locator:
+        """The field for the recording while it holds this one.
+
+        After a reload the sample's page is there for a moment, and its field beside the new one.
+        """
+        return self.page.locator(f'input[aria-label="Recording"][value="{name}"]')
+
     def heading(self, text: str | re.Pattern[str], *, level: int | None = None) -> Locator:
         if level is None:
             return self.page.get_by_role("heading", name=text)

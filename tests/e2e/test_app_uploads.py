@@ -94,7 +94,7 @@ def test_a_reload_keeps_what_was_uploaded_with_place_and_parameters(sent):
     sent.query("alpha", alpha)
     sent.wait_until_drawn()
     sent.page.reload()
-    expect(sent.page.get_by_role("combobox", name="Recording")).to_have_value(RECORDING)
+    expect(sent.recording_field(RECORDING)).to_be_visible()
     expect(sent.slider("alpha")).to_have_value(alpha)
     expect(sent.page.get_by_text("could not be followed")).to_have_count(0)
 
@@ -103,7 +103,7 @@ def test_two_sessions_see_nothing_of_each_other(sent, visit):
     other: Visit = visit("timeline?alpha=0.4&recording=rural_child&frame=57", theme="dark")
     other.shows(57)
     sent.switch_to("Timeline")
-    expect(sent.page.get_by_role("combobox", name="Recording")).to_have_value(RECORDING)
+    expect(sent.recording_field(RECORDING)).to_be_visible()
     alpha = float(sent.slider("alpha").input_value())
     assert alpha > 0.6
     sent.slider("alpha").press("ArrowLeft")
