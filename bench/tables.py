@@ -14,11 +14,11 @@ from typing import Any
 HOW = """\
 Synthetic sets with a fixed seed (`bench/sets.py`): exactly 4 pedestrians a frame, 4 + 4 detections
 on average, recordings of 1,000 frames, tracks of 80 frames on average, late first detections,
-dropouts and lasting false alarms. Figures are medians of repeated runs, each tool in a fresh
+dropouts and lasting false alarms. Numbers are medians of repeated runs, each tool in a fresh
 process of its own, one after the other. Peak memory is what the process needed beyond its input.
 
 *Timed* is the work from boxes in memory (in the tool's own objects: dataset, COCO objects with
-their index, per-frame arrays) to figures; reading files is not part of it but in the rows *from
+their index, per-frame arrays) to measures; reading files is not part of it but in the rows *from
 files*, nor, for nvcore, loading the compiled functions (see *Command line* for that).
 """
 
