@@ -5,7 +5,8 @@ import pandas as pd
 import pytest
 from builders import Box, Place, make_dataset
 
-from nvcore.dataset import dataset_from_tables, empty_left_out, frame_gaps, frames_table
+from nvcore.columns import frame_gaps
+from nvcore.dataset import dataset_from_tables, empty_left_out, frames_table
 from nvcore.errors import InputError
 from nvcore.schema import DATASET_BOX_DTYPES, FRAME_DTYPES, LEFT_OUT_DTYPES, RECORDING_DTYPES
 

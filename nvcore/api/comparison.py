@@ -15,7 +15,7 @@ import pandas as pd
 
 from nvcore.api.figures import Figures
 from nvcore.auditing import audit
-from nvcore.comparison import Result, SystemResult
+from nvcore.comparison import Result
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError
 from nvcore.evidence.table import evidence_table
@@ -30,6 +30,7 @@ from nvcore.report.html import write_html_report
 from nvcore.report.keep_inputs import files_read, replaced_input
 from nvcore.report.terminal import render_scorecard
 from nvcore.report.verdict import verdict
+from nvcore.scoring import SystemResult
 from nvcore.tables.columns import REPORT_COLUMNS
 from nvcore.tables.result import (
     encounters_table,

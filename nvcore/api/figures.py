@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from nvcore.comparison import Result, SystemResult
+from nvcore.comparison import Result
 from nvcore.detection.curve_summary import summarise_curve
 from nvcore.detection.curves import detection_curve
 from nvcore.detection.operating_point import false_alarm_curve, score_histogram
@@ -26,6 +26,7 @@ from nvcore.figures.stability import stability_map
 from nvcore.figures.time_plot import similarity_plot
 from nvcore.figures.venn import venn_figure
 from nvcore.palette import Theme
+from nvcore.scoring import SystemResult
 from nvcore.stability.axes import Plane
 from nvcore.stability.map import map_stability
 from nvcore.stability.scores import Criterion

@@ -8,7 +8,8 @@ import numpy as np
 
 from nvcore.auditing.boxes import repeated_rows
 from nvcore.auditing.cases import BoxSource, place_of_frame, truth_source
-from nvcore.dataset import BoxColumns, Dataset
+from nvcore.columns import BoxColumns
+from nvcore.dataset import Dataset
 from nvcore.findings import Finding, Severity
 from nvcore.metrics.kernels import over_ranges, pair_frames
 from nvcore.metrics.matching import Matches, match_system

@@ -8,7 +8,8 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.dataset import BoxColumns, Dataset
+from nvcore.columns import BoxColumns
+from nvcore.dataset import Dataset
 from nvcore.findings import Finding, Severity
 from nvcore.schema import TABLE_ENDING
 from nvcore.wording import count_text

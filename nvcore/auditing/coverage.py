@@ -7,7 +7,8 @@ from typing import Final
 import numpy as np
 
 from nvcore.auditing.cases import TRUTH_NAME, BoxSource, recording_findings
-from nvcore.dataset import Dataset, offsets_of
+from nvcore.columns import offsets_of
+from nvcore.dataset import Dataset
 from nvcore.findings import Finding, Severity
 from nvcore.inputs.evaluated_frames import nth
 

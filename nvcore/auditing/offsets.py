@@ -10,7 +10,7 @@ import numpy as np
 from nvcore.auditing.cases import BoxSource
 from nvcore.auditing.overlaps import MAX_SHIFT, Correction, Overlaps, Sample, take_sample
 from nvcore.auditing.scales import scale_candidates, scale_text
-from nvcore.dataset import BoxColumns
+from nvcore.columns import BoxColumns
 from nvcore.findings import Finding, Severity
 from nvcore.inputs.evaluated_frames import nth
 

@@ -10,7 +10,8 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.dataset import BoxColumns, Dataset
+from nvcore.columns import BoxColumns
+from nvcore.dataset import Dataset
 
 MAX_PAIRS: Final = 100_000
 """Pairs of a pedestrian and a detection that one look at the overlaps may cost."""

@@ -8,7 +8,8 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from nvcore.dataset import BoxColumns, Dataset
+from nvcore.columns import BoxColumns
+from nvcore.dataset import Dataset
 from nvcore.detection.filtered_truth import FilteredTruth, filter_detections, filter_truth
 from nvcore.detection.operating_point import MIXED_POINTS, thinned
 from nvcore.errors import ParameterError

@@ -9,7 +9,8 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.dataset import BoxColumns, Dataset
+from nvcore.columns import BoxColumns
+from nvcore.dataset import Dataset
 from nvcore.errors import InputError
 from nvcore.protocols import Protocol, Range
 from nvcore.schema import UNKNOWN_OCCLUSION

@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
-from nvcore.comparison import Result, SystemResult
+from nvcore.comparison import Result
 from nvcore.dataset import Dataset
 from nvcore.evidence.measures import COLUMNS as EVIDENCE_COLUMNS
 from nvcore.evidence.measures import (
@@ -27,6 +27,7 @@ from nvcore.measures import EVIDENCE_KEYS, inference_of
 from nvcore.metrics.venn import count_categories
 from nvcore.protocols import PROTOCOLS, Protocol
 from nvcore.schema import Category
+from nvcore.scoring import SystemResult
 
 _COUNTS: Final = ("n", "unit", "both", "x_only", "y_only", "neither")
 _FIRST: Final = ("factor", "group", "figure", "label", "better", *_COUNTS)

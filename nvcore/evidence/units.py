@@ -8,11 +8,12 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
-from nvcore.comparison import Result, SystemResult
+from nvcore.comparison import Result
 from nvcore.evidence.block_length import block_length
 from nvcore.evidence.bootstrap import MIN_UNITS
 from nvcore.measures import EVIDENCE_KEYS, inference_of, measure_of
 from nvcore.schema import Category
+from nvcore.scoring import SystemResult
 
 RECORDINGS: Final = "recordings"
 BLOCKS: Final = "blocks"

@@ -10,7 +10,7 @@ import pandas as pd
 import plotly.graph_objects as go
 from tsdownsample import MinMaxLTTBDownsampler
 
-from nvcore.comparison import Result, SystemResult
+from nvcore.comparison import Result
 from nvcore.figures.marks import click_markers, still_line
 from nvcore.figures.style import (
     DASH,
@@ -24,6 +24,7 @@ from nvcore.figures.style import (
     write,
 )
 from nvcore.palette import Theme
+from nvcore.scoring import SystemResult
 from nvcore.wording import count_text
 
 MAX_POINTS: Final = 4000

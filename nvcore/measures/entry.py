@@ -9,8 +9,9 @@ from typing import Any, Final, Literal, NamedTuple
 
 import numpy as np
 
-from nvcore.comparison import Result, SystemResult
+from nvcore.comparison import Result
 from nvcore.detection.curve_summary import CurveSummary
+from nvcore.scoring import SystemResult
 
 Better = Literal["higher", "lower", ""]
 HIGHER: Final = "higher"

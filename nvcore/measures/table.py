@@ -7,7 +7,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from nvcore.comparison import Result, SystemResult
+from nvcore.comparison import Result
 from nvcore.measures.entry import (
     HIGHER,
     LOWER,
@@ -33,6 +33,7 @@ from nvcore.measures.values import (
     similarity_parts,
 )
 from nvcore.schema import Category, MissClass
+from nvcore.scoring import SystemResult
 
 
 def _miss_class(kind: MissClass) -> Measure:

@@ -6,9 +6,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from nvcore.comparison import Result, SystemResult
+from nvcore.comparison import Result
 from nvcore.measures.entry import Parts
 from nvcore.schema import Category
+from nvcore.scoring import SystemResult
 
 
 def per_recording(result: Result, values: np.ndarray, recording: np.ndarray) -> np.ndarray:

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from nvcore.dataset import BoxColumns, FrameColumns
+from nvcore.columns import BoxColumns, FrameColumns
 from nvcore.metrics.kernels import encounter_frames, group_rows, over_ranges
 from nvcore.params import Params
 from nvcore.schema import UNKNOWN_OCCLUSION, MissClass

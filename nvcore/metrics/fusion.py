@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from nvcore.dataset import BoxColumns, Dataset, FrameColumns
+from nvcore.columns import BoxColumns, FrameColumns
+from nvcore.dataset import Dataset
 from nvcore.metrics.kernels import over_ranges, pair_frames
 from nvcore.schema import DATASET_BOX_DTYPES, TRUTH, conform
 from nvcore.settings import Settings

@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.dataset import BoxColumns, FrameColumns
+from nvcore.columns import BoxColumns, FrameColumns
 from nvcore.metrics.link_kernel import link_rows
 from nvcore.schema import NO_TRACK
 

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nvcore.dataset import BoxColumns, Dataset, FrameColumns
+from nvcore.columns import BoxColumns, FrameColumns
+from nvcore.dataset import Dataset
 from nvcore.metrics.kernels import match_frames, over_ranges
 from nvcore.params import Params
 from nvcore.schema import DetectionState

@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.dataset import BoxColumns, FrameColumns
+from nvcore.columns import BoxColumns, FrameColumns
 from nvcore.errors import ParameterError
 from nvcore.params import MIDPOINT_SHARE, SPREAD_SHARE, Params
 

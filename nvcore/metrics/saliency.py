@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from scipy.special import expit
 
-from nvcore.dataset import FrameColumns
+from nvcore.columns import FrameColumns
 from nvcore.metrics.similarity import SetDistances
 from nvcore.params import Params
 

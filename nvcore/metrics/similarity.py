@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from nvcore.dataset import BoxColumns, FrameColumns
+from nvcore.columns import BoxColumns, FrameColumns
 from nvcore.metrics.kernels import maximin_frames, maximum_frames, nearest_frames, over_ranges
 from nvcore.params import Distance
 

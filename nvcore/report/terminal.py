@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from nvcore.comparison import Result, SystemResult
+from nvcore.comparison import Result
 from nvcore.dataset import Dataset
 from nvcore.evidence.table import evidence_table
 from nvcore.findings import Finding, Severity
@@ -16,6 +16,7 @@ from nvcore.protocols import PROTOCOLS, Protocol
 from nvcore.report.verdict import verdict
 from nvcore.report.words import count_leads, scorecard_cells
 from nvcore.schema import Category
+from nvcore.scoring import SystemResult
 from nvcore.tables.inputs import inputs_table
 from nvcore.tables.result import worst_intervals
 from nvcore.wording import number, one_line, shortened

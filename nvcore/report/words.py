@@ -11,9 +11,10 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
-from nvcore.comparison import Result, SystemResult
+from nvcore.comparison import Result
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.measures import MeasureTable
+from nvcore.scoring import SystemResult
 from nvcore.tables.scorecard import ScoreRow, score_rows
 from nvcore.wording import count_text, difference, number
 

@@ -12,8 +12,9 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from nvcore.comparison import Result, SystemResult
+from nvcore.comparison import Result
 from nvcore.detection.operating_point import false_alarm_curve
+from nvcore.scoring import SystemResult
 from nvcore.stability.axes import ALARMS_PLAUSIBLE
 from nvcore.stability.flips import Winner, winners
 from nvcore.stability.scores import LETTERS, Letter

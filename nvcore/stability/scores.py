@@ -9,7 +9,7 @@ from typing import Any, Final, Literal
 
 import numpy as np
 
-from nvcore.comparison import Result, SystemResult
+from nvcore.comparison import Result
 from nvcore.metrics.encounters import judge_encounters
 from nvcore.metrics.matching import Matches, match_system
 from nvcore.metrics.proximity import weigh_proximity
@@ -18,6 +18,7 @@ from nvcore.metrics.similarity import SetDistances, find_nearest, measure_sets
 from nvcore.params import Params, settings_for
 from nvcore.params.metadata import ENCOUNTERS, MATCH, PROXIMITY, SALIENCY, SIMILARITY, Stage
 from nvcore.schema import DetectionState
+from nvcore.scoring import SystemResult
 from nvcore.stability.axes import Axis
 
 Criterion = Literal["similarity", "encounters", "saliency"]

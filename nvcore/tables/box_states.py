@@ -7,10 +7,11 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.comparison import Result, SystemResult
-from nvcore.dataset import BoxColumns, FrameColumns
+from nvcore.columns import BoxColumns, FrameColumns
+from nvcore.comparison import Result
 from nvcore.metrics.encounters import RELEVANT_K
 from nvcore.schema import NO_TRACK, DetectionState, TruthState
+from nvcore.scoring import SystemResult
 
 _LARGEST_TRACK: Final = 2**31 - 1
 

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from nvcore.comparison import Result, SystemResult
+from nvcore.comparison import Result
 from nvcore.schema import DetectionState, TruthState
+from nvcore.scoring import SystemResult
 from nvcore.tables.box_states import gather_boxes
 
 

@@ -8,9 +8,10 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from nvcore.comparison import Result, SystemResult
+from nvcore.comparison import Result
 from nvcore.metrics.encounters import RELEVANT_K
 from nvcore.schema import NO_TRACK
+from nvcore.scoring import SystemResult
 
 
 class LaneState(StrEnum):

@@ -7,8 +7,9 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
-from nvcore.comparison import Result, SystemResult
+from nvcore.comparison import Result
 from nvcore.schema import Category, MissClass
+from nvcore.scoring import SystemResult
 
 FUSION_SYSTEMS: Final = ("x", "y", "x_or_y", "x_and_y")
 ALL_CLASSES: Final = "all"

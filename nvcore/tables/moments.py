@@ -7,9 +7,10 @@ from typing import Final, NamedTuple
 import numpy as np
 import pandas as pd
 
-from nvcore.comparison import Result, SystemResult
+from nvcore.comparison import Result
 from nvcore.metrics.encounters import RELEVANT_K
 from nvcore.metrics.similarity import runs_of
+from nvcore.scoring import SystemResult
 from nvcore.tables.lanes import miss_starts
 
 NEVER: Final = -1

@@ -9,8 +9,9 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 
 from nvcore import __version__
-from nvcore.comparison import Result, SystemResult
+from nvcore.comparison import Result
 from nvcore.measures import MEASURES
+from nvcore.scoring import SystemResult
 from nvcore.tables.columns import VENN_COLUMNS, Column, Kind, measure_column
 
 _TEXT, _INTEGER, _NUMBER = Kind.TEXT, Kind.INTEGER, Kind.NUMBER

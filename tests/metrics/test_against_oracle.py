@@ -12,9 +12,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scenes import Scene, draw_scene
 
-from nvcore.comparison import Result, SystemResult, compare
+from nvcore.comparison import Result, compare
 from nvcore.metrics.similarity import salient_detection
 from nvcore.params import Params
+from nvcore.scoring import SystemResult
 
 PARAMS = st.builds(
     Params,

@@ -6,9 +6,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scenes import Scene, draw_scene
 
-from nvcore.comparison import Result, SystemResult, compare
+from nvcore.comparison import Result, compare
 from nvcore.dataset import Dataset
 from nvcore.metrics.fusion import fuse
+from nvcore.scoring import SystemResult
 
 
 def fused(dataset: Dataset, *, iou: float = 0.5) -> Dataset:

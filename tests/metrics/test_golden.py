@@ -10,10 +10,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from nvcore.comparison import Result, SystemResult, compare
+from nvcore.comparison import Result, compare
 from nvcore.inputs.load import load
 from nvcore.inputs.session import Session, Source, SystemSource
 from nvcore.params import params_from
+from nvcore.scoring import SystemResult
 
 pytestmark = pytest.mark.realdata
 

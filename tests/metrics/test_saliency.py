@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from builders import Box, at, make_dataset, result_of
 
-from nvcore.comparison import SystemResult
 from nvcore.metrics.saliency import EVENT_COLUMNS, aggregate_saliency, recency_weight
 from nvcore.params import Params
+from nvcore.scoring import SystemResult
 
 
 def recency(tau: float) -> float:

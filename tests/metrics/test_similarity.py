@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from builders import at, make_dataset, result_of
 
-from nvcore.comparison import SystemResult
 from nvcore.errors import ParameterError
 from nvcore.metrics.similarity import (
     find_low_intervals,
@@ -12,6 +11,7 @@ from nvcore.metrics.similarity import (
     smooth,
     summarise_similarity,
 )
+from nvcore.scoring import SystemResult
 
 
 def score_sets(

@@ -10,8 +10,8 @@ from typing import Final
 
 import streamlit as st
 
+from nvcore.columns import FrameColumns
 from nvcore.comparison import Result
-from nvcore.dataset import FrameColumns
 from nvcore.errors import NvcoreError
 from nvcore.findings import Severity
 from nvcore.inputs.evaluated_frames import nth

@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 import pandas as pd
 
-from nvcore.comparison import Result, SystemResult
+from nvcore.comparison import Result
 from nvcore.dataset import Dataset
 from nvcore.errors import MediaError
 from nvcore.inputs.session import Session
@@ -24,6 +24,7 @@ from nvcore.pictures.open import open_pictures
 from nvcore.pictures.stretch import jpeg
 from nvcore.report.html.blocks import Photo
 from nvcore.schema import Category, MissClass
+from nvcore.scoring import SystemResult
 from nvcore.tables.moments import encounter_box, worst_moments
 from nvcore.wording import one_line
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from nvcore.comparison import Result, SystemResult
+from nvcore.comparison import Result
 from nvcore.figures.encounters import miss_classes_plot
 from nvcore.figures.paired import recordings_plot
 from nvcore.figures.venn import WORDS, venn_figure
@@ -26,6 +26,7 @@ from nvcore.report.words import (
     scorecard_cells,
 )
 from nvcore.schema import CATEGORY_TEXT, MISS_CLASS_TEXT, Category
+from nvcore.scoring import SystemResult
 from nvcore.tables.miss_classes import fusion_table
 from nvcore.tables.moments import encounter_moments
 from nvcore.tables.result import (

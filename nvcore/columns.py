@@ -1,0 +1,178 @@
+"""Boxes of one source, and frames, as arrays: what `nvcore.metrics` computes on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class BoxColumns:
+    """Boxes of one source as arrays, sorted by frame; ``offsets[f]:offsets[f + 1]`` is frame f.
+
+    Attributes
+    ----------
+    x, y, w, h, score
+        px (score: any scale), float64, shape (n,).
+    track
+        int64, shape (n,); NO_TRACK where none.
+    ignore
+        bool, shape (n,).
+    distance_m
+        metres, float64, shape (n,); NaN where unknown.
+    frame_index
+        Row of the frames table, int64, shape (n,).
+    offsets
+        int64, shape (n_frames + 1,).
+    first_row
+        Row of the boxes table at which this source starts.
+    """
+
+    x: np.ndarray
+    y: np.ndarray
+    w: np.ndarray
+    h: np.ndarray
+    score: np.ndarray
+    track: np.ndarray
+    ignore: np.ndarray
+    distance_m: np.ndarray
+    frame_index: np.ndarray
+    offsets: np.ndarray
+    first_row: int
+
+    def __len__(self) -> int:
+        return len(self.x)
+
+    def only(self, is_kept: np.ndarray) -> BoxColumns:
+        """The boxes for which `is_kept` is true; bool, shape (n,)."""
+        columns = {name: getattr(self, name)[is_kept] for name in BOX_COLUMNS}
+        n_before = np.concatenate([[0], np.cumsum(is_kept)])
+        return replace(self, **columns, offsets=n_before[self.offsets])
+
+
+BOX_COLUMNS = tuple(spec.name for spec in fields(BoxColumns))[:-2]
+"""Columns of the boxes table that `BoxColumns` holds."""
+
+
+@dataclass(frozen=True)
+class FrameColumns:
+    """What the kernels need to know about frames and recordings, as arrays.
+
+    Attributes
+    ----------
+    recording
+        Recording of each frame, int32, shape (n_frames,).
+    frame
+        Frame number, int64, shape (n_frames,).
+    gap
+        Frames to the next listed frame (last one: the median gap), float64, shape (n_frames,).
+    first
+        First row of each recording, int64, shape (n_recordings + 1,).
+    width, height, fps, horizon
+        float64, shape (n_recordings,).
+    """
+
+    recording: np.ndarray
+    frame: np.ndarray
+    gap: np.ndarray
+    first: np.ndarray
+    width: np.ndarray
+    height: np.ndarray
+    fps: np.ndarray
+    horizon: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.frame)
+
+    @cached_property
+    def passed(self) -> np.ndarray:
+        """Sum of the gaps before each frame, over all recordings; float64, (n_frames + 1,)."""
+        return np.concatenate([[0.0], np.cumsum(self.gap)])
+
+    @cached_property
+    def duration_s(self) -> float:
+        """Recording time of all recordings: the sum of the time steps."""
+        gaps = np.bincount(self.recording, weights=self.gap, minlength=len(self.fps))
+        return float((gaps / self.fps).sum())
+
+    @cached_property
+    def sampling_step(self) -> np.ndarray:
+        """Median frames from one listed frame to the next; 1: every frame is listed.
+
+        Above 1 the frames between were not evaluated, and events counted in listed frames (false
+        alarms) are too few per minute of recording time by about this factor.
+
+        Returns
+        -------
+        float64, shape (n_recordings,); 1 for a recording of a single frame or none.
+        """
+        first = self.first
+        return np.array(
+            [
+                np.median(self.gap[start:stop]) if stop > start else 1.0
+                for start, stop in pairwise(first)
+            ],
+            dtype=np.float64,
+        )
+
+    def within(self, window_s: float) -> tuple[np.ndarray, np.ndarray]:
+        """First row, and one past the last, of the frames at most half a window away from each.
+
+        Never across recordings. Frame numbers are compared, so that a frame exactly half a window
+        away always counts. The latest window is cached: it is the same for all systems and alphas.
+
+        Returns
+        -------
+        start, stop
+            int64, shape (n_frames,).
+        """
+        rows = self._windows.get(window_s)
+        if rows is None:
+            half_width = 0.5 * window_s * self.fps[self.recording] * (1 + 1e-9)
+            # one axis for all recordings, with more than a window between them
+            is_other = np.concatenate([[False], np.diff(self.recording) != 0])
+            step = np.concatenate([[0.0], np.diff(self.frame).astype(float)])
+            axis = np.cumsum(np.where(is_other, 2 * half_width.max(initial=0) + 1, step))
+            rows = (
+                np.searchsorted(axis, axis - half_width, side="left"),
+                np.searchsorted(axis, axis + half_width, side="right"),
+            )
+            self._windows.clear()
+            self._windows[window_s] = rows
+        return rows
+
+    @cached_property
+    def _windows(self) -> dict[float, tuple[np.ndarray, np.ndarray]]:
+        return {}
+
+
+def offsets_of(frame_index: np.ndarray, n_frames: int) -> np.ndarray:
+    """Row at which each frame's boxes start in a sorted `frame_index`; int64, (n_frames + 1,)."""
+    counts = np.bincount(frame_index, minlength=n_frames)
+    return np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
+
+
+def frame_gaps(frame: np.ndarray, first: np.ndarray) -> np.ndarray:
+    """Frames to the next listed frame; for a recording's last frame, the median gap.
+
+    A recording of a single frame has a gap of 1.
+
+    Parameters
+    ----------
+    frame
+        Frame numbers, int64, shape (n_frames,), increasing in each recording.
+    first
+        First row of each recording, shape (n_recordings + 1,).
+    """
+    gap = np.ones(len(frame))
+    if len(frame) > 1:
+        gap[:-1] = np.diff(frame)
+    for i in range(len(first) - 1):  # a loop over recordings: hundreds, not millions
+        rows = slice(first[i], first[i + 1])
+        n_rows = first[i + 1] - first[i]
+        if n_rows:
+            gap[first[i + 1] - 1] = np.median(gap[rows][:-1]) if n_rows > 1 else 1.0
+    return gap

@@ -1,0 +1,234 @@
+"""One system against the truth: every metric of it, and what a new setting can reuse."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import pairwise
+from typing import Any, TypeVar
+
+import numpy as np
+import pandas as pd
+
+from nvcore.dataset import Dataset
+from nvcore.metrics.encounters import Encounters, judge_encounters
+from nvcore.metrics.false_alarms import FalseAlarmSummary, find_episodes, summarise_false_alarms
+from nvcore.metrics.linking import TruthTracks
+from nvcore.metrics.matching import Matches, count_per_frame, match_system
+from nvcore.metrics.proximity import Weights, weigh_proximity
+from nvcore.metrics.saliency import aggregate_saliency, find_events, qualify
+from nvcore.metrics.similarity import (
+    Nearest,
+    SetDistances,
+    SimilaritySummary,
+    find_low_intervals,
+    find_nearest,
+    measure_sets,
+    smooth,
+    summarise_similarity,
+    trace_similarity,
+)
+from nvcore.params import Params
+from nvcore.params.metadata import (
+    DISTANCES,
+    ENCOUNTERS,
+    EVENTS,
+    MATCH,
+    NEAREST,
+    PROXIMITY,
+    SALIENT,
+    Stage,
+)
+
+T = TypeVar("T")
+
+
+class Memo:
+    """Results of the stages by what they depend on: a new setting repeats only what it changes."""
+
+    def __init__(self, params: Params, previous: Mapping[tuple[Any, ...], Any]):
+        self._params = params
+        self._previous = previous
+        self.used: dict[tuple[Any, ...], Any] = {}
+
+    def get(self, name: Hashable, make: Callable[[], T], *stages: Stage) -> T:
+        """The result of these stages: the previous one if none of their settings has changed.
+
+        Parameters
+        ----------
+        name
+            Name of the result; with the system and its threshold if it belongs to one.
+        """
+        key = (name, *self._params.values_for(*stages))
+        value = self._previous[key] if key in self._previous else make()
+        self.used[key] = value
+        return value
+
+
+@dataclass(frozen=True, eq=False)
+class SystemResult:
+    """Everything about one system.
+
+    Attributes
+    ----------
+    name
+        The system's name.
+    threshold
+        Score threshold that was applied; None: every detection counts.
+    matches, weights, nearest, distances
+        See `nvcore.metrics.matching`, `nvcore.metrics.proximity` and `nvcore.metrics.similarity`.
+    similarity
+        Similarity of every frame, 0..1, 1 is best; float64, shape (n_frames,).
+    salient_row
+        Truth row of the pedestrian that qualifies for saliency, -1 none; int64, (n_frames,).
+    n_det, matched, false_alarms
+        Per frame: counted detections, matched pedestrians, ``n_det - matched``; int64.
+    events
+        Saliency events (`nvcore.metrics.saliency.find_events`).
+    encounters
+        How the system did in each encounter (`nvcore.metrics.encounters.judge_encounters`).
+    episodes
+        False-alert episodes (`nvcore.metrics.false_alarms.find_episodes`).
+    summary
+        Aggregates of similarity over all frames.
+    false_alarm_summary
+        Rates of false alarms over all recordings.
+    saliency_s
+        Saliency over all recordings: the largest of them, or their sum (`saliency_aggregate`).
+    """
+
+    name: str
+    threshold: float | None
+    matches: Matches
+    weights: Weights
+    nearest: Nearest
+    distances: SetDistances
+    similarity: np.ndarray
+    salient_row: np.ndarray
+    n_det: np.ndarray
+    matched: np.ndarray
+    false_alarms: np.ndarray
+    events: pd.DataFrame
+    encounters: pd.DataFrame
+    episodes: pd.DataFrame
+    summary: SimilaritySummary
+    false_alarm_summary: FalseAlarmSummary
+    saliency_s: float
+    _dataset: Dataset = field(repr=False)
+    _params: Params = field(repr=False)
+
+    @cached_property
+    def similarity_window(self) -> np.ndarray:
+        """Moving mean of similarity, 1 is best; float64, shape (n_frames,)."""
+        return smooth(self.similarity, self._dataset.frame_columns, window=self._params.window)
+
+    @cached_property
+    def intervals(self) -> pd.DataFrame:
+        """Low-similarity intervals (`nvcore.metrics.similarity.find_low_intervals`)."""
+        return find_low_intervals(
+            self.similarity, self._dataset.frame_columns, low=self._params.low
+        )
+
+    @cached_property
+    def summary_of_recordings(self) -> tuple[SimilaritySummary, ...]:
+        """Aggregates of similarity over the frames of every recording."""
+        # a loop over recordings: percentiles need each recording's own sorted frames
+        return tuple(
+            summarise_similarity(self.similarity[start:end], low=self._params.low)
+            for start, end in pairwise(self._dataset.frame_columns.first)
+        )
+
+
+def score_system(
+    name: str,
+    threshold: float | None,
+    dataset: Dataset,
+    params: Params,
+    tracks: TruthTracks,
+    encounters: Encounters,
+    k_truth: Weights,
+    memo: Memo,
+) -> SystemResult:
+    """Everything about one system, without reference to the other."""
+    truth, frames, detections = dataset.truth, dataset.frame_columns, dataset.system(name)
+
+    def get(what: str, make: Callable[[], T], *stages: Stage) -> T:
+        return memo.get((what, name, threshold), make, *stages)
+
+    matches = get("matches", lambda: match_system(dataset, name, threshold, params), MATCH)
+    is_counted = get("is_counted", lambda: matches.is_counted, MATCH)
+    n_det = get("n_det", lambda: count_per_frame(detections, is_counted), MATCH)
+    matched = get("matched", lambda: count_per_frame(truth, matches.is_matched), MATCH)
+    false_alarms = get("false_alarms", lambda: n_det - matched, MATCH)
+    episodes = get(
+        "episodes", lambda: find_episodes(detections, matches.is_false_alarm, frames), MATCH
+    )
+    nearest = get(
+        "nearest",
+        lambda: find_nearest(truth, detections, is_counted, frames, distance=params.distance),
+        NEAREST,
+    )
+    weights = get(
+        "weights",
+        lambda: weigh_proximity(detections, is_counted, frames, params),
+        MATCH,
+        PROXIMITY,
+    )
+    distances = get(
+        "distances",
+        lambda: measure_sets(
+            truth,
+            k_truth.k,
+            detections,
+            weights.k,
+            is_counted,
+            nearest,
+            frames,
+            track=tracks.track,
+            edge_weight=params.edge_weight,
+        ),
+        DISTANCES,
+    )
+    similarity = trace_similarity(distances, frames, alpha=params.alpha)
+    salient_row = get(
+        "salient_row", lambda: qualify(distances, frames, tolerance=params.tolerance), SALIENT
+    )
+    rows = encounters.first_row, encounters.last_row
+    events = get(
+        "events",
+        lambda: find_events(
+            salient_row, encounters.encounter_of, tracks.track, rows, frames, params
+        ),
+        EVENTS,
+    )
+    outcomes = get(
+        "judged",
+        lambda: judge_encounters(encounters, k_truth.k, matches.is_matched, frames, params),
+        ENCOUNTERS,
+    )
+    return SystemResult(
+        name=name,
+        threshold=threshold,
+        matches=matches,
+        weights=weights,
+        nearest=nearest,
+        distances=distances,
+        similarity=similarity,
+        salient_row=salient_row,
+        n_det=n_det,
+        matched=matched,
+        false_alarms=false_alarms,
+        events=events,
+        encounters=outcomes,
+        episodes=episodes,
+        summary=summarise_similarity(similarity, low=params.low),
+        false_alarm_summary=summarise_false_alarms(
+            int(false_alarms.sum()), episodes, n_frames=len(frames), duration_s=frames.duration_s
+        ),
+        saliency_s=aggregate_saliency(
+            events["saliency_s"].to_numpy(), aggregate=params.saliency_aggregate
+        ),
+        _dataset=dataset,
+        _params=params,
+    )
