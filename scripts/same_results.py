@@ -34,141 +34,11 @@ from typing import Any
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
+from scripts.comparisons import COMPARISONS, Comparison, Range
 from scripts.differences import Rewording, compare_folders, read_wordings
 
 WORDINGS = Path(__file__).with_name("wordings.toml")
 JOBS = 2
-
-Range = tuple[float, float]
-
-
-@dataclass(frozen=True)
-class System:
-    """A system of a comparison: the path of its session file, and the range of its scores."""
-
-    path: str
-    scores: Range = (0.0, 1.0)
-
-
-@dataclass(frozen=True)
-class Comparison:
-    """Inputs that are compared.
-
-    Attributes
-    ----------
-    name
-        For the table and `--only`.
-    systems
-        Systems by name; the first two are compared, under random settings any two.
-    head
-        The session file without its systems; None: the sample's own session.
-    """
-
-    name: str
-    systems: dict[str, System]
-    head: str | None
-
-    def session(self, realdata: Path) -> str | None:
-        """Text of the session file; None: the sample's own is used."""
-        if self.head is None:
-            return None
-        tables = [
-            f'[[system]]\nname = "{name}"\npath = "{system.path}"'
-            for name, system in self.systems.items()
-        ]
-        return "\n".join([self.head.strip(), *tables, ""]).replace("{realdata}", str(realdata))
-
-
-MOT15 = """
-[[recording]]
-name = "TUD-Campus"
-pictures = "{realdata}/videos/TUD-Campus.mp4"
-[[recording]]
-name = "TUD-Stadtmitte"
-pictures = "{realdata}/videos/TUD-Stadtmitte.mp4"
-[[recording]]
-name = "PETS09-S2L1"
-pictures = "{realdata}/videos/vtest.avi"
-[[recording]]
-name = "ETH-Sunnyday"
-[truth]
-path = "{realdata}/mot15"
-"""
-
-# 16 recordings, the sets from set09 by night
-KAIST_SETS = {"set06": 5, "set07": 3, "set08": 3, "set09": 1, "set10": 2, "set11": 2}
-KAIST = "\n".join(
-    [
-        *(
-            f'[[recording]]\nname = "{name}/V{index:03}"\n'
-            f'tags = ["{"day" if name < "set09" else "night"}"]'
-            for name, count in KAIST_SETS.items()
-            for index in range(count)
-        ),
-        '[defaults]\nfps = 20\n[protocol]\nname = "kaist-reasonable"',
-        '[truth]\npath = "{realdata}/kaist/KAIST_annotation.json"',
-    ]
-)
-
-KITTI = """
-[[recording]]
-name = "0016"
-width = 1224
-height = 370
-fps = 10
-pictures = "{realdata}/kitti_tracking/images"
-[parameters]
-proximity = "distance"
-[truth]
-path = "{realdata}/kitti_tracking/label_02/0016.txt"
-"""
-
-NIGHT = """
-[[recording]]
-name = "night"
-width = 640
-height = 512
-fps = 20
-pictures = "{realdata}/kaist_night_video/set09_V000_I02330-I03499_lwir.mp4"
-[truth]
-path = "{realdata}/kaist_night_video/gt.csv"
-"""
-
-COMPARISONS = (
-    Comparison("sample", {"FIR": System("fir.csv"), "NIR": System("nir.csv")}, None),
-    Comparison(
-        "mot15",
-        {
-            "Faster R-CNN": System("{realdata}/mot15/*/det_frcnn/det.txt", (0.5, 1.0)),
-            "tracker": System("{realdata}/mot15/*/res_devkit/*.txt"),
-        },
-        MOT15,
-    ),
-    Comparison(
-        "kaist",
-        {
-            name: System(f"{{realdata}}/kaist/results/{name}_result.txt")
-            for name in ("MLPD", "MBNet", "GAFF", "TCDet-thermal", "YOLOv3-visible")
-        },
-        KAIST,
-    ),
-    Comparison(
-        "kitti-0016",
-        {
-            "RRC": System("{realdata}/kitti_tracking/rrc_ped/0016.txt"),
-            "PointRCNN": System("{realdata}/kitti_tracking/pointrcnn_ped/0016.txt", (-0.9, 8.6)),
-        },
-        KITTI,
-    ),
-    Comparison(
-        "night-video",
-        {
-            name: System(f"{{realdata}}/kaist_night_video/detections/{name}.csv")
-            for name in ("TCDet-thermal", "YOLOv3-visible", "MLPD", "MBNet")
-        },
-        NIGHT,
-    ),
-)
 
 USUAL: dict[str, Range] = {
     "midpoint": (10, 200),
@@ -244,11 +114,11 @@ def random_flags(
     }
     values: dict[str, str] = {}
     for name, spec in ranges["params"].items():
-        wanted, at_an_end = draw.random() < SHARE_SET, draw.random() < SHARE_AT_AN_END
+        is_set, at_an_end = draw.random() < SHARE_SET, draw.random() < SHARE_AT_AN_END
         place, choice = draw.random(), draw.choice(spec["choices"] or [""])
         if name == "horizon":
-            wanted = wanted or values.get("proximity") == "horizon"
-        if not wanted:
+            is_set = is_set or values.get("proximity") == "horizon"
+        if not is_set:
             continue
         if spec["choices"]:
             values[name] = choice
@@ -333,19 +203,19 @@ class Runner:
         folder.mkdir(parents=True, exist_ok=True)
         session = task.comparison.session(self.realdata)
         stamp = folder / "old.json"
-        wanted = json.dumps([self.old_commit, str(folder), session, RULES, task.commands])
-        if not (self.old_commit and stamp.is_file() and stamp.read_text() == wanted):
+        expected_stamp = json.dumps([self.old_commit, str(folder), session, RULES, task.commands])
+        if not (self.old_commit and stamp.is_file() and stamp.read_text() == expected_stamp):
             stamp.unlink(missing_ok=True)
             self._run(self.old, task, session, folder / "old")
-            stamp.write_text(wanted)
+            stamp.write_text(expected_stamp)
         self._run(self.new, task, session, folder / "new")
         return folder / "old", folder / "new"
 
     def _run(self, checkout: Path, task: Task, session: str | None, outputs: Path) -> None:
         # both run in the folder of this name: paths in what they print are the same
         work = outputs.with_name("work")
-        for each in (work, outputs):
-            shutil.rmtree(each, ignore_errors=True)
+        for folder in (work, outputs):
+            shutil.rmtree(folder, ignore_errors=True)
         work.mkdir()
         (work / "rules.txt").write_text(RULES, encoding="utf-8")
         if session:
@@ -353,16 +223,16 @@ class Runner:
         environment = {**os.environ, "COLUMNS": "100"}
         program = str(checkout / ".venv" / "bin" / "nvcore")
         for number, command in enumerate(task.commands, start=1):
-            done = subprocess.run(
+            process = subprocess.run(
                 [program, *command], cwd=work, env=environment, capture_output=True, check=False
             )
             printed = work / "printed"
             printed.mkdir(exist_ok=True)
             stem = f"{number}-{command[0]}"
             kind = "json" if "--json" in command else "txt"
-            (printed / f"{stem}.stdout.{kind}").write_bytes(done.stdout)
-            (printed / f"{stem}.stderr.txt").write_bytes(done.stderr)
-            (printed / f"{stem}.exit.txt").write_text(f"{done.returncode}\n")
+            (printed / f"{stem}.stdout.{kind}").write_bytes(process.stdout)
+            (printed / f"{stem}.stderr.txt").write_bytes(process.stderr)
+            (printed / f"{stem}.exit.txt").write_text(f"{process.returncode}\n")
         work.rename(outputs)
 
 
@@ -413,17 +283,19 @@ def main() -> int:
             print(f"{checkout}: has no .venv/bin/nvcore; run make run in it once", file=sys.stderr)
             return 2
     realdata = Path(os.environ.get("NVCORE_REALDATA", new.parent / "shared" / "realdata")).resolve()
-    chosen = [each for each in COMPARISONS if not options.only or each.name in options.only]
+    comparisons = [item for item in COMPARISONS if not options.only or item.name in options.only]
     if not realdata.is_dir():
         print(f"no real recordings in {realdata}: the sample only; set NVCORE_REALDATA")
-        chosen = [each for each in chosen if each.head is None]
+        comparisons = [item for item in comparisons if item.head is None]
     ranges = json.loads(
         subprocess.run(
             [old / ".venv" / "bin" / "python", "-c", READ_RANGES],
             cwd=old, capture_output=True, text=True, check=True,
         ).stdout
     )  # fmt: skip
-    tasks = make_tasks(ranges, chosen, old / "sample_data", count=options.random, seed=options.seed)
+    tasks = make_tasks(
+        ranges, comparisons, old / "sample_data", count=options.random, seed=options.seed
+    )
     rewording = Rewording(read_wordings(WORDINGS))
     began = time.monotonic()
     print(f"{'comparison':14} {'settings':12} files        bytes exit codes   result     flags")
@@ -445,16 +317,16 @@ def main() -> int:
 
 
 def _parser() -> argparse.ArgumentParser:
-    summary, _, rest = (__doc__ or "").partition("\n")
+    summary, _, details = (__doc__ or "").partition("\n")
     parser = argparse.ArgumentParser(
-        description=summary, epilog=rest, formatter_class=argparse.RawDescriptionHelpFormatter
+        description=summary, epilog=details, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("old", type=Path, metavar="OLD_CHECKOUT")
     parser.add_argument("new", type=Path, metavar="NEW_CHECKOUT")
     parser.add_argument("--random", type=int, default=2, metavar="N", help="random settings (2)")
     parser.add_argument("--seed", type=int, default=1, metavar="S", help="of the settings (1)")
     parser.add_argument(
-        "--only", nargs="+", metavar="NAME", choices=[each.name for each in COMPARISONS],
+        "--only", nargs="+", metavar="NAME", choices=[comparison.name for comparison in COMPARISONS],
         help="of these comparisons: %(choices)s",
     )  # fmt: skip
     parser.add_argument("--keep", type=Path, metavar="DIR", help="keep what is written there")

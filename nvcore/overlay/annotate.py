@@ -15,20 +15,17 @@ from numpy.typing import NDArray
 from nvcore import __version__
 from nvcore.comparison import Result
 from nvcore.errors import MediaError
-from nvcore.overlay.draw import (
+from nvcore.overlay.brush import (
     BLANK_RGB,
     TRUTH_RGB,
     X_RGB,
     Y_RGB,
     Canvas,
     Colour,
-    DrawnDetections,
-    DrawnTruth,
-    TruthMark,
-    draw_boxes,
     put_text,
     text_width,
 )
+from nvcore.overlay.draw import DrawnDetections, DrawnTruth, TruthMark, draw_boxes
 from nvcore.pictures.base import Picture, Pictures
 from nvcore.pictures.stretch import png, stretch
 from nvcore.schema import NO_TRACK, TruthState

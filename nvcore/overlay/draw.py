@@ -8,60 +8,23 @@ missed pedestrians (`nvcore.overlay.labels`).
 
 from __future__ import annotations
 
-import unicodedata
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from itertools import pairwise
 from typing import Final, NamedTuple
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from nvcore.overlay.brush import ON_DARK, Brush, Canvas, Colour, Inks, put_text, text_width
 from nvcore.overlay.labels import Box, LabelRoom, Place, overlap, tag_places
-from nvcore.palette import TRUTH_COLOUR, X_COLOUR, Y_COLOUR, rgb
 from nvcore.pictures.base import Picture
 from nvcore.schema import DetectionState, TruthState
 
-Colour = tuple[int, int, int]
-Canvas = NDArray[np.uint8]
-
-X_RGB: Final = rgb(X_COLOUR["dark"])
-Y_RGB: Final = rgb(Y_COLOUR["dark"])
-TRUTH_RGB: Final = rgb(TRUTH_COLOUR["dark"])
-BLANK_RGB: Final[Colour] = (16, 19, 24)
-
-
-@dataclass(frozen=True)
-class Inks:
-    """Colours of X, Y and the truth, and of the ground of labels and of frames without picture."""
-
-    x: Colour
-    y: Colour
-    truth: Colour
-    ground: Colour
-
-    @property
-    def contrast(self) -> Colour:
-        """White on a dark ground, black on a light one."""
-        return (255, 255, 255) if sum(self.ground) < 3 * 128 else (0, 0, 0)
-
-
-ON_DARK: Final = Inks(X_RGB, Y_RGB, TRUTH_RGB, BLANK_RGB)
-"""For pictures."""
-ON_LIGHT: Final = Inks(
-    rgb(X_COLOUR["light"]), rgb(Y_COLOUR["light"]), rgb(TRUTH_COLOUR["light"]), (244, 246, 248)
-)
-"""For paper: frames without picture."""
-
 _MIN_WIDTH: Final = 960
 _MAX_WIDTH: Final = 1920
-_SHIFT: Final = 4  # cv2 takes coordinates in 1/16 px
-_PLATE: Final = 0.8
-"""Opacity of the ground of a label."""
 _TINT: Final = 0.6
 """Share of its system's colour in the text of a label; the rest is contrast to the ground."""
-_FONT: Final = cv2.FONT_HERSHEY_SIMPLEX
 
 
 @dataclass(frozen=True)
@@ -165,7 +128,7 @@ def draw_boxes(
     size = canvas_size(width, height)
     canvas = _background(picture, size, inks)
     scale = np.array([size[0] / width, size[1] / height] * 2)
-    brush = _Brush(canvas, scale, max(1, round(size[0] / 960)) if unit is None else unit, inks)
+    brush = Brush(canvas, scale, max(1, round(size[0] / 960)) if unit is None else unit, inks)
     for boxes, colour, is_dashed in ((x, inks.x, False), (y, inks.y, True)):
         if boxes is not None:
             _draw_detections(brush, boxes, colour, is_dashed=is_dashed)
@@ -173,16 +136,6 @@ def draw_boxes(
         _draw_truth(brush, truth)
     _draw_labels(brush, truth or DrawnTruth(), x, y)
     return canvas
-
-
-@dataclass(frozen=True)
-class _Brush:
-    """Canvas, scale of the boxes (x, y, x, y), thickness of thin lines in px, and colours."""
-
-    canvas: Canvas
-    scale: NDArray[np.float64]
-    unit: int
-    inks: Inks
 
 
 def _background(picture: Picture | None, size: tuple[int, int], inks: Inks) -> Canvas:
@@ -196,44 +149,32 @@ def _background(picture: Picture | None, size: tuple[int, int], inks: Inks) -> C
     return np.asarray(cv2.resize(picture, size, interpolation=method), dtype=np.uint8)
 
 
-def _corners(brush: _Brush, xywh: NDArray[np.float64]) -> list[Box]:
-    """First and last column and row on the canvas: left, top, right, bottom.
-
-    Whole pixels, so that thin lines are sharp; far outside is cut, so that numbers stay small.
-    """
-    scaled = xywh * brush.scale
-    edges = np.column_stack([scaled[:, :2], scaled[:, :2] + scaled[:, 2:] - 1])
-    limits = np.array([brush.canvas.shape[1], brush.canvas.shape[0]] * 2, dtype=float)
-    clipped = np.clip(edges, -limits, 2 * limits)
-    return [(row[0], row[1], row[2], row[3]) for row in np.round(clipped).tolist()]
-
-
 def _draw_detections(
-    brush: _Brush, boxes: DrawnDetections, colour: Colour, *, is_dashed: bool
+    brush: Brush, boxes: DrawnDetections, colour: Colour, *, is_dashed: bool
 ) -> None:
     unit = brush.unit
     # a loop over the boxes of one frame: drawing is done box by box
-    for number, box in enumerate(_corners(brush, boxes.xywh)):
-        _draw_rectangle(brush, box, colour, 2 * unit, 7.0 * unit if is_dashed else None)
+    for number, box in enumerate(brush.corners(boxes.xywh)):
+        brush.rectangle(box, colour, 2 * unit, 7.0 * unit if is_dashed else None)
         left, top, right, bottom = box
         if boxes.state[number] == DetectionState.FALSE_ALARM:
             arm = min(8.0 * unit, (right - left) / 2, (bottom - top) / 2)
             across, down = (left + right) / 2, (top + bottom) / 2
             for sign in (-1, 1):
                 start, end = down - sign * arm, down + sign * arm
-                _line(brush, across - arm, start, across + arm, end, colour, unit)
+                brush.line(across - arm, start, across + arm, end, colour, unit)
 
 
-def _draw_truth(brush: _Brush, boxes: DrawnTruth) -> None:
+def _draw_truth(brush: Brush, boxes: DrawnTruth) -> None:
     # a loop over the boxes of one frame
-    for box, mark in zip(_corners(brush, boxes.xywh), boxes.marks, strict=True):
+    for box, mark in zip(brush.corners(boxes.xywh), boxes.marks, strict=True):
         dash = 2.0 * brush.unit if mark.is_ignored else None
-        _draw_rectangle(brush, box, brush.inks.truth, brush.unit, dash)
+        brush.rectangle(box, brush.inks.truth, brush.unit, dash)
         if mark.is_missed:
             _mark_miss(brush, box, mark)
 
 
-def _mark_miss(brush: _Brush, box: Box, mark: TruthMark) -> None:
+def _mark_miss(brush: Brush, box: Box, mark: TruthMark) -> None:
     unit, inks = brush.unit, brush.inks
     left_colour = inks.x if mark.state_x == TruthState.MISSED else inks.y
     right_colour = inks.y if mark.state_y == TruthState.MISSED else inks.x
@@ -243,15 +184,15 @@ def _mark_miss(brush: _Brush, box: Box, mark: TruthMark) -> None:
     thickness = 3 * unit if mark.is_relevant else unit
     for edge, sign, colour in ((left, 1, left_colour), (right, -1, right_colour)):
         for level, down in ((top, 1), (bottom, -1)):
-            _line(brush, edge, level, edge + sign * arm_x, level, colour, thickness)
-            _line(brush, edge, level, edge, level + down * arm_y, colour, thickness)
+            brush.line(edge, level, edge + sign * arm_x, level, colour, thickness)
+            brush.line(edge, level, edge, level + down * arm_y, colour, thickness)
 
 
 def _draw_labels(
-    brush: _Brush, truth: DrawnTruth, x: DrawnDetections | None, y: DrawnDetections | None
+    brush: Brush, truth: DrawnTruth, x: DrawnDetections | None, y: DrawnDetections | None
 ) -> None:
     """Tags of the missed pedestrians, the tallest first; then what else finds room."""
-    boxes, inks = _corners(brush, truth.xywh), brush.inks
+    boxes, inks = brush.corners(truth.xywh), brush.inks
     texts = truth.labels or [""] * len(boxes)
     gap = 5.0 * brush.unit
     grown = {i: (b[0] - gap, b[1] - gap, b[2] + gap, b[3] + gap) for i, b in enumerate(boxes)}
@@ -266,7 +207,7 @@ def _draw_labels(
         _draw_tag(brush, room, missed[i], truth.marks[i], texts[i])
     for system, colour, is_upper in ((x, inks.x, True), (y, inks.y, False)):
         if system is not None and system.labels:
-            for text, box in zip(system.labels, _corners(brush, system.xywh), strict=True):
+            for text, box in zip(system.labels, brush.corners(system.xywh), strict=True):
                 side = _Side(is_left=True, is_upper=is_upper)
                 _draw_label(brush, room, text, box, colour, side)
     for i, (text, box) in enumerate(zip(texts, boxes, strict=True)):
@@ -275,7 +216,7 @@ def _draw_labels(
             _draw_label(brush, room, text, box, inks.truth, side)
 
 
-def _draw_tag(brush: _Brush, room: LabelRoom, box: Box, mark: TruthMark, text: str) -> None:
+def _draw_tag(brush: Brush, room: LabelRoom, box: Box, mark: TruthMark, text: str) -> None:
     """A filled field for each system that misses, and the label."""
     unit, inks = brush.unit, brush.inks
     chips = [
@@ -298,7 +239,7 @@ def _draw_tag(brush: _Brush, room: LabelRoom, box: Box, mark: TruthMark, text: s
         left += _chip_width(is_salient, unit) + 2 * unit
     if text:
         right = left + text_width(text, size) + unit
-        _draw_plate(brush, (left - unit, top, right, top + extent[1]))
+        brush.plate((left - unit, top, right, top + extent[1]))
         put_text(brush.canvas, text, (left, base), size, inks.truth)
 
 
@@ -310,7 +251,7 @@ class _Side(NamedTuple):
 
 
 def _draw_label(
-    brush: _Brush, room: LabelRoom, text: str, box: Box, colour: Colour, side: _Side
+    brush: Brush, room: LabelRoom, text: str, box: Box, colour: Colour, side: _Side
 ) -> None:
     """A text beside its box, or above or below it; left out where there is no room."""
     if not text:
@@ -327,25 +268,18 @@ def _draw_label(
     places = places + (upright if side.is_upper else upright[::-1])
     place = room.take((width, height), places)
     if place is not None:
-        _draw_plate(brush, place)
+        brush.plate(place)
         contrast = np.array(brush.inks.contrast)
         red, green, blue = np.round(_TINT * np.array(colour) + (1 - _TINT) * contrast).tolist()
         stronger = int(red), int(green), int(blue)
         put_text(brush.canvas, text, (place[0], place[1] + 10 * unit), size, stronger)
 
 
-def _draw_plate(brush: _Brush, box: Box) -> None:
-    """The ground of a label, so that it can be read on any picture."""
-    left, top, right, bottom = (max(0, round(edge)) for edge in box)
-    behind = brush.canvas[top:bottom, left:right]
-    behind[:] = np.round((1 - _PLATE) * behind + _PLATE * np.array(brush.inks.ground))
-
-
 def _chip_width(is_salient: bool, unit: int) -> int:
     return (25 if is_salient else 15) * unit
 
 
-def _draw_chip(brush: _Brush, place: Place, letter: str, colour: Colour, is_salient: bool) -> None:
+def _draw_chip(brush: Brush, place: Place, letter: str, colour: Colour, is_salient: bool) -> None:
     """A filled field with the letter (most salient: and a triangle), its base line at `place`."""
     canvas, unit, ground = brush.canvas, brush.unit, brush.inks.ground
     left_px, base_px = round(place[0]), round(place[1])
@@ -356,59 +290,3 @@ def _draw_chip(brush: _Brush, place: Place, letter: str, colour: Colour, is_sali
     if is_salient:
         tip = np.array([[15, -8], [23, -8], [19, -1]]) * unit + [left_px, base_px]
         cv2.fillPoly(canvas, [tip.astype(np.int32)], ground, cv2.LINE_AA)
-
-
-def _draw_rectangle(
-    brush: _Brush, box: Box, colour: Colour, thickness: int, dash: float | None
-) -> None:
-    left, top, right, bottom = box
-    corners = [(left, top), (right, top), (right, bottom), (left, bottom), (left, top)]
-    for start, end in pairwise(corners):
-        length = float(np.hypot(end[0] - start[0], end[1] - start[1]))
-        if dash is None or length <= dash:
-            _line(brush, *start, *end, colour, thickness)
-            continue
-        n_dashes = max(1, round(length / (1.8 * dash)))
-        for number in range(n_dashes):
-            share = (number / n_dashes, (number + 0.55) / n_dashes)
-            ends = [
-                start[axis] + part * (end[axis] - start[axis]) for part in share for axis in (0, 1)
-            ]
-            _line(brush, ends[0], ends[1], ends[2], ends[3], colour, thickness)
-
-
-def _line(
-    brush: _Brush, x0: float, y0: float, x1: float, y1: float, colour: Colour, thickness: int
-) -> None:
-    start, end = (
-        (round(a * (1 << _SHIFT)), round(b * (1 << _SHIFT))) for a, b in ((x0, y0), (x1, y1))
-    )
-    kind = cv2.LINE_8 if x0 == x1 or y0 == y1 else cv2.LINE_AA  # upright lines stay sharp
-    cv2.line(brush.canvas, start, end, colour, thickness, kind, _SHIFT)
-
-
-def put_text(
-    canvas: Canvas, text: str, base: tuple[float, float], size: float, colour: Colour
-) -> None:
-    """One line of text, its base line starting at `at`; signs that the font lacks as `?`."""
-    shown, place = drawable(text), (round(base[0]), round(base[1]))
-    thickness = 2 if size > 0.75 else 1
-    cv2.putText(canvas, shown, place, _FONT, size, colour, thickness, cv2.LINE_AA)
-
-
-def text_width(text: str, size: float) -> int:
-    """Width of a text, px."""
-    return int(cv2.getTextSize(drawable(text), _FONT, size, 2 if size > 0.75 else 1)[0][0])
-
-
-def drawable(text: str) -> str:
-    """The text in the signs that OpenCV's font has: without accents, others as `?`.
-
-    Examples
-    --------
-    >>> drawable("Müller – 夜")
-    'Muller - ?'
-    """
-    plain = unicodedata.normalize("NFKD", text.replace("–", "-").replace("ß", "ss"))
-    letters = (sign for sign in plain if not unicodedata.combining(sign))
-    return "".join(sign if " " <= sign <= "~" else "?" for sign in letters)

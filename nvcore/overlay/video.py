@@ -15,7 +15,7 @@ from nvcore import __version__
 from nvcore.comparison import Result
 from nvcore.errors import MediaError, ParameterError
 from nvcore.overlay.annotate import annotate, provenance
-from nvcore.overlay.draw import BLANK_RGB, Canvas
+from nvcore.overlay.brush import BLANK_RGB, Canvas
 from nvcore.pictures.base import Pictures
 from nvcore.pictures.index import picture_index
 from nvcore.progress import Progress, no_progress

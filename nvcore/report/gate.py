@@ -21,7 +21,7 @@ from nvcore.findings import Finding, Severity
 from nvcore.measures import MEASURES
 from nvcore.protocols import Protocol
 from nvcore.schema import Category
-from nvcore.tables.columns import Column, Kind
+from nvcore.tables.column import Column, Kind
 from nvcore.tables.summary import SUMMARY_KEYS, SYSTEM_KEYS, summary, system_summary
 from nvcore.wording import one_line
 

@@ -5,67 +5,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from enum import StrEnum
+from dataclasses import replace
 from typing import Final
 
 from nvcore.measures import MEASURES, NO_FRAMES, Measure
-
-
-class Kind(StrEnum):
-    """What the cells of a column are."""
-
-    TEXT = "text"
-    INTEGER = "integer"
-    NUMBER = "number"
-    TRUTH_VALUE = "0 or 1"
-    TABLE = "table"  # summary.json only
-
-
-@dataclass(frozen=True)
-class Column:
-    """One column of a CSV file, or one key of ``summary.json``.
-
-    Attributes
-    ----------
-    name
-        Its name in the file.
-    kind
-        What the cells are.
-    unit
-        Unit or range; empty: none.
-    meaning
-        One sentence.
-    better
-        ``"high"`` or ``"low"`` where one is better; empty: neither.
-    empty
-        When the cell is empty (in JSON: null); empty: never.
-    """
-
-    name: str
-    kind: Kind
-    unit: str
-    meaning: str
-    better: str = ""
-    empty: str = ""
+from nvcore.tables.column import Column, Kind, measure_column
 
 
 def _of_both(*columns: Column) -> tuple[Column, ...]:
     """The columns of X, then the same of Y."""
     return tuple(
         replace(column, name=f"{column.name}_{letter}") for letter in "xy" for column in columns
-    )
-
-
-def measure_column(measure: Measure) -> Column:
-    """The column of a measure for a system over all recordings."""
-    return Column(
-        measure.key,
-        Kind.INTEGER if measure.form == "d" else Kind.NUMBER,
-        measure.unit,
-        measure.meaning,
-        measure.better.removesuffix("er"),
-        measure.empty,
     )
 
 

@@ -12,7 +12,8 @@ from nvcore import __version__
 from nvcore.comparison import Result
 from nvcore.measures import MEASURES
 from nvcore.scoring import SystemResult
-from nvcore.tables.columns import VENN_COLUMNS, Column, Kind, measure_column
+from nvcore.tables.column import Column, Kind, measure_column
+from nvcore.tables.columns import VENN_COLUMNS
 
 _TEXT, _INTEGER, _NUMBER = Kind.TEXT, Kind.INTEGER, Kind.NUMBER
 _NO_LEAD: Final = "no such encounter"

@@ -19,7 +19,7 @@ from nvcore import __version__
 from nvcore.comparison import Result
 from nvcore.errors import MediaError, ParameterError
 from nvcore.overlay import annotate, frame_png, write_video
-from nvcore.overlay.draw import BLANK_RGB, X_RGB, Y_RGB
+from nvcore.overlay.brush import BLANK_RGB, X_RGB, Y_RGB
 from nvcore.pictures import open_pictures
 
 

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from nvcore.overlay import DrawnDetections, DrawnTruth, TruthMark, draw_boxes
-from nvcore.overlay.draw import BLANK_RGB, ON_LIGHT, TRUTH_RGB, X_RGB, Y_RGB, canvas_size, drawable
+from nvcore.overlay.brush import BLANK_RGB, ON_LIGHT, TRUTH_RGB, X_RGB, Y_RGB, drawable
+from nvcore.overlay.draw import canvas_size
 from nvcore.schema import DetectionState, TruthState
 
 BOX = (400.0, 300.0, 100.0, 200.0)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from scripts.comparisons import COMPARISONS
 from scripts.differences import (
     Rewording,
     Wording,
@@ -15,7 +16,7 @@ from scripts.differences import (
     compare_folders,
     read_wordings,
 )
-from scripts.same_results import COMPARISONS, WORDINGS, make_tasks
+from scripts.same_results import WORDINGS, make_tasks
 
 SHORTER = Wording("there is no such file", "no such file")
 TABLE = b"figure,label,x\nlamr,log-average miss rate,0.6271\n"

@@ -21,7 +21,8 @@ from nvcore.findings import Finding, Severity
 from nvcore.inputs.load import load
 from nvcore.report.files import export_files
 from nvcore.schema import CATEGORY_TEXT, MISS_CLASS_TEXT
-from nvcore.tables.columns import REPORT_COLUMNS, Column, Kind
+from nvcore.tables.column import Column, Kind
+from nvcore.tables.columns import REPORT_COLUMNS
 from nvcore.tables.summary import SUMMARY_KEYS, SYSTEM_KEYS
 
 PAGE = ROOT / "docs" / "report.md"

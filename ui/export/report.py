@@ -11,7 +11,8 @@ from nvcore.comparison import Result
 from nvcore.findings import Finding
 from nvcore.inputs.session import Session
 from nvcore.report.files import export_files, report_zip
-from nvcore.tables.columns import REPORT_COLUMNS, Column
+from nvcore.tables.column import Column
+from nvcore.tables.columns import REPORT_COLUMNS
 from ui.export.session import inputs_beside, portable_session, public_findings
 from ui.session import state
 from ui.session.opening import live_session

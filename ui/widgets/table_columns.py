@@ -10,7 +10,8 @@ import streamlit as st
 
 from nvcore.figures.encounters import CLASS_WORDS
 from nvcore.figures.venn import WORDS
-from nvcore.tables.columns import REPORT_COLUMNS, Column, Kind
+from nvcore.tables.column import Column, Kind
+from nvcore.tables.columns import REPORT_COLUMNS
 from nvcore.tables.scorecard import ScoreRow
 from nvcore.wording import ARROWS, difference, number
 

@@ -17,7 +17,8 @@ from nvcore.inputs.session import Session
 from nvcore.metrics.encounters import RELEVANT_K
 from nvcore.metrics.similarity import salient_detection
 from nvcore.overlay.annotate import drawn_boxes, frame_picture
-from nvcore.overlay.draw import ON_DARK, ON_LIGHT, Canvas, Inks, canvas_size, draw_boxes
+from nvcore.overlay.brush import ON_DARK, ON_LIGHT, Canvas, Inks
+from nvcore.overlay.draw import canvas_size, draw_boxes
 from nvcore.pictures.base import Pictures
 from nvcore.pictures.index import picture_index
 from nvcore.pictures.open import open_pictures

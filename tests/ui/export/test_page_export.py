@@ -18,7 +18,7 @@ from streamlit.testing.v1 import AppTest
 from nvcore.comparison import Result
 from nvcore.errors import MediaError
 from nvcore.overlay.annotate import annotate
-from nvcore.overlay.draw import Canvas
+from nvcore.overlay.brush import Canvas
 from nvcore.progress import Progress
 from pages import TIMEOUT_S, checked, texts
 from ui.export.frame import file_stem, nearest_row

@@ -1,0 +1,58 @@
+"""A column of the report: its name, unit, type and meaning."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+from nvcore.measures import Measure
+
+
+class Kind(StrEnum):
+    """What the cells of a column are."""
+
+    TEXT = "text"
+    INTEGER = "integer"
+    NUMBER = "number"
+    TRUTH_VALUE = "0 or 1"
+    TABLE = "table"  # summary.json only
+
+
+@dataclass(frozen=True)
+class Column:
+    """One column of a CSV file, or one key of ``summary.json``.
+
+    Attributes
+    ----------
+    name
+        Its name in the file.
+    kind
+        What the cells are.
+    unit
+        Unit or range; empty: none.
+    meaning
+        One sentence.
+    better
+        ``"high"`` or ``"low"`` where one is better; empty: neither.
+    empty
+        When the cell is empty (in JSON: null); empty: never.
+    """
+
+    name: str
+    kind: Kind
+    unit: str
+    meaning: str
+    better: str = ""
+    empty: str = ""
+
+
+def measure_column(measure: Measure) -> Column:
+    """The column of a measure for a system over all recordings."""
+    return Column(
+        measure.key,
+        Kind.INTEGER if measure.form == "d" else Kind.NUMBER,
+        measure.unit,
+        measure.meaning,
+        measure.better.removesuffix("er"),
+        measure.empty,
+    )
