@@ -326,7 +326,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--random", type=int, default=2, metavar="N", help="random settings (2)")
     parser.add_argument("--seed", type=int, default=1, metavar="S", help="of the settings (1)")
     parser.add_argument(
-        "--only", nargs="+", metavar="NAME", choices=[comparison.name for comparison in COMPARISONS],
+        "--only", nargs="+", metavar="NAME", choices=[item.name for item in COMPARISONS],
         help="of these comparisons: %(choices)s",
     )  # fmt: skip
     parser.add_argument("--keep", type=Path, metavar="DIR", help="keep what is written there")
