@@ -87,13 +87,13 @@ def scipy_hausdorff(boxes: BoxSet) -> Figures:
     """
     n = boxes.n_frames
     centre = [np.clip(b.x + 0.5 * b.w, 0, WIDTH)[:, None] for b in (boxes.truth, *boxes.systems)]
-    at = [b.offsets(n) for b in (boxes.truth, *boxes.systems)]
+    offsets = [b.offsets(n) for b in (boxes.truth, *boxes.systems)]
     figures = []
     for source in (1, 2):
         miss, false = np.full(n, np.nan), np.full(n, np.nan)
         for f in range(n):  # the point of this baseline
-            truth = centre[0][at[0][f] : at[0][f + 1]]
-            system = centre[source][at[source][f] : at[source][f + 1]]
+            truth = centre[0][offsets[0][f] : offsets[0][f + 1]]
+            system = centre[source][offsets[source][f] : offsets[source][f + 1]]
             if len(truth) and len(system):
                 miss[f] = directed_hausdorff(truth, system)[0]
                 false[f] = directed_hausdorff(system, truth)[0]
@@ -136,10 +136,10 @@ def main() -> None:
     parser.add_argument("name", choices=sorted(BASELINES))
     parser.add_argument("set", type=Path)
     parser.add_argument("--repeat", type=int, default=3)
-    given = parser.parse_args()
-    baseline, of_ours = BASELINES[given.name]
-    boxes = load_set(given.set)
-    figures, seconds, peak_mb = measure(lambda: baseline(boxes), given.repeat)
+    options = parser.parse_args()
+    baseline, of_ours = BASELINES[options.name]
+    boxes = load_set(options.set)
+    figures, seconds, peak_mb = measure(lambda: baseline(boxes), options.repeat)
     expected = of_ours(compare(to_dataset(boxes)))
     off = 0.0
     for theirs, ours in zip(figures, expected, strict=True):

@@ -26,7 +26,7 @@ def measure_command_line(root: Path) -> dict[str, float | str]:
         for call, functions in (("before", "other"), ("first", "new"), ("second", "new")):
             environment["NUMBA_CACHE_DIR"] = str(Path(folder) / functions)
             start = perf_counter()
-            done = subprocess.run(
+            process = subprocess.run(
                 [sys.executable, "-m", "nvcore", "compare", str(SESSION)],
                 cwd=root,
                 env=environment,
@@ -36,7 +36,7 @@ def measure_command_line(root: Path) -> dict[str, float | str]:
             )
             seconds[call] = perf_counter() - start
             # 1 is "findings", unless it comes from a crash
-            if done.returncode not in (0, 1) or "Traceback" in done.stderr:
-                last = (done.stderr.strip().splitlines() or ["no message"])[-1]
+            if process.returncode not in (0, 1) or "Traceback" in process.stderr:
+                last = (process.stderr.strip().splitlines() or ["no message"])[-1]
                 return {"failed": f"`nvcore compare {SESSION.as_posix()}` fails: {last}"}
     return seconds

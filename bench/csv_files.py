@@ -75,8 +75,8 @@ def main() -> None:
     parser.add_argument("n_frames", type=int)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--one-recording", action="store_true")
-    given = parser.parse_args()
-    write_csv(make_set(given.n_frames), given.folder, one_recording=given.one_recording)
+    options = parser.parse_args()
+    write_csv(make_set(options.n_frames), options.folder, one_recording=options.one_recording)
 
 
 if __name__ == "__main__":

@@ -136,17 +136,17 @@ def main() -> None:
     parser.add_argument("tool", choices=sorted(TOOLS))
     parser.add_argument("folder", type=Path)
     parser.add_argument("--repeat", type=int, default=3)
-    given = parser.parse_args()
-    prepare, packages = TOOLS[given.tool]
+    options = parser.parse_args()
+    prepare, packages = TOOLS[options.tool]
     with contextlib.redirect_stdout(io.StringIO()):  # TrackEval prints each tracker's name
         with tempfile.TemporaryDirectory() as small:
             write_mot(make_set(WARM_FRAMES), Path(small))
             prepare(Path(small))()
         start = perf_counter()
-        work = prepare(given.folder)
+        work = prepare(options.folder)
         prepare_s = perf_counter() - start
-        figures, seconds, peak_mb = measure(work, given.repeat)
-    has_objects = given.tool == "TrackEval preprocessing + CLEAR"  # the others start from files
+        figures, seconds, peak_mb = measure(work, options.repeat)
+    has_objects = options.tool == "TrackEval preprocessing + CLEAR"  # the others start from files
     report(
         seconds=seconds,
         peak_mb=peak_mb,

@@ -43,9 +43,9 @@ def write_mot(boxes: BoxSet, folder: Path) -> None:
 
 def _write(source: Boxes, lengths: np.ndarray, paths: list[Path], row: str) -> None:
     ends = np.cumsum(lengths)
-    at = source.offsets(int(ends[-1]))
+    offsets = source.offsets(int(ends[-1]))
     for first, last, path in zip(ends - lengths, ends, paths, strict=True):
-        rows = slice(at[first], at[last])
+        rows = slice(offsets[first], offsets[last])
         columns = (
             source.frame_index[rows] - first + 1, source.track[rows] + 1, source.x[rows] + 1,
             source.y[rows] + 1, source.w[rows], source.h[rows], source.score[rows],
@@ -57,8 +57,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("set", type=Path)
     parser.add_argument("folder", type=Path)
-    given = parser.parse_args()
-    write_mot(load_set(given.set), given.folder)
+    options = parser.parse_args()
+    write_mot(load_set(options.set), options.folder)
 
 
 if __name__ == "__main__":

@@ -106,14 +106,14 @@ def _per_frame(boxes: BoxSet) -> list[list[tuple[np.ndarray, np.ndarray]]]:
     ends = np.cumsum(boxes.lengths)
     sources = []
     for source in (boxes.truth, *boxes.systems):
-        at = source.offsets(boxes.n_frames)
+        offsets = source.offsets(boxes.n_frames)
         corner = np.column_stack([source.x, source.y, source.w, source.h])
         track = np.empty(len(source), np.int64)
         for first, last in zip(ends - boxes.lengths, ends, strict=True):
-            rows = slice(at[first], at[last])
+            rows = slice(offsets[first], offsets[last])
             track[rows] = np.unique(source.track[rows], return_inverse=True)[1]
         sources.append(
-            list(zip(np.split(corner, at[1:-1]), np.split(track, at[1:-1]), strict=True))
+            list(zip(np.split(corner, offsets[1:-1]), np.split(track, offsets[1:-1]), strict=True))
         )
     return sources
 
@@ -160,7 +160,7 @@ def _motmetrics(boxes: BoxSet) -> Work:
 
     ends = np.cumsum(boxes.lengths)
     truth, *systems = _per_frame(boxes)
-    wanted = ["num_frames", "mota", "motp", "num_matches", "num_switches", "num_objects"]
+    measures = ["num_frames", "mota", "motp", "num_matches", "num_switches", "num_objects"]
 
     def work() -> list[dict[str, float]]:
         figures = []
@@ -175,7 +175,7 @@ def _motmetrics(boxes: BoxSet) -> Work:
                     accumulator.update(g_ids, d_ids, apart)
                 accumulators.append(accumulator)
             summary = motmetrics.metrics.create().compute_many(
-                accumulators, metrics=wanted, generate_overall=True
+                accumulators, metrics=measures, generate_overall=True
             )
             overall = summary.loc["OVERALL"]
             figures.append({"matched": int(overall["num_matches"] + overall["num_switches"])})
@@ -198,14 +198,14 @@ def main() -> None:
     parser.add_argument("tool", choices=sorted(TOOLS))
     parser.add_argument("set", type=Path)
     parser.add_argument("--repeat", type=int, default=3)
-    given = parser.parse_args()
-    prepare, packages = TOOLS[given.tool]
-    boxes = load_set(given.set)
+    options = parser.parse_args()
+    prepare, packages = TOOLS[options.tool]
+    boxes = load_set(options.set)
     start = perf_counter()
     with contextlib.redirect_stdout(io.StringIO()):
         work = prepare(boxes)
         prepare_s = perf_counter() - start
-        figures, seconds, peak_mb = measure(work, given.repeat)
+        figures, seconds, peak_mb = measure(work, options.repeat)
     report(
         seconds=seconds,
         peak_mb=peak_mb,

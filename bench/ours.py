@@ -65,16 +65,16 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("set", type=Path)
     parser.add_argument("--repeat", type=int, default=5)
-    given = parser.parse_args()
+    options = parser.parse_args()
     warm = to_dataset(make_set(1_000))
     compare(warm, previous=compare(warm))
-    dataset = to_dataset(load_set(given.set))
+    dataset = to_dataset(load_set(options.set))
     dataset.frame_columns, dataset.truth  # noqa: B018  columns of the input, made once
-    base, analyse_s, peak_mb = measure(lambda: compare(dataset), given.repeat)
+    base, analyse_s, peak_mb = measure(lambda: compare(dataset), options.repeat)
     seconds = {"analyse": analyse_s}
     for name, params in CHANGES.items():
         seconds[f"change of {name}"] = repeat(
-            lambda i, params=params: compare(dataset, params(i), previous=base), given.repeat
+            lambda i, params=params: compare(dataset, params(i), previous=base), options.repeat
         )
     report(
         seconds=seconds,

@@ -48,12 +48,12 @@ def run_worker(python: Path, *arguments: str) -> dict[str, Any]:
     """Figures of one worker: the last line that it prints; ``{"failed": why}`` if it fails."""
     if not python.exists():
         return {"failed": "not installed; `make bench` installs it"}
-    done = subprocess.run(
+    process = subprocess.run(
         [str(python), "-m", *arguments], cwd=ROOT, capture_output=True, text=True, check=False
     )
-    if done.returncode:
-        return {"failed": (done.stderr.strip().splitlines() or ["no message"])[-1]}
-    figures: dict[str, Any] = json.loads(done.stdout.strip().splitlines()[-1])
+    if process.returncode:
+        return {"failed": (process.stderr.strip().splitlines() or ["no message"])[-1]}
+    figures: dict[str, Any] = json.loads(process.stdout.strip().splitlines()[-1])
     return figures
 
 
@@ -66,13 +66,13 @@ def main() -> None:
     parser.add_argument("--others-at", type=int)
     parser.add_argument("--repeat", type=int)
     parser.add_argument("--out", type=Path)
-    given = parser.parse_args()
-    quick = given.quick
-    sizes = given.sizes or ([1_000, 10_000] if quick else [1_000, 10_000, 100_000, 1_000_000])
-    others_at = given.others_at or (5_000 if quick else 100_000)
-    repeat = str(given.repeat or (3 if quick else 7))
-    others_repeat = str(given.repeat or (1 if quick else 5))
-    out = given.out or (None if quick else ROOT / "docs" / "benchmarks.md")
+    options = parser.parse_args()
+    quick = options.quick
+    sizes = options.sizes or ([1_000, 10_000] if quick else [1_000, 10_000, 100_000, 1_000_000])
+    others_at = options.others_at or (5_000 if quick else 100_000)
+    repeat = str(options.repeat or (3 if quick else 7))
+    others_repeat = str(options.repeat or (1 if quick else 5))
+    out = options.out or (None if quick else ROOT / "docs" / "benchmarks.md")
 
     ours: dict[int, dict[str, Any]] = {}
     with tempfile.TemporaryDirectory() as folder:

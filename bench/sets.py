@@ -69,8 +69,8 @@ class BoxSet:
 
 
 def recording_lengths(n_frames: int) -> np.ndarray:
-    whole, rest = divmod(n_frames, FRAMES_PER_RECORDING)
-    return np.array([FRAMES_PER_RECORDING] * whole + [rest] * (rest > 0), np.int64)
+    n_whole, n_left = divmod(n_frames, FRAMES_PER_RECORDING)
+    return np.array([FRAMES_PER_RECORDING] * n_whole + [n_left] * (n_left > 0), np.int64)
 
 
 def make_set(n_frames: int) -> BoxSet:
@@ -134,12 +134,12 @@ def _detect(
     onset = rng.exponential(late, number.max() + 1)[number]
     spell = truth.frame_index // 8 * LANES + np.tile(np.arange(LANES), n_frames)
     is_lost = (rng.random(spell.max() + 1) < drop)[spell]
-    seen = np.flatnonzero((age >= onset) & ~is_lost & (rng.random(len(truth)) > 0.02))
-    h = truth.h[seen] * np.exp(rng.normal(0, 0.05, len(seen)))
-    w = truth.w[seen] * np.exp(rng.normal(0, 0.08, len(seen)))
-    centre = truth.x[seen] + truth.w[seen] / 2 + rng.normal(0, 0.05, len(seen)) * h
-    foot = truth.y[seen] + truth.h[seen] + rng.normal(0, 0.04, len(seen)) * h
-    score = 0.35 + 0.65 * rng.beta(4, 1.5, len(seen))
+    detected = np.flatnonzero((age >= onset) & ~is_lost & (rng.random(len(truth)) > 0.02))
+    h = truth.h[detected] * np.exp(rng.normal(0, 0.05, len(detected)))
+    w = truth.w[detected] * np.exp(rng.normal(0, 0.08, len(detected)))
+    centre = truth.x[detected] + truth.w[detected] / 2 + rng.normal(0, 0.05, len(detected)) * h
+    foot = truth.y[detected] + truth.h[detected] + rng.normal(0, 0.04, len(detected)) * h
+    score = 0.35 + 0.65 * rng.beta(4, 1.5, len(detected))
     # spells of clutter of 12 frames at one place
     alarm_spell = np.arange(n_frames) // 12
     n_spells = int(alarm_spell[-1]) + 1
@@ -149,7 +149,7 @@ def _detect(
     alarm_x = rng.uniform(0, WIDTH - 40, n_spells)[spell] + rng.normal(0, 1, len(alarms))
     alarm_y = rng.uniform(150, 300, n_spells)[spell]
     alarm_score = 0.05 + 0.75 * rng.beta(1.5, 2.5, len(alarms))
-    frame = np.concatenate([truth.frame_index[seen], alarms])
+    frame = np.concatenate([truth.frame_index[detected], alarms])
     order = np.argsort(frame, kind="stable")
     columns = {
         "x": (centre - w / 2, alarm_x),
@@ -160,7 +160,7 @@ def _detect(
     }
     return Boxes(
         **{name: np.concatenate(both)[order] for name, both in columns.items()},
-        track=np.concatenate([truth.track[seen], truth.track.max() + 1 + spell])[order],
+        track=np.concatenate([truth.track[detected], truth.track.max() + 1 + spell])[order],
         frame_index=frame[order],
     )
 
@@ -184,8 +184,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("n_frames", type=int)
     parser.add_argument("path", type=Path)
-    given = parser.parse_args()
-    save_set(make_set(given.n_frames), given.path)
+    options = parser.parse_args()
+    save_set(make_set(options.n_frames), options.path)
 
 
 if __name__ == "__main__":

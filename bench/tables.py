@@ -11,7 +11,7 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
-HOW = """\
+METHOD = """\
 Synthetic sets with a fixed seed (`bench/sets.py`): exactly 4 pedestrians a frame, 4 + 4 detections
 on average, recordings of 1,000 frames, tracks of 80 frames on average, late first detections,
 dropouts and lasting false alarms. Numbers are medians of repeated runs, each tool in a fresh
@@ -118,7 +118,7 @@ def write_tables(
         "# Benchmarks",
         "Written by `make bench`; do not edit.",
         _machine(ours, beside),
-        HOW.rstrip(),
+        METHOD.rstrip(),
         "## `analyse`, two systems",
         _growth_table(ours),
         _growth_note(ours),
@@ -210,15 +210,15 @@ def _targets_table(
 ) -> str:
     rows: list[list[str]] = []
 
-    def row(what: str, target: str, found: str, is_met: bool) -> None:
-        rows.append([what, target, found, "yes" if is_met else "no"])
+    def row(what: str, target: str, result: str, is_met: bool) -> None:
+        rows.append([what, target, result, "yes" if is_met else "no"])
 
     million = ours.get(1_000_000)  # the targets say how many frames; other sizes prove nothing
     if million:
         for what, limit_s in LIMITS_S.items():
-            found = median(million["seconds"][what])
+            seconds = median(million["seconds"][what])
             target = f"{seconds_text(limit_s)} or less"
-            row(f"{what}, 1,000,000 frames", target, seconds_text(found), found <= limit_s)
+            row(f"{what}, 1,000,000 frames", target, seconds_text(seconds), seconds <= limit_s)
         peak_mb = million["peak_mb"]
         row("peak memory beyond input, 1,000,000 frames", f"{PEAK_MB} MB or less",
             f"{peak_mb:.0f} MB", peak_mb <= PEAK_MB)  # fmt: skip

@@ -184,23 +184,23 @@ def measure_playing(browser: Browser, url: str) -> dict[str, float]:
     go_to(page, "Timeline")
     viewer = page.locator(".viewer")
     expect(viewer).to_have_attribute("data-shown-row", "0", timeout=60_000)
-    seen = _play(page, viewer, 1000 * PLAY_S)
-    seen = [one for one in seen if one["ms"] > 300]  # it has started by then
-    due = (seen[-1]["ms"] - seen[0]["ms"]) / 1000 * FPS + 1
+    painted = _play(page, viewer, 1000 * PLAY_S)
+    painted = [one for one in painted if one["ms"] > 300]  # it has started by then
+    due = (painted[-1]["ms"] - painted[0]["ms"]) / 1000 * FPS + 1
     page.close()
     return {
         "due": round(due),
-        "painted": len(seen),
-        "mixed": sum(not is_whole(one) for one in seen),
+        "painted": len(painted),
+        "mixed": sum(not is_whole(one) for one in painted),
     }
 
 
 def _play(page: Page, viewer: Locator, ms: float) -> list[dict[str, float]]:
     viewer.focus()
     page.keyboard.press("Space")
-    seen: list[dict[str, float]] = viewer.evaluate(PLAYED, ms)
+    played: list[dict[str, float]] = viewer.evaluate(PLAYED, ms)
     page.keyboard.press("Space")
-    return seen
+    return played
 
 
 def main() -> None:
@@ -210,30 +210,30 @@ def main() -> None:
     parser.add_argument("--repeat", type=int, default=10)
     parser.add_argument("--port", type=int, default=8650)
     parser.add_argument("--out", type=Path)
-    given = parser.parse_args()
+    options = parser.parse_args()
     if not Path(CHROMIUM).exists():
         report(failed=f"{CHROMIUM} is missing: apt-get install chromium")
         return
     figures: dict[str, Any] = {"load": os.getloadavg()[0], "sets": {}}
-    with sync_playwright() as playwright, tempfile.TemporaryDirectory() as made:
+    with sync_playwright() as playwright, tempfile.TemporaryDirectory() as parent:
         browser = playwright.chromium.launch(executable_path=CHROMIUM, args=list(FLAGS))
         figures["chromium"] = browser.version
-        for n in given.frames:
-            folder = Path(made) / str(n)
+        for n in options.frames:
+            folder = Path(parent) / str(n)
             folder.mkdir()
             if n:
-                write_csv(make_set(n), folder, one_recording=given.one_recording)
+                write_csv(make_set(n), folder, one_recording=options.one_recording)
             print(f"in the browser, {n:,} frames ..." if n else "sample ...", file=sys.stderr)
-            with serve(folder, given.port) as url:
-                figures["sets"][n] = measure_set(browser, url, given.repeat, is_sample=not n)
+            with serve(folder, options.port) as url:
+                figures["sets"][n] = measure_set(browser, url, options.repeat, is_sample=not n)
             print(figures["sets"][n], file=sys.stderr)
-        folder = Path(made) / "scene"
+        folder = Path(parent) / "scene"
         write_scene(folder)
-        with serve(folder, given.port) as url:
+        with serve(folder, options.port) as url:
             figures["playing"] = measure_playing(browser, url)
         browser.close()
-    if given.out:
-        put_section(given.out, web_section(figures))
+    if options.out:
+        put_section(options.out, web_section(figures))
     report(**figures)
 
 

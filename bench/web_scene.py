@@ -12,7 +12,7 @@ import numpy as np
 
 WIDTH, HEIGHT, FPS, N_FRAMES = 640, 480, 20, 400
 SQUARE, BITS = 20, 9
-PERIOD, STEP, LEFT = 110, 5, 20
+PERIOD, STEP, LEFT_PX = 110, 5, 20
 LINE = 222
 """Row of pixels that is read: it crosses the two upright edges of X's box."""
 
@@ -93,7 +93,7 @@ def write_scene(folder: Path) -> Path:
 
 def x_of(number: int) -> int:
     """Left edge of X's box, px."""
-    return LEFT + STEP * (number % PERIOD)
+    return LEFT_PX + STEP * (number % PERIOD)
 
 
 def is_whole(reading: dict[str, float]) -> bool:

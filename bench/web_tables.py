@@ -11,7 +11,7 @@ from bench.tables import seconds_text, table
 HEADING = "## In the browser"
 TARGETS_S = {0: 0.3, 100_000: 0.5, 1_000_000: 1.0}
 """By number of frames; 0 is the sample."""
-HOW = """\
+METHOD = """\
 The dashboard's Timeline page (viewer, time plot, lanes and sidebar) in headless Chromium {version},
 without a GPU, server and browser on this machine. *Key press to plot*: from the key event on the
 slider to the first frame of the browser with changed lines in the time plot; median of {n} presses
@@ -25,16 +25,16 @@ def web_section(figures: dict[str, Any]) -> str:
     """The whole section, its heading first."""
     if "failed" in figures:
         return f"{HEADING}\n\nNot measured: {figures['failed']}\n"
-    sets = {int(n): one for n, one in figures["sets"].items()}
+    sets = {int(n): figure for n, figure in figures["sets"].items()}
     names = list(next(iter(sets.values()))["seconds"])
-    n_presses = min(len(runs) for one in sets.values() for runs in one["seconds"].values())
-    rows = [[name, *(_cell(one["seconds"][name]) for one in sets.values())] for name in names]
+    n_presses = min(len(runs) for figure in sets.values() for runs in figure["seconds"].values())
+    rows = [[name, *(_cell(figure["seconds"][name]) for figure in sets.values())] for name in names]
     rows.append(["target", *(_target(n) for n in sets)])
-    rows.append(["met", *(_met(n, one["seconds"]) for n, one in sets.items())])
-    opened = [one["opened_s"] for one in sets.values()]
+    rows.append(["met", *(_met(n, figure["seconds"]) for n, figure in sets.items())])
+    opened = [figure["opened_s"] for figure in sets.values()]
     rows.append(["opening", *("" if s is None else seconds_text(s) for s in opened)])
     head = ["key press to plot", *(f"{n:,} frames" if n else "sample" for n in sets)]
-    how = HOW.format(version=figures["chromium"], n=n_presses, load=figures["load"])
+    how = METHOD.format(version=figures["chromium"], n=n_presses, load=figures["load"])
     parts = [HEADING, how.rstrip(), table(head, rows), _playing(figures["playing"])]
     return "\n\n".join(parts) + "\n"
 
@@ -42,8 +42,8 @@ def web_section(figures: dict[str, Any]) -> str:
 def put_section(path: Path, section: str) -> None:
     """Put the section into a page, in place of the one that is there."""
     before, _, after = path.read_text(encoding="utf-8").partition(f"\n{HEADING}\n")
-    _, mark, rest = after.partition("\n## ")
-    path.write_text(f"{before.rstrip()}\n\n{section}" + (mark + rest), encoding="utf-8")
+    _, mark, following = after.partition("\n## ")
+    path.write_text(f"{before.rstrip()}\n\n{section}" + (mark + following), encoding="utf-8")
 
 
 def _cell(seconds: list[float]) -> str:

@@ -57,8 +57,8 @@ def run_steps(
     try:
         while pending:
             progress((len(jobs) - len(pending)) / len(jobs), what)
-            done, pending = wait(pending, POLL_S, FIRST_COMPLETED)
-            for future in done:
+            finished, pending = wait(pending, POLL_S, FIRST_COMPLETED)
+            for future in finished:
                 future.result()  # raises the job's error
         progress(1.0, what)
     finally:

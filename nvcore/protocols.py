@@ -245,7 +245,7 @@ _CALTECH: Final = Protocol(
     expand=1.25,
 )
 
-_NAMED: Final = (
+_PROTOCOLS: Final = (
     Protocol("all", "Every pedestrian that the ground truth does not flag as ignored."),
     _CALTECH,
     replace(
@@ -285,7 +285,7 @@ _NAMED: Final = (
 )
 
 PROTOCOLS: Final[Mapping[str, Protocol]] = MappingProxyType(
-    {protocol.name: protocol for protocol in _NAMED}
+    {protocol.name: protocol for protocol in _PROTOCOLS}
 )
 """The named protocols; their heights are pixels of pictures 480 (Caltech) or 512 px (KAIST) high.
 

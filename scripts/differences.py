@@ -100,8 +100,8 @@ class Rewording:
             reworded = self.text(string)
             if literal["colon"] or reworded == string:
                 return literal[0]
-            written = json.dumps(reworded, ensure_ascii=in_html)
-            return written.translate(JSON_IN_HTML) if in_html else written
+            text = json.dumps(reworded, ensure_ascii=in_html)
+            return text.translate(JSON_IN_HTML) if in_html else text
 
         return JSON_STRING.sub(value, text) if self.wordings else text
 
@@ -174,10 +174,10 @@ def _excerpt(line: str | None, other: str | None) -> str:
     if line is None:
         return "(the file ends)"
     pairs = enumerate(zip(line, other or "", strict=False))
-    at = next((i for i, (a, b) in pairs if a != b), min(len(line), len(other or "")))
-    low, high = max(at - EXCERPT, 0), at + EXCERPT
-    shown = repr(line[low:high])[1:-1]
-    return ("…" if low else "") + shown + ("…" if high < len(line) else "")
+    first = next((i for i, (a, b) in pairs if a != b), min(len(line), len(other or "")))
+    low, high = max(first - EXCERPT, 0), first + EXCERPT
+    excerpt = repr(line[low:high])[1:-1]
+    return ("…" if low else "") + excerpt + ("…" if high < len(line) else "")
 
 
 def compare_folders(old: Path, new: Path, rewording: Rewording) -> Iterator[tuple[str, str]]:

@@ -304,16 +304,16 @@ def main() -> int:
         runner = Runner(old, new, folder, realdata)
         with ThreadPoolExecutor(JOBS) as pool:
             outputs = pool.map(runner.run, tasks)
-            same = [
+            are_same = [
                 report(task, *folders, rewording)
                 for task, folders in zip(tasks, outputs, strict=True)
             ]
     minutes = (time.monotonic() - began) / 60
-    print(f"{sum(same)} of {len(same)} the same; {minutes:.1f} minutes")
+    print(f"{sum(are_same)} of {len(are_same)} the same; {minutes:.1f} minutes")
     for wording in rewording.wordings:
         if wording not in rewording.needed:
             print(f"not needed: {wording.old!r} -> {wording.new!r}")
-    return 0 if all(same) else 1
+    return 0 if all(are_same) else 1
 
 
 def _parser() -> argparse.ArgumentParser:

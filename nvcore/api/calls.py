@@ -118,9 +118,9 @@ def _dataset(
 ) -> Dataset:
     if not isinstance(source, Dataset):
         return load(source, **inputs, name_x=name_x, name_y=name_y, protocol=protocol)
-    given = [f"{name}=" for name, value in inputs.items() if value is not None]
-    if given:
-        raise InputError(f"a dataset is loaded already: give {', '.join(given)} to load()")
+    names = [f"{name}=" for name, value in inputs.items() if value is not None]
+    if names:
+        raise InputError(f"a dataset is loaded already: give {', '.join(names)} to load()")
     settings = with_choices(source.settings, name_x, name_y, protocol)
     return source if settings == source.settings else source.with_settings(settings)
 

@@ -12,7 +12,7 @@ import pandas as pd
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError, MissingFactError
 from nvcore.inputs.load import load as load_session
-from nvcore.inputs.session import Session, Source, SystemSource, is_frame_range, with_facts
+from nvcore.inputs.session import Session, Source, SystemSource, is_frame_range, override_recordings
 from nvcore.inputs.session_toml import read_session
 from nvcore.params import params_from
 from nvcore.protocols import Protocol, protocol_from
@@ -89,7 +89,7 @@ def load(
     ('FIR', 'NIR')
     """
     inputs = {"truth": truth, "x": x, "y": y}
-    if (source is None) == all(given is None for given in inputs.values()):
+    if (source is None) == all(value is None for value in inputs.values()):
         raise InputError("expected a session file, or truth=, x= and y=; give one of the two")
     tables: Mapping[Source, pd.DataFrame] = {}
     if source is None:
@@ -97,7 +97,7 @@ def load(
         name_x = name_y = None  # they are named so already
     else:
         session = source if isinstance(source, Session) else read_session(Path(source))
-    session = with_facts(session, size=size, fps=fps, frames=_frames(frames))
+    session = override_recordings(session, size=size, fps=fps, frames=_frames(frames))
     session = with_choices(session, name_x, name_y, protocol)
     try:
         return load_session(session, tables=tables)
@@ -122,12 +122,12 @@ def with_choices(
     return replace(settings, x=x, y=y, protocol=protocol or settings.protocol)
 
 
-def with_params(dataset: Dataset, given: Mapping[str, Any]) -> Dataset:
+def with_params(dataset: Dataset, changes: Mapping[str, Any]) -> Dataset:
     """The dataset with these parameters in place of its own.
 
     Parameters
     ----------
-    given
+    changes
         Fields of `nvcore.params.Params`. A threshold of None counts every detection.
 
     Raises
@@ -135,17 +135,17 @@ def with_params(dataset: Dataset, given: Mapping[str, Any]) -> Dataset:
     ParameterError
         If a name is unknown or a value is outside its range.
     """
-    if not given:
+    if not changes:
         return dataset
     settings = dataset.settings
-    params = params_from({**settings.params.given(), **given})
+    params = params_from({**settings.params.given(), **changes})
     settings = replace(settings, params=params)
     if isinstance(settings, Session):  # as a parameter None would leave the system's own
         x, y = dataset.compared()
         freed = {
             name
             for name, threshold in ((x, "threshold_x"), (y, "threshold_y"))
-            if threshold in given and given[threshold] is None
+            if threshold in changes and changes[threshold] is None
         }
         systems = tuple(
             replace(system, threshold=None) if name in freed else system
@@ -171,27 +171,27 @@ def _session_of(
     for keyword in ("truth", "x"):
         if inputs[keyword] is None:
             raise InputError(f"expected truth=, x= and y=; {keyword} is missing")
-    given = {keyword: value for keyword, value in inputs.items() if value is not None}
-    sources = {keyword: _source(value, keyword) for keyword, value in given.items()}
+    present = {keyword: value for keyword, value in inputs.items() if value is not None}
+    sources = {keyword: _source(value, keyword) for keyword, value in present.items()}
     for keyword, name in zip("xy", names, strict=True):
         if keyword in sources and name is not None:
             sources[keyword] = replace(sources[keyword], name=name)
     truth = Source(*(getattr(sources["truth"], spec.name) for spec in fields(Source)))
     systems = tuple(sources[keyword] for keyword in "xy" if keyword in sources)
     tables: dict[Source, pd.DataFrame] = {}
-    for keyword, value in given.items():
+    for keyword, value in present.items():
         if isinstance(value, pd.DataFrame):
             tables[truth if keyword == "truth" else sources[keyword]] = value
     return Session(folder=Path.cwd(), truth=truth, systems=systems), tables
 
 
-def _source(given: Input, keyword: str) -> SystemSource:
+def _source(source: Input, keyword: str) -> SystemSource:
     """Where an input comes from; of the truth the corrections of a system have no meaning."""
-    if isinstance(given, pd.DataFrame):
+    if isinstance(source, pd.DataFrame):
         return SystemSource((keyword,), name=keyword.upper())
-    if isinstance(given, SystemSource):
-        return given
-    if isinstance(given, Source):
-        return SystemSource(**vars(given))
-    paths = [given] if isinstance(given, str | Path) else given
+    if isinstance(source, SystemSource):
+        return source
+    if isinstance(source, Source):
+        return SystemSource(**vars(source))
+    paths = [source] if isinstance(source, str | Path) else source
     return SystemSource(tuple(str(path) for path in paths))

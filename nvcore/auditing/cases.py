@@ -149,9 +149,9 @@ def recording_findings(
 def spelled(names: Iterable[object]) -> str:
     """The first few names; of the others how many."""
     every: Sequence[str] = [str(name) for name in names]
-    shown = ", ".join(every[:MOST_NAMES])
+    names_text = ", ".join(every[:MOST_NAMES])
     more = len(every) - MOST_NAMES
-    return f"{shown} and {more} more" if more > 0 else shown
+    return f"{names_text} and {more} more" if more > 0 else names_text
 
 
 def without_doubles(names: Iterable[object]) -> list[object]:

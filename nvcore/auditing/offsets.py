@@ -101,9 +101,9 @@ def _find_scale(sample: Sample) -> _Step | None:
     if not before < POOR_IOU:
         return None
     steps = [
-        _Step(Correction(scale=scale), before, found.mean)
+        _Step(Correction(scale=scale), before, overlaps.mean)
         for scale in scale_candidates(sample)
-        if _is_same_size(found := sample.overlaps(Correction(scale=scale)))
+        if _is_same_size(overlaps := sample.overlaps(Correction(scale=scale)))
     ]
     best = max(steps, key=lambda step: step.after, default=None)
     if best is None or best.after < max(2 * before, before + SCALE_GAIN):
@@ -271,7 +271,7 @@ def _finding(
     advice: str,
     suggestion: tuple[tuple[str, float], ...],
 ) -> Finding:
-    looked_at = "" if sample.every == 1 else f", judged by every {nth(sample.every)} frame"
+    looked_at = "" if sample.step == 1 else f", judged by every {nth(sample.step)} frame"
     if step.needs_both:
         looked_at = f", together with the pixel offset{looked_at}"
     [finding] = source.findings(

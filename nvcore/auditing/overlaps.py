@@ -79,14 +79,14 @@ class Sample:
         Rows of the truth, int64, shape (n_sample,).
     detections
         All detections that count, sorted by frame.
-    every
+    step
         1: every frame with pedestrians is compared; n: every n-th.
     """
 
     dataset: Dataset
     rows: np.ndarray
     detections: BoxColumns
-    every: int
+    step: int
 
     def overlaps(self, correction: Correction) -> Overlaps:
         """The best overlaps after a correction of the detections."""
@@ -111,14 +111,14 @@ class Sample:
         iou = shared / (gw * gh + dw * dh - shared)
         best = np.zeros(len(rows))
         np.maximum.at(best, pair_truth, iou)
-        chosen = np.flatnonzero((iou > 0) & (iou == best[pair_truth]))
+        best_pairs = np.flatnonzero((iou > 0) & (iou == best[pair_truth]))
         columns = np.full((4, len(rows)), np.nan)
-        columns[:, pair_truth[chosen]] = np.stack(
+        columns[:, pair_truth[best_pairs]] = np.stack(
             [
-                (gx + gw / 2 - left - dw / 2)[chosen],
-                (gy + gh / 2 - top - dh / 2)[chosen],
-                (gw / dw)[chosen],
-                (gh / dh)[chosen],
+                (gx + gw / 2 - left - dw / 2)[best_pairs],
+                (gy + gh / 2 - top - dh / 2)[best_pairs],
+                (gw / dw)[best_pairs],
+                (gh / dh)[best_pairs],
             ]
         )
         dx, dy, ratio_w, ratio_h = columns
@@ -155,10 +155,10 @@ class Sample:
         lowest = int(frames.frame.min()) - abs(offset)
         span = int(frames.frame.max()) + abs(offset) - lowest + 1
         key = frames.recording.astype(np.int64) * span + (frames.frame - lowest)
-        wanted = key[frame_index] + offset
-        position = np.minimum(np.searchsorted(key, wanted), len(key) - 1)
-        found: np.ndarray = np.where(key[position] == wanted, position, -1)
-        return found
+        target = key[frame_index] + offset
+        position = np.minimum(np.searchsorted(key, target), len(key) - 1)
+        row: np.ndarray = np.where(key[position] == target, position, -1)
+        return row
 
 
 def take_sample(dataset: Dataset, detections: BoxColumns) -> Sample:
@@ -167,13 +167,13 @@ def take_sample(dataset: Dataset, detections: BoxColumns) -> Sample:
     rows = np.flatnonzero(~truth.ignore)
     per_frame = np.diff(detections.offsets)
     n_pairs = int(per_frame[truth.frame_index[rows]].sum())
-    every = -(-n_pairs // MAX_PAIRS) if n_pairs else 1
-    if every > 1:
+    step = -(-n_pairs // MAX_PAIRS) if n_pairs else 1
+    if step > 1:
         # frames are numbered among those with pedestrians, so that a sampling step of the
         # annotation cannot fall in with this one
         number = np.cumsum(np.diff(truth.frame_index[rows], prepend=-1) > 0) - 1
-        rows = rows[number % every == 0]
-    return Sample(dataset, rows, detections, every)
+        rows = rows[number % step == 0]
+    return Sample(dataset, rows, detections, step)
 
 
 def above_threshold(boxes: BoxColumns, threshold: float | None) -> BoxColumns:

@@ -107,16 +107,16 @@ def audit_frame_list(dataset: Dataset) -> list[Finding]:
     boxed_frames = np.unique(dataset.boxes["frame_index"].to_numpy())
     lo, hi = np.searchsorted(boxed_frames, start), np.searchsorted(boxed_frames, stop)
     # recordings without any box have a finding of their own
-    seen = np.flatnonzero(hi > lo)
-    first, last = boxed_frames[lo[seen]], boxed_frames[hi[seen] - 1]
-    least = np.maximum(MIN_EMPTY, EMPTY_SHARE * (stop - start)[seen])
-    n_before, n_after = first - start[seen], stop[seen] - 1 - last
+    annotated = np.flatnonzero(hi > lo)
+    first, last = boxed_frames[lo[annotated]], boxed_frames[hi[annotated] - 1]
+    least = np.maximum(MIN_EMPTY, EMPTY_SHARE * (stop - start)[annotated])
+    n_before, n_after = first - start[annotated], stop[annotated] - 1 - last
     is_before, is_after = n_before >= least, n_after >= least
     odd = np.flatnonzero(is_before | is_after)
     if not len(odd):
         return []
     example = odd[0]
-    recording = seen[example]
+    recording = annotated[example]
     where = []
     if is_before[example]:
         where.append(f"before frame {frames.frame[first[example]]}")
@@ -128,7 +128,7 @@ def audit_frame_list(dataset: Dataset) -> list[Finding]:
         Severity.WARNING,
         "frames-beyond-boxes",
         TRUTH_NAME,
-        seen[odd],
+        annotated[odd],
         "no box of anybody in a long part at the beginning or end (first: none "
         f"{' and none '.join(where)} of {frames.frame[start[recording]]} to "
         f"{frames.frame[stop[recording] - 1]})",

@@ -55,7 +55,7 @@ def _no_box(dataset: Dataset, subject: str, reason: str, rows: pd.DataFrame) -> 
 
 def _unknown_recording(dataset: Dataset, subject: str, rows: pd.DataFrame) -> Finding:
     names = without_doubles(rows["recording"])
-    known = spelled(dataset.recordings["name"])
+    spellings = spelled(dataset.recordings["name"])
     message = (
         f"{count_text(len(rows), 'row is', 'rows are')} left out, of "
         f"{count_text(len(names), 'recording')} without ground truth ({spelled(names)})."
@@ -70,7 +70,7 @@ def _unknown_recording(dataset: Dataset, subject: str, rows: pd.DataFrame) -> Fi
         subject,
         rows,
         message,
-        f"The recordings are {known}: rename the files to match, or add the ground truth.",
+        f"The recordings are {spellings}: rename the files to match, or add the ground truth.",
     )
 
 

@@ -25,8 +25,8 @@ def audit_scores(source: BoxSource) -> list[Finding]:
             "threshold has no effect.",
         )
     low, high = float(np.nanmin(score)), float(np.nanmax(score))
-    without, known = np.flatnonzero(is_missing), np.flatnonzero(~is_missing)
-    is_constant = low == high and len(known) > 1
+    without, with_score = np.flatnonzero(is_missing), np.flatnonzero(~is_missing)
+    is_constant = low == high and len(with_score) > 1
     return [
         *source.findings(
             Severity.WARNING,
@@ -39,7 +39,7 @@ def audit_scores(source: BoxSource) -> list[Finding]:
         *source.findings(
             Severity.NOTE,
             "constant-score",
-            known if is_constant else known[:0],
+            with_score if is_constant else with_score[:0],
             f"Every score is {low:g}.",
             "Nothing to do if the system decides by itself; a threshold keeps all or nothing.",
         ),

@@ -150,10 +150,10 @@ def compare(out: Path | None, as_json: bool, strict: bool, **options: Any) -> No
         )
         if out is not None:
             write_report(result, session, out, findings, progress=steps)
-    shown = paths_to_show(session.folder, session.sources)
-    short = _for_terminal(dataset, shown, longest=MAX_CONVERSION)
+    paths = paths_to_show(session.folder, session.sources)
+    short = _for_terminal(dataset, paths, longest=MAX_CONVERSION)
     click.echo(render_inputs(replace(result, dataset=short)), err=as_json)
-    click.echo("\n" + render_findings(findings_at_paths(findings, shown)) + "\n", err=as_json)
+    click.echo("\n" + render_findings(findings_at_paths(findings, paths)) + "\n", err=as_json)
     click.echo(text, nl=not as_json)
     if out is not None:
         click.echo(one_line(f"written to {out}"), err=True)
@@ -202,9 +202,9 @@ def check(strict: bool, **options: Any) -> None:
         dataset = load(session, progress=steps)
         steps.begin("auditing the inputs")
         findings = audit(dataset)
-    shown = paths_to_show(session.folder, session.sources)
-    click.echo(render_dataset(_for_terminal(dataset, shown)))
-    click.echo("\n" + render_findings(findings_at_paths(findings, shown)))
+    paths = paths_to_show(session.folder, session.sources)
+    click.echo(render_dataset(_for_terminal(dataset, paths)))
+    click.echo("\n" + render_findings(findings_at_paths(findings, paths)))
     exit_on_findings(findings, strict)
 
 
@@ -231,12 +231,12 @@ def sample(folder: Path) -> None:
 
 
 def _for_terminal(
-    dataset: Dataset, shown: dict[str, str], *, longest: int | None = None
+    dataset: Dataset, paths: dict[str, str], *, longest: int | None = None
 ) -> Dataset:
     """The dataset with its files' paths and conversions as the terminal shows them."""
     inputs = dataset.inputs
     changed = inputs.assign(
-        file=[shown.get(name, name) for name in inputs["file"]],
+        file=[paths.get(name, name) for name in inputs["file"]],
         conversion=[_shortened(text, longest) for text in inputs["conversion"]],
     )
     return replace(dataset, inputs=changed)

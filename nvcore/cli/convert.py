@@ -75,7 +75,7 @@ def convert(
     sources: list[tuple[Source, Role]] = [(origin, kind)]
     sources += [] if truth is None else [(truth, "truth")]
     with pasteable_errors(Path.cwd(), sources):
-        done = convert(
+        conversion = convert(
             origin,
             target,
             to,
@@ -85,23 +85,24 @@ def convert(
             frames_out=frames_out,
             force=force,
         )
-    _say(f"{source}: {done.conversion}")
-    if done.findings:
-        shown = paths_to_show(Path.cwd(), sources)
-        click.echo(render_findings(findings_at_paths(done.findings, shown)), err=True)
-    where = done.files[0] if len(done.files) == 1 else f"{len(done.files)} files in {target}"
-    _say(f"written to {where}: {done.n_boxes} boxes")
-    for warning in done.warnings:
+    _say(f"{source}: {conversion.conversion}")
+    if conversion.findings:
+        paths = paths_to_show(Path.cwd(), sources)
+        click.echo(render_findings(findings_at_paths(conversion.findings, paths)), err=True)
+    files = conversion.files
+    where = files[0] if len(files) == 1 else f"{len(files)} files in {target}"
+    _say(f"written to {where}: {conversion.n_boxes} boxes")
+    for warning in conversion.warnings:
         _say(f"warning: {warning}")
-    if len(done.frame_files) == 1:
+    if len(conversion.frame_files) == 1:
         _say(
-            f"frame list written to {frames_out}: {done.n_frames} frames; give it as "
+            f"frame list written to {frames_out}: {conversion.n_frames} frames; give it as "
             f"--frames {frames_out}"
         )
-    elif done.frame_files:
+    elif conversion.frame_files:
         _say(
-            f"frame lists of {len(done.frame_files) - 1} recordings written to {frames_out}: copy "
-            f"{done.frame_files[-1].name} there into a session file in that folder"
+            f"frame lists of {len(conversion.frame_files) - 1} recordings written to {frames_out}: "
+            f"copy {conversion.frame_files[-1].name} there into a session file in that folder"
         )
 
 

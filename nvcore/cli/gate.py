@@ -41,11 +41,13 @@ class _GateCommand(GroupedCommand):
     """Says in the files of results why there are none, so that none of the last run stay there."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        given = [*args]
+        arguments = [*args]
         try:
             return super().parse_args(ctx, args)
         except click.UsageError as error:
-            junit, markdown_file = (_value_of(flag, given) for flag in ("--junit", "--markdown"))
+            junit, markdown_file = (
+                _value_of(flag, arguments) for flag in ("--junit", "--markdown")
+            )
             _write_problem(junit, markdown_file, error.format_message())
             raise
 
@@ -132,22 +134,22 @@ def gate(
 
     files = [file for file in (junit, markdown_file) if file is not None]
     is_machine_read = _takes_standard_output(files, lists)
-    written = [file for file in files if file != STANDARD]
-    named = (options["session_file"], rules_file)
-    refuse_to_replace(written, (file for file in named if file is not None and file != STANDARD))
-    wanted = _read(rules, rules_file)
-    if not wanted and not lists:
-        lack = "" if rules_file is None else "the file of rules holds none; "
-        raise click.UsageError(f"{lack}give a rule: --rule 'lamr_y <= 0.10', or --rules FILE")
+    outputs = [file for file in files if file != STANDARD]
+    inputs = (options["session_file"], rules_file)
+    refuse_to_replace(outputs, (file for file in inputs if file is not None and file != STANDARD))
+    gate_rules = _read(rules, rules_file)
+    if not gate_rules and not lists:
+        problem = "" if rules_file is None else "the file of rules holds none; "
+        raise click.UsageError(f"{problem}give a rule: --rule 'lamr_y <= 0.10', or --rules FILE")
     session = session_from(options, needs_y=True)
-    refuse_to_replace(written, files_read(session))
+    refuse_to_replace(outputs, files_read(session))
     _write_problem(junit, markdown_file, "it was stopped before it ended", prints=False)
     with pasteable_errors(session.folder, session.sources):
         result, findings = compare_session(session)
     names = measure_names() if lists else ()
-    outcomes, values = run_gate(wanted, result, findings, strict=strict, names=names)
-    shown = findings_at_paths(findings, paths_to_show(session.folder, session.sources))
-    click.echo(render_findings(shown), err=is_machine_read)
+    outcomes, values = run_gate(gate_rules, result, findings, strict=strict, names=names)
+    findings_shown = findings_at_paths(findings, paths_to_show(session.folder, session.sources))
+    click.echo(render_findings(findings_shown), err=is_machine_read)
     if lists:
         width = max(map(len, values))
         for name in sorted(values):
@@ -155,9 +157,9 @@ def gate(
     click.echo("\n".join(["", *terminal_lines(outcomes)]), err=is_machine_read)
     title = f"{result.x.name} (X) and {result.y.name} (Y)"
     if junit is not None:
-        _write(junit, junit_xml(outcomes, title, shown))
+        _write(junit, junit_xml(outcomes, title, findings_shown))
     if markdown_file is not None:
-        _write(markdown_file, markdown(outcomes, title, shown).encode())
+        _write(markdown_file, markdown(outcomes, title, findings_shown).encode())
     if not all(outcome.is_passed for outcome in outcomes):
         raise SystemExit(EXIT_FAILED)
 

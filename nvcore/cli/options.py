@@ -67,8 +67,8 @@ class _Pair(click.ParamType[tuple[float, float]]):
         if len(numbers) == 1 and self.may_be_one:
             numbers *= 2
         if len(numbers) != 2:
-            wanted = "one number, or two" if self.may_be_one else "two numbers"
-            self.fail(f"expected {wanted} with a comma between, found {value!r}", param, ctx)
+            expected = "one number, or two" if self.may_be_one else "two numbers"
+            self.fail(f"expected {expected} with a comma between, found {value!r}", param, ctx)
         return numbers[0], numbers[1]
 
 

@@ -74,20 +74,20 @@ def report(stability: bool | None, out: Path, strict: bool, **options: Any) -> N
     with pasteable_errors(session.folder, session.sources):
         result, findings = compare_session(session, progress=progress)
         write_html_report(result, session, findings, out, stability=stability, progress=progress)
-    shown = paths_to_show(session.folder, session.sources)
-    click.echo(render_findings(findings_at_paths(findings, shown)))
+    paths = paths_to_show(session.folder, session.sources)
+    click.echo(render_findings(findings_at_paths(findings, paths)))
     click.echo(one_line(f"written to {out}"), err=True)
     exit_on_findings(findings, strict)
 
 
 def _terminal_progress() -> Progress:
     """Names on a terminal what is being done, each thing once."""
-    shown = ""
+    last = ""
 
     def show(_share: float, what: str) -> None:
-        nonlocal shown
-        if what != shown and sys.stderr.isatty():
+        nonlocal last
+        if what != last and sys.stderr.isatty():
             click.echo(one_line(what), err=True)
-        shown = what
+        last = what
 
     return show

@@ -14,8 +14,8 @@ from nvcore.inputs.session import (
     Source,
     SystemSource,
     is_frame_range,
+    override_recordings,
     parse_size,
-    with_facts,
 )
 from nvcore.inputs.session_toml import read_session
 from nvcore.params import SETTINGS, params_from
@@ -47,12 +47,12 @@ def session_from(options: dict[str, Any], *, needs_y: bool) -> Session:
     if options["session_file"] is not None:
         return _from_file(options, given)
     if not options["truth"] or not options["x_paths"] or (needs_y and not options["y_paths"]):
-        wanted = (
+        expected = (
             "--truth, --x and --y; to audit a single system use nvcore check"
             if needs_y
             else "--truth and --x; one system is enough, --y may be added"
         )
-        raise click.UsageError(f"give a session file, or {wanted}")
+        raise click.UsageError(f"give a session file, or {expected}")
     whole = options["format_"]
     common = source_options(options)
     truth = Source(options["truth"], format=options["format_truth"] or whole, **common)
@@ -90,7 +90,7 @@ def _from_file(options: dict[str, Any], given: dict[str, Any]) -> Session:
                 "or [[system]]"
             )
     # a flag goes before what the file says, of single recordings, too
-    session = with_facts(
+    session = override_recordings(
         read_session(options["session_file"]),
         size=size_option(options),
         fps=options["fps"],
@@ -110,14 +110,14 @@ def _from_file(options: dict[str, Any], given: dict[str, Any]) -> Session:
 def _corrected(session: Session, options: dict[str, Any]) -> tuple[SystemSource, ...]:
     """The session's systems with the corrections of the flags in place of their own."""
     systems = list(session.systems)
-    chosen = {"x": session.x, "y": session.y}
+    names = {"x": session.x, "y": session.y}
     for letter, default in (("x", 0), ("y", 1)):
         corrections = _corrections(options, letter)
         if not corrections:
             continue
         named = [system.name for system in systems]
-        wanted = chosen[letter]
-        if wanted is None and not any(chosen.values()) and default < len(systems):
+        wanted = names[letter]
+        if wanted is None and not any(names.values()) and default < len(systems):
             at = default
         elif wanted is not None and wanted in named:
             at = named.index(wanted)

@@ -82,8 +82,8 @@ def pasteable_errors(folder: Path, sources: Iterable[tuple[Source, Role]]) -> It
         raise InputError(error.message, file=path, line=error.line) from error
 
 
-def findings_at_paths(findings: tuple[Finding, ...], shown: dict[str, str]) -> tuple[Finding, ...]:
+def findings_at_paths(findings: tuple[Finding, ...], paths: dict[str, str]) -> tuple[Finding, ...]:
     """Findings that name their files as `nvcore.inputs.files.paths_to_show` says."""
     return tuple(
-        replace(finding, file=shown.get(finding.file, finding.file)) for finding in findings
+        replace(finding, file=paths.get(finding.file, finding.file)) for finding in findings
     )

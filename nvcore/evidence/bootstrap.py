@@ -150,7 +150,7 @@ def bootstrap_difference(
     with warnings.catch_warnings():  # where BCa fails is handled below
         warnings.simplefilter("ignore", DegenerateDataWarning)
         warnings.simplefilter("ignore", RuntimeWarning)
-        drawn = bootstrap(
+        samples = bootstrap(
             (np.arange(n),),
             of_units,
             n_resamples=n_resamples,
@@ -158,14 +158,14 @@ def bootstrap_difference(
             rng=np.random.default_rng(seed),
             **options,
         )
-    differences = drawn.bootstrap_distribution
+    differences = samples.bootstrap_distribution
     if not np.isfinite(differences).all():
         return without(
             "the measure is undefined in some resamples: too few units have a part in it"
         )
     if np.ptp(differences) <= ROUNDING * max(abs(value_x), abs(value_y)):
         return without("X and Y differ by the same in every unit: there is nothing to resample")
-    interval, method = drawn.confidence_interval, "BCa bootstrap"
+    interval, method = samples.confidence_interval, "BCa bootstrap"
     if not np.isfinite([interval.low, interval.high]).all():
         method = "percentile bootstrap"
         interval = bootstrap(
@@ -173,7 +173,7 @@ def bootstrap_difference(
             of_units,
             n_resamples=0,
             method="percentile",
-            bootstrap_result=drawn,
+            bootstrap_result=samples,
             **options,
         ).confidence_interval
     return BootstrapDifference(

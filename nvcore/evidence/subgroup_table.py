@@ -31,9 +31,15 @@ from nvcore.scoring import SystemResult
 
 _COUNTS: Final = ("n", "unit", "both", "x_only", "y_only", "neither")
 _FIRST: Final = ("factor", "group", "figure", "label", "better", *_COUNTS)
-_REST: Final = [name for name in EVIDENCE_COLUMNS if name not in _FIRST]
-_ODDS: Final = _REST.index("effect_name") + 1
-COLUMNS: Final = (*_FIRST, *_REST[:_ODDS], "odds_low", "odds_high", *_REST[_ODDS:])
+_OTHERS: Final = [name for name in EVIDENCE_COLUMNS if name not in _FIRST]
+_ODDS: Final = _OTHERS.index("effect_name") + 1
+COLUMNS: Final = (
+    *_FIRST,
+    *_OTHERS[:_ODDS],
+    "odds_low",
+    "odds_high",
+    *_OTHERS[_ODDS:],
+)
 
 
 def subgroup_table(

@@ -232,8 +232,8 @@ class _Points:
         texts = []
         for i, threshold in enumerate(self.values["threshold"]):
             score = f"score ≥ {threshold:.4g}" if np.isfinite(threshold) else "without scores"
-            here = {name: float(column[i]) for name, column in self.values.items()}
-            texts.append(f"{letter.upper()}, {score}<br>{of.hover.format(**here)}")
+            values = {name: float(column[i]) for name, column in self.values.items()}
+            texts.append(f"{letter.upper()}, {score}<br>{of.hover.format(**values)}")
         return texts
 
     def clicked(self, letter: str) -> list[list[str | float | None]]:
@@ -261,7 +261,7 @@ def _line(points: _Points, letter: str, name: str, theme: Theme, *, is_line: boo
 
 def _first_zero(points: _Points, letter: str, scale: LogScale, theme: Theme) -> list[go.Scatter]:
     """A hollow mark where a curve gets to the lower edge."""
-    there = np.flatnonzero(points.y == scale.edge)[:1]
+    on_edge = np.flatnonzero(points.y == scale.edge)[:1]
     marker = steady_marker(
         color=LOOK[theme].of(letter),
         size=ZERO_PX,
@@ -272,9 +272,9 @@ def _first_zero(points: _Points, letter: str, scale: LogScale, theme: Theme) -> 
     name = f"{letter.upper()} at the edge"
     return [
         go.Scatter(
-            x=points.x[there], y=points.y[there], mode="markers", name=name, **still, **marker
+            x=points.x[on_edge], y=points.y[on_edge], mode="markers", name=name, **still, **marker
         )
-        for _ in there
+        for _ in on_edge
     ]
 
 

@@ -38,12 +38,12 @@ def fusion_plot(fusion: pd.DataFrame, *, theme: Theme) -> go.Figure:
         `nvcore.tables.miss_classes.fusion_table`.
     """
     n_encounters = int(fusion["encounters"].max()) if len(fusion) else 0
-    known = fusion[fusion["episodes_per_hour"].notna()]
-    if not n_encounters or known.empty:
+    defined = fusion[fusion["episodes_per_hour"].notna()]
+    if not n_encounters or defined.empty:
         return empty_figure("There is no encounter that counts.", theme=theme)
     look = LOOK[theme]
     colour = {"x": look.x, "y": look.y, "x_or_y": look.ink, "x_and_y": look.muted}
-    rows: list[Any] = list(known.itertuples(index=False))
+    rows: list[Any] = list(defined.itertuples(index=False))
     traces = [
         go.Scatter(
             x=[row.episodes_per_hour],
@@ -64,7 +64,7 @@ def fusion_plot(fusion: pd.DataFrame, *, theme: Theme) -> go.Figure:
         )
         for row in rows
     ]
-    most = float(known["episodes_per_hour"].max())
+    most = float(defined["episodes_per_hour"].max())
     ends = [-0.05 * most, 1.2 * most or 1.0]
     return draw(
         traces,
@@ -191,20 +191,20 @@ def lead_time_plot(encounters: pd.DataFrame, *, theme: Theme) -> go.Figure:
         return empty_figure("No encounter here was matched by both systems.", theme=theme)
     centre, width = lead_bins(lead_s)
     # a multiple of the width lies in the middle of its bin, whatever the rounding
-    at = np.clip(np.round(lead_s / width).astype(int) + len(centre) // 2, 0, len(centre) - 1)
-    counts = np.bincount(at, minlength=len(centre))
+    bin_of = np.clip(np.round(lead_s / width).astype(int) + len(centre) // 2, 0, len(centre) - 1)
+    counts = np.bincount(bin_of, minlength=len(centre))
     look = LOOK[theme]
     traces = []
-    for label, colour, chosen in (
+    for label, colour, bins in (
         ("Y first", look.y, centre < 0),
         ("at the same time", look.muted, centre == 0),
         ("X first", look.x, centre > 0),
     ):
-        chosen = chosen & (counts > 0)
+        bins = bins & (counts > 0)
         traces.append(
             go.Bar(
-                x=centre[chosen],
-                y=counts[chosen],
+                x=centre[bins],
+                y=counts[bins],
                 width=0.9 * width,
                 name=label,
                 marker={"color": colour, "cornerradius": 2},
@@ -212,7 +212,7 @@ def lead_time_plot(encounters: pd.DataFrame, *, theme: Theme) -> go.Figure:
             )
         )
     matched = f"{count_text(len(lead_s), 'encounter')} matched by both"
-    whole = {"dtick": 1} if counts.max() <= FEW else {}
+    tick = {"dtick": 1} if counts.max() <= FEW else {}
     ends = [centre[0] - width, centre[-1] + width]
     lead = "← Y first        lead time of X over Y (s)        X first →"
     return draw(
@@ -222,7 +222,7 @@ def lead_time_plot(encounters: pd.DataFrame, *, theme: Theme) -> go.Figure:
         subtitle=f"{matched}; median {np.median(lead_s) + 0.0:+.2f} s",
         barmode="overlay",
         xaxis=axis(theme, lead, range=ends),
-        yaxis=counts_axis(theme, "encounters", **whole),
+        yaxis=counts_axis(theme, "encounters", **tick),
     )
 
 

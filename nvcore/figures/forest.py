@@ -89,9 +89,9 @@ def subgroup_forest(subgroups: pd.DataFrame, *, theme: Theme) -> go.Figure:
         yaxis=rows_axis(theme, labels, room=0.5, **fixed),
     )
     figure.add_vline(0, line={"color": look.ink, "width": 1})
-    for at, row in zip(place, rows, strict=True):
+    for y, row in zip(place, rows, strict=True):
         counts = f"{row['n']:,}: X {row['x']:{scale.form}}, Y {row['y']:{scale.form}}"
-        beside = {"x": 1.01, "xref": "x domain", "y": at, "xanchor": "left"}
+        beside = {"x": 1.01, "xref": "x domain", "y": y, "xanchor": "left"}
         write(figure, counts + _corrected(row), size=12, color=look.muted, **beside)
     return figure
 

@@ -45,18 +45,18 @@ def score_plot(
     limit = -np.inf if threshold is None else threshold
     is_kept = (low + high) / 2 >= limit
     traces = []
-    for words, colour, chosen in (
+    for words, colour, rows in (
         ("left out", look.pale, ~is_kept),
         ("kept", look.of(letter), is_kept),
     ):
         traces.append(
             go.Bar(
-                x=(low + high)[chosen] / 2,
-                y=n[chosen],
-                width=(high - low)[chosen],
+                x=(low + high)[rows] / 2,
+                y=n[rows],
+                width=(high - low)[rows],
                 name=words,
                 marker={"color": colour, "line": {"width": 0}},
-                customdata=low[chosen],
+                customdata=low[rows],
                 hovertemplate="%{y:,} detections with a score of %{customdata:.3f} or a little "
                 "more<extra></extra>",
             )
@@ -140,7 +140,7 @@ def proximity_plot(dataset: Dataset, params: Params, *, theme: Theme) -> go.Figu
     look = LOOK[theme]
     end = 1.02 * float(max(size.max(), *(zero + 3 * abs(spread) for zero, spread in curves)))
     n, edges = np.histogram(size, bins=N_BINS, range=(min(0.0, float(size.min())), end))
-    at = np.linspace(edges[0], end, 121)
+    curve_m = np.linspace(edges[0], end, 121)
     traces: list[Any] = [
         go.Bar(
             x=(edges[:-1] + edges[1:]) / 2,
@@ -155,8 +155,8 @@ def proximity_plot(dataset: Dataset, params: Params, *, theme: Theme) -> go.Figu
     ]
     for zero, spread in curves:
         weight = go.Scatter(
-            x=at,
-            y=sigmoid((at - zero) / spread),
+            x=curve_m,
+            y=sigmoid((curve_m - zero) / spread),
             mode="lines",
             name="weight k",
             line={"color": look.ink, "width": 2},
@@ -194,8 +194,8 @@ def _sizes_and_curves(
     n_all = f"{int(np.count_nonzero(~truth.ignore)):,} boxes"
     if params.proximity == "distance":
         distance_m = truth.distance_m[rows]
-        known = distance_m[np.isfinite(distance_m)]
-        return known, [(params.midpoint_m, -params.spread_m)], f"distance (m), {n_all}"
+        measured = distance_m[np.isfinite(distance_m)]
+        return measured, [(params.midpoint_m, -params.spread_m)], f"distance (m), {n_all}"
     midpoint = MIDPOINT_SHARE * frames.height if params.midpoint is None else params.midpoint
     spread = SPREAD_SHARE * frames.height if params.spread is None else params.spread
     pairs = np.unique(
@@ -203,8 +203,8 @@ def _sizes_and_curves(
     )
     curves = [(float(zero), float(soft)) for zero, soft in pairs[:N_CURVES]]
     if params.proximity == "horizon":
-        given = params.horizon
-        horizon = frames.horizon if given is None else np.full(len(frames.height), given)
+        stated = params.horizon
+        horizon = frames.horizon if stated is None else np.full(len(frames.height), stated)
         foot = truth.y[rows] + truth.h[rows]
         depth = foot - horizon[frames.recording[truth.frame_index[rows]]]
         return depth[np.isfinite(depth)], curves, f"foot below horizon (px), {n_all}"

@@ -108,8 +108,8 @@ def _most_missed(runs: pd.DataFrame) -> np.ndarray:
     missed_s = np.bincount(code, weights=length_s)
     first_row = np.full(len(encounter), np.iinfo(np.int64).max)
     np.minimum.at(first_row, code, runs["first_row"].to_numpy())
-    chosen = np.sort(np.argsort(-missed_s, kind="stable")[:MAX_LANES])
-    ordered: np.ndarray = encounter[chosen[np.argsort(first_row[chosen], kind="stable")]]
+    longest = np.sort(np.argsort(-missed_s, kind="stable")[:MAX_LANES])
+    ordered: np.ndarray = encounter[longest[np.argsort(first_row[longest], kind="stable")]]
     return ordered
 
 
@@ -157,11 +157,11 @@ def _paint(state: str, letters: str, look: Look) -> dict[str, Any]:
 
 def _clicks(result: Result, runs: pd.DataFrame, n_lanes: int) -> go.Scatter:
     """Invisible markers along every lane; each knows its frame and what both systems did there."""
-    each = min(max(MAX_CLICKS // n_lanes, MIN_CLICKS_LANE), MAX_CLICKS_LANE)
+    n_clicks = min(max(MAX_CLICKS // n_lanes, MIN_CLICKS_LANE), MAX_CLICKS_LANE)
     ends = runs.groupby("lane").agg(
         first=("first_row", "min"), last=("last_row", "max"), encounter=("encounter", "first")
     )
-    spread = np.linspace(0, 1, each)
+    spread = np.linspace(0, 1, n_clicks)
     first, last = ends["first"].to_numpy()[:, None], ends["last"].to_numpy()[:, None]
     rows = (first + np.round(spread * (last - first))).astype(np.int64)
     lane = np.repeat(ends.index.to_numpy(), rows.shape[1])

@@ -37,8 +37,8 @@ def steady_marker(*, opacity: float = 1, **marker: Any) -> dict[str, Any]:
 
     Plotly fades whatever is not selected; here a selection moves the cursor instead.
     """
-    same = {"marker": {"opacity": opacity}}
-    return {"marker": {**marker, "opacity": opacity}, "selected": same, "unselected": same}
+    faded = {"marker": {"opacity": opacity}}
+    return {"marker": {**marker, "opacity": opacity}, "selected": faded, "unselected": faded}
 
 
 def system_marker(letter: str, size: float, theme: Theme, *, rim: float = 1) -> dict[str, Any]:

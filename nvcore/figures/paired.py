@@ -68,25 +68,25 @@ def paired_points(
         What the axis shows at least, so that a small difference looks small.
     """
     x, y = (recordings[f"{column}_{letter}"].to_numpy(dtype=float) for letter in "xy")
-    known = np.flatnonzero(np.isfinite(x) & np.isfinite(y))
-    if not len(known):
+    defined = np.flatnonzero(np.isfinite(x) & np.isfinite(y))
+    if not len(defined):
         return empty_figure("There is no recording to compare.", theme=theme)
     gain = (x - y) if higher_is_better else (y - x)
-    chosen = known[np.argsort(-np.abs(gain[known]), kind="stable")][:MAX_RECORDINGS]
-    chosen = chosen[np.argsort(-gain[chosen], kind="stable")]
-    labels = [plain(name, max_length=24) for name in recordings["recording"].to_numpy()[chosen]]
-    place = np.arange(len(chosen), dtype=float)
-    rows = recordings.index.to_numpy()[chosen]
+    largest = defined[np.argsort(-np.abs(gain[defined]), kind="stable")][:MAX_RECORDINGS]
+    largest = largest[np.argsort(-gain[largest], kind="stable")]
+    labels = [plain(name, max_length=24) for name in recordings["recording"].to_numpy()[largest]]
+    place = np.arange(len(largest), dtype=float)
+    rows = recordings.index.to_numpy()[largest]
     text = [
-        f"{label}<br>X {one:.3f}   Y {other:.3f}   X − Y {one - other:+.3f}"
-        for label, one, other in zip(labels, x[chosen], y[chosen], strict=True)
+        f"{label}<br>X {value_x:.3f}   Y {value_y:.3f}   X − Y {value_x - value_y:+.3f}"
+        for label, value_x, value_y in zip(labels, x[largest], y[largest], strict=True)
     ]
-    values = np.concatenate([x[chosen], y[chosen]])
+    values = np.concatenate([x[largest], y[largest]])
     low, high = min(least_range[0], values.min()), max(least_range[1], values.max())
     margin = MARGIN * (high - low)
     traces = [
         still_line(
-            with_gaps(x[chosen], y[chosen]),
+            with_gaps(x[largest], y[largest]),
             with_gaps(place, place),
             "difference",
             line={"width": 3, "color": LOOK[theme].pale},
@@ -94,21 +94,21 @@ def paired_points(
     ]
     for letter, name, values in (("x", names[0], x), ("y", names[1], y)):
         label, marker = system_label(letter, name), system_marker(letter, 11, theme)
-        traces.append(marks(values[chosen], place, text, customdata=rows, name=label, **marker))
-    middle = (x[chosen] + y[chosen]) / 2
+        traces.append(marks(values[largest], place, text, customdata=rows, name=label, **marker))
+    middle = (x[largest] + y[largest]) / 2
     traces.append(click_markers(middle, place, text, customdata=rows, name="recordings"))
-    extent = count_text(len(known), "recording")
-    if len(known) > len(chosen):
-        extent += f", the {len(chosen)} with the largest differences drawn"
-    if len(known) > 1:
-        n_x, n_y = int((gain[known] > 0).sum()), int((gain[known] < 0).sum())
+    extent = count_text(len(defined), "recording")
+    if len(defined) > len(largest):
+        extent += f", the {len(largest)} with the largest differences drawn"
+    if len(defined) > 1:
+        n_x, n_y = int((gain[defined] > 0).sum()), int((gain[defined] < 0).sum())
         extent += f"; X is better in {n_x:,}, Y in {n_y:,}; the better X, the higher up"
     return draw(
         traces,
         theme,
         title=title,
         subtitle=extent,
-        height=150 + ROW_PX * len(chosen),
+        height=150 + ROW_PX * len(largest),
         hoverdistance=-1,
         xaxis=axis(theme, axis_title, range=[low - margin, high + margin]),
         yaxis=rows_axis(theme, labels, tickvals=place, fixedrange=True, automargin=True),

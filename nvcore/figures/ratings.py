@@ -62,7 +62,10 @@ def rating_plot(
                 **system_marker(letter, 10, theme),
             )
         )
-    first = next((f"; {told_in_words(known)}" for known in correlations if not known.note), "")
+    first = next(
+        (f"; {told_in_words(correlation)}" for correlation in correlations if not correlation.note),
+        "",
+    )
     return draw(
         traces,
         theme,
@@ -74,49 +77,50 @@ def rating_plot(
     )
 
 
-def told_in_words(one: Correlation) -> str:
+def told_in_words(correlation: Correlation) -> str:
     """The coefficient with its interval, such as ``Pearson's r 0.81 (95 %: 0.55 to 0.93)``."""
-    if not np.isfinite(one.value):
-        return f"{one.name} –: {one.note}"
-    if not np.isfinite(one.low):
-        return f"{one.name} {one.value:.2f} ({one.note})"
-    return f"{one.name} {one.value:.2f} (95 %: {one.low:.2f} to {one.high:.2f})"
+    if not np.isfinite(correlation.value):
+        return f"{correlation.name} –: {correlation.note}"
+    if not np.isfinite(correlation.low):
+        return f"{correlation.name} {correlation.value:.2f} ({correlation.note})"
+    interval = f"95 %: {correlation.low:.2f} to {correlation.high:.2f}"
+    return f"{correlation.name} {correlation.value:.2f} ({interval})"
 
 
 def participants_plot(agreement: Agreement, *, theme: Theme) -> go.Figure:
     """How well each participant's ranks agree with the mean of the others', lowest on top."""
     people = agreement.participants
-    known = people[np.isfinite(people["agreement"])].sort_values("agreement", kind="stable")
-    if known.empty:
+    judged = people[np.isfinite(people["agreement"])].sort_values("agreement", kind="stable")
+    if judged.empty:
         return empty_figure(
             "No participant rated enough clips that others rated, too.", theme=theme
         )
-    shown = known.head(MOST_PARTICIPANTS)
+    drawn_people = judged.head(MOST_PARTICIPANTS)
     look = LOOK[theme]
-    is_outlier = shown["is_outlier"]
+    is_outlier = drawn_people["is_outlier"]
     marker = {
         "color": np.where(is_outlier, look.ink, look.muted),
         "symbol": np.where(is_outlier, "x", "circle"),
         "size": 10,
     }
-    labels = [plain(name, max_length=24) for name in shown["participant"]]
-    n_odd = int(known["is_outlier"].sum())
+    labels = [plain(name, max_length=24) for name in drawn_people["participant"]]
+    n_odd = int(judged["is_outlier"].sum())
     odd = f"; {n_odd or 'none'} going another way (marked x)" if agreement.knows_outliers else ""
     trace = go.Scatter(
-        x=shown["agreement"],
-        y=np.arange(len(shown)),
+        x=drawn_people["agreement"],
+        y=np.arange(len(drawn_people)),
         mode="markers",
         hoverinfo="skip",
         showlegend=False,
         marker=marker,
     )
-    ends = [min(-0.1, float(shown["agreement"].min()) - 0.05), 1.03]
+    ends = [min(-0.1, float(drawn_people["agreement"].min()) - 0.05), 1.03]
     return draw(
         trace,
         theme,
         title="Agreement of each participant with the others",
-        subtitle=f"{count_text(len(known), 'participant')}{odd}",
-        height=130 + ROW_PX * max(len(shown), 4),
+        subtitle=f"{count_text(len(judged), 'participant')}{odd}",
+        height=130 + ROW_PX * max(len(drawn_people), 4),
         showlegend=False,
         xaxis=axis(theme, "correlation with the mean rank of the others", range=ends),
         yaxis=rows_axis(theme, labels, room=0.5, showgrid=False),

@@ -73,7 +73,7 @@ def recency_plot(result: Result, *, theme: Theme, recording: int | None = None) 
     """
     params, look = result.params, LOOK[theme]
     tau = np.linspace(0, 1, CURVE_POINTS)
-    whole = "encounter" if params.saliency_scope == "encounter" else "recording"
+    scope = "encounter" if params.saliency_scope == "encounter" else "recording"
     line = {"color": look.muted, "width": 1.5}
     traces = [still_line(tau, recency_weight(tau, params), "recency", line=line)]
     counts = []
@@ -99,7 +99,7 @@ def recency_plot(result: Result, *, theme: Theme, recording: int | None = None) 
                 **marker,
             )
         )
-    quantity = f"end of the event in its {whole} (share of the duration)"
+    quantity = f"end of the event in its {scope} (share of the duration)"
     ends = {"range": [-0.02, 1.03], "fixedrange": True}
     return draw(
         traces,

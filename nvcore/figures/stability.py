@@ -274,13 +274,13 @@ def _obstacles(stability: StabilityMap) -> list[tuple[np.ndarray, float]]:
 
     Markers and the line of equal false alarms; the frame of the plausible range.
     """
-    drawn = np.zeros(stability.winner.shape, dtype=bool)
+    is_drawn = np.zeros(stability.winner.shape, dtype=bool)
     for point in chain(*_marked(stability).values(), _equal_alarms(stability).tolist()):
-        drawn[_cell_at(stability, point)] = True
+        is_drawn[_cell_at(stability, point)] = True
     framed = combine_axes(
         [setting.is_plausible(setting.values) for setting in stability.axes], np.logical_and
     )
-    return [(drawn, 10.0), (framed & ~binary_erosion(framed), 5.0)]
+    return [(is_drawn, 10.0), (framed & ~binary_erosion(framed), 5.0)]
 
 
 def _cell_at(stability: StabilityMap, point: Sequence[float]) -> tuple[int, ...]:

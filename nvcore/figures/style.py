@@ -84,11 +84,11 @@ def plain(text: object, *, max_length: int = MAX_NAME) -> str:
     Markup, hover templates (``%{x}``) and formulas (``$...$``) lose their meaning, characters
     that cannot be seen become spaces, long names are cut in the middle.
     """
-    shown = "".join(char if char.isprintable() else " " for char in str(text)).strip()
-    if len(shown) > max_length:
+    printable = "".join(char if char.isprintable() else " " for char in str(text)).strip()
+    if len(printable) > max_length:
         head = (max_length - 1) // 2
-        shown = f"{shown[:head]}…{shown[len(shown) - (max_length - 1 - head) :]}"
-    return shown.translate(ENTITIES)
+        printable = f"{printable[:head]}…{printable[len(printable) - (max_length - 1 - head) :]}"
+    return printable.translate(ENTITIES)
 
 
 def system_label(letter: str, name: str) -> str:

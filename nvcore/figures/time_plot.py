@@ -223,9 +223,10 @@ def similarity_plot(
     )
     _limit_line(figure, span, result.params.low, theme)
     if cursor_row is not None and span.start <= cursor_row < span.stop:
-        at, line = float(time_s[cursor_row - span.start]), {"color": LOOK[theme].ink, "width": 1.5}
+        cursor_s = float(time_s[cursor_row - span.start])
+        line = {"color": LOOK[theme].ink, "width": 1.5}
         along, across = ("y", "x") if span.upright else ("x", "y")
-        _line_at(figure, at, (along, along), (across, "paper"), name="cursor", line=line)
+        _line_at(figure, cursor_s, (along, along), (across, "paper"), name="cursor", line=line)
     return figure
 
 
@@ -261,8 +262,8 @@ def _clicks(result: Result, span: TimeSpan, floor: float) -> list[go.Scatter]:
     time_s = span.time_s[rows - span.start]
     x, y = result.x.similarity[rows], result.y.similarity[rows]
     text = [
-        f"frame {number}, {second:.2f} s<br>X {one:.2f}   Y {other:.2f}"
-        for number, second, one, other in zip(frame, time_s, x, y, strict=True)
+        f"frame {number}, {second:.2f} s<br>X {value_x:.2f}   Y {value_y:.2f}"
+        for number, second, value_x, value_y in zip(frame, time_s, x, y, strict=True)
     ]
     middle = np.full(len(rows), (1 + floor) / 2)
     return [
@@ -321,11 +322,11 @@ def _axes(span: TimeSpan, floor: float, theme: Theme) -> dict[str, Any]:
 
 
 def _line_at(
-    figure: go.Figure, at: float, along: tuple[str, str], across: tuple[str, str], **more: Any
+    figure: go.Figure, edge: float, along: tuple[str, str], across: tuple[str, str], **more: Any
 ) -> None:
     """A line at one value of an axis, over the other's whole length: (x or y, reference)."""
     (one, one_ref), (other, other_ref) = along, across
-    place = {f"{one}0": at, f"{one}1": at, f"{one}ref": one_ref}
+    place = {f"{one}0": edge, f"{one}1": edge, f"{one}ref": one_ref}
     place |= {f"{other}0": 0, f"{other}1": 1, f"{other}ref": other_ref}
     figure.add_shape(type="line", **more, **place)
 

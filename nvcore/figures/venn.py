@@ -91,7 +91,10 @@ def place_circles(venn: Venn) -> Circles:
     if venn.x_only == 0 or venn.y_only == 0:
         return Circles(radius_x, radius_y, least)
     apart = brentq(
-        lambda at: overlap_area(radius_x, radius_y, at) - venn.both, least, most, xtol=1e-13
+        lambda distance: overlap_area(radius_x, radius_y, distance) - venn.both,
+        least,
+        most,
+        xtol=1e-13,
     )
     return Circles(radius_x, radius_y, apart)
 

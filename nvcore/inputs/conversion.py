@@ -91,9 +91,9 @@ def convert(
     if truth is not None:
         inputs += [file.path for file in find_files(truth, Path.cwd(), "truth")[0]]
         of_truth = read_source(truth, role="truth", size=size)
-    files, chosen = _files_of(source, kind, is_guess=role is None)
+    files, source_format = _files_of(source, kind, is_guess=role is None)
     inputs += [file.path for file in files]
-    if role is None and _has_scores(files, chosen, source, size):
+    if role is None and _has_scores(files, source_format, source, size):
         raise InputError(
             "this has scores, as detections have; give --role detections to keep them, or --role "
             "truth to leave them out",
@@ -110,15 +110,15 @@ def convert(
                 raise
             warnings.append(str(error))
     images = None if of_truth is None else of_truth.images
-    written = write(reading, to, target, role=kind, images=images, inputs=inputs, force=force)
+    outputs = write(reading, to, target, role=kind, images=images, inputs=inputs, force=force)
     if lost is not None:
         warnings += _unknown_sizes(reading) if to == "coco" else _lost(lost, to, frames_out)
     lists: list[Path] = []
     if lost is not None and frames_out is not None:
-        kept = [*inputs, *written]
-        lists = write_frame_lists(lost.frames, frames_out, inputs=kept, force=force)
+        files_involved = [*inputs, *outputs]
+        lists = write_frame_lists(lost.frames, frames_out, inputs=files_involved, force=force)
     return Conversion(
-        files=tuple(written),
+        files=tuple(outputs),
         frame_files=tuple(lists),
         n_boxes=len(reading.boxes),
         n_frames=0 if lost is None else lost.n_frames,
@@ -149,17 +149,17 @@ def _are_detections(source: Source) -> bool:
 
 
 def _has_scores(
-    files: list[SourceFile], chosen: Format, source: Source, size: tuple[int, int] | None
+    files: list[SourceFile], source_format: Format, source: Source, size: tuple[int, int] | None
 ) -> bool:
     """Whether files of ground truth, read as detections, have scores other than 0 and 1.
 
     Those two are MOTChallenge's mark of rows to ignore and to count, in the column of the scores.
     """
-    if "detections" not in chosen.roles:
+    if "detections" not in source_format.roles:
         return False
     options = read_options(source, "detections", size, None)
     try:
-        scores = chosen.read(files, options).boxes["score"].dropna()
+        scores = source_format.read(files, options).boxes["score"].dropna()
     except InputError:  # what is wrong is told when they are read as ground truth
         return False
     return bool((~scores.isin([0, 1, -1])).any())

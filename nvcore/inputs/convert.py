@@ -342,13 +342,13 @@ def _mot(reading: Reading, path: Path, role: Role) -> dict[Path, bytes]:
 
 def _safe_names(names: list[str]) -> list[str]:
     """File names of recordings: no folders, no hidden files, no two the same."""
-    taken: set[str] = set()
+    names_in_use: set[str] = set()
     safe = []
     for name in names:
         plain = re.sub(r"[^A-Za-z0-9._-]+", "_", name).lstrip(".") or "recording"
         candidate, number = plain, 2
-        while candidate.lower() in taken:
+        while candidate.lower() in names_in_use:
             candidate, number = f"{plain}_{number}", number + 1
-        taken.add(candidate.lower())
+        names_in_use.add(candidate.lower())
         safe.append(candidate)
     return safe

@@ -50,35 +50,37 @@ def find_files(source: Source, folder: Path, role: Role) -> tuple[list[SourceFil
     UnknownFormatError
         If the format cannot be recognised.
     """
-    named = None if source.format is None else format_named(source.format)
+    declared = None if source.format is None else format_named(source.format)
     listed: list[SourceFile] = []
     for text in source.path:
-        listed += _expand(text, folder, role, named)
+        listed += _expand(text, folder, role, declared)
     for file in listed:
         _check_name(file.path)
     unique = {file.path: file for file in listed}
     files = list(unique.values())
-    if named is not None and role not in named.roles:
+    if declared is not None and role not in declared.roles:
         advice = "" if role == "detections" else "; they hold detections"
-        raise InputError(f"{named.title} files hold no {role}{advice}", file=source.path[0])
+        raise InputError(f"{declared.title} files hold no {role}{advice}", file=source.path[0])
     if holds_nothing(files):
         if role == "truth":
             raise InputError(EMPTY_TRUTH, file=files[0].name)
         if files[0].path.suffix.lower() in (".json", ".xml"):
             raise InputError(EMPTY_DOCUMENT, file=files[0].name)
         return files, NOTHING
-    if named is None and _is_frame_list(files):
+    if declared is None and _is_frame_list(files):
         expected = "ground truth" if role == "truth" else "the detections of a system"
         raise InputError(f"expected {expected}, {FRAME_LIST}", file=files[0].name)
-    chosen = named if named is not None else detect_format(files, role)
+    file_format = declared if declared is not None else detect_format(files, role)
     # a file that was named is always read, whatever its folder or a glob adds
     stated = {folder / text for text in source.path}
     readable = [
-        file for file in files if file.path in stated or file.path.suffix.lower() in chosen.suffixes
+        file
+        for file in files
+        if file.path in stated or file.path.suffix.lower() in file_format.suffixes
     ]
     # a seqinfo.ini sent along is read as what it is: facts about the recording beside it
     readable = [file for file in readable if file.path.name.lower() != "seqinfo.ini"] or readable
-    return readable or files, chosen
+    return readable or files, file_format
 
 
 def _is_frame_list(files: Sequence[SourceFile]) -> bool:
@@ -97,7 +99,7 @@ def _is_frame_list(files: Sequence[SourceFile]) -> bool:
     return bool(lines) and all(re.fullmatch(rb"\s*-?\d{1,15}\s*", line) for line in lines)
 
 
-def _expand(text: str, folder: Path, role: Role, named: Format | None) -> list[SourceFile]:
+def _expand(text: str, folder: Path, role: Role, declared: Format | None) -> list[SourceFile]:
     """Files of one path of a source: a file, a glob or a folder."""
     path = folder / text
     try:
@@ -105,7 +107,7 @@ def _expand(text: str, folder: Path, role: Role, named: Format | None) -> list[S
     except OSError as error:  # a name that is too long, a folder that may not be looked into
         raise InputError(f"cannot be opened ({error.strerror})", file=text) from error
     if is_folder:
-        return _in_folder(path, text, role, named)
+        return _in_folder(path, text, role, declared)
     if is_file:
         return [SourceFile(path, _shown(path))]
     if glob.has_magic(text):
@@ -119,11 +121,11 @@ def _expand(text: str, folder: Path, role: Role, named: Format | None) -> list[S
     raise InputError("there is no such file or folder", file=text)
 
 
-def _in_folder(path: Path, text: str, role: Role, named: Format | None) -> list[SourceFile]:
+def _in_folder(path: Path, text: str, role: Role, declared: Format | None) -> list[SourceFile]:
     """Files of a folder, see `find_files`."""
     pattern = "*/gt/gt.txt" if role == "truth" else "*/det/det.txt"
     matches = sorted(path.glob(pattern)) or sorted(path.glob(pattern.partition("/")[2]))
-    if matches and (named is None or named.name == "mot"):
+    if matches and (declared is None or declared.name == "mot"):
         return [SourceFile(match, _shown(match)) for match in matches]
     files = [
         SourceFile(match, match.relative_to(path).as_posix())
@@ -132,7 +134,7 @@ def _in_folder(path: Path, text: str, role: Role, named: Format | None) -> list[
         and not any(part.startswith(".") for part in match.relative_to(path).parts)
     ]
     readable = (".txt", ".csv", ".json", ".xml", ".tsv")
-    endings = named.suffixes if named is not None else readable
+    endings = declared.suffixes if declared is not None else readable
     files = [file for file in files if file.path.suffix.lower() in endings]
     notes = ("readme", "license", "classes", "index")
     files = [f for f in files if f.path.stem.lower() not in notes] or files
@@ -157,19 +159,19 @@ def paths_to_show(folder: Path, sources: Iterable[tuple[Source, Role]]) -> dict[
     A name that two files have is left out. For the terminal only: reports hold the names, which
     are the same wherever they are made.
     """
-    here = Path.cwd()
+    working_folder = Path.cwd()
     shown: dict[str, set[str]] = {}
     for source, role in sources:
         for text in source.path:
             try:
-                named = None if source.format is None else format_named(source.format)
-                files = _expand(text, folder, role, named)
+                declared = None if source.format is None else format_named(source.format)
+                files = _expand(text, folder, role, declared)
             except InputError:  # reported when the files are read
                 continue
             for file in files:
                 path = Path(os.path.abspath(file.path))  # noqa: PTH100  # as in _shown
-                is_near = path.is_relative_to(here) or not Path(text).is_absolute()
-                near = os.path.relpath(path, here) if is_near else str(path)
+                is_near = path.is_relative_to(working_folder) or not Path(text).is_absolute()
+                near = os.path.relpath(path, working_folder) if is_near else str(path)
                 shown.setdefault(file.name, set()).add(Path(near).as_posix())
     return {name: paths.pop() for name, paths in shown.items() if len(paths) == 1}
 
@@ -205,13 +207,13 @@ def system_names(sources: Sequence[Source], recordings: Sequence[str]) -> list[s
     clashing: dict[str, list[int]] = {}
     for i, name in enumerate(names):
         clashing.setdefault(name, []).append(i)
-    for same in clashing.values():
-        others = {name for i, name in enumerate(names) if i not in same}
-        deepest = max(len(parts[i]) for i in same) if len(same) > 1 else 0
+    for indices in clashing.values():
+        others = {name for i, name in enumerate(names) if i not in indices}
+        deepest = max(len(parts[i]) for i in indices) if len(indices) > 1 else 0
         for level in range(1, deepest):
-            raised = [parts[i][min(level, len(parts[i]) - 1)] for i in same if parts[i]]
-            if len({*raised}) == len(same) and not others & {*raised}:
-                for i, name in zip(same, raised, strict=True):
+            raised = [parts[i][min(level, len(parts[i]) - 1)] for i in indices if parts[i]]
+            if len({*raised}) == len(indices) and not others & {*raised}:
+                for i, name in zip(indices, raised, strict=True):
                     names[i] = name
                 break
     return names

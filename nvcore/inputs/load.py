@@ -106,8 +106,8 @@ def read_source(
     InputError
         If a file cannot be used.
     """
-    files, chosen = find_files(source, folder or Path.cwd(), role)
-    reading = chosen.read(files, read_options(source, role, size, truth))
+    files, file_format = find_files(source, folder or Path.cwd(), role)
+    reading = file_format.read(files, read_options(source, role, size, truth))
     return replace(reading, findings=joined_findings(reading.findings))
 
 
@@ -137,10 +137,10 @@ def _read(
     """A source read, from its files or from the table that stands in for them."""
     options = read_options(source, role, session.common_size or _common_size(truth), truth)
     if table is None:
-        files, chosen = find_files(source, session.folder, role)
-        reading, digests = chosen.read(files, options), digest(files)
+        files, file_format = find_files(source, session.folder, role)
+        reading, digests = file_format.read(files, options), digest(files)
     else:
-        files, chosen = [table_as_file(source.path[0])], TABLE
+        files, file_format = [table_as_file(source.path[0])], TABLE
         reading = read_table(table, files[0], options)
         digests = [tables_fingerprint([table], list(map(str, table.columns)))]
     if truth is not None:
@@ -149,7 +149,7 @@ def _read(
         reading,
         findings=joined_findings(replace(finding, subject=subject) for finding in reading.findings),
     )
-    return _Loaded(subject, files, digests, chosen, reading)
+    return _Loaded(subject, files, digests, file_format, reading)
 
 
 def _common_size(truth: Reading | None) -> tuple[int, int] | None:

@@ -23,7 +23,7 @@ def contradicted_facts(truth: Reading, recordings: pd.DataFrame) -> list[Finding
     """Sizes and frame rates that were given although the data say something else."""
     stated = truth.recordings.set_index("name").reindex(recordings["name"])
     findings = []
-    for columns, what, flag in (
+    for columns, quantity, flag in (
         (["width", "height"], "image size", "--size"),
         (["fps"], "frame rate", "--fps"),
     ):
@@ -32,11 +32,11 @@ def contradicted_facts(truth: Reading, recordings: pd.DataFrame) -> list[Finding
         if not differs.any():
             continue
         first = int(np.argmax(differs))
-        given, stated_text = ("x".join(f"{v:g}" for v in row[first]) for row in (ours, theirs))
+        given_text, stated_text = ("x".join(f"{v:g}" for v in row[first]) for row in (ours, theirs))
         finding = warning(
             "contradicted-fact",
             int(np.count_nonzero(differs)),
-            f"The {what} given ({given}) is not that of the data ({stated_text}).",
+            f"The {quantity} given ({given_text}) is not that of the data ({stated_text}).",
             f"Leave {flag} away (or the value in the session file) where the data hold it.",
             role="truth",
             example=f"recording {recordings['name'].iloc[first]}",
@@ -48,12 +48,12 @@ def contradicted_facts(truth: Reading, recordings: pd.DataFrame) -> list[Finding
 def describe_recordings(session: Session, truth: Reading) -> pd.DataFrame:
     """Name, width, height, fps, horizon, tags of recordings; what is unknown is an error."""
     table = truth.recordings.copy()
-    facts = {facts_of.name: facts_of for facts_of in session.recordings}
-    if len(table) == 1 and len(facts) == 1 and table["name"][0] not in facts:
-        # one recording here and there: the session names it
-        facts = {table["name"][0]: next(iter(facts.values()))}
+    entries = {entry.name: entry for entry in session.recordings}
+    if len(table) == 1 and len(entries) == 1 and table["name"][0] not in entries:
+        # a single recording in both: the session names it
+        entries = {table["name"][0]: next(iter(entries.values()))}
     known = set(table["name"])
-    more = [name for name in facts if name not in known]
+    more = [name for name in entries if name not in known]
     if more:
         extra = pd.DataFrame({"name": more, "width": np.nan, "height": np.nan, "fps": np.nan})
         table = pd.concat([table, extra], ignore_index=True)
@@ -61,39 +61,37 @@ def describe_recordings(session: Session, truth: Reading) -> pd.DataFrame:
         raise InputError(NO_BOX, file=session.truth.path[0])
     table["horizon"] = np.nan
     for row, name in enumerate(table["name"]):  # a loop over recordings: at most hundreds
-        facts_of = facts.get(name)
+        entry = entries.get(name)
         for column in ("width", "height", "fps", "horizon"):
-            value = None if facts_of is None else getattr(facts_of, column)
+            value = None if entry is None else getattr(entry, column)
             if value is not None:
                 table.loc[row, column] = value
     width, height = session.size or (None, None)
     for column, common in (("width", width), ("height", height), ("fps", session.fps)):
         if common is not None:
-            own = {
-                name for name, facts_of in facts.items() if getattr(facts_of, column) is not None
-            }
+            own = {name for name, entry in entries.items() if getattr(entry, column) is not None}
             table.loc[~table["name"].isin(own), column] = common
     _check_known(table)
-    tags = [facts[name].tags if name in facts else () for name in table["name"]]
+    tags = [entries[name].tags if name in entries else () for name in table["name"]]
     return table.assign(tags=pd.Series(tags, dtype=object))
 
 
 def _check_known(table: pd.DataFrame) -> None:
-    """One error about everything that is unknown of the first recording that lacks something."""
+    """Raise one error that names everything unknown of the first incomplete recording."""
     values = table[["width", "height", "fps"]].to_numpy(dtype=float)
     is_unknown = ~(values > 0)
-    lacking = is_unknown.any(axis=1)
-    if not lacking.any():
+    is_incomplete = is_unknown.any(axis=1)
+    if not is_incomplete.any():
         return
-    first = int(np.argmax(lacking))
+    first = int(np.argmax(is_incomplete))
     size, fps = bool(is_unknown[first, :2].any()), bool(is_unknown[first, 2])
-    what = " and ".join(["image size"] * size + ["frame rate"] * fps)
+    quantities = " and ".join(["image size"] * size + ["frame rate"] * fps)
     flags = " and ".join(["--size WIDTHxHEIGHT"] * size + ["--fps FPS"] * fps)
     keys = {(True, True): "width, height and fps", (True, False): "width and height"}
-    n_others = int(np.count_nonzero(lacking)) - 1
+    n_others = int(np.count_nonzero(is_incomplete)) - 1
     others = f" (nor those of {n_others} more)" if n_others else ""
     raise MissingFactError(
-        f"the {what} of recording {table['name'].iloc[first]!r} "
+        f"the {quantities} of recording {table['name'].iloc[first]!r} "
         f"{'are' if size and fps else 'is'} not in the data{others}; give {flags}, or "
         f"{keys.get((size, fps), 'fps')} in the session file",
         facts=(*["size"] * size, *["fps"] * fps),

@@ -23,8 +23,8 @@ _MAX_FRAME: Final = 2**53
 
 
 @dataclass(frozen=True)
-class RecordingFacts:
-    """What the session says of one recording; None: the data tell.
+class RecordingEntry:
+    """A ``[[recording]]`` of a session; None where the data tell.
 
     `pictures` is a video, a folder or an archive, `first_picture` the number of the frame that
     its first picture shows. `tags` are words by which recordings can be chosen, such as "night".
@@ -156,7 +156,7 @@ class Session(Settings):
     folder: Path
     truth: Source
     systems: tuple[SystemSource, ...]
-    recordings: tuple[RecordingFacts, ...] = ()
+    recordings: tuple[RecordingEntry, ...] = ()
     size: tuple[int, int] | None = None
     fps: float | None = None
     frames: str | None = None
@@ -203,14 +203,14 @@ class Session(Settings):
         return None if width is None or height is None else (int(width), int(height))
 
 
-def with_facts(
+def override_recordings(
     session: Session,
     *,
     size: tuple[int, int] | None = None,
     fps: float | None = None,
     frames: str | None = None,
 ) -> Session:
-    """The session with these facts for all recordings, whatever it says itself; None: as it says.
+    """The session with these values for all recordings; None keeps what the session says.
 
     Parameters
     ----------
@@ -221,15 +221,15 @@ def with_facts(
     frames
         ``first:last[:step]``, or a file with one number a line.
     """
-    given = {
+    values = {
         name: value
         for name, value in (("size", size), ("fps", fps), ("frames", frames))
         if value is not None
     }
-    own = [name for name in given if name != "size"] + ["width", "height"] * ("size" in given)
+    own = [name for name in values if name != "size"] + ["width", "height"] * ("size" in values)
     dropped: dict[str, Any] = dict.fromkeys(own)
     recordings = tuple(replace(facts, **dropped) for facts in session.recordings)
-    changes: dict[str, Any] = {**given, "recordings": recordings}
+    changes: dict[str, Any] = {**values, "recordings": recordings}
     return replace(session, **changes)
 
 

@@ -72,7 +72,7 @@ import tomli_w
 
 from nvcore.errors import ParameterError, SessionError
 from nvcore.inputs.session import (
-    RecordingFacts,
+    RecordingEntry,
     Session,
     Source,
     SystemSource,
@@ -155,7 +155,7 @@ class _Decoder:
             for table in self.tables(content, "system")
         ]
         recordings = [
-            self.decode(RecordingFacts, table, "[[recording]]")
+            self.decode(RecordingEntry, table, "[[recording]]")
             for table in self.tables(content, "recording")
         ]
         defaults = self.values(_DEFAULTS, self.table(content, "defaults"), "[defaults]")

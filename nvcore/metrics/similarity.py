@@ -224,7 +224,9 @@ def find_low_intervals(
     is_low = similarity < low
     first, last = runs_of(np.where(is_low, 0, -1), frames.recording)
     rate = frames.fps[frames.recording[first]] if len(first) else np.empty(0)
-    lack = np.concatenate([[0.0], np.cumsum(np.where(is_low, (low - similarity) * frames.gap, 0))])
+    shortfall = np.concatenate(
+        [[0.0], np.cumsum(np.where(is_low, (low - similarity) * frames.gap, 0))]
+    )
     low_rows = np.flatnonzero(is_low)
     if len(first):
         starts = np.searchsorted(low_rows, first)
@@ -241,7 +243,7 @@ def find_low_intervals(
             "first_row": first,
             "last_row": last,
             "duration_s": (frames.passed[last + 1] - frames.passed[first]) / rate,
-            "severity_s": (lack[last + 1] - lack[first]) / rate,
+            "severity_s": (shortfall[last + 1] - shortfall[first]) / rate,
             "min_similarity": least,
             "worst_row": worst,
         }

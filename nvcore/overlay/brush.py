@@ -111,9 +111,9 @@ def put_text(
     canvas: Canvas, text: str, base: tuple[float, float], size: float, colour: Colour
 ) -> None:
     """One line of text, its baseline starting at `base`; `?` for signs that the font lacks."""
-    shown, place = drawable(text), (round(base[0]), round(base[1]))
+    plain_text, place = drawable(text), (round(base[0]), round(base[1]))
     thickness = 2 if size > 0.75 else 1
-    cv2.putText(canvas, shown, place, _FONT, size, colour, thickness, cv2.LINE_AA)
+    cv2.putText(canvas, plain_text, place, _FONT, size, colour, thickness, cv2.LINE_AA)
 
 
 def text_width(text: str, size: float) -> int:

@@ -53,12 +53,14 @@ class LabelRoom:
     def must_take(self, size: Place, places: Sequence[Place]) -> Box:
         """As `take`; where nothing is free, the place inside the picture that hides least."""
         moved = [self._inside(place, size) for place in places]
-        chosen = self.take(size, moved)
-        if chosen is None:
+        best_place = self.take(size, moved)
+        if best_place is None:
             boxes = [(left, top, left + size[0], top + size[1]) for left, top in moved]
-            chosen = min(boxes, key=lambda box: sum(overlap(box, other) for other in self.taken))
-            self.taken.append(chosen)
-        return chosen
+            best_place = min(
+                boxes, key=lambda box: sum(overlap(box, other) for other in self.taken)
+            )
+            self.taken.append(best_place)
+        return best_place
 
     def _inside(self, place: Place, size: Place) -> Place:
         left, top = place

@@ -112,11 +112,11 @@ def write_video(
             height, width = np.maximum(draw(row_start).shape, draw(row_stop - 1).shape)[:2].tolist()
             stream.width, stream.height = width, height
             for row in range(row_start, row_stop):  # a video is made frame by frame
-                shown = draw(row)[:height]
-                if len(shown) < height:
-                    rest = np.full((height - len(shown), width, 3), BLANK_RGB, np.uint8)
-                    shown = np.concatenate([shown, rest])
-                container.mux(stream.encode(av.VideoFrame.from_ndarray(shown, format="rgb24")))
+                drawing = draw(row)[:height]
+                if len(drawing) < height:
+                    margin = np.full((height - len(drawing), width, 3), BLANK_RGB, np.uint8)
+                    drawing = np.concatenate([drawing, margin])
+                container.mux(stream.encode(av.VideoFrame.from_ndarray(drawing, format="rgb24")))
                 progress((row + 1 - row_start) / (row_stop - row_start), "frames")
             container.mux(stream.encode(None))
         is_done = True

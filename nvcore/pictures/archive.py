@@ -131,7 +131,7 @@ class Archive:
         MediaError
             If a member is damaged, or there is no room; what was unpacked stays.
         """
-        written = []
+        paths = []
         for name, member in self._members.items():
             target = folder.joinpath(*PurePosixPath(name.replace("\\", "/")).parts)
             try:
@@ -145,8 +145,8 @@ class Archive:
                     self._copy(stream, out, member)
             except OSError as error:
                 raise self._refuse(f"cannot be unpacked ({error.strerror})", name) from error
-            written.append(target)
-        return written
+            paths.append(target)
+        return paths
 
     def _copy(self, stream: IO[bytes], out: IO[bytes], member: zipfile.ZipInfo) -> None:
         left = member.file_size
@@ -173,13 +173,13 @@ class Archive:
         limits = self._limits
         if len(members) > limits.members:
             raise self._refuse(f"holds {len(members)} files; at most {limits.members} are read")
-        seen: set[str] = set()
+        names: set[str] = set()
         # a loop over members: each has a name to be taken apart
         for member in members:
             self._check_member(member)
-            if member.filename in seen:
+            if member.filename in names:
                 raise self._refuse("occurs twice; pack it again", member.filename)
-            seen.add(member.filename)
+            names.add(member.filename)
         total = sum(member.file_size for member in members)
         if total > limits.total_bytes:
             raise self._refuse(

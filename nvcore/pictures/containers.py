@@ -211,12 +211,12 @@ def _end_of_certainty(times: NDArray[np.int64], last_decoded: int, *, is_cut: bo
     ones may come before it. Where nothing says that it is cut, a gap there tells, if all else
     follows regularly.
     """
-    shown = np.sort(times)
+    display_times = np.sort(times)
     if is_cut:
         return last_decoded + 1
-    gaps = np.diff(shown)
+    gaps = np.diff(display_times)
     is_wide = gaps > _WIDE_GAP * np.median(gaps) if len(gaps) else np.zeros(0, dtype=bool)
-    is_tail = shown[1:] > last_decoded
+    is_tail = display_times[1:] > last_decoded
     if (is_wide & ~is_tail).any() or not is_wide.any():
-        return int(shown[-1]) + 1
-    return int(shown[1:][is_wide][0])
+        return int(display_times[-1]) + 1
+    return int(display_times[1:][is_wide][0])

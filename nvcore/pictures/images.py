@@ -64,9 +64,9 @@ class Images:
         """See `Pictures.read`."""
         check_index(index, self)
         with self._lock:
-            known = self._recent.get(index)
-            if known is not None:
-                return known
+            picture = self._recent.get(index)
+            if picture is not None:
+                return picture
             name = one_line(PurePosixPath(self._names[index]).name)
             return self._recent.put(index, decode_image(self._read_bytes(index), name))
 
@@ -143,8 +143,8 @@ def folder_as_pictures(folder: Path, *, inside: str | None = None) -> Images:
         ]
     except OSError as error:
         raise MediaError(f"cannot be read ({error.strerror})", file=folder.name) from error
-    chosen = _one_folder(relative, folder.name, inside)
-    return files_as_pictures([folder / name for name in chosen], folder.name)
+    names = _one_folder(relative, folder.name, inside)
+    return files_as_pictures([folder / name for name in names], folder.name)
 
 
 def archive_as_pictures(path: Path, *, inside: str | None = None) -> Images:
@@ -180,13 +180,13 @@ def _one_folder(names: Sequence[str], where: str, inside: str | None) -> list[st
     elif "." in by_folder:
         by_folder = {".": by_folder["."]}
     if not by_folder:
-        wanted = "" if inside is None else f" in {one_line(inside)!r}"
-        raise MediaError(f"holds no PNG, JPEG, TIFF or BMP{wanted}", file=where)
+        place_text = "" if inside is None else f" in {one_line(inside)!r}"
+        raise MediaError(f"holds no PNG, JPEG, TIFF or BMP{place_text}", file=where)
     if len(by_folder) > 1:
-        shown = ", ".join(one_line(name) for name in sorted(by_folder)[:_SHOWN_FOLDERS])
+        folders = ", ".join(one_line(name) for name in sorted(by_folder)[:_SHOWN_FOLDERS])
         more = ", ..." if len(by_folder) > _SHOWN_FOLDERS else ""
         raise MediaError(
-            f"holds pictures in {len(by_folder)} folders ({shown}{more}); give the folder of one "
+            f"holds pictures in {len(by_folder)} folders ({folders}{more}); give the folder of one "
             "recording",
             file=where,
         )

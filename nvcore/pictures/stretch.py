@@ -74,7 +74,7 @@ def png(picture: Picture) -> bytes:
 
 
 def _encode(ending: str, picture: Picture, options: list[int]) -> bytes:
-    shown = picture if picture.ndim == 2 else cv2.cvtColor(picture, cv2.COLOR_RGB2BGR)
-    done, content = cv2.imencode(ending, shown, options)
-    assert done, (ending, picture.shape, picture.dtype)
+    bgr = picture if picture.ndim == 2 else cv2.cvtColor(picture, cv2.COLOR_RGB2BGR)
+    is_encoded, content = cv2.imencode(ending, bgr, options)
+    assert is_encoded, (ending, picture.shape, picture.dtype)
     return bytes(content)

@@ -189,10 +189,12 @@ class Video:
 
     def _to_array(self, frame: Any) -> Picture:
         name = frame.format.name
-        wanted = "rgb24"
+        pixel_format = "rgb24"
         if name.startswith("gray"):
-            wanted = "gray" if name == "gray" else "gray16le"
+            pixel_format = "gray" if name == "gray" else "gray16le"
         width, height = self._stream.width, self._stream.height
-        picture: Picture = frame.reformat(width=width, height=height, format=wanted).to_ndarray()
+        picture: Picture = frame.reformat(
+            width=width, height=height, format=pixel_format
+        ).to_ndarray()
         quarters = round(frame.rotation / 90) % 4
         return np.ascontiguousarray(np.rot90(picture, quarters)) if quarters else picture

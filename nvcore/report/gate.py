@@ -64,7 +64,7 @@ COUNTED_ENCOUNTERS: Final = {
 COUNTED_FINDINGS: Final = {"audit_errors": Severity.ERROR, "audit_warnings": Severity.WARNING}
 """Measures that count findings of the audit; likewise."""
 MAX_LISTED: Final = 10
-_OTHERS: Final = (
+_OTHER_NAMES: Final = (
     "new_misses",
     "mended_misses",
     "missed_by_both",
@@ -89,7 +89,7 @@ def measure_names() -> list[str]:
     """Names of all measures that a rule may name."""
     of_systems = [*_numeric(SYSTEM_KEYS), *_OF_CURVE]
     with_endings = [f"{name}_{end}" for name in of_systems for end in ("x", "y", "difference")]
-    return [*with_endings, *_OTHERS, *SUMMARY_NAMES]
+    return [*with_endings, *_OTHER_NAMES, *SUMMARY_NAMES]
 
 
 def value_text(value: float) -> str:

@@ -202,10 +202,10 @@ def _saliency(result: Result, letter: str, system: SystemResult) -> str:
             f"recency and added they make {system.saliency_s:.2f} s."
         )
     worst = events.iloc[events["saliency_s"].argmax()]
-    whole = "encounter" if result.params.saliency_scope == "encounter" else "recording"
+    scope = "encounter" if result.params.saliency_scope == "encounter" else "recording"
     return (
         f"{letter}: the most salient of {count_text(len(events), 'event')} lasts "
-        f"{worst['duration_s']:.2f} s and ends when {worst['tau']:.0%} of the {whole} has passed, "
+        f"{worst['duration_s']:.2f} s and ends when {worst['tau']:.0%} of the {scope} has passed, "
         f"which gives it the weight {worst['recency']:.2f}: {worst['duration_s']:.2f} s × "
         f"{worst['recency']:.2f} = {worst['saliency_s']:.2f} s."
     )

@@ -42,10 +42,10 @@ def tables(recordings: Iterable[Recording]) -> dict[str, pd.DataFrame]:
     parts: dict[str, list[pd.DataFrame]] = {TRUTH_FILE: []}
     parts |= {path: [] for path in SYSTEM_FILES.values()}
     for recording in recordings:
-        seen = sightings(recording)
-        parts[TRUTH_FILE].append(truth_table(recording, seen))
+        visible = sightings(recording)
+        parts[TRUTH_FILE].append(truth_table(recording, visible))
         for name, path in SYSTEM_FILES.items():
-            parts[path].append(detections(recording, seen, system=name))
+            parts[path].append(detections(recording, visible, system=name))
     return {path: pd.concat(part, ignore_index=True) for path, part in parts.items()}
 
 
@@ -61,14 +61,14 @@ def generate(folder: Path, *, progress: Progress = no_progress) -> None:
     """
     folder.mkdir(parents=True, exist_ok=True)
     recordings = all_recordings()
-    made = tables(recordings)
-    for path, table in made.items():
+    sample_tables = tables(recordings)
+    for path, table in sample_tables.items():
         (folder / path).write_bytes(csv_text(table).encode())
     session = folder / "session.toml"
     session.write_bytes(session_text(recordings).encode())
     (folder / RATINGS_FILE).write_bytes(ratings_text(simulate_ratings(session)).encode())
-    (folder / "README.md").write_bytes(readme_text(recordings, made[TRUTH_FILE]).encode())
-    for done, recording in enumerate(recordings):
-        progress(done / len(recordings), recording.name)
+    (folder / "README.md").write_bytes(readme_text(recordings, sample_tables[TRUTH_FILE]).encode())
+    for n_done, recording in enumerate(recordings):
+        progress(n_done / len(recordings), recording.name)
         write_video(folder / f"{recording.name}.mp4", pictures(recording))
     progress(1.0, "")

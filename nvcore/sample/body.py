@@ -25,8 +25,8 @@ JOINTS: Final = (
 )
 """Names of the joints, in the order of the joint axis; the last five belong to a bicycle."""
 
-_AT: Final = {name: index for index, name in enumerate(JOINTS)}
-N_BODY: Final = _AT["wheel_back"]
+_INDEX: Final = {name: index for index, name in enumerate(JOINTS)}
+N_BODY: Final = _INDEX["wheel_back"]
 WHEEL_M: Final = 0.34
 
 
@@ -41,7 +41,7 @@ class Capsule(NamedTuple):
 
 
 def _limb(a: str, b: str, radius_a: float, radius_b: float, part: str) -> Capsule:
-    return Capsule(_AT[a], _AT[b], radius_a, radius_b, part)
+    return Capsule(_INDEX[a], _INDEX[b], radius_a, radius_b, part)
 
 
 CAPSULES: Final = (
@@ -186,7 +186,7 @@ def _on_bicycle(local: Floats) -> Floats:
         ("crank", 0.12, 0.30),
         ("bar", 0.50, 1.0),
     ):
-        rider[:, _AT[name]] = (forward, 0.0, up)
+        rider[:, _INDEX[name]] = (forward, 0.0, up)
     return rider
 
 
@@ -195,32 +195,32 @@ def _trunk(lean: Floats, nod: Floats) -> Floats:
     body = np.full((len(lean), len(JOINTS), 3), np.nan)
     spine = np.stack([np.sin(lean), np.zeros_like(lean), np.cos(lean)], axis=1)
     gaze = np.stack([np.sin(nod), np.zeros_like(nod), np.cos(nod)], axis=1)
-    body[:, _AT["pelvis"]] = 0.0
-    body[:, _AT["chest"]] = 0.215 * spine
-    body[:, _AT["neck"]] = 0.310 * spine
-    body[:, _AT["head"]] = body[:, _AT["neck"]] + 0.058 * gaze
-    body[:, _AT["crown"]] = body[:, _AT["neck"]] + 0.105 * gaze
+    body[:, _INDEX["pelvis"]] = 0.0
+    body[:, _INDEX["chest"]] = 0.215 * spine
+    body[:, _INDEX["neck"]] = 0.310 * spine
+    body[:, _INDEX["head"]] = body[:, _INDEX["neck"]] + 0.058 * gaze
+    body[:, _INDEX["crown"]] = body[:, _INDEX["neck"]] + 0.105 * gaze
     return body
 
 
 def _leg(body: Floats, side: str, sign: float, thigh: Floats, knee: Floats) -> None:
-    hip = body[:, _AT["pelvis"]] + np.array([0.0, 0.048 * sign, -0.01])
+    hip = body[:, _INDEX["pelvis"]] + np.array([0.0, 0.048 * sign, -0.01])
     shank = thigh - knee
-    body[:, _AT[f"hip_{side}"]] = hip
-    body[:, _AT[f"knee_{side}"]] = hip + 0.245 * _swing(thigh)
-    ankle = body[:, _AT[f"knee_{side}"]] + 0.245 * _swing(shank)
-    body[:, _AT[f"ankle_{side}"]] = ankle
-    body[:, _AT[f"toe_{side}"]] = ankle + 0.10 * _swing(0.55 * shank + np.radians(82.0))
+    body[:, _INDEX[f"hip_{side}"]] = hip
+    body[:, _INDEX[f"knee_{side}"]] = hip + 0.245 * _swing(thigh)
+    ankle = body[:, _INDEX[f"knee_{side}"]] + 0.245 * _swing(shank)
+    body[:, _INDEX[f"ankle_{side}"]] = ankle
+    body[:, _INDEX[f"toe_{side}"]] = ankle + 0.10 * _swing(0.55 * shank + np.radians(82.0))
 
 
 def _arm(body: Floats, side: str, sign: float, arm: Floats, elbow: Floats) -> None:
-    shoulder = body[:, _AT["neck"]] + np.array([0.0, 0.098 * sign, -0.032])
+    shoulder = body[:, _INDEX["neck"]] + np.array([0.0, 0.098 * sign, -0.032])
     wide = np.array([0.0, 0.026 * sign, 0.0])
-    body[:, _AT[f"shoulder_{side}"]] = shoulder
-    body[:, _AT[f"elbow_{side}"]] = shoulder + 0.172 * _swing(arm) + wide
-    wrist = body[:, _AT[f"elbow_{side}"]] + 0.145 * _swing(arm + elbow)
-    body[:, _AT[f"wrist_{side}"]] = wrist
-    body[:, _AT[f"hand_{side}"]] = wrist + 0.055 * _swing(arm + elbow)
+    body[:, _INDEX[f"shoulder_{side}"]] = shoulder
+    body[:, _INDEX[f"elbow_{side}"]] = shoulder + 0.172 * _swing(arm) + wide
+    wrist = body[:, _INDEX[f"elbow_{side}"]] + 0.145 * _swing(arm + elbow)
+    body[:, _INDEX[f"wrist_{side}"]] = wrist
+    body[:, _INDEX[f"hand_{side}"]] = wrist + 0.055 * _swing(arm + elbow)
 
 
 def _swing(angle: Floats) -> Floats:

@@ -83,7 +83,7 @@ class Sensor:
         wide = cv2.resize(wide, (WIDTH, HEIGHT), interpolation=cv2.INTER_LINEAR)
         picture = (1.1 * sharp + 0.17 * (sharp - wide)) * self._gain
         shift = self._order.integers(0, (HEIGHT, WIDTH))
-        which = int(self._order.integers(_NOISE_FRAMES))
-        picture += np.roll(self._noise[which], (int(shift[0]), int(shift[1])), axis=(0, 1))
+        index = int(self._order.integers(_NOISE_FRAMES))
+        picture += np.roll(self._noise[index], (int(shift[0]), int(shift[1])), axis=(0, 1))
         picture += self._pattern
         return np.asarray(np.clip(np.round(picture), 0, 255), dtype=np.uint8)

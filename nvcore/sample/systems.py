@@ -41,7 +41,7 @@ def wandering(generator: np.random.Generator, *, hold_s: float, n: int = N_FRAME
     return np.asarray(lfilter([1.0], [1.0, -keep], noise))
 
 
-def detections(recording: Recording, seen: list[Sighting], *, system: str) -> pd.DataFrame:
+def detections(recording: Recording, visible: list[Sighting], *, system: str) -> pd.DataFrame:
     """Detections of one system in one recording, all scores.
 
     Parameters
@@ -55,7 +55,7 @@ def detections(recording: Recording, seen: list[Sighting], *, system: str) -> pd
             sighting,
             _log_reach(recording, sighting, system),
         )
-        for track, sighting in enumerate(seen)
+        for track, sighting in enumerate(visible)
     ]
     things = _tempting(recording, system)
     parts += [

@@ -86,25 +86,27 @@ def sightings(recording: Recording) -> list[Sighting]:
     camera, way = recording.camera, recording.way()
     shift = np.stack([np.zeros_like(way), np.zeros_like(way), way], axis=1)
     bodies = [joints(person) - shift[:, None, :] for person in recording.people]
-    seen = [
+    visible = [
         body_edges(person, body, camera)
         for person, body in zip(recording.people, bodies, strict=True)
     ]
-    solid = [_shrunk(edges) for edges, _ in seen]
-    blockers = [(edges, depth) for edges, (_, depth) in zip(solid, seen, strict=True)]
+    solid = [_shrunk(edges) for edges, _ in visible]
+    blockers = [(edges, depth) for edges, (_, depth) in zip(solid, visible, strict=True)]
     blockers += [_car_edges(car, camera, way) for car in recording.cars]
     blockers += [_thing_edges(t, camera, way) for t in recording.things if t.kind in _BLOCKING]
     seen_people = []
     for index, (person, body) in enumerate(zip(recording.people, bodies, strict=True)):
-        edges, depth = seen[index]
+        edges, depth = visible[index]
         others = [blocker for place, blocker in enumerate(blockers) if place != index]
         seen_people.append(_sighting(person, body, edges, depth, others))
     return seen_people
 
 
-def truth_table(recording: Recording, seen: list[Sighting]) -> pd.DataFrame:
+def truth_table(recording: Recording, visible: list[Sighting]) -> pd.DataFrame:
     """Truth of one recording: boxes clipped to the picture, in quarters of a pixel."""
-    parts = [_rows(recording.name, track, sighting) for track, sighting in enumerate(seen, start=1)]
+    parts = [
+        _rows(recording.name, track, sighting) for track, sighting in enumerate(visible, start=1)
+    ]
     table = pd.concat(parts, ignore_index=True)
     return table.sort_values(["frame", "track"], kind="stable", ignore_index=True)
 

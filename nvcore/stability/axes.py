@@ -42,13 +42,13 @@ IOU_DRAWN: Final = (0.1, 0.9)
 
 @dataclass(frozen=True)
 class Range:
-    """What a numeric axis spans, in words and numbers; `called` names the parameter if need be."""
+    """What a numeric axis spans, in words and numbers; `parameter`: its name if the title lacks it."""
 
     title: str
     plausible: tuple[float, float]
-    drawn: tuple[float, float]
+    extent: tuple[float, float]
     reason: str
-    called: str = ""
+    parameter: str = ""
 
 
 _PRESETS: Final = "from the preset for rural roads to that for towns"
@@ -265,7 +265,7 @@ def _midpoint(result: Result, n_points: int) -> Axis | None:
         return _fixed(result, "midpoint_m", n_points)
     least, most = float(height.min()), float(height.max())
     present = (MIDPOINT_SHARE * least, MIDPOINT_SHARE * most)
-    plausible, drawn = (
+    plausible, extent = (
         (low * least, high * most) for low, high in (MIDPOINT_PLAUSIBLE, MIDPOINT_DRAWN)
     )
     low, high = (f"{100 * share:g}" for share in MIDPOINT_PLAUSIBLE)
@@ -274,9 +274,9 @@ def _midpoint(result: Result, n_points: int) -> Axis | None:
         share = f"{low} % of the lowest picture's height to {high} % of the tallest's"
     in_metres = RANGES["midpoint_m"]
     reason = f"{share}, {in_metres.reason}"
-    own = replace(in_metres, plausible=plausible, drawn=drawn, reason=reason)
-    given = present if params.midpoint is None else params.midpoint
-    return _numeric("midpoint", own, present=given, n_points=n_points)
+    own = replace(in_metres, plausible=plausible, extent=extent, reason=reason)
+    midpoint = present if params.midpoint is None else params.midpoint
+    return _numeric("midpoint", own, present=midpoint, n_points=n_points)
 
 
 def _threshold(result: Result, letter: Literal["x", "y"], n_points: int) -> Axis | None:
@@ -316,8 +316,8 @@ def _numeric(
     point if it lies between two, so that the map shows it.
     """
     place = present if isinstance(present, tuple) else (float(present), float(present))
-    plausible, drawn = usual.plausible, usual.drawn
-    low, high = min(drawn[0], plausible[0], place[0]), max(drawn[1], plausible[1], place[1])
+    plausible, extent = usual.plausible, usual.extent
+    low, high = min(extent[0], plausible[0], place[0]), max(extent[1], plausible[1], place[1])
     values = np.linspace(low, high, n_points)
     # 0.6, not 0.6000000000000001, which a score of 0.6 would not pass
     values[1:-1] = values[1:-1].round(DIGITS - int(np.floor(np.log10(high - low))))
@@ -337,6 +337,6 @@ def _numeric(
             values = np.sort(np.append(values, place[0]))
     values.flags.writeable = False
     setting = SETTINGS[name]
-    label = f"{setting.label} ({usual.called})" if usual.called else setting.label
+    label = f"{setting.label} ({usual.parameter})" if usual.parameter else setting.label
     unit, reason = setting.unit, usual.reason
     return Axis(name, usual.title, unit, values, plausible, reason, place, label)

@@ -36,7 +36,7 @@ BETTER: Final[dict[Criterion, str]] = {
     "encounters": "detects more encounters",
     "saliency": "has the lower saliency",
 }
-SAME: Final[dict[Criterion, str]] = {
+EQUAL: Final[dict[Criterion, str]] = {
     "similarity": "have the same mean similarity",
     "encounters": "detect equally many encounters",
     "saliency": "have the same saliency",
@@ -84,7 +84,7 @@ def winner_text(criterion: Criterion, winner: Winner, difference: float) -> str:
     if winner == "undefined":
         return f"undefined: {UNDEFINED[criterion]}"
     if winner == "even":
-        return f"X and Y {SAME[criterion]}"
+        return f"X and Y {EQUAL[criterion]}"
     size = difference_text(criterion, difference)
     return f"{winner.upper()} {BETTER[criterion]}, by {size}"
 
@@ -166,7 +166,7 @@ def describe_equal_alarms(stability: StabilityMap) -> str:
     claims: dict[Winner, str] = {
         "x": f"X {BETTER[criterion]}",
         "y": f"Y {BETTER[criterion]}",
-        "even": f"X and Y {SAME[criterion]}",
+        "even": f"X and Y {EQUAL[criterion]}",
         "undefined": "it is undefined",
     }
     parts = [
@@ -297,14 +297,14 @@ def nearest_text(stability: StabilityMap) -> str:
 
 def _nearest(stability: StabilityMap) -> list[str]:
     """The nearest setting that overturns the verdict, overall and in each part of the map."""
-    end, other = stability.end, "Y" if stability.verdict == "x" else "X"
+    end, worse = stability.end, "Y" if stability.verdict == "x" else "X"
     if not stability.overturns:
         if end is not None:
             tie = _flip(stability, end)
-            return [f"Nowhere on this map is {other} better; the nearest tie: {tie}."]
+            return [f"Nowhere on this map is {worse} better; the nearest tie: {tie}."]
         if stability.verdict == "even":
             return ["It is a tie all over this map."]
-        return [f"Nowhere on this map does {other} come level."]
+        return [f"Nowhere on this map does {worse} come level."]
     first, *more = stability.overturns
     effect = "overturns this" if stability.verdict != "even" else "ends the tie"
     sentences = [f"The nearest setting on this map that {effect}: {_flip(stability, first)}."]
@@ -312,7 +312,7 @@ def _nearest(stability: StabilityMap) -> list[str]:
     if inside is not None and inside != first:
         sentences.append(f"The nearest within the plausible range: {_flip(stability, inside)}.")
     if more:
-        better_system = other if stability.verdict != "even" else "X or Y"
+        better_system = worse if stability.verdict != "even" else "X or Y"
         where = "another part" if len(more) == 1 else f"{len(more)} other parts"
         nearest = _flip(stability, more[0])
         sentences.append(

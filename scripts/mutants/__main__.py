@@ -136,11 +136,11 @@ def table(sample: dict[str, list[Mutant]]) -> str:
     ]
     for name, mutants in [*sample.items(), ("all", everything)]:
         tried = [m.key for m in mutants if m.key in results]
-        same = sum(key in equivalents for key in tried)
+        n_equivalent = sum(key in equivalents for key in tried)
         killed = sum(bool(results[key]) and key not in equivalents for key in tried)
-        share = f"{killed / (len(tried) - same):.1%}" if len(tried) > same else "–"
-        survived = len(tried) - killed - same
-        rows.append(f"| {name} | {len(tried)} | {killed} | {survived} | {same} | {share} |")
+        share = f"{killed / (len(tried) - n_equivalent):.1%}" if len(tried) > n_equivalent else "–"
+        survived = len(tried) - killed - n_equivalent
+        rows.append(f"| {name} | {len(tried)} | {killed} | {survived} | {n_equivalent} | {share} |")
     files = {key[0] for key in equivalents if (ROOT / key[0]).exists()}
     present = {mutant.key for path in files for mutant in mutants_of(ROOT, path)}
     for key in equivalents:
@@ -152,8 +152,8 @@ def table(sample: dict[str, list[Mutant]]) -> str:
 
 def write_table(text: str) -> None:
     """Put the table into the documentation, in place of the last one."""
-    before, _, rest = QUALITY.read_text("utf-8").partition(MARKS[0])
-    _, _, after = rest.partition(MARKS[1])
+    before, _, following = QUALITY.read_text("utf-8").partition(MARKS[0])
+    _, _, after = following.partition(MARKS[1])
     QUALITY.write_text(f"{before}{MARKS[0]}\n\n{text}\n\n{MARKS[1]}{after}", "utf-8")
 
 
@@ -169,18 +169,18 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=60, help="of tests for each mutant")
     parser.add_argument("--again", action="store_true", help="try the survivors again")
     parser.add_argument("--fresh", action="store_true", help="try all again")
-    given = parser.parse_args()
+    options = parser.parse_args()
     STORE.mkdir(exist_ok=True)
-    if given.command == "map":
+    if options.command == "map":
         copy = copy_project(STORE / "tree-map")
         use_copy(copy)
-        make_map(STORE, copy, given.tests, WORKERS)
+        make_map(STORE, copy, options.tests, WORKERS)
         return
-    sample = pick_sample(given.folders, given.sample, given.seed)
-    if given.command == "run":
-        if given.fresh:
+    sample = pick_sample(options.folders, options.sample, options.seed)
+    if options.command == "run":
+        if options.fresh:
             RESULTS.unlink(missing_ok=True)
-        run(sample, given.seconds, again=given.again)
+        run(sample, options.seconds, again=options.again)
     else:
         print(table(sample))
         write_table(table(sample))

@@ -173,13 +173,13 @@ class Map:
             return not is_named, test not in direct, self.seconds[test], test
 
         first: list[str] = []
-        rest: list[str] = []
+        others: list[str] = []
         total = 0.0
         for test in sorted(direct.union(*(self.of_file[file_of(t)] for t in direct)), key=place):
             total += self.seconds[test]
             if first and total > seconds:
                 break
             n_files = len({file_of(t) for t in [*first, test]})
-            is_first = not rest and total <= FIRST_S and n_files <= FIRST_FILES
-            (first if is_first or not first else rest).append(test)
-        return [tests for tests in (first, rest) if tests]
+            is_first = not others and total <= FIRST_S and n_files <= FIRST_FILES
+            (first if is_first or not first else others).append(test)
+        return [tests for tests in (first, others) if tests]

@@ -76,8 +76,8 @@ class Choice:
 
     @pytest.hookimpl(trylast=True)
     def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
-        chosen = [item for item in items if item.nodeid in self.place]
-        items[:] = sorted(chosen, key=lambda item: self.place[item.nodeid])
+        selected = [item for item in items if item.nodeid in self.place]
+        items[:] = sorted(selected, key=lambda item: self.place[item.nodeid])
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         if report.failed:
@@ -96,12 +96,12 @@ def in_child(tests: Sequence[str], limits: dict[str, float], answer: Connection)
     if tests:  # else compiled mutants would stay behind
         sys.dont_write_bytecode = True
         os.environ["PYTHONDONTWRITEBYTECODE"] = "1"
-    chosen = [*dict.fromkeys(map(file_of, tests))] or ["tests", "--collect-only"]
-    chosen += [f"--ignore={folder}" for folder in NOT_OF_THE_LIBRARY]
+    test_files = [*dict.fromkeys(map(file_of, tests))] or ["tests", "--collect-only"]
+    test_files += [f"--ignore={folder}" for folder in NOT_OF_THE_LIBRARY]
     choice = Choice(tests)
     code = pytest.main(
         ["-x", "-q", "--tb=short", "-p", "no:cacheprovider", "-p", "no:xdist",
-         "-W", "ignore::pytest.PytestAssertRewriteWarning", *chosen],
+         "-W", "ignore::pytest.PytestAssertRewriteWarning", *test_files],
         plugins=[choice, Limits(limits)],
     )  # fmt: skip
     answer.send((int(code), choice.failed))

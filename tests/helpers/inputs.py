@@ -8,7 +8,7 @@ from click.testing import CliRunner, Result
 
 from nvcore.cli import main
 from nvcore.dataset import Dataset
-from nvcore.inputs.session import RecordingFacts, Session, Source, SystemSource
+from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource
 
 FACTS = ("--size", "640x480", "--fps", "20")
 TRUTH = "frame,x,y,w,h,track"
@@ -83,9 +83,9 @@ def session_of(
     return Session(folder, Source((truth,)), tuple(sources) or default, **chosen)
 
 
-def facts_of(name: str, **facts: object) -> RecordingFacts:
+def facts_of(name: str, **facts: object) -> RecordingEntry:
     """What a session says of one recording."""
-    return RecordingFacts(name, **facts)
+    return RecordingEntry(name, **facts)
 
 
 def boxes_of(dataset: Dataset, number: int) -> list[list[float]]:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from nvcore.dataset import Dataset
 from nvcore.inputs.load import load
-from nvcore.inputs.session import RecordingFacts, Session, Source, SystemSource
+from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource
 
 PUBLISHED = {
     "MBNet": (8.13, 8.28, 7.86),
@@ -30,7 +30,7 @@ SETS = {"day": (("set06", 5), ("set07", 3), ("set08", 3)),
 def load_kaist(realdata: Path) -> Dataset:
     """The test set with the five systems, its recordings tagged day or night."""
     facts = tuple(
-        RecordingFacts(f"{name}/V{number:03}", tags=(tag,))
+        RecordingEntry(f"{name}/V{number:03}", tags=(tag,))
         for tag, sets in SETS.items()
         for name, n in sets
         for number in range(n)

@@ -11,7 +11,7 @@ from places import ROOT
 
 from nvcore.inputs import convert
 from nvcore.inputs.readers import FORMATS
-from nvcore.inputs.session import RecordingFacts, SystemSource
+from nvcore.inputs.session import RecordingEntry, SystemSource
 from nvcore.inputs.session_toml import read_session
 
 PAGE = (ROOT / "docs" / "formats.md").read_text(encoding="utf-8")
@@ -60,5 +60,5 @@ def test_the_example_of_a_session_file_can_be_read_and_shows_every_key(tmp_path:
     assert session.params.edge_weight == 0.2
     assert session.systems[1].offset_px == (0, 12)
     assert set(session.hashes) == {"truth", "FIR"}
-    keys = {spec.name for kind in (RecordingFacts, SystemSource) for spec in fields(kind)}
+    keys = {spec.name for kind in (RecordingEntry, SystemSource) for spec in fields(kind)}
     assert keys <= set(re.findall(r"^(\w+) = ", example[1], re.MULTILINE))

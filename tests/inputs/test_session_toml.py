@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from inputs import write
 
 from nvcore.errors import SessionError
-from nvcore.inputs.session import RecordingFacts, Session, Source, SystemSource
+from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource
 from nvcore.inputs.session_toml import read_session, write_session
 from nvcore.params import Params
 from nvcore.protocols import OWN, PROTOCOLS, Protocol
@@ -31,10 +31,10 @@ FULL = Session(
         SystemSource(("nir.csv",), name="NIR", scale=(1.25, 1.25)),
     ),
     recordings=(
-        RecordingFacts(
+        RecordingEntry(
             "urban", 640.0, 480.0, 20.0, "frames.txt", 236.5, "urban.mp4", 3, ("night", "wet road")
         ),
-        RecordingFacts("rural", frames="0:299:20"),
+        RecordingEntry("rural", frames="0:299:20"),
     ),
     size=(1280, 960),
     fps=12.5,
@@ -84,7 +84,7 @@ def test_every_key_is_read(tmp_path: Path):
     assert (session.size, session.fps, session.frames) == ((640, 480), 20.0, "0:9")
     assert session.protocol == replace(PROTOCOLS["near"], tags=("night",))
     assert session.recordings == (
-        RecordingFacts("urban", 320.0, 240.0, 12.5, "0:4", 120.0, "urban.mp4", 2330, ("night",)),
+        RecordingEntry("urban", 320.0, 240.0, 12.5, "0:4", 120.0, "urban.mp4", 2330, ("night",)),
     )
     assert session.truth == Source(("a.csv", "b.csv"), "csv", ("person",), 0, 1)
     assert (first.name, first.threshold, first.offset_frames) == ("FIR", 0.5, 2)
@@ -243,9 +243,9 @@ def test_a_name_that_is_not_utf8_is_refused():
     ("facts", "expected"),
     [
         ({"size": (640, 480)}, (640, 480)),
-        ({"recordings": tuple(RecordingFacts(name, 320, 240) for name in "ab")}, (320, 240)),
-        ({"recordings": (RecordingFacts("a", 320, 240), RecordingFacts("b"))}, None),
-        ({"recordings": (RecordingFacts("a"),)}, None),
+        ({"recordings": tuple(RecordingEntry(name, 320, 240) for name in "ab")}, (320, 240)),
+        ({"recordings": (RecordingEntry("a", 320, 240), RecordingEntry("b"))}, None),
+        ({"recordings": (RecordingEntry("a"),)}, None),
         ({}, None),
     ],
 )
@@ -270,7 +270,7 @@ def test_a_path_that_no_file_can_have_is_refused(tmp_path: Path, lines: tuple[st
 
 
 def test_the_paths_of_a_session_are_inputs_frame_lists_and_pictures():
-    facts = RecordingFacts("a", frames="a.txt", pictures="a.mp4")
+    facts = RecordingEntry("a", frames="a.txt", pictures="a.mp4")
     session = Session(
         Path(), Source(("t.csv",)), (SystemSource(("x.csv", "y/*.csv")),), (facts,), frames="0:9"
     )

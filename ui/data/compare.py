@@ -134,7 +134,7 @@ def _draw_system(letter: str, name: str) -> None:
         shown: dict[str, Any] = {"letter": letter, "name": name, "threshold": threshold}
         scores, curve = (
             score_histogram(dataset, name),
-            _kept_curve(dataset, name, params.only_for(MATCH)),
+            _false_alarm_curve(dataset, name, params.only_for(MATCH)),
         )
         draw_chart(score_plot(scores, theme=theme, **shown), f"scores_{letter}")
         draw_chart(false_alarm_plot(curve, theme=theme, **shown), f"alarms_{letter}")
@@ -212,10 +212,10 @@ def _take_same_point(x: str, y: str, moved: str) -> None:
 def _point(
     dataset: Dataset, system: str, params: Params, threshold: float | None
 ) -> OperatingPoint:
-    return _kept_point(dataset, system, params.only_for(MATCH), threshold)
+    return _operating_point(dataset, system, params.only_for(MATCH), threshold)
 
 
-_kept = st.cache_resource(
+_cached_by_data = st.cache_resource(
     max_entries=MOST_KEPT,
     show_spinner="Counting false alarms",
     # the fingerprint stands for the tables, which Streamlit would compare by a sample of their rows
@@ -223,13 +223,13 @@ _kept = st.cache_resource(
 )
 
 
-@_kept
-def _kept_curve(dataset: Dataset, system: str, matching: Params) -> pd.DataFrame:
+@_cached_by_data
+def _false_alarm_curve(dataset: Dataset, system: str, matching: Params) -> pd.DataFrame:
     return false_alarm_curve(dataset, system, matching)
 
 
-@_kept
-def _kept_point(
+@_cached_by_data
+def _operating_point(
     dataset: Dataset, system: str, matching: Params, threshold: float | None
 ) -> OperatingPoint:
     return operating_point(dataset, system, matching, threshold=threshold)

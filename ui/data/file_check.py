@@ -29,12 +29,12 @@ _RATE: Final[dict[Role, frozenset[str]]] = {"truth": frozenset({"fps"}), "detect
 class FileCheck:
     """What one source holds, read by itself. Compared by identity, so that it can be a key.
 
-    `trouble` says why it cannot be used, `lacking` which of ``size`` and ``fps`` its files do not
+    `trouble` says why it cannot be used, `unknown` which of ``size`` and ``fps`` its files do not
     say; the `reading` has let go of its boxes. Without boxes there is no `first_frame`.
     """
 
     trouble: str = ""
-    lacking: frozenset[str] = frozenset()
+    unknown: frozenset[str] = frozenset()
     format: str = ""
     summary: str = ""
     first_frame: int | None = None
@@ -77,28 +77,30 @@ def _check(
 ) -> FileCheck:
     name = ""
     try:
-        made = source()
-        chosen = find_files(made, folder, role)[1]
-        name, title = chosen.name, chosen.title
+        source_files = source()
+        file_format = find_files(source_files, folder, role)[1]
+        name, title = file_format.name, file_format.title
         if role == "detections" and known is None:  # some formats cannot be read without it
             return FileCheck(format=name, summary=title)
-        reading = read_source(made, role=role, folder=folder, size=_size(known), truth=known)
+        reading = read_source(
+            source_files, role=role, folder=folder, size=_size(known), truth=known
+        )
     except MissingFactError as error:
         if not error.facts:
             return FileCheck(trouble=without_paths(error))
         # formats that need the size never hold a frame rate
-        return FileCheck(lacking=frozenset(error.facts) | _RATE[role], format=name)
+        return FileCheck(unknown=frozenset(error.facts) | _RATE[role], format=name)
     except NvcoreError as error:
         return FileCheck(trouble=without_paths(error))
     frames = reading.boxes["frame"]
-    lacking = _lacking(reading) if role == "truth" else frozenset()
+    unknown = _unknown(reading) if role == "truth" else frozenset()
     summary, first_frame = f"{title}: {len(frames):,} boxes", None
     if len(frames):
         summary += f" in frames {frames.min()} to {frames.max()}"
         first_frame = int(frames.min())
     if n_ignored := int(reading.boxes["ignore"].sum()):
         summary += f", {n_ignored:,} of them to be ignored"
-    return FileCheck("", lacking, name, summary, first_frame, _light(reading))
+    return FileCheck("", unknown, name, summary, first_frame, _light(reading))
 
 
 def _light(reading: Reading) -> Reading:
@@ -107,10 +109,10 @@ def _light(reading: Reading) -> Reading:
     return replace(reading, boxes=reading.boxes.iloc[:0].copy(), images=images, annotated=None)
 
 
-def _lacking(reading: Reading) -> frozenset[str]:
+def _unknown(reading: Reading) -> frozenset[str]:
     table = reading.recordings
     is_unknown = {"size": table[["width", "height"]].isna(), "fps": table[["fps"]].isna()}
-    return frozenset(fact for fact, unknown in is_unknown.items() if unknown.to_numpy().any())
+    return frozenset(name for name, cells in is_unknown.items() if cells.to_numpy().any())
 
 
 def _size(truth: Reading | None) -> tuple[int, int] | None:

@@ -45,14 +45,14 @@ def draw() -> None:
         st.caption(_counts(findings))
     for number, finding in enumerate(urgent[:MOST_SHOWN]):
         _draw_one(findings, finding, number)
-    rest = [
+    further = [
         *urgent[MOST_SHOWN:],
         *(finding for finding in findings if finding.severity is Severity.NOTE),
     ]
-    if rest:
-        title = f"{'And ' if urgent else ''}{_counts(rest)}"
+    if further:
+        title = f"{'And ' if urgent else ''}{_counts(further)}"
         with st.expander(title, expanded=not urgent):
-            for number, finding in enumerate(rest, start=MOST_SHOWN):
+            for number, finding in enumerate(further, start=MOST_SHOWN):
                 _draw_one(findings, finding, number)
 
 

@@ -78,8 +78,8 @@ def finish_form(
     The `checks` are by what the page calls the files, those of the ground truth first.
     """
     first, *_ = checks.values()
-    lacking = {fact for check in checks.values() if check is not None for fact in check.lacking}
+    unknown = {name for check in checks.values() if check is not None for name in check.unknown}
     format_name = "" if first is None else first.format
-    facts = ask_for_missing(place, pictures.usable.values(), lacking, format_name)
+    facts = ask_for_missing(place, pictures.usable.values(), unknown, format_name)
     draw_trouble(place)
     return Form(names, recording, frames, pictures, facts, unusable(checks.items()))

@@ -16,7 +16,7 @@ from nvcore.inputs.session import Session
 from nvcore.tables.inputs import inputs_table, left_out_table
 from ui.data.opening import draw_trouble, try_to_open
 from ui.session import state
-from ui.session.opening import facts_of, relative_path, with_recordings
+from ui.session.opening import recording_entry, relative_path, with_recordings
 from ui.session.workspace import Stored, Workspace
 from ui.shell.messages import without_paths
 from ui.widgets.text import plain
@@ -116,21 +116,21 @@ def _draw_pictures(space: Workspace) -> None:
     name = names[0]
     if len(names) > 1:
         name = st.selectbox("Recording", names, key="pictures_recording")
-    facts = facts_of(session, names, name)
-    choices = picture_choices(space, session, facts.pictures)
-    shown = [NONE, *choices]
-    now = next((label for label, path in choices.items() if path == facts.pictures), NONE)
+    entry = recording_entry(session, names, name)
+    choices = picture_choices(space, session, entry.pictures)
+    entries = [NONE, *choices]
+    now = next((label for label, path in choices.items() if path == entry.pictures), NONE)
     with st.form(f"pictures_{names.index(name)}", border=False):
         left, right = st.columns([2, 1])
-        chosen = left.selectbox(
+        picture = left.selectbox(
             "Pictures",
-            shown,
-            index=shown.index(now),
+            entries,
+            index=entries.index(now),
             help="Send pictures under “Open another comparison”, Upload; they appear here.",
         )
         first_picture = right.number_input(
             "Frame number of the first picture",
-            value=facts.first_picture,
+            value=entry.first_picture,
             step=1,
             placeholder="as guessed",
             help="Only where boxes and pictures do not belong together: the number, as in the "
@@ -139,7 +139,7 @@ def _draw_pictures(space: Workspace) -> None:
         is_wanted = st.form_submit_button("Use these pictures")
     if is_wanted:
         first = None if first_picture is None else int(first_picture)
-        change = {"pictures": choices.get(chosen), "first_picture": first}
+        change = {"pictures": choices.get(picture), "first_picture": first}
         changed = with_recordings(session, names, {name: change})
         try_to_open(replace(changed, params=state.params()), label=label)
 

@@ -46,77 +46,79 @@ _session_changed = partial(forget_outcome, SESSION)
 
 def draw(root: LocalRoot) -> None:
     """A folder to look into, and what to take from it."""
-    here = st.session_state.setdefault("local_folder", "")
+    path = st.session_state.setdefault("local_folder", "")
     try:
-        entries = root.entries(here)
+        entries = root.entries(path)
     except InputError as error:
         st.warning(plain(str(error)), icon=":material/warning:")
-        here, entries = "", root.entries()
-        st.session_state["local_folder"] = here
-    _draw_folder(here, entries)
+        path, entries = "", root.entries()
+        st.session_state["local_folder"] = path
+    _draw_folder(path, entries)
     _draw_session(root, entries)
     st.markdown("**Or choose files and folders**, here and in other folders:")
-    chosen, form = _draw_form(root, entries)
+    paths_of, form = _draw_form(root, entries)
     if st.button("Open these files", key="open_local", type="primary"):
         try_to_open(
-            lambda: _session(root, chosen, form),
-            label=f"Files in {here}" if here else "Local files",
+            lambda: _session(root, paths_of, form),
+            label=f"Files in {path}" if path else "Local files",
             place=PLACE,
         )
 
 
 def _draw_form(root: LocalRoot, entries: list[Entry]) -> tuple[dict[str, list[str]], Form]:
-    chosen: dict[str, list[str]] = {}
+    paths_of: dict[str, list[str]] = {}
     checks: list[FileCheck | None] = []
     name_fields = []
     for key in SOURCES:
         left, right = st.columns([1, 3])
         with right:
-            chosen[key] = _draw_role(key, entries)
+            paths_of[key] = _draw_role(key, entries)
             truth = checks[0] if checks else None
-            check = _check(root, chosen[key], truth, role="detections" if checks else "truth")
+            check = _check(root, paths_of[key], truth, role="detections" if checks else "truth")
             draw_file_check(check, truth)
         name_fields.append(left)
         checks.append(check)
     recordings = [] if checks[0] is None else checks[0].recordings
     frames = _draw_frame_list(root, entries, recordings)
-    chosen["local_pictures"] = _draw_role("local_pictures", entries)
-    places, gone = _find(root, chosen["local_pictures"])
+    paths_of["local_pictures"] = _draw_role("local_pictures", entries)
+    places, missing = _find(root, paths_of["local_pictures"])
     with name_fields[0]:
         recording = draw_recording(recordings, places, place=PLACE, changed=_changed)
-    proposed = proposed_names([chosen[key] for key in SYSTEMS], chosen["local_truth"], recordings)
+    proposed = proposed_names(
+        [paths_of[key] for key in SYSTEMS], paths_of["local_truth"], recordings
+    )
     names = []
     for number, (key, name) in enumerate(zip(SYSTEMS, proposed, strict=True), start=1):
         with name_fields[number]:
             title = ROLES[key].replace("S", "s")
             names.append(draw_system_name(title, name, number, key=f"{key}_name", changed=_changed))
-    pictures = draw_checked(PLACE, places, recordings, gone)
+    pictures = draw_checked(PLACE, places, recordings, missing)
     titles = ["the ground truth", *(f"system {key[-1].upper()}" for key in SYSTEMS)]
     checks_by_title = dict(zip(titles, checks, strict=True))
-    return chosen, finish_form(PLACE, names, recording, frames, pictures, checks_by_title)
+    return paths_of, finish_form(PLACE, names, recording, frames, pictures, checks_by_title)
 
 
 def _draw_frame_list(root: LocalRoot, entries: list[Entry], recordings: Sequence[str]) -> FrameList:
     files = [entry for entry in entries if not entry.is_folder]
-    chosen = _draw_role("local_frames", files, most=1, help_text=FRAMES_HELP)
-    if not chosen:
+    paths = _draw_role("local_frames", files, most=1, help_text=FRAMES_HELP)
+    if not paths:
         return FrameList()
     try:
-        root.find(chosen[0])
+        root.find(paths[0])
     except InputError as error:
         return draw_frame_list(FrameList(trouble=str(error)), recordings)
-    return draw_frame_list(check_frame_list(chosen[0], root.folder), recordings)
+    return draw_frame_list(check_frame_list(paths[0], root.folder), recordings)
 
 
 def _find(root: LocalRoot, paths: Sequence[str]) -> tuple[dict[str, Path], list[str]]:
     """Where the paths lead, and what is wrong with those that no longer exist."""
-    places, gone = {}, []
+    places, missing = {}, []
     for path in paths:
         try:
             places[path] = root.find(path)
         except InputError as error:
-            gone.append(str(error))
-    return places, gone
+            missing.append(str(error))
+    return places, missing
 
 
 def _check(
@@ -156,11 +158,11 @@ def _state_of(root: LocalRoot, files: Sequence[Path]) -> tuple[tuple[str, int, i
     return tuple(states)
 
 
-def _draw_folder(here: str, entries: list[Entry]) -> None:
+def _draw_folder(current: str, entries: list[Entry]) -> None:
     folders = [entry.path for entry in entries if entry.is_folder]
     st.selectbox(
-        f"Folder: {plain(here) or TOP}",
-        [*([UP] if here else []), *folders],
+        f"Folder: {plain(current) or TOP}",
+        [*([UP] if current else []), *folders],
         index=None,
         key="local_next",
         placeholder=f"{len(folders)} folders, {len(entries) - len(folders)} files; go to a folder",
@@ -170,9 +172,9 @@ def _draw_folder(here: str, entries: list[Entry]) -> None:
 
 
 def _go() -> None:
-    here, chosen = st.session_state["local_folder"], st.session_state["local_next"]
-    if chosen is not None:
-        st.session_state["local_folder"] = here.rpartition("/")[0] if chosen == UP else chosen
+    path, entry = st.session_state["local_folder"], st.session_state["local_next"]
+    if entry is not None:
+        st.session_state["local_folder"] = path.rpartition("/")[0] if entry == UP else entry
         _session_changed()
     st.session_state["local_next"] = None
 
@@ -213,14 +215,14 @@ def _session_file(root: LocalRoot, path: str, facts: MissingInputs) -> Session:
     return session
 
 
-def _session(root: LocalRoot, chosen: dict[str, list[str]], form: Form) -> Session:
+def _session(root: LocalRoot, paths_of: dict[str, list[str]], form: Form) -> Session:
     systems = [
-        SystemSource(path=tuple(chosen[key]), name=name)
+        SystemSource(path=tuple(paths_of[key]), name=name)
         for key, name in zip(SYSTEMS, form.names, strict=True)
-        if chosen[key]
+        if paths_of[key]
     ]
-    form.check(has_truth=bool(chosen["local_truth"]), has_systems=bool(systems))
-    truth = Source(path=tuple(chosen["local_truth"]))
+    form.check(has_truth=bool(paths_of["local_truth"]), has_systems=bool(systems))
+    truth = Source(path=tuple(paths_of["local_truth"]))
     session = form.session(root.folder, truth, tuple(systems))
     check_confined(session, root.folder)
     session = form.with_pictures(session, {Path(path).name: path for path in form.pictures.usable})

@@ -92,9 +92,9 @@ USUAL_INPUTS: Final = {
 
 
 def ask_for_missing(
-    place: str, pictures: Iterable[Path], lacking: Iterable[str] = (), format_name: str = ""
+    place: str, pictures: Iterable[Path], unknown: Iterable[str] = (), format_name: str = ""
 ) -> MissingInputs:
-    """Fields for what the files do not say (`lacking`, or missing when last opened), if any.
+    """Fields for what the files do not say (`unknown`, or missing when last opened), if any.
 
     Size and frame rate of the pictures are proposed, else those that are usual for the format of
     the ground truth.
@@ -102,24 +102,24 @@ def ask_for_missing(
     trouble = trouble_of(place)
     asked = st.session_state.setdefault(f"asked_{place}", set())
     asked |= set(() if trouble is None else trouble.facts)
-    asked = asked | set(lacking)
+    asked = asked | set(unknown)
     pictures, usual = list(pictures), USUAL_INPUTS.get(format_name)
-    facts: dict[str, Any] = {}
+    values: dict[str, Any] = {}
     if asked:
         words = " and ".join(MISSING_WORDS[fact] for fact in MISSING_WORDS if fact in asked)
         st.markdown(f"**Not in the files: {words}**")
     if "size" in asked:
-        facts["size"] = _draw_size(place, picture_size(pictures), usual)
+        values["size"] = _draw_size(place, picture_size(pictures), usual)
     if "fps" in asked:
-        facts["fps"] = _draw_rate(place, picture_rate(pictures), usual)
+        values["fps"] = _draw_rate(place, picture_rate(pictures), usual)
     if "frames" in asked:
-        facts["frames"] = st.text_input(
+        values["frames"] = st.text_input(
             "Evaluated frames",
             placeholder="0:299",
             key=f"frames_{place}",
             help="FIRST:LAST or FIRST:LAST:STEP, by the frame numbers of the truth.",
         )
-    return MissingInputs(**facts)
+    return MissingInputs(**values)
 
 
 def _draw_size(
@@ -215,12 +215,12 @@ def draw_reading(role: Role, key: str, changed: Callable[[], None]) -> dict[str,
         placeholder="as usual for the format",
         help="Names or numbers, with commas between them.",
     )
-    given = tuple(name.strip() for name in classes.split(",") if name.strip())
+    class_names = tuple(name.strip() for name in classes.split(",") if name.strip())
     return {
         "format": titles.get(title),
         "frame_base": FRAME_BASES[frame_base],
         "box_base": BOX_BASES[box_base],
-        "classes": given or None,
+        "classes": class_names or None,
     }
 
 

@@ -10,7 +10,7 @@ import streamlit as st
 
 from nvcore.inputs.files import system_names
 from nvcore.inputs.readers.meaning.names import NEUTRAL
-from nvcore.inputs.session import RecordingFacts, Session, Source
+from nvcore.inputs.session import RecordingEntry, Session, Source
 
 
 def proposed_names(
@@ -27,13 +27,13 @@ def proposed_names(
     >>> proposed_names([["0016.txt"], ["0016.txt"]], ["0016.txt"], ["0016"])
     ['System 1', 'System 2']
     """
-    taken = [*recordings, *(PurePosixPath(path).stem for path in truth)]
+    names_in_use = [*recordings, *(PurePosixPath(path).stem for path in truth)]
     numbered = [
         Source((f"System {number}/{paths[0]}",))
         for number, paths in enumerate(systems, start=1)
         if paths
     ]
-    names = iter(system_names(numbered, taken))
+    names = iter(system_names(numbered, names_in_use))
     return [next(names) if paths else "" for paths in systems]
 
 
@@ -82,5 +82,5 @@ def with_recording_name(session: Session, recordings: Sequence[str], name: str) 
     """The session with this name for its only recording."""
     if len(recordings) != 1 or not name or name == recordings[0]:
         return session
-    facts = next(iter(session.recordings), RecordingFacts(name))
-    return replace(session, recordings=(replace(facts, name=name),))
+    entry = next(iter(session.recordings), RecordingEntry(name))
+    return replace(session, recordings=(replace(entry, name=name),))

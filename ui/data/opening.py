@@ -17,7 +17,7 @@ from ui.widgets.text import plain
 
 _KEY: Final = "data_trouble"
 _OPENED: Final = "data_opened"
-_SHOWN: Final = "data_opened_shown"
+_SHOWN_OPENING: Final = "data_opened_shown"
 _SEE: Final = "see_opened"
 SESSION: Final = "session"
 """The part of the page that changes what is open, rather than opening something else."""
@@ -107,11 +107,11 @@ def draw_outcome() -> None:
 def _draw_opened(label: str) -> None:
     """The next step, for as long as one stays on the page."""
     n_opened = state.workspace().n_opened
-    is_first = st.session_state.get(_SHOWN) != n_opened
+    is_first = st.session_state.get(_SHOWN_OPENING) != n_opened
     if not is_first and _SEE not in st.session_state:  # values of another page's widgets go
         del st.session_state[_OPENED]
         return
-    st.session_state[_SHOWN] = n_opened
+    st.session_state[_SHOWN_OPENING] = n_opened
     st.success(
         f"**Opened: {plain(label)}.** Below: what to mind and what was read.{_on_thresholds()}",
         icon=":material/check_circle:",

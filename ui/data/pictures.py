@@ -22,14 +22,14 @@ class ChosenPictures:
 
 
 def draw_checked(
-    place: str, chosen: Mapping[str, Path], recordings: Sequence[str], refused: Sequence[str] = ()
+    place: str, paths: Mapping[str, Path], recordings: Sequence[str], refused: Sequence[str] = ()
 ) -> ChosenPictures:
     """What is wrong with the pictures of a form, and whether to go on without those.
 
     Files that were `refused` were not even taken.
     """
-    checks = {label: check_pictures(path) for label, path in chosen.items()}
-    usable = {label: path for label, path in chosen.items() if not checks[label].trouble}
+    checks = {label: check_pictures(path) for label, path in paths.items()}
+    usable = {label: path for label, path in paths.items() if not checks[label].trouble}
     troubles = [
         *refused,
         *(f"{label}: {check.trouble}" for label, check in checks.items() if check.trouble),

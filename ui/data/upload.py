@@ -43,7 +43,7 @@ FILES_HELP: Final = (
 
 
 @dataclass(frozen=True)
-class _Chosen:
+class _Field:
     """What the form says of one source, and the places on the page for more about it."""
 
     title: str
@@ -68,7 +68,7 @@ class _Stored:
     paths: Mapping[str, tuple[str, ...]]
     troubles: Mapping[str, str]
 
-    def source(self, chosen: _Chosen) -> Source:
+    def source(self, field: _Field) -> Source:
         """The files of a field.
 
         Raises
@@ -76,14 +76,14 @@ class _Stored:
         InputError
             If they could not be stored.
         """
-        if chosen.slot in self.troubles:
-            raise InputError(self.troubles[chosen.slot])
-        return Source(path=self.paths[chosen.slot], **chosen.reading)
+        if field.slot in self.troubles:
+            raise InputError(self.troubles[field.slot])
+        return Source(path=self.paths[field.slot], **field.reading)
 
-    def known_paths(self, chosen: _Chosen) -> list[str]:
+    def known_paths(self, field: _Field) -> list[str]:
         """Paths as the sender knows them, without the folders that are added here."""
         n_own = 1 + len(ANNOTATION_FOLDERS.parts)
-        return ["/".join(path.split("/")[n_own:]) for path in self.paths.get(chosen.slot, ())]
+        return ["/".join(path.split("/")[n_own:]) for path in self.paths.get(field.slot, ())]
 
 
 _changed = partial(forget_outcome, PLACE)
@@ -119,11 +119,11 @@ def draw() -> None:
         try_to_open(lambda: _session(truth, systems, stored, form), label=LABEL, place=PLACE)
 
 
-def _draw_truth() -> _Chosen:
+def _draw_truth() -> _Field:
     left, right = st.columns([1, 3])
     expander = "How to read the ground truth"
     key = "upload_truth"
-    return _Chosen("the ground truth", "truth", *_ask(right, "Ground truth", expander, key), left)
+    return _Field("the ground truth", "truth", *_ask(right, "Ground truth", expander, key), left)
 
 
 def _ask(
@@ -138,15 +138,15 @@ def _ask(
         return files, draw_reading(role, key, _changed), below
 
 
-def _draw_systems() -> list[_Chosen]:
+def _draw_systems() -> list[_Field]:
     n_systems = st.session_state.setdefault("upload_systems", 2)
     systems = []
     for number in range(n_systems):
         left, right = st.columns([1, 3])
         title, expander = f"system {_numbered(number)}", f"How to read system {number + 1}"
         key = f"upload_system_{number}"
-        asked = _ask(right, f"Detections of {title}", expander, key, "detections")
-        systems.append(_Chosen(title, f"system-{number + 1}", *asked, left))
+        answers = _ask(right, f"Detections of {title}", expander, key, "detections")
+        systems.append(_Field(title, f"system-{number + 1}", *answers, left))
     st.button(
         "Add a system",
         icon=":material/add:",
@@ -157,16 +157,16 @@ def _draw_systems() -> list[_Chosen]:
     return systems
 
 
-def _draw_frame_list() -> _Chosen:
+def _draw_frame_list() -> _Field:
     _, right = st.columns([1, 3])
     file = right.file_uploader(
         FRAMES_LABEL, key="upload_frames", help=FRAMES_HELP, on_change=_changed
     )
     files = [] if file is None else [file]
-    return _Chosen("the evaluated frames", "frames", files, {}, right.container(), right)
+    return _Field("the evaluated frames", "frames", files, {}, right.container(), right)
 
 
-def _check_list(stored: _Stored, listed: _Chosen, recordings: Sequence[str]) -> FrameList:
+def _check_list(stored: _Stored, listed: _Field, recordings: Sequence[str]) -> FrameList:
     if not listed.files:
         return FrameList()
     if listed.slot in stored.troubles:
@@ -180,7 +180,7 @@ def _numbered(number: int) -> str:
 
 
 def _draw_names(
-    stored: _Stored, truth: _Chosen, systems: Sequence[_Chosen], recordings: Sequence[str]
+    stored: _Stored, truth: _Field, systems: Sequence[_Field], recordings: Sequence[str]
 ) -> list[str]:
     proposed = proposed_names(
         [stored.known_paths(system) for system in systems], stored.known_paths(truth), recordings
@@ -220,7 +220,7 @@ def _remove_all(space: Workspace) -> None:
     remove_pictures(space, list(space.stored))
 
 
-def _store(space: Workspace, fields: Sequence[_Chosen]) -> _Stored:
+def _store(space: Workspace, fields: Sequence[_Field]) -> _Stored:
     """The files on disk; written again only where other files were chosen."""
     ids = tuple(field.ids for field in fields)
     before: _Stored | None = st.session_state.get(_STORED)
@@ -243,17 +243,17 @@ def _store(space: Workspace, fields: Sequence[_Chosen]) -> _Stored:
     return stored
 
 
-def _check(stored: _Stored, chosen: _Chosen, truth: FileCheck | None) -> FileCheck | None:
-    if not chosen.files:
+def _check(stored: _Stored, field: _Field, truth: FileCheck | None) -> FileCheck | None:
+    if not field.files:
         return None
-    role: Role = "truth" if chosen.slot == "truth" else "detections"
-    key = (chosen.ids, repr(chosen.reading), stored.troubles.get(chosen.slot), role)
+    role: Role = "truth" if field.slot == "truth" else "detections"
+    key = (field.ids, repr(field.reading), stored.troubles.get(field.slot), role)
     return check_files(
-        key, lambda: stored.source(chosen), role=role, folder=stored.folder, truth=truth
+        key, lambda: stored.source(field), role=role, folder=stored.folder, truth=truth
     )
 
 
-def _session(truth: _Chosen, systems: Sequence[_Chosen], stored: _Stored, form: Form) -> Session:
+def _session(truth: _Field, systems: Sequence[_Field], stored: _Stored, form: Form) -> Session:
     sent = [pair for pair in zip(systems, form.names, strict=True) if pair[0].files]
     form.check(has_truth=bool(truth.files), has_systems=bool(sent))
     sources = tuple(

@@ -69,17 +69,17 @@ class Section:
 def draw() -> None:
     """The page that the address names, at the section that it names."""
     st.title("Documentation")
-    asked = st.query_params.get("doc")
+    requested = st.query_params.get("doc")
     name = st.segmented_control(
         "Page",
         list(PAGES),
-        default=asked if asked in PAGES else "metrics",
+        default=requested if requested in PAGES else "metrics",
         required=True,
         format_func=PAGES.__getitem__,
         key="chosen_doc",
         label_visibility="collapsed",
     )
-    if name != (asked or "metrics"):
+    if name != (requested or "metrics"):
         st.query_params["doc"] = name
     for section in sections_of(name):
         if section.level == 2:
@@ -140,16 +140,16 @@ def anchor_of(title: str) -> str:
 
 def in_app_links(text: str, name: str) -> str:
     """The text with links to the app's own pages; links to other files become plain text."""
-    kept: list[str] = []
+    parts: list[str] = []
     end_of_last = 0
     for code in _CODE.finditer(text):  # brackets in code are no links
-        kept += [text[end_of_last : code.start()], code[0]]
+        parts += [text[end_of_last : code.start()], code[0]]
         end_of_last = code.end()
-    kept.append(text[end_of_last:])
-    held = {f"\0{i}\0": part for i, part in enumerate(kept) if i % 2}
-    joined = "".join(f"\0{i}\0" if i % 2 else part for i, part in enumerate(kept))
+    parts.append(text[end_of_last:])
+    part_of = {f"\0{i}\0": part for i, part in enumerate(parts) if i % 2}
+    joined = "".join(f"\0{i}\0" if i % 2 else part for i, part in enumerate(parts))
     linked = _LINK.sub(lambda link: _linked(link[1], link[2], name), joined)
-    return re.sub("\0\\d+\0", lambda place: held[place[0]], linked)
+    return re.sub("\0\\d+\0", lambda place: part_of[place[0]], linked)
 
 
 def _linked(label: str, target: str, name: str) -> str:

@@ -62,30 +62,30 @@ def key(name: str) -> str:
 def draw(encounters: pd.DataFrame) -> pd.DataFrame:
     """Draw the filters; returns the encounters that pass."""
     wrong = _take_category()
-    kept = _draw_widgets(encounters).keep(encounters)
+    matching = _draw_widgets(encounters).keep(encounters)
     _write_category(st.session_state[key("category")])
     # on the left: the table's own tools come up on the right
     count, clear, _ = st.columns([2, 1.4, 3], vertical_alignment="center")
-    count.markdown(f"**{len(kept):,}** of {len(encounters):,} encounters")
+    count.markdown(f"**{len(matching):,}** of {len(encounters):,} encounters")
     clear.button(
         "Clear filters",
         key="encounters_clear",
         on_click=clear_filters,
         type="tertiary",
         icon=":material/filter_alt_off:",
-        disabled=len(kept) == len(encounters),
+        disabled=len(matching) == len(encounters),
         width="stretch",
     )
     if wrong:
         st.warning(f"The address asks for unknown categories ({plain(wrong)}); they are left out.")
-    return kept
+    return matching
 
 
 def set_classes(x: str | None, y: str | None) -> None:
     """List the encounters of these miss classes only; None: of all. For callbacks."""
     clear_filters()
-    for name, chosen in (("class_x", x), ("class_y", y)):
-        st.session_state[key(name)] = [] if chosen is None else [chosen]
+    for name, classes in (("class_x", x), ("class_y", y)):
+        st.session_state[key(name)] = [] if classes is None else [classes]
     st.toast("The table above lists the encounters that you clicked.", icon=":material/filter_alt:")
 
 
@@ -102,18 +102,18 @@ def _take_category() -> str:
     widget, handed = key("category"), st.session_state.pop(LINK, None)
     link = st.query_params.get(LINK)
     if handed is not None:
-        asked = [handed] if isinstance(handed, str) else list(handed)
+        categories = [handed] if isinstance(handed, str) else list(handed)
     elif link is not None and link != st.session_state.get("encounters_link"):
-        asked = link.split(",")
+        categories = link.split(",")
     else:
         return ""
-    st.session_state[widget] = [category for category in CATEGORIES if category in asked]
-    return ", ".join(category for category in asked if category not in CATEGORIES)
+    st.session_state[widget] = [category for category in CATEGORIES if category in categories]
+    return ", ".join(category for category in categories if category not in CATEGORIES)
 
 
-def _write_category(chosen: Sequence[str]) -> None:
+def _write_category(categories: Sequence[str]) -> None:
     """Keep the address in step, so that it can be passed on."""
-    link = ",".join(chosen)
+    link = ",".join(categories)
     st.session_state["encounters_link"] = link
     if link:
         st.query_params[LINK] = link
@@ -195,7 +195,7 @@ def _range(
     low = float(np.round(np.floor(values.min() / step) * step, 6))
     high = float(np.round(max(np.ceil(values.max() / step) * step, low + step), 6))
     form = "%.0f" if step >= 1 else "%.2f" if step < 0.1 else "%.1f"
-    chosen: tuple[float, float] = place.slider(
+    ends: tuple[float, float] = place.slider(
         label, low, high, (low, high), step, form, key=key(name), help=text, persist_state="session"
     )
-    return None if chosen == (low, high) else chosen
+    return None if ends == (low, high) else ends

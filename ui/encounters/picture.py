@@ -26,13 +26,13 @@ def draw(result: Result, encounter: int, row: int) -> None:
     recording, in_recording = state.place_of(row)
     pictures, picture = picture_of(state.workspace(), recording, in_recording)
     lo, hi = state.stretch()
-    drawn = annotate(
+    drawing = annotate(
         result, pictures, picture, row, lo=lo, hi=hi, layers=LAYERS, labels=True, caption=False
     )
     frames = result.dataset.frame_columns
-    scale = drawn.shape[1] / frames.width[recording], drawn.shape[0] / frames.height[recording]
+    scale = drawing.shape[1] / frames.width[recording], drawing.shape[0] / frames.height[recording]
     st.image(
-        cut_out(drawn, encounter_box(result, encounter, row) * np.tile(scale, 2)),
+        cut_out(drawing, encounter_box(result, encounter, row) * np.tile(scale, 2)),
         width="stretch",
         alt="The pedestrian with the boxes of truth, X and Y",
     )

@@ -46,7 +46,7 @@ ORDER: Final = (
     "loses, then those without failure; distant ones are last. In each of these groups the "
     "tallest, so the nearest, are on top. Click a heading to sort by it."
 )
-CHOSEN: Final = "encounters_chosen"
+SELECTED: Final = "encounters_chosen"
 
 
 def draw(result: Result, encounters: pd.DataFrame) -> None:
@@ -63,8 +63,8 @@ def draw(result: Result, encounters: pd.DataFrame) -> None:
 
 
 def _draw_table(encounters: pd.DataFrame) -> None:
-    rest = [name for name in encounters if name not in FIRST_COLUMNS]
-    shown = as_shown(by_weight(encounters)[[*FIRST_COLUMNS, *rest]].head(MOST_ROWS))
+    other_columns = [name for name in encounters if name not in FIRST_COLUMNS]
+    table = as_shown(by_weight(encounters)[[*FIRST_COLUMNS, *other_columns]].head(MOST_ROWS))
     left, right = st.columns([5, 1], vertical_alignment="bottom")
     left.caption(ORDER)
     has_all = right.toggle(
@@ -74,17 +74,17 @@ def _draw_table(encounters: pd.DataFrame) -> None:
         help="Also lag, gap, tail, frames, pose and more, to the right.",
     )
     # a key for these rows: a selection must not move to another pedestrian
-    key = f"encounters_table_{hash(tuple(shown.index))}"
+    key = f"encounters_table_{hash(tuple(table.index))}"
     st.dataframe(
-        shown,
+        table,
         hide_index=True,
         column_config=column_config("encounters.csv"),
-        height=table_height(len(shown)),
+        height=table_height(len(table)),
         placeholder=UNDEFINED,
         key=key,
         column_order=None if has_all else FIRST_COLUMNS,
         selection_mode=("single-row", "single-cell"),
-        on_select=partial(_choose_row, key, shown.index),
+        on_select=partial(_choose_row, key, table.index),
     )
     if note := rows_told(len(encounters), "first"):
         st.caption(f"{note} The filters choose among all.")
@@ -127,23 +127,23 @@ def _choose_point() -> None:
 
 def _choose(encounter: int) -> None:
     """Remember an encounter by its row, for the data that are open."""
-    st.session_state[CHOSEN] = (state.opened().dataset.fingerprint, encounter)
+    st.session_state[SELECTED] = (state.opened().dataset.fingerprint, encounter)
 
 
 def _draw_chosen(result: Result, encounters: pd.DataFrame) -> None:
-    fingerprint, chosen = st.session_state.get(CHOSEN, ("", -1))
-    if fingerprint != result.dataset.fingerprint or chosen not in encounters.index:
+    fingerprint, encounter = st.session_state.get(SELECTED, ("", -1))
+    if fingerprint != result.dataset.fingerprint or encounter not in encounters.index:
         st.info(
             "Click a row of the table or a mark on the map to see the encounter here and open it "
             "in the Timeline.",
             icon=":material/touch_app:",
         )
         return
-    row = encounters.loc[chosen]
+    row = encounters.loc[encounter]
     st.header(f"Pedestrian {row['track']} in {plain(row['recording'])}")
     st.markdown(CATEGORY_TEXT[Category(row["category"])])
-    moments = encounter_moments(result).iloc[chosen]
-    picture.draw(result, chosen, int(moments["shown_row"]))
+    moments = encounter_moments(result).iloc[encounter]
+    picture.draw(result, encounter, int(moments["shown_row"]))
     _draw_ways(result, moments)
     st.table(_both(row))
     st.caption(
@@ -170,16 +170,16 @@ def _both(row: pd.Series[Any]) -> pd.DataFrame:
 
 
 def _seconds(value: float) -> str:
-    shown = number(value, ".2f")
-    return shown if shown == UNDEFINED else f"{shown} s"
+    text = number(value, ".2f")
+    return text if text == UNDEFINED else f"{text} s"
 
 
 def _draw_ways(result: Result, moments: pd.Series[Any]) -> None:
     """Buttons to the frames that are worth seeing."""
     frames = result.dataset.frames
-    shown = int(moments["shown_row"])
+    shown_row = int(moments["shown_row"])
     by = {letter: int(moments[f"missed_row_{letter}"]) for letter in "xy"}
-    first = [letter.upper() for letter, row in by.items() if row == shown]
+    first = [letter.upper() for letter, row in by.items() if row == shown_row]
     if st.button(
         "Show in timeline",
         key="encounters_show",
@@ -187,13 +187,13 @@ def _draw_ways(result: Result, moments: pd.Series[Any]) -> None:
         icon=":material/movie:",
         width="stretch",
     ):
-        open_row(shown)
+        open_row(shown_row)
     why = f"where {' and '.join(first)} first miss{'es' if len(first) == 1 else ''} the pedestrian"
     st.caption(
-        f"Frame {frames['frame'].iloc[shown]} at {frames['time_s'].iloc[shown]:.2f} s"
+        f"Frame {frames['frame'].iloc[shown_row]} at {frames['time_s'].iloc[shown_row]:.2f} s"
         f"{', ' + why if first else ', where the encounter begins to count'}."
     )
-    later = {letter: row for letter, row in by.items() if row > shown}
+    later = {letter: row for letter, row in by.items() if row > shown_row}
     for letter, row in later.items():
         if st.button(
             f"Show where {letter.upper()} first misses (frame {frames['frame'].iloc[row]})",

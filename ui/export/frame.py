@@ -26,7 +26,7 @@ def choose_frame(result: Result) -> bool:
     recording_choice()
     recording, row = state.recording(), state.row()
     numbers = numbers_of(result, recording)
-    wanted = st.number_input(
+    number = st.number_input(
         "Frame",
         int(numbers[0]),
         int(numbers[-1]),
@@ -36,8 +36,8 @@ def choose_frame(result: Result) -> bool:
         width=200,
         help="The frame of the Timeline page. Frames that are not evaluated give the nearest.",
     )
-    if wanted != numbers[row]:
-        state.go_to(recording, nearest_row(numbers, wanted, row))
+    if number != numbers[row]:
+        state.go_to(recording, nearest_row(numbers, number, row))
         st.rerun()
     return True
 
@@ -64,12 +64,12 @@ def draw(result: Result) -> None:
         result, pictures, index, row, lo=lo, hi=hi, layers=layers, labels=labels, caption=caption
     )
     name, frame = state.recording_names()[recording], int(result.dataset.frame_columns.frame[row])
-    drawn = ", ".join(LAYERS[layer] for layer in layers) or "nobody"
+    layer_names = ", ".join(LAYERS[layer] for layer in layers) or "nobody"
     left.image(
         picture,
         caption=f"Frame {frame}, as it will be saved",
         width="stretch",
-        alt=f"Frame {frame} of {name} with the boxes of {drawn}",
+        alt=f"Frame {frame} of {name} with the boxes of {layer_names}",
     )
     right.download_button(
         "Picture (PNG)",
@@ -93,7 +93,7 @@ def numbers_of(result: Result, recording: int) -> np.ndarray:
     return frames.frame[frames.first[recording] : frames.first[recording + 1]]
 
 
-def nearest_row(numbers: np.ndarray, wanted: int, row: int) -> int:
+def nearest_row(numbers: np.ndarray, number: int, row: int) -> int:
     """Row of the evaluated frame for a number, one further at least: a step always moves.
 
     Examples
@@ -103,9 +103,9 @@ def nearest_row(numbers: np.ndarray, wanted: int, row: int) -> int:
     >>> nearest_row(np.array([0, 20, 40]), 38, 0)
     2
     """
-    nearest = int(np.abs(numbers - wanted).argmin())
+    nearest = int(np.abs(numbers - number).argmin())
     if nearest == row:
-        nearest += 1 if wanted > numbers[row] else -1
+        nearest += 1 if number > numbers[row] else -1
     return min(max(nearest, 0), len(numbers) - 1)
 
 

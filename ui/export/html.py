@@ -106,9 +106,9 @@ def _start(result: Result, key: ReportKey) -> None:
 def shown_result(result: Result) -> Result:
     """The result with files named without the folders of the machine."""
     inputs = result.dataset.inputs
-    named = inputs.assign(file=[without_paths(name) for name in inputs["file"]])
+    table = inputs.assign(file=[without_paths(name) for name in inputs["file"]])
     notes = tuple(without_paths(note) for note in result.dataset.notes)
-    return replace(result, dataset=replace(result.dataset, inputs=named, notes=notes))
+    return replace(result, dataset=replace(result.dataset, inputs=table, notes=notes))
 
 
 def start_job(

@@ -41,7 +41,7 @@ def draw() -> None:
     st.caption(COMPLETE if _is_sample() else INCOMPLETE)
 
 
-def link(here: str, page: str, params: dict[str, str]) -> str:
+def link(address: str, page: str, params: dict[str, str]) -> str:
     """Address of a page of the app, from that of the Export page and the parameters.
 
     Examples
@@ -49,9 +49,9 @@ def link(here: str, page: str, params: dict[str, str]) -> str:
     >>> link("http://localhost:8501/nv/export", "timeline", {"alpha": "0.5", "doc": "report"})
     'http://localhost:8501/nv/timeline?alpha=0.5'
     """
-    start = here.rstrip("/").removesuffix(f"/{PAGE}")
-    kept = {name: value for name, value in params.items() if name not in NO_STATE}
-    return f"{start}/{page}" + (f"?{urlencode(kept)}" if kept else "")
+    start = address.rstrip("/").removesuffix(f"/{PAGE}")
+    state_params = {name: value for name, value in params.items() if name not in NO_STATE}
+    return f"{start}/{page}" + (f"?{urlencode(state_params)}" if state_params else "")
 
 
 def _is_sample() -> bool:

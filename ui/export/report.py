@@ -19,7 +19,7 @@ from ui.session.opening import live_session
 from ui.shell.messages import without_paths
 from ui.widgets.text import UNDEFINED, docs_link, plain
 
-WHAT: Final = {
+CONTENTS: Final = {
     "frames.csv": "evaluated frames: counts, distances and similarity of each",
     "encounters.csv": "encounters: who detected the pedestrian, how each system failed, when",
     "events.csv": "saliency events of X and Y",
@@ -104,7 +104,7 @@ def _draw_files(result: Result, report: _Report) -> None:
             icon=":material/download:",
             key=f"export_{name}",
         )
-        text.markdown(f"{counts[name]:,} {WHAT[name]}" if name in counts else WHAT[name])
+        text.markdown(f"{counts[name]:,} {CONTENTS[name]}" if name in counts else CONTENTS[name])
 
 
 def _draw_columns() -> None:
@@ -125,23 +125,23 @@ def _draw_columns() -> None:
 
 def _joined(columns: tuple[Column, ...]) -> list[tuple[str, Column]]:
     """Columns with their names as Markdown; those of X and of Y in one row."""
-    known = {column.name for column in columns}
+    names = {column.name for column in columns}
     rows = []
     for column in columns:
         of_y = column.name[:-1] + "y"
-        if column.name.endswith("_x") and of_y in known:
+        if column.name.endswith("_x") and of_y in names:
             rows.append((f"`{column.name}`, `{of_y}`", column))
-        elif not (column.name.endswith("_y") and column.name[:-1] + "x" in known):
+        elif not (column.name.endswith("_y") and column.name[:-1] + "x" in names):
             rows.append((f"`{column.name}`", column))
     return rows
 
 
 def _draw_session_note(session: Session) -> None:
-    named = inputs_beside(session)
-    more = len(named) - MOST_NAMED
-    shown = ", ".join(plain(name) for name in named[:MOST_NAMED])
+    input_files = inputs_beside(session)
+    more = len(input_files) - MOST_NAMED
+    first_files = ", ".join(plain(name) for name in input_files[:MOST_NAMED])
     st.caption(
-        f"To get the same report again, put `session.toml` beside its inputs: {shown}"
+        f"To get the same report again, put `session.toml` beside its inputs: {first_files}"
         + (f" and {more} more" if more > 0 else "")
         + ". Then run `nvcore compare session.toml --out again`, or open it on the Data page "
         "together with these files. It names no folder of this computer."

@@ -99,7 +99,7 @@ def _names_of_uploads(session: Session, recordings: Set[str]) -> Mapping[str, st
         stem = PurePosixPath(path).stem
         if stem in recordings and stem.lower() in NEUTRAL:
             spellings[path] = spellings[path][-1:] * 3
-    chosen: dict[str, str] = {}
+    name_of: dict[str, str] = {}
     for path, names in spellings.items():
         others = [theirs for other, theirs in spellings.items() if other != path]
         own = [
@@ -107,8 +107,8 @@ def _names_of_uploads(session: Session, recordings: Set[str]) -> Mapping[str, st
             for level, name in enumerate(names)
             if name.casefold() not in {theirs[level].casefold() for theirs in others}
         ]
-        chosen[path] = (own or names[-1:])[0]
-    return chosen
+        name_of[path] = (own or names[-1:])[0]
+    return name_of
 
 
 def _spellings(path: str) -> tuple[str, ...]:

@@ -62,8 +62,8 @@ def _draw_form(result: Result, *, is_busy: bool) -> None:
     recording = state.recording()
     times = _times_of(result, recording)
     end = float(times[-1])
-    here = float(times[state.row()])
-    start = max(min(here - USUAL_S / 2, end - USUAL_S), 0.0)
+    now_s = float(times[state.row()])
+    start = max(min(now_s - USUAL_S / 2, end - USUAL_S), 0.0)
     columns = st.columns([1, 1, 1, 1], vertical_alignment="bottom")
     # a key for each place: the proposal follows the current frame
     key = f"{recording}_{state.row()}"

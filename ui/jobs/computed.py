@@ -41,5 +41,7 @@ class Computation(Generic[Output]):
                 return output, False
         if not is_quick and space.peek(self.kind, self.key) is None:
             return None, True
-        made = state.cached(self.kind, self.key, lambda: self.compute(no_progress), most=self.most)
-        return made, False
+        result = state.cached(
+            self.kind, self.key, lambda: self.compute(no_progress), most=self.most
+        )
+        return result, False

@@ -66,7 +66,7 @@ def _draw_subgroups(result: Result, evidence: pd.DataFrame) -> None:
     keys = [key for key in EVIDENCE_KEYS if key in labels]
     # where encounters are single frames, a test of single encounters says nothing
     is_fit = [not result.is_short or inference_of(key).test != "encounters" for key in keys]
-    chosen = st.selectbox(
+    measure = st.selectbox(
         "Measure by group",
         keys,
         index=is_fit.index(True),
@@ -79,12 +79,12 @@ def _draw_subgroups(result: Result, evidence: pd.DataFrame) -> None:
 
     def make() -> pd.DataFrame:
         with st.spinner("Comparing the groups"):
-            return subgroup_table(result, [chosen], protocol=protocol)
+            return subgroup_table(result, [measure], protocol=protocol)
 
-    key = (result.params, result.x.name, result.y.name, protocol, chosen)
+    key = (result.params, result.x.name, result.y.name, protocol, measure)
     table = state.cached("subgroups", key, make, most=len(EVIDENCE_KEYS))
     draw_chart(subgroup_forest(table, theme=state.theme()), "subgroups")
-    if why := inference_of(chosen).not_of_pedestrians:
+    if why := inference_of(measure).not_of_pedestrians:
         st.caption(
             f"{UNDEFINED} Near, far, centre, edge, occlusion, pose: {why}. "
             "Only groups of recordings have this measure, by the tags that a session file gives."

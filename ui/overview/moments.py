@@ -73,11 +73,11 @@ def _thumbnail(result: Result, recording: int, in_recording: int, row: int) -> b
 
 def _draw(result: Result, pictures: Pictures, row: int, index: int) -> bytes:
     lo, hi = state.stretch()
-    drawn = annotate(
+    drawing = annotate(
         result, pictures, index, row, lo=lo, hi=hi, layers=LAYERS, labels=False, caption=False
     )
-    scale = THUMBNAIL_PX / drawn.shape[1]
-    small = cv2.resize(drawn, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
+    scale = THUMBNAIL_PX / drawing.shape[1]
+    small = cv2.resize(drawing, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
     return jpeg(small)
 
 

@@ -17,7 +17,7 @@ from ui.ratings.source import RatingSource
 from ui.session import state
 from ui.shell import live_params
 
-KEPT: Final = "rating_fits_taken"
+FITS: Final = "rating_fits_taken"
 MOST: Final = 8
 
 
@@ -25,13 +25,13 @@ MOST: Final = 8
 class AppliedFit:
     """Fitted settings that were put into the sidebar, and those before, by name.
 
-    Knows the dataset's fingerprint, and which ratings it has `seen` (`_who_rates_what`).
+    Knows the dataset's fingerprint, and which ratings it has `rating_keys` (`_who_rates_what`).
     """
 
     fitted: dict[str, Any]
     before: dict[str, Any]
     fingerprint: str
-    seen: np.ndarray
+    rating_keys: np.ndarray
     is_simulated: bool
 
     def is_in_use(self, params: Params) -> bool:
@@ -40,7 +40,7 @@ class AppliedFit:
 
     def share_seen(self, rating_source: RatingSource) -> float:
         """The share of these ratings that it was fitted to, 0 to 1; whatever their values."""
-        return float(np.mean(np.isin(_who_rates_what(rating_source), self.seen)))
+        return float(np.mean(np.isin(_who_rates_what(rating_source), self.rating_keys)))
 
     def is_of(self, fit: Fit) -> bool:
         """Whether these are the settings of that fit."""
@@ -105,18 +105,18 @@ def apply(
     newest = AppliedFit(
         fit.changed, before, fingerprint, _who_rates_what(rating_source), rating_source.is_simulated
     )
-    state.workspace().notes[KEPT] = [newest, *_others(fit_in_use)][:MOST]
+    state.workspace().notes[FITS] = [newest, *_others(fit_in_use)][:MOST]
     _set({**(fit_in_use.before if fit_in_use else {}), **fit.changed})
 
 
 def undo(fit_in_use: AppliedFit) -> None:
     """Move the sidebar to the settings before the fit."""
-    state.workspace().notes[KEPT] = _others(fit_in_use)
+    state.workspace().notes[FITS] = _others(fit_in_use)
     _set(fit_in_use.before)
 
 
 def _all() -> list[AppliedFit]:
-    fits: list[AppliedFit] = state.workspace().notes.get(KEPT, [])
+    fits: list[AppliedFit] = state.workspace().notes.get(FITS, [])
     return fits
 
 
@@ -125,8 +125,8 @@ def _others(fit_in_use: AppliedFit | None) -> list[AppliedFit]:
 
 
 def _set(values: dict[str, Any]) -> None:
-    shown = {
+    changes = {
         name: live_params.default_of_height(name) if value is None else value
         for name, value in values.items()
     }
-    state.set_params(**shown)
+    state.set_params(**changes)

@@ -54,7 +54,7 @@ def _begin(result: Result) -> None:
         f"rates it from 1 ({ENDS[0]}) to 7 ({ENDS[1]}). The score thresholds in use now decide "
         "which boxes are shown."
     )
-    chosen = st.multiselect("Recordings", names, default=names, key="rating_recordings")
+    recordings = st.multiselect("Recordings", names, default=names, key="rating_recordings")
     whose = st.segmented_control(
         "Whose boxes",
         [*both, "both"],
@@ -66,7 +66,7 @@ def _begin(result: Result) -> None:
         ),
     )
     systems = both if whose == "both" else [whose]
-    clips = [(name, system) for system in systems for name in names if name in chosen]
+    clips = [(name, system) for system in systems for name in names if name in recordings]
     st.caption(f"{count_text(len(clips), 'clip')}.")
     if st.button("Start a rating session", type="primary", key="rating_start"):
         try:

@@ -40,8 +40,8 @@ def store() -> RatingStore:
 
 
 def _file() -> Path:
-    given = os.environ.get(VARIABLE)
-    return Path(given) if given else Path(click.get_app_dir("nvcore")) / "ratings.sqlite"
+    folder = os.environ.get(VARIABLE)
+    return Path(folder) if folder else Path(click.get_app_dir("nvcore")) / "ratings.sqlite"
 
 
 def is_participant() -> bool:
@@ -57,8 +57,8 @@ def conducted() -> Study | None:
     InputError
         If the address names none that there is.
     """
-    asked = st.query_params.get(CONDUCT)
-    secret: str | None = asked or st.session_state.get(OPEN)
+    key = st.query_params.get(CONDUCT)
+    secret: str | None = key or st.session_state.get(OPEN)
     if secret is None:
         return None
     study = store().study_of_conductor(secret)
@@ -122,11 +122,11 @@ def thresholds_apart(study: Study) -> dict[str, tuple[float | None, float | None
         span = state.score_span(name)
         if span is None or name not in study.thresholds:
             continue
-        wanted = study.thresholds[name]
-        if wanted is not None:
-            wanted = None if wanted <= span[0] else min(wanted, span[1])
-        if value != wanted:
-            apart[name] = wanted, value
+        threshold = study.thresholds[name]
+        if threshold is not None:
+            threshold = None if threshold <= span[0] else min(threshold, span[1])
+        if value != threshold:
+            apart[name] = threshold, value
     return apart
 
 

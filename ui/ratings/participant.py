@@ -22,7 +22,7 @@ ENDS: Final = ("not annoying at all", "very annoying")
 """Ends of the scale, as in figure 9 of the paper."""
 HEIGHT_PX: Final = 640
 WAITING: Final = "rating_waiting"
-KNOWN: Final = "rating_known_name"
+KNOWN_NAME: Final = "rating_known_name"
 CHANGING: Final = "rating_changing"
 BEFORE: Final = "rating_thresholds_before"
 """Thresholds of who conducts, while somebody rates on that screen."""
@@ -52,9 +52,9 @@ def draw() -> None:
     order = store.order(study, name)
     rated = store.ratings_of(study, name)
     left = [clip for clip in order if clip not in rated]
-    done = [clip for clip in order if clip in rated]
-    if done and st.session_state.get(CHANGING, False):
-        _change(result, study, store, name, done[-1])
+    rated_clips = [clip for clip in order if clip in rated]
+    if rated_clips and st.session_state.get(CHANGING, False):
+        _change(result, study, store, name, rated_clips[-1])
     elif left:
         _clip(result, study, store, name, left)
     else:
@@ -96,8 +96,10 @@ def enter(token: str, name: str | None = None) -> None:
 
 def _is_open(study: Study) -> bool:
     """Whether what is open has the clips of the study."""
-    named = {system for _, system in study.clips}
-    return state.opened().dataset.fingerprint == study.fingerprint and named <= set(state.systems())
+    systems = {system for _, system in study.clips}
+    return state.opened().dataset.fingerprint == study.fingerprint and systems <= set(
+        state.systems()
+    )
 
 
 def _show_its_boxes(study: Study) -> None:
@@ -109,7 +111,7 @@ def _show_its_boxes(study: Study) -> None:
         mine = st.session_state.setdefault(BEFORE, {})
         for name, (_, live) in apart.items():
             mine.setdefault(name, live)
-    links.set_thresholds({name: shown for name, (shown, _) in apart.items()})
+    links.set_thresholds({name: of_clips for name, (of_clips, _) in apart.items()})
     st.rerun()
 
 
@@ -134,19 +136,19 @@ def _welcome(study: Study, store: RatingStore) -> None:
         )
         is_sent = st.form_submit_button("Begin", type="primary")
     if is_sent:
-        st.session_state[KNOWN] = ""
-        given = (name or "").strip()
-        if store.ratings_of(study, given):
-            st.session_state[KNOWN] = given
+        st.session_state[KNOWN_NAME] = ""
+        typed_name = (name or "").strip()
+        if store.ratings_of(study, typed_name):
+            st.session_state[KNOWN_NAME] = typed_name
         else:
-            _join(study, store, given)
-    if known := st.session_state.get(KNOWN, ""):
+            _join(study, store, typed_name)
+    if known := st.session_state.get(KNOWN_NAME, ""):
         st.info(
             f"{plain(known)} has rated {len(store.ratings_of(study, known))} of {n} clips already. "
             "If that was somebody else, choose another name."
         )
         if st.button(f"I am {plain(known)}: go on", key="rating_known"):
-            st.session_state[KNOWN] = ""
+            st.session_state[KNOWN_NAME] = ""
             _join(study, store, known)
     _back(study)
 
@@ -197,9 +199,9 @@ def _change(result: Result, study: Study, store: RatingStore, name: str, clip: i
 def _ask(study: Study, store: RatingStore, name: str, clip: int, key: str) -> None:
     with st.container(key="rating_scale"):
         st.markdown("**How annoying would it be to drive with this system?**")
-        chosen = _scale(study, clip)
-    if chosen is not None:
-        store.rate(study, name, clip, chosen, n_plays=n_plays_in(key))
+        rating = _scale(study, clip)
+    if rating is not None:
+        store.rate(study, name, clip, rating, n_plays=n_plays_in(key))
         st.session_state[CHANGING] = False
         st.rerun()
 

@@ -34,7 +34,7 @@ STRONG: Final = 0.7
 MODERATE: Final = 0.4
 MOST_KEPT: Final = 8
 MOST_NAMED: Final = 8
-HOW: Final = docs_link("how", "saliency-against-mean-rank", doc="ratings")
+METHOD: Final = docs_link("how", "saliency-against-mean-rank", doc="ratings")
 
 
 def draw(result: Result) -> None:
@@ -51,19 +51,19 @@ def draw(result: Result) -> None:
     _draw_unknown(ratings, unknown)
     digest = rating_source.digest()
     left_out = _people(ratings, digest)
-    kept = ratings[~ratings["participant"].isin(left_out)]
-    ranks = rank_ratings(kept)
+    included = ratings[~ratings["participant"].isin(left_out)]
+    ranks = rank_ratings(included)
     if ranks.empty:
         st.info("Nobody is left." if left_out else "No clip of this comparison is rated.")
         return
     clips = join_clips(ranks, saliency)
-    rating_source = replace(rating_source, ratings=kept)
+    rating_source = replace(rating_source, ratings=included)
     fit_in_use = applied_fit.in_use(result, rating_source)
     st.header("Does saliency say what people say?")
     _cautions(result, rating_source, len(ranks), fit_in_use)
     _against_saliency(result, clips)
     fit.draw(result, clips, (digest, tuple(left_out)), rating_source, fit_in_use)
-    _downloads(kept, ranks)
+    _downloads(included, ranks)
 
 
 def _draw_unknown(ratings: pd.DataFrame, unknown: pd.DataFrame) -> None:
@@ -73,11 +73,11 @@ def _draw_unknown(ratings: pd.DataFrame, unknown: pd.DataFrame) -> None:
     clips = unknown[["clip", "system"]].drop_duplicates()
     clip_names = [f"{clip} ({system})" for clip, system in clips.head(MOST_NAMED).to_numpy()]
     more = ", ..." if len(clips) > MOST_NAMED else ""
-    gone = sorted(set(unknown["participant"]) - set(ratings["participant"]))
-    who = f" Nothing is left of {plain(', '.join(gone[:MOST_NAMED]))}." if gone else ""
+    vanished = sorted(set(unknown["participant"]) - set(ratings["participant"]))
+    note = f" Nothing is left of {plain(', '.join(vanished[:MOST_NAMED]))}." if vanished else ""
     st.warning(
         f"{count_text(len(clips), 'rated clip')} not in this comparison, left out of all numbers "
-        f"with {count_text(len(unknown), 'rating')}: {plain(', '.join(clip_names))}{more}.{who}",
+        f"with {count_text(len(unknown), 'rating')}: {plain(', '.join(clip_names))}{more}.{note}",
         icon=":material/link_off:",
     )
 
@@ -101,27 +101,29 @@ def _people(ratings: pd.DataFrame, digest: int) -> list[str]:
         help="Who took the scale the wrong way round, or did not watch. Everybody who is left out "
         "is told here and counts in nothing below.",
     )
-    kept = everybody
+    agreement = everybody
     if left_out:
         others = ratings[~ratings["participant"].isin(left_out)]
-        kept = _agreement(others, (digest, tuple(left_out)))
+        agreement = _agreement(others, (digest, tuple(left_out)))
         st.warning(
             f"{count_text(len(left_out), 'participant')} left out by hand: "
             f"{plain(', '.join(left_out))}. All numbers are without them.",
             icon=":material/person_off:",
         )
     columns = st.columns(4)
-    columns[0].metric("Kendall's W", number(kept.w, ".2f"), help=kept.method)
-    columns[1].metric("participants", f"{kept.n_participants:,}")
-    columns[2].metric("clips", f"{kept.n_clips:,}")
-    columns[3].metric("ratings missing", f"{kept.n_missing:,}")
-    if np.isfinite(kept.w) and not kept.is_more_than_chance:
-        st.warning(plain(_concordance(kept)), icon=":material/warning:")
+    columns[0].metric("Kendall's W", number(agreement.w, ".2f"), help=agreement.method)
+    columns[1].metric("participants", f"{agreement.n_participants:,}")
+    columns[2].metric("clips", f"{agreement.n_clips:,}")
+    columns[3].metric("ratings missing", f"{agreement.n_missing:,}")
+    if np.isfinite(agreement.w) and not agreement.is_more_than_chance:
+        st.warning(plain(_concordance(agreement)), icon=":material/warning:")
     else:
-        st.markdown(plain(_concordance(kept)))
-    odd = people.loc[people["is_outlier"] & ~people["participant"].isin(left_out), "participant"]
-    if len(odd):
-        names = plain(", ".join(odd.head(MOST_NAMED)))
+        st.markdown(plain(_concordance(agreement)))
+    outliers = people.loc[
+        people["is_outlier"] & ~people["participant"].isin(left_out), "participant"
+    ]
+    if len(outliers):
+        names = plain(", ".join(outliers.head(MOST_NAMED)))
         st.caption(
             f"{names}: ranks the clips another way than the others do. Look why before you leave "
             "anybody out."
@@ -200,7 +202,7 @@ def _against_saliency(result: Result, clips: pd.DataFrame) -> None:
         "1: the more annoying people find a clip, the higher its saliency; 0: no connection. "
         "Intervals are from resampling the clips. Intervals and p take the clips as independent; "
         "two clips of one recording are not, so the intervals are somewhat too narrow and p "
-        f"somewhat too small ({HOW})."
+        f"somewhat too small ({METHOD})."
     )
     with st.expander("Mean rank of each clip", key="rating_clips_open"):
         st.dataframe(

@@ -118,8 +118,8 @@ def _draw_apart(result: Result, apart: dict[str, tuple[float | None, float | Non
     """A warning that the clips showed other boxes than saliency is computed from."""
     clips_shown = [
         f"{'X' if name == result.x.name else 'Y'} {plain(name)}: clips at "
-        f"{_threshold(shown)}, now {_threshold(live)}"
-        for name, (shown, live) in apart.items()
+        f"{_threshold(of_clips)}, now {_threshold(live)}"
+        for name, (of_clips, live) in apart.items()
     ]
     st.warning(
         "The clips showed **other boxes than those compared below**: the score thresholds have "
@@ -131,7 +131,7 @@ def _draw_apart(result: Result, apart: dict[str, tuple[float | None, float | Non
         key="ratings_thresholds",
         icon=":material/undo:",
         on_click=links.set_thresholds,
-        args=({name: shown for name, (shown, _) in apart.items()},),
+        args=({name: of_clips for name, (of_clips, _) in apart.items()},),
     )
 
 

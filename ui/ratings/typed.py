@@ -18,7 +18,7 @@ COLUMNS: Final = ("participant", "clip", "system", "rating")
 EDITOR: Final = "ratings_typed"
 START: Final = "ratings_typed_start"
 LAST: Final = "ratings_typed_last"
-DRAWN: Final = "ratings_typed_drawn"
+EDITOR_NUMBER: Final = "ratings_typed_drawn"
 DRAWN_OF: Final = "ratings_typed_drawn_of"
 MOST_TOLD: Final = 5
 
@@ -36,7 +36,7 @@ def typed(result: Result) -> pd.DataFrame | None:
     if st.session_state.setdefault(DRAWN_OF, token) != token:  # restored after a reload
         st.session_state[DRAWN_OF] = token
         _draw_anew()
-    key = f"{EDITOR}_{st.session_state.setdefault(DRAWN, 0)}"
+    key = f"{EDITOR}_{st.session_state.setdefault(EDITOR_NUMBER, 0)}"
     if key not in st.session_state:  # drawn anew: with what was typed before
         st.session_state[START] = _before()
     table = st.data_editor(
@@ -68,7 +68,7 @@ def _before() -> pd.DataFrame:
 
 def _draw_anew() -> None:
     """Let there be a table of its own, in which nothing is typed yet."""
-    st.session_state[DRAWN] = st.session_state.get(DRAWN, 0) + 1
+    st.session_state[EDITOR_NUMBER] = st.session_state.get(EDITOR_NUMBER, 0) + 1
 
 
 def _ask_for_rows(result: Result) -> None:
@@ -114,12 +114,12 @@ def _missing_rows(before: pd.DataFrame, person: str, result: Result) -> pd.DataF
     ]
     mine = before[before["participant"] == person]
     has_row = set(zip(mine["clip"], mine["system"], strict=True))
-    lacking = [clip for clip in clips if clip not in has_row]
+    unrated = [clip for clip in clips if clip not in has_row]
     return pd.DataFrame(
         {
             "participant": person,
-            "clip": [clip for clip, _ in lacking],
-            "system": [system for _, system in lacking],
+            "clip": [clip for clip, _ in unrated],
+            "system": [system for _, system in unrated],
             "rating": float("nan"),
         }
     )
@@ -147,17 +147,17 @@ def _complete(table: pd.DataFrame) -> pd.DataFrame:
             f"{plain(', '.join(row_texts))}{more}.",
             icon=":material/edit:",
         )
-    kept = numbered[~is_short]
-    n_unrated = int(kept["rating"].isna().sum())
-    if 0 < n_unrated < len(kept):
+    complete = numbered[~is_short]
+    n_unrated = int(complete["rating"].isna().sum())
+    if 0 < n_unrated < len(complete):
         st.caption(f"{count_text(n_unrated, 'row')} without a rating yet.")
-    if n_unrated < len(kept):
+    if n_unrated < len(complete):
         st.caption(
             'It lasts as long as this browser tab: before you close that, download it under "Files"'
             " at the end of this page."
         )
-    rating = kept["rating"].map(lambda value: "" if pd.isna(value) else f"{value:.15g}")
-    text = kept.astype(object).where(kept.notna(), "").astype(str).assign(rating=rating)
+    rating = complete["rating"].map(lambda value: "" if pd.isna(value) else f"{value:.15g}")
+    text = complete.astype(object).where(complete.notna(), "").astype(str).assign(rating=rating)
     return check_ratings(
-        text.reset_index(drop=True), name="the table above", lines=kept.index.to_numpy()
+        text.reset_index(drop=True), name="the table above", lines=complete.index.to_numpy()
     )

@@ -11,7 +11,7 @@ import streamlit as st
 from nvcore.comparison import Result
 from nvcore.tables.columns import column_names
 from nvcore.tables.result import located_events
-from ui.saliency.figures import OPEN, WANTED
+from ui.saliency.figures import CLICKED_RECORDING, OPEN
 from ui.session import state
 from ui.shell.navigate import open_row
 from ui.widgets.choices import choose_side_by_side
@@ -35,10 +35,10 @@ def choose_recording() -> int | None:
     if len(names) == 1:
         return None
     key = f"saliency_recording_{state.opened().dataset.fingerprint[:12]}"
-    wanted = st.session_state.pop(WANTED, None)
-    if wanted is not None:
-        st.session_state[key] = wanted
-    chosen: int | None = st.selectbox(
+    clicked_row = st.session_state.pop(CLICKED_RECORDING, None)
+    if clicked_row is not None:
+        st.session_state[key] = clicked_row
+    row: int | None = st.selectbox(
         "Recording",
         range(len(names)),
         index=None,
@@ -48,7 +48,7 @@ def choose_recording() -> int | None:
         persist_state="session",
         width=360,
     )
-    return chosen
+    return row
 
 
 def draw_table(result: Result, recording: int | None) -> None:

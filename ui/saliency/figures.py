@@ -20,7 +20,7 @@ from ui.widgets.text import plain
 
 OPEN: Final = "saliency_open"
 """Frame row that a click asked for."""
-WANTED: Final = "saliency_wanted"
+CLICKED_RECORDING: Final = "saliency_wanted"
 """Recording that a click asked for."""
 
 
@@ -80,4 +80,4 @@ def _ask_for_row(key: str) -> None:
 def _choose_recording() -> None:
     clicked = clicked_point("saliency_recordings")
     if clicked is not None:
-        st.session_state[WANTED] = int(clicked[0])
+        st.session_state[CLICKED_RECORDING] = int(clicked[0])

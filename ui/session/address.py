@@ -40,7 +40,7 @@ def read_place(
 
 def read_parameters(query: Mapping[str, str]) -> tuple[dict[str, float | str], list[str]]:
     """Parameters of the address, and in words those that have no possible value."""
-    given: dict[str, float | str] = {}
+    values: dict[str, float | str] = {}
     wrong = []
     for name, setting in SETTINGS.items():
         text = query.get(name)
@@ -52,8 +52,8 @@ def read_parameters(query: Mapping[str, str]) -> tuple[dict[str, float | str], l
         except (ParameterError, ValueError):
             wrong.append(f"its value of {name} is not possible, the default is used")
         else:
-            given[name] = value
-    return given, wrong
+            values[name] = value
+    return values, wrong
 
 
 def _finite(text: str) -> float:

@@ -44,9 +44,9 @@ def new_folder() -> Path:
 
 def base_folder() -> Path:
     """The folder that all processes of this user share; nothing else is in it."""
-    given = os.environ.get(ENVIRONMENT)
-    if given:
-        parent = Path(given)
+    variable = os.environ.get(ENVIRONMENT)
+    if variable:
+        parent = Path(variable)
         parent.mkdir(mode=0o700, parents=True, exist_ok=True)
         parent = parent.resolve()
     else:

@@ -77,8 +77,8 @@ class LocalRoot:
         for name in names[:MOST_ENTRIES]:
             real = Path(os.path.realpath(folder / name))
             if real.is_relative_to(self.folder) and _is_utf8(name):
-                shown = f"{path.strip('/')}/{name}".lstrip("/")
-                listed.append(Entry(shown, real.is_dir()))
+                place = f"{path.strip('/')}/{name}".lstrip("/")
+                listed.append(Entry(place, real.is_dir()))
         return sorted(listed, key=lambda entry: not entry.is_folder)
 
 
@@ -102,9 +102,9 @@ def local_root(
     """
     arguments = sys.argv[1:] if arguments is None else arguments
     environment = os.environ if environment is None else environment
-    given = environment.get(ENVIRONMENT, "")
+    variable = environment.get(ENVIRONMENT, "")
     for index, argument in enumerate(arguments):
         name, equals, value = argument.partition("=")
         if name == FLAG:
-            given = value if equals else "".join(arguments[index + 1 : index + 2])
-    return LocalRoot(Path(given)) if given else None
+            variable = value if equals else "".join(arguments[index + 1 : index + 2])
+    return LocalRoot(Path(variable)) if variable else None

@@ -21,7 +21,7 @@ from nvcore.errors import SessionError
 from nvcore.findings import Finding
 from nvcore.inputs.files import NAME_PARTS
 from nvcore.inputs.load import read_source
-from nvcore.inputs.session import RecordingFacts, Session, Source, SystemSource, is_frame_range
+from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource, is_frame_range
 from nvcore.inputs.session_toml import read_session
 from nvcore.params import Params
 from nvcore.pictures.open import is_below
@@ -122,22 +122,22 @@ class _Sent:
 
     def find(self, text: str) -> list[PurePosixPath]:
         """The file or folder that shares the most parts at the end of its path; all of a glob."""
-        wanted = PurePosixPath(text.replace("\\", "/"))
-        shared = {path: _shared_end(path, wanted) for path in self.paths}
+        target = PurePosixPath(text.replace("\\", "/"))
+        shared = {path: _shared_end(path, target) for path in self.paths}
         most = max(shared.values(), default=0)
         matches = [path for path, n_parts in shared.items() if n_parts == most] if most else []
-        if not matches and glob.has_magic(wanted.name):
-            return [p for p in self.paths if fnmatchcase(p.name, wanted.name)] or self._none(wanted)
+        if not matches and glob.has_magic(target.name):
+            return [p for p in self.paths if fnmatchcase(p.name, target.name)] or self._none(target)
         if len(matches) > 1:
             raise SessionError(
-                f"names {wanted.name!r}, and {len(matches)} of the files sent have that name; send "
+                f"names {target.name!r}, and {len(matches)} of the files sent have that name; send "
                 "them as a ZIP archive with their folders"
             )
-        return matches or self._none(wanted)
+        return matches or self._none(target)
 
-    def _none(self, wanted: PurePosixPath) -> list[PurePosixPath]:
+    def _none(self, target: PurePosixPath) -> list[PurePosixPath]:
         raise SessionError(
-            f"names {wanted.name!r}, which was not sent; choose it together with the session file"
+            f"names {target.name!r}, which was not sent; choose it together with the session file"
         )
 
 
@@ -192,12 +192,12 @@ def check_confined(session: Session, root: Path) -> None:
 
 def _before_magic(parts: Sequence[str]) -> list[str]:
     """The parts of a path before the first that is a pattern."""
-    kept: list[str] = []
+    lines: list[str] = []
     for part in parts:
         if glob.has_magic(part):
             break
-        kept.append(part)
-    return kept
+        lines.append(part)
+    return lines
 
 
 def guess_pictures(names: Sequence[str], sources: Iterable[str]) -> dict[str, str]:
@@ -216,10 +216,10 @@ def guess_pictures(names: Sequence[str], sources: Iterable[str]) -> dict[str, st
     stems = {source: PurePosixPath(source).stem.casefold() for source in sources}
     guesses = {}
     for name in names:
-        wanted = name.replace("/", "_").casefold()
-        same = [source for source, stem in stems.items() if stem == wanted]
-        within = [source for source, stem in stems.items() if wanted in stem]
-        best = same or within
+        target = name.replace("/", "_").casefold()
+        matching = [source for source, stem in stems.items() if stem == target]
+        within = [source for source, stem in stems.items() if target in stem]
+        best = matching or within
         if len(best) == 1:
             guesses[name] = best[0]
     return guesses
@@ -228,22 +228,20 @@ def guess_pictures(names: Sequence[str], sources: Iterable[str]) -> dict[str, st
 def with_recordings(
     session: Session, names: Sequence[str], changes: Mapping[str, Mapping[str, object]]
 ) -> Session:
-    """The session with other `RecordingFacts` of some recordings of the data, by name."""
+    """The session with other `RecordingEntry` of some recordings of the data, by name."""
     facts = {recording.name: recording for recording in session.recordings}
     if len(names) == len(facts) == 1 and names[0] not in facts:
         # with a single recording its name does not matter
         facts = {names[0]: replace(session.recordings[0], name=names[0])}
     for name, change in changes.items():
-        facts[name] = replace(facts.get(name, RecordingFacts(name)), **change)  # type: ignore[arg-type]
+        facts[name] = replace(facts.get(name, RecordingEntry(name)), **change)  # type: ignore[arg-type]
     return replace(session, recordings=tuple(facts.values()))
 
 
-def facts_of(session: Session, names: Sequence[str], name: str) -> RecordingFacts:
+def recording_entry(session: Session, names: Sequence[str], name: str) -> RecordingEntry:
     """What the session says of a recording of the data."""
-    for facts in with_recordings(session, names, {name: {}}).recordings:
-        if facts.name == name:
-            return facts
-    raise AssertionError(name)
+    entries = with_recordings(session, names, {name: {}}).recordings
+    return next(entry for entry in entries if entry.name == name)
 
 
 def corrections_up_to(findings: Iterable[Finding], finding: Finding) -> list[Finding]:
@@ -323,15 +321,15 @@ def public_text(text: object, folders: Iterable[Path]) -> str:
     >>> public_text("srv/night/truth.csv, line 3: no number", [Path("/srv/night")])
     'truth.csv, line 3: no number'
     """
-    shown = str(text)
+    plain_text = str(text)
     for folder in sorted(set(folders), key=lambda path: len(str(path)), reverse=True):
         parts = folder.relative_to(folder.anchor).parts
         if not parts:  # "/" and ".": every path would be below it
             continue
         whole = rf"(?<![\w.-]){re.escape(str(folder))}"
-        shown = re.sub(rf"{whole}[/\\]+", "", shown)
-        shown = re.sub(rf"{whole}(?![.+@~#%=-]*\w)", "the folder", shown)
+        plain_text = re.sub(rf"{whole}[/\\]+", "", plain_text)
+        plain_text = re.sub(rf"{whole}(?![.+@~#%=-]*\w)", "the folder", plain_text)
         for n_parts in range(min(SHOWN_FOLDERS, len(parts)), 0, -1):
             tail = "/".join(parts[-n_parts:])
-            shown = re.sub(rf"(?<![\w/.-]){re.escape(tail)}/", "", shown)
-    return re.sub(rf"(?<![\w.-]){re.escape(str(ANNOTATION_FOLDERS))}/", "", shown)
+            plain_text = re.sub(rf"(?<![\w/.-]){re.escape(tail)}/", "", plain_text)
+    return re.sub(rf"(?<![\w.-]){re.escape(str(ANNOTATION_FOLDERS))}/", "", plain_text)

@@ -11,7 +11,7 @@ from nvcore.dataset import Dataset
 from nvcore.errors import MediaError
 from nvcore.inputs.session import Session
 from nvcore.pictures import Pictures, open_pictures, picture_index, size_note
-from ui.session.opening import facts_of
+from ui.session.opening import recording_entry
 from ui.session.workspace import Workspace
 
 
@@ -35,16 +35,16 @@ def find_pictures(session: Session, dataset: Dataset) -> Picturing:
     indices: dict[int, np.ndarray] = {}
     notes: dict[int, str] = {}
     for number in range(len(names)):
-        fact = facts_of(session, names, names[number])
-        if fact.pictures is None:
+        entry = recording_entry(session, names, names[number])
+        if entry.pictures is None:
             continue
         try:
-            pictures = open_pictures(session.folder / fact.pictures)
+            pictures = open_pictures(session.folder / entry.pictures)
         except MediaError as error:
             notes[number] = error.message
             continue
         listed = frames.frame[frames.first[number] : frames.first[number + 1]]
-        index, note = picture_index(listed, pictures, fact.first_picture)
+        index, note = picture_index(listed, pictures, entry.first_picture)
         other_size = size_note(pictures, float(frames.width[number]), float(frames.height[number]))
         sources[number], indices[number] = pictures, index
         notes[number] = " ".join(part for part in (note, other_size) if part)

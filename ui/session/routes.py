@@ -32,8 +32,8 @@ from ui.session.workspace import Workspace, workspace_of
 ROWS_PER_CHUNK: Final = 1024
 QUALITY: Final = 85
 MOST_DIGITS: Final = 12
-KEPT: Final = "private, max-age=3600"
-NOT_KEPT: Final = "no-store"
+CACHED: Final = "private, max-age=3600"
+NOT_CACHED: Final = "no-store"
 GUARDS: Final = {
     "X-Content-Type-Options": "nosniff",
     "Cross-Origin-Resource-Policy": "same-origin",
@@ -60,7 +60,7 @@ async def frame(request: Request) -> Response:
         )
     except MediaError as error:
         return _not_found(error.message)
-    return Response(content, media_type="image/jpeg", headers=_headers(KEPT))
+    return Response(content, media_type="image/jpeg", headers=_headers(CACHED))
 
 
 async def boxes(request: Request) -> Response:
@@ -79,9 +79,9 @@ async def boxes(request: Request) -> Response:
     if start >= end:
         return _not_found("there are no such frames")
     # boxes of a newer result than the address says are shown, but not cached under that address
-    kept = KEPT if request.query_params.get("v") == compared.version else NOT_KEPT
+    cache_control = CACHED if request.query_params.get("v") == compared.version else NOT_CACHED
     content = await run_in_threadpool(pack_boxes, result, start, min(start + ROWS_PER_CHUNK, end))
-    return Response(content, media_type="application/octet-stream", headers=_headers(kept))
+    return Response(content, media_type="application/octet-stream", headers=_headers(cache_control))
 
 
 async def upload(request: Request) -> Response:
@@ -106,7 +106,7 @@ async def upload(request: Request) -> Response:
     return JSONResponse(
         {"name": stored.name, "kind": stored.kind, "bytes": stored.n_bytes},
         status_code=HTTPStatus.CREATED,
-        headers=_headers(NOT_KEPT),
+        headers=_headers(NOT_CACHED),
     )
 
 
@@ -114,7 +114,7 @@ async def overview(request: Request) -> Response:
     """The Overview under its own name: Streamlit knows the page that it opens on as ``/`` only."""
     query = request.url.query
     # relative, so that it holds behind any path
-    return RedirectResponse(f"./{'?' if query else ''}{query}", headers=_headers(NOT_KEPT))
+    return RedirectResponse(f"./{'?' if query else ''}{query}", headers=_headers(NOT_CACHED))
 
 
 def _prefix(base: str) -> str:
@@ -166,12 +166,12 @@ def _is_same_origin(request: Request) -> bool:
     return origin is None or urlsplit(origin).netloc == request.headers.get("host", "")
 
 
-def _headers(kept: str) -> dict[str, str]:
-    return {"Cache-Control": kept, **GUARDS}
+def _headers(cache_control: str) -> dict[str, str]:
+    return {"Cache-Control": cache_control, **GUARDS}
 
 
 def _text(status: int, text: str) -> Response:
-    return PlainTextResponse(text, status_code=status, headers=_headers(NOT_KEPT))
+    return PlainTextResponse(text, status_code=status, headers=_headers(NOT_CACHED))
 
 
 def _not_found(text: str) -> Response:

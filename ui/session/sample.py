@@ -17,7 +17,7 @@ from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
 from ui.session.workspace import Opened
 
-Made = TypeVar("Made")
+T = TypeVar("T")
 
 MOST_SAMPLES: Final = 2
 
@@ -31,7 +31,7 @@ class SharedSample:
         self._lock = threading.Lock()
         self._caches: dict[str, OrderedDict[Hashable, object]] = {}
 
-    def cached(self, kind: str, key: Hashable, make: Callable[[], Made], *, most: int = 1) -> Made:
+    def cached(self, kind: str, key: Hashable, make: Callable[[], T], *, most: int = 1) -> T:
         """As `Workspace.cached`, made by any session.
 
         For values that follow from the sample and the key alone, and that nobody changes.

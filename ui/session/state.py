@@ -31,7 +31,7 @@ ROOT: Final = Path(__file__).resolve().parents[2]
 SAMPLE: Final = ROOT / "sample_data" / "session.toml"
 SAMPLE_LABEL: Final = "Sample recordings"
 Theme = Literal["light", "dark"]
-Made = TypeVar("Made")
+T = TypeVar("T")
 
 MOST_THUMBNAILS: Final = 64
 
@@ -97,10 +97,10 @@ def begin_run() -> None:
     """
     st.session_state.setdefault("first_query", st.query_params.to_dict())
     space = workspace()
-    seen: int | None = st.session_state.get("seen_opening")
-    if seen != space.n_opened:
+    seen_opening: int | None = st.session_state.get("seen_opening")
+    if seen_opening != space.n_opened:
         _forget_widgets()
-        if seen is not None:  # the first one may be opened by a link
+        if seen_opening is not None:  # the first one may be opened by a link
             st.session_state["place"] = 0, 0
         st.session_state["seen_opening"] = space.n_opened
     elif st.session_state.get("wants_reset", False):
@@ -131,7 +131,7 @@ def reset_params() -> None:
     st.session_state["wants_reset"] = True
 
 
-def cached(kind: str, key: Hashable, make: Callable[[], Made], *, most: int = 1) -> Made:
+def cached(kind: str, key: Hashable, make: Callable[[], T], *, most: int = 1) -> T:
     """As `Workspace.cached`; of the sample as it opens, made once for all sessions.
 
     For values that follow from what is open and the key alone, and that nobody changes.
@@ -235,10 +235,10 @@ def protocol() -> Protocol:
     return opened().session.protocol
 
 
-def set_protocol(chosen: Protocol) -> None:
+def set_protocol(protocol: Protocol) -> None:
     """Evaluate detections by this protocol from now on."""
-    if opened().session.protocol != chosen:
-        workspace().opened = replace(opened(), session=replace(opened().session, protocol=chosen))
+    if opened().session.protocol != protocol:
+        workspace().opened = replace(opened(), session=replace(opened().session, protocol=protocol))
 
 
 def compare_as(session: Session) -> None:
@@ -293,12 +293,12 @@ def settle(recording_index: int, row_in_recording: int) -> None:
 
 def write_address() -> None:
     """Put the current frame and the parameters that were changed into the page's address."""
-    wanted = link_to(*_place())
+    link = link_to(*_place())
     for name in [*SETTINGS, "recording", "frame"]:
-        if name not in wanted:
+        if name not in link:
             st.query_params.pop(name, None)
-        elif st.query_params.get(name) != wanted[name]:
-            st.query_params[name] = wanted[name]
+        elif st.query_params.get(name) != link[name]:
+            st.query_params[name] = link[name]
 
 
 def seek() -> int:
@@ -338,8 +338,8 @@ def _follow_link() -> None:
     """Take recording and frame from the address that the session was opened by."""
     get = st.query_params.get
     place, wrong = read_place(get("recording"), get("frame"), recording_names(), _frame_numbers)
-    given, impossible = read_parameters(st.query_params.to_dict())
-    st.session_state["new_params"] = given
+    values, impossible = read_parameters(st.query_params.to_dict())
+    st.session_state["new_params"] = values
     wrong += impossible
     st.session_state["place"] = place
     st.session_state["bad_link"] = "; ".join(wrong)

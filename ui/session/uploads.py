@@ -100,9 +100,9 @@ def safe_name(name: str) -> str:
     return f"{stem}{dot}{suffix}" if stem else "file"
 
 
-def free_name(name: str, taken: Iterable[str]) -> str:
+def free_name(name: str, names_in_use: Iterable[str]) -> str:
     """The name, or the name with the first free number: ``gt.txt``, ``gt-2.txt``."""
-    in_use = {other.casefold() for other in taken}
+    in_use = {other.casefold() for other in names_in_use}
     stem, suffix = PurePosixPath(name).stem, PurePosixPath(name).suffix
     number, free = 1, name
     while free.casefold() in in_use:
@@ -146,13 +146,13 @@ async def receive(
     folder = space.folder / PICTURES
     part = _PartialFile(space, folder)
     try:
-        kept = bytearray()
+        pending = bytearray()
         async for chunk in content:
-            kept += chunk
-            if len(kept) >= WRITE_BYTES:
-                await run_in_threadpool(part.write, bytes(kept))
-                kept.clear()
-        await run_in_threadpool(part.write, bytes(kept))
+            pending += chunk
+            if len(pending) >= WRITE_BYTES:
+                await run_in_threadpool(part.write, bytes(pending))
+                pending.clear()
+        await run_in_threadpool(part.write, bytes(pending))
         if n_bytes is not None and part.n_bytes != n_bytes:
             raise UploadError("The upload broke off; send it again.", HTTPStatus.BAD_REQUEST)
         return await run_in_threadpool(part.keep, safe_name(name))
@@ -223,9 +223,9 @@ class _PartialFile:
 def remove_pictures(space: Workspace, names: Iterable[str]) -> None:
     """Remove uploaded pictures from the session's folder."""
     with space.lock:
-        gone = [space.stored.pop(name) for name in list(names) if name in space.stored]
-        space.used_bytes -= sum(stored.n_bytes for stored in gone)
-    for stored in gone:
+        files = [space.stored.pop(name) for name in list(names) if name in space.stored]
+        space.used_bytes -= sum(stored.n_bytes for stored in files)
+    for stored in files:
         (space.folder / stored.place).unlink(missing_ok=True)
 
 
@@ -297,13 +297,13 @@ def _unpack(space: Workspace, packed: Path) -> tuple[Path, int]:
     folder.mkdir()
     try:
         with Archive(packed, ArchiveLimits(total_bytes=room)) as archive:
-            written = archive.unpack(folder)
+            paths = archive.unpack(folder)
     except MediaError:
         shutil.rmtree(folder, ignore_errors=True)
         raise
     finally:
         packed.unlink()
-    n_bytes = sum(path.stat().st_size for path in written)
+    n_bytes = sum(path.stat().st_size for path in paths)
     while True:
         inside = list(folder.iterdir())
         if len(inside) != 1 or not inside[0].is_dir() or inside[0].name in ("gt", "det"):

@@ -21,7 +21,7 @@ from nvcore.pictures.base import Pictures
 from ui.session.ending import end_with_session
 from ui.session.folders import new_folder
 
-Made = TypeVar("Made")
+T = TypeVar("T")
 
 PICTURES: Final = "pictures"
 """Folder of the session's pictures."""
@@ -143,7 +143,7 @@ class Workspace:
         """Changes with the pictures."""
         return str(self._n_changes)
 
-    def cached(self, kind: str, key: Hashable, make: Callable[[], Made], *, most: int = 1) -> Made:
+    def cached(self, kind: str, key: Hashable, make: Callable[[], T], *, most: int = 1) -> T:
         """The value that was made for this key before, else the one that `make` returns.
 
         Parameters
@@ -159,7 +159,7 @@ class Workspace:
             while len(cache) > most:
                 cache.popitem(last=False)
         cache.move_to_end(key)
-        value: Made = cache[key]  # type: ignore[assignment]  # one cache holds one type
+        value: T = cache[key]  # type: ignore[assignment]  # one cache holds one type
         return value
 
     def peek(self, kind: str, key: Hashable) -> Any:

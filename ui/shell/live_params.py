@@ -78,8 +78,8 @@ def picture_height() -> float:
 
 def default_of_height(name: str) -> float:
     """Value at which the slider of the sigmoid's midpoint or spread starts, pixels."""
-    given: float | None = getattr(state.session_params(), name)
-    return _of_share(name) if given is None else given
+    session_value: float | None = getattr(state.session_params(), name)
+    return _of_share(name) if session_value is None else session_value
 
 
 def _of_share(name: str) -> float:
@@ -90,12 +90,12 @@ def _of_share(name: str) -> float:
 
 
 def _of_height(name: str) -> float | None:
-    given: float | None = getattr(state.session_params(), name)
-    shown: float | None = st.session_state.get(name)
-    if shown is None:
-        return given
-    untouched = given is None and abs(shown - default_of_height(name)) < KEPT_NUMBERS
-    return None if untouched else shown
+    session_value: float | None = getattr(state.session_params(), name)
+    widget_value: float | None = st.session_state.get(name)
+    if widget_value is None:
+        return session_value
+    untouched = session_value is None and abs(widget_value - default_of_height(name)) < KEPT_NUMBERS
+    return None if untouched else widget_value
 
 
 def threshold_scale(letter: str) -> tuple[float, float, float] | None:
@@ -122,8 +122,8 @@ def _threshold(name: str) -> float | None:
     span = None if system is None else state.score_span(system)
     if span is None:
         return getattr(state.session_params(), name)  # type: ignore[no-any-return]
-    given: float | None = value_of(name)
-    return None if given is not None and given <= span[0] else given
+    value: float | None = value_of(name)
+    return None if value is not None and value <= span[0] else value
 
 
 def set_preset(preset: Preset) -> None:

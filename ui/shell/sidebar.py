@@ -32,11 +32,11 @@ def legend() -> None:
 
 
 def _row(letter: str, name: str | None, colour: str, dash: str) -> str:
-    shown = "no second system" if name is None else one_line(name)
+    label = "no second system" if name is None else one_line(name)
     line = f'<span style="width:34px;border-top:3px {dash} {colour}"></span>'
     return (
-        f'<div style="display:flex;align-items:center;gap:8px" title="{escape(shown, quote=True)}">'
-        f"{line}<b>{letter}</b><span>{escape(shortened(shown, MAX_NAME))}</span></div>"
+        f'<div style="display:flex;align-items:center;gap:8px" title="{escape(label, quote=True)}">'
+        f"{line}<b>{letter}</b><span>{escape(shortened(label, MAX_NAME))}</span></div>"
     )
 
 
@@ -114,11 +114,11 @@ def _horizon() -> None:
 def _proximity_plot() -> None:
     """The weight over the pedestrians' heights."""
     dataset, theme = state.opened().dataset, state.theme()
-    shown = state.params().only_for(PROXIMITY)
+    names = state.params().only_for(PROXIMITY)
     figure = state.workspace().cached(  # it stays while other sliders move
         "proximity_plot",
-        (shown, theme),
-        lambda: proximity_plot(dataset, shown, theme=theme),
+        (names, theme),
+        lambda: proximity_plot(dataset, names, theme=theme),
         most=8,
     )
     st.plotly_chart(figure, theme=None, config=CONFIG, key="proximity_plot")
@@ -135,12 +135,12 @@ def _threshold(name: str) -> None:
             st.caption(f"{letter.upper()} has no scores that differ: every detection counts.")
         return
     low, high, step = scale
-    given = getattr(state.session_params(), name)
+    session_value = getattr(state.session_params(), name)
     _number_slider(
         name,
         low=low,
         high=high,
-        value=low if given is None else given,
+        value=low if session_value is None else session_value,
         step=step,
         help=SETTINGS[name].meaning + " At the left end all count.",
     )

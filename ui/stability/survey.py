@@ -57,12 +57,16 @@ def shown_survey(survey: tuple[SurveyRow, ...]) -> pd.DataFrame:
 
 
 def _cell(row: SurveyRow) -> str:
-    held = held_text(row)
+    text = held_text(row)
     if row.stability is None or row.stability.verdict == "undefined":
-        return held
-    who = "even" if row.stability.verdict == "even" else f"{row.stability.verdict.upper()} better"
+        return text
+    winner = (
+        "even" if row.stability.verdict == "even" else f"{row.stability.verdict.upper()} better"
+    )
     return (
-        f"{who}, in {held}" if held in ("all", "none") or held.endswith("%") else f"{who}, {held}"
+        f"{winner}, in {text}"
+        if text in ("all", "none") or text.endswith("%")
+        else f"{winner}, {text}"
     )
 
 

@@ -88,7 +88,7 @@ def _missed(facts: FrameSummary) -> None:
         st.caption("Nobody is missed in this frame.")
         return
     st.markdown("Missed, the tallest first")
-    shown = pd.DataFrame(
+    table = pd.DataFrame(
         {
             "ped.": missed["track"],
             "px": missed["height_px"].round(),
@@ -101,7 +101,7 @@ def _missed(facts: FrameSummary) -> None:
         }
     ).head(MAX_ROWS)
     st.dataframe(
-        shown,
+        table,
         hide_index=True,
         height="content",
         row_height=28,

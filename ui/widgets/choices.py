@@ -21,7 +21,7 @@ def choose_side_by_side(
     A mapping gives the words of each.
     """
     words = options.__getitem__ if isinstance(options, Mapping) else str
-    chosen: Option = st.segmented_control(
+    option: Option = st.segmented_control(
         label,
         list(options),
         required=True,
@@ -29,7 +29,7 @@ def choose_side_by_side(
         persist_state="session",
         **{"format_func": words, **more},
     )
-    return chosen
+    return option
 
 
 def draw_measures(

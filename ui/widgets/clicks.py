@@ -42,9 +42,9 @@ def clicked_cell(key: str) -> tuple[int, str] | None:
 
 def is_new_click(key: str, points: Any) -> bool:
     """Whether a chart's selection was made since it was last asked about: it outlives reruns."""
-    seen = st.session_state.setdefault("seen_clicks", {})
+    seen_clicks = st.session_state.setdefault("seen_clicks", {})
     current = repr(points)
-    if seen.get(key) == current:
+    if seen_clicks.get(key) == current:
         return False
-    seen[key] = current
+    seen_clicks[key] = current
     return True

@@ -13,15 +13,15 @@ def recording_choice() -> None:
     names = state.recording_names()
     left, right = st.columns([2, 3], vertical_alignment="bottom")
     key = f"recording_choice_{state.workspace().n_opened}_{state.recording()}"
-    chosen = left.selectbox(
+    recording = left.selectbox(
         "Recording",
         range(len(names)),
         index=state.recording(),
         format_func=lambda i: names[i],
         key=key,
     )
-    if chosen != state.recording():
-        state.go_to(chosen, 0)
+    if recording != state.recording():
+        state.go_to(recording, 0)
         st.rerun()
     note = state.workspace().picture_notes.get(state.recording())
     right.caption(plain(note or "This recording has no pictures: boxes are drawn on a blank."))

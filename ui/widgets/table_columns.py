@@ -72,16 +72,16 @@ def column_config(file: str) -> dict[str, Any]:
 
 def as_shown(table: pd.DataFrame) -> pd.DataFrame:
     """Rows of a report's table for `column_config`: shares in percent, categories in words."""
-    shown = {}
+    configs = {}
     for name in table:
         base, _ = _split(str(name))
         if base in PERCENT:
-            shown[str(name)] = 100 * table[name]
+            configs[str(name)] = 100 * table[name]
         elif base in ("category", "miss_class"):
-            shown[str(name)] = table[name].map(
+            configs[str(name)] = table[name].map(
                 MISS_WORDS if base == "miss_class" else CATEGORY_WORDS
             )
-    return table.assign(**shown)
+    return table.assign(**configs)
 
 
 def measures_as_text(rows: Sequence[ScoreRow]) -> pd.DataFrame:

@@ -56,8 +56,10 @@ _HOLDS: Final[dict[Role, str]] = {
 
 def _read_nothing(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     """No box in any recording of the truth."""
-    what = "empty file" if len(files) == 1 else "empty files"
-    return Reading(reading_boxes(0), recordings_table(options.recordings), f"{what}: no detections")
+    title = "empty file" if len(files) == 1 else "empty files"
+    return Reading(
+        reading_boxes(0), recordings_table(options.recordings), f"{title}: no detections"
+    )
 
 
 NOTHING: Final = Format(

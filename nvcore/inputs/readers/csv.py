@@ -75,9 +75,9 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     for file in files:
         content = csv_content(file, role=options.role)
         header = read_header(content.split(b"\n", 1)[0].decode())
-        lack = missing_columns(header)
-        if lack is not None:
-            raise file.fault(f"expected a header line with {lack}", 1)
+        problem = missing_columns(header)
+        if problem is not None:
+            raise file.fault(f"expected a header line with {problem}", 1)
         tables.append(NamedColumns(file, header, partial(read_columns, file, header, content)))
     return read_named_columns(tables, options)
 
@@ -90,29 +90,31 @@ def read_named_columns(inputs: Sequence[NamedColumns], options: ReadOptions) -> 
     FormatError
         With file and line of what is no number.
     """
-    files = [each.file for each in inputs]
+    files = [source.file for source in inputs]
     whole = [
         number
-        for number, each in enumerate(inputs)
-        if "recording" not in each.header.place and "frame" in each.header.place
+        for number, source in enumerate(inputs)
+        if "recording" not in source.header.place and "frame" in source.header.place
     ]
     names, facts = recordings_of([files[number].name for number in whole], options.recordings)
     recording_of_file = dict(zip(whole, names, strict=True))
     tables, kinds = [], []
     findings: list[Finding] = []
     facts = ["pixels as they are (0-based)", *facts]
-    for number, each in enumerate(inputs):
-        own = recording_of_file.get(number)
-        boxes, kind, what, oddities = _read_one(each, number, own, options)
+    for number, source in enumerate(inputs):
+        recording = recording_of_file.get(number)
+        boxes, kind, new_facts, oddities = _read_one(source, number, recording, options)
         findings += oddities
         tables.append(boxes)
         kinds.append(kind)
-        facts += what
+        facts += new_facts
     annotated = None
     choice = _classes(kinds, files, options)
     if choice is not None:
-        every = concat_boxes(tables)
-        annotated = annotated_frames(every["recording"].to_numpy(), every["frame"].to_numpy())
+        all_boxes = concat_boxes(tables)
+        annotated = annotated_frames(
+            all_boxes["recording"].to_numpy(), all_boxes["frame"].to_numpy()
+        )
         facts.append(choice.conversion)
         tables = [
             boxes if kind is None else _sorted_by_class(boxes, kind, choice, options.role)
@@ -120,8 +122,8 @@ def read_named_columns(inputs: Sequence[NamedColumns], options: ReadOptions) -> 
         ]
     recordings: list[str] = []
     for number, boxes in enumerate(tables):
-        own = recording_of_file.get(number)
-        recordings += [own] if own else boxes["recording"].unique().tolist()
+        recording = recording_of_file.get(number)
+        recordings += [recording] if recording else boxes["recording"].unique().tolist()
     return Reading(
         boxes=concat_boxes(tables),
         recordings=recordings_table(recordings),
@@ -139,8 +141,8 @@ def missing_columns(header: Header) -> str | None:
     missing += [name for name in ("x", "y") if name not in header.place]
     if not header.has_box:
         missing += [name for name in ("w", "h") if name not in header.place]
-    found = ", ".join(header.names)
-    return f"the columns {EXPECTED}; found {found}; missing: {', '.join(missing)}"
+    present = ", ".join(header.names)
+    return f"the columns {EXPECTED}; found {present}; missing: {', '.join(missing)}"
 
 
 def _read_one(
@@ -148,15 +150,15 @@ def _read_one(
 ) -> tuple[pd.DataFrame, pd.Series | None, list[str], list[Finding]]:
     """All boxes of a file, the class of each, the conversion in words, and what is odd."""
     header = source.header
-    wanted = _wanted(header, options.role)
-    columns, line, has_decimal_comma = source.parse(wanted)
+    to_read = _columns_to_read(header, options.role)
+    columns, line, has_decimal_comma = source.parse(to_read)
     lines = Lines.of(source.file, line)
-    used = {header.place[name] for name in wanted}
+    used = {header.place[name] for name in to_read}
     unused = [name for i, name in enumerate(header.names) if name and i not in used]
     facts = [f"columns left unused: {', '.join(unused)}"] if unused else []
     facts += ["decimal commas"] if has_decimal_comma else []
     if "frame" in columns:
-        frame, what = _frames(columns["frame"].to_numpy(), lines, options.frame_base)
+        frame, frame_fact = _frames(columns["frame"].to_numpy(), lines, options.frame_base)
         recording = _named(columns["recording"], lines) if own is None else own
     else:
         recording, frame = places_of_pictures(
@@ -168,10 +170,10 @@ def _read_one(
                 f"{name!r}; add a column frame",
             ),
         )
-        what = "recordings and frame numbers from the pictures' names"
+        frame_fact = "recordings and frame numbers from the pictures' names"
         if "recording" in columns:
             recording = _named(columns["recording"], lines)
-    facts.append(what)
+    facts.append(frame_fact)
     x, y = columns["x"].to_numpy(), columns["y"].to_numpy()
     values: dict[str, Any] = {
         name: columns[name].to_numpy()
@@ -213,13 +215,15 @@ def _classes(
     kinds: Sequence[pd.Series | None], files: Sequence[SourceFile], options: ReadOptions
 ) -> CategoryChoice | None:
     """The choice of classes over all files; those of a single class are about that one."""
-    given = [(file, kind) for file, kind in zip(files, kinds, strict=True) if kind is not None]
-    if not given:
+    with_classes = [
+        (file, kind) for file, kind in zip(files, kinds, strict=True) if kind is not None
+    ]
+    if not with_classes:
         return None
-    names = {str(name): str(name) for _, kind in given for name in kind.unique()}
+    names = {str(name): str(name) for _, kind in with_classes for name in kind.unique()}
     if options.classes is None and len(names) <= 1 and not any(map(is_lookalike, names)):
         return CategoryChoice(tuple(names), (), (), f"class {''.join(names)} throughout: counted")
-    return choose_categories(names, options.classes, file=given[0][0].name)
+    return choose_categories(names, options.classes, file=with_classes[0][0].name)
 
 
 def _sorted_by_class(
@@ -235,7 +239,7 @@ def _sorted_by_class(
     return select_boxes(boxes, keep)
 
 
-def _wanted(header: Header, role: Role) -> list[str]:
+def _columns_to_read(header: Header, role: Role) -> list[str]:
     """Columns that are read: of two ways to say one thing, the clearer."""
     left_aside = {"score"} if role == "truth" else {"ignore"}
     left_aside |= {"picture"} if "frame" in header.place else set()

@@ -113,7 +113,7 @@ def header_of(names: Sequence[str], delimiter: str = ",") -> Header:
 
 
 def read_columns(
-    file: SourceFile, header: Header, content: bytes, wanted: Sequence[str]
+    file: SourceFile, header: Header, content: bytes, to_read: Sequence[str]
 ) -> tuple[pd.DataFrame, np.ndarray, bool]:
     """The wanted columns: numbers as float64, ignore as bool, the rest as text.
 
@@ -125,7 +125,7 @@ def read_columns(
         Its columns.
     content
         The file from its first line on, without byte order mark.
-    wanted
+    to_read
         Columns to be read, of those in `header.place`.
 
     Returns
@@ -138,7 +138,7 @@ def read_columns(
     FormatError
         With the first line that has another number of fields or a field that is no number.
     """
-    kinds = {name: _kind(name) for name in wanted}
+    kinds = {name: _kind(name) for name in to_read}
     table, decimal = None, "."
     for decimal in (".", ",") if header.delimiter == ";" else (".",):
         table = _parse(content, header, kinds, decimal)
@@ -147,8 +147,8 @@ def read_columns(
         if table is not None:
             break
     if table is None:
-        raise _first_fault(file, header, content, wanted)
-    columns = {name: _column(table[name]) for name in wanted}
+        raise _first_fault(file, header, content, to_read)
+    columns = {name: _column(table[name]) for name in to_read}
     frame = pd.DataFrame(columns, index=range(table.num_rows))
     return frame, _lines(content, table.num_rows), decimal == ","
 
@@ -220,32 +220,32 @@ def _lines(content: bytes, n_rows: int) -> np.ndarray:
 
 
 def _first_fault(
-    file: SourceFile, header: Header, content: bytes, wanted: Sequence[str]
+    file: SourceFile, header: Header, content: bytes, to_read: Sequence[str]
 ) -> FormatError:
     """Error about the first line that cannot be read; line by line, as there is a fault."""
     text = content.decode("utf-8", "replace")
     rows = csv.reader(io.StringIO(text, newline=""), delimiter=header.delimiter)
-    what = header.delimiter.join(header.names)
+    layout = header.delimiter.join(header.names)
     try:
         for row in rows:
             if rows.line_num == 1 or not row or row == [""]:
                 continue
-            fault = _fault(row, header, wanted, what)
+            fault = _fault(row, header, to_read, layout)
             if fault is not None:
                 return file.fault(fault, rows.line_num)
     except csv.Error as error:
         return file.fault(f"expected CSV: {error}", rows.line_num)
     return file.fault(
-        f"expected CSV with the columns {what}, found lines that cannot be told apart; is there a "
-        "quotation mark too many?"
+        f"expected CSV with the columns {layout}, found lines that cannot be told apart; is there "
+        "a quotation mark too many?"
     )
 
 
-def _fault(row: list[str], header: Header, wanted: Sequence[str], what: str) -> str | None:
+def _fault(row: list[str], header: Header, to_read: Sequence[str], layout: str) -> str | None:
     """What is wrong with a row, None if nothing is."""
     if len(row) != len(header.names):
-        return f"expected {len(header.names)} fields ({what}), found {len(row)}"
-    for name in wanted:
+        return f"expected {len(header.names)} fields ({layout}), found {len(row)}"
+    for name in to_read:
         value = row[header.place[name]].strip()
         title = header.names[header.place[name]]
         if name == "ignore" and value not in MISSING + TRUE + FALSE:

@@ -79,11 +79,11 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     findings: list[Finding] = []
     facts = ["pixels from 1-based to 0-based", "frame numbers kept (1-based)"]
     for number, (file, name) in enumerate(zip(files, names, strict=True)):
-        boxes, every_frame, what, problems = _read_one(file, number, name, options)
+        boxes, every_frame, new_facts, problems = _read_one(file, number, name, options)
         if options.role == "truth":
             annotated.append(annotated_frames(name, every_frame))
         tables.append(boxes)
-        facts += what
+        facts += new_facts
         findings += problems
     images = None
     if options.role == "truth" and all(info.n_frames is not None for info in infos):
@@ -161,17 +161,17 @@ def _truth_columns(
     # MOT16 and later have 8 or 9 columns with a class; MOT15 has 10, of which 8 to 10 are x, y, z
     if np.isnan(last).all() and np.any(kind > 0):
         classes = whole_numbers(kind, table.lines, "class")
-        wanted = _class_numbers(options.classes, table.lines.files[0])
+        counted = _class_numbers(options.classes, table.lines.files[0])
         # the benchmark's rule: class 6 became a distractor with MOT20
         distractors = DISTRACTORS | ({6} if name.upper().startswith("MOT20") else set())
-        neutral = sorted(distractors - set(wanted))
-        is_wanted = np.isin(classes, wanted)
+        neutral = sorted(distractors - set(counted))
+        is_wanted = np.isin(classes, counted)
         # a row with conf 0 of another class (a car) is no ignore region for pedestrians
         keep = is_wanted | np.isin(classes, neutral)
         ignore |= ~is_wanted
         columns["occlusion"] = levels_of_visible_share(visibility)
         facts.append(
-            f"classes: {', '.join(CLASSES[k] for k in wanted)} counted; "
+            f"classes: {', '.join(CLASSES[k] for k in counted)} counted; "
             f"{', '.join(CLASSES[k] for k in neutral)} ignored; others left out"
         )
         findings += table.lines.finding(

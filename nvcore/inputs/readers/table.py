@@ -54,9 +54,9 @@ def read_table(table: pd.DataFrame, file: SourceFile, options: ReadOptions) -> R
             )
         table = table.assign(recording=[*options.recordings, ONLY_RECORDING][0])
         header = header_of([*header.names, "recording"])
-    lack = missing_columns(header)
-    if lack is not None:
-        raise file.fault(f"expected {lack}")
+    problem = missing_columns(header)
+    if problem is not None:
+        raise file.fault(f"expected {problem}")
     columns = NamedColumns(file, header, partial(_parse, table, file, header))
     try:
         reading = read_named_columns([columns], options)
@@ -75,11 +75,11 @@ def _with_row(finding: Finding) -> Finding:
 
 
 def _parse(
-    table: pd.DataFrame, file: SourceFile, header: Header, wanted: Sequence[str]
+    table: pd.DataFrame, file: SourceFile, header: Header, names: Sequence[str]
 ) -> tuple[pd.DataFrame, np.ndarray, bool]:
     """The wanted columns, as `nvcore.inputs.readers.csv_columns.read_columns` gives them."""
     columns = {}
-    for name in wanted:
+    for name in names:
         column = table.iloc[:, header.place[name]].reset_index(drop=True)
         title = header.names[header.place[name]]
         if name in NUMBERS:

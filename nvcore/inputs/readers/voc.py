@@ -171,8 +171,8 @@ def _add_object(
         )
     values.append("difficult" in facts and is_true(facts["difficult"].text))
     for names in (("occluded",), SCORES):
-        given = next((facts[name] for name in names if name in facts), None)
-        text, text_line = ("", line) if given is None else (given.text, given.line)
+        fact = next((facts[name] for name in names if name in facts), None)
+        text, text_line = ("", line) if fact is None else (fact.text, fact.line)
         values.append(number(text, f"<{names[0]}>", file, text_line))
     objects.numbers.extend(values)
     objects.label.append(label)

@@ -44,7 +44,7 @@ MAX_SHARE: Final = 2.0
 _INSIDE: Final = 0.01
 """How far a box may stick out of the picture and still count as inside it."""
 _NAMES = re.compile(r"classes\.txt|.*\.names")
-_OTHERS = re.compile(r".*\.ya?ml|(?:train|val|valid|test)\.txt|.*\.data|.*\.cache")
+_OTHER_FILES = re.compile(r".*\.ya?ml|(?:train|val|valid|test)\.txt|.*\.data|.*\.cache")
 
 
 def recognise(name: str, head: str, role: Role) -> bool:
@@ -108,8 +108,8 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     _check_shares(table)
     fields = _identified(table, options)
     label = _labels(whole_numbers(table.columns[0], table.lines, "class number"), names)
-    rule, wanted = _rule(label, names, options)
-    choice = choose_classes(label, rule, wanted, table.lines)
+    rule, class_options = _rule(label, names, options)
+    choice = choose_classes(label, rule, class_options, table.lines)
     width, height = options.size
     x, y, w, h = fields.middle_and_size
     boxes = table.lines.boxes(
@@ -145,7 +145,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
 def _is_extra(name: str) -> bool:
     """Whether the file is no picture's: names of classes, lists of files, settings."""
     last = PurePosixPath(name).name.casefold()
-    return _NAMES.fullmatch(last) is not None or _OTHERS.fullmatch(last) is not None
+    return _NAMES.fullmatch(last) is not None or _OTHER_FILES.fullmatch(last) is not None
 
 
 @dataclass(frozen=True)
@@ -196,11 +196,11 @@ def _rule(label: np.ndarray, names: _Names, options: ReadOptions) -> tuple[Class
     if options.classes is None:
         return free_labels(classes, options), options
     n_names = len(names.names)
-    wanted = tuple(
+    class_names = tuple(
         names.names[int(name)] if re.fullmatch("[0-9]{1,9}", name) and int(name) < n_names else name
         for name in options.classes
     )
-    options = replace(options, classes=wanted)
+    options = replace(options, classes=class_names)
     return free_labels(classes, options), options
 
 
@@ -252,8 +252,8 @@ def _identified(table: NumberTable, options: ReadOptions) -> _Fields:
                 role=options.role,
             )
     ids = np.full(len(table), NO_TRACK, dtype=np.int64)
-    given = ~np.isnan(track)
-    ids[given] = whole_numbers(track[given], table.lines[given], "track id")
+    has_track = ~np.isnan(track)
+    ids[has_track] = whole_numbers(track[has_track], table.lines[has_track], "track id")
     return _Fields(box, score, np.maximum(ids, NO_TRACK), tuple(facts), tuple(findings))
 
 

@@ -97,23 +97,23 @@ def session_pictures(
     recordings
         Rows of the recordings table whose pictures are needed; None: all.
     """
-    facts_of = {facts.name: facts for facts in session.recordings}
+    entries = {entry.name: entry for entry in session.recordings}
     frames = dataset.frame_columns
     sources: dict[int, Pictures] = {}
     indices: dict[int, np.ndarray] = {}
     troubles = []
     for number, name in enumerate(dataset.recordings["name"].astype(str)):
-        facts = facts_of.get(name)
+        entry = entries.get(name)
         is_needed = recordings is None or number in recordings
-        if facts is None or facts.pictures is None or not is_needed:
+        if entry is None or entry.pictures is None or not is_needed:
             continue
         try:
-            sources[number] = open_pictures(session.folder / facts.pictures)
+            sources[number] = open_pictures(session.folder / entry.pictures)
         except MediaError as error:
             troubles.append(f"{one_line(name)}: {one_line(error.message)}")
             continue
         frame_numbers = frames.frame[frames.first[number] : frames.first[number + 1]]
-        indices[number] = picture_index(frame_numbers, sources[number], facts.first_picture)[0]
+        indices[number] = picture_index(frame_numbers, sources[number], entry.first_picture)[0]
     return RecordingPictures(sources, indices, troubles=tuple(troubles))
 
 

@@ -106,11 +106,11 @@ def check_ratings(
         Number of each row, for messages; None: from 1.
     """
     table = table.set_axis([str(column).strip().lower() for column in table.columns], axis=1)
-    lacking = [column for column in REQUIRED if column not in table]
-    if lacking:
+    absent = [column for column in REQUIRED if column not in table]
+    if absent:
         raise FormatError(
             f"the columns {', '.join(REQUIRED)} are needed, separated by commas, semicolons or "
-            f"tabs; {', '.join(lacking)} is missing, found "
+            f"tabs; {', '.join(absent)} is missing, found "
             f"{', '.join(map(str, table.columns[:8]))}",
             file=name,
             line=1,

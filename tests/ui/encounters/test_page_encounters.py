@@ -33,7 +33,7 @@ def widget(page: AppTest, kind: str, label: str):
 
 def choose(page: AppTest, row: int) -> AppTest:
     dataset = page.session_state["workspace"].opened.dataset
-    page.session_state[table.CHOSEN] = (dataset.fingerprint, row)
+    page.session_state[table.SELECTED] = (dataset.fingerprint, row)
     return checked(page.run())
 
 
@@ -114,7 +114,7 @@ def test_a_distant_encounter_has_dashes():
     assert "never came near enough" in texts(page)
     assert page.table[0].value["X"].tolist() == ["–"] * 5
     # one that was chosen in other data is forgotten
-    page.session_state[table.CHOSEN] = ("other data", 0)
+    page.session_state[table.SELECTED] = ("other data", 0)
     assert "Click a row of the table" in texts(checked(page.run()))
 
 

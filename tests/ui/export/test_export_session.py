@@ -18,7 +18,7 @@ from nvcore.comparison import Result, compare
 from nvcore.dataset import Dataset
 from nvcore.findings import Finding, Severity
 from nvcore.inputs.load import load
-from nvcore.inputs.session import RecordingFacts, Session, Source, SystemSource
+from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource
 from nvcore.inputs.session_toml import read_session
 from nvcore.report.files import export_files, report_zip
 from ui.export.session import inputs_beside, portable_session, public_findings
@@ -150,7 +150,7 @@ def test_folders_of_the_owner_are_kept_where_the_inputs_lie_in_them(tmp_path: Pa
 
 
 def upload(truth: str, system: str, **facts: str) -> Session:
-    recordings = (RecordingFacts("one", **facts),) if facts else ()
+    recordings = (RecordingEntry("one", **facts),) if facts else ()
     return Session(
         Path("/srv/x/upload-1"), Source((truth,)), (SystemSource((system,)),), recordings
     )
@@ -180,7 +180,7 @@ def test_uploaded_pictures_and_frame_lists_are_written_by_their_names():
     session = upload(*files, pictures="../pictures/night.mp4", frames=frames)
     portable = portable_session(replace(session, frames="0:9"), is_upload=True)
     assert portable.recordings == (
-        RecordingFacts("one", pictures="night.mp4", frames="frames.txt"),
+        RecordingEntry("one", pictures="night.mp4", frames="frames.txt"),
     )
     assert portable.frames == "0:9"  # a range stays a range
     assert inputs_beside(portable) == ["t.csv", "x.csv", "frames.txt"]  # pictures are not needed

@@ -33,7 +33,7 @@ def test_the_number_of_each_system_is_taken_apart_and_its_events_are_listed():
 
 def test_a_click_on_a_recording_leaves_its_events_only():
     page = opened()
-    page.session_state[figures.WANTED] = 0
+    page.session_state[figures.CLICKED_RECORDING] = 0
     table = listed(checked(page.run()))
     assert set(table["recording"]) == {"urban_crossing"}
     (chosen,) = [one for one in page.selectbox if one.label == "Recording"]

@@ -12,16 +12,16 @@ from inputs import write
 
 from nvcore.errors import SessionError
 from nvcore.findings import Finding, Severity
-from nvcore.inputs.session import RecordingFacts, Session, Source, SystemSource
+from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource
 from nvcore.params import Params
 from ui.session.opening import (
     check_confined,
     checked_frames,
     corrected,
     corrections_up_to,
-    facts_of,
     guess_pictures,
     public_text,
+    recording_entry,
     uploaded_session,
     with_recordings,
     with_systems,
@@ -73,17 +73,17 @@ def test_a_threshold_stays_with_its_system(dataset):
 
 
 def test_facts_of_one_recording_leave_the_others_alone():
-    start = session(recordings=(RecordingFacts("a", fps=10), RecordingFacts("b", fps=20)))
+    start = session(recordings=(RecordingEntry("a", fps=10), RecordingEntry("b", fps=20)))
     changed = with_recordings(start, ["a", "b"], {"b": {"pictures": "b.mp4"}})
-    expected = RecordingFacts("a", fps=10), RecordingFacts("b", fps=20, pictures="b.mp4")
+    expected = RecordingEntry("a", fps=10), RecordingEntry("b", fps=20, pictures="b.mp4")
     assert changed.recordings == expected
 
 
 def test_the_only_recordings_facts_count_whatever_their_name():
-    start = session(recordings=(RecordingFacts("drive", fps=10),))
-    assert facts_of(start, ["r0"], "r0").fps == 10
+    start = session(recordings=(RecordingEntry("drive", fps=10),))
+    assert recording_entry(start, ["r0"], "r0").fps == 10
     changed = with_recordings(start, ["r0"], {"r0": {"pictures": "v.mp4"}})
-    assert changed.recordings == (RecordingFacts("r0", fps=10, pictures="v.mp4"),)
+    assert changed.recordings == (RecordingEntry("r0", fps=10, pictures="v.mp4"),)
 
 
 @pytest.mark.parametrize(
@@ -147,7 +147,7 @@ def test_a_session_file_finds_its_files_by_the_ends_of_their_paths(tmp_path: Pat
     assert opened.truth.path == ("mot/A/gt/gt.txt",)
     paths = [system.path for system in opened.systems]
     assert paths == [("B/det.txt", "A/det.txt"), ("nir_1.csv", "nir_2.csv")]
-    facts = RecordingFacts("A", frames="frames.txt", pictures="../pictures/A.mp4")
+    facts = RecordingEntry("A", frames="frames.txt", pictures="../pictures/A.mp4")
     assert opened.recordings == (facts,)
     assert not (tmp_path / "upload-1" / "session.toml").exists()  # it does not stay itself
 
@@ -202,7 +202,7 @@ def test_a_session_that_leaves_the_folder_is_refused(root: Path, path: str):
 
 @pytest.mark.parametrize("facts", [{"frames": "../private/p.csv"}, {"pictures": "../private"}])
 def test_frame_lists_and_pictures_stay_in_the_folder_as_well(root: Path, facts: dict[str, str]):
-    refused = session(root, recordings=(RecordingFacts("r", **facts),))
+    refused = session(root, recordings=(RecordingEntry("r", **facts),))
     assert "outside the folder" in refusal(refused, root)
 
 
@@ -259,5 +259,5 @@ def test_a_long_name_of_pictures_is_none_that_were_sent(tmp_path: Path):
 @pytest.mark.parametrize("name", [LONG, f"{LONG}[1]", f"../root/{LONG}"])
 def test_a_long_name_inside_the_folder_is_left_to_those_who_open_it(root: Path, name: str):
     assert refusal(replace(session(root), truth=Source((name,))), root) == ""
-    pictures = session(root, recordings=(RecordingFacts("r", pictures=name),))
+    pictures = session(root, recordings=(RecordingEntry("r", pictures=name),))
     assert refusal(pictures, root) == ""

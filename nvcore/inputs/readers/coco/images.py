@@ -216,18 +216,18 @@ def _places(
     images: Records, names: Sequence[str], document: dict[str, object]
 ) -> tuple[Sequence[str], np.ndarray, str, list[Finding]]:
     """Recording and frame number of every image, and in words where they come from."""
-    whole = recording_of(images.file.name)
+    file_recording = recording_of(images.file.name)
     places = [place_of_picture(name) for name in names]  # text: one by one
     by_name = [place for place in places if place is not None]
     are_placed = len(by_name) == len(places)
-    folders = (_folders(names, whole), "recordings from the folders")
+    folders = (_folders(names, file_recording), "recordings from the folders")
     videos = _videos(images, document)
     numbers = images.numbers(*FRAME_KEYS)
     recording: Sequence[str]
     if videos is not None:
         recording, source = videos, "recordings from the video of each image"
     elif are_placed:
-        recording = [_or_whole(place[0], whole) for place in by_name]
+        recording = [_or_whole(place[0], file_recording) for place in by_name]
         source = "recordings from the file names"
     else:
         recording, source = folders
@@ -258,9 +258,9 @@ def _places(
     return recording, frame, f"{source}, frame numbers from the order of the list", [finding]
 
 
-def _or_whole(recording: str, whole: str) -> str:
+def _or_whole(recording: str, file_recording: str) -> str:
     """`naming` says "recording" where a name has no folder: then the file is one recording."""
-    return whole if recording == "recording" else recording
+    return file_recording if recording == "recording" else recording
 
 
 def _is_scattered(recording: Sequence[str]) -> bool:
@@ -268,12 +268,12 @@ def _is_scattered(recording: Sequence[str]) -> bool:
     return len(recording) >= 4 and len(set(recording)) > len(recording) / 2
 
 
-def _folders(names: Sequence[str], whole: str) -> list[str]:
+def _folders(names: Sequence[str], file_recording: str) -> list[str]:
     """Recording of each picture by its folder alone."""
     parents = [PurePosixPath(name.replace("\\", "/")).parent for name in names]
     # a made-up frame number lets the rules of `naming` for folders apply
     places = [recording_and_frame_of(str(parent / "0")) for parent in parents]
-    return [_or_whole(place[0], whole) if place else whole for place in places]
+    return [_or_whole(place[0], file_recording) if place else file_recording for place in places]
 
 
 def _videos(images: Records, document: dict[str, object]) -> list[str] | None:

@@ -73,9 +73,9 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     for number, file in enumerate(files):
         columns, own = read_columns(file)
         images = options.images if own is None else own
-        boxes, what, oddities = _boxes(columns, file, number, images, options)
+        boxes, new_facts, oddities = _boxes(columns, file, number, images, options)
         tables.append(boxes)
-        facts += what
+        facts += new_facts
         findings += oddities
     boxes = concat_boxes(tables)
     return Reading(
@@ -144,21 +144,21 @@ def _categories(
         return everything, ["no category_id: all results count"], []
     present = {id_text(key): count for key, count in category.value_counts(dropna=False).items()}
     listed = ", ".join(f"{key} ({count} results)" for key, count in present.items())
-    wanted = {PERSON}
+    counted = {PERSON}
     if options.classes is not None:
         # results have no names for their categories: only a person's number is known
-        named = [name for name in options.classes if not name.isdecimal()]
-        persons = [name for name in named if is_pedestrian(name)]
-        wanted = set(options.classes) - set(named) | ({PERSON} if persons else set())
-        if len(persons) < len(named) and set(present) - wanted:
+        names = [name for name in options.classes if not name.isdecimal()]
+        persons = [name for name in names if is_pedestrian(name)]
+        counted = set(options.classes) - set(names) | ({PERSON} if persons else set())
+        if len(persons) < len(names) and set(present) - counted:
             raise file.fault(
                 f"results number their classes: found category_id {listed}; give the classes as "
                 "numbers"
             )
-    if not wanted & set(present):
+    if not counted & set(present):
         if len(present) > 1 or options.classes is not None:
             raise file.fault(
-                f"expected results of category_id {', '.join(sorted(wanted))}, found {listed}; "
+                f"expected results of category_id {', '.join(sorted(counted))}, found {listed}; "
                 "name the category ids that are pedestrians as classes"
             )
         finding = warning(
@@ -171,12 +171,12 @@ def _categories(
             example="result 1",
         )
         return everything, [f"category_id {next(iter(present))} counted"], [finding]
-    others = [key for key in present if key not in wanted]
-    fact = f"category_id {', '.join(key for key in present if key in wanted)} counted"
+    others = [key for key in present if key not in counted]
+    fact = f"category_id {', '.join(key for key in present if key in counted)} counted"
     if not others:
         return everything, [fact], []
     fact += f", {', '.join(f'{key} ({present[key]} results)' for key in others)} left out"
-    keep = category.map({key: id_text(key) in wanted for key in category.unique()})
+    keep = category.map({key: id_text(key) in counted for key in category.unique()})
     return keep.to_numpy(dtype=bool), [fact], []
 
 
@@ -223,9 +223,9 @@ def _places_by_name(
 
 def _rows_by_name(names: Iterable[str], listed: Iterable[str]) -> np.ndarray:
     """Row of the list that has each name, whole or, where that is clear, without its folders."""
-    whole = _rows_by_text(names, listed)
-    short = _rows_by_text(map(_short, names), map(_short, listed))
-    return np.where(whole >= 0, whole, short)
+    by_path = _rows_by_text(names, listed)
+    by_name = _rows_by_text(map(_short, names), map(_short, listed))
+    return np.where(by_path >= 0, by_path, by_name)
 
 
 def _rows_by_text(names: Iterable[str], listed: Iterable[str]) -> np.ndarray:

@@ -71,11 +71,11 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
                 f"{short_json(document)}; a list of results is no ground truth"
             )
         listed = read_images(document, file)
-        boxes, what, oddities = _read_annotations(document, file, number, listed, options)
+        boxes, new_facts, oddities = _read_annotations(document, file, number, listed, options)
         tables.append(boxes)
         recordings.append(listed.recordings)
         images.append(listed.table)
-        facts += [listed.conversion, *what]
+        facts += [listed.conversion, *new_facts]
         findings += [*listed.findings, *oddities]
     facts.append("evaluated frames from the image list")
     return Reading(
@@ -131,8 +131,8 @@ def _read_annotations(
         columns["track"], has_text = track_numbers(track, recording)
         facts += [TEXT_IDS] if has_text else []
     lines = Lines.of(file, np.arange(1, len(records) + 1))
-    columns["occlusion"], how, findings = _occlusion(records, lines)
-    facts += how
+    columns["occlusion"], occlusion_facts, findings = _occlusion(records, lines)
+    facts += occlusion_facts
     distance = records.numbers("distance_m", "distance")
     boxes = lines.boxes(
         box.T,
@@ -208,8 +208,8 @@ def _occlusion(records: Records, lines: Lines) -> tuple[np.ndarray, list[str], l
         kinds = set(map(type, values)) - {type(None)}
         if kinds == {bool}:
             share = [np.nan if v is None else _VISIBLE_IF_OCCLUDED if v else 1.0 for v in values]
-            how = f"{key} true = heavy occlusion (half visible, as NightOwls counts it)"
-            return levels_of_visible_share(np.array(share)), [how], []
+            fact = f"{key} true = heavy occlusion (half visible, as NightOwls counts it)"
+            return levels_of_visible_share(np.array(share)), [fact], []
         if kinds <= {int, float, bool}:
             numbers = records.to_floats(values, key)
             odd = odd_levels(numbers, lines, "truth")

@@ -149,8 +149,10 @@ def _check_doubles(pictures: pd.DataFrame) -> None:
     if not double.any():
         return
     second = pictures[double].iloc[0]
-    same = (pictures["recording"] == second["recording"]) & (pictures["frame"] == second["frame"])
-    first = pictures[same].iloc[0]
+    is_same = (pictures["recording"] == second["recording"]) & (
+        pictures["frame"] == second["frame"]
+    )
+    first = pictures[is_same].iloc[0]
     raise FormatError(
         f"the picture is frame {second['frame']} of recording {second['recording']!r}, as is that "
         f"of {first['file']}, line {first['line']}; expected one picture per frame: name the "

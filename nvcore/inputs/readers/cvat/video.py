@@ -31,7 +31,7 @@ from nvcore.inputs.readers.parse.xml import root_of
 
 
 @dataclass(frozen=True)
-class Filled:
+class FilledTracks:
     """Rows of all tracks, sorted by track and frame, with those between keyframes filled in.
 
     Attributes
@@ -87,7 +87,7 @@ def fill_between_keyframes(
     step: np.ndarray,
     *,
     limit: int,
-) -> Filled:
+) -> FilledTracks:
     """Fill the frames between two keyframes of a track, from the first unless it is outside.
 
     Parameters
@@ -125,7 +125,7 @@ def fill_between_keyframes(
     end = np.where(position > 0, order[np.minimum(keyframe_row + 1, len(order) - 1)], start)
     frames = frame[start] + position * step[start]
     length = np.maximum(frame[end] - frame[start], 1)
-    return Filled(
+    return FilledTracks(
         left=start,
         right=end,
         share=(frames - frame[start]) / length,
@@ -306,7 +306,11 @@ def _task_of(content: CvatContent, key: str, line: int, file: SourceFile) -> Tas
 
 
 def _findings(
-    rows: pd.DataFrame, lines: Lines, filled: Filled, content: CvatContent, options: ReadOptions
+    rows: pd.DataFrame,
+    lines: Lines,
+    filled: FilledTracks,
+    content: CvatContent,
+    options: ReadOptions,
 ) -> list[Finding]:
     """Frames beside the step, gaps that were not filled, tracks without an end, ids used twice."""
     owners = content.owner_table

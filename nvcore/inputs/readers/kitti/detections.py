@@ -92,9 +92,9 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     keep = np.ones(len(table), dtype=bool)
     findings: tuple[Finding, ...] = ()
     if is_long.any():
-        named = replace(options, classes=_class_names(options.classes))
+        options_by_name = replace(options, classes=_class_names(options.classes))
         label = _type_names(np.where(is_long, table.columns[1], 1))
-        choice = choose_classes(label, RULE, named, table.lines)
+        choice = choose_classes(label, RULE, options_by_name, table.lines)
         keep, findings = choice.keep, choice.findings
         facts += [DISTANCE, choice.fact]
     elif len(table):

@@ -80,11 +80,11 @@ def choose_categories(
             )
     else:
         counted = set()
-        for wanted in classes:
-            hits = {key for key, name in names.items() if _plain(name) == _plain(wanted)}
-            hits = hits or {key for key in names if key == wanted}
+        for class_name in classes:
+            hits = {key for key, name in names.items() if _plain(name) == _plain(class_name)}
+            hits = hits or {key for key in names if key == class_name}
             if not hits:
-                raise FormatError(f"there is no class {wanted!r}; found {listed}", file=file)
+                raise FormatError(f"there is no class {class_name!r}; found {listed}", file=file)
             counted |= hits
     ignored = {key for key, name in names.items() if _concerns(name)} - counted
     fates = {
@@ -129,8 +129,8 @@ def free_labels(labels: Iterable[str], options: ReadOptions) -> ClassRule:
 
 def concerns_pedestrians(label: str, options: ReadOptions) -> bool:
     """Whether boxes of the label are counted or ignored."""
-    named = {name.casefold() for name in options.classes or ()}
-    return _concerns(label) or label.casefold() in named
+    counted = {name.casefold() for name in options.classes or ()}
+    return _concerns(label) or label.casefold() in counted
 
 
 def is_pedestrian(name: str) -> bool:

@@ -86,11 +86,11 @@ def choose_classes(
     codes, classes = pd.factorize(label)
     known = {name.casefold() for name in rule.known}
     folded = pd.Index([str(name).casefold() for name in classes])  # the few different names
-    wanted = {name.casefold() for name in rule.counted}
+    counted_names = {name.casefold() for name in rule.counted}
     counted = rule.counted
     if options.classes is not None:
         counted = options.classes
-        wanted = {name.casefold() for name in counted}
+        counted_names = {name.casefold() for name in counted}
         for name in counted:
             if name.casefold() not in known | {*folded}:
                 others = sorted(str(other) for other in classes if other.casefold() not in known)
@@ -99,15 +99,15 @@ def choose_classes(
                     + (f", the files also have {', '.join(others)}" if others else ""),
                     file=lines.files[0].name if lines.files else None,
                 )
-    neutral = {name.casefold() for name in rule.ignored} - wanted
+    neutral = {name.casefold() for name in rule.ignored} - counted_names
     if options.role == "detections":
         neutral = set()
-    is_wanted, is_neutral = folded.isin(wanted)[codes], folded.isin(neutral)[codes]
+    is_wanted, is_neutral = folded.isin(counted_names)[codes], folded.isin(neutral)[codes]
     fact = f"classes: {', '.join(counted)} counted"
     ignored = [name for name in rule.ignored if name.casefold() in neutral]
     if ignored:
         fact += f"; {', '.join(ignored)} ignored"
-    is_strange = ~folded.isin(known | wanted)[codes]
+    is_strange = ~folded.isin(known | counted_names)[codes]
     findings = lines.finding(
         is_strange,
         "unknown-class",
@@ -148,8 +148,8 @@ def name_left_out(label: np.ndarray, keep: np.ndarray) -> str:
     if counts.empty:
         return ""
     counts = counts.sort_index().sort_values(ascending=False, kind="stable")
-    named = [f"{name} ({n})" for name, n in counts.iloc[:_MAX_NAMED].items()]
+    texts = [f"{name} ({n})" for name, n in counts.iloc[:_MAX_NAMED].items()]
     if len(counts) > _MAX_NAMED:
-        rest = counts.iloc[_MAX_NAMED:]
-        named.append(f"{len(rest)} more labels ({rest.sum()})")
-    return f"left out: {', '.join(named)}"
+        further = counts.iloc[_MAX_NAMED:]
+        texts.append(f"{len(further)} more labels ({further.sum()})")
+    return f"left out: {', '.join(texts)}"

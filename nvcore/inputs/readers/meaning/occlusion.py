@@ -18,14 +18,14 @@ def levels_of_visible_share(visible: np.ndarray) -> np.ndarray:
     """Levels from the visible share in [0, 1]; UNKNOWN_OCCLUSION where it is NaN or outside."""
     occluded = 1 - visible
     level = np.where(occluded <= 0, 0, np.where(occluded <= PARTIAL_OCCLUSION + 1e-9, 1, 2))
-    known = (visible >= 0) & (visible <= 1)
-    return np.where(known, level, UNKNOWN_OCCLUSION).astype(np.int8)
+    is_known = (visible >= 0) & (visible <= 1)
+    return np.where(is_known, level, UNKNOWN_OCCLUSION).astype(np.int8)
 
 
 def levels_of_numbers(values: np.ndarray) -> np.ndarray:
     """Levels 0, 1, 2 kept; UNKNOWN_OCCLUSION for everything else, NaN too."""
-    known = np.isin(values, (0.0, 1.0, 2.0))
-    return np.where(known, values, UNKNOWN_OCCLUSION).astype(np.int8)
+    is_known = np.isin(values, (0.0, 1.0, 2.0))
+    return np.where(is_known, values, UNKNOWN_OCCLUSION).astype(np.int8)
 
 
 def odd_levels(values: np.ndarray, lines: Lines, role: Role) -> list[Finding]:

@@ -49,29 +49,29 @@ def sequence_info(file: SourceFile) -> SequenceInfo:
     path = _info_path(file)
     if path is None:
         return SequenceInfo()
-    shown = SourceFile(path, f"seqinfo.ini of {file.name}")
+    source = SourceFile(path, f"seqinfo.ini of {file.name}")
     parser = configparser.ConfigParser(interpolation=None)
     try:
-        parser.read_string(read_text(shown))
+        parser.read_string(read_text(source))
     except configparser.Error as error:
         text = str(error).replace("\n", " ").replace("'<string>'", "").strip()
         raise FormatError(
-            f"expected [Sequence] and lines such as frameRate=30: {text}", file=shown.name
+            f"expected [Sequence] and lines such as frameRate=30: {text}", file=source.name
         ) from error
     if not parser.has_section("Sequence"):
-        raise FormatError("expected a section [Sequence], found none", file=shown.name)
+        raise FormatError("expected a section [Sequence], found none", file=source.name)
     values = parser["Sequence"]
-    length = _positive(values, "seqLength", shown)
+    length = _positive(values, "seqLength", source)
     if length > MAX_FRAMES or length % 1 > 0:
         raise FormatError(
             f"expected seqLength as a whole number up to {MAX_FRAMES}, found {length:g}",
-            file=shown.name,
+            file=source.name,
         )
     return SequenceInfo(
         name=values.get("name", "").strip() or None,
-        width=_positive(values, "imWidth", shown),
-        height=_positive(values, "imHeight", shown),
-        fps=_positive(values, "frameRate", shown),
+        width=_positive(values, "imWidth", source),
+        height=_positive(values, "imHeight", source),
+        fps=_positive(values, "frameRate", source),
         n_frames=None if math.isnan(length) else int(length),
     )
 

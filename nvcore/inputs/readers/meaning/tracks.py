@@ -39,9 +39,9 @@ def track_numbers(texts: pd.Series, recording: np.ndarray) -> tuple[np.ndarray, 
     codes, names = pd.factorize(np.asarray(recording, dtype=object))
     largest = np.full(len(names), -1, dtype=np.int64)
     np.maximum.at(largest, codes, track)
-    named = pd.DataFrame({"recording": codes[is_text], "text": texts.to_numpy()[is_text]})
-    first = named.drop_duplicates()
+    text_ids = pd.DataFrame({"recording": codes[is_text], "text": texts.to_numpy()[is_text]})
+    first = text_ids.drop_duplicates()
     order = first.groupby("recording").cumcount().to_numpy()
     first = first.assign(track=largest[first["recording"].to_numpy()] + 1 + order)
-    track[is_text] = named.merge(first, how="left", on=["recording", "text"])["track"].to_numpy()
+    track[is_text] = text_ids.merge(first, how="left", on=["recording", "text"])["track"].to_numpy()
     return track, True

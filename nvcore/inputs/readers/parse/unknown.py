@@ -70,6 +70,6 @@ def _json_kind(document: object) -> str:
 def _keys(document: dict[str, object]) -> str:
     if not document:
         return "without keys"
-    named = [json.dumps(key[:40], ensure_ascii=False) for key in [*document][:_MAX_KEYS]]
-    more = len(document) - len(named)
-    return f"with the keys {', '.join(named)}" + (f" and {more} more" if more else "")
+    names = [json.dumps(key[:40], ensure_ascii=False) for key in [*document][:_MAX_KEYS]]
+    more = len(document) - len(names)
+    return f"with the keys {', '.join(names)}" + (f" and {more} more" if more else "")

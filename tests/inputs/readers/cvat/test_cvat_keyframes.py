@@ -7,10 +7,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from nvcore.inputs.readers.cvat.video import Filled, TooManyFramesError, fill_between_keyframes
+from nvcore.inputs.readers.cvat.video import (
+    FilledTracks,
+    TooManyFramesError,
+    fill_between_keyframes,
+)
 
 
-def fill(frames: list[int], *, tracks: list[int] | None = None, step: int = 1) -> Filled:
+def fill(frames: list[int], *, tracks: list[int] | None = None, step: int = 1) -> FilledTracks:
     n = len(frames)
     return fill_between_keyframes(
         np.array(tracks or [0] * n, dtype=np.int64),
