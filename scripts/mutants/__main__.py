@@ -22,13 +22,12 @@ import difflib
 import json
 import tomllib
 from collections.abc import Iterable, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from multiprocessing import get_context
+from concurrent.futures import as_completed
 from pathlib import Path
 
 from scripts.mutants.covering import Map, make_map
 from scripts.mutants.operators import Key, Mutant, mutants_of
-from scripts.mutants.trial import ROOT, copy_project, run_tests, start_worker, try_mutant, use_copy
+from scripts.mutants.trial import ROOT, make_workers, run_tests, try_mutant
 
 STORE = ROOT / ".mutants"
 RESULTS = STORE / "results.jsonl"
@@ -36,7 +35,6 @@ EQUIVALENT = Path(__file__).with_name("equivalent.toml")
 QUALITY = ROOT / "docs" / "quality.md"
 MARKS = ("<!-- mutants: written by `scripts.mutants table` -->", "<!-- end of mutants -->")
 FOLDERS = ("nvcore/metrics", "nvcore/evidence", "nvcore/detection", "nvcore/inputs")
-WORKERS = 2
 
 
 def pick_sample(folders: Sequence[str], size: int, seed: int) -> dict[str, list[Mutant]]:
@@ -73,14 +71,7 @@ def run(sample: dict[str, list[Mutant]], seconds: float, *, again: bool) -> None
     ]  # fmt: skip
     mapped = Map(STORE, ROOT)
     print(f"{len(mutants)} mutants, {len(to_do)} to try", flush=True)
-    fork = get_context("fork")
-    copies = fork.Queue()
-    for number in range(WORKERS):
-        copies.put(copy_project(STORE / f"tree-{number}"))
-    with (
-        RESULTS.open("a", encoding="utf-8") as file,
-        ProcessPoolExecutor(WORKERS, fork, start_worker, (copies,)) as pool,
-    ):
+    with RESULTS.open("a", encoding="utf-8") as file, make_workers(STORE) as pool:
         jobs = {}
         for mutant in to_do:
             rounds = mapped.rounds(mutant, seconds)
@@ -88,11 +79,12 @@ def run(sample: dict[str, list[Mutant]], seconds: float, *, again: bool) -> None
             jobs[pool.submit(try_mutant, mutant, rounds, times)] = (mutant, len(times))
         for number, job in enumerate(as_completed(jobs), 1):
             mutant, n_tests = jobs[job]
-            noticed = results[mutant.key] = job.result()
-            row = {"key": mutant.key, "killed_by": noticed, "n_tests": n_tests}
+            noticed_by, why = job.result()
+            results[mutant.key] = noticed_by
+            row = {"key": mutant.key, "killed_by": noticed_by, "why": why, "n_tests": n_tests}
             file.write(json.dumps(row) + "\n")
             file.flush()
-            outcome = f"killed by {noticed}" if noticed else f"SURVIVED {n_tests} tests"
+            outcome = f"killed by {why} of {noticed_by}" if why else f"SURVIVED {n_tests} tests"
             where = f"{mutant.path}:{mutant.line} {mutant.mutation}"
             print(f"{number}/{len(jobs)} {where}: {outcome}", flush=True)
         check = pool.submit(fail_anyway, [results[m.key] for m in to_do], mapped.seconds)
@@ -108,7 +100,7 @@ def fail_anyway(killers: Iterable[str], seconds: dict[str, float]) -> list[str]:
     """Which of the tests that killed mutants fail on the project as it is."""
     tests = sorted({test for test in killers if test in seconds}, key=seconds.__getitem__)
     failing = []
-    while tests and (failed := run_tests(tests, {}, 600 + 20 * sum(seconds[t] for t in tests))):
+    while tests and (failed := run_tests(tests, seconds)[0]):
         failing.append(failed)
         if failed not in tests:
             break
@@ -136,11 +128,11 @@ def table(sample: dict[str, list[Mutant]]) -> str:
     ]
     for name, mutants in [*sample.items(), ("all", everything)]:
         tried = [m.key for m in mutants if m.key in results]
-        n_equivalent = sum(key in equivalents for key in tried)
+        same = sum(key in equivalents for key in tried)
         killed = sum(bool(results[key]) and key not in equivalents for key in tried)
-        share = f"{killed / (len(tried) - n_equivalent):.1%}" if len(tried) > n_equivalent else "–"
-        survived = len(tried) - killed - n_equivalent
-        rows.append(f"| {name} | {len(tried)} | {killed} | {survived} | {n_equivalent} | {share} |")
+        share = f"{killed / (len(tried) - same):.1%}" if len(tried) > same else "–"
+        survived = len(tried) - killed - same
+        rows.append(f"| {name} | {len(tried)} | {killed} | {survived} | {same} | {share} |")
     files = {key[0] for key in equivalents if (ROOT / key[0]).exists()}
     present = {mutant.key for path in files for mutant in mutants_of(ROOT, path)}
     for key in equivalents:
@@ -152,8 +144,8 @@ def table(sample: dict[str, list[Mutant]]) -> str:
 
 def write_table(text: str) -> None:
     """Put the table into the documentation, in place of the last one."""
-    before, _, following = QUALITY.read_text("utf-8").partition(MARKS[0])
-    _, _, after = following.partition(MARKS[1])
+    before, _, rest = QUALITY.read_text("utf-8").partition(MARKS[0])
+    _, _, after = rest.partition(MARKS[1])
     QUALITY.write_text(f"{before}{MARKS[0]}\n\n{text}\n\n{MARKS[1]}{after}", "utf-8")
 
 
@@ -172,9 +164,7 @@ def main() -> None:
     options = parser.parse_args()
     STORE.mkdir(exist_ok=True)
     if options.command == "map":
-        copy = copy_project(STORE / "tree-map")
-        use_copy(copy)
-        make_map(STORE, copy, options.tests, WORKERS)
+        make_map(STORE, options.tests)
         return
     sample = pick_sample(options.folders, options.sample, options.seed)
     if options.command == "run":

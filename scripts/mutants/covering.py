@@ -1,6 +1,6 @@
-"""Which tests run which line of the library; also the pytest plugin that learns it.
+"""Which tests run which line of the library.
 
-One run of the tests with coverage's contexts, in a copy of the project, leaves in .mutants:
+Every file of tests runs once by itself with coverage's contexts. What it leaves in .mutants:
 coverage (lines), tests.json (seconds of each test), sources.json (the files as they were).
 """
 
@@ -8,118 +8,59 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
-import signal
-import subprocess
-import sys
-import time
 from collections import defaultdict
-from collections.abc import Generator, Iterator, Sequence
+from collections.abc import Sequence
+from concurrent.futures import as_completed
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
 
-import pytest
 from coverage import CoverageData
 
 from scripts.mutants.operators import Mutant
+from scripts.mutants.trial import ROOT, file_of, make_workers, record_file
 
-NOT_OF_THE_LIBRARY = ("tests/ui", "tests/e2e")
-LIMIT_S = 30.0
-"""Processor time of a test; a slower test takes no part."""
+NOT_OF_THE_LIBRARY = ("tests/ui", "tests/e2e", "tests/scripts", "tests/helpers")
 FIRST_FILES, FIRST_S = 3, 5.0
 """First round: tests of so many files and seconds at most. Most mutants end there."""
 
 
-class TooSlow(BaseException):
-    """A test has used up its processor time."""
-
-
-class Limits:
-    """Pytest plugin: the processor time of each test, and the same examples in every run."""
-
-    def __init__(self, seconds: dict[str, float]) -> None:
-        self.seconds = seconds
-        self.started = 0.0
-
-    def pytest_sessionstart(self) -> None:
-        from hypothesis import settings
-
-        settings.register_profile("mutants", deadline=None, derandomize=True, database=None)
-        settings.load_profile("mutants")
-        signal.signal(signal.SIGPROF, self.stop)
-
-    def stop(self, *_: object) -> None:
-        raise TooSlow
-
-    @pytest.hookimpl(wrapper=True)
-    def pytest_runtest_protocol(self, item: pytest.Item) -> Iterator[None]:
-        self.started = time.process_time()
-        limit = self.seconds.get(item.nodeid, LIMIT_S)
-        signal.setitimer(signal.ITIMER_PROF, limit, limit)
-        try:
-            return (yield)
-        finally:
-            signal.setitimer(signal.ITIMER_PROF, 0)
-
-    @pytest.hookimpl(wrapper=True)
-    def pytest_runtest_makereport(self) -> Generator[None, Any, Any]:
-        report = yield
-        report.processor_s = time.process_time() - self.started
-        return report
-
-
-class Record:
-    """Pytest plugin: writes each test's seconds of processor time, null where it did not pass."""
-
-    def __init__(self, file: Path) -> None:
-        self.file = file
-        self.seconds: dict[str, float | None] = {}
-
-    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
-        has_passed = report.passed and self.seconds.get(report.nodeid, 0.0) is not None
-        self.seconds[report.nodeid] = report.processor_s if has_passed else None
-
-    def pytest_sessionfinish(self) -> None:
-        known = json.loads(self.file.read_text()) if self.file.exists() else {}
-        self.file.write_text(json.dumps(known | self.seconds, indent=0))
-
-
-def pytest_configure(config: pytest.Config) -> None:
-    """Plugin by name (``-p scripts.mutants.covering``), as xdist's workers need the limits too."""
-    config.pluginmanager.register(Limits({}))
-    if not hasattr(config, "workerinput"):
-        config.pluginmanager.register(Record(Path(os.environ["NVCORE_MUTANTS"]) / "tests.json"))
-
-
-def make_map(store: Path, tree: Path, tests: Sequence[str], workers: int) -> None:
-    """Run the tests of the library in a copy; or `tests` alone, which joins them to the map."""
-    rules = store / "coveragerc"
-    rules.write_text(
-        f"[run]\nsource = nvcore\nrelative_files = true\ndata_file = {store / 'coverage'}\n"
-    )
-    for left in store.glob("coverage.*"):  # of a run that was interrupted
-        left.unlink()
-    if not tests:
-        for name in ("coverage", "tests.json"):
-            (store / name).unlink(missing_ok=True)
-    command = [
-        sys.executable, "-m", "pytest", "-q", "--tb=line", "-p", "scripts.mutants.covering",
-        "-p", "no:cacheprovider", "-n", str(workers), "--dist", "loadfile",
-        "--cov", "--cov-append", "--cov-context=test", "--cov-report=", f"--cov-config={rules}",
-        *[f"--ignore={folder}" for folder in NOT_OF_THE_LIBRARY], *tests,
-    ]  # fmt: skip
-    subprocess.run(command, cwd=tree, env={**os.environ, "NVCORE_MUTANTS": str(store)}, check=False)
-    digests = {str(path.relative_to(tree)): digest(path) for path in tree.glob("nvcore/**/*.py")}
+def make_map(store: Path, tests: Sequence[str]) -> None:
+    """Run the tests of the library; or the files `tests` alone, which joins them to the map."""
+    table = store / "tests.json"
+    coverage = CoverageData(str(store / "coverage"))
+    if tests:
+        coverage.read()
+        recorded = json.loads(table.read_text()) if table.exists() else {}
+    else:
+        coverage.erase()
+        recorded = {}
+        found = (str(p.relative_to(ROOT)) for p in (ROOT / "tests").rglob("test_*.py"))
+        tests = sorted(path for path in found if not path.startswith(NOT_OF_THE_LIBRARY))
+    with make_workers(store) as pool:
+        parts = {
+            pool.submit(record_file, test_file, store / f"part-{number}"): store / f"part-{number}"
+            for number, test_file in enumerate(tests)
+        }
+        for number, job in enumerate(as_completed(parts), 1):
+            outcome = job.result()
+            recorded.update(outcome.seconds, **dict.fromkeys(outcome.failed))
+            for test in outcome.failed:
+                print(f"Takes no part, as it is slow here or fails without a mutant: {test}")
+            if parts[job].exists():
+                part = CoverageData(str(parts[job]))
+                part.read()
+                coverage.update(part)
+                parts[job].unlink()
+            if number % 20 == 0 or number == len(parts):
+                print(f"{number} of {len(parts)} files of tests", flush=True)
+    coverage.write()
+    table.write_text(json.dumps(recorded, indent=0))
+    digests = {str(path.relative_to(ROOT)): digest(path) for path in ROOT.glob("nvcore/**/*.py")}
     (store / "sources.json").write_text(json.dumps(digests, indent=0))
 
 
 def digest(path: Path) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()
-
-
-def file_of(test: str) -> str:
-    return test.partition("::")[0]
 
 
 class Map:
@@ -140,11 +81,8 @@ class Map:
     def _by_line(self, path: str) -> dict[int, set[str]]:
         if self.digests.get(path) != digest(self.root / path):
             raise SystemExit(f"{path} is not as it was when the map was made: run `map` again")
-        contexts = self.coverage.contexts_by_lineno(path)
-        return {
-            line: {test for name in names if (test := name.rpartition("|")[0]) in self.seconds}
-            for line, names in contexts.items()
-        }
+        by_line = self.coverage.contexts_by_lineno(path)
+        return {line: self.seconds.keys() & contexts for line, contexts in by_line.items()}
 
     def covering(self, mutant: Mutant) -> set[str]:
         """Tests that run the line; where it runs on import, those that run its function or file."""

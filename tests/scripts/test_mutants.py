@@ -94,7 +94,7 @@ def test_a_mutant_meets_the_tests_that_run_its_line_those_of_its_module_first(ro
         "test_clamping.py::test_of_other_lines": [9],
         "test_other.py::test_elsewhere": [9],
     }.items():
-        coverage.set_context(f"{test}|run")
+        coverage.set_context(test)
         coverage.add_lines({"clamping.py": lines})
     coverage.write()
     seconds = {
@@ -120,34 +120,73 @@ def test_a_mutant_meets_the_tests_that_run_its_line_those_of_its_module_first(ro
         Map(root, root).covering(find(root, "max -> min"))
 
 
-TRY = """
-import sys
+def run_in_worker(root: Path, statements: str) -> list[str]:
+    """Lines that statements print in a worker; trials fork, which this process with threads cannot.
+
+    `mutants` holds the mutants of clamping.py by what they change.
+    """
+    begin = f"""
 from pathlib import Path
 from scripts.mutants import trial
 from scripts.mutants.operators import mutants_of
-trial.tree = Path.cwd()
-test, *changes = sys.argv[1:]
-for change in changes:
-    mutant, = (m for m in mutants_of(trial.tree, "clamping.py") if m.mutation == change)
-    print("noticed by:", trial.try_mutant(mutant, [[test]], {test: 1}))
+trial.tree = Path({str(root)!r})
+mutants = {{mutant.mutation: mutant for mutant in mutants_of(trial.tree, "clamping.py")}}
 """
-
-
-def test_a_mutant_is_noticed_or_survives(root: Path) -> None:
-    test = "test_of_clamping.py::test_values_stay_above_the_limit"
-    (root / "test_of_clamping.py").write_text(
-        "import sys; sys.path.insert(0, '.')\n"
-        "from clamping import clamp\n\n"
-        "def test_values_stay_above_the_limit():\n"
-        "    assert clamp(1) == 1\n"
-    )
-    done = subprocess.run(  # trials fork, which a process with threads such as this one must not
-        [sys.executable, "-c", TRY, test, "max -> min", "<= -> <"],
+    done = subprocess.run(
+        [sys.executable, "-c", begin + statements],
         cwd=root,
         env={**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])},
         capture_output=True,
         text=True,
         check=True,
     )
-    assert done.stdout.splitlines() == [f"noticed by: {test}", "noticed by: "]
+    return done.stdout.splitlines()
+
+
+def test_a_mutant_is_noticed_by_a_failure_or_by_time_or_survives(root: Path) -> None:
+    test = "test_of_clamping.py::test_values_stay_above_the_limit"
+    (root / "test_of_clamping.py").write_text(
+        "from clamping import clamp\n\n"
+        "def test_values_stay_above_the_limit():\n"
+        "    assert clamp(1) is not None\n"
+        "    while clamp(1) != 1: pass\n"
+    )
+    lines = run_in_worker(
+        root,
+        f"""
+trial.SPARE_S = 0.3
+for change in ("max(value, low) -> None", "<= -> <", "max -> min"):
+    print(trial.try_mutant(mutants[change], [[{test!r}]], {{{test!r}: 0}}))
+""",
+    )
+    assert lines == [str((test, "failure")), str(("", "")), str((test, "time"))]
     assert (root / "clamping.py").read_text() == SOURCE
+    assert "line 5 in test_values" in (root / "pytest.log").read_text()  # where it was
+
+
+def test_a_test_that_never_ends_does_not_keep_the_others_from_being_recorded(root: Path) -> None:
+    (root / "nvcore").mkdir()
+    (root / "nvcore" / "__init__.py").write_text("def double(n):\n    return 2 * n\n")
+    (root / "test_of_doubling.py").write_text(
+        "from concurrent.futures import ThreadPoolExecutor\n"
+        "from nvcore import double\n\n"
+        "def spin():\n"
+        "    while True: pass\n\n"
+        "def test_threads():\n"
+        "    with ThreadPoolExecutor(2) as pool: pool.submit(spin)\n\n"
+        "def test_double():\n"
+        "    assert double(1) == 2\n"
+    )
+    lines = run_in_worker(
+        root,
+        """
+trial.RECORDED_S = 0.3
+outcome = trial.record_file("test_of_doubling.py", Path("coverage"))
+print(*outcome.failed, *outcome.seconds)
+""",
+    )
+    assert lines == ["test_of_doubling.py::test_threads test_of_doubling.py::test_double"]
+    coverage = CoverageData(str(root / "coverage"))
+    coverage.read()
+    by_line = coverage.contexts_by_lineno(str(Path("nvcore", "__init__.py")))
+    assert by_line[2] == ["test_of_doubling.py::test_double"]
