@@ -110,9 +110,12 @@ def test_ids_that_stand_for_two_images_need_a_file_per_recording(read_results):
 
 
 def test_other_categories_are_left_out_and_counted_in_the_conversion(read_results):
-    reading = read_results([result(), result(category_id=3), result(category_id=3)])
+    unnamed = result()
+    del unnamed["category_id"]
+    reading = read_results([result(), result(category_id=3), result(category_id=3), unnamed])
     assert len(reading.boxes) == 1
-    assert "category_id 1 counted, 3 (2 results) left out" in reading.conversion
+    left_out = "category_id 1 counted, 3 (2 results), None (1 results) left out"
+    assert left_out in reading.conversion
 
 
 def test_classes_are_taken_as_numbers_or_as_person(read_results):
