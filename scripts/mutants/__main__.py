@@ -79,7 +79,11 @@ def run(sample: dict[str, list[Mutant]], seconds: float, *, again: bool) -> None
             jobs[pool.submit(try_mutant, mutant, rounds, times)] = (mutant, len(times))
         for number, job in enumerate(as_completed(jobs), 1):
             mutant, n_tests = jobs[job]
-            noticed_by, why = job.result()
+            try:
+                noticed_by, why = job.result()
+            except RuntimeError as error:  # no fault of the mutant; the next run tries it again
+                print(f"{number}/{len(jobs)} {describe(mutant)}\n{error}", flush=True)
+                continue
             results[mutant.key] = noticed_by
             row = {"key": mutant.key, "killed_by": noticed_by, "why": why, "n_tests": n_tests}
             file.write(json.dumps(row) + "\n")
@@ -87,11 +91,13 @@ def run(sample: dict[str, list[Mutant]], seconds: float, *, again: bool) -> None
             outcome = f"killed by {why} of {noticed_by}" if why else f"SURVIVED {n_tests} tests"
             where = f"{mutant.path}:{mutant.line} {mutant.mutation}"
             print(f"{number}/{len(jobs)} {where}: {outcome}", flush=True)
-        check = pool.submit(fail_anyway, [results[m.key] for m in to_do], mapped.seconds)
+        check = pool.submit(
+            fail_anyway, [results[m.key] for m in to_do if m.key in results], mapped.seconds
+        )
         for test in check.result():
             print(f"Fails without a mutant too, so that its results do not count: {test}")
     for mutant in mutants:
-        if not results[mutant.key] and mutant.key not in equivalents:
+        if results.get(mutant.key) == "" and mutant.key not in equivalents:
             print(describe(mutant))
     print(table(sample))
 

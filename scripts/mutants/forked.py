@@ -66,7 +66,7 @@ class Outcome:
     seconds
         Processor time of each test that passed.
     failed
-        Those that failed, the first one first; "collection" if a file could not be imported.
+        Those that failed, the first one first; "collection" if something failed outside of tests.
     stopped_in
         Test that ended the process, or "collection"; empty if none did.
     why
@@ -145,11 +145,9 @@ def in_child(tree: Path, task: Task, parent: Connection) -> None:
         coverage = Coverage(task.coverage, config_file=False, source=["nvcore"])
         coverage.set_option("run:relative_files", True)
         coverage.start()
-    code = pytest.main(
-        ["-q", "--tb=short", "-p", "no:cacheprovider", "-p", "no:xdist", "-p", "no:cov",
-         "-W", "ignore::pytest.PytestAssertRewriteWarning", *task.arguments],
-        plugins=[Narrator(task, parent, coverage)],
-    )  # fmt: skip
+    options = ["-q", "--tb=short", "-W", "ignore::pytest.PytestAssertRewriteWarning"]
+    options += [f"-pno:{plugin}" for plugin in ("cacheprovider", "xdist", "cov")]
+    code = pytest.main([*options, *task.arguments], [Narrator(task, parent, coverage)])
     if coverage:
         coverage.stop()
         coverage.save()
@@ -183,7 +181,9 @@ def run_pytest(tree: Path, task: Task) -> Outcome:
         child.join(10)
     except EOFError:
         child.join()
-        if child.exitcode in CRASHES:
+        if child.exitcode == 1:  # at the very end pytest raises what no test has met
+            check_ending(pytest.ExitCode.INTERNAL_ERROR, outcome, tree)
+        elif child.exitcode in CRASHES:
             outcome.why = "crash"
         elif child.exitcode != -signal.SIGPROF:
             raise RuntimeError(f"pytest was ended: see {tree / 'pytest.log'}") from None
