@@ -116,7 +116,7 @@ def _encounters(result: Result, codes: Set[str], evidence: pd.DataFrame | None) 
     n_split = venn.x_only + venn.y_only
     test_text = f"p = {result.exclusivity.mcnemar_p:.2g}"
     if p != result.exclusivity.mcnemar_p:
-        test_text += f", corrected for all measures {p:.2g}"
+        test_text += f"; corrected for all measures, p = {p:.2g}"
     if n_split < MIN_DISCORDANT:
         test_text = "too few to test"
     chance = f" ({test_text})" if is_testable else ""

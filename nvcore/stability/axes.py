@@ -42,7 +42,7 @@ IOU_DRAWN: Final = (0.1, 0.9)
 
 @dataclass(frozen=True)
 class Range:
-    """What a numeric axis spans, in words and numbers; `parameter`: its name if the title lacks it."""
+    """What a numeric axis spans; `parameter` is the setting's name where the title is another."""
 
     title: str
     plausible: tuple[float, float]

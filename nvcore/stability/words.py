@@ -207,7 +207,7 @@ def describe_chance(stability: StabilityMap, evidence: pd.DataFrame) -> str:
         )
     worst = tested.loc[tested["p_holm"].idxmax()]
     by = f"by {int(worst['n']):,} {UNIT_WORDS.get(worst['unit'], worst['unit'])}"
-    p = f"p = {worst['p_holm']:.2g}, corrected for all measures tested; {by}"
+    p = f"p = {worst['p_holm']:.2g} after correction for all measures tested; {by}"
     if worst["p_holm"] <= SIGNIFICANT:
         return f"{capitalised(subject)} is more than chance ({p})."
     return f"{capitalised(subject)} is not shown to be more than chance ({p}): {no_evidence}."

@@ -170,12 +170,13 @@ def test_figures_of_time_are_not_judged_where_encounters_are_single_frames(p: fl
     [
         ((12, range(11), range(10, 12)), 0.04,
          "X detects more encounters, but not all that Y detects: of the 11 encounters that only "
-         "one system detects, X detects 10 and Y 1 (p = 0.012, corrected for all measures 0.04)."),
+         "one system detects, X detects 10 and Y 1 (p = 0.012; corrected for all measures, "
+         "p = 0.04)."),
         ((12, range(11), range(10, 12)), 0.08, f"{NOT_SHOWN}of the 11 encounters that only one "
-         "system detects, X detects 10 and Y 1 (p = 0.012, corrected for all measures 0.08)."),
+         "system detects, X detects 10 and Y 1 (p = 0.012; corrected for all measures, p = 0.08)."),
         ((9, range(9), range(3)), 0.2,
          "X detects every encounter that Y detects, and 6 more of 9; that is not shown to be more "
-         "than chance (p = 0.031, corrected for all measures 0.2)."),
+         "than chance (p = 0.031; corrected for all measures, p = 0.2)."),
     ],
 )  # fmt: skip
 def test_the_claim_goes_by_the_p_that_is_corrected_for_all_measures(

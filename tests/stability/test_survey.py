@@ -131,14 +131,14 @@ SAME_ENCOUNTERS = {"encounters_detected": (1, 0.01), "encounters_detected_by_uni
     ("criterion", "of_figures", "text"),
     [
         ("similarity", {"mean_similarity": (0.1, 0.58)},
-         "This difference is not shown to be more than chance (p = 0.58, corrected for all "
-         "measures tested; by 12 blocks of time, which say nothing of other recordings): a verdict "
-         "that holds at other settings is no evidence against chance."),
+         "This difference is not shown to be more than chance (p = 0.58 after correction for "
+         "all measures tested; by 12 blocks of time, which say nothing of other recordings): a "
+         "verdict that holds at other settings is no evidence against chance."),
         ("saliency", {"saliency": (-0.1, 0.04)},
-         "The difference in the mean saliency of the recordings is more than chance (p = 0.04, "),
+         "the mean saliency of the recordings is more than chance (p = 0.04 after "),
         ("saliency", {"saliency": (0.1, 0.04)}, "which speaks for Y, is more than chance"),
         # encounters are alike within recordings: the larger p counts
-        ("encounters", SAME_ENCOUNTERS, "not shown to be more than chance (p = 0.3, "),
+        ("encounters", SAME_ENCOUNTERS, "not shown to be more than chance (p = 0.3 after "),
         ("similarity", {"mean_similarity": (0.1, np.nan)},
          "Whether this difference is more than chance cannot be tested here (too few): a verdict"),
     ],
