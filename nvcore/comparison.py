@@ -78,6 +78,10 @@ class Result:
         """The two systems, each with the letter that ends its columns' names."""
         return ("x", self.x), ("y", self.y)
 
+    def system(self, letter: str) -> SystemResult:
+        """System ``x`` or ``y``."""
+        return dict(self.sides)[letter]
+
     @property
     def is_short(self) -> bool:
         """Whether most encounters that count are a single frame long."""

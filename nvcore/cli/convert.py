@@ -16,7 +16,7 @@ from nvcore.wording import one_line
 if TYPE_CHECKING:
     from nvcore.inputs.readers.base import Role
 
-# As in cli.py, numpy and pandas are imported by the command only.
+# As in nvcore/cli/__init__.py, numpy and pandas are imported by the command only.
 
 
 def _reading_options(command: Any) -> Any:

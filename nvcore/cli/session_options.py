@@ -53,13 +53,13 @@ def session_from(options: dict[str, Any], *, needs_y: bool) -> Session:
             else "--truth and --x; one system is enough, --y may be added"
         )
         raise click.UsageError(f"give a session file, or {expected}")
-    whole = options["format_"]
+    format_of_all = options["format_"]
     common = source_options(options)
-    truth = Source(options["truth"], format=options["format_truth"] or whole, **common)
+    truth = Source(options["truth"], format=options["format_truth"] or format_of_all, **common)
     systems = [
         SystemSource(
             options[f"{letter}_paths"],
-            format=options[f"format_{letter}"] or whole,
+            format=options[f"format_{letter}"] or format_of_all,
             name=options[f"name_{letter}"],
             **common,
             **_corrections(options, letter),
@@ -115,18 +115,18 @@ def _corrected(session: Session, options: dict[str, Any]) -> tuple[SystemSource,
         corrections = _corrections(options, letter)
         if not corrections:
             continue
-        named = [system.name for system in systems]
-        wanted = names[letter]
-        if wanted is None and not any(names.values()) and default < len(systems):
-            at = default
-        elif wanted is not None and wanted in named:
-            at = named.index(wanted)
+        session_names = [system.name for system in systems]
+        name = names[letter]
+        if name is None and not any(names.values()) and default < len(systems):
+            index = default
+        elif name is not None and name in session_names:
+            index = session_names.index(name)
         else:
             raise click.UsageError(
                 f"cannot tell which system of the session is {letter.upper()}, to correct it; name "
                 "both systems in the file and under [compare], or by --name-x and --name-y"
             )
-        systems[at] = replace(systems[at], **corrections)
+        systems[index] = replace(systems[index], **corrections)
     return tuple(systems)
 
 

@@ -140,7 +140,7 @@ def proximity_plot(dataset: Dataset, params: Params, *, theme: Theme) -> go.Figu
     look = LOOK[theme]
     end = 1.02 * float(max(size.max(), *(zero + 3 * abs(spread) for zero, spread in curves)))
     n, edges = np.histogram(size, bins=N_BINS, range=(min(0.0, float(size.min())), end))
-    curve_m = np.linspace(edges[0], end, 121)
+    along = np.linspace(edges[0], end, 121)
     traces: list[Any] = [
         go.Bar(
             x=(edges[:-1] + edges[1:]) / 2,
@@ -155,8 +155,8 @@ def proximity_plot(dataset: Dataset, params: Params, *, theme: Theme) -> go.Figu
     ]
     for zero, spread in curves:
         weight = go.Scatter(
-            x=curve_m,
-            y=sigmoid((curve_m - zero) / spread),
+            x=along,
+            y=sigmoid((along - zero) / spread),
             mode="lines",
             name="weight k",
             line={"color": look.ink, "width": 2},

@@ -172,8 +172,8 @@ def _clicks(result: Result, runs: pd.DataFrame, n_lanes: int) -> go.Scatter:
     frame = result.dataset.frames["frame"].to_numpy()[row]
     track = result.encounters.track[ends["encounter"].to_numpy()[lane]]
     text = [
-        f"pedestrian {one}, frame {number}, {second:.2f} s<br>X: {by_x}   Y: {by_y}"
-        for one, number, second, by_x, by_y in zip(
+        f"pedestrian {track_id}, frame {number}, {second:.2f} s<br>X: {by_x}   Y: {by_y}"
+        for track_id, number, second, by_x, by_y in zip(
             track, frame, time_s, state["x"], state["y"], strict=True
         )
     ]
@@ -185,8 +185,8 @@ def _state_at(runs: pd.DataFrame, letter: str, lane: np.ndarray, row: np.ndarray
     part = runs[runs["system"] == letter].sort_values(["lane", "first_row"])
     n_rows = int(runs["last_row"].max()) + 2
     key = part["lane"].to_numpy() * n_rows + part["first_row"].to_numpy()
-    at = np.searchsorted(key, lane * n_rows + row, side="right") - 1
-    inside = (at >= 0) & (part["lane"].to_numpy()[at] == lane)
-    inside &= part["last_row"].to_numpy()[at] >= row
-    states = np.where(inside, part["state"].to_numpy(dtype=object)[at], "")
+    run = np.searchsorted(key, lane * n_rows + row, side="right") - 1
+    inside = (run >= 0) & (part["lane"].to_numpy()[run] == lane)
+    inside &= part["last_row"].to_numpy()[run] >= row
+    states = np.where(inside, part["state"].to_numpy(dtype=object)[run], "")
     return [WORDS.get(state, state) for state in states]

@@ -1,4 +1,4 @@
-"""Paired points: one figure of X against Y for each recording, the largest difference on top."""
+"""Paired points: a measure of X against Y for each recording, the largest difference on top."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def paired_points(
     recordings
         `nvcore.tables.result.recordings_table`, or rows of it with the same index.
     column
-        Name of the figure without the system, such as "mean_similarity".
+        Name of the measure without the system, such as "mean_similarity".
     least_range
         What the axis shows at least, so that a small difference looks small.
     """

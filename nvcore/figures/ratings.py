@@ -95,32 +95,32 @@ def participants_plot(agreement: Agreement, *, theme: Theme) -> go.Figure:
         return empty_figure(
             "No participant rated enough clips that others rated, too.", theme=theme
         )
-    drawn_people = judged.head(MOST_PARTICIPANTS)
+    participants = judged.head(MOST_PARTICIPANTS)
     look = LOOK[theme]
-    is_outlier = drawn_people["is_outlier"]
+    is_outlier = participants["is_outlier"]
     marker = {
         "color": np.where(is_outlier, look.ink, look.muted),
         "symbol": np.where(is_outlier, "x", "circle"),
         "size": 10,
     }
-    labels = [plain(name, max_length=24) for name in drawn_people["participant"]]
+    labels = [plain(name, max_length=24) for name in participants["participant"]]
     n_odd = int(judged["is_outlier"].sum())
     odd = f"; {n_odd or 'none'} going another way (marked x)" if agreement.knows_outliers else ""
     trace = go.Scatter(
-        x=drawn_people["agreement"],
-        y=np.arange(len(drawn_people)),
+        x=participants["agreement"],
+        y=np.arange(len(participants)),
         mode="markers",
         hoverinfo="skip",
         showlegend=False,
         marker=marker,
     )
-    ends = [min(-0.1, float(drawn_people["agreement"].min()) - 0.05), 1.03]
+    ends = [min(-0.1, float(participants["agreement"].min()) - 0.05), 1.03]
     return draw(
         trace,
         theme,
         title="Agreement of each participant with the others",
         subtitle=f"{count_text(len(judged), 'participant')}{odd}",
-        height=130 + ROW_PX * max(len(drawn_people), 4),
+        height=130 + ROW_PX * max(len(participants), 4),
         showlegend=False,
         xaxis=axis(theme, "correlation with the mean rank of the others", range=ends),
         yaxis=rows_axis(theme, labels, room=0.5, showgrid=False),

@@ -38,7 +38,7 @@ NO_EVENTS: Final = "No saliency events: no pedestrian is missed by more than the
 
 def _events(result: Result, letter: str, recording: int | None, most: int) -> pd.DataFrame:
     """Events of one system, the most salient first, with a text for each."""
-    system = dict(result.sides)[letter]
+    system = result.system(letter)
     events = system.events
     if recording is not None:
         events = events[events["recording"].to_numpy() == recording]

@@ -325,9 +325,9 @@ def _line_at(
     figure: go.Figure, edge: float, along: tuple[str, str], across: tuple[str, str], **more: Any
 ) -> None:
     """A line at one value of an axis, over the other's whole length: (x or y, reference)."""
-    (one, one_ref), (other, other_ref) = along, across
-    place = {f"{one}0": edge, f"{one}1": edge, f"{one}ref": one_ref}
-    place |= {f"{other}0": 0, f"{other}1": 1, f"{other}ref": other_ref}
+    (name, ref), (cross_name, cross_ref) = along, across
+    place = {f"{name}0": edge, f"{name}1": edge, f"{name}ref": ref}
+    place |= {f"{cross_name}0": 0, f"{cross_name}1": 1, f"{cross_name}ref": cross_ref}
     figure.add_shape(type="line", **more, **place)
 
 

@@ -291,7 +291,7 @@ def _changed_inputs(session: Session, loaded: list[_Loaded]) -> list[Finding]:
                 "input-changed",
                 len(source.files),
                 "The input has changed since the session file was written.",
-                "The figures will differ from those of then; find out which files are meant.",
+                "The results will differ from those of then; find out which files are meant.",
                 role=source.subject,
                 file=source.files[0].name,
             )
@@ -303,22 +303,17 @@ def _frames(
     session: Session, truth: Reading, recordings: pd.DataFrame
 ) -> tuple[list[np.ndarray], list[str]]:
     """Listed frames of every recording, and in words how they were chosen."""
-    facts = {
-        recording.name: recording.frames
-        for recording in session.recordings
-        if recording.frames is not None
-    }
-    if len(recordings) == 1 and len(session.recordings) == 1:
-        facts = dict.fromkeys(recordings["name"], *facts.values()) if facts else {}
+    entries = session.entries(recordings["name"].tolist())
+    texts = {name: entry.frames for name, entry in entries.items() if entry.frames is not None}
     common = None if session.frames is None else parse_frames(session.frames, session.folder)
     listed_frames = own_frames(
-        truth, [] if common is not None else [n for n in recordings["name"] if n not in facts]
+        truth, [] if common is not None else [n for n in recordings["name"] if n not in texts]
     )
     frames: list[np.ndarray] = []
     reasons: dict[str, list[str]] = {}
     for name in recordings["name"]:
-        if name in facts:
-            listed, reason = parse_frames(facts[name], session.folder), "as the session says"
+        if name in texts:
+            listed, reason = parse_frames(texts[name], session.folder), "as the session says"
         elif common is not None:
             listed, reason = common, "as given for all recordings"
         else:

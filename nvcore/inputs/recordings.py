@@ -48,10 +48,7 @@ def contradicted_facts(truth: Reading, recordings: pd.DataFrame) -> list[Finding
 def describe_recordings(session: Session, truth: Reading) -> pd.DataFrame:
     """Name, width, height, fps, horizon, tags of recordings; what is unknown is an error."""
     table = truth.recordings.copy()
-    entries = {entry.name: entry for entry in session.recordings}
-    if len(table) == 1 and len(entries) == 1 and table["name"][0] not in entries:
-        # a single recording in both: the session names it
-        entries = {table["name"][0]: next(iter(entries.values()))}
+    entries = session.entries(table["name"].tolist())
     known = set(table["name"])
     more = [name for name in entries if name not in known]
     if more:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -190,6 +190,19 @@ class Session(Settings):
     def sources(self) -> tuple[tuple[Source, Role], ...]:
         """Truth and systems, each with what it holds."""
         return (self.truth, "truth"), *((system, "detections") for system in self.systems)
+
+    def entries(self, names: Sequence[str]) -> dict[str, RecordingEntry]:
+        """The `recordings` by name; a single one is about the data's only recording.
+
+        Parameters
+        ----------
+        names
+            The data's recordings.
+        """
+        entries = {entry.name: entry for entry in self.recordings}
+        if len(names) == len(entries) == 1 and names[0] not in entries:
+            return {names[0]: replace(self.recordings[0], name=names[0])}
+        return entries
 
     @property
     def common_size(self) -> tuple[int, int] | None:

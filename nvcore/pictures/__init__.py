@@ -12,6 +12,7 @@ from nvcore.pictures.base import Picture, Pictures
 from nvcore.pictures.header import IMAGE_SUFFIXES
 from nvcore.pictures.index import picture_index, size_note
 from nvcore.pictures.open import is_below, open_pictures
+from nvcore.pictures.recordings import RecordingPictures, session_pictures
 from nvcore.pictures.stretch import jpeg, png, stretch
 
 __all__ = [
@@ -20,11 +21,13 @@ __all__ = [
     "ArchiveLimits",
     "Picture",
     "Pictures",
+    "RecordingPictures",
     "is_below",
     "jpeg",
     "open_pictures",
     "picture_index",
     "png",
+    "session_pictures",
     "size_note",
     "stretch",
 ]

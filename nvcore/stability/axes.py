@@ -281,7 +281,7 @@ def _midpoint(result: Result, n_points: int) -> Axis | None:
 
 def _threshold(result: Result, letter: Literal["x", "y"], n_points: int) -> Axis | None:
     """Score threshold of a system; None if all its scores are equal, or it has none."""
-    system = getattr(result, letter)
+    system = result.system(letter)
     score = result.dataset.system(system.name).score
     score = score[np.isfinite(score)]
     low, high = (float(score.min()), float(score.max())) if len(score) else (0.0, 0.0)

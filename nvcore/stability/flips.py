@@ -178,10 +178,10 @@ def find_interval(field: Field, verdict: Winner, i: int, present: Sequence[int])
 
 def combine_axes(parts: Sequence[np.ndarray], combine: np.ufunc) -> np.ndarray:
     """One number per cell from one number per point of each axis."""
-    map_ = parts[0]
+    grid = parts[0]
     for part in parts[1:]:
-        map_ = combine.outer(map_, part)
-    return map_
+        grid = combine.outer(grid, part)
+    return grid
 
 
 def _cross(inside: Any, outside: Any, difference_inside: Any, difference_outside: Any) -> Any:

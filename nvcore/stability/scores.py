@@ -18,7 +18,6 @@ from nvcore.metrics.similarity import SetDistances, find_nearest, measure_sets
 from nvcore.params import Params, settings_for
 from nvcore.params.metadata import ENCOUNTERS, MATCH, PROXIMITY, SALIENCY, SIMILARITY, Stage
 from nvcore.schema import DetectionState
-from nvcore.scoring import SystemResult
 from nvcore.stability.axes import Axis
 
 Criterion = Literal["similarity", "encounters", "saliency"]
@@ -91,7 +90,7 @@ def match_fully(result: Result, names: Sequence[str]) -> dict[Letter, Matches]:
     """
     full: dict[Letter, Matches] = {}
     for letter in LETTERS:
-        system = _system(result, letter)
+        system = result.system(letter)
         score = result.dataset.system(system.name).score
         if f"threshold_{letter}" not in names or np.isnan(score).any():
             continue
@@ -149,10 +148,6 @@ def score_setting(
     return scores
 
 
-def _system(result: Result, letter: Letter) -> SystemResult:
-    return result.x if letter == "x" else result.y
-
-
 def _is_changed(stage: Stage, changes: Mapping[str, Any]) -> bool:
     """Whether the changes affect a stage's result, thresholds aside."""
     return not changes.keys().isdisjoint(settings_for(stage))
@@ -165,7 +160,7 @@ def _matches(
     changes: Mapping[str, Any],
     full: Mapping[Letter, Matches],
 ) -> Matches:
-    system, name = _system(result, letter), f"threshold_{letter}"
+    system, name = result.system(letter), f"threshold_{letter}"
     if name in changes and letter in full:
         score = result.dataset.system(system.name).score
         return _above(full[letter], score, changes[name])
@@ -197,8 +192,8 @@ def _distances(
     criterion: Criterion,
 ) -> SetDistances:
     if not changes:
-        return _system(result, letter).distances
-    system, dataset = _system(result, letter), result.dataset
+        return result.system(letter).distances
+    system, dataset = result.system(letter), result.dataset
     truth, detections = dataset.truth, dataset.system(system.name)
     frames, is_counted = dataset.frame_columns, matches.is_counted
     nearest, k = system.nearest, system.weights.k

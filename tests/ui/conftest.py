@@ -9,8 +9,7 @@ import pytest
 from places import SAMPLE
 from streamlit.components.v2 import manifest_scanner
 
-from nvcore.pictures import Pictures, open_pictures
-from ui.session import pictures
+from nvcore.pictures import Pictures, open_pictures, recordings
 
 open_once = cache(open_pictures)
 scan_once = cache(manifest_scanner.scan_component_manifests)
@@ -21,7 +20,7 @@ scan_once = cache(manifest_scanner.scan_component_manifests)
 def surroundings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("NVCORE_UPLOAD_DIR", str(tmp_path / "uploads"))
     monkeypatch.delenv("NVCORE_LOCAL_ROOT", raising=False)
-    monkeypatch.setattr(pictures, "open_pictures", open_sample_once)
+    monkeypatch.setattr(recordings, "open_pictures", open_sample_once)
     monkeypatch.setattr(manifest_scanner, "scan_component_manifests", scan_once)
 
 

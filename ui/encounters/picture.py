@@ -11,7 +11,6 @@ from nvcore.comparison import Result
 from nvcore.overlay.annotate import LAYERS, annotate
 from nvcore.tables.moments import encounter_box
 from ui.session import state
-from ui.session.pictures import picture_of
 
 HEIGHTS: Final = 2.2
 """Height of the cut-out in heights of the pedestrian."""
@@ -24,7 +23,7 @@ ASPECT: Final = 1.6
 def draw(result: Result, encounter: int, row: int) -> None:
     """The part of a frame around the pedestrian; without pictures, the boxes on a blank."""
     recording, in_recording = state.place_of(row)
-    pictures, picture = picture_of(state.workspace(), recording, in_recording)
+    pictures, picture = state.workspace().picture_of(recording, in_recording)
     lo, hi = state.stretch()
     drawing = annotate(
         result, pictures, picture, row, lo=lo, hi=hi, layers=LAYERS, labels=True, caption=False

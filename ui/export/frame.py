@@ -11,7 +11,6 @@ import streamlit as st
 from nvcore.comparison import Result
 from nvcore.overlay.annotate import annotate, frame_png
 from ui.session import state
-from ui.session.pictures import picture_of
 from ui.widgets.recording import recording_choice
 
 LAYERS: Final = {"truth": "Truth", "x": "X", "y": "Y"}
@@ -59,7 +58,7 @@ def draw(result: Result) -> None:
         labels = st.toggle("Track ids and scores", key="export_labels")
         caption = st.toggle("Numbers below the picture", value=True, key="export_caption")
     lo, hi = state.stretch()
-    pictures, index = picture_of(state.workspace(), recording, state.row())
+    pictures, index = state.workspace().picture_of(recording, state.row())
     picture = annotate(
         result, pictures, index, row, lo=lo, hi=hi, layers=layers, labels=labels, caption=caption
     )

@@ -12,9 +12,10 @@ from nvcore.comparison import Result
 from nvcore.findings import Finding
 from nvcore.inputs.session import Session
 from nvcore.params import Params
+from nvcore.pictures import RecordingPictures
 from nvcore.progress import Progress
 from nvcore.protocols import Protocol
-from nvcore.report.html import RecordingPictures, write_html_report
+from nvcore.report.html import write_html_report
 from nvcore.report.html.evidence_sections import AT_ONCE
 from ui.export.session import public_findings
 from ui.jobs.background import FileJob, JobState, new_path, while_open

@@ -13,7 +13,6 @@ from nvcore.overlay.annotate import LAYERS, annotate
 from nvcore.pictures import Pictures, jpeg
 from nvcore.tables.moments import worst_moments
 from ui.session import state
-from ui.session.pictures import picture_of
 from ui.shell.navigate import open_row
 from ui.widgets.choices import choose_side_by_side
 from ui.widgets.text import plain
@@ -65,7 +64,7 @@ def _moment(result: Result, kind: str, title: str, moment: Mapping[Hashable, Any
 
 
 def _thumbnail(result: Result, recording: int, in_recording: int, row: int) -> bytes | None:
-    pictures, index = picture_of(state.workspace(), recording, in_recording)
+    pictures, index = state.workspace().picture_of(recording, in_recording)
     if pictures is None or index < 0:
         return None
     return state.thumbnail(row, lambda: _draw(result, pictures, row, index))

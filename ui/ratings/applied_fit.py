@@ -25,7 +25,7 @@ MOST: Final = 8
 class AppliedFit:
     """Fitted settings that were put into the sidebar, and those before, by name.
 
-    Knows the dataset's fingerprint, and which ratings it has `rating_keys` (`_who_rates_what`).
+    Knows the dataset's fingerprint, and the ratings that it was fitted to (`_who_rates_what`).
     """
 
     fitted: dict[str, Any]

@@ -9,6 +9,7 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.errors import InputError
+from nvcore.pictures.recordings import STRETCH
 from nvcore.studies.ratings.store import MOST_NAME, RatingStore, Study
 from ui.ratings import links
 from ui.ratings.links import PARTICIPANT, STUDY
@@ -225,7 +226,7 @@ def _played(result: Result, study: Study, clip: int, key: str) -> bool:
     recording = state.recording_names().index(name)
     letter: Letter = "x" if system == result.x.name else "y"
     first, last = result.dataset.frame_columns.first[recording : recording + 2].tolist()
-    lo, hi = state.STRETCH
+    lo, hi = STRETCH
     nothing = np.full(last - first, np.nan)
     row = viewer(
         **viewer_arguments(result, recording),

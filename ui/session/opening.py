@@ -91,11 +91,11 @@ def uploaded_session(content: bytes, folder: Path, files: Sequence[str], picture
         systems=tuple(sent.source(system) for system in session.systems),
         recordings=tuple(
             replace(
-                facts,
-                frames=None if facts.frames is None else sent.frames(facts.frames),
-                pictures=_uploaded_pictures(facts.pictures, pictures, folder),
+                entry,
+                frames=None if entry.frames is None else sent.frames(entry.frames),
+                pictures=_uploaded_pictures(entry.pictures, pictures, folder),
             )
-            for facts in session.recordings
+            for entry in session.recordings
         ),
         frames=frames,
     )
@@ -229,19 +229,15 @@ def with_recordings(
     session: Session, names: Sequence[str], changes: Mapping[str, Mapping[str, object]]
 ) -> Session:
     """The session with other `RecordingEntry` of some recordings of the data, by name."""
-    facts = {recording.name: recording for recording in session.recordings}
-    if len(names) == len(facts) == 1 and names[0] not in facts:
-        # with a single recording its name does not matter
-        facts = {names[0]: replace(session.recordings[0], name=names[0])}
+    entries = session.entries(names)
     for name, change in changes.items():
-        facts[name] = replace(facts.get(name, RecordingEntry(name)), **change)  # type: ignore[arg-type]
-    return replace(session, recordings=tuple(facts.values()))
+        entries[name] = replace(entries.get(name, RecordingEntry(name)), **change)  # type: ignore[arg-type]
+    return replace(session, recordings=tuple(entries.values()))
 
 
 def recording_entry(session: Session, names: Sequence[str], name: str) -> RecordingEntry:
     """What the session says of a recording of the data."""
-    entries = with_recordings(session, names, {name: {}}).recordings
-    return next(entry for entry in entries if entry.name == name)
+    return session.entries(names).get(name, RecordingEntry(name))
 
 
 def corrections_up_to(findings: Iterable[Finding], finding: Finding) -> list[Finding]:

@@ -9,49 +9,24 @@ from __future__ import annotations
 
 import threading
 from collections import OrderedDict
-from collections.abc import Callable, Hashable
 from pathlib import Path
-from typing import Final, TypeVar
+from typing import Final
 
 from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
+from ui.session.cache import Caching
 from ui.session.workspace import Opened
-
-T = TypeVar("T")
 
 MOST_SAMPLES: Final = 2
 
 
-class SharedSample:
+class SharedSample(Caching):
     """A session file that all visitors may open, read once; nobody changes what is `opened`."""
 
     def __init__(self, path: Path, label: str) -> None:
+        super().__init__()
         session = read_session(path)
         self.opened: Final = Opened(session, load(session), label)
-        self._lock = threading.Lock()
-        self._caches: dict[str, OrderedDict[Hashable, object]] = {}
-
-    def cached(self, kind: str, key: Hashable, make: Callable[[], T], *, most: int = 1) -> T:
-        """As `Workspace.cached`, made by any session.
-
-        For values that follow from the sample and the key alone, and that nobody changes.
-        """
-        value = self.peek(kind, key)
-        if value is None:
-            value = make()  # without the lock: it takes its time, and may end the run
-        with self._lock:
-            cache = self._caches.setdefault(kind, OrderedDict())
-            value = cache.setdefault(key, value)
-            cache.move_to_end(key)
-            while len(cache) > most:
-                cache.popitem(last=False)
-        return value  # type: ignore[return-value]  # one cache holds one type
-
-    def peek(self, kind: str, key: Hashable) -> object | None:
-        """The value that there is for this key; None: there is none."""
-        with self._lock:
-            cache = self._caches.get(kind)
-            return None if cache is None else cache.get(key)
 
 
 _samples: OrderedDict[Path, SharedSample] = OrderedDict()

@@ -20,10 +20,10 @@ from nvcore.inputs.load import load
 from nvcore.inputs.session import Session
 from nvcore.params import SETTINGS, Params
 from nvcore.params.metadata import MATCH, PROXIMITY, SALIENT, THRESHOLD
+from nvcore.pictures.recordings import STRETCH, session_pictures
 from nvcore.protocols import Protocol
 from ui.session.address import changed_parameters, read_parameters, read_place
 from ui.session.ending import end_with_session, is_in_use
-from ui.session.pictures import Picturing, find_pictures
 from ui.session.sample import sample_of, shared_sample
 from ui.session.workspace import Compared, Opened, Workspace, workspace_of
 
@@ -231,7 +231,7 @@ def _audit(settings: Params, x: str, y: str | None) -> tuple[Finding, ...]:
 
 
 def protocol() -> Protocol:
-    """Which pedestrians count in the detection figures."""
+    """Which pedestrians count in the detection measures."""
     return opened().session.protocol
 
 
@@ -352,7 +352,7 @@ def _frame_numbers(recording_index: int) -> np.ndarray:
 
 
 def _open(space: Workspace, opened: Opened) -> Opened:
-    pictures: Picturing = find_pictures(opened.session, opened.dataset)
+    pictures = session_pictures(opened.session, opened.dataset)
     space.forget()  # first: nothing should go on to read the pictures
     space.close_pictures()
     space.opened = opened
@@ -382,8 +382,6 @@ def thumbnail(row_of_all: int, draw: Callable[[], bytes]) -> bytes:
     return cached("thumbnails", key, draw, most=MOST_THUMBNAILS)
 
 
-STRETCH: Final = (0.5, 99.8)
-"""Percentiles that pictures are stretched to by default: night drives are dim."""
 LEAST_STRETCH: Final = 0.1
 """Least distance of the two."""
 

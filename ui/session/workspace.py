@@ -6,11 +6,10 @@ import secrets
 import shutil
 import threading
 import weakref
-from collections import OrderedDict
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
-from typing import Any, Final, Literal, NamedTuple, Protocol, TypeVar
+from typing import Any, Final, Literal, NamedTuple, Protocol
 
 import numpy as np
 
@@ -18,10 +17,9 @@ from nvcore.comparison import Result
 from nvcore.dataset import Dataset
 from nvcore.inputs.session import Session
 from nvcore.pictures.base import Pictures
+from ui.session.cache import Caching
 from ui.session.ending import end_with_session
 from ui.session.folders import new_folder
-
-T = TypeVar("T")
 
 PICTURES: Final = "pictures"
 """Folder of the session's pictures."""
@@ -69,7 +67,7 @@ class Job(Protocol):
 _workspaces: weakref.WeakValueDictionary[str, Workspace] = weakref.WeakValueDictionary()
 
 
-class Workspace:
+class Workspace(Caching):
     """One per browser session; lives in ``st.session_state`` and ends with it.
 
     The frame, box and upload routes find it by its token, which only the session's own browser
@@ -107,6 +105,7 @@ class Workspace:
     """
 
     def __init__(self) -> None:
+        super().__init__()
         self.token = secrets.token_urlsafe(24)
         self.folder = new_folder()
         self.opened: Opened | None = None
@@ -121,7 +120,6 @@ class Workspace:
         self.upload_bytes: dict[Path, int] = {}
         self.n_received = 0
         self.notes: dict[str, Any] = {}
-        self._caches: dict[str, OrderedDict[Hashable, object]] = {}
         self._jobs: dict[str, Job] = {}
         self._n_changes = 0
         self._remove = weakref.finalize(self, shutil.rmtree, self.folder, ignore_errors=True)
@@ -143,29 +141,6 @@ class Workspace:
         """Changes with the pictures."""
         return str(self._n_changes)
 
-    def cached(self, kind: str, key: Hashable, make: Callable[[], T], *, most: int = 1) -> T:
-        """The value that was made for this key before, else the one that `make` returns.
-
-        Parameters
-        ----------
-        kind
-            Name of the cache; each kind has its own.
-        most
-            How many values the cache holds; the least recently used is dropped first.
-        """
-        cache = self._caches.setdefault(kind, OrderedDict())
-        if key not in cache:
-            cache[key] = make()
-            while len(cache) > most:
-                cache.popitem(last=False)
-        cache.move_to_end(key)
-        value: T = cache[key]  # type: ignore[assignment]  # one cache holds one type
-        return value
-
-    def peek(self, kind: str, key: Hashable) -> Any:
-        """The value that `cached` has for this key; None: there is none."""
-        return self._caches.get(kind, OrderedDict()).get(key)
-
     def job(self, kind: str) -> Any:
         """The newest job of this kind, also one that has ended; None: there was none."""
         return self._jobs.get(kind)
@@ -186,7 +161,14 @@ class Workspace:
         for kind in list(self._jobs):
             self.drop_job(kind)
         self.compared = None
-        self._caches.clear()
+        self.forget_values()
+
+    def picture_of(self, recording: int, row: int) -> tuple[Pictures | None, int]:
+        """Pictures of a recording, and which of them shows a frame (row within it); -1: none."""
+        pictures, indices = self.pictures.get(recording), self.picture_rows.get(recording)
+        if pictures is None or indices is None:
+            return None, -1
+        return pictures, int(indices[row])
 
     def close_pictures(self) -> None:
         """Close the picture files; no recording has pictures until new ones are set."""

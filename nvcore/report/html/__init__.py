@@ -23,15 +23,16 @@ from nvcore.errors import InputError
 from nvcore.figures.style import CONFIG
 from nvcore.findings import Finding
 from nvcore.inputs.session import Session
+from nvcore.pictures.recordings import RecordingPictures, session_pictures
 from nvcore.progress import Progress, no_progress
 from nvcore.report.html.blocks import Chart
 from nvcore.report.html.charts import figure_json, packed_plotly
 from nvcore.report.html.content import Content, report_content
-from nvcore.report.html.frames import RecordingPictures, decisive_moments, session_pictures
+from nvcore.report.html.frames import decisive_moments
 from nvcore.settings import Settings
 from nvcore.wording import shortened
 
-__all__ = ["RecordingPictures", "css_text", "render", "session_pictures", "write_html_report"]
+__all__ = ["css_text", "render", "write_html_report"]
 
 FOLDER: Final = Path(__file__).parent
 LONG_WORD: Final = 24

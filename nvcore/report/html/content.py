@@ -10,6 +10,7 @@ from nvcore.comparison import Result
 from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.evidence.table import evidence_table
 from nvcore.findings import Finding
+from nvcore.pictures.recordings import RecordingPictures
 from nvcore.progress import Progress, part_of
 from nvcore.protocols import Protocol
 from nvcore.report.html import words
@@ -22,7 +23,7 @@ from nvcore.report.html.evidence_sections import (
     subgroups_section,
     verdict_section,
 )
-from nvcore.report.html.frames import RecordingPictures, decisive_moments, photo
+from nvcore.report.html.frames import decisive_moments, photo
 from nvcore.report.html.input_sections import audit_section, inputs_section, parameters_section
 from nvcore.report.html.result_sections import (
     encounters_section,
@@ -108,8 +109,13 @@ def report_content(
     for number, moment in enumerate(moments):
         progress(0.6 + 0.3 * number / len(moments), "evidence frames")
         photos.append(photo(result, moment, pictures))
+    names = result.dataset.recordings["name"]
+    troubles = [
+        f"{one_line(str(names.iloc[number]))}: {one_line(why)}"
+        for number, why in pictures.troubles.items()
+    ]
     sections += [
-        frames_section(photos, pictures.troubles),
+        frames_section(photos, troubles),
         only_one_section(result),
         audit_section(findings),
         inputs_section(result),

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
 from typing import Any, Final, NamedTuple
 
 import cv2
@@ -11,17 +10,12 @@ import numpy as np
 import pandas as pd
 
 from nvcore.comparison import Result
-from nvcore.dataset import Dataset
-from nvcore.errors import MediaError
-from nvcore.inputs.session import Session
 from nvcore.metrics.encounters import RELEVANT_K
 from nvcore.metrics.similarity import salient_detection
 from nvcore.overlay.annotate import drawn_boxes, frame_picture
 from nvcore.overlay.brush import ON_DARK, ON_LIGHT, Canvas, Inks
 from nvcore.overlay.draw import canvas_size, draw_boxes
-from nvcore.pictures.base import Pictures
-from nvcore.pictures.index import picture_index
-from nvcore.pictures.open import open_pictures
+from nvcore.pictures.recordings import RecordingPictures
 from nvcore.pictures.stretch import jpeg
 from nvcore.report.html.blocks import Photo
 from nvcore.schema import Category, MissClass
@@ -46,8 +40,6 @@ MOST_HEIGHT_PX: Final = 800
 QUALITIES: Final = (72, 60, 45, 30)
 MOST_BYTES: Final = 100_000
 """Size limit of a picture: the first quality that meets it is used, to keep the report small."""
-STRETCH: Final = (0.5, 99.8)
-"""Percentiles of the grey levels between which contrast is stretched: night pictures are dim."""
 KINDS: Final = {
     "x": "A worst moment of X",
     "y": "A worst moment of Y",
@@ -58,63 +50,6 @@ MOST_OF: Final = dict.fromkeys(KINDS.values(), 2)
 """Most moments of each of these kinds."""
 LOSER: Final = {"x": "x", "y": "y", "x_better": "y", "y_better": "x"}
 """The system that does badly in each kind of moment."""
-
-
-@dataclass(frozen=True)
-class RecordingPictures:
-    """Open pictures by recording (row of the recordings table).
-
-    Attributes
-    ----------
-    sources
-        A recording without pictures is absent.
-    indices
-        Picture of each frame of a recording, -1 none; int64, shape (n_frames_of_recording,).
-    stretch
-        Percentiles of the grey levels (`nvcore.pictures.stretch`).
-    troubles
-        Why a recording's pictures cannot be opened.
-    """
-
-    sources: Mapping[int, Pictures] = field(default_factory=dict)
-    indices: Mapping[int, np.ndarray] = field(default_factory=dict)
-    stretch: tuple[float, float] = STRETCH
-    troubles: tuple[str, ...] = ()
-
-    def close(self) -> None:
-        """Release files and memory."""
-        for pictures in self.sources.values():
-            pictures.close()
-
-
-def session_pictures(
-    session: Session, dataset: Dataset, recordings: Collection[int] | None = None
-) -> RecordingPictures:
-    """Open the pictures that a session names; `troubles` says what cannot be opened.
-
-    Parameters
-    ----------
-    recordings
-        Rows of the recordings table whose pictures are needed; None: all.
-    """
-    entries = {entry.name: entry for entry in session.recordings}
-    frames = dataset.frame_columns
-    sources: dict[int, Pictures] = {}
-    indices: dict[int, np.ndarray] = {}
-    troubles = []
-    for number, name in enumerate(dataset.recordings["name"].astype(str)):
-        entry = entries.get(name)
-        is_needed = recordings is None or number in recordings
-        if entry is None or entry.pictures is None or not is_needed:
-            continue
-        try:
-            sources[number] = open_pictures(session.folder / entry.pictures)
-        except MediaError as error:
-            troubles.append(f"{one_line(name)}: {one_line(error.message)}")
-            continue
-        frame_numbers = frames.frame[frames.first[number] : frames.first[number + 1]]
-        indices[number] = picture_index(frame_numbers, sources[number], entry.first_picture)[0]
-    return RecordingPictures(sources, indices, troubles=tuple(troubles))
 
 
 class Moment(NamedTuple):
@@ -343,7 +278,7 @@ def _box_about(result: Result, moment: Moment) -> np.ndarray | None:
             return encounter_box(result, moment.encounter, moment.row)
         except ValueError:  # not annotated in just this frame
             return None
-    system = result.x if moment.loser == "x" else result.y
+    system = result.system(moment.loser)
     boxes = result.dataset.system(system.name)
     worst = salient_detection(
         boxes,

@@ -14,6 +14,7 @@ from inputs import drive, facts_of, session_of
 
 from nvcore.comparison import Result
 from nvcore.inputs.load import load
+from nvcore.pictures import RecordingPictures, session_pictures
 from nvcore.pictures.images import files_as_pictures
 from nvcore.report.html.evidence_sections import frames_section
 from nvcore.report.html.frames import (
@@ -21,10 +22,8 @@ from nvcore.report.html.frames import (
     MOST,
     MOST_BYTES,
     Moment,
-    RecordingPictures,
     decisive_moments,
     photo,
-    session_pictures,
 )
 
 
@@ -208,8 +207,9 @@ def test_the_wanted_pictures_of_a_session_are_opened_and_what_cannot_be_is_told(
     urban = dataset.recordings["name"].tolist().index("urban")
     opened = session_pictures(session, dataset)
     assert list(opened.sources) == [urban]
-    assert opened.troubles == ("rural: there is no such file or folder of pictures",)
+    rural = 1 - urban
+    assert opened.troubles == {rural: "there is no such file or folder of pictures"}
     opened.close()
     wanted = session_pictures(session, dataset, {urban})
-    assert (list(wanted.sources), wanted.troubles) == ([urban], ())
+    assert (list(wanted.sources), wanted.troubles) == ([urban], {})
     wanted.close()

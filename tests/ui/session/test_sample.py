@@ -11,10 +11,10 @@ from places import SAMPLE
 from streamlit.testing.v1 import AppTest
 
 from nvcore.errors import NvcoreError
-from nvcore.pictures import open_pictures
+from nvcore.pictures import open_pictures, recordings
 from nvcore.protocols import PROTOCOLS
 from pages import TIMEOUT_S, checked, session
-from ui.session import pictures, state
+from ui.session import state
 from ui.session.sample import SharedSample, sample_of, shared_sample
 
 SCRIPT = """
@@ -63,7 +63,7 @@ def test_two_visitors_share_what_is_read_and_computed():
 
 
 def test_each_visitor_reads_the_pictures_by_himself(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(pictures, "open_pictures", open_pictures)  # tests share them otherwise
+    monkeypatch.setattr(recordings, "open_pictures", open_pictures)  # tests share them otherwise
     spaces = [visit().session_state["workspace"] for _ in range(2)]
     assert spaces[0].pictures[0] is not spaces[1].pictures[0]
 

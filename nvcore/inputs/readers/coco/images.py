@@ -259,7 +259,7 @@ def _places(
 
 
 def _or_whole(recording: str, file_recording: str) -> str:
-    """`naming` says "recording" where a name has no folder: then the file is one recording."""
+    """A name without a folder gives "recording": then the whole file is one recording."""
     return file_recording if recording == "recording" else recording
 
 
@@ -271,7 +271,7 @@ def _is_scattered(recording: Sequence[str]) -> bool:
 def _folders(names: Sequence[str], file_recording: str) -> list[str]:
     """Recording of each picture by its folder alone."""
     parents = [PurePosixPath(name.replace("\\", "/")).parent for name in names]
-    # a made-up frame number lets the rules of `naming` for folders apply
+    # a made-up frame number lets the rules for folders apply
     places = [recording_and_frame_of(str(parent / "0")) for parent in parents]
     return [_or_whole(place[0], file_recording) if place else file_recording for place in places]
 

@@ -1,4 +1,4 @@
-"""What a CVAT XML file says, as columns; see `boxes` for what is made of it."""
+"""The content of a CVAT XML file as columns."""
 
 from __future__ import annotations
 

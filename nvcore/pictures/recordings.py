@@ -1,0 +1,89 @@
+"""The pictures that a session names for its recordings, opened."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+
+from nvcore.dataset import Dataset
+from nvcore.errors import MediaError
+from nvcore.inputs.session import Session
+from nvcore.pictures.base import Pictures
+from nvcore.pictures.index import picture_index, size_note
+from nvcore.pictures.open import open_pictures
+
+STRETCH: Final = (0.5, 99.8)
+"""Percentiles of the grey levels between which contrast is stretched: night pictures are dim."""
+
+
+@dataclass(frozen=True)
+class RecordingPictures:
+    """Open pictures by recording (row of the recordings table).
+
+    Attributes
+    ----------
+    sources
+        A recording without pictures is absent.
+    indices
+        Picture of each frame of a recording, -1 none; int64, shape (n_frames_of_recording,).
+    stretch
+        Percentiles of the grey levels (`nvcore.pictures.stretch`).
+    notes
+        Which picture shows which frame, in words; without a source, why it cannot be opened.
+    """
+
+    sources: Mapping[int, Pictures] = field(default_factory=dict)
+    indices: Mapping[int, np.ndarray] = field(default_factory=dict)
+    stretch: tuple[float, float] = STRETCH
+    notes: Mapping[int, str] = field(default_factory=dict)
+
+    @property
+    def troubles(self) -> dict[int, str]:
+        """Why pictures cannot be opened, by recording."""
+        return {number: note for number, note in self.notes.items() if number not in self.sources}
+
+    def close(self) -> None:
+        """Release files and memory."""
+        for pictures in self.sources.values():
+            pictures.close()
+
+
+def session_pictures(
+    session: Session, dataset: Dataset, recordings: Collection[int] | None = None
+) -> RecordingPictures:
+    """Open the pictures that a session names; `notes` says what cannot be opened.
+
+    Parameters
+    ----------
+    session
+        Names the pictures.
+    dataset
+        Its recordings and frames.
+    recordings
+        Rows of the recordings table whose pictures are needed; None: all.
+    """
+    names = [str(name) for name in dataset.recordings["name"]]
+    entries = session.entries(names)
+    frames = dataset.frame_columns
+    sources: dict[int, Pictures] = {}
+    indices: dict[int, np.ndarray] = {}
+    notes: dict[int, str] = {}
+    for number, name in enumerate(names):
+        entry = entries.get(name)
+        is_needed = recordings is None or number in recordings
+        if entry is None or entry.pictures is None or not is_needed:
+            continue
+        try:
+            pictures = open_pictures(session.folder / entry.pictures)
+        except MediaError as error:
+            notes[number] = error.message
+            continue
+        listed = frames.frame[frames.first[number] : frames.first[number + 1]]
+        indices[number], note = picture_index(listed, pictures, entry.first_picture)
+        other_size = size_note(pictures, float(frames.width[number]), float(frames.height[number]))
+        sources[number] = pictures
+        notes[number] = " ".join(part for part in (note, other_size) if part)
+    return RecordingPictures(sources, indices, notes=notes)
