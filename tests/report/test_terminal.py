@@ -121,16 +121,6 @@ def test_saliency_of_several_recordings_stands_as_their_mean_as_well():
     )
 
 
-def test_lead_time_is_told_for_the_encounters_that_both_match():
-    truth = [at(f, c, track=t) for f in range(20) for t, c in ((1, 40), (2, 70))]
-    x = [at(f, c, score=1.0) for f in range(20) for c in (40, 70)]
-    y = [at(f, 40, score=1.0) for f in range(4, 20)] + [at(f, 70, score=1.0) for f in range(20)]
-    assert (
-        "lead time, in the 2 encounters that both match: X is first in 1, Y in 0, at once in 1; X "
-        "leads by +0.20 s on average, median +0.20 s"
-    ) in render_scorecard(result_of(make_dataset(truth, x, y)))
-
-
 def test_of_ignored_people_alone_there_is_nothing_to_tell_apart():
     truth = [at(f, 50, ignore=True) for f in range(5)]
     x = [at(f, 50, score=1.0) for f in range(3)]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from inputs import drive, flags, mot_layout, nvcore
+from inputs import drive, flags, nvcore
 
 
 def test_it_writes_one_file_with_the_parameters_given_and_nothing_else(tmp_path: Path):
@@ -59,12 +59,3 @@ def test_what_it_refuses(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, argume
     assert message in result.stderr
     assert (tmp_path / "truth.csv").read_bytes() == before
     assert not (tmp_path / "report.html").exists()
-
-
-def test_several_recordings_from_a_folder_are_listed(tmp_path: Path):
-    folder = mot_layout(tmp_path / "mot")
-    files = ["--truth", folder / "*" / "gt" / "gt.txt", "--x", folder / "*" / "det" / "det.txt"]
-    out = ("--no-stability", "--out", tmp_path / "r.html")
-    result = nvcore("report", *files, "--y", folder / "*" / "det" / "det.txt", *out)
-    assert result.exit_code in (0, 1), result.output
-    assert (tmp_path / "r.html").read_text(encoding="utf-8").count("gt/gt.txt</td>") == 2
