@@ -197,14 +197,3 @@ def test_several_recordings_become_mot_files_with_harmless_names(tmp_path):
 def test_a_format_and_a_path_that_cannot_be_written_are_errors(tmp_path, format_name, words):
     with pytest.raises(InputError, match=words):
         write(truth(), format_name, tmp_path, role="truth")
-
-
-@pytest.mark.realdata
-@pytest.mark.parametrize("format_name", ["csv", "coco"])
-def test_kaists_truth_comes_back(realdata: Path, tmp_path, format_name):
-    name = "kaist/KAIST_annotation.json"
-    reading = read_coco([SourceFile(realdata / name, name)], ReadOptions())
-    path = tmp_path / "copy"
-    written(path, reading, format_name)
-    back = READERS[format_name]([SourceFile(path, "copy")], ReadOptions())
-    assert_same_boxes(back, reading)

@@ -8,8 +8,8 @@ import pytest
 from reader_files import golden, only_finding, rows, source
 
 from nvcore.errors import FormatError, InputError
-from nvcore.inputs.readers.base import Reading, ReadOptions, SourceFile
-from nvcore.inputs.readers.mot import read, recognise
+from nvcore.inputs.readers.base import Reading, ReadOptions
+from nvcore.inputs.readers.mot import read
 from nvcore.schema import READING_DTYPES, UNKNOWN_OCCLUSION
 
 NAME = "A/gt/gt.txt"
@@ -166,44 +166,7 @@ def test_several_recordings_are_told_apart_and_one_without_seqinfo_leaves_the_fr
     assert reading.images is None
 
 
-def test_two_files_of_one_recording_are_an_error(tmp_path):
-    files = [source(tmp_path, "", NAME), source(tmp_path, "", "A/det/det.txt")]
-    with pytest.raises(InputError, match=r"holds recording 'A', as A/gt/gt\.txt does"):
-        read(files, ReadOptions())
-
-
 def test_results_find_the_recording_of_the_truth_in_their_path(tmp_path):
     options = ReadOptions(role="detections", recordings=("MOT16-01", "MOT16-02"))
     boxes = read_text(tmp_path, "1,1,1,1,9,9,1\n", options, "MOT16-02/tracker/x.txt").boxes
     assert boxes["recording"].tolist() == ["MOT16-02"]
-
-
-@pytest.mark.parametrize(
-    ("text", "expected"),
-    [
-        ("1,-1,1.5,2,3,4,0.5,-1,-1,-1\n", True),
-        ("1,1,1,1,9,9,1", True),
-        ("\ufeff1,1,,1,9,9,1\n", True),
-        ("", False),
-        ("1,2,3,4,5,0.5\n", False),
-        ("frame,id,x,y,w,h,score\n1,1,1,1,9,9,1\n", False),
-        ("1.5,1,1,1,9,9,1\n", False),
-        ("0 1 Car 0 0 0 1 2 3 4 1 1 1 1 1 1 1\n", False),
-        ("0,1,2,3,4,5,6,7,8,9,10,11,12,13,14\n", False),
-        ('{"images": []}', False),
-    ],
-)
-def test_own_rows_are_recognised_and_those_of_other_formats_are_not(text, expected):
-    assert recognise("gt.txt", text, "truth") is expected
-
-
-@pytest.mark.realdata
-def test_the_real_recordings_have_the_flags_and_lengths_of_their_files(realdata):
-    paths = sorted(realdata.glob("mot15/*/gt/gt.txt"))
-    reading = read([SourceFile(p, p.parent.parent.name) for p in paths], ReadOptions())
-    lengths = reading.images.groupby("recording").size()
-    # awk -F, '$7 == 0' gt.txt | wc -l
-    n_ignored = reading.boxes.groupby("recording")["ignore"].sum()
-    names = ["ETH-Sunnyday", "PETS09-S2L1", "TUD-Campus", "TUD-Stadtmitte"]
-    assert lengths.to_dict() == dict(zip(names, [354, 795, 71, 179], strict=True))
-    assert n_ignored.to_dict() == dict(zip(names, [43, 174, 0, 0], strict=True))

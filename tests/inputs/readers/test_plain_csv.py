@@ -200,27 +200,6 @@ def test_files_are_recordings_of_their_names(tmp_path):
         csv.read([source(tmp_path, text, "a/gt.csv")] * 2, ReadOptions())
 
 
-def test_own_headers_are_recognised_and_other_texts_are_not():
-    for file in golden("csv", "truth.csv", "corners.csv"):
-        text = file.path.read_text(encoding="utf-8")
-        assert csv.recognise(file.name, text, "truth")
-        assert csv.recognise(file.name, text, "detections")
-    for text in ("", "1,2,3,4,5,6,1\n", "0 1 Pedestrian 0 0", "% bbGt version=3\n", "<a/>", "[]"):
-        assert not csv.recognise("a.csv", text, "truth")
-
-
-@pytest.mark.realdata
-def test_the_night_video_is_read(realdata):
-    names = ["kaist_night_video/gt.csv", "kaist_night_video/detections/MLPD.csv"]
-    truth = csv.read([SourceFile(realdata / names[0], names[0])], ReadOptions())
-    assert truth.boxes["recording"].unique().tolist() == ["kaist_night_video"]
-    assert truth.boxes["frame"].iloc[0] == 9
-    known = ReadOptions(role="detections", recordings=("kaist_night_video",))
-    system = csv.read([SourceFile(realdata / names[1], names[1])], known)
-    assert system.boxes["score"].iloc[0] == pytest.approx(0.40471590)
-    assert system.boxes["recording"].unique().tolist() == ["kaist_night_video"]
-
-
 def test_classes_are_sorted_over_all_files_not_file_by_file(tmp_path):
     files = [
         source(tmp_path, f"frame,x,y,w,h,class\n1,2,3,4,5,{kind}\n", f"{kind}.csv")

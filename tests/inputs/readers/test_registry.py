@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -61,6 +62,67 @@ def test_a_golden_file_is_recognised_as_its_own_format_and_no_other_claims_it(
     head = (DATA / name).read_text(encoding="utf-8")
     claims = [one.name for one in FORMATS if role in one.roles and one.recognise(name, head, role)]
     assert claims == [expected]
+
+
+KITTI = "Pedestrian 0 1 -0.2 712.4 143 810.7 307.9 1.9 0.5 1.2 1.8 1.5 8.4 0.01"
+CORNERS, SIZES = "1,502.3,212.4,522.2,254.0,0.9\n", "1,502.3,212.4,19.9,41.6,0.9\n"
+EITHER = "kitti-detections kaist-results"
+CLAIMS = [
+    ("", "", ""),
+    ("% bbGt version=3\n", "bbgt", ""),
+    ("person 1 2 3 4 0 0 0 0 0\n", "bbgt", ""),
+    ("1 1 2 3 4 0 0 0 0 0\n", "", ""),
+    ("person,1,2,3,4,0.5\n", "", ""),
+    ("frame,id,x,y,w,h,score\n1,1,1,1,9,9,1\n", "csv", "csv"),
+    ("<annotations><mode>annotation</mode>", "cvat-images", "cvat-images"),
+    ('<annotations><image id="0">', "cvat-images", "cvat-images"),
+    ("<annotations><mode>interpolation</mode>", "cvat-video", "cvat-video"),
+    ('<annotations><track id="0">', "cvat-video", "cvat-video"),
+    ("<annotation><track >", "voc", "voc"),
+    ('\ufeff<?xml version="1.0"?>\n<!-- a -->\n<annotation x="">', "voc", "voc"),
+    ("<a/>", "", ""),
+    (CORNERS, "", EITHER),
+    (re.sub(r"[\d.]+", r'"\g<0>"', CORNERS), "", EITHER),
+    (SIZES, "", "kaist-results"),
+    (re.sub(r"[\d.]+", r'"\g<0>"', SIZES), "", "kaist-results"),
+    ("0,1,2,3,4,0.5\n", "", "kitti-detections"),  # KAIST's pictures count from 1
+    ("0.5,1,2,3,4,5", "", ""),
+    ("1,1,2,3,4\n", "", ""),
+    ("1,2,3,40,50,0.5\n1,2,3\n", "", ""),
+    (",".join(map(str, range(15))), "", "kitti-detections"),
+    (KITTI, "kitti-object", "kitti-object"),
+    (f"{KITTI} 0.5", "kitti-object", "kitti-object"),
+    (f"0 5 {KITTI}", "kitti-tracking", "kitti-tracking"),
+    (f"0 5 {KITTI} 0.5", "kitti-tracking", "kitti-tracking"),
+    ("1 " * 15, "", ""),
+    ("1 " * 17, "", ""),
+    ("1,1,1,1,9,9,1", "mot", "mot"),
+    ("1,-1,1.5,2,3,4,0.5,-1,-1,-1\n", "mot", "mot"),
+    ("\ufeff1,1,,1,9,9,1\n", "mot", "mot"),
+    ("1.5,1,1,1,9,9,1\n", "", ""),
+    ("1 2 3 4 5 6 7\n", "", ""),
+    ("0 0.5 0.5 0.25 0.5\n", "yolo", "yolo"),
+    ("0 0.5 0.5 0.25 0.5 0.9\n", "yolo", "yolo"),
+    ("0 320 240 64 96\n", "", ""),
+    ('"0" "0.5" "0.5" "0.1" "0.1"\n', "", ""),
+    ("images/1.jpg\n", "", ""),
+    ('{"images": []}', "coco", ""),
+    ('{"annotations": [', "coco", "coco-results"),
+    ("[]\n", "", "coco-results"),
+    ('[{"a": 1}]', "", ""),
+    ('{"openlabel": {}}', "", ""),
+]
+"""How a file begins, and the formats that claim it as truth and as detections."""
+
+
+@pytest.mark.parametrize(("head", "as_truth", "as_detections"), CLAIMS)
+def test_a_beginning_is_claimed_by_its_own_formats_only(
+    head: str, as_truth: str, as_detections: str
+):
+    for role, claims in (("truth", as_truth), ("detections", as_detections)):
+        formats = [one for one in FORMATS if role in one.roles]
+        found = [one.name for one in formats if one.recognise("I00019.txt", head, role)]
+        assert found == claims.split()
 
 
 def test_the_format_is_told_from_the_first_file_that_is_not_empty():

@@ -9,7 +9,7 @@ from reader_files import golden, only_finding, rows, source
 
 from nvcore.errors import FormatError, InputError
 from nvcore.inputs.readers.base import Reading, ReadOptions
-from nvcore.inputs.readers.voc import read, recognise
+from nvcore.inputs.readers.voc import read
 
 NAMES = ("drive1/000007.xml", "drive1/000008.xml")
 
@@ -116,10 +116,3 @@ def test_what_is_wrong_is_named_with_its_line(tmp_path: Path, body: str, message
 def test_an_empty_file_is_an_error(tmp_path: Path) -> None:
     with pytest.raises(FormatError, match=r"1\.xml, line 1: .*no element found"):
         read([source(tmp_path, "", "1.xml")], ReadOptions())
-
-
-def test_own_files_are_recognised_and_no_others() -> None:
-    assert recognise("1.xml", golden("voc", NAMES[0])[0].path.read_text(), "truth")
-    assert recognise("1.xml", '\ufeff<?xml version="1.0"?>\n<!-- a -->\n<annotation x="">', "truth")
-    for text in ("<annotations><track>", "0 0.5 0.5 0.1 0.1"):
-        assert not recognise("1.xml", text, "truth")

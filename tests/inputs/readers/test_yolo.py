@@ -65,6 +65,7 @@ def test_classes_txt_names_the_classes_and_is_no_picture(tmp_path: Path) -> None
         "data.yaml": "names: [car, person, rider]\n",
         "d/1.txt": "0 .5 .5 .1 .1\n1 .5 .5 .1 .1\n2 .5 .5 .1 .1\n",
     }
+    assert recognise("classes.txt", files["classes.txt"], "truth")
     reading = read_files(tmp_path, files)
     assert rows(reading.boxes, "line file ignore") == [[2, 2, False], [3, 2, True]]
     assert "class names from classes.txt" in reading.conversion
@@ -155,21 +156,3 @@ def test_files_that_belong_to_no_picture_are_an_error(
 ) -> None:
     with pytest.raises(InputError, match=message):
         read_files(tmp_path, {name: "person\n"})
-
-
-@pytest.mark.parametrize(
-    ("name", "text", "expected"),
-    [
-        ("1.txt", "0 0.5 0.5 0.25 0.5\n", True),
-        ("1.txt", "0 0.5 0.5 0.25 0.5 0.9\n", True),
-        ("labels/classes.txt", "car\nperson\n", True),
-        ("1.txt", "", False),
-        ("1.txt", "1,1,1,1,1,1,1\n", False),
-        ("1.txt", "0 320 240 64 96\n", False),
-        ("1.txt", '"0" "0.5" "0.5" "0.1" "0.1"\n', False),
-        ("1.txt", "Car 0.0 0 -1.5 1 2 3 4 1 1 1 1 1 1 1\n", False),
-        ("train.txt", "images/1.jpg\n", False),
-    ],
-)
-def test_own_files_are_recognised_and_no_others(name: str, text: str, expected: bool) -> None:
-    assert recognise(name, text, "truth") is expected

@@ -124,18 +124,3 @@ def test_images_are_listed_in_the_order_of_recording_and_frame(tmp_path):
         ["b", 1, 3],
     ]
     assert rows(reading.boxes, "recording frame") == [["b", 1], ["a", 21], ["a", 1]]
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        "",
-        "1,2,3,4,5,6\n",
-        "0 0.5 0.5 0.1 0.2\n",
-        "Pedestrian 0 0 0 1 2 3 4 1 1 1 1 1 1 1\n",
-        "1 1 2 3 4 0 0 0 0 0\n",
-    ],
-)
-def test_rows_of_other_formats_and_detections_are_not_claimed(text):
-    assert not recognise("I00019.txt", text, "truth")
-    assert not recognise("I00019.txt", "% bbGt version=3\n", "detections")

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import pandas as pd
 import pytest
 from reader_files import golden, rows, source
 
-from nvcore.errors import FormatError, InputError, MissingFactError
+from nvcore.errors import FormatError, MissingFactError
 from nvcore.findings import Severity
-from nvcore.inputs.readers.base import Reading, ReadOptions, SourceFile
-from nvcore.inputs.readers.caltech.kaist_results import read, recognise
+from nvcore.inputs.readers.base import Reading, ReadOptions
+from nvcore.inputs.readers.caltech.kaist_results import read
 
 RECORDINGS = ("set06/V000", "set06/V001")
 IMAGES = pd.DataFrame(
@@ -98,12 +97,6 @@ def test_a_truth_of_a_part_of_the_set_keeps_the_ids_of_the_whole(tmp_path):
     assert reading.findings[0].example == "line 2: image number 3"
 
 
-def test_two_files_of_one_recording_are_an_error(tmp_path):
-    files = [source(tmp_path, "", f"{folder}/set06/V000.txt") for folder in ("a", "b")]
-    with pytest.raises(InputError, match="holds recording 'set06/V000', as a/set06"):
-        read(files, options())
-
-
 @pytest.mark.parametrize(
     ("row", "words"),
     [
@@ -115,37 +108,3 @@ def test_two_files_of_one_recording_are_an_error(tmp_path):
 def test_a_fault_is_named_by_file_and_line(tmp_path, row, words):
     with pytest.raises(FormatError, match=rf"MBNet_result\.txt, line 2: {words}"):
         read_text(tmp_path, f"1,1,2,3,4,0.5\n{row}\n")
-
-
-@pytest.mark.parametrize(
-    "text", ["", "0,1,2,3,4,0.5\n", "1,1,2,3,4\n", "1,1,1,2,3,4,0.5\n", "a,1,2,3,4,0.5\n"]
-)
-def test_own_rows_are_recognised_as_detections_and_those_of_other_formats_are_not(text):
-    own = "1,502.33,212.455,19.922,41.648,0.03658492\n"
-    assert recognise("x.txt", own, "detections")
-    assert not recognise("x.txt", own, "truth")
-    assert not recognise("x.txt", text, "detections")
-
-
-@pytest.mark.realdata
-def test_the_real_results_fall_on_the_real_images(realdata):
-    truth = json.loads((realdata / "kaist/KAIST_annotation.json").read_text())
-    images = pd.DataFrame(
-        [(i["im_name"][:10], int(i["im_name"][-5:]), i["id"]) for i in truth["images"]],
-        columns=["recording", "frame", "image_id"],
-    )
-    file = SourceFile(realdata / "kaist/results/MBNet_result.txt", "MBNet_result.txt")
-    reading = read([file], options(recordings=tuple(images["recording"].unique()), images=images))
-    first = reading.boxes.iloc[0]
-    assert (first["recording"], first["frame"]) == ("set06/V000", 19)
-    assert len(reading.boxes) == 12937  # wc -l
-    assert reading.findings == ()
-    # the best detection of an image lies on a pedestrian of that image far more often than not
-    best = reading.boxes[reading.boxes["score"] > 0.9].merge(images, on=["recording", "frame"])
-    people = pd.DataFrame(
-        [(a["image_id"], *a["bbox"]) for a in truth["annotations"]],
-        columns=["image_id", "left", "top", "width", "height"],
-    )
-    both = best.reset_index().merge(people, on="image_id", how="left")
-    both["offset"] = (both["x"] + both["w"] / 2 - both["left"] - both["width"] / 2).abs()
-    assert (both.groupby("index")["offset"].min() < 10).mean() > 0.9

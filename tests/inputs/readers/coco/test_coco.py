@@ -4,14 +4,11 @@ import json
 from pathlib import Path
 
 import pytest
-from places import DATA
 from reader_files import golden, rows, source
 
 from nvcore.errors import FormatError
-from nvcore.inputs.readers.base import Reading, ReadOptions, SourceFile
+from nvcore.inputs.readers.base import Reading, ReadOptions
 from nvcore.inputs.readers.coco import truth as reader
-
-FOLDER = DATA / "coco"
 
 
 def read_golden(name: str, **options: object) -> Reading:
@@ -277,23 +274,3 @@ def test_no_categories_and_several_ids_ask_for_the_classes(read_document):
     with pytest.raises(FormatError, match="annotations of category_id 1, 2; name the category ids"):
         read_document(content)
     assert len(read_document(content, classes=("2",)).boxes) == 1
-
-
-def test_truth_is_recognised_and_results_are_not():
-    truth = (FOLDER / "kaist.json").read_text(encoding="utf-8")
-    assert reader.recognise("a.json", truth, "truth")
-    assert not reader.recognise("a.json", truth, "detections")
-    results = (FOLDER / "results.json").read_text(encoding="utf-8")
-    for other in (results, '{"openlabel": {}}', "1,2,3,4,5,6,1"):
-        assert not reader.recognise("a.json", other, "truth")
-
-
-@pytest.mark.realdata
-def test_kaist_test_set_is_read_whole(realdata):
-    name = "kaist/KAIST_annotation.json"
-    reading = reader.read([SourceFile(realdata / name, name)], ReadOptions())
-    assert len(reading.images) == 2252
-    assert len(reading.boxes) == 4254
-    assert int(reading.boxes["ignore"].sum()) == 775 + 54 + 35
-    assert len(reading.recordings) == 16
-    assert reading.findings == ()

@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from places import DATA
 from reader_files import golden, rows, source
 
 from nvcore.errors import FormatError, MissingFactError
@@ -14,7 +13,6 @@ from nvcore.inputs.readers.base import Reading, ReadOptions
 from nvcore.inputs.readers.coco import result_columns, results
 from nvcore.inputs.readers.coco.truth import read as read_truth
 
-FOLDER = DATA / "coco"
 IMAGES = pd.DataFrame({"recording": ["a", "a", "b"], "frame": [5, 25, 5], "image_id": [0, 1, 2]})
 
 
@@ -210,12 +208,3 @@ def test_the_fast_parser_leaves_what_is_unusual_to_the_careful_one(tmp_path):
         text = json.dumps([result(), result(**{field: value})])
         file = source(tmp_path, text, "results.json")
         assert result_columns._fast(file) is None
-
-
-def test_results_are_recognised_and_truth_is_not():
-    golden_texts = [(FOLDER / f"{name}results.json").read_text("utf-8") for name in ("", "flir_")]
-    for text in (*golden_texts, "[]\n", '{"annotations": ['):
-        assert results.recognise("a.json", text, "detections")
-        assert not results.recognise("a.json", text, "truth")
-    for text in ('[{"a": 1}]', "frame,x,y,w,h"):
-        assert not results.recognise("a.json", text, "detections")

@@ -9,7 +9,7 @@ from reader_files import golden, only_finding, rows, source
 
 from nvcore.errors import FormatError
 from nvcore.inputs.readers.base import Reading, ReadOptions
-from nvcore.inputs.readers.cvat.images import read, recognise
+from nvcore.inputs.readers.cvat.images import read
 
 
 def read_golden(**options: object) -> Reading:
@@ -102,15 +102,6 @@ def test_a_picture_of_another_size_is_reported(tmp_path: Path) -> None:
 def test_no_pictures_give_empty_tables(tmp_path: Path) -> None:
     reading = read_xml(tmp_path, "<meta></meta>")
     assert rows(reading.boxes, "frame") == rows(reading.images, "frame") == []
-
-
-def test_own_files_are_recognised_and_no_others() -> None:
-    head = golden("cvat_images", "annotations.xml")[0].path.read_text(encoding="utf-8")
-    assert recognise("a.xml", head, "truth")
-    assert recognise("a.xml", "<annotations><mode>annotation</mode>", "truth")
-    assert not recognise("a.xml", "<annotations><mode>interpolation</mode>", "truth")
-    assert not recognise("a.xml", '<annotations><track id="0">', "truth")
-    assert not recognise("a.xml", "<annotation><filename>", "truth")
 
 
 def test_findings_of_several_files_are_counted_together(tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ from reader_files import golden, only_finding, rows, source
 
 from nvcore.errors import FormatError, InputError
 from nvcore.inputs.readers.base import Reading, ReadOptions
-from nvcore.inputs.readers.cvat.video import read, recognise
+from nvcore.inputs.readers.cvat.video import read
 
 
 def read_golden(**options: object) -> Reading:
@@ -269,22 +269,6 @@ def test_no_tracks_are_no_boxes_in_all_frames(tmp_path: Path) -> None:
     reading = read_xml(tmp_path, task(size=2))
     assert len(reading.boxes) == 0
     assert rows(reading.images, "frame") == [[0], [1]]
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        "<annotations><mode>annotation</mode>",
-        '<annotations><image id="0">',
-        "<annotation><track >",
-        "1,1,1,1,1,1,1",
-    ],
-)
-def test_own_files_are_recognised_and_no_others(text: str) -> None:
-    head = golden("cvat_video", "annotations.xml")[0].path.read_text(encoding="utf-8")
-    assert recognise("a.xml", head, "truth")
-    assert recognise("a.xml", "<annotations><mode>interpolation</mode>", "truth")
-    assert not recognise("a.xml", text, "truth")
 
 
 def test_an_attribute_of_the_annotator_marks_occlusion(tmp_path: Path) -> None:

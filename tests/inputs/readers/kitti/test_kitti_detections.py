@@ -8,8 +8,7 @@ from reader_files import golden, only_finding, rows, source
 
 from nvcore.errors import FormatError, InputError
 from nvcore.inputs.readers.base import ReadOptions, SourceFile
-from nvcore.inputs.readers.caltech import kaist_results
-from nvcore.inputs.readers.kitti.detections import read, recognise
+from nvcore.inputs.readers.kitti.detections import read
 
 NAME = "rrc_ped/0016.txt"
 DETECTIONS = ReadOptions(role="detections", recordings=("0015", "0016"))
@@ -85,43 +84,6 @@ def test_a_type_that_is_no_whole_number_is_named_by_line(tmp_path):
     row = "0,1.5,432,157,489,253,5.9,1.8,0.7,1.0,-2.9,1.4,14.25,0.8,1.0\n"
     with pytest.raises(FormatError, match="line 1: expected a whole number as type"):
         read_text(tmp_path, row)
-
-
-def test_two_files_of_one_recording_are_an_error(tmp_path):
-    files = [source(tmp_path, "", f"{folder}/0016.txt") for folder in ("a", "b")]
-    with pytest.raises(InputError, match="holds recording '0016'"):
-        read(files, DETECTIONS)
-
-
-def test_an_empty_file_is_a_recording_without_detections(tmp_path):
-    reading = read_text(tmp_path, "")
-    assert len(reading.boxes) == 0
-    assert reading.recordings["name"].tolist() == ["0016"]
-
-
-def test_positions_and_sizes_are_kaists_and_corners_are_not():
-    corners = '"1","502.3","212.4","522.2","254.0","0.9"\n'
-    sizes = corners.replace("522.2", "19.9").replace("254.0", "41.6")
-    for text in (sizes, sizes.replace('"', "")):
-        assert not recognise("x.txt", text, "detections")
-        assert kaist_results.recognise("x.txt", text, "detections")
-    for text in (corners, corners.replace('"', ""), LONG):
-        assert recognise("x.txt", text, "detections")
-        assert not recognise("x.txt", text, "truth")
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        "",
-        "1,1,1,1,9,9,1\n",
-        "frame,x1,y1,x2,y2,score\n",
-        "1,2,3,40,50,0.5\n1,2,3\n",
-        "0.5,1,2,3,4,5",
-    ],
-)
-def test_rows_of_other_formats_are_not_claimed(text):
-    assert not recognise("0016.txt", text, "detections")
 
 
 @pytest.mark.realdata

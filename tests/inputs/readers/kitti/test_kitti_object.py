@@ -8,7 +8,7 @@ from reader_files import rows, source
 
 from nvcore.errors import FormatError, InputError
 from nvcore.inputs.readers.base import ReadOptions, SourceFile
-from nvcore.inputs.readers.kitti.object import read, recognise
+from nvcore.inputs.readers.kitti.object import read
 
 FOLDER = DATA / "kitti_object" / "label_2"
 NAME = "label_2/000007.txt"
@@ -45,13 +45,3 @@ def test_a_fault_is_named_by_file_and_line(tmp_path):
 def test_a_file_name_without_a_number_is_an_error(tmp_path):
     with pytest.raises(InputError, match=r"label_2/readme\.txt: expected one file per frame"):
         read([source(tmp_path, ROW, "label_2/readme.txt")], ReadOptions())
-
-
-@pytest.mark.parametrize(
-    "text",
-    ["", f"0 5 {ROW}", "person 1 2 3 4 0 0 0 0 0\n", " ".join(["1"] * 15), "0 0.5 0.5 0.1 0.1"],
-)
-def test_own_rows_are_recognised_and_those_of_other_formats_are_not(text):
-    assert recognise("000007.txt", (FOLDER / "000007.txt").read_text(), "truth")
-    assert recognise("000007.txt", f"{ROW} 0.5", "detections")
-    assert not recognise("000007.txt", text, "truth")

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import pytest
-from places import DATA
 from reader_files import golden, rows, source
 
 from nvcore.errors import FormatError, InputError
-from nvcore.inputs.readers.base import ReadOptions, SourceFile
-from nvcore.inputs.readers.kitti.tracking import read, recognise
+from nvcore.inputs.readers.base import ReadOptions
+from nvcore.inputs.readers.kitti.tracking import read
 
 NAME = "label_02/0016.txt"
 ROW = "0 5 Pedestrian 0 0 1.0 100 150 119 199 1.7 0.6 0.8 -3.0 1.4 14.2 0.8"
@@ -67,13 +66,6 @@ def test_several_recordings_are_told_apart(tmp_path):
     assert reading.recordings["name"].tolist() == ["0013", "0015"]
 
 
-def test_an_empty_file_is_a_recording_without_boxes(tmp_path):
-    reading = read([source(tmp_path, "", NAME)], ReadOptions())
-    assert len(reading.boxes) == 0
-    assert reading.recordings["name"].tolist() == ["0016"]
-    assert reading.images is None
-
-
 @pytest.mark.parametrize(
     ("row", "words"),
     [
@@ -86,24 +78,3 @@ def test_an_empty_file_is_a_recording_without_boxes(tmp_path):
 def test_a_fault_is_named_by_file_and_line(tmp_path, row, words):
     with pytest.raises(FormatError, match=rf"label_02/0016\.txt, line 2: {words}"):
         read([source(tmp_path, f"{ROW}\n{row}\n", NAME)], ReadOptions())
-
-
-@pytest.mark.parametrize(
-    "text",
-    ["", "1 2 3 4 5 6 7\n", ROW[4:], "person 1 2 3 4 0 0 0 0 0\n", " ".join(["1"] * 17)],
-)
-def test_own_rows_are_recognised_and_those_of_other_formats_are_not(text):
-    assert recognise("0016.txt", (DATA / "kitti_tracking" / "0016.txt").read_text(), "truth")
-    assert recognise("0016.txt", f"{ROW} 0.5\n", "detections")
-    assert not recognise("0016.txt", text, "truth")
-
-
-@pytest.mark.realdata
-def test_the_real_labels_have_the_rows_of_their_files(realdata):
-    file = SourceFile(realdata / "kitti_tracking/label_02/0016.txt", "0016.txt")
-    boxes = read([file], ReadOptions()).boxes
-    # grep -c ' Pedestrian ' and grep -c ' DontCare '; the picture is 1224 x 370
-    assert boxes["ignore"].value_counts().to_dict() == {False: 2027, True: 1010}
-    assert (boxes["x"] + boxes["w"]).max() <= 1224
-    assert (boxes["y"] + boxes["h"]).max() <= 370
-    assert boxes.loc[~boxes["ignore"], "distance_m"].between(4, 50).all()
