@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 from reader_files import golden, rows, source
 
-from nvcore.errors import FormatError, MissingFactError
+from nvcore.errors import FormatError, InputError, MissingFactError
 from nvcore.findings import Severity
 from nvcore.inputs.readers.base import Reading, ReadOptions
 from nvcore.inputs.readers.caltech.kaist_results import read
@@ -95,6 +95,12 @@ def test_a_truth_of_a_part_of_the_set_keeps_the_ids_of_the_whole(tmp_path):
     assert reading.boxes["frame"].tolist() == [39]
     assert "image number = image id + 1" in reading.conversion
     assert reading.findings[0].example == "line 2: image number 3"
+
+
+def test_two_files_of_one_recording_are_an_error(tmp_path):
+    files = [source(tmp_path, "", f"{folder}/set06/V000.txt") for folder in ("a", "b")]
+    with pytest.raises(InputError, match="holds recording 'set06/V000', as a/set06"):
+        read(files, options())
 
 
 @pytest.mark.parametrize(
