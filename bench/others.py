@@ -4,7 +4,7 @@
 
 Each scores both systems against the truth at one IoU, 0.5. Timed: what its user waits for once the
 files are parsed and the tool's own objects are made (COCO objects with their index; per-frame
-arrays). Making them is reported beside, as `prepare_s`. Where a tool can be told to do less (one
+arrays). Making them is timed apart, as `prepare_s`. Where a tool can be told to do less (one
 area range, one limit of detections), it is.
 """
 

@@ -4,7 +4,7 @@
 
 Every measurement runs in a fresh process, one after the other; other tools run in their own
 environments (.venv-bench, made by `make bench`). `--quick` takes about a minute at small sizes and
-writes no file unless told.
+writes no file unless `--out` is given.
 """
 
 from __future__ import annotations

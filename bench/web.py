@@ -128,7 +128,7 @@ def measure_set(browser: Browser, url: str, repeat: int, *, is_sample: bool) -> 
 
 
 def open_set(page: Page, url: str) -> float:
-    """Open the folder's session file on the Data page; seconds until everything stands there."""
+    """Open the folder's session file on the Data page; seconds until everything is shown."""
     page.goto(f"{url}/data")
     settle(page)
     page.get_by_role("tab", name="Local folder").click(timeout=60_000)

@@ -1,4 +1,4 @@
-"""Errors that a user can mend.
+"""Errors that a user can fix.
 
     NvcoreError                     base; the command line shows it without a traceback
     ├── InputError                  a file or folder cannot be used (carries file and line)
@@ -18,7 +18,7 @@ from pathlib import Path
 
 
 class NvcoreError(Exception):
-    """Base of all errors that a user can mend."""
+    """Base of all errors that a user can fix."""
 
 
 class InputError(NvcoreError):

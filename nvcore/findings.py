@@ -29,7 +29,7 @@ class Finding:
     Attributes
     ----------
     severity
-        `error`: the measures are wrong until it is mended; `warning`: they may be; `note`: good to
+        `error`: the measures are wrong until it is fixed; `warning`: they may be; `note`: good to
         know.
     code
         Short stable name in kebab case, such as ``duplicate-track``.

@@ -65,7 +65,7 @@ class Rewording:
     needed: set[Wording] = field(default_factory=set)
 
     def file(self, name: str, text: str) -> str:
-        """The text of a file, by the kind that its name tells."""
+        """The text of a file, by the ending of its name."""
         kinds = {".csv": self.csv, ".json": self.json, ".html": self.html}
         return kinds.get(Path(name).suffix, self.text)(text)
 
@@ -141,7 +141,7 @@ def compare_files(name: str, old: bytes, new: bytes, rewording: Rewording) -> st
     Parameters
     ----------
     name
-        Name of the file; its ending tells what may be reworded.
+        Name of the file; its ending decides what may be reworded.
     old, new
         What the older and the newer program wrote.
     rewording

@@ -213,12 +213,12 @@ def convert(
     Returns
     -------
     Conversion
-        The files that were written, and in words what they do not tell.
+        The files that were written, and in words what they cannot hold.
 
     Raises
     ------
     InputError
-        If a file cannot be read or written, or it cannot be told what the input holds.
+        If a file cannot be read or written, or what the input holds is unclear.
 
     Examples
     --------

@@ -110,10 +110,10 @@ def match_pair(
 def find_disagreement(
     dataset: Dataset, x: BoxSource, y: BoxSource, matches: tuple[Matches, Matches]
 ) -> list[Finding]:
-    """Pedestrians that both systems place elsewhere, and detections of nobody on which they agree.
+    """Pedestrians that both systems place elsewhere, and false alarms on which they agree.
 
-    A detection of X and one of Y agree when their IoU is at least 0.5. Of such pairs those count
-    of which neither detection matches a pedestrian nor lies on an ignore region. A pair that
+    A detection of X and one of Y agree when their IoU is at least 0.5. Only pairs count
+    in which neither detection matches a pedestrian or lies on an ignore region. A pair that
     overlaps a pedestrian whom neither system matched points to a badly drawn box; any other to a
     pedestrian missing from the annotation.
     """

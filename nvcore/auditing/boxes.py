@@ -1,4 +1,4 @@
-"""Boxes that lie outside the picture or stand there twice, and track ids used twice."""
+"""Boxes outside the picture, repeated boxes, and track ids used twice."""
 
 from __future__ import annotations
 

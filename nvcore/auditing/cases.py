@@ -1,4 +1,4 @@
-"""Whom a finding of the audit is about, and where its first case stands in the files."""
+"""What a finding of the audit is about, and where its first case is in the files."""
 
 from __future__ import annotations
 

@@ -105,9 +105,9 @@ def audit_weighting(truth: BoxSource, x: BoxSource, y: BoxSource, params: Params
 MIN_DETECTIONS: Final = 50
 """The lowest of fewer scores says little."""
 FLOOR_DIFFERENCE: Final = 0.05
-"""Difference of the lowest scores, both on a scale from 0 to 1, that is worth telling."""
+"""Difference of the lowest scores, both on a scale from 0 to 1, that is worth a warning."""
 MAX_RATIO: Final = 3.0
-"""Ratio of the detections per frame that is worth telling on any scale."""
+"""Ratio of the detections per frame that is worth a warning on any scale."""
 
 
 def audit_operating_points(

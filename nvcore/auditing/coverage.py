@@ -1,4 +1,4 @@
-"""Frames and recordings in which the truth or a system says nothing, and probably should."""
+"""Frames and recordings without truth or detections that probably should have some."""
 
 from __future__ import annotations
 
@@ -184,7 +184,7 @@ def regular_steps(has: np.ndarray, first: np.ndarray) -> np.ndarray:
     if not enough.any():
         return steps
     gaps = np.diff(boxed_frames)
-    # the gap between two recordings says nothing: it must not change the divisor
+    # the gap between two recordings is meaningless: it must not change the divisor
     gaps[lo[1:][(lo[1:] > 0) & (lo[1:] < len(boxed_frames))] - 1] = 0
     edges = np.column_stack([lo[enough], hi[enough]]).ravel()
     steps[enough] = np.gcd.reduceat(np.append(gaps, [0, 0]), edges)[::2]

@@ -15,7 +15,7 @@ from nvcore.findings import Finding, Severity
 from nvcore.inputs.evaluated_frames import nth
 
 MIN_BOXES: Final = 50
-"""Fewer pedestrians, or fewer overlapping detections, say nothing reliable."""
+"""Fewer pedestrians, or fewer overlapping detections, are too few to judge."""
 TIME_GAIN: Final = 0.03
 """Gain in mean IoU from which on a time offset is reported."""
 PIXEL_GAIN: Final = 0.02
@@ -31,7 +31,7 @@ MAX_SPREAD: Final = 1.5
 MIN_OFFSET_PX: Final = 2.0
 """Smaller pixel offsets are a matter of drawing, or of counting pixels from 0 or 1."""
 MIN_OFFSET_SHARE: Final = 0.05
-"""Smallest pixel offset worth telling, as a share of the pedestrians' median width."""
+"""Smallest pixel offset worth a warning, as a share of the pedestrians' median width."""
 POOR_IOU: Final = 0.4
 """Mean IoU below which another scale is tried."""
 GOOD_IOU: Final = 0.8

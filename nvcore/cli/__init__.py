@@ -50,7 +50,7 @@ class _BadInput(click.ClickException):
 
 
 class _Group(click.Group):
-    """Shows errors that a user can mend without a traceback, with exit code 2."""
+    """Shows errors that a user can fix without a traceback, with exit code 2."""
 
     def invoke(self, ctx: click.Context) -> Any:
         try:

@@ -216,7 +216,7 @@ def _write(file: Path, content: bytes) -> None:
 def _write_problem(
     junit: Path | None, markdown_file: Path | None, problem: str, *, prints: bool = True
 ) -> None:
-    """Why the gate could not be run, in place of the results; what is no gate's result stays."""
+    """Why the gate could not be run, in place of the results; files that no gate wrote stay."""
     from nvcore.report.gate_results import is_gate_result, junit_error, markdown_error
 
     contents = ((junit, junit_error(problem)), (markdown_file, markdown_error(problem).encode()))
@@ -231,7 +231,7 @@ def _write_problem(
 
 
 def _head(file: Path) -> bytes:
-    """Beginning of a file; empty for what is none, such as a terminal."""
+    """Beginning of a file; empty for anything else, such as a terminal."""
     if not file.is_file():
         return b""
     with file.open("rb") as stream:

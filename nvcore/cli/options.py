@@ -82,7 +82,7 @@ def parameter_options(command: Callable[..., Any]) -> Callable[..., Any]:
     for name, setting in reversed(SETTINGS.items()):
         kind: Any = float if setting.words is None else click.Choice(list(setting.words))
         text = setting.meaning
-        if setting.default is not None:  # else it says what is taken in its place
+        if setting.default is not None:  # else the meaning says what replaces it
             text += f" Default: {setting.default} {setting.unit}".rstrip() + "."
         option = grouped_option(setting.stage.group, flag_of(name), name, type=kind, help=text)
         command = option(command)

@@ -81,7 +81,7 @@ def report(stability: bool | None, out: Path, strict: bool, **options: Any) -> N
 
 
 def _terminal_progress() -> Progress:
-    """Names on a terminal what is being done, each thing once."""
+    """Prints each step once, on a terminal only."""
     last = ""
 
     def show(_share: float, what: str) -> None:

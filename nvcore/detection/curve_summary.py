@@ -35,10 +35,10 @@ class CurveSummary:
         Detections at the threshold in use that are neither right nor wrong: an ignored box
         absorbs them.
     n_zero_references
-        At how many of the nine references of the log-average miss rate nobody is missed; one such
+        At how many of the nine references of the log-average miss rate no one is missed; one such
         reference makes it 0.
     notes
-        What the log-average miss rate alone does not tell: why it is 0, and what stands for the
+        What the log-average miss rate alone does not show: why it is 0, and what replaces the
         miss rate where the curve does not reach the references.
     why_undefined
         Why areas and averages are undefined (NaN); None where they are defined.

@@ -250,7 +250,7 @@ def detection_curve(
     -----
     Detections take pedestrians in descending score, so one matching gives all points. Detections
     without a score come after all others and may take what a threshold sets free: a system that
-    has both kinds is matched anew at each of at most `MIXED_POINTS` thresholds.
+    has both kinds is matched again at each of at most `MIXED_POINTS` thresholds.
     """
     truth = filter_truth(dataset, protocol, recordings=recordings)
     detections = _taking_part(dataset, system, protocol)

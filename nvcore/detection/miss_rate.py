@@ -88,7 +88,7 @@ def explain_zero(rates: np.ndarray) -> str:
 
 
 def explain_range(curve: DetectionCurve, rates: np.ndarray) -> tuple[str, ...]:
-    """What stands for the miss rate where a curve does not reach the references, in words.
+    """What replaces the miss rate where a curve does not reach the references, in words.
 
     Parameters
     ----------

@@ -100,7 +100,7 @@ def false_alarm_curve(
     -----
     Detections take pedestrians in descending score, so a threshold changes nothing for those
     above it: one matching gives all points. Detections without a score come after all others and
-    may take what a threshold sets free; a system that has both kinds is matched anew at each of
+    may take what a threshold sets free; a system that has both kinds is matched again at each of
     at most `MIXED_POINTS` points.
 
     Raises

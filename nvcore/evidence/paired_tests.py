@@ -66,7 +66,7 @@ class McNemar:
 def mcnemar(venn: Venn, *, confidence: float = CONFIDENCE) -> McNemar:
     """Exact McNemar test with effect sizes, from the counts of encounters.
 
-    Only encounters detected by exactly one system tell the two apart. Encounters are assumed to be
+    Only encounters detected by exactly one system distinguish the two. Encounters are assumed to be
     independent of each other.
 
     References

@@ -181,7 +181,7 @@ def curve_plot(
 
 @dataclass(frozen=True, eq=False)
 class _Points:
-    """Points of one system that can be drawn: where, and what stands there."""
+    """Points of one system that can be drawn: where they are, and their values."""
 
     x: np.ndarray
     y: np.ndarray

@@ -33,7 +33,7 @@ MIN_CLICKS_LANE: Final = 20
 MAX_CLICKS_LANE: Final = 120
 MAX_BARS: Final = 3000
 PIXELS: Final = 4000
-"""Columns of pixels that are told apart when there are more bars than that."""
+"""Columns of pixels to which bars are rounded when there are more than that."""
 LANE_PX: Final = ((12, 30), (40, 20), (MAX_LANES, 13))
 """Height of a lane for up to so many of them."""
 WORDS: Final = {"not_relevant": "too far to count", "": "not annotated"}

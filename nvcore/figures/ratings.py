@@ -1,4 +1,4 @@
-"""Ratings of people against saliency (paper, figure 9), and whom the others do not agree with."""
+"""Ratings of people against saliency (paper, figure 9), and how far participants agree."""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ LINE_PX: Final = 320
 LEAST_SHARE: Final = 0.02
 """Share of the cells that a region must have to be named in the map."""
 DEEP: Final = 0.7
-"""Share of a region's greatest depth from which its name may stand there."""
+"""Share of a region's greatest depth that a place for its name needs."""
 INSIDE_PX: Final = (620, 300)
 """About the width and height of the map itself."""
 NAME_PX: Final = (74, 26)
@@ -240,7 +240,7 @@ def _plausible_frame(figure: go.Figure, stability: StabilityMap, theme: Theme) -
 
 
 def _name_regions(figure: go.Figure, stability: StabilityMap, theme: Theme) -> None:
-    """Who is better, written where each region is widest: told apart without colour."""
+    """Who is better, written where each region is widest: readable without colour."""
     look = LOOK[theme]
     across, up = stability.axes
     shape = stability.winner.shape

@@ -14,11 +14,11 @@ from nvcore.palette import TRUTH_COLOUR, X_COLOUR, Y_COLOUR, Theme, rgb
 
 FONT: Final = "Source Sans Pro, sans-serif"
 LEFT_PX: Final = 76
-"""Left margin of the figures over time, so that they stand in line below each other."""
+"""Left margin of the figures over time, so that they line up below each other."""
 MAX_NAME: Final = 32
 """Characters of a name from a file that are shown."""
 EMPTY_LINE: Final = 42
-"""Characters in a line of a figure without data: it may stand in the sidebar."""
+"""Characters in a line of a figure without data: it may be in the sidebar."""
 DASH: Final = {"x": "solid", "y": "dash", "truth": "dot"}
 SYMBOL: Final = {"x": "circle", "y": "diamond"}
 

@@ -33,7 +33,7 @@ class Conversion:
     findings
         What was odd in the input.
     warnings
-        What the written files do not tell, in sentences.
+        What the written files cannot hold, in sentences.
     """
 
     files: tuple[Path, ...]
@@ -81,7 +81,7 @@ def convert(
     Raises
     ------
     InputError
-        If a file cannot be read or written, or it cannot be told what the input holds.
+        If a file cannot be read or written, or what the input holds is unclear.
     """
     kind: Role = "detections" if role == "detections" else "truth"
     if frames_out is not None and kind == "detections":
@@ -160,7 +160,7 @@ def _has_scores(
     options = read_options(source, "detections", size, None)
     try:
         scores = source_format.read(files, options).boxes["score"].dropna()
-    except InputError:  # what is wrong is told when they are read as ground truth
+    except InputError:  # reported when they are read as ground truth
         return False
     return bool((~scores.isin([0, 1, -1])).any())
 
@@ -195,7 +195,7 @@ def _unknown_sizes(reading: Reading) -> list[str]:
 
 
 def _lost(lost: LostFrames, to: str, frames_out: Path | None) -> list[str]:
-    """A warning about evaluated frames that the boxes do not tell, if there are any."""
+    """A warning about evaluated frames that do not follow from the boxes, if there are any."""
     if lost.is_same:
         return []
     advice = "; write the list too, with --frames-out PATH" if frames_out is None else ""

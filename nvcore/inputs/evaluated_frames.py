@@ -108,14 +108,14 @@ def infer_frames(annotated: np.ndarray) -> tuple[np.ndarray, str]:
 
 
 def own_frames(truth: Reading, names: Iterable[str]) -> dict[str, tuple[np.ndarray, str]]:
-    """Evaluated frames of recordings as the ground truth tells them, and the reason in words.
+    """Evaluated frames of recordings by the ground truth, and the reason in words.
 
     Parameters
     ----------
     truth
         The ground truth.
     names
-        The recordings that are asked for.
+        The recordings that are needed.
 
     Returns
     -------
@@ -142,7 +142,7 @@ def own_frames(truth: Reading, names: Iterable[str]) -> dict[str, tuple[np.ndarr
 
 @dataclass(frozen=True)
 class LostFrames:
-    """What boxes without a frame list do not tell of the evaluated frames.
+    """Evaluated frames that are lost where boxes are written without a frame list.
 
     Attributes
     ----------

@@ -187,7 +187,7 @@ def _check_name(path: Path) -> None:
 
 
 def system_name(source: Source, recordings: Sequence[str]) -> str:
-    """Name for a system that has none: the part of its path that tells most.
+    """Name for a system that has none: the part of its path that says most.
 
     The part nearest to the file that is neither a neutral word (``det``) nor a recording.
     """

@@ -61,9 +61,9 @@ def load(
     session
         The inputs, and what they lack. The dataset carries it as its settings.
     tables
-        Tables in memory by the sources of the session whose files they stand in for.
+        Tables in memory, by the sources of the session whose files they replace.
     progress
-        Called with what is read next.
+        Called with the name of the next step.
 
     Raises
     ------
@@ -134,7 +134,7 @@ def _read(
     truth: Reading | None,
     table: pd.DataFrame | None,
 ) -> _Loaded:
-    """A source read, from its files or from the table that stands in for them."""
+    """A source read, from its files or from the table that replaces them."""
     options = read_options(source, role, session.common_size or _common_size(truth), truth)
     if table is None:
         files, file_format = find_files(source, session.folder, role)

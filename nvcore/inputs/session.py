@@ -24,7 +24,7 @@ _MAX_FRAME: Final = 2**53
 
 @dataclass(frozen=True)
 class RecordingEntry:
-    """A ``[[recording]]`` of a session; None where the data tell.
+    """A ``[[recording]]`` of a session; None: as in the data.
 
     `pictures` is a video, a folder or an archive, `first_picture` the number of the frame that
     its first picture shows. `tags` are words by which recordings can be chosen, such as "night".

@@ -183,7 +183,7 @@ class _Decoder:
             )
 
     def source(self, kind: type[_T], table: dict[str, Any], where: str) -> _T:
-        """A source; a single path and a single scale stand for a list of them."""
+        """A source; a single path or scale counts as a list of one."""
         path, scale = table.get("path"), table.get("scale")
         if isinstance(path, str):
             table = {**table, "path": [path]}

@@ -346,7 +346,7 @@ def pair_frames(
     """Pair the boxes of two systems, greedily by descending IoU; writes each A's B row or -1.
 
     Each A keeps its best free B and looks again only when that is taken: trying all pairs
-    anew after every pair would be cubic, minutes for frames of hundreds of boxes.
+    again after every pair would be cubic, minutes for frames of hundreds of boxes.
     """
     is_taken = np.zeros(16, np.bool_)
     best, overlap = np.empty(16, np.int64), np.empty(16)

@@ -112,7 +112,7 @@ class DrawnFrame(NamedTuple):
 def drawn_boxes(
     result: Result, row: int, *, layers: Sequence[str] = LAYERS, labels: bool = False
 ) -> DrawnFrame:
-    """What to draw in a frame, of the layers that are asked for."""
+    """What to draw in a frame, of the given layers."""
     boxes = gather_boxes(result, row, row + 1)
     return DrawnFrame(
         truth=_drawn_truth(boxes.truth, labels=labels) if "truth" in layers else None,

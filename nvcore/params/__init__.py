@@ -1,4 +1,4 @@
-"""Every live setting of the comparison, once: all that is known of one stands in its field.
+"""Every live setting of the comparison, defined once, in its field.
 
 The command line makes its flags from `Params`, the dashboard its sliders, `compare` the keys of
 what it need not repeat. Here is all that a new setting takes, but for its use, test and docs.

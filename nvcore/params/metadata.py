@@ -69,7 +69,7 @@ class Setting:
     is_above_low
         Whether the lower end is outside the range.
     slider_high
-        Where its slider ends, if nobody moves it through the whole range.
+        Where its slider ends, if the whole range is more than anyone needs.
     slider_format
         How its slider shows the value, if not as a number.
     height_share
@@ -112,7 +112,7 @@ class Setting:
         return f"{'more than ' if self.is_above_low else ''}{self.low:g} to {self.high:g}"
 
     def check(self, name: str, value: object) -> None:
-        """Refuse what is no possible value.
+        """Refuse an impossible value.
 
         Raises
         ------

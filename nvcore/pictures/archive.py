@@ -1,4 +1,4 @@
-"""ZIP archives from strangers: checked before a member is read, read without unpacking.
+"""Untrusted ZIP archives: checked before a member is read, read without unpacking.
 
 Refused are members outside the archive's own folder (absolute, ``..``), links, encrypted members,
 unusual compression, the same name twice, and more data than the limits allow: those are checked
@@ -36,7 +36,7 @@ _UNREADABLE = (
     UnicodeDecodeError,
     struct.error,
 )
-"""What zipfile raises for archives that are damaged or made to do harm."""
+"""What zipfile raises for damaged or malicious archives."""
 
 
 @dataclass(frozen=True)

@@ -60,7 +60,7 @@ class Pictures(Protocol):
         ...
 
     def close(self) -> None:
-        """Let go of files and memory."""
+        """Release files and memory."""
         ...
 
 
@@ -71,14 +71,14 @@ class RecentPictures:
         self._pictures: OrderedDict[int, Picture] = OrderedDict()
 
     def get(self, index: int) -> Picture | None:
-        """The picture, if it is still here."""
+        """The picture, if it is still cached."""
         if index not in self._pictures:
             return None
         self._pictures.move_to_end(index)
         return self._pictures[index]
 
     def put(self, index: int, picture: Picture) -> Picture:
-        """Keep a picture, which can't be written to from now on; the same picture."""
+        """Cache a picture and make it read-only; returns the same picture."""
         picture.setflags(write=False)
         self._pictures[index] = picture
         self._pictures.move_to_end(index)

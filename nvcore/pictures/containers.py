@@ -208,8 +208,8 @@ def _end_of_certainty(times: NDArray[np.int64], last_decoded: int, *, is_cut: bo
     """Presentation time from which on pictures may be missing, and others be taken for them.
 
     Of a file that is cut off, that is what is shown after the last picture was to be decoded: lost
-    ones may come before it. Where nothing says that it is cut, a gap there tells, if all else
-    follows regularly.
+    ones may come before it. Where nothing says that it is cut, a gap there counts, if all other
+    steps are regular.
     """
     display_times = np.sort(times)
     if is_cut:

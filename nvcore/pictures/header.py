@@ -3,7 +3,7 @@
 By hand, since what stands here must accept exactly the files that OpenCV decodes. Pillow, the
 library for this, refuses TIFFs of temperatures (float64, and float32 or int16 of several
 channels), warns about TIFF tags that it does not know, and has one limit of pixels for the whole
-process, beyond which it does not tell the size. The tests compare the sizes with what Pillow
+process, beyond which it does not give the size. The tests compare the sizes with what Pillow
 wrote and what OpenCV decodes.
 """
 
@@ -72,7 +72,7 @@ def image_size(content: bytes, name: str) -> tuple[int, int]:
 
 
 def check_size(width: int, height: int, name: str) -> None:
-    """Refuse what is no picture's size.
+    """Refuse an impossible size of a picture.
 
     Raises
     ------

@@ -1,6 +1,6 @@
 """Exact random access to the pictures of a video.
 
-The demuxer's presentation times, sorted, tell which picture is which; nothing is decoded for that.
+The demuxer's sorted presentation times identify the pictures; nothing is decoded for that.
 A picture is reached from the key picture before it, and is taken only if its own time is the
 wanted one. Containers whose times cannot be trusted (H.264 in AVI) are counted from their start.
 """

@@ -62,7 +62,7 @@ COUNTED_ENCOUNTERS: Final = {
 }
 """Measures that count encounters; a failed rule lists them."""
 COUNTED_FINDINGS: Final = {"audit_errors": Severity.ERROR, "audit_warnings": Severity.WARNING}
-"""Measures that count findings of the audit; likewise."""
+"""Measures that count findings of the audit; a failed rule lists them, too."""
 MAX_LISTED: Final = 10
 _OTHER_NAMES: Final = (
     "new_misses",
@@ -175,7 +175,7 @@ def parse_rule(text: str) -> Rule:
 def read_rules(
     lines: Iterable[tuple[str, str]], names: Sequence[str]
 ) -> tuple[list[Rule], list[str]]:
-    """Rules from lines, and what is wrong with the lines that are none.
+    """Rules from lines, and what is wrong with invalid lines.
 
     Parameters
     ----------
@@ -278,7 +278,7 @@ def gate_measures(
         values |= {name: of_all[name] for name in SUMMARY_NAMES}
     count = Counter(finding.severity for finding in findings)
     venn = result.venn
-    # without encounters nothing can be missed: undefined, lest a rule pass because of that
+    # without encounters nothing can be missed: undefined, so that no rule passes because of that
     one_or_nan = 1.0 if venn.n_near else math.nan
     return values | {
         "new_misses": venn.x_only * one_or_nan,

@@ -18,7 +18,7 @@ def replaced_input(outputs: Iterable[Path], inputs: Iterable[Path]) -> Path | No
     Parameters
     ----------
     inputs
-        Files; a folder stands for the pictures in it.
+        Files; a folder means the pictures in it.
     """
     by_path = {file.resolve(): file for file in outputs}
     if not by_path:  # spares reading the inputs

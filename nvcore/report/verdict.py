@@ -61,7 +61,7 @@ def verdict(
 
     Notes
     -----
-    Without a near encounter the first sentence says that nothing can be said; a measure that is
+    Without a near encounter the first sentence says that there is none; a measure that is
     undefined for a system is left out of the second.
 
     Examples

@@ -1,4 +1,4 @@
-"""Simulated ratings of the sample recordings: nobody was asked."""
+"""Simulated ratings of the sample recordings: no person rated them."""
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ def _along(
 def _across(
     z: float, start_s: float, x0: float, x1: float, speed: float
 ) -> tuple[tuple[float, float, float], ...]:
-    """Stand at x0, from `start_s` on walk across to x1, stand there."""
+    """Stand at x0, walk across to x1 from `start_s` on, and stay."""
     end_s = start_s + abs(x1 - x0) / speed
     return ((0.0, x0, z), (start_s, x0, z), (end_s, x1, z + 0.3), (end_s + 20, x1, z + 0.3))
 

@@ -1,4 +1,4 @@
-"""Where every person stands in the image, how far away and how hidden: the truth of a recording."""
+"""Where every person is in the image, how far away and how hidden: the truth of a recording."""
 
 from __future__ import annotations
 

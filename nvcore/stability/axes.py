@@ -150,9 +150,9 @@ class Axis:
 
     @cached_property
     def weights(self) -> np.ndarray:
-        """Share of the plausible range that each point stands for; float64, (n,), sums to 1.
+        """Share of the plausible range that each point represents; float64, (n,), sums to 1.
 
-        A point stands for the values nearer to it than to any other.
+        A point represents the values nearer to it than to any other.
         """
         if self.labels:
             return np.full(len(self), 1 / len(self))
@@ -311,9 +311,9 @@ def _numeric(
 ) -> Axis:
     """Values over the drawn, plausible and present range, evenly spaced with two exceptions.
 
-    The ends of the plausible range replace the nearest even points: whatever is said to lie inside
-    the range does, and no point stands for settings on both sides. The present setting is an extra
-    point if it lies between two, so that the map shows it.
+    The ends of the plausible range replace the nearest even points, so that no point represents
+    settings on both sides. The present setting is an extra point if it lies between two, so that
+    the map shows it.
     """
     place = present if isinstance(present, tuple) else (float(present), float(present))
     plausible, extent = usual.plausible, usual.extent

@@ -131,7 +131,7 @@ class StabilityMap:
 
     @cached_property
     def _weights(self) -> np.ndarray:
-        """Share of the plausible range that each cell stands for."""
+        """Share of the plausible range that each cell represents."""
         return combine_axes([axis.weights for axis in self.axes], np.multiply)
 
     @cached_property

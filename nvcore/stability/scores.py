@@ -86,7 +86,7 @@ def match_fully(result: Result, names: Sequence[str]) -> dict[Letter, Matches]:
 
     Detections take pedestrians in descending score, so a threshold changes nothing for those
     above it: one matching serves all thresholds. A system that has detections without a score,
-    which come last and may take what a threshold sets free, is matched anew at each threshold.
+    which come last and may take what a threshold sets free, is matched again at each threshold.
     """
     full: dict[Letter, Matches] = {}
     for letter in LETTERS:

@@ -8,8 +8,8 @@ Every mutant lives in a copy of the project (.mutants/tree-N), never in the chec
 tests that run its line, quick ones first, until one fails or `--seconds` of them are through; what
 runs over its time counts as killed. Compiled functions run as plain Python. Results are kept in
 .mutants/results.jsonl: a run that was interrupted goes on, `--again` repeats what survived,
-`--fresh` forgets all. Survivors that no test can tell from the original stand in equivalent.toml
-with the reason.
+`--fresh` forgets all. Survivors that no test can distinguish from the original are listed in
+equivalent.toml with the reason.
 
 Neither mutmut 3 (no code outside functions, no decorated functions and thus no compiled ones) nor
 cosmic-ray (one command for all mutants, run in the checkout) does this without a program around.
@@ -56,7 +56,7 @@ def read_results() -> dict[Key, str]:
 
 
 def read_equivalents() -> dict[Key, str]:
-    """Reason for each mutant that no test can tell from the original."""
+    """Reason for each mutant that no test can distinguish from the original."""
     listed = tomllib.loads(EQUIVALENT.read_text("utf-8"))["mutant"]
     return {(m["file"], m["line"], m["mutation"], m.get("nth", 0)): m["reason"] for m in listed}
 

@@ -218,7 +218,7 @@ def _point(
 _cached_by_data = st.cache_resource(
     max_entries=MOST_KEPT,
     show_spinner="Counting false alarms",
-    # the fingerprint stands for the tables, which Streamlit would compare by a sample of their rows
+    # the fingerprint replaces the tables, which Streamlit would compare by a sample of their rows
     hash_funcs={Dataset: lambda dataset: dataset.fingerprint},
 )
 

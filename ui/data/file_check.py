@@ -30,7 +30,7 @@ class FileCheck:
     """What one source holds, read by itself. Compared by identity, so that it can be a key.
 
     `trouble` says why it cannot be used, `unknown` which of ``size`` and ``fps`` its files do not
-    say; the `reading` has let go of its boxes. Without boxes there is no `first_frame`.
+    say; the `reading` is without its boxes. Without boxes there is no `first_frame`.
     """
 
     trouble: str = ""
@@ -54,7 +54,7 @@ def check_files(
     folder: Path,
     truth: FileCheck | None = None,
 ) -> FileCheck:
-    """Read a source by itself; once for each key, which stands for content and way of reading.
+    """Read a source by itself; once for each key, which covers content and way of reading.
 
     Paths of the source that `source` makes start from `folder`; its errors are the check's trouble.
     Detections are read with the check of the ground truth.

@@ -55,7 +55,7 @@ class MissingInputs:
         return Session(size=self.size, fps=self.fps, frames=frames, **parts)
 
     def added_to(self, session: Session) -> Session:
-        """A session that was read from a file, with these inputs; what is None stays.
+        """A session that was read from a file, with these inputs; None keeps its own.
 
         Raises
         ------

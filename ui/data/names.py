@@ -1,4 +1,4 @@
-"""Data page: fields for the names of systems and recordings, filled in with what files tell."""
+"""Data page: fields for the names of systems and recordings, filled in from the files."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from nvcore.inputs.session import RecordingEntry, Session, Source
 def proposed_names(
     systems: Sequence[Sequence[str]], truth: Sequence[str], recordings: Sequence[str]
 ) -> list[str]:
-    """Names of systems as their paths tell; a system whose path tells nothing is numbered.
+    """Names of systems from their paths; a system whose path says nothing is numbered.
 
     What the ground truth and its recordings are called is no system's name.
 
@@ -50,7 +50,7 @@ def draw_name(label: str, proposed: str, *, key: str, changed: Callable[[], None
 def draw_system_name(
     title: str, proposed: str, number: int, *, key: str, changed: Callable[[], None]
 ) -> str:
-    """The field for the name of a system; says so where the files tell none."""
+    """The field for the name of a system; says so where the files give none."""
     name = draw_name(f"Name of {title}", proposed, key=key, changed=changed)
     if name == proposed == f"System {number}":
         st.caption("The files' names do not tell which system this is: type its name.")

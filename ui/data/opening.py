@@ -20,7 +20,7 @@ _OPENED: Final = "data_opened"
 _SHOWN_OPENING: Final = "data_opened_shown"
 _SEE: Final = "see_opened"
 SESSION: Final = "session"
-"""The part of the page that changes what is open, rather than opening something else."""
+"""The part of the page that changes the open comparison, rather than opening another."""
 MISSING_WORDS: Final = {
     "size": "the image size",
     "fps": "the frame rate",
@@ -161,7 +161,7 @@ def _on_thresholds() -> str:
 
 
 def _question(facts: tuple[str, ...]) -> str:
-    """What is asked, without the command line's flags."""
+    """The question to the user, without the command line's flags."""
     words = " and ".join(MISSING_WORDS[fact] for fact in facts if fact in MISSING_WORDS)
     return f"The files do not say {words}. Fill in the fields for it." if words else ""
 

@@ -67,7 +67,7 @@ class BackgroundJob(Generic[Output]):
     Attributes
     ----------
     key
-        What it is made from, so that a page can tell whether it fits; None: it does not matter.
+        What it is made from, so that a page can check whether it fits; None: it does not matter.
     share
         What is done, 0..1.
     error

@@ -28,7 +28,7 @@ def start_as_made(job: BackgroundJob[Any], kind: str, **choices: object) -> None
 def draw_job(job: BackgroundJob[Any], kind: str, *, thing: str, doing: str) -> JobState:
     """Progress with a button to cancel, or why there is nothing; how far the job was.
 
-    Sentences call what is made `thing` ("report"), and begin with `doing` ("Making the report").
+    Sentences call the output `thing` ("report"), and begin with `doing` ("Making the report").
     """
     job_state = job.state  # once: it may end meanwhile
     if job_state.is_busy:

@@ -106,7 +106,7 @@ def _conduct(study: Study) -> None:
         if st.button("Close, and start another", key="rating_close", type="tertiary"):
             links.close()
             st.rerun()
-        # not in what is drawn again every few seconds: a click would meet a button that is gone
+        # outside the part that is redrawn every few seconds: a click would miss its button
         store = links.store()
         download_csv("Ratings (CSV)", lambda: store.ratings(study), "ratings.csv", "rating_export")
     _draw_progress(study)

@@ -39,7 +39,7 @@ def draw(
 ) -> None:
     """The button that fits, and what the fit gives.
 
-    With a fit in use that has seen some of these ratings, all is told against the settings before
+    With a fit in use that was made from some of these ratings, the gain is over the settings before
     it. The `ratings_key` differs where the ratings do.
     """
     st.header("Fit saliency to these ratings")

@@ -63,7 +63,7 @@ def draw() -> None:
 
 
 def draw_waiting() -> None:
-    """For whom a participant's link was opened while another comparison is open."""
+    """The page for a participant's link that was opened while another comparison is open."""
     if WAITING not in st.session_state:
         return
     token, name = st.session_state[WAITING]

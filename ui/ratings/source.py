@@ -29,7 +29,7 @@ MOST_MB: Final = 5
 class RatingSource:
     """Ratings to look at, and whose boxes were shown where they do not say; empty: they say it.
 
-    If they are simulated, nobody was asked.
+    Simulated ratings are from no person.
     """
 
     ratings: pd.DataFrame

@@ -23,7 +23,7 @@ BOTH: Final = "both"
 
 
 def open_asked() -> None:
-    """Open the frame that a click in a figure or the table asked for, if one did."""
+    """Open the frame of the latest click in a figure or the table, if there was one."""
     row = st.session_state.pop(OPEN, None)
     if row is not None:
         open_row(row)

@@ -19,9 +19,9 @@ from ui.widgets.clicks import clicked_point
 from ui.widgets.text import plain
 
 OPEN: Final = "saliency_open"
-"""Frame row that a click asked for."""
+"""Frame row that was clicked."""
 CLICKED_RECORDING: Final = "saliency_wanted"
-"""Recording that a click asked for."""
+"""Recording that was clicked."""
 
 
 def draw_numbers(result: Result) -> None:

@@ -1,6 +1,6 @@
 """Closes a workspace some time after its browser has gone.
 
-Streamlit lets go of a session whose browser stays away for two minutes, but only when the next
+Streamlit ends a session whose browser stays away for two minutes, but only when the next
 visitor comes: until then the uploads would stay on disk.
 """
 

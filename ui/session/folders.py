@@ -64,7 +64,7 @@ def base_folder() -> Path:
     except FileExistsError:  # a file, or a link that leads nowhere
         is_ours = is_private = False
     if not is_ours or not is_private:
-        # somebody else was here first: others might read what is put there
+        # made by someone else, who could read the files in it
         return Path(tempfile.mkdtemp(prefix="nvcore-uploads-", dir=parent))
     return folder
 
@@ -87,8 +87,8 @@ def process_folder(base: Path) -> Path:
 def remove_leftovers(base: Path) -> None:
     """Remove the folders of processes that no longer live.
 
-    Whatever was not made by `process_folder` stays: making the lock anew would get it for any
-    folder, so a folder counts only with the lock that is there.
+    Whatever was not made by `process_folder` stays: a new lock could be acquired for any
+    folder, so a folder counts only with an existing lock.
     """
     for folder in base.iterdir():
         lock = folder.with_suffix(".lock")

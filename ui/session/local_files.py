@@ -1,4 +1,4 @@
-"""Files of the machine that the app runs on: only below one folder, and only where asked for.
+"""Files of the machine that the app runs on: only below one folder, and only if enabled.
 
 Either ``streamlit run app.py -- --local-root DIR`` or ``NVCORE_LOCAL_ROOT=DIR`` names it.
 """
@@ -55,7 +55,7 @@ class LocalRoot:
         text = path.replace("\0", "")
         target = Path(os.path.realpath(self.folder / text.lstrip("/")))
         if not target.is_relative_to(self.folder) or not target.exists():
-            # one message for both: nobody learns what is outside
+            # one message for both: it must not reveal what is outside
             raise InputError("there is no such file or folder", file=one_line(path))
         return target
 

@@ -176,7 +176,7 @@ def check_confined(session: Session, root: Path) -> None:
         # os.path: Path.exists raises for names that are too long; they are refused when opened
         if glob.has_magic(text) and not os.path.exists(path):  # noqa: PTH110
             start = Path(*_before_magic(path.parts))
-            # checked first: matching a pattern outside would already reveal what is there
+            # checked first: matching a pattern outside would already reveal files
             is_inside = Path(os.path.realpath(start)).is_relative_to(real_root) and all(
                 is_below(session.folder / name, root)
                 for name in glob.glob(text, root_dir=session.folder, recursive=True)  # noqa: PTH207
@@ -201,7 +201,7 @@ def _before_magic(parts: Sequence[str]) -> list[str]:
 
 
 def guess_pictures(names: Sequence[str], sources: Iterable[str]) -> dict[str, str]:
-    """Which pictures are whose, told from their names: those of the recording, or the only ones.
+    """Pictures of each recording, guessed from their names: its own, or the only ones.
 
     Examples
     --------
@@ -294,7 +294,7 @@ def with_systems(
 def live_session(
     session: Session, dataset: Dataset, params: Params, *, x: str, y: str | None
 ) -> Session:
-    """The session that does what is shown: with the live parameters, thresholds and systems."""
+    """The session as shown: with the live parameters, thresholds and systems."""
     # a threshold of None counts every detection; as a parameter it would leave the system's own
     live = {x: params.threshold_x, y: params.threshold_y}
     systems = tuple(

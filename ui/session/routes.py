@@ -143,7 +143,7 @@ def address(space: Workspace, base: str = "") -> str:
 
 
 def _index(request: Request, name: str) -> int:
-    """A part of the address that counts from 0; what is none stands for more than there are."""
+    """A part of the address that counts from 0; anything else becomes an index beyond all."""
     text = request.path_params[name]
     is_index = text.isascii() and text.isdigit() and len(text) < MOST_DIGITS
     return int(text) if is_index else 10**MOST_DIGITS
@@ -159,7 +159,7 @@ def _percentile(request: Request, name: str, default: float) -> float | None:
 
 
 def _is_same_origin(request: Request) -> bool:
-    """Whether the page that sends this is ours; what is no page says nothing of its origin."""
+    """Whether our own page sends this; programs other than browsers state no origin."""
     if request.headers.get("sec-fetch-site", "same-origin") not in ("same-origin", "none"):
         return False
     origin = request.headers.get("origin")

@@ -215,7 +215,7 @@ def findings() -> tuple[Finding, ...]:
 
 
 def _audit(settings: Params, x: str, y: str | None) -> tuple[Finding, ...]:
-    """As `nvcore.auditing.audit`, in parts: another threshold audits no file anew."""
+    """As `nvcore.auditing.audit`, in parts: another threshold audits no file again."""
     dataset = opened().dataset
     with st.spinner("Auditing the inputs"):
         findings = [*cached("audit_inputs", (), lambda: audit_inputs(dataset))]

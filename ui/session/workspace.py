@@ -157,7 +157,7 @@ class Workspace(Caching):
         self._jobs[kind] = job
 
     def forget(self) -> None:
-        """Drop everything computed, and stop what is being computed."""
+        """Drop all computed values, and stop all jobs."""
         for kind in list(self._jobs):
             self.drop_job(kind)
         self.compared = None

@@ -21,7 +21,7 @@ def read() -> str:
     """Make the values of the widgets the live parameters.
 
     A widget has its new value in Streamlit's state before it is drawn: so the page can be drawn
-    first, and the sidebar, which nobody waits for, after it.
+    first, and the sidebar, which is less urgent, after it.
 
     Returns
     -------

@@ -202,7 +202,7 @@ def _number_slider(
     setting = SETTINGS[name]
     more = {"help": setting.meaning, **more}
     # a session or a link may give any possible value: the slider then reaches to it, and stays so,
-    # since one with other ends would be another slider and start anew
+    # since one with other ends would be another slider and lose its value
     given = float(st.session_state.get(name, value))
     base, (least, most) = st.session_state.get(f"ends_{name}", (None, (low, high)))
     if base != (low, high, step):

@@ -41,7 +41,7 @@ def clicked_cell(key: str) -> tuple[int, str] | None:
 
 
 def is_new_click(key: str, points: Any) -> bool:
-    """Whether a chart's selection was made since it was last asked about: it outlives reruns."""
+    """Whether a chart's selection is new since the last call: it outlives reruns."""
     seen_clicks = st.session_state.setdefault("seen_clicks", {})
     current = repr(points)
     if seen_clicks.get(key) == current:

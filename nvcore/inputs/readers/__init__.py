@@ -46,7 +46,7 @@ FORMATS: Final[tuple[Format, ...]] = (
     MOT,
     YOLO,
 )
-"""All formats, in the order in which they are asked whether a content is theirs."""
+"""All formats, in the order in which they are tried on a content."""
 
 _HOLDS: Final[dict[Role, str]] = {
     "truth": "ground truth",
@@ -72,7 +72,7 @@ NOTHING: Final = Format(
 )
 """Empty files of a system that detected nothing, whatever their format; see `holds_nothing`.
 
-Not in `FORMATS`: it cannot be asked for by name.
+Not in `FORMATS`: it has no name for ``--format``.
 """
 
 HEAD_BYTES: Final = 65_536

@@ -207,7 +207,7 @@ class Format:
         File name endings that belong to it, with the dot, lower case.
     recognise
         (file name, first 64 KiB as text, role) -> whether the content is this format. Formats are
-        asked in the order of the registry; the first that says yes is taken.
+        tried in the order of the registry; the first match is taken.
     read
         The reader.
     """
@@ -292,7 +292,7 @@ def reading_boxes(n_rows: int, **columns: object) -> pd.DataFrame:
 
 
 def select_boxes(boxes: pd.DataFrame, keep: np.ndarray) -> pd.DataFrame:
-    """The boxes that stay, numbered anew; no copy where all do."""
+    """The boxes that stay, renumbered; no copy where all do."""
     return boxes if keep.all() else boxes[keep].reset_index(drop=True)
 
 

@@ -26,7 +26,7 @@ ONLY_RECORDING: Final = "recording"
 
 
 def table_as_file(name: str) -> SourceFile:
-    """What stands for the file of a table, where files are listed and named in errors."""
+    """A stand-in for the file of a table, where files are listed and named in errors."""
     return SourceFile(Path(), name + TABLE_ENDING)
 
 

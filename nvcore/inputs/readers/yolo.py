@@ -75,7 +75,7 @@ class _Fields:
 def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     """Read YOLO text files, one per picture; an empty file is an evaluated frame.
 
-    Class 0 counts, or the classes whose names are pedestrians where ``classes.txt`` tells names.
+    Class 0 counts, or the classes named as pedestrians in ``classes.txt``.
     The confidence is the last field (Ultralytics) or the second (review_object_detection_metrics):
     inferred from which of the two readings leaves the boxes inside the picture.
 

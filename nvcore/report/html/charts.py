@@ -51,7 +51,7 @@ def interval_plot(evidence: pd.DataFrame) -> go.Figure:
 
     Right of the line X is better in all of them: where less is better, the axis runs backwards. A
     measure without interval has its difference in words and no place on an axis, because nothing
-    tells whether the difference is large or small.
+    shows whether the difference is large or small.
 
     Parameters
     ----------

@@ -14,7 +14,7 @@ CLIP: Final = ["clip", "system"]
 LEAST_CLIPS: Final = 3
 """Fewest common clips for comparing two participants, or a participant with the others."""
 LEAST_FOR_OUTLIERS: Final = 4
-"""Fewest participants for telling who of them is an outlier."""
+"""Fewest participants among whom outliers are looked for."""
 CHANCE: Final = 0.05
 """Agreement with a p-value below this is more than chance."""
 N_PERMUTATIONS: Final = 2_000
@@ -172,7 +172,7 @@ def _mean_correlations(tables: np.ndarray) -> np.ndarray:
 
 
 def _sum_ranks(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Sum over participants of their standardised ranks, and how many tell clips apart."""
+    """Sum over participants of their standardised ranks, and how many rank clips differently."""
     ranks = stats.rankdata(values, axis=2)
     ranks -= ranks.mean(axis=2, keepdims=True)
     length = np.sqrt((ranks * ranks).sum(axis=2, keepdims=True))

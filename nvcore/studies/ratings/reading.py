@@ -41,14 +41,14 @@ def parse_ratings(content: bytes, *, name: str) -> pd.DataFrame:
 
     Returns
     -------
-    Columns ``participant``, ``clip``, ``system`` (str; empty: not said) and ``rating`` (float64;
+    Columns ``participant``, ``clip``, ``system`` (str; empty: unknown) and ``rating`` (float64;
     NaN: missing), in the file's order. Participants whose names differ in capitals or spaces only
     are one, by the first spelling.
 
     Raises
     ------
     FormatError
-        If a column or a field is missing, a rating is no number, the system is said for some clips
+        If a column or a field is missing, a rating is no number, the system is given for some clips
         only, or a participant rates a clip twice.
     """
     try:

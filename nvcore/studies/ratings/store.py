@@ -216,7 +216,7 @@ class RatingStore:
         if not 0 < len(name) <= MOST_NAME:
             raise InputError(f"a participant's name or code has 1 to {MOST_NAME} characters")
         with self._connect() as base:
-            base.execute("BEGIN IMMEDIATE")  # nobody else joins between the two
+            base.execute("BEGIN IMMEDIATE")  # no one else joins between the two
             joined_name = _spelling(base, study, name)
             if joined_name is None:
                 base.execute(
@@ -243,7 +243,7 @@ class RatingStore:
     def rate(
         self, study: Study, participant: str, clip: int, rating: int, *, n_plays: int | None = None
     ) -> None:
-        """Keep a rating; another one of the same clip takes its place, and the first is told.
+        """Keep a rating; another one of the same clip replaces it; the first one is returned.
 
         Parameters
         ----------
@@ -320,7 +320,7 @@ def _add_columns(base: sqlite3.Connection) -> None:
 
 
 def _spelling(base: sqlite3.Connection, study: Study, participant: str) -> str | None:
-    """A participant's name as it was given first; None: nobody of that name has joined."""
+    """A participant's name as it was given first; None: no one of that name has joined."""
     names = [
         name
         for (name,) in base.execute(

@@ -87,7 +87,7 @@ def test_pictures_name_tells_recording_and_frame_and_corners_become_sizes():
 def test_classes_option_names_what_counts():
     boxes = read_golden("corners.csv", classes=("cyclist",)).boxes
     assert boxes["ignore"].tolist() == [True, False]
-    with pytest.raises(FormatError, match="no class 'tram'; found person, cyclist, car"):
+    with pytest.raises(FormatError, match="no class 'tram'; the classes are person, cyclist, car"):
         read_golden("corners.csv", classes=("tram",))
 
 

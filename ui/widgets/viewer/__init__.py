@@ -1,7 +1,7 @@
 """The frame viewer: picture, boxes of truth, X and Y, trace strip and transport.
 
 A Streamlit component whose script is the files `SCRIPTS`, joined. It fetches pictures and boxes
-from the routes itself; Python sends traces and marks, and is told the row that it settles on.
+from the routes itself; Python sends traces and marks, and receives the row that it settles on.
 
     data/       what the viewer shows: boxes, pictures, the recording
     drawing/    what is painted on the canvas
@@ -86,7 +86,7 @@ def viewer(
     has_picture : array of bool, shape (n_rows,)
         Whether a row has a picture; without any, boxes are drawn on a blank frame.
     version : str
-        Changes with every analysis: the boxes are then fetched anew.
+        Changes with every analysis: the boxes are then fetched again.
     traces : mapping of "x" and "y" to array of float, shape (n_rows,)
         Similarity, NaN where undefined; decimated here to the lowest value of each bucket.
     low : float
@@ -110,7 +110,7 @@ def viewer(
     key : str
         Streamlit's key of the component.
     picture_version : str
-        Changes when the recording gets other pictures: they are then fetched anew.
+        Changes when the recording gets other pictures: they are then fetched again.
     only : {"x", "y"} or None
         A clip for somebody who rates it: the picture and the boxes of this system alone, in a
         style that does not tell which it is, played from the first row to the last by one button,

@@ -205,7 +205,7 @@ def _places_by_id(
 def _places_by_name(
     pictures: pd.Series, file: SourceFile, images: pd.DataFrame | None, options: ReadOptions
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """As `_places_by_id`, from file names: those of the image list, or what they tell."""
+    """As `_places_by_id`, from file names: those of the image list, or parsed."""
     if images is not None and "file_name" in images:
         codes, names = pd.factorize(pictures)
         row = _rows_by_name(names, images["file_name"])

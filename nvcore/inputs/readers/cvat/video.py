@@ -153,7 +153,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     Frame numbers are those of the video, also where the task has every n-th frame only; corners
     are 0-based and continuous. Boxes marked as outside are not boxes. Between two keyframes the
     boxes that the file leaves out are filled in, as CVAT does. Size, start, stop and step of the
-    task tell the evaluated frames.
+    task give the evaluated frames.
 
     Raises
     ------
@@ -228,7 +228,7 @@ def _recordings(
 def _frames_of(
     task: Task, file: SourceFile, options: ReadOptions
 ) -> tuple[np.ndarray | None, list[Finding]]:
-    """The task's frames, None where the file does not tell them."""
+    """The task's frames, None where the file does not give them."""
     n_frames = task.n_frames
     if n_frames is not None and n_frames > MAX_FRAMES:
         raise file.fault(

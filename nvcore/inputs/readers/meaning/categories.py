@@ -65,7 +65,7 @@ def choose_categories(
     Raises
     ------
     FormatError
-        If a wanted category is not there, or none is wanted and none is called person or
+        If one of `classes` is not there, or none is given and none is called person or
         pedestrian.
     """
     listed = ", ".join(_shown(key, name) for key, name in [*names.items()][:_MANY]) or "none"
@@ -84,7 +84,9 @@ def choose_categories(
             hits = {key for key, name in names.items() if _plain(name) == _plain(class_name)}
             hits = hits or {key for key in names if key == class_name}
             if not hits:
-                raise FormatError(f"there is no class {class_name!r}; found {listed}", file=file)
+                raise FormatError(
+                    f"there is no class {class_name!r}; the classes are {listed}", file=file
+                )
             counted |= hits
     ignored = {key for key, name in names.items() if _concerns(name)} - counted
     fates = {

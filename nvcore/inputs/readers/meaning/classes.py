@@ -81,7 +81,7 @@ def choose_classes(
     Raises
     ------
     InputError
-        If a class is asked for that neither the format nor the files have.
+        If neither the format nor the files have a class of `ReadOptions.classes`.
     """
     codes, classes = pd.factorize(label)
     known = {name.casefold() for name in rule.known}

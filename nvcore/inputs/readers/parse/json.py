@@ -73,7 +73,7 @@ class Records:
     Parameters
     ----------
     rows
-        The list as it stands in the file.
+        The list as it is in the file.
     file
         The file, for errors.
     what
@@ -190,7 +190,7 @@ class Records:
 
 
 def _line_of_record(text: str, key: str, index: int) -> int | None:
-    """Line on which a record of a list starts; read again, only when there is an error to tell."""
+    """Line on which a record of a list starts; the text is read again, for an error only."""
     start = re.search(rf'"{key}"\s*:\s*\[', text) if key else re.search(r"\[", text)
     if start is None:
         return None

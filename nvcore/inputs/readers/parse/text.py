@@ -99,7 +99,7 @@ class Layout:
     label_at
         Position (0-based) of the one column that is text.
     whole
-        Columns whose whole numbers tell this format from others.
+        Columns of whole numbers, which distinguish this format from others.
     comment
         Lines that begin with this are passed over; empty: there are no comments.
     """
@@ -287,7 +287,7 @@ def whole_numbers(values: np.ndarray, lines: Lines, what: str) -> np.ndarray:
 
 
 def rows_of_text(head: str, *, delimiter: str = ",") -> list[list[str]]:
-    """Fields of the first lines of a file, for telling its format; a cut last line is left out.
+    """Fields of the first lines of a file, to recognise its format; a cut last line is left out.
 
     Parameters
     ----------

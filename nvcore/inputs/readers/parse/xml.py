@@ -100,7 +100,7 @@ def root_of(head: str) -> str:
 def read_elements(file: SourceFile, *, root: str) -> Iterator[Element]:
     """Elements of an XML file in the order in which they end, inner ones before outer ones.
 
-    The file is read in pieces: what the caller does not keep is given free.
+    The file is read in pieces: memory is freed as the caller lets elements go.
 
     Raises
     ------

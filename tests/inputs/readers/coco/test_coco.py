@@ -101,7 +101,7 @@ def test_classes_that_count_are_named_or_numbered(classes, ignored):
 
 def test_an_unknown_class_is_an_error_that_lists_the_known():
     with pytest.raises(
-        FormatError, match=r"no class 'walker'; found .*person \(1\), cyclist \(2\)"
+        FormatError, match=r"no class 'walker'; the classes are .*person \(1\), cyclist \(2\)"
     ):
         read_golden("kaist.json", classes=("walker",))
 
