@@ -87,12 +87,3 @@ def test_silence_while_pedestrians_are_far_away_or_of_a_rare_detector_is_no_find
     truth = long_walk(0, 100)
     rare = [truth[f] for f in (0, 1, 13, 22, 38, 45, 50)]
     assert codes(dataset(truth, rare, truth, n_frames=100)) == []
-
-
-def test_all_figures_stand_on_the_same_pedestrians_for_both_systems() -> None:
-    # Another tool counts the ground truth differently per model
-    made = dataset(x=walk(step=3))
-    result = compare(made)
-    boxes = result.boxes
-    assert boxes.both + boxes.x_only + boxes.y_only + boxes.neither == N
-    assert find(made, "detections-every-nth-frame").count == 1

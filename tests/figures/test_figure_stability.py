@@ -145,11 +145,3 @@ def test_an_undefined_map_says_why_and_one_with_undefined_cells_is_drawn(
     assert np.array_equal(trace(figure, "difference").z, partly.T, equal_nan=True)
     nothing = map_stability(result_of(make_dataset(n_frames=0)), "edge-weight", "similarity")
     assert "there are no frames" in words(stability_map(nothing, theme="dark"))
-
-
-def test_a_map_without_any_difference_is_drawn() -> None:
-    result = result_of(make_dataset([at(0, 50)], [at(0, 50)], [at(0, 50)]))
-    for plane in ("edge-weight", "edge-weight-alpha"):
-        figure = stability_map(map_stability(result, plane, "similarity"), theme="light")
-        assert trace(figure, "as analysed").x == (0,)
-        assert "holds in all of the plausible range" in words(figure)

@@ -159,12 +159,6 @@ def test_a_track_given_twice_in_a_frame_is_one_frame_of_the_encounter() -> None:
     assert result.x.encounters[["n_relevant", "matched"]].to_numpy().tolist() == [[2, 1]]
 
 
-def test_a_dataset_without_truth_has_no_encounters() -> None:
-    result = result_of(make_dataset(x=[at(0, 50)]))
-    assert len(result.encounters) == len(result.x.encounters) == 0
-    assert set(result.venn.counts().values()) == {0}
-
-
 def lead(first_x: int | None, first_y: int | None) -> float:
     truth = [at(f, 50, track=1) for f in range(20)]
     x, y = ([at(f, 50) for f in range(20 if n is None else n, 20)] for n in (first_x, first_y))

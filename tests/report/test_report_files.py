@@ -112,6 +112,7 @@ def test_every_report_carries_parameters_version_fingerprint_and_systems(
     assert session["written"]["fingerprint"] == result.dataset.fingerprint
     assert set(session["written"]["sha256"]) == {"truth", "fir", "nir"}
     assert [one["name"] for one in session["system"]] == ["fir", "nir"]
+    assert (summary["x"]["name"], summary["y"]["name"]) == ("fir", "nir")
 
 
 def test_names_of_any_language_are_kept(tmp_path: Path):

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
-from pathlib import Path
 from typing import Any, get_args
 
 import numpy as np
@@ -12,8 +10,6 @@ import pytest
 from scenes import draw_scene
 
 from nvcore.comparison import Result, compare
-from nvcore.inputs.load import load
-from nvcore.inputs.session import Session, Source, SystemSource
 from nvcore.params import Params
 from nvcore.stability.axes import Plane
 from nvcore.stability.map import StabilityMap, map_stability
@@ -73,48 +69,3 @@ def test_one_matching_gives_every_threshold_where_all_detections_have_scores() -
     for criterion in CRITERIA:
         found = map_stability(result, "thresholds", criterion, n_points=4)
         assert_cells_are_comparisons(found, result, np.arange(found.difference.size))
-
-
-def mot15(realdata: Path) -> Result:
-    """Two recordings of different size; the tracker has no scores."""
-    names = ("TUD-Campus", "PETS09-S2L1")
-    session = Session(
-        folder=realdata / "mot15",
-        truth=Source(tuple(f"{name}/gt/gt.txt" for name in names)),
-        systems=(
-            SystemSource(tuple(f"{name}/det_frcnn/det.txt" for name in names), threshold=0.6),
-            SystemSource(tuple(f"{name}/res_devkit/{name}.txt" for name in names)),
-        ),
-    )
-    return compare(load(session))
-
-
-def night(realdata: Path) -> Result:
-    """KAIST's drive at night; two detectors with scores, and ignore regions."""
-    session = Session(
-        folder=realdata / "kaist_night_video",
-        truth=Source(("gt.csv",)),
-        systems=tuple(
-            SystemSource((f"detections/{name}.csv",)) for name in ("TCDet-thermal", "MLPD")
-        ),
-        size=(640, 512),
-        fps=20.0,
-    )
-    return compare(load(session), Params(threshold_y=0.2))
-
-
-@pytest.mark.realdata
-@pytest.mark.parametrize("recording", [mot15, night])
-def test_every_cell_is_the_comparison_on_real_recordings(recording: Any, realdata: Path) -> None:
-    rng = np.random.default_rng(0)
-    result = recording(realdata)
-    with ThreadPoolExecutor(2) as pool:
-        for plane in PLANES:
-            for criterion in CRITERIA:
-                found = map_stability(result, plane, criterion, n_points=9, executor=pool)
-                cells = rng.choice(found.difference.size, 2, replace=False)
-                assert_cells_are_comparisons(found, result, cells)
-                if found.present_cell is not None:
-                    assert found.difference.ravel()[found.present_cell] == pytest.approx(
-                        difference_of(result, criterion), abs=1e-12
-                    )

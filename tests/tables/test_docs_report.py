@@ -8,7 +8,6 @@ from __future__ import annotations
 import io
 import json
 import re
-import tomllib
 from typing import Any
 
 import pandas as pd
@@ -161,14 +160,6 @@ def test_only_keys_documented_so_are_null(report):
     null = {name for name, value in system.items() if value is None}
     assert null <= {key.name for key in SYSTEM_KEYS if key.empty}
     assert {"threshold", "mean_episode_s"} <= null
-
-
-def test_the_summary_tells_which_systems_x_and_y_are(report):
-    content = json.loads(report["summary.json"])
-    assert (content["x"]["name"], content["y"]["name"]) == ("fir", "nir")
-    assert [one["name"] for one in tomllib.loads(report["session.toml"].decode())["system"]] == [
-        "fir", "nir",
-    ]  # fmt: skip
 
 
 def test_pandas_keeps_the_miss_class_none_apart_from_an_empty_cell(report):

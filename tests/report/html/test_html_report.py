@@ -135,6 +135,8 @@ def test_the_scorecard_has_the_measures_counted_by_hand(page):
     assert page.row(caption, "boxes matched, near or far, of 40") == ["40", "10", "+30", "higher"]
     assert page.row(caption, "false-alert episodes") == ["0", "1", "-1", "lower"]
     assert page.row("Detection measures", "recall at the threshold")[:2] == ["1.0000", "0.2500"]
+    assert "Log-average miss rate of X: nobody is missed at any of the 9 references" in page.text
+    assert "Few pedestrians: 40, a single miss changes" in page.text
 
 
 def test_encounters_have_who_detects_them_and_what_a_fusion_gives(page):

@@ -21,7 +21,7 @@ def test_labels_become_boxes_and_files_evaluated_frames():
     # people, person?, cyclist and a flagged person are ignore regions; person-fa (line 9 of
     # frame 19) is left out. KAIST's occlusion level is kept, Caltech's flag in frame 59 becomes a
     # level by the visible box: 0.2 hidden; 0.5 hidden; visible box equal to the box, nothing
-    # visible. Peers.md 29, 30: frames without boxes, here 39, were dropped elsewhere
+    # visible. Frames without boxes, here 39, were dropped elsewhere
     reading = read(golden("bbgt", *FRAMES), ReadOptions())
     assert rows(reading.boxes, "frame line x y w h ignore occlusion") == [
         [19, 2, 505, 212, 20, 50, False, 0],

@@ -1,8 +1,4 @@
-"""Mistakes of other evaluation tools in curves that must not happen here.
-
-The numbers are those of the project's list of peers' bugs, section "Correctness bugs of metrics",
-as in test_peer_bugs.py.
-"""
+"""Mistakes of other evaluation tools in curves that must not happen here."""
 
 from __future__ import annotations
 
@@ -29,7 +25,7 @@ def found(*frames: int, centre: float = 50, score: float = 0.9) -> list[Box]:
 
 
 def test_pedestrians_in_frames_without_detections_are_missed() -> None:
-    # 29: a detector silent on half of 200 frames had recall 1.0 and miss rate 0
+    # a detector silent on half of 200 frames had recall 1.0 and miss rate 0
     one = curve(make_dataset(people(200), found(*range(0, 200, 2))))
     assert one.recall.tolist() == [0.5]
     assert log_average_miss_rate(one) == pytest.approx(0.5)
@@ -37,7 +33,7 @@ def test_pedestrians_in_frames_without_detections_are_missed() -> None:
 
 @pytest.mark.parametrize("empty", [0, 1, 2])
 def test_the_place_of_an_empty_frame_does_not_matter(empty: int) -> None:
-    # 30: the result depended on the order of empty pictures
+    # the result depended on the order of empty pictures
     full = [f for f in range(3) if f != empty]
     one = curve(make_dataset([at(f, 50) for f in full], found(full[0]), n_frames=3))
     assert (one.n_truth, one.n_images, one.tp.tolist()) == (2, 3, [1])
@@ -46,7 +42,7 @@ def test_the_place_of_an_empty_frame_does_not_matter(empty: int) -> None:
 
 @pytest.mark.parametrize("n_frames", [10, 50, 99])
 def test_short_recordings_whose_best_score_is_wrong_find_nobody_at_low_fppi(n_frames: int) -> None:
-    # 31: index -1 read the end of the curve, so recall 1.0 was reported at every FPPI from 0.01
+    # index -1 read the end of the curve, so recall 1.0 was reported at every FPPI from 0.01
     wrong = [at(0, 10, score=1.0)]
     one = curve(make_dataset(people(n_frames), [*wrong, *found(*range(n_frames))]))
     below = 0.999 / n_frames
@@ -56,7 +52,7 @@ def test_short_recordings_whose_best_score_is_wrong_find_nobody_at_low_fppi(n_fr
 
 @pytest.mark.parametrize("order", [[0, 1], [1, 0]])
 def test_detections_are_taken_by_score_not_by_file_order(order: list[int]) -> None:
-    # 33: the same two boxes gave 1.0 or 0.5 when exchanged in the file
+    # the same two boxes gave 1.0 or 0.5 when exchanged in the file
     boxes = [Box(0, 0, 0, 10, 10, score=0.9), Box(0, 3, 0, 10, 10, score=0.2)]
     one = curve(make_dataset([(0, 0, 0, 10, 10, 1)], [boxes[i] for i in order]))
     assert average_precision(one) == 1.0
@@ -64,7 +60,7 @@ def test_detections_are_taken_by_score_not_by_file_order(order: list[int]) -> No
 
 
 def test_a_detected_ignored_pedestrian_is_no_false_positive() -> None:
-    # 33, 35
+    # its detection was a false positive, and it was a miss
     truth = [at(0, 20), at(0, 70, ignore=True)]
     boxes = [*found(0, centre=70, score=1.0), *found(0, centre=20)]
     one = curve(make_dataset(truth, boxes))
@@ -73,7 +69,7 @@ def test_a_detected_ignored_pedestrian_is_no_false_positive() -> None:
 
 
 def test_the_number_of_pedestrians_does_not_depend_on_the_system() -> None:
-    # 37: crowds that one system matched several times were counted for it
+    # crowds that one system matched several times were counted for it
     truth = [*people(4), *(Box(f, 60, 0, 40, 40, ignore=True) for f in range(4))]
     many = [Box(f, 60 + 8 * i, 5, 10, 10, score=0.5) for f in range(4) for i in range(4)]
     dataset = make_dataset(truth, found(*range(4)), many)
