@@ -1,13 +1,14 @@
 """Which tests run which line of the library.
 
 Every file of tests runs once by itself with coverage's contexts. What it leaves in .mutants:
-coverage (lines), tests.json (seconds of each test), sources.json (the files as they were).
+coverage (lines), tests.json (seconds of each test), sources.json (the library as it was).
 """
 
 from __future__ import annotations
 
 import hashlib
 import json
+import shutil
 from collections import defaultdict
 from collections.abc import Sequence
 from concurrent.futures import as_completed
@@ -19,44 +20,57 @@ from coverage import CoverageData
 from scripts.mutants.operators import Mutant
 from scripts.mutants.trial import ROOT, file_of, make_workers, record_file
 
-NOT_OF_THE_LIBRARY = ("tests/ui", "tests/e2e", "tests/scripts", "tests/helpers")
+LEFT_OUT = (
+    "tests/ui", "tests/e2e", "tests/scripts", "tests/helpers",
+    "tests/report/html", "tests/stability", "tests/studies", "tests/sample",
+)  # fmt: skip
+"""Tests far from the lines, which take minutes without compiled functions: a mutant that they alone
+would notice counts as survived."""
 FIRST_FILES, FIRST_S = 3, 5.0
 """First round: tests of so many files and seconds at most. Most mutants end there."""
 
 
 def make_map(store: Path, tests: Sequence[str]) -> None:
-    """Run the tests of the library; or the files `tests` alone, which joins them to the map."""
-    table = store / "tests.json"
+    """Run the tests of the library; or the files `tests` alone, which joins them to the map.
+
+    A map that was interrupted goes on; after an edit of the library it begins anew.
+    """
+    table, sources = store / "tests.json", store / "sources.json"
+    digests = {str(path.relative_to(ROOT)): digest(path) for path in ROOT.glob("nvcore/**/*.py")}
     coverage = CoverageData(str(store / "coverage"))
-    if tests:
+    recorded: dict[str, float | None] = {}
+    if sources.exists() and json.loads(sources.read_text()) == digests and table.exists():
         coverage.read()
-        recorded = json.loads(table.read_text()) if table.exists() else {}
+        recorded = json.loads(table.read_text())
     else:
         coverage.erase()
-        recorded = {}
-        found = (str(p.relative_to(ROOT)) for p in (ROOT / "tests").rglob("test_*.py"))
-        tests = sorted(path for path in found if not path.startswith(NOT_OF_THE_LIBRARY))
+        sources.write_text(json.dumps(digests, indent=0))
+    known = set(map(file_of, recorded))
+    files = [str(path.relative_to(ROOT)) for path in (ROOT / "tests").rglob("test_*.py")]
+    files = [file for file in sorted(files) if file not in known and not file.startswith(LEFT_OUT)]
     with make_workers(store) as pool:
-        parts = {
-            pool.submit(record_file, test_file, store / f"part-{number}"): store / f"part-{number}"
-            for number, test_file in enumerate(tests)
-        }
+        parts = {}
+        for number, test_file in enumerate(tests or files):
+            part = store / f"part-{number}"
+            shutil.rmtree(part, ignore_errors=True)
+            parts[pool.submit(record_file, test_file, part)] = part
         for number, job in enumerate(as_completed(parts), 1):
             outcome = job.result()
             recorded.update(outcome.seconds, **dict.fromkeys(outcome.failed))
             for test in outcome.failed:
                 print(f"Takes no part, as it is slow here or fails without a mutant: {test}")
-            if parts[job].exists():
-                part = CoverageData(str(parts[job]))
-                part.read()
-                coverage.update(part)
-                parts[job].unlink()
+            for file in parts[job].iterdir():
+                coverage.update(read_coverage(file))
+            shutil.rmtree(parts[job])
+            table.write_text(json.dumps(recorded, indent=0))
             if number % 20 == 0 or number == len(parts):
                 print(f"{number} of {len(parts)} files of tests", flush=True)
-    coverage.write()
-    table.write_text(json.dumps(recorded, indent=0))
-    digests = {str(path.relative_to(ROOT)): digest(path) for path in ROOT.glob("nvcore/**/*.py")}
-    (store / "sources.json").write_text(json.dumps(digests, indent=0))
+
+
+def read_coverage(file: Path) -> CoverageData:
+    coverage = CoverageData(str(file))
+    coverage.read()
+    return coverage
 
 
 def digest(path: Path) -> str:
@@ -68,8 +82,7 @@ class Map:
 
     def __init__(self, store: Path, root: Path) -> None:
         self.root = root
-        self.coverage = CoverageData(str(store / "coverage"))
-        self.coverage.read()
+        self.coverage = read_coverage(store / "coverage")
         recorded = json.loads((store / "tests.json").read_text())
         self.seconds: dict[str, float] = {t: s for t, s in recorded.items() if s is not None}
         self.digests = json.loads((store / "sources.json").read_text())

@@ -14,6 +14,7 @@ import subprocess
 import sys
 from concurrent.futures import ProcessPoolExecutor
 from importlib.util import cache_from_source
+from itertools import count
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
@@ -77,18 +78,26 @@ def start_worker(copies: Any) -> None:
         importlib.import_module(name)
 
 
-def record_file(test_file: str, coverage: Path) -> Outcome:
-    """Run a file of tests, those that take too long aside; their names are among the failed."""
-    too_slow: list[str] = []
-    while True:
-        task = Task([test_file], limit=RECORDED_S, without=too_slow, coverage=coverage)
+def record_file(test_file: str, folder: Path) -> Outcome:
+    """Run a file of tests; after one that takes too long, which counts as failed, the others.
+
+    Which lines they run goes to files of `folder`: one for each process, as coverage begins anew.
+    """
+    whole = Outcome()
+    folder.mkdir()
+    for number in count():
+        done = [*whole.seconds, *whole.failed]
+        task = Task([test_file], limit=RECORDED_S, without=done, coverage=folder / str(number))
         outcome = run_pytest(tree, task)
-        if outcome.stopped_in in ("", "collection"):
-            outcome.failed += too_slow
-            if "collection" in (outcome.stopped_in, *outcome.failed):
-                outcome.failed = [test_file]
-            return outcome
-        too_slow.append(outcome.stopped_in)
+        whole.seconds.update(outcome.seconds)
+        whole.failed += outcome.failed
+        if "collection" in (outcome.stopped_in, *outcome.failed):
+            whole.failed = [test_file]
+            break
+        if not outcome.stopped_in:
+            break
+        whole.failed.append(outcome.stopped_in)
+    return whole
 
 
 def run_tests(tests: list[str], seconds: dict[str, float]) -> tuple[str, str]:

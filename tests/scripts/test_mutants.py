@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from coverage import CoverageData
 
-from scripts.mutants.covering import Map, digest
+from scripts.mutants.covering import Map, digest, read_coverage
 from scripts.mutants.operators import Mutant, mutants_of
 
 SOURCE = '''\
@@ -170,12 +170,14 @@ def test_a_test_that_never_ends_does_not_keep_the_others_from_being_recorded(roo
     (root / "test_of_doubling.py").write_text(
         "from concurrent.futures import ThreadPoolExecutor\n"
         "from nvcore import double\n\n"
+        "def test_before():\n"
+        "    double(0)\n\n"
         "def spin():\n"
         "    while True: pass\n\n"
         "def test_threads():\n"
         "    with ThreadPoolExecutor(2) as pool: pool.submit(spin)\n\n"
-        "def test_double():\n"
-        "    assert double(1) == 2\n"
+        "def test_after():\n"
+        "    double(1)\n"
     )
     lines = run_in_worker(
         root,
@@ -185,8 +187,12 @@ outcome = trial.record_file("test_of_doubling.py", Path("coverage"))
 print(*outcome.failed, *outcome.seconds)
 """,
     )
-    assert lines == ["test_of_doubling.py::test_threads test_of_doubling.py::test_double"]
-    coverage = CoverageData(str(root / "coverage"))
-    coverage.read()
-    by_line = coverage.contexts_by_lineno(str(Path("nvcore", "__init__.py")))
-    assert by_line[2] == ["test_of_doubling.py::test_double"]
+    before, endless, after = (
+        f"test_of_doubling.py::test_{name}" for name in ("before", "threads", "after")
+    )
+    assert lines == [f"{endless} {before} {after}"]
+    recorded = [read_coverage(root / "coverage" / name) for name in ("0", "1")]
+    assert [data.contexts_by_lineno("nvcore/__init__.py")[2] for data in recorded] == [
+        [before],
+        [after],
+    ]
