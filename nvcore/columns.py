@@ -87,6 +87,10 @@ class FrameColumns:
     def __len__(self) -> int:
         return len(self.frame)
 
+    def rows_of(self, recording: int) -> slice:
+        """Rows of a recording's frames."""
+        return slice(int(self.first[recording]), int(self.first[recording + 1]))
+
     @cached_property
     def passed(self) -> np.ndarray:
         """Sum of the gaps before each frame, over all recordings; float64, (n_frames + 1,)."""

@@ -79,9 +79,9 @@ def lanes_figure(
     name = plain(result.dataset.recordings["name"][recording])
     n_lanes = len(encounters)
     lane_px = next(px for most, px in LANE_PX if n_lanes <= most)
-    start, stop = result.dataset.frame_columns.first[recording : recording + 2]
+    rows = result.dataset.frame_columns.rows_of(recording)
     time_s = result.dataset.frames["time_s"].to_numpy()
-    end = float(time_s[stop - 1] + result.dataset.frames["step_s"].to_numpy()[stop - 1])
+    end = float(time_s[rows.stop - 1] + result.dataset.frames["step_s"].to_numpy()[rows.stop - 1])
     tracks = result.encounters.track[encounters]
     pedestrians = [f"ped {plain(track, max_length=8)}" for track in tracks]
     labels = [system_label(letter, system.name) for letter, system in result.sides]
@@ -96,7 +96,7 @@ def lanes_figure(
         yaxis=rows_axis(theme, pedestrians, fixedrange=True, showgrid=False),
         uirevision=f"{result.dataset.fingerprint} {recording} lanes",
     )
-    if cursor_row is not None and start <= cursor_row < stop:
+    if cursor_row is not None and rows.start <= cursor_row < rows.stop:
         line_up(figure, float(time_s[cursor_row]), "cursor", theme)
     return figure
 

@@ -77,7 +77,8 @@ def write_video(
     if not FPS_RANGE[0] <= fps <= FPS_RANGE[1]:
         raise ParameterError(f"fps: expected {FPS_RANGE[0]:g} to {FPS_RANGE[1]:g}, got {fps:g}")
     frames = result.dataset.frame_columns
-    first, last = int(frames.first[recording]), int(frames.first[recording + 1])
+    rows = frames.rows_of(recording)
+    first, last = rows.start, rows.stop
     if not first <= row_start < row_stop <= last:
         raise ParameterError(
             f"expected frames of the recording, rows {first} to {last}, got {row_start} to "

@@ -81,7 +81,7 @@ def session_pictures(
         except MediaError as error:
             notes[number] = error.message
             continue
-        listed = frames.frame[frames.first[number] : frames.first[number + 1]]
+        listed = frames.frame[frames.rows_of(number)]
         indices[number], note = picture_index(listed, pictures, entry.first_picture)
         other_size = size_note(pictures, float(frames.width[number]), float(frames.height[number]))
         sources[number] = pictures

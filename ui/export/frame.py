@@ -24,7 +24,7 @@ def choose_frame(result: Result) -> bool:
         return False
     recording_choice()
     recording, row = state.recording(), state.row()
-    numbers = numbers_of(result, recording)
+    numbers = state.frame_numbers(recording)
     number = st.number_input(
         "Frame",
         int(numbers[0]),
@@ -84,12 +84,6 @@ def draw(result: Result) -> None:
         "Parameters, version and fingerprint of the inputs are inside the file. The grey values "
         "are stretched as on the Timeline page."
     )
-
-
-def numbers_of(result: Result, recording: int) -> np.ndarray:
-    """Numbers of the evaluated frames of a recording."""
-    frames = result.dataset.frame_columns
-    return frames.frame[frames.first[recording] : frames.first[recording + 1]]
 
 
 def nearest_row(numbers: np.ndarray, number: int, row: int) -> int:

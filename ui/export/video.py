@@ -12,7 +12,7 @@ import streamlit as st
 from nvcore.comparison import Result
 from nvcore.overlay import FPS_RANGE, write_video
 from nvcore.progress import Progress
-from ui.export.frame import file_stem, numbers_of
+from ui.export.frame import file_stem
 from ui.jobs.background import FileJob, JobState, new_path, while_open
 from ui.jobs.progress import draw_file, draw_job
 from ui.session import state
@@ -59,8 +59,8 @@ def draw(result: Result) -> None:
 
 @st.fragment
 def _draw_form(result: Result, *, is_busy: bool) -> None:
-    recording = state.recording()
-    times = _times_of(result, recording)
+    recording, frames = state.recording(), result.dataset.frame_columns
+    times = result.dataset.frames["time_s"].to_numpy()[frames.rows_of(recording)]
     end = float(times[-1])
     now_s = float(times[state.row()])
     start = max(min(now_s - USUAL_S / 2, end - USUAL_S), 0.0)
@@ -77,9 +77,7 @@ def _draw_form(result: Result, *, is_busy: bool) -> None:
         "Speed", list(SPEEDS), format_func=SPEEDS.__getitem__, key="video_speed"
     )
     labels = columns[3].toggle("Track ids and scores", key="video_labels")
-    interval = chosen_interval(
-        times, first, last, speed, float(result.dataset.frame_columns.fps[recording])
-    )
+    interval = chosen_interval(times, first, last, speed, float(frames.fps[recording]))
     trouble = why_not(interval)
     st.caption(
         f"{plain(state.recording_names()[recording])}: {interval.n_frames:,} frames at "
@@ -96,12 +94,6 @@ def _draw_form(result: Result, *, is_busy: bool) -> None:
     ):
         _start(result, recording, interval, labels=labels)
         st.rerun()
-
-
-def _times_of(result: Result, recording: int) -> np.ndarray:
-    first, last = result.dataset.frame_columns.first[recording : recording + 2]
-    times: np.ndarray = result.dataset.frames["time_s"].to_numpy()[first:last]
-    return times
 
 
 def chosen_interval(
@@ -134,7 +126,7 @@ def why_not(interval: Interval) -> str:
 def _start(result: Result, recording: int, interval: Interval, *, labels: bool) -> None:
     space = state.workspace()
     space.drop_job(JOB)
-    numbers = numbers_of(result, recording)[interval.row_start : interval.row_stop]
+    numbers = state.frame_numbers(recording)[interval.row_start : interval.row_stop]
     name = f"{file_stem(state.recording_names()[recording])}-{numbers[0]}-{numbers[-1]}.mp4"
     job = start_job(
         space,

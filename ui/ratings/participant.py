@@ -225,9 +225,9 @@ def _played(result: Result, study: Study, clip: int, key: str) -> bool:
     name, system = study.clips[clip]
     recording = state.recording_names().index(name)
     letter: Letter = "x" if system == result.x.name else "y"
-    first, last = result.dataset.frame_columns.first[recording : recording + 2].tolist()
+    n_rows = len(state.frame_numbers(recording))
     lo, hi = STRETCH
-    nothing = np.full(last - first, np.nan)
+    nothing = np.full(n_rows, np.nan)
     row = viewer(
         **viewer_arguments(result, recording),
         traces={"x": nothing, "y": nothing},
@@ -242,7 +242,7 @@ def _played(result: Result, study: Study, clip: int, key: str) -> bool:
         key=key,
         only=letter,
     )
-    return row is None or row == last - first - 1
+    return row is None or row == n_rows - 1
 
 
 def _thanks(study: Study) -> None:

@@ -274,7 +274,7 @@ def _place() -> tuple[int, int]:
     recording_index, row_in_recording = st.session_state.get("place", (0, 0))
     if not 0 <= recording_index < len(recording_names()):
         return 0, 0
-    last = max(len(_frame_numbers(recording_index)) - 1, 0)
+    last = max(len(frame_numbers(recording_index)) - 1, 0)
     return recording_index, min(row_in_recording, last)
 
 
@@ -286,7 +286,7 @@ def go_to(recording_index: int, row_in_recording: int) -> None:
 
 def settle(recording_index: int, row_in_recording: int) -> None:
     """Make this the current frame without asking the viewer to go there: it is there."""
-    last = max(len(_frame_numbers(recording_index)) - 1, 0)
+    last = max(len(frame_numbers(recording_index)) - 1, 0)
     st.session_state["place"] = recording_index, min(max(row_in_recording, 0), last)
     write_address()
 
@@ -321,7 +321,7 @@ def row_in_all() -> int:
 
 def link_to(recording_index: int, row_in_recording: int) -> dict[str, str]:
     """What the address of a page needs to open at this frame with the live parameters."""
-    numbers = _frame_numbers(recording_index)
+    numbers = frame_numbers(recording_index)
     place = {"recording": recording_names()[recording_index]}
     if len(numbers):
         place["frame"] = str(int(numbers[row_in_recording]))
@@ -337,7 +337,7 @@ def bad_link() -> str:
 def _follow_link() -> None:
     """Take recording and frame from the address that the session was opened by."""
     get = st.query_params.get
-    place, wrong = read_place(get("recording"), get("frame"), recording_names(), _frame_numbers)
+    place, wrong = read_place(get("recording"), get("frame"), recording_names(), frame_numbers)
     values, impossible = read_parameters(st.query_params.to_dict())
     st.session_state["new_params"] = values
     wrong += impossible
@@ -345,10 +345,10 @@ def _follow_link() -> None:
     st.session_state["bad_link"] = "; ".join(wrong)
 
 
-def _frame_numbers(recording_index: int) -> np.ndarray:
+def frame_numbers(recording_index: int) -> np.ndarray:
+    """Numbers of the evaluated frames of a recording."""
     frames = opened().dataset.frame_columns
-    first, last = frames.first[recording_index : recording_index + 2]
-    return frames.frame[first:last]
+    return frames.frame[frames.rows_of(recording_index)]
 
 
 def _open(space: Workspace, opened: Opened) -> Opened:

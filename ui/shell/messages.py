@@ -6,7 +6,6 @@ import logging
 from collections.abc import Callable
 from functools import wraps
 from pathlib import Path
-from typing import Final
 
 import streamlit as st
 
@@ -15,18 +14,13 @@ from nvcore.comparison import Result
 from nvcore.errors import NvcoreError
 from nvcore.findings import Severity
 from nvcore.inputs.evaluated_frames import nth
+from nvcore.report.html.words import SHORT_ENCOUNTERS
 from nvcore.report.verdict import CAVEATS
 from ui.session import local_files, state
 from ui.session.opening import public_text
 from ui.session.workspace import Workspace
 from ui.shell.navigate import open_page
 from ui.widgets.text import plain
-
-SHORT_ENCOUNTERS: Final = (
-    "Most encounters here are one frame long, as sampled or unlinked annotation makes "
-    "them: they are frames rather than persons. Lag, dropout, lead time and saliency mean "
-    "little; shares of encounters detected are shares of frames."
-)
 
 
 def draw_warnings(result: Result, *, is_of_encounters: bool = True) -> None:

@@ -21,7 +21,7 @@ LANES_PX: Final = 640
 @st.fragment
 def draw_all(result: Result) -> None:
     """Everything that shows the current frame; a click in one part moves all."""
-    settled = viewer.settled(result)
+    settled = viewer.settled()
     if settled != state.row():
         state.settle(state.recording(), settled)
     cursor = state.row_in_all()

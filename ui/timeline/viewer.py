@@ -19,26 +19,25 @@ KEY = "viewer"
 MAX_ROWS = 8
 
 
-def settled(result: Result) -> int:
+def settled() -> int:
     """Row within the recording that the viewer has settled on, also before it is drawn."""
-    first, last = result.dataset.frame_columns.first[state.recording() : state.recording() + 2]
-    if first == last:
+    recording = state.recording()
+    n_rows = len(state.frame_numbers(recording))
+    if not n_rows:
         return 0
-    return settled_in(
-        KEY, recording=state.recording(), n_rows=int(last - first), seek=(state.row(), state.seek())
-    )
+    return settled_in(KEY, recording=recording, n_rows=n_rows, seek=(state.row(), state.seek()))
 
 
 def draw(result: Result) -> None:
     """The viewer."""
     recording = state.recording()
-    first, last = result.dataset.frame_columns.first[recording : recording + 2].tolist()
+    rows = result.dataset.frame_columns.rows_of(recording)
     lo, hi = state.stretch()
     viewer(
         **viewer_arguments(result, recording),
-        traces={letter: system.similarity[first:last] for letter, system in result.sides},
+        traces={letter: system.similarity[rows] for letter, system in result.sides},
         low=result.params.low,
-        intervals=[_spans(system.intervals, recording, first) for _, system in result.sides],
+        intervals=[_spans(system.intervals, recording, rows.start) for _, system in result.sides],
         misses=next_misses(result, recording),
         names=[system.name for _, system in result.sides],
         seek=(state.row(), state.seek()),
