@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -190,6 +190,30 @@ class Session(Settings):
     def sources(self) -> tuple[tuple[Source, Role], ...]:
         """Truth and systems, each with what it holds."""
         return (self.truth, "truth"), *((system, "detections") for system in self.systems)
+
+    def with_paths(self, rename: Callable[[str], str], *, folder: Path) -> Session:
+        """The session in another folder, each of its paths renamed; ranges of frames stay."""
+
+        def of_frames(frames: str | None) -> str | None:
+            return frames if frames is None or is_frame_range(frames) else rename(frames)
+
+        return replace(
+            self,
+            folder=folder,
+            truth=replace(self.truth, path=tuple(map(rename, self.truth.path))),
+            systems=tuple(
+                replace(system, path=tuple(map(rename, system.path))) for system in self.systems
+            ),
+            recordings=tuple(
+                replace(
+                    entry,
+                    frames=of_frames(entry.frames),
+                    pictures=None if entry.pictures is None else rename(entry.pictures),
+                )
+                for entry in self.recordings
+            ),
+            frames=of_frames(self.frames),
+        )
 
     def entries(self, names: Sequence[str]) -> dict[str, RecordingEntry]:
         """The `recordings` by name; a single one is about the data's only recording.

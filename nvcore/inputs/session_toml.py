@@ -76,7 +76,6 @@ from nvcore.inputs.session import (
     Session,
     Source,
     SystemSource,
-    is_frame_range,
     parse_size,
 )
 from nvcore.params import params_from
@@ -256,10 +255,11 @@ def write_session(session: Session, *, version: str, fingerprint: str) -> str:
     Paths are written absolute, so that the file means the same wherever it lies.
     """
     folder = session.folder
+    session = session.with_paths(lambda path: _absolute(path, folder), folder=folder)
     defaults = {
         "size": None if session.size is None else f"{session.size[0]}x{session.size[1]}",
         "fps": session.fps,
-        "frames": _absolute_frames(session.frames, folder),
+        "frames": session.frames,
     }
     content: dict[str, Any] = {
         "written": {
@@ -271,23 +271,15 @@ def write_session(session: Session, *, version: str, fingerprint: str) -> str:
         "parameters": session.params.given(),
         "protocol": session.protocol.given(),
         "defaults": _given(defaults),
-        "truth": _source_table(session.truth, folder),
+        "truth": _source_table(session.truth),
     }
     recordings = [
-        _given(
-            {
-                **vars(facts),
-                "frames": _absolute_frames(facts.frames, folder),
-                "pictures": None if facts.pictures is None else _absolute(facts.pictures, folder),
-                "tags": list(facts.tags) or None,
-            }
-        )
-        for facts in session.recordings
+        _given({**vars(entry), "tags": list(entry.tags) or None}) for entry in session.recordings
     ]
     systems = [
         {
             **_given({"name": system.name}),
-            **_source_table(system, folder),
+            **_source_table(system),
             **_given({"threshold": system.threshold}),
             **_corrections(system),
         }
@@ -311,14 +303,8 @@ def _absolute(path: str, folder: Path) -> str:
     return Path(os.path.normpath(start / path)).as_posix()
 
 
-def _absolute_frames(frames: str | None, folder: Path) -> str | None:
-    if frames is None or is_frame_range(frames):
-        return frames
-    return _absolute(frames, folder)
-
-
-def _source_table(source: Source, folder: Path) -> dict[str, Any]:
-    paths = [_absolute(path, folder) for path in source.path]
+def _source_table(source: Source) -> dict[str, Any]:
+    paths = list(source.path)
     return _given(
         {
             "path": paths[0] if len(paths) == 1 else paths,

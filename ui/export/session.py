@@ -10,11 +10,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Set
 from dataclasses import replace
 from pathlib import Path, PurePosixPath
-from typing import Final, TypeVar
+from typing import Final
 
 from nvcore.findings import Finding
 from nvcore.inputs.readers.meaning.names import NEUTRAL
-from nvcore.inputs.session import Session, Source, SystemSource, is_frame_range
+from nvcore.inputs.session import Session
 from ui.session.opening import relative_path
 from ui.session.uploads import ANNOTATION_FOLDERS
 from ui.session.workspace import PICTURES
@@ -23,8 +23,6 @@ BESIDE: Final = Path()
 """Folder of a session that is written with relative paths."""
 OWN_FOLDER: Final = "data"
 """Folder for files that need one; the readers name no recording after it."""
-
-AnySource = TypeVar("AnySource", Source, SystemSource)
 
 
 def portable_session(
@@ -42,13 +40,15 @@ def portable_session(
         named after the surrounding folder elsewhere: the folder ``data`` keeps its name.
     """
     if not is_upload:
-        return _renamed(session, lambda path: relative_path(session.folder / path, session.folder))
-    return _renamed(session, _names_of_uploads(session, set(recordings)).__getitem__)
+        start = session.folder
+        return session.with_paths(lambda path: relative_path(start / path, start), folder=BESIDE)
+    names = _names_of_uploads(session, set(recordings))
+    return session.with_paths(names.__getitem__, folder=BESIDE)
 
 
 def inputs_beside(portable: Session) -> list[str]:
     """What has to lie beside the written session, in its words; pictures are not needed."""
-    pictures = {facts.pictures for facts in portable.recordings}
+    pictures = {entry.pictures for entry in portable.recordings}
     return [path for path in dict.fromkeys(portable.paths()) if path not in pictures]
 
 
@@ -68,34 +68,10 @@ def public_findings(
     )
 
 
-def _renamed(session: Session, name: Callable[[str], str]) -> Session:
-    def of_source(source: AnySource) -> AnySource:
-        return replace(source, path=tuple(name(path) for path in source.path))
-
-    def of_frames(frames: str | None) -> str | None:
-        return frames if frames is None or is_frame_range(frames) else name(frames)
-
-    return replace(
-        session,
-        folder=BESIDE,
-        truth=of_source(session.truth),
-        systems=tuple(of_source(system) for system in session.systems),
-        recordings=tuple(
-            replace(
-                facts,
-                frames=of_frames(facts.frames),
-                pictures=None if facts.pictures is None else name(facts.pictures),
-            )
-            for facts in session.recordings
-        ),
-        frames=of_frames(session.frames),
-    )
-
-
 def _names_of_uploads(session: Session, recordings: Set[str]) -> Mapping[str, str]:
     """Name of each path of a session of uploads: the shortest that is its own."""
     spellings = {path: _spellings(path) for path in session.paths()}
-    for path in (path for source in _sources(session) for path in source.path):
+    for path in (path for source, _ in session.sources for path in source.path):
         stem = PurePosixPath(path).stem
         if stem in recordings and stem.lower() in NEUTRAL:
             spellings[path] = spellings[path][-1:] * 3
@@ -120,7 +96,3 @@ def _spellings(path: str) -> tuple[str, ...]:
         below = 1 + len(ANNOTATION_FOLDERS.parts)
         inside, field = parts[below:] or parts[-1:], parts[0]
     return parts[-1], "/".join(inside), "/".join((OWN_FOLDER, field, *inside))
-
-
-def _sources(session: Session) -> tuple[Source, ...]:
-    return session.truth, *session.systems
