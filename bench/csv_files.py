@@ -14,12 +14,7 @@ import pyarrow.csv
 
 from bench.sets import FPS, FRAMES_PER_RECORDING, HEIGHT, WIDTH, Boxes, BoxSet, make_set
 
-SESSION = """\
-[defaults]
-size = "{width}x{height}"
-fps = {fps:g}
-frames = "0:{last}"
-
+INPUTS = """\
 [truth]
 path = "truth.csv"
 format = "csv"
@@ -37,6 +32,13 @@ path = "y.csv"
 format = "csv"
 frame_base = 0
 """
+"""Truth and systems of a session file beside the files that `write_csv` writes."""
+SESSION = """\
+[defaults]
+size = "{width}x{height}"
+fps = {fps:g}
+frames = "0:{last}"
+"""
 DECIMALS = 2
 
 
@@ -52,7 +54,7 @@ def write_csv(boxes: BoxSet, folder: Path, *, one_recording: bool = False) -> Pa
         pa.csv.write_csv(_table(source, name, length), folder / f"{name}.csv")
     path = folder / "session.toml"
     text = SESSION.format(width=WIDTH, height=HEIGHT, fps=FPS, last=length - 1)
-    path.write_text(text, encoding="utf-8")
+    path.write_text(f"{text}\n{INPUTS}", encoding="utf-8")
     return path
 
 

@@ -10,6 +10,8 @@ from pathlib import Path
 import av
 import numpy as np
 
+from bench.csv_files import INPUTS
+
 WIDTH, HEIGHT, FPS, N_FRAMES = 640, 480, 20, 400
 SQUARE, BITS = 20, 9
 PERIOD, STEP, LEFT_PX = 110, 5, 20
@@ -24,23 +26,6 @@ height = {height}
 fps = {fps}
 frames = "0:{last}"
 pictures = "numbered.mp4"
-
-[truth]
-path = "truth.csv"
-format = "csv"
-frame_base = 0
-
-[[system]]
-name = "first"
-path = "x.csv"
-format = "csv"
-frame_base = 0
-
-[[system]]
-name = "second"
-path = "y.csv"
-format = "csv"
-frame_base = 0
 """
 
 # In the page: the frame number in the pixels, the left edge of X's box (px), the row that the
@@ -87,7 +72,7 @@ def write_scene(folder: Path) -> Path:
     )
     path = folder / "session.toml"
     text = SESSION.format(width=WIDTH, height=HEIGHT, fps=FPS, last=N_FRAMES - 1)
-    path.write_text(text, encoding="utf-8")
+    path.write_text(f"{text}\n{INPUTS}", encoding="utf-8")
     return path
 
 

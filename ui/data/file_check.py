@@ -14,6 +14,7 @@ from nvcore.inputs.files import find_files
 from nvcore.inputs.load import read_source
 from nvcore.inputs.readers.base import Reading, Role
 from nvcore.inputs.session import Source
+from ui.session.cache import Caching
 from ui.shell.messages import without_paths
 from ui.widgets.text import plain
 
@@ -59,19 +60,15 @@ def check_files(
     Paths of the source that `source` makes start from `folder`; its errors are the check's trouble.
     Detections are read with the check of the ground truth.
     """
-    checks: dict[Hashable, FileCheck] = st.session_state.setdefault(_CHECKS, {})
+    checks: Caching = st.session_state.setdefault(_CHECKS, Caching())
     known = None if truth is None else truth.reading
     of_both = (key, None if known is None else truth)  # without a reading it makes no difference
-    check = checks.pop(of_both, None)
-    if check is None:
-        with st.spinner("Reading the files"):
-            check = _check(source, role, folder, known)
-    checks[of_both] = check  # moved to the end: the least recently used goes first
-    while len(checks) > MOST_KEPT:
-        del checks[next(iter(checks))]
-    return check
+    return checks.cached(
+        "files", of_both, lambda: _check(source, role, folder, known), most=MOST_KEPT
+    )
 
 
+@st.spinner("Reading the files")
 def _check(
     source: Callable[[], Source], role: Role, folder: Path, known: Reading | None
 ) -> FileCheck:
