@@ -6,7 +6,7 @@ most of the seconds that a fresh one takes to start.
 
 from __future__ import annotations
 
-import compileall
+import filecmp
 import importlib
 import os
 import shutil
@@ -38,15 +38,25 @@ tree: Path
 
 
 def copy_project(copy: Path) -> Path:
-    """A fresh copy of the files that git knows or would know."""
-    shutil.rmtree(copy, ignore_errors=True)
+    """A copy of the files that git knows or would know; compiled files of the last one stay."""
     listed = ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
     paths = subprocess.run(listed, cwd=ROOT, capture_output=True, text=True, check=True).stdout
-    for path in filter(None, paths.split("\0")):
-        if (ROOT / path).is_file():
+    wanted = {path for path in filter(None, paths.split("\0")) if (ROOT / path).is_file()}
+    for file in copy.rglob("*"):
+        is_compiled = file.parent.name == "__pycache__"
+        if file.is_file() and not is_compiled and str(file.relative_to(copy)) not in wanted:
+            file.unlink()
+    for path in wanted:
+        if not is_same(ROOT / path, copy / path):
             (copy / path).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy2(ROOT / path, copy / path)
     return copy
+
+
+def is_same(file: Path, copy: Path) -> bool:
+    if not copy.exists() or file.stat().st_mtime_ns != copy.stat().st_mtime_ns:
+        return False
+    return filecmp.cmp(file, copy, shallow=False)
 
 
 def make_workers(store: Path) -> ProcessPoolExecutor:
@@ -59,7 +69,7 @@ def make_workers(store: Path) -> ProcessPoolExecutor:
 
 
 def start_worker(copies: Any) -> None:
-    """Take a copy, compile its files, import what is large.
+    """Take a copy, import what is large.
 
     Tests run plain Python, their copy's modules, on the recordings of the checkout.
     """
@@ -68,12 +78,8 @@ def start_worker(copies: Any) -> None:
     os.environ["NUMBA_DISABLE_JIT"] = "1"
     os.environ["PYTHONPATH"] = str(tree)
     os.environ.setdefault("NVCORE_REALDATA", str(ROOT.parent / "shared" / "realdata"))
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # what is compiled serves the next trials
     sys.dont_write_bytecode = False
-    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
-    compileall.compile_dir(tree / "nvcore", quiet=2)
-    run_pytest(tree, Task(["tests", "--collect-only", "--ignore=tests/ui", "--ignore=tests/e2e"]))
-    sys.dont_write_bytecode = True  # else compiled mutants would stay behind
-    os.environ["PYTHONDONTWRITEBYTECODE"] = "1"
     for name in LARGE:
         importlib.import_module(name)
 
@@ -118,8 +124,7 @@ def try_mutant(
 ) -> tuple[str, str]:
     """What notices the mutant, as `run_tests` says it; empty if nothing does."""
     file = tree / mutant.path
-    source = file.read_text("utf-8")
-    Path(cache_from_source(str(file))).unlink(missing_ok=True)
+    source, times = file.read_text("utf-8"), file.stat()
     file.write_text(mutant.apply(source), "utf-8")
     try:
         for tests in rounds:
@@ -129,3 +134,5 @@ def try_mutant(
         return "", ""
     finally:
         file.write_text(source, "utf-8")
+        os.utime(file, ns=(times.st_atime_ns, times.st_mtime_ns))
+        Path(cache_from_source(str(file))).unlink(missing_ok=True)
