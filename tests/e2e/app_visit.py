@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import re
-from typing import Any
+from typing import Any, Literal
 from urllib.parse import urlsplit
 
-from app_server import PATIENCE_MS
 from axe_playwright_python.sync_playwright import Axe
-from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Locator, Page, expect
+from playwright.sync_api import BrowserContext, ConsoleMessage, Locator, Page, expect
 
 SIZE = {"width": 1280, "height": 800}
 # Streamlit looks for its server below the page's own path first
@@ -17,14 +16,6 @@ IS_DRAWN = """() => document.querySelector('[data-testid="stApp"]')
       ?.dataset.testScriptState === "notRunning"
   && document.querySelector("h1")
   && !document.querySelector('[data-testid="stSkeleton"], [data-stale="true"]')"""
-
-
-def new_person(browser: Browser, theme: str = "light") -> BrowserContext:
-    """Windows with cookies and a cache of their own."""
-    scheme = "dark" if theme == "dark" else "light"
-    person = browser.new_context(viewport=SIZE, color_scheme=scheme)
-    person.set_default_timeout(PATIENCE_MS)
-    return person
 
 
 # Streamlit hears of a click only once it has added its own listener, which is after the plot is
@@ -58,10 +49,26 @@ class Visit:
         Errors in the console, scripts that failed, and requests to other hosts.
     """
 
-    def __init__(self, context: BrowserContext, address: str) -> None:
+    def __init__(
+        self,
+        context: BrowserContext,
+        address: str,
+        *,
+        theme: Literal["light", "dark"] = "light",
+        motion: Literal["reduce", "no-preference"] = "reduce",
+    ) -> None:
+        """Open an empty window.
+
+        Parameters
+        ----------
+        motion
+            Without a preference the wait for each page is animated, which costs more than the page.
+        """
         self.address = address
         self.complaints: list[str] = []
         self.page: Page = context.new_page()
+        self.page.set_viewport_size(SIZE)
+        self.page.emulate_media(color_scheme=theme, reduced_motion=motion)
         self.page.on("request", lambda request: self._look_at_host(request.url))
         self.page.on("websocket", lambda socket: self._look_at_host(socket.url))
         self.page.on("console", self._look_at_message)

@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from app_server import PATIENCE_MS, ROOT, open_chromium, serve
-from app_visit import Visit, new_person
+from app_server import ROOT, open_chromium, serve
+from app_visit import Visit
 from kept_window import HAS_FAILED, Kept
-from playwright.sync_api import Browser, BrowserContext, Page
+from playwright.sync_api import BrowserContext, Page
 from viewer_window import ViewerWindow
 
 
@@ -30,35 +30,29 @@ def app() -> Iterator[str]:
         yield address
 
 
-# Not for the session: while it is open an event loop runs, and no other test could start one.
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
+# Of the folder's package, not of the session: while it is open an event loop runs, and no test
+# elsewhere could start one.
+@pytest.fixture(scope="package")
+def chromium() -> Iterator[BrowserContext]:
+    """The browser, one for all tests: it loads faster what it has loaded before."""
     with open_chromium() as opened:
         yield opened
 
 
 @pytest.fixture(scope="module")
-def person(browser: Browser) -> Iterator[Callable[[str], BrowserContext]]:
-    """Somebody's browser with this theme: kept for the module, since a full cache loads faster."""
-    people: dict[str, BrowserContext] = {}
-
-    def find(theme: str) -> BrowserContext:
-        if theme not in people:
-            people[theme] = new_person(browser, theme)
-        return people[theme]
-
-    yield find
-    for one in people.values():
-        one.close()
+def person(chromium: BrowserContext) -> BrowserContext:
+    """Somebody's browser, without the cookies of other modules."""
+    chromium.clear_cookies()
+    return chromium
 
 
 @pytest.fixture
-def visit(person: Callable[[str], BrowserContext], app: str) -> Iterator[Callable[..., Visit]]:
+def visit(person: BrowserContext, app: str) -> Iterator[Callable[..., Visit]]:
     """Opens a page of the app in a new session; afterwards nothing may have gone wrong."""
     opened: list[Visit] = []
 
-    def open_page(page: str = "", *, theme: str = "light") -> Visit:
-        one = Visit(person(theme), app)
+    def open_page(page: str = "", by: BrowserContext = person, **looks: str) -> Visit:
+        one = Visit(by, app, **looks)
         opened.append(one)
         one.go(page)
         return one
@@ -80,7 +74,7 @@ def kept_visits() -> Iterator[dict[tuple[str, str], Kept[Visit]]]:
 @pytest.fixture
 def shared(
     request: pytest.FixtureRequest,
-    person: Callable[[str], BrowserContext],
+    person: BrowserContext,
     app: str,
     kept_visits: dict[tuple[str, str], Kept[Visit]],
 ) -> Iterator[Callable[..., Visit]]:
@@ -89,7 +83,7 @@ def shared(
 
         def find(page: str = "", *, theme: str = "light") -> Visit:
             def open_page() -> Visit:
-                visit = Visit(person(theme), app)
+                visit = Visit(person, app, theme=theme)
                 visit.go(page)
                 return visit
 
@@ -107,18 +101,8 @@ def viewer_address() -> Iterator[str]:
 
 
 @pytest.fixture(scope="module")
-def viewer_windows(browser: Browser) -> Iterator[BrowserContext]:
-    context = browser.new_context(viewport={"width": 1280, "height": 900})
-    context.set_default_timeout(PATIENCE_MS)
-    yield context
-    context.close()
-
-
-@pytest.fixture(scope="module")
-def viewer_window(
-    viewer_windows: BrowserContext, viewer_address: str
-) -> Iterator[Kept[ViewerWindow]]:
-    kept = Kept(lambda: ViewerWindow(viewer_windows, viewer_address))
+def viewer_window(person: BrowserContext, viewer_address: str) -> Iterator[Kept[ViewerWindow]]:
+    kept = Kept(lambda: ViewerWindow(person, viewer_address))
     yield kept
     kept.close()
 

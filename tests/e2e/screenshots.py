@@ -13,7 +13,7 @@ import re
 from pathlib import Path
 
 from app_server import ROOT, open_chromium, serve
-from app_visit import Visit, new_person
+from app_visit import Visit
 from PIL import Image
 from playwright.sync_api import expect
 
@@ -43,12 +43,11 @@ TWO_PAINTS = """() => new Promise(
 def main() -> None:
     """Write all pictures."""
     FOLDER.mkdir(parents=True, exist_ok=True)
-    with serve(ROOT / "app.py") as address, open_chromium() as browser:
+    with serve(ROOT / "app.py") as address, open_chromium() as chromium:
         for theme, names in (("light", tuple(PAGES)), ("dark", DARK)):
-            person = new_person(browser, theme)
             for name in names:
                 suffix = "" if theme == "light" else f"-{theme}"
-                one = Visit(person, address)
+                one = Visit(chromium, address, theme=theme)
                 one.go(PAGES[name])
                 one.page.wait_for_function(IS_WHOLE)
                 if one.viewer.count():
@@ -56,7 +55,6 @@ def main() -> None:
                 one.page.evaluate(TWO_PAINTS)
                 save(one.page.screenshot(), FOLDER / f"{name}{suffix}.png")
                 one.close()
-            person.close()
 
 
 def save(png: bytes, path: Path) -> None:

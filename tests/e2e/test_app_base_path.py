@@ -8,9 +8,9 @@ from collections.abc import Iterator
 import pytest
 from app_files import write_files
 from app_server import ROOT, serve
-from app_visit import Visit, new_person
+from app_visit import Visit
 from kept_window import Kept
-from playwright.sync_api import Browser, expect
+from playwright.sync_api import BrowserContext, expect
 
 BASE = "apps/night"
 
@@ -22,17 +22,24 @@ def address() -> Iterator[str]:
 
 
 @pytest.fixture(scope="module")
-def kept(browser: Browser, address: str) -> Iterator[Kept[Visit]]:
-    person = new_person(browser)
-    yield Kept(lambda: Visit(person, address))
-    person.close()
+def kept(person: BrowserContext, address: str) -> Iterator[Kept[Visit]]:
+    kept = Kept(lambda: Visit(person, address))
+    yield kept
+    kept.close()
 
 
 @pytest.fixture
 def one(request: pytest.FixtureRequest, kept: Kept[Visit]) -> Iterator[Visit]:
-    """A window, in which every test opens an address."""
+    """A window, on whatever page the last test left it, or empty."""
     with kept.lend(request) as visit:
         yield visit
+
+
+def show(one: Visit, title: str) -> None:
+    """Go to this page by the navigation, in a window that is empty after the app is open."""
+    if one.page.url == "about:blank":
+        one.go("")
+    one.switch_to(title)
 
 
 def test_a_deep_link_shows_pictures_and_boxes(one):
@@ -52,14 +59,14 @@ def test_a_deep_link_shows_pictures_and_boxes(one):
 
 def test_a_video_is_uploaded(one, tmp_path):
     video = write_files(tmp_path).video
-    one.go("data")
+    show(one, "Data")
     one.page.get_by_role("tab", name="Upload").click()
     one.keyed("upload_pictures").locator("input[type=file]").set_input_files(video)
     expect(one.page.get_by_text(f"Here: {video.name}")).to_be_visible()
 
 
 def test_a_term_leads_to_its_explanation(one):
-    one.go("saliency")
+    show(one, "Saliency")
     link = one.page.get_by_test_id("stMain").locator('a[href*="metrics#saliency"]').first
     one.page.goto(link.evaluate("link => link.href"))
     expect(one.page.locator("#saliency")).to_be_in_viewport()

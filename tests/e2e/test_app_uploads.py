@@ -9,9 +9,10 @@ from pathlib import Path
 import pytest
 import viewer_scene as scene
 from app_files import N_FRAMES, RECORDING, Sent, write_files
+from app_server import PATIENCE_MS
 from app_visit import Visit
 from kept_window import Kept
-from playwright.sync_api import expect
+from playwright.sync_api import BrowserContext, expect
 from viewer_reading import READER, is_whole
 from viewer_window import record
 
@@ -52,7 +53,7 @@ def send(one: Visit, files: Sent) -> None:
 @pytest.fixture(scope="module")
 def kept(person, app, files) -> Iterator[Kept[Visit]]:
     def open_and_send() -> Visit:
-        visit = Visit(person("light"), app)
+        visit = Visit(person, app)
         visit.go("data")
         send(visit, files)
         return visit
@@ -99,8 +100,18 @@ def test_a_reload_keeps_what_was_uploaded_with_place_and_parameters(sent):
     expect(sent.page.get_by_text("could not be followed")).to_have_count(0)
 
 
-def test_two_sessions_see_nothing_of_each_other(sent, visit):
-    other: Visit = visit("timeline?alpha=0.4&recording=rural_child&frame=57", theme="dark")
+@pytest.fixture
+def stranger(chromium: BrowserContext) -> Iterator[BrowserContext]:
+    """Windows without the cookies and the cache of the others."""
+    stranger = chromium.browser.new_context()
+    stranger.set_default_timeout(PATIENCE_MS)
+    yield stranger
+    stranger.close()
+
+
+def test_two_sessions_see_nothing_of_each_other(sent, stranger, visit):
+    link = "timeline?alpha=0.4&recording=rural_child&frame=57"
+    other: Visit = visit(link, stranger, motion="no-preference")
     other.shows(57)
     sent.switch_to("Timeline")
     expect(sent.recording_field(RECORDING)).to_be_visible()

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from app_server import PATIENCE_MS
 from inputs import drive, session_of
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import BrowserContext, Page, expect
 
 from nvcore.comparison import compare
 from nvcore.inputs.load import load
@@ -32,9 +32,9 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def seen(browser: Browser, report: Path) -> Iterator[tuple[Page, list[str], list[str]]]:
+def seen(chromium: BrowserContext, report: Path) -> Iterator[tuple[Page, list[str], list[str]]]:
     """The page once its charts are drawn, what it asked for, and what it complained of."""
-    context = browser.new_context(viewport={"width": 1280, "height": 800}, offline=True)
+    context = chromium.browser.new_context(viewport={"width": 1280, "height": 800}, offline=True)
     page = context.new_page()
     requests: list[str] = []
     complaints: list[str] = []
@@ -101,8 +101,8 @@ def test_it_prints_to_pdf_with_its_charts(seen):
     page.set_viewport_size({"width": 1280, "height": 800})
 
 
-def test_a_browser_that_cannot_unpack_the_charts_says_so_and_shows_the_tables(browser, report):
-    context = browser.new_context(offline=True)
+def test_a_browser_that_cannot_unpack_the_charts_says_so_and_shows_the_tables(chromium, report):
+    context = chromium.browser.new_context(offline=True)
     context.add_init_script("delete window.DecompressionStream")
     page = context.new_page()
     page.goto(report.as_uri())
@@ -112,8 +112,8 @@ def test_a_browser_that_cannot_unpack_the_charts_says_so_and_shows_the_tables(br
     context.close()
 
 
-def test_without_scripts_a_note_says_why_there_are_no_charts(browser, report):
-    context = browser.new_context(offline=True, java_script_enabled=False)
+def test_without_scripts_a_note_says_why_there_are_no_charts(chromium, report):
+    context = chromium.browser.new_context(offline=True, java_script_enabled=False)
     page = context.new_page()
     page.goto(report.as_uri())
     assert "need JavaScript" in page.locator("noscript").inner_text()

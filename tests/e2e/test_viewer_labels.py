@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 import pytest
-from playwright.sync_api import Browser, Page
+from playwright.sync_api import BrowserContext, Page
 
 from ui.widgets.viewer import FOLDER
 
@@ -38,8 +38,8 @@ DRAW = """([rows, area]) => {
 
 
 @pytest.fixture(scope="module")
-def page(browser: Browser) -> Iterator[Page]:
-    opened = browser.new_page()
+def page(chromium: BrowserContext) -> Iterator[Page]:
+    opened = chromium.new_page()
     for name in ("data/boxes", "drawing/labels", "drawing/drawing"):
         opened.add_script_tag(content=(FOLDER / f"{name}.js").read_text(encoding="utf-8"))
     yield opened

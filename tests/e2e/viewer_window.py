@@ -9,6 +9,8 @@ from app_server import PATIENCE_MS
 from playwright import sync_api
 from viewer_reading import READER, RECORDER
 
+SIZE = {"width": 1280, "height": 900}
+
 
 class ViewerWindow:
     """A window with the viewer alone, kept from test to test: each finds it as newly opened.
@@ -22,6 +24,7 @@ class ViewerWindow:
     def __init__(self, context: sync_api.BrowserContext, address: str) -> None:
         self.complaints: list[str] = []
         self.page = context.new_page()
+        self.page.set_viewport_size(SIZE)
         self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
         self.page.goto(address)
         self._visit = 1
