@@ -21,7 +21,7 @@ from nvcore.figures.forest import subgroup_forest
 from nvcore.figures.inputs import false_alarm_plot, proximity_plot, score_plot
 from nvcore.figures.lanes import lanes_figure
 from nvcore.figures.paired import recordings_plot
-from nvcore.figures.saliency import parts_plot, recency_plot, saliency_by_recording
+from nvcore.figures.saliency import parts_plot, recency_plot
 from nvcore.figures.stability import stability_map
 from nvcore.figures.time_plot import similarity_plot
 from nvcore.figures.venn import venn_figure
@@ -108,7 +108,9 @@ class Figures:
 
     def saliency(self) -> go.Figure:
         """Saliency of X and Y in every recording, in seconds, 0 is best."""
-        return saliency_by_recording(recordings_table(self._result), self._names, theme=self._theme)
+        return recordings_plot(
+            recordings_table(self._result), self._names, theme=self._theme, measure="saliency"
+        )
 
     def recency(self, recording: Recording | None = None) -> go.Figure:
         """The recency curve with every event on it; of one recording, or of all."""

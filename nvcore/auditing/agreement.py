@@ -8,6 +8,7 @@ import numpy as np
 
 from nvcore.auditing.boxes import repeated_rows
 from nvcore.auditing.cases import BoxSource, place_of_frame, truth_source
+from nvcore.auditing.overlaps import iou_of_pairs, rows_in_ranges
 from nvcore.columns import BoxColumns
 from nvcore.dataset import Dataset
 from nvcore.findings import Finding, Severity
@@ -163,16 +164,13 @@ def _overlapped(
     frame = x.frame_index[agreed]
     start = truth.offsets[frame]
     n = truth.offsets[frame + 1] - start
-    ends = np.cumsum(n)
-    pair = np.repeat(np.arange(len(agreed)), n)
-    g = np.arange(ends[-1]) - np.repeat(ends - n - start, n)
+    pair, g = rows_in_ranges(start, n)
     is_open = unmatched[g]
     pair, g = pair[is_open], g[is_open]
     d = agreed[pair]
-    across = np.minimum(truth.x[g] + truth.w[g], x.x[d] + x.w[d]) - np.maximum(truth.x[g], x.x[d])
-    down = np.minimum(truth.y[g] + truth.h[g], x.y[d] + x.h[d]) - np.maximum(truth.y[g], x.y[d])
-    shared = np.maximum(across, 0) * np.maximum(down, 0)
-    iou = shared / (truth.w[g] * truth.h[g] + x.w[d] * x.h[d] - shared)
+    iou = iou_of_pairs(
+        (truth.x[g], truth.y[g], truth.w[g], truth.h[g]), (x.x[d], x.y[d], x.w[d], x.h[d])
+    )
     best = np.zeros(len(agreed))
     np.maximum.at(best, pair, iou)
     row = np.full(len(agreed), -1, np.int64)

@@ -19,6 +19,27 @@ MAX_SHIFT: Final = 5
 """Largest time offset that is tried, in listed frames."""
 
 
+Boxes = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
+"""x, y, w, h of boxes, px."""
+
+
+def rows_in_ranges(start: np.ndarray, n: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The rows of ranges that begin at `start` and have `n` rows: number of the range, and row."""
+    end = np.cumsum(n)
+    number = np.repeat(np.arange(len(n)), n)
+    return number, np.arange(n.sum()) - np.repeat(end - n - start, n)
+
+
+def iou_of_pairs(a: Boxes, b: Boxes) -> np.ndarray:
+    """Intersection over union of boxes with those in the same place of the other arrays."""
+    (ax, ay, aw, ah), (bx, by, bw, bh) = a, b
+    across = np.minimum(ax + aw, bx + bw) - np.maximum(ax, bx)
+    down = np.minimum(ay + ah, by + bh) - np.maximum(ay, by)
+    shared = np.maximum(across, 0) * np.maximum(down, 0)
+    iou: np.ndarray = shared / (aw * ah + bw * bh - shared)
+    return iou
+
+
 @dataclass(frozen=True)
 class Correction:
     """What is done to the detections: scaled, then moved in the picture, then in time.
@@ -96,19 +117,13 @@ class Sample:
         has_frame = frame >= 0
         start = np.where(has_frame, det.offsets[frame], 0)
         n = np.where(has_frame, det.offsets[frame + 1] - start, 0)
-        ends = np.cumsum(n)
-        pair_truth = np.repeat(np.arange(len(rows)), n)
-        pair_det = np.arange(ends[-1] if len(n) else 0) - np.repeat(ends - n, n)
-        pair_det += np.repeat(start, n)
+        pair_truth, pair_det = rows_in_ranges(start, n)
         (sx, sy), (ox, oy) = correction.scale, correction.offset_px
         g = rows[pair_truth]
         gx, gy, gw, gh = truth.x[g], truth.y[g], truth.w[g], truth.h[g]
         left, top = det.x[pair_det] * sx + ox, det.y[pair_det] * sy + oy
         dw, dh = det.w[pair_det] * sx, det.h[pair_det] * sy
-        across = np.minimum(gx + gw, left + dw) - np.maximum(gx, left)
-        down = np.minimum(gy + gh, top + dh) - np.maximum(gy, top)
-        shared = np.maximum(across, 0) * np.maximum(down, 0)
-        iou = shared / (gw * gh + dw * dh - shared)
+        iou = iou_of_pairs((gx, gy, gw, gh), (left, top, dw, dh))
         best = np.zeros(len(rows))
         np.maximum.at(best, pair_truth, iou)
         best_pairs = np.flatnonzero((iou > 0) & (iou == best[pair_truth]))

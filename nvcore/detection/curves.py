@@ -290,14 +290,12 @@ def detection_outcomes(
     system: str,
     params: Params,
     protocol: Protocol = PROTOCOLS["all"],
-    *,
-    recordings: np.ndarray | None = None,
 ) -> Outcomes:
     """What became of each detection, at the lowest threshold (for resampling of recordings).
 
     Parameters and errors as `detection_curve`. Detections that ignored boxes absorb are left out.
     """
-    truth = filter_truth(dataset, protocol, recordings=recordings)
+    truth = filter_truth(dataset, protocol)
     return _outcomes(dataset, truth, _taking_part(dataset, system, protocol), params)
 
 

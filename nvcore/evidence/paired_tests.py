@@ -63,7 +63,7 @@ class McNemar:
     reason: str
 
 
-def mcnemar(venn: Venn, *, confidence: float = CONFIDENCE) -> McNemar:
+def mcnemar(venn: Venn) -> McNemar:
     """Exact McNemar test with effect sizes, from the counts of encounters.
 
     Only encounters detected by exactly one system distinguish the two. Encounters are assumed to be
@@ -88,7 +88,7 @@ def mcnemar(venn: Venn, *, confidence: float = CONFIDENCE) -> McNemar:
     reasons = []
     low = high = p = odds = odds_low = odds_high = np.nan
     if n >= MIN_PAIRS:
-        low, high = _newcombe(venn, confidence)
+        low, high = _newcombe(venn)
     else:
         reasons.append(f"too few encounters for an interval: {n}, at least {MIN_PAIRS} are needed")
     if split >= MIN_DISCORDANT:
@@ -99,7 +99,7 @@ def mcnemar(venn: Venn, *, confidence: float = CONFIDENCE) -> McNemar:
             f"{MIN_DISCORDANT} are needed"
         )
     if split:
-        interval = binomtest(venn.x_only, split).proportion_ci(confidence, method="exact")
+        interval = binomtest(venn.x_only, split).proportion_ci(CONFIDENCE, method="exact")
         odds, odds_low, odds_high = (
             share / (1 - share) if share < 1 else np.inf
             for share in (venn.x_only / split, float(interval.low), float(interval.high))
@@ -121,12 +121,12 @@ def mcnemar(venn: Venn, *, confidence: float = CONFIDENCE) -> McNemar:
     )
 
 
-def _newcombe(venn: Venn, confidence: float) -> tuple[float, float]:
+def _newcombe(venn: Venn) -> tuple[float, float]:
     """Newcombe's square-and-add interval: Wilson's for each share, joined by their correlation."""
     n = venn.n_near
     n_x, n_y = venn.both + venn.x_only, venn.both + venn.y_only
     ends_x, ends_y = (
-        binomtest(n_detected, n).proportion_ci(confidence, method="wilson")
+        binomtest(n_detected, n).proportion_ci(CONFIDENCE, method="wilson")
         for n_detected in (n_x, n_y)
     )
     margins = n_x * (n - n_x) * n_y * (n - n_y)

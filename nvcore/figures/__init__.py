@@ -5,9 +5,9 @@ from nvcore.figures.encounters import fusion_plot, lead_time_plot, miss_classes_
 from nvcore.figures.forest import subgroup_forest
 from nvcore.figures.inputs import false_alarm_plot, proximity_plot, score_plot
 from nvcore.figures.lanes import lanes_figure
-from nvcore.figures.paired import paired_points, recordings_plot
+from nvcore.figures.paired import recordings_plot
 from nvcore.figures.ratings import participants_plot, rating_plot
-from nvcore.figures.saliency import parts_plot, recency_plot, saliency_by_recording
+from nvcore.figures.saliency import parts_plot, recency_plot
 from nvcore.figures.stability import stability_map
 from nvcore.figures.style import CONFIG
 from nvcore.figures.time_plot import similarity_plot
@@ -23,7 +23,6 @@ __all__ = [
     "lead_time_plot",
     "legend_text",
     "miss_classes_plot",
-    "paired_points",
     "participants_plot",
     "parts_plot",
     "position_map",
@@ -31,7 +30,6 @@ __all__ = [
     "rating_plot",
     "recency_plot",
     "recordings_plot",
-    "saliency_by_recording",
     "score_plot",
     "similarity_plot",
     "stability_map",

@@ -162,7 +162,7 @@ def miss_classes_plot(
             showgrid=False,
             fixedrange=True,
         ),
-        yaxis=counts_axis(theme, "encounters"),
+        yaxis=counts_axis(theme),
     )
 
 
@@ -222,7 +222,7 @@ def lead_time_plot(encounters: pd.DataFrame, *, theme: Theme) -> go.Figure:
         subtitle=f"{matched}; median {np.median(lead_s) + 0.0:+.2f} s",
         barmode="overlay",
         xaxis=axis(theme, lead, range=ends),
-        yaxis=counts_axis(theme, "encounters", **tick),
+        yaxis=counts_axis(theme, **tick),
     )
 
 

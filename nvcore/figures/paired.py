@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Final
+from dataclasses import dataclass
+from typing import Final, Literal
 
 import numpy as np
 import pandas as pd
@@ -13,28 +14,7 @@ from nvcore.figures.style import LOOK, axis, draw, empty_figure, plain, rows_axi
 from nvcore.palette import Theme
 from nvcore.wording import count_text
 
-
-def recordings_plot(recordings: pd.DataFrame, names: tuple[str, str], *, theme: Theme) -> go.Figure:
-    """Mean similarity per recording as paired points; `customdata` is the recording's row.
-
-    Parameters
-    ----------
-    recordings
-        `nvcore.tables.result.recordings_table`.
-    names
-        Names of X and Y.
-    """
-    return paired_points(
-        recordings,
-        "mean_similarity",
-        names,
-        theme=theme,
-        title="Similarity by recording",
-        axis_title="mean similarity (1 = perfect)",
-        higher_is_better=True,
-        least_range=(0.5, 1.0),
-    )
-
+ByRecording = Literal["mean_similarity", "saliency"]
 
 MAX_RECORDINGS: Final = 40
 """Recordings drawn: those with the largest differences."""
@@ -43,16 +23,32 @@ MARGIN: Final = 0.03
 """Room beside the points, as a share of the axis."""
 
 
-def paired_points(
+@dataclass(frozen=True)
+class _MeasureAxis:
+    """How a measure is drawn; the axis shows `least` at least, so that small gains look small."""
+
+    title: str
+    axis_title: str
+    higher_is_better: bool
+    least: tuple[float, float]
+
+
+AXES: Final[dict[ByRecording, _MeasureAxis]] = {
+    "mean_similarity": _MeasureAxis(
+        "Similarity by recording", "mean similarity (1 = perfect)", True, (0.5, 1.0)
+    ),
+    "saliency": _MeasureAxis(
+        "Saliency by recording", "saliency (s, 0 = nothing to notice)", False, (0.0, 1.0)
+    ),
+}
+
+
+def recordings_plot(
     recordings: pd.DataFrame,
-    column: str,
     names: tuple[str, str],
     *,
     theme: Theme,
-    title: str,
-    axis_title: str,
-    higher_is_better: bool,
-    least_range: tuple[float, float],
+    measure: ByRecording = "mean_similarity",
 ) -> go.Figure:
     """X and Y joined by a line for each recording; `customdata` is the recording's row.
 
@@ -62,16 +58,17 @@ def paired_points(
     ----------
     recordings
         `nvcore.tables.result.recordings_table`, or rows of it with the same index.
-    column
-        Name of the measure without the system, such as "mean_similarity".
-    least_range
-        What the axis shows at least, so that a small difference looks small.
+    names
+        Names of X and Y.
+    measure
+        ``mean_similarity`` (1 is best) or ``saliency`` (0 is best).
     """
-    x, y = (recordings[f"{column}_{letter}"].to_numpy(dtype=float) for letter in "xy")
+    look = AXES[measure]
+    x, y = (recordings[f"{measure}_{letter}"].to_numpy(dtype=float) for letter in "xy")
     defined = np.flatnonzero(np.isfinite(x) & np.isfinite(y))
     if not len(defined):
         return empty_figure("There is no recording to compare.", theme=theme)
-    gain = (x - y) if higher_is_better else (y - x)
+    gain = (x - y) if look.higher_is_better else (y - x)
     largest = defined[np.argsort(-np.abs(gain[defined]), kind="stable")][:MAX_RECORDINGS]
     largest = largest[np.argsort(-gain[largest], kind="stable")]
     labels = [plain(name, max_length=24) for name in recordings["recording"].to_numpy()[largest]]
@@ -82,7 +79,7 @@ def paired_points(
         for label, value_x, value_y in zip(labels, x[largest], y[largest], strict=True)
     ]
     values = np.concatenate([x[largest], y[largest]])
-    low, high = min(least_range[0], values.min()), max(least_range[1], values.max())
+    low, high = min(look.least[0], values.min()), max(look.least[1], values.max())
     margin = MARGIN * (high - low)
     traces = [
         still_line(
@@ -106,10 +103,10 @@ def paired_points(
     return draw(
         traces,
         theme,
-        title=title,
+        title=look.title,
         subtitle=extent,
         height=150 + ROW_PX * len(largest),
         hoverdistance=-1,
-        xaxis=axis(theme, axis_title, range=[low - margin, high + margin]),
+        xaxis=axis(theme, look.axis_title, range=[low - margin, high + margin]),
         yaxis=rows_axis(theme, labels, tickvals=place, fixedrange=True, automargin=True),
     )

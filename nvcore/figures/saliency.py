@@ -1,4 +1,4 @@
-"""Saliency: the events on the recency curve, what makes up a number, X against Y."""
+"""Saliency: the events on the recency curve, and what makes up a number."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ import plotly.graph_objects as go
 
 from nvcore.comparison import Result
 from nvcore.figures.marks import marks, steady_marker, still_line
-from nvcore.figures.paired import paired_points
 from nvcore.figures.style import (
     LOOK,
     SYMBOL,
@@ -169,28 +168,4 @@ def parts_plot(
         barmode="overlay",
         xaxis=axis(theme, f"seconds (a recording: {kind})", rangemode="tozero"),
         yaxis=rows_axis(theme, labels, fixedrange=True, showgrid=False, automargin=True),
-    )
-
-
-def saliency_by_recording(
-    recordings: pd.DataFrame, names: tuple[str, str], *, theme: Theme
-) -> go.Figure:
-    """Saliency per recording as paired points, 0 is best; `customdata` is the recording's row.
-
-    Parameters
-    ----------
-    recordings
-        `nvcore.tables.result.recordings_table`.
-    names
-        Names of X and Y.
-    """
-    return paired_points(
-        recordings,
-        "saliency",
-        names,
-        theme=theme,
-        title="Saliency by recording",
-        axis_title="saliency (s, 0 = nothing to notice)",
-        higher_is_better=False,
-        least_range=(0.0, 1.0),
     )

@@ -122,9 +122,9 @@ def heading(title: str, subtitle: str, *, theme: Theme) -> str:
     return f'{title}<br><span style="{second}">{subtitle}</span>' if subtitle else title
 
 
-def counts_axis(theme: Theme, title: str, **more: Any) -> dict[str, Any]:
-    """An upright axis of counts, from 0."""
-    return axis(theme, title, rangemode="tozero", fixedrange=True, tickformat=",d", **more)
+def counts_axis(theme: Theme, **more: Any) -> dict[str, Any]:
+    """An upright axis of encounters counted, from 0."""
+    return axis(theme, "encounters", rangemode="tozero", fixedrange=True, tickformat=",d", **more)
 
 
 def rows_axis(

@@ -13,11 +13,9 @@ AUTUMN: Final = Climate(road=92, grass=74, sky=30, haze=80, things=92, skin=232)
 SUMMER: Final = Climate(road=134, grass=108, sky=62, haze=106, things=122, skin=190, contrast=0.40)
 
 
-def _along(
-    x: float, z: float, speed: float, *, drift: float = 0.0
-) -> tuple[tuple[float, float, float], ...]:
+def _along(x: float, z: float, speed: float) -> tuple[tuple[float, float, float], ...]:
     """Straight walk along the road; `speed` is negative towards the car."""
-    return ((0.0, x, z), (15.0, x + drift, z + 15 * speed))
+    return ((0.0, x, z), (15.0, x, z + 15 * speed))
 
 
 def _across(

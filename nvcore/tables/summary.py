@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, replace
+from operator import attrgetter
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -38,10 +39,16 @@ SYSTEM_KEYS: Final[tuple[Column, ...]] = (
 
 
 class _Entry(NamedTuple):
-    """A key and its value; None or NaN where it is undefined."""
+    """A key and its value, by default the result's attribute of that name.
+
+    None or NaN where it is undefined.
+    """
 
     column: Column
-    of: Callable[[Result], Any]
+    of: Callable[[Result], Any] | None = None
+
+    def value(self, result: Result) -> Any:
+        return attrgetter(self.column.name)(result) if self.of is None else self.of(result)
 
 
 def _lead_s(result: Result) -> np.ndarray:
@@ -49,10 +56,6 @@ def _lead_s(result: Result) -> np.ndarray:
     lead_s = result.lead_time_s
     finite: np.ndarray = lead_s[np.isfinite(lead_s)]
     return finite
-
-
-def _venn_count(name: str) -> Callable[[Result], int]:
-    return lambda result: result.venn.counts()[name]
 
 
 _ENTRIES: Final[tuple[_Entry, ...]] = (
@@ -81,10 +84,7 @@ _ENTRIES: Final[tuple[_Entry, ...]] = (
         Column("frames", _INTEGER, "frames", "Evaluated frames."),
         lambda result: len(result.dataset.frames),
     ),
-    _Entry(
-        Column("duration_s", _NUMBER, "s", "Sum of their time steps."),
-        lambda result: result.duration_s,
-    ),
+    _Entry(Column("duration_s", _NUMBER, "s", "Sum of their time steps.")),
     _Entry(
         Column("truth.boxes", _INTEGER, "boxes", "Annotated pedestrians, ignore regions left out."),
         lambda result: int(result.n_truth.sum()),
@@ -124,10 +124,7 @@ _ENTRIES: Final[tuple[_Entry, ...]] = (
         Column("y", Kind.TABLE, "", "System Y; the same keys."),
         lambda result: system_summary(result, result.y),
     ),
-    *(
-        _Entry(replace(column, name=f"venn.{column.name}"), _venn_count(column.name))
-        for column in VENN_COLUMNS
-    ),
+    *(_Entry(replace(column, name=f"venn.{column.name}")) for column in VENN_COLUMNS),
     _Entry(
         Column(
             "dominant",
@@ -141,20 +138,17 @@ _ENTRIES: Final[tuple[_Entry, ...]] = (
     _Entry(
         Column(
             "exclusivity.missed_by_x", _INTEGER, "encounters", "Encounters that X missed.", "low"
-        ),
-        lambda result: result.exclusivity.missed_by_x,
+        )
     ),
     _Entry(
         Column(
             "exclusivity.missed_by_y", _INTEGER, "encounters", "Encounters that Y missed.", "low"
-        ),
-        lambda result: result.exclusivity.missed_by_y,
+        )
     ),
     _Entry(
         Column(
             "exclusivity.missed_by_both", _INTEGER, "encounters", "Those that both missed.", "low"
-        ),
-        lambda result: result.exclusivity.missed_by_both,
+        )
     ),
     _Entry(
         Column(
@@ -163,8 +157,7 @@ _ENTRIES: Final[tuple[_Entry, ...]] = (
             "0 to 1",
             "Shared misses over all misses: 0 no miss is shared, 1 all are.",
             empty="no misses",
-        ),
-        lambda result: result.exclusivity.jaccard,
+        )
     ),
     _Entry(
         Column(
@@ -173,8 +166,7 @@ _ENTRIES: Final[tuple[_Entry, ...]] = (
             "-1 to 1",
             "Correlation of the two systems' misses.",
             empty="a system misses none or all",
-        ),
-        lambda result: result.exclusivity.phi,
+        )
     ),
     _Entry(
         Column(
@@ -183,24 +175,13 @@ _ENTRIES: Final[tuple[_Entry, ...]] = (
             "0 to 1",
             "Exact McNemar p: how likely a split of `x_only` against `y_only` at least this uneven "
             "is if both are equally good.",
-        ),
-        lambda result: result.exclusivity.mcnemar_p,
+        )
     ),
+    _Entry(Column("boxes.both", _INTEGER, "boxes", "Pedestrian boxes that both systems matched.")),
+    _Entry(Column("boxes.x_only", _INTEGER, "boxes", "Pedestrian boxes that only X matched.")),
+    _Entry(Column("boxes.y_only", _INTEGER, "boxes", "Pedestrian boxes that only Y matched.")),
     _Entry(
-        Column("boxes.both", _INTEGER, "boxes", "Pedestrian boxes that both systems matched."),
-        lambda result: result.boxes.both,
-    ),
-    _Entry(
-        Column("boxes.x_only", _INTEGER, "boxes", "Pedestrian boxes that only X matched."),
-        lambda result: result.boxes.x_only,
-    ),
-    _Entry(
-        Column("boxes.y_only", _INTEGER, "boxes", "Pedestrian boxes that only Y matched."),
-        lambda result: result.boxes.y_only,
-    ),
-    _Entry(
-        Column("boxes.neither", _INTEGER, "boxes", "Pedestrian boxes that neither system matched."),
-        lambda result: result.boxes.neither,
+        Column("boxes.neither", _INTEGER, "boxes", "Pedestrian boxes that neither system matched.")
     ),
     _Entry(
         Column(
@@ -241,7 +222,7 @@ SUMMARY_KEYS: Final[tuple[Column, ...]] = tuple(entry.column for entry in _ENTRI
 
 def summary(result: Result) -> dict[str, Any]:
     """All aggregates, ready for JSON; None is undefined."""
-    content = _nest({entry.column.name: entry.of(result) for entry in _ENTRIES})
+    content = _nest({entry.column.name: entry.value(result) for entry in _ENTRIES})
     aggregates: dict[str, Any] = _without_nan(content)
     return aggregates
 

@@ -17,7 +17,6 @@ from nvcore.figures.encounters import (
     position_map,
 )
 from nvcore.figures.paired import recordings_plot
-from nvcore.figures.saliency import saliency_by_recording
 from nvcore.figures.style import LOOK
 
 NAMES = ("FIR", "NIR")
@@ -144,7 +143,7 @@ def test_recordings_are_sorted_by_how_much_better_x_is() -> None:
 
 def test_less_saliency_is_better() -> None:
     saliency = recordings((2.0, 0.5), (0.5, 2.0), column="saliency")
-    figure = saliency_by_recording(saliency, NAMES, theme="light")
+    figure = recordings_plot(saliency, NAMES, theme="light", measure="saliency")
     assert trace(figure, "X: FIR").customdata.tolist() == [1, 0]
 
 
@@ -152,7 +151,7 @@ def test_a_small_difference_looks_small_and_no_recording_lies_outside_the_axis()
     similarity = recordings_plot(recordings((0.873, 0.95)), NAMES, theme="light")
     assert similarity.layout.xaxis.range == pytest.approx((0.485, 1.015))
     saliency = recordings((0.02, 0.03), column="saliency")
-    figure = saliency_by_recording(saliency, NAMES, theme="light")
+    figure = recordings_plot(saliency, NAMES, theme="light", measure="saliency")
     assert figure.layout.xaxis.range == pytest.approx((-0.03, 1.03))
     wide = recordings_plot(recordings((0.2, 0.95), (0.4, 0.3)), NAMES, theme="light")
     assert wide.layout.xaxis.range[0] < 0.2

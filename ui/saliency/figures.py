@@ -9,7 +9,8 @@ import plotly.graph_objects as go
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.figures.saliency import parts_plot, recency_plot, saliency_by_recording
+from nvcore.figures.paired import recordings_plot
+from nvcore.figures.saliency import parts_plot, recency_plot
 from nvcore.report.words import describe_saliency
 from nvcore.tables.result import recordings_table, worst_events
 from ui.session import state
@@ -60,7 +61,7 @@ def draw_recordings(result: Result) -> None:
     names = (result.x.name, result.y.name)
     table = recordings_table(result)
     draw_chart(
-        saliency_by_recording(table, names, theme=state.theme()),
+        recordings_plot(table, names, theme=state.theme(), measure="saliency"),
         "saliency_recordings",
         on_click=_choose_recording,
     )
