@@ -1,8 +1,11 @@
+"""Parameters, what they refuse, and named settings for usual traffic."""
+
 from __future__ import annotations
 
 import dataclasses
 import math
 import typing
+from dataclasses import asdict
 
 import pytest
 from hypothesis import given
@@ -12,6 +15,7 @@ from other_params import OTHER
 from nvcore.errors import ParameterError
 from nvcore.params import SETTINGS, Params, params_from, settings_for
 from nvcore.params.metadata import EVENTS, MATCH, SALIENCY, Setting
+from nvcore.params.presets import PRESETS
 
 NUMBERS = [name for name, setting in SETTINGS.items() if setting.words is None]
 CHOICES = [name for name, setting in SETTINGS.items() if setting.words is not None]
@@ -118,3 +122,23 @@ def test_an_unknown_name_is_refused_with_the_known_ones() -> None:
 def test_params_cannot_be_changed() -> None:
     with pytest.raises(dataclasses.FrozenInstanceError):
         Params().alpha = 0.5  # type: ignore[misc]
+
+
+@pytest.mark.parametrize("preset", PRESETS, ids=lambda preset: preset.name)
+@pytest.mark.parametrize("height", [None, 480.0])
+def test_a_preset_makes_valid_parameters(preset, height):
+    values = preset.values(height)
+    assert asdict(Params(**values)).items() >= values.items()
+
+
+def test_the_paper_is_the_default():
+    assert Params(**PRESETS[0].values(480.0)) == Params()
+
+
+def test_rural_counts_misses_at_the_edge_and_far_off():
+    values = PRESETS[2].values(500.0)
+    assert (values["edge_weight"], values["midpoint"]) == (1.0, 30.0)
+
+
+def test_without_a_height_the_sigmoid_is_that_of_each_recording():
+    assert PRESETS[2].values(None)["midpoint"] is None

@@ -1,15 +1,22 @@
-"""CVAT for video: tracks, outside, keyframes, frame step."""
+"""CVAT for video: tracks, outside, frame step, and the frames between keyframes."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from reader_files import golden, only_finding, rows, source
 
 from nvcore.errors import FormatError, InputError
 from nvcore.inputs.readers.base import Reading, ReadOptions
-from nvcore.inputs.readers.cvat.video import read
+from nvcore.inputs.readers.cvat.video import (
+    Filled,
+    fill_between_keyframes,
+    read,
+)
 
 
 def read_golden(**options: object) -> Reading:
@@ -275,3 +282,50 @@ def test_an_attribute_of_the_annotator_marks_occlusion(tmp_path: Path) -> None:
     inner = '<attribute name="Occluded">yes</attribute>'
     boxes = read_xml(tmp_path, track(box(0, inner=inner), box(1))).boxes
     assert boxes["occlusion"].tolist() == [1, -1]
+
+
+def fill(frames: list[int], *, tracks: list[int] | None = None) -> Filled:
+    n = len(frames)
+    return fill_between_keyframes(
+        np.array(tracks or [0] * n, dtype=np.int64),
+        np.array(frames, dtype=np.int64),
+        np.zeros(n, dtype=bool),
+        np.ones(n, dtype=bool),
+        np.ones(n, dtype=np.int64),
+        limit=1000,
+    )
+
+
+def test_two_rows_of_one_frame_both_stay() -> None:
+    assert fill([3, 3]).frame.tolist() == [3, 3]
+
+
+def test_rows_keep_their_values_where_a_neighbour_has_none() -> None:
+    filled = fill([0, 2])
+    values = filled.between(np.array([1.0, np.nan]))
+    np.testing.assert_array_equal(values, [1, np.nan, np.nan])
+
+
+@given(st.lists(st.tuples(st.integers(0, 3), st.integers(0, 60)), max_size=12, unique=True))
+def test_every_frame_between_the_first_and_the_last_of_a_track_is_there_once(
+    rows: list[tuple[int, int]],
+) -> None:
+    tracks, frames = [row[0] for row in rows], [row[1] for row in rows]
+    filled = fill(frames, tracks=tracks)
+    found = (
+        sorted(zip(np.array(tracks)[filled.left].tolist(), filled.frame.tolist(), strict=True))
+        if rows
+        else []
+    )
+    expected = []
+    for track in sorted(set(tracks)):
+        own = [f for t, f in rows if t == track]
+        expected += [(track, f) for f in range(min(own), max(own) + 1)]
+    assert found == expected
+
+
+@given(st.lists(st.integers(0, 60), min_size=2, max_size=8, unique=True))
+def test_a_quantity_that_is_linear_in_time_stays_so(frames: list[int]) -> None:
+    filled = fill(frames)
+    values = filled.between(3.0 * np.array(frames) - 7)
+    assert values == pytest.approx(3.0 * filled.frame - 7)
