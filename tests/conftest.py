@@ -7,6 +7,10 @@ from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, settings
+from inputs import drive
+from published import load_kaist
+
+from nvcore.dataset import Dataset
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -31,3 +35,15 @@ def golden(realdata: Path) -> Path:
     if not folder.is_dir():
         pytest.skip(f"reference figures not found in {folder}")
     return folder
+
+
+@pytest.fixture(scope="session")
+def kaist(realdata: Path) -> Dataset:
+    """KAIST's test set with the five systems."""
+    return load_kaist(realdata)
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """The files of `drive`, in a folder of their own."""
+    return drive(tmp_path / "drive")

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import plotly.graph_objects as go
 import pytest
-from inputs import FACTS, drive, flags, nvcore, session_of
+from inputs import FACTS, flags, nvcore, session_of
 from places import SAMPLE
 
 import nvcore as nv
@@ -25,11 +25,6 @@ SIZE = {"size": (640, 480), "fps": 20.0}
 @pytest.fixture(scope="module")
 def sample() -> Comparison:
     return nv.compare(SAMPLE)
-
-
-@pytest.fixture
-def folder(tmp_path: Path) -> Path:
-    return drive(tmp_path / "drive")
 
 
 def paths(folder: Path) -> dict[str, Path]:
@@ -89,12 +84,6 @@ def test_a_name_chooses_a_system_with_its_own_threshold(folder: Path):
     swapped = nv.compare(dataset, name_x="nir")
     assert (swapped.x.name, swapped.y.name) == ("nir", "fir")
     assert (swapped.params.threshold_x, swapped.params.threshold_y) == (0.6, 0.8)
-
-
-def test_size_and_rate_go_before_those_of_single_recordings():
-    dataset = nv.load(SAMPLE, size=(1280, 960), fps=10)
-    assert set(dataset.recordings["width"]) == {1280}
-    assert set(dataset.recordings["fps"]) == {10}
 
 
 def test_an_audit_uses_the_sessions_thresholds(folder: Path):

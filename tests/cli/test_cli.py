@@ -7,15 +7,10 @@ import tomllib
 from pathlib import Path
 
 import pytest
-from inputs import FACTS, drive, flags, mot_layout, nvcore, write
+from inputs import FACTS, flags, mot_layout, nvcore, write
 from other_params import OTHER
 
 from nvcore.cli.options import flag_of
-
-
-@pytest.fixture
-def folder(tmp_path: Path) -> Path:
-    return drive(tmp_path / "drive")
 
 
 def session(folder: Path, *more: str) -> Path:

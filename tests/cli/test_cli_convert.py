@@ -78,7 +78,6 @@ def test_scores_are_left_out_where_the_role_is_truth(tmp_path: Path):
         ("no.csv", None, "no.csv: there is no such file or folder"),
         ("gt.txt", "1,1,1,1,9,9,1,1,1\n" * 30 + "1.5,1,1,1,9,9,1,1,1",
          "line 31: expected a whole number as frame, found 1.5"),
-        ("a.txt", "", "the file is empty; expected ground truth"),
         ("r.json", '[{"image_id": 1, "category_id": 1, "bbox": [1, 2, 3, 4], "score": 0.5}]',
          "r.json: this holds detections; give --role detections"),
     ],

@@ -9,19 +9,13 @@ from xml.etree import ElementTree
 
 import pytest
 from click.testing import CliRunner
-from inputs import drive, flags, nvcore, write
+from inputs import flags, nvcore, write
 from places import SAMPLE
 
 from nvcore.cli import main
 
 HOLDS = ("--rule", "encounters == 2")
 """A rule that holds for `drive`: two pedestrians, FIR (X) detects both, NIR (Y) the urban one."""
-
-
-@pytest.fixture
-def folder(tmp_path: Path) -> Path:
-    """The files of `drive`."""
-    return drive(tmp_path / "drive")
 
 
 def suite_of(file: Path) -> ElementTree.Element:

@@ -6,13 +6,13 @@ import math
 
 import numpy as np
 import pytest
-from builders import Box, Place, at, make_dataset
+from builders import Box, at, make_dataset
 from curve_scenes import curve_of, random_boxes, random_dataset
 from oracle import match as match_by_oracle
 
 from nvcore.detection.curves import CURVE_COLUMNS, curve_table, detection_curve, detection_outcomes
 from nvcore.detection.operating_point import operating_point
-from nvcore.errors import InputError, ParameterError
+from nvcore.errors import ParameterError
 from nvcore.params import Params
 
 
@@ -166,8 +166,3 @@ def test_infinite_scores_are_scores():
     curve = detection_curve(make_dataset([(0, 0, 0, 10, 10)], boxes), "x", Params())
     assert curve.threshold.tolist() == [math.inf, -math.inf]
     assert (curve.tp.tolist(), curve.fp.tolist()) == ([1, 1], [1, 2])
-
-
-def test_an_unknown_system_is_an_error():
-    with pytest.raises(InputError, match="there is no system 'z'"):
-        detection_curve(make_dataset(places=[Place(range(1))]), "z", Params())

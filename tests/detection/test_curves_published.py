@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from published import MEASURED, PUBLISHED, load_kaist
+from published import MEASURED, PUBLISHED
 
 from nvcore.dataset import Dataset
 from nvcore.detection.curves import DetectionCurve, detection_curve
@@ -21,11 +21,6 @@ from nvcore.protocols import PROTOCOLS
 pytestmark = pytest.mark.realdata
 
 SUBSETS = {"all": (), "day": ("day",), "night": ("night",)}
-
-
-@pytest.fixture(scope="module")
-def kaist(realdata: Path) -> Dataset:
-    return load_kaist(realdata)
 
 
 def curve_of(dataset: Dataset, system: str, subset: str) -> DetectionCurve:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from builders import Box, Place, make_dataset, result_of
 from curve_scenes import random_boxes
-from places import ROOT
+from places import SAMPLE
 
 from nvcore.comparison import compare
 from nvcore.detection.curves import detection_curve, detection_outcomes
@@ -21,8 +21,6 @@ from nvcore.evidence.units import find_units
 from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
 from nvcore.protocols import PROTOCOLS
-
-SAMPLE = ROOT / "sample_data" / "session.toml"
 
 
 def random_result(seed: int):

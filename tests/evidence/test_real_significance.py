@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
 
 import pytest
 from places import ROOT
-from published import load_kaist
 from scipy.stats import binomtest
 
 from nvcore.comparison import compare
@@ -19,11 +17,6 @@ from nvcore.params import Params
 from nvcore.protocols import PROTOCOLS
 
 pytestmark = pytest.mark.realdata
-
-
-@pytest.fixture(scope="module")
-def kaist(realdata: Path) -> Dataset:
-    return load_kaist(realdata)
 
 
 def test_a_shared_threshold_tells_kaist_s_systems_apart_but_for_two(kaist: Dataset):

@@ -9,7 +9,7 @@ from inputs import drive, write
 from places import ROOT
 from streamlit.testing.v1 import AppTest
 
-from pages import checked, scripted
+from pages import checked, press, scripted
 from ui.session.uploads import receive
 from ui.session.workspace import PICTURES
 
@@ -30,10 +30,6 @@ ON_SAMPLE = "Open now: Sample recordings ("
 
 def opened() -> AppTest:
     return checked(scripted(PAGE).run())
-
-
-def press(page: AppTest, key: str) -> AppTest:
-    return checked(page.button(key=key).click().run())
 
 
 def press_labelled(page: AppTest, label: str) -> AppTest:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pandas as pd
 from builders import Place, at, make_dataset
@@ -13,11 +11,9 @@ from nvcore.dataset import Dataset
 from nvcore.evidence.measures import significance_table
 
 
-def drives(
-    n: int, *, better: float = 0.3, seed: int = 0, names: list[str] | None = None
-) -> Dataset:
+def drives(n: int) -> Dataset:
     """n recordings of 5 pedestrians, 4 frames each; X detects more of them than Y."""
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(0)
     truth, x, y = [], [], []
     for number in range(n):
         for track in range(5):
@@ -25,16 +21,13 @@ def drives(
             hard = rng.random()
             for frame in range(4 * track, 4 * track + 4):
                 truth.append(at(frame, centre, track=track, recording=number))
-                if hard < 0.6 + better:
+                if hard < 0.9:
                     x.append(at(frame, centre + 0.3 * rng.random(), recording=number))
                 if hard + 0.1 * rng.normal() < 0.6:
                     y.append(at(frame, centre + 0.3 * rng.random(), recording=number))
                 if rng.random() < 0.05:
                     y.append(at(frame, 20, recording=number))
-    dataset = make_dataset(truth, x, y, places=[Place(range(20)) for _ in range(n)])
-    if names is None:
-        return dataset
-    return replace(dataset, recordings=dataset.recordings.assign(name=names))
+    return make_dataset(truth, x, y, places=[Place(range(20)) for _ in range(n)])
 
 
 def by_figure(result: Result) -> pd.DataFrame:

@@ -43,9 +43,5 @@ def downloads(page: AppTest) -> list[str]:
     return [button.proto.label for button in page.get("download_button")]
 
 
-def press(page: AppTest, key: str) -> AppTest:
-    return checked(page.button(key=key).click().run())
-
-
 def job_of(page: AppTest, kind: str):
     return page.session_state["workspace"].job(kind)

@@ -8,7 +8,7 @@ from click.testing import CliRunner, Result
 
 from nvcore.cli import main
 from nvcore.dataset import Dataset
-from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource
+from nvcore.inputs.session import Session, Source, SystemSource
 
 FACTS = ("--size", "640x480", "--fps", "20")
 TRUTH = "frame,x,y,w,h,track"
@@ -66,10 +66,10 @@ def mot_layout(folder: Path, names: tuple[str, ...] = ("A", "B")) -> Path:
     return folder
 
 
-def one_box(folder: Path, *rows: str, name: str = "fir.csv") -> Path:
+def one_box(folder: Path, *rows: str) -> Path:
     """A truth of one pedestrian in frames 0 to 9, and these detections."""
     write(folder / "truth.csv", TRUTH, *(f"{frame},100,200,40,100,1" for frame in range(10)))
-    write(folder / name, DETECTIONS, *rows)
+    write(folder / "fir.csv", DETECTIONS, *rows)
     return folder
 
 
@@ -81,11 +81,6 @@ def session_of(
     chosen = {"size": (640, 480), "fps": 20.0, **facts}
     default = (SystemSource(("fir.csv",)), SystemSource(("nir.csv",)))
     return Session(folder, Source((truth,)), tuple(sources) or default, **chosen)
-
-
-def facts_of(name: str, **facts: object) -> RecordingEntry:
-    """What a session says of one recording."""
-    return RecordingEntry(name, **facts)
 
 
 def boxes_of(dataset: Dataset, number: int) -> list[list[float]]:

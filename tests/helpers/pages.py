@@ -6,11 +6,11 @@ from pathlib import Path
 from typing import Final
 
 import pytest
-from inputs import drive
+from inputs import drive, session_of
 from places import ROOT
 from streamlit.testing.v1 import AppTest
 
-from nvcore.inputs.session import Session, Source, SystemSource
+from nvcore.inputs.session import Session
 from ui.session import sample, state
 from ui.shell.pages import START
 
@@ -58,6 +58,10 @@ def checked(page: AppTest) -> AppTest:
     return page
 
 
+def press(page: AppTest, key: str) -> AppTest:
+    return checked(page.button(key=key).click().run())
+
+
 def texts(page: AppTest) -> str:
     """All that is said in words, markup taken away."""
     kinds = (
@@ -68,14 +72,8 @@ def texts(page: AppTest) -> str:
 
 
 def session(folder: Path, *systems: str) -> Session:
-    drive(folder)
-    return Session(
-        folder,
-        Source(("truth.csv",)),
-        tuple(SystemSource((path,)) for path in systems),
-        size=(640, 480),
-        fps=20.0,
-    )
+    """The truth of `drive`, and these files of it as systems."""
+    return session_of(drive(folder), "truth.csv", *systems)
 
 
 HEAD = "recording,frame,x,y,w,h,track,score\n"
@@ -84,16 +82,14 @@ HEAD = "recording,frame,x,y,w,h,track,score\n"
 FRAMES = range(30)
 
 
-def rows(x: int, *, track: int = 1, score: str = "0.9", recording: str = "night") -> str:
-    return "".join(
-        f"{recording},{frame},{x + frame},200,40,120,{track},{score}\n" for frame in FRAMES
-    )
+def rows(x: int, *, track: int = 1) -> str:
+    return "".join(f"night,{frame},{x + frame},200,40,120,{track},0.9\n" for frame in FRAMES)
 
 
-def write(folder: Path, systems: dict[str, str], *, frames: str = "0:29", truth: str = "") -> Path:
+def write(folder: Path, systems: dict[str, str], *, truth: str) -> Path:
     """A session with one recording without pictures."""
     (folder / "truth.csv").write_text(HEAD.replace(",score", "") + truth.replace(",0.9", ""))
-    text = f'[defaults]\nsize = "640x480"\nfps = 10\nframes = "{frames}"\n'
+    text = '[defaults]\nsize = "640x480"\nfps = 10\nframes = "0:29"\n'
     text += '[truth]\npath = "truth.csv"\n'
     for name, content in systems.items():
         (folder / f"{name}.csv").write_text(HEAD.replace("track,", "") + content)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 from pathlib import Path
 
 from nvcore.dataset import Dataset
@@ -26,7 +25,6 @@ SETS = {"day": (("set06", 5), ("set07", 3), ("set08", 3)),
 """Sets and their number of recordings."""
 
 
-@functools.cache
 def load_kaist(realdata: Path) -> Dataset:
     """The test set with the five systems, its recordings tagged day or night."""
     facts = tuple(

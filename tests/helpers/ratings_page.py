@@ -17,10 +17,6 @@ def opened(**address: str) -> AppTest:
     return checked(pages.opened("ratings", **address))
 
 
-def press(page: AppTest, key: str) -> AppTest:
-    return checked(page.button(key=key).click().run())
-
-
 def words(page: AppTest) -> str:
     return texts(page).replace("**", "")
 

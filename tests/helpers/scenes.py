@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from builders import NAN, Box, Place, make_dataset
+from builders import NAN, Box, Place, at, make_dataset, result_of
 
+from nvcore.comparison import Result
 from nvcore.dataset import Dataset
 
 
@@ -98,3 +99,11 @@ def _moved(rng: np.random.Generator, walker: Box, frame: int, recording: int, is
 
 def _draw_score(rng: np.random.Generator) -> float:
     return NAN if rng.random() < 0.1 else float(rng.integers(0, 10)) / 10
+
+
+def three_frames() -> Result:
+    """Frame 0: tracks 1 (both find it) and 2 (only X). 1: nothing. 2: an ignore region."""
+    truth = [at(0, 30, track=1), at(0, 60, track=2), at(2, 50, w=40, ignore=True)]
+    x = [at(0, 30, score=0.9), at(0, 60, score=0.8), at(2, 50, score=0.7), at(2, 90, score=0.6)]
+    y = [at(0, 30, score=0.9), at(0, 60, score=0.1)]
+    return result_of(make_dataset(truth, x, y), threshold_y=0.5)

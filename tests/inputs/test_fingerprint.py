@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 from builders import make_dataset
-from inputs import drive, facts_of, session_of, write
+from inputs import drive, session_of, write
 
 from nvcore.dataset import dataset_from_tables
 from nvcore.inputs.load import load
-from nvcore.inputs.session import Session, Source, SystemSource
+from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource
 from nvcore.params import Params
 
 
@@ -41,8 +41,8 @@ def test_the_fingerprint_changes_with_one_byte_of_the_input(tmp_path: Path):
         {"truth": Source(("truth.csv",), classes=("person",))},
         {"systems": (SystemSource(("fir.csv",), offset_frames=1), SystemSource(("nir.csv",)))},
         {"systems": (SystemSource(("fir.csv",), scale=(1, 2)), SystemSource(("nir.csv",)))},
-        {"recordings": (facts_of("urban", horizon=200.0),)},
-        {"recordings": (facts_of("urban", tags=("night",)),)},
+        {"recordings": (RecordingEntry("urban", horizon=200.0),)},
+        {"recordings": (RecordingEntry("urban", tags=("night",)),)},
     ],
 )
 def test_the_fingerprint_changes_with_every_setting_of_the_reading(tmp_path: Path, change: dict):
@@ -56,7 +56,7 @@ def test_the_fingerprint_does_not_change_with_live_parameters_and_without_tags(t
         session,
         params=Params(alpha=0.5),
         systems=(SystemSource(("fir.csv",), threshold=0.7), session.systems[1]),
-        recordings=(facts_of("urban", tags=()),),
+        recordings=(RecordingEntry("urban", tags=()),),
     )
     assert fingerprint(changed) == fingerprint(session)
 

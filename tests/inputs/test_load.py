@@ -12,7 +12,6 @@ from inputs import (
     TRUTH,
     boxes_of,
     drive,
-    facts_of,
     mot_layout,
     one_box,
     session_of,
@@ -24,7 +23,8 @@ from reader_files import rows
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError, MissingFactError
 from nvcore.inputs.load import load
-from nvcore.inputs.session import Session, Source, SystemSource
+from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource
+from nvcore.params import Params
 
 
 def mot_session(folder: Path, truth: str, system: str) -> Session:
@@ -112,7 +112,9 @@ def test_a_given_size_and_frame_rate_go_before_those_of_the_data(
 
 
 def test_what_a_session_says_of_a_recording_goes_before_its_defaults(tmp_path: Path):
-    facts = facts_of("B", fps=30.0, width=320, height=240, horizon=100.0, tags=("night", "rain"))
+    facts = RecordingEntry(
+        "B", fps=30.0, width=320, height=240, horizon=100.0, tags=("night", "rain")
+    )
     session = replace(mot_session(mot_layout(tmp_path), ".", "."), fps=25.0, recordings=(facts,))
     assert rows(load(session).recordings, "fps width height horizon tags") == [
         [25, 640, 480, None, ()],
@@ -122,7 +124,7 @@ def test_what_a_session_says_of_a_recording_goes_before_its_defaults(tmp_path: P
 
 def test_the_only_recording_of_session_and_truth_is_the_same_and_no_box_is_lost(tmp_path: Path):
     folder = one_box(tmp_path, "0,1,1,5,10,0.5")
-    facts = (facts_of("PETS09", fps=12.5, frames="0:9"),)
+    facts = (RecordingEntry("PETS09", fps=12.5, frames="0:9"),)
     dataset = load(session_of(folder, "truth.csv", "fir.csv", fps=None, recordings=facts))
     assert names(dataset) == ["PETS09"]
     assert dataset.recordings["fps"].tolist() == [12.5]
@@ -133,7 +135,9 @@ def test_a_recording_does_not_get_the_name_of_another_that_a_system_holds(tmp_pa
     write(tmp_path / "truth.csv", "recording," + TRUTH, "day,0,1,1,5,10,1")
     lines = [f"{name},0,1,1,5,10,0.5" for name in ("day", "dusk")]
     write(tmp_path / "fir.csv", "recording," + DETECTIONS, *lines)
-    dataset = load(session_of(tmp_path, "truth.csv", "fir.csv", recordings=(facts_of("dusk"),)))
+    dataset = load(
+        session_of(tmp_path, "truth.csv", "fir.csv", recordings=(RecordingEntry("dusk"),))
+    )
     assert len(dataset.system("fir")) == 1
 
 
@@ -163,7 +167,7 @@ def yolo(folder: Path) -> Path:
 
 
 def test_the_size_of_a_session_s_recordings_serves_formats_with_relative_boxes(tmp_path: Path):
-    facts = facts_of("drive1", width=640, height=480, fps=20.0)
+    facts = RecordingEntry("drive1", width=640, height=480, fps=20.0)
     session = session_of(yolo(tmp_path), "gt", "out", size=None, fps=None, recordings=(facts,))
     assert boxes_of(load(session), 0)[0] == [240, 120, 160, 240]
 
@@ -206,7 +210,7 @@ def test_a_recording_s_own_frames_go_before_those_given_for_all(tmp_path: Path):
     session = replace(
         mot_session(mot_layout(tmp_path), ".", "."),
         frames="1:2",
-        recordings=(facts_of("B", frames="b.txt"),),
+        recordings=(RecordingEntry("B", frames="b.txt"),),
     )
     dataset = load(session)
     assert dataset.frames["frame"].tolist() == [1, 2, 5]
@@ -217,11 +221,11 @@ def test_a_recording_s_own_frames_go_before_those_given_for_all(tmp_path: Path):
 
 
 def test_a_recording_without_truth_counts_where_its_frames_are_given(tmp_path: Path):
-    session = session_of(drive(tmp_path), recordings=(facts_of("empty", frames="0:4"),))
+    session = session_of(drive(tmp_path), recordings=(RecordingEntry("empty", frames="0:4"),))
     dataset = load(session)
     assert names(dataset) == ["urban", "rural", "empty"]
     assert len(dataset.frames) == 45
-    dataset = load(replace(session, recordings=(facts_of("empty"),)))
+    dataset = load(replace(session, recordings=(RecordingEntry("empty"),)))
     assert names(dataset) == ["urban", "rural"]
     assert any("empty: no frame is known; recording left out" in note for note in dataset.notes)
 
@@ -272,3 +276,83 @@ def test_a_given_size_and_rate_that_contradict_the_data_are_reported(tmp_path: P
     assert any("frame rate given (99) is not that of the data" in one.message for one in findings)
     findings = load(replace(session, size=(640, 480), fps=10.0)).findings
     assert "contradicted-fact" not in {one.code for one in findings}
+
+
+def test_frame_numbers_are_moved_by_the_offset(tmp_path: Path):
+    system = SystemSource(("fir.csv",), offset_frames=-2)
+    dataset = load(session_of(one_box(tmp_path, "5,1,1,5,10,0.5"), "truth.csv", system))
+    assert dataset.frames["frame"][int(dataset.system("fir").frame_index[0])] == 3
+    assert "frame numbers moved by -2" in dataset.inputs["conversion"].iloc[-1]
+
+
+def test_boxes_of_one_system_are_scaled_first_and_then_moved(tmp_path: Path):
+    one_box(tmp_path, "0,1,4,5,10,0.5")
+    system = SystemSource(("fir.csv",), name="moved", scale=(2.0, 0.5), offset_px=(10.0, -1.0))
+    dataset = load(session_of(tmp_path, "truth.csv", system, "fir.csv"))
+    assert boxes_of(dataset, 1) == [[12, 1, 10, 5]]
+    assert boxes_of(dataset, 2) == [[1, 4, 5, 10]]
+    conversion = dataset.inputs["conversion"][1]
+    assert "coordinates scaled by 2, 0.5; boxes moved by 10, -1 px" in conversion
+
+
+# nothing is lost
+
+
+@pytest.mark.parametrize(
+    ("row", "reason"),
+    [
+        ("city,0,1,1,5,10,0.5", "unknown recording"),
+        ("urban,99,1,1,5,10,0.5", "frame not listed"),
+        ("urban,-1,1,1,5,10,0.5", "frame not listed"),
+        ("urban,9007199254740991,1,1,5,10,0.5", "frame not listed"),
+        ("urban,0,nan,1,5,10,0.5", "not a number"),
+        ("urban,0,1,1,0,10,0.5", "no area"),
+        ("urban,0,1,1,5,-10,0.5", "no area"),
+    ],
+)
+def test_a_row_without_a_place_is_left_out_with_its_reason(tmp_path: Path, row: str, reason: str):
+    drive(tmp_path)
+    write(tmp_path / "fir.csv", "recording," + DETECTIONS, "rural,3,1,1,5,10,0.5", row)
+    dataset = load(session_of(tmp_path, "truth.csv", "fir.csv"))
+    assert len(dataset.system("fir")) == 1
+    lost = dataset.left_out
+    assert lost[["subject", "line", "reason"]].to_numpy().tolist() == [["fir", 3, reason]]
+    assert dataset.inputs["file"][int(lost["file"][0])].endswith("fir.csv")
+
+
+def test_a_frame_between_listed_ones_is_not_listed(tmp_path: Path):
+    one_box(tmp_path, "0,1,1,5,10,0.5", "1,1,1,5,10,0.5", "2,1,1,5,10,0.5")
+    dataset = load(session_of(tmp_path, "truth.csv", "fir.csv", frames="0:8:2"))
+    assert dataset.left_out.query("subject == 'fir'")["frame"].tolist() == [1]
+    assert len(dataset.truth) == 5
+
+
+# X and Y
+
+
+SYSTEMS = (SystemSource(("fir.csv",), threshold=0.1), SystemSource(("nir.csv",), threshold=0.2))
+
+
+@pytest.mark.parametrize(
+    ("chosen", "expected", "thresholds"),
+    [
+        ({}, ("fir", "nir"), (0.1, 0.2)),
+        ({"x": "nir"}, ("nir", "fir"), (0.2, 0.1)),
+        ({"y": "fir"}, ("nir", "fir"), (0.2, 0.1)),
+        ({"x": "nir", "y": "nir"}, ("nir", "nir"), (0.2, 0.2)),
+        ({"params": Params(threshold_y=0.7)}, ("fir", "nir"), (0.1, 0.7)),
+    ],
+)
+def test_each_compared_system_keeps_its_own_threshold(
+    tmp_path: Path, chosen: dict, expected: tuple[str, str], thresholds: tuple[float, float]
+):
+    session = replace(session_of(drive(tmp_path)), systems=SYSTEMS, **chosen)
+    dataset = load(session)
+    params = dataset.params_of()
+    assert dataset.compared() == expected
+    assert (params.threshold_x, params.threshold_y) == thresholds
+
+
+def test_a_single_system_is_compared_with_none(tmp_path: Path):
+    session = session_of(drive(tmp_path), "truth.csv", "fir.csv")
+    assert load(session).compared() == ("fir", None)

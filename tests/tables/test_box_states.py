@@ -7,9 +7,9 @@ import pytest
 from builders import Place, at, make_dataset, result_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scenes import draw_scene
+from scenes import draw_scene, three_frames
 
-from nvcore.comparison import Result, compare
+from nvcore.comparison import compare
 from nvcore.params import Params
 from nvcore.schema import DetectionState, TruthState
 from nvcore.tables.box_states import FrameBoxes, gather_boxes
@@ -17,15 +17,7 @@ from nvcore.tables.box_states import FrameBoxes, gather_boxes
 
 @pytest.fixture(scope="module")
 def boxes() -> FrameBoxes:
-    """Three frames. 0: tracks 1 (both find it) and 2 (only X). 1: nothing. 2: an ignore region."""
     return gather_boxes(three_frames(), 0, 3)
-
-
-def three_frames() -> Result:
-    truth = [at(0, 30, track=1), at(0, 60, track=2), at(2, 50, w=40, ignore=True)]
-    x = [at(0, 30, score=0.9), at(0, 60, score=0.8), at(2, 50, score=0.7), at(2, 90, score=0.6)]
-    y = [at(0, 30, score=0.9), at(0, 60, score=0.1)]
-    return result_of(make_dataset(truth, x, y), threshold_y=0.5)
 
 
 def test_a_truth_box_is_matched_missed_or_not_judged(boxes: FrameBoxes):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
@@ -10,6 +11,7 @@ from places import SAMPLE
 from streamlit.components.v2 import manifest_scanner
 
 from nvcore.pictures import Pictures, open_pictures, recordings
+from ui.session.workspace import Workspace
 
 open_once = cache(open_pictures)
 scan_once = cache(manifest_scanner.scan_component_manifests)
@@ -30,3 +32,11 @@ def open_sample_once(path: Path) -> Pictures:
     A closed video opens again when it is read.
     """
     return open_once(path) if path.parent == SAMPLE.parent else open_pictures(path)
+
+
+@pytest.fixture
+def space(surroundings: None) -> Iterator[Workspace]:
+    """The workspace of a session, which ends with the test."""
+    space = Workspace()
+    yield space
+    space.close()

@@ -22,8 +22,6 @@ def situation(name: str, folder: Path) -> Path:
     truth = rows(300)
     if name == "one system":
         return write(folder, {"only": detections(300)}, truth=truth)
-    if name == "no pictures":
-        return write(folder, {"one": detections(300), "two": detections(310)}, truth=truth)
     if name == "nobody detected":
         return write(folder, {"one": "", "two": detections(300)}, truth=truth)
     if name == "frames pass for encounters":
@@ -37,9 +35,9 @@ def situation(name: str, folder: Path) -> Path:
 
 
 SITUATIONS = [
-    *("sample", "one system", "no pictures", "nobody detected", "audit errors"),
-    "frames pass for encounters",
+    *("sample", "one system", "nobody detected", "audit errors", "frames pass for encounters"),
 ]
+"""All but the sample have no pictures."""
 
 
 @pytest.fixture(scope="module", params=SITUATIONS)
@@ -64,6 +62,8 @@ def test_a_page_shows_what_there_is(page: str, app: tuple[str, AppTest]):
     assert "fault of the program" not in shown
     if name == "one system" and page in ("overview", "timeline"):
         assert "A comparison needs two" in shown
+    if name == "one system" and page in ("encounters", "saliency"):
+        assert "Only one system is open" in shown
     if name in ("nobody detected", "audit errors") and page == "overview":
         assert "depends on what the audit found" in shown
     if name == "frames pass for encounters" and page in ("encounters", "saliency"):

@@ -35,11 +35,6 @@ def test_the_audit_decides_on_the_exit_code(tmp_path: Path):
     assert nvcore(*session).exit_code == 0
     assert nvcore(*session, "--strict").exit_code == 1
     assert "has changed since the session file" in (tmp_path / "r.html").read_text("utf-8")
-    with (tmp_path / "truth.csv").open("a") as stream:
-        stream.write("urban,3,300,200,40,100,1\n")  # the track a second time in this frame
-    (tmp_path / "r.html").unlink()
-    assert nvcore("report", *flags(tmp_path), *out).exit_code == 1
-    assert "a track id that another pedestrian" in (tmp_path / "r.html").read_text("utf-8")
 
 
 @pytest.mark.parametrize(

@@ -10,10 +10,11 @@ import cv2
 import numpy as np
 import pytest
 from builders import Box, Place, at, make_dataset, result_of
-from inputs import drive, facts_of, session_of
+from inputs import drive, session_of
 
 from nvcore.comparison import Result
 from nvcore.inputs.load import load
+from nvcore.inputs.session import RecordingEntry
 from nvcore.pictures import RecordingPictures, session_pictures
 from nvcore.pictures.images import files_as_pictures
 from nvcore.report.html.evidence_sections import frames_section
@@ -201,7 +202,10 @@ def test_a_noisy_picture_takes_no_more_room_than_it_may(tmp_path: Path):
 def test_the_wanted_pictures_of_a_session_are_opened_and_what_cannot_be_is_told(tmp_path: Path):
     drive(tmp_path)
     cv2.imwrite(str(tmp_path / "0.png"), np.zeros((480, 640), np.uint8))
-    facts = (facts_of("urban", pictures="0.png"), facts_of("rural", pictures="absent.mp4"))
+    facts = (
+        RecordingEntry("urban", pictures="0.png"),
+        RecordingEntry("rural", pictures="absent.mp4"),
+    )
     session = session_of(tmp_path, recordings=facts)
     dataset = load(session)
     urban = dataset.recordings["name"].tolist().index("urban")

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
-from places import ROOT
+from places import SAMPLE
 from rating_tables import table
 from scipy import stats
 
@@ -17,8 +17,6 @@ from nvcore.studies.ratings.agreement import rank_ratings
 from nvcore.studies.ratings.fit import fit_saliency
 from nvcore.studies.ratings.validation import clip_saliency, correlate, join_clips, split_known
 from nvcore.tables.result import recordings_table
-
-SAMPLE = ROOT / "sample_data" / "session.toml"
 
 
 @pytest.fixture(scope="module")

@@ -34,14 +34,6 @@ def test_thresholds_change_what_is_kept_and_go_with_their_systems():
     assert chosen == ("FIR", "NIR")
 
 
-def test_the_same_operating_point_sets_the_threshold_of_y():
-    page = opened()
-    checked(page.number_input(key="data_threshold_x").set_value(0.9).run())
-    press(page, "same_point")
-    assert "false alarms per frame, X has" in texts(page)
-    assert page.number_input(key="data_threshold_y").value > 0.5
-
-
 def test_the_same_operating_point_may_lie_above_the_highest_score(tmp_path: Path):
     truth, fir, nir = drive_files(tmp_path)
     nir += b"rural,5,500,200,40,100,0.95\n"  # the best score is a false alarm

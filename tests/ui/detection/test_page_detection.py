@@ -64,8 +64,8 @@ def choose(page: AppTest, protocol: str) -> AppTest:
 
 def put(page: AppTest, **numbers: float | None) -> AppTest:
     for key, value in numbers.items():
-        page.number_input(key=key).set_value(value).run()
-    return page
+        page.number_input(key=key).set_value(value)
+    return page.run()
 
 
 def test_the_table_holds_the_librarys_figures_and_a_threshold_moves_those_at_it_only():
@@ -138,12 +138,7 @@ def sample_with(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[st
 
 
 @pytest.mark.parametrize(
-    "filters",
-    [
-        "border_px = [0, 0, 0, 0]",
-        "height_px = [50, 20000]\nexpand = 25",
-        "aspect = [0.5, 30]",
-    ],
+    "filters", ["border_px = [0, 0, 0, 0]", "height_px = [50, 20000]\nexpand = 25"]
 )
 def test_own_filters_start_as_those_of_the_session(filters, sample_with):
     page = checked(sample_with(f"[protocol]\n{filters}\n"))

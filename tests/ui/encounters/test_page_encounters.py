@@ -130,11 +130,6 @@ def test_a_pair_of_miss_classes_is_listed_by_a_click(monkeypatch: pytest.MonkeyP
     assert chosen == [("none", "lost_early"), (None, "late"), ("never", None)]
 
 
-def test_one_system_alone_is_sent_to_the_data_page(tmp_path, monkeypatch):
-    begin_with(session(tmp_path, "fir.csv"), monkeypatch)
-    assert "Only one system is open" in texts(opened())
-
-
 def test_without_pedestrians_there_is_nobody_to_miss(tmp_path, monkeypatch):
     begin_with(session(tmp_path, "fir.csv", "nir.csv"), monkeypatch)
     ignored = "recording,frame,x,y,w,h,track,ignore\nurban,0,100,200,40,100,1,1\n"

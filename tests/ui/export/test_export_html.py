@@ -8,12 +8,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from export_page import downloads, job_of, opened_drive, press
+from export_page import downloads, job_of, opened_drive
 from streamlit.testing.v1 import AppTest
 
 from nvcore.errors import InputError
 from nvcore.protocols import PROTOCOLS
-from pages import checked
+from pages import checked, press
 from ui.export.html import JOB, NAME
 from ui.jobs.background import JobState
 

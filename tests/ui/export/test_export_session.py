@@ -10,8 +10,9 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
-from inputs import drive, mot_layout, nvcore, write
+from inputs import drive, mot_layout, nvcore, session_of, write
 from places import DATA
+from sent_files import Sent
 
 from nvcore.auditing import audit
 from nvcore.comparison import Result, compare
@@ -27,22 +28,6 @@ from ui.session.uploads import new_upload, store_annotations
 from ui.session.workspace import Workspace
 
 TABLES = ("frames", "encounters", "events", "intervals", "recordings")
-
-
-class Sent:
-    def __init__(self, name: str, content: bytes):
-        self.name, self.content = name, content
-
-    def getbuffer(self) -> memoryview:
-        return memoryview(self.content)
-
-
-@pytest.fixture
-def space(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setenv("NVCORE_UPLOAD_DIR", str(tmp_path / "uploads"))
-    found = Workspace()
-    yield found
-    found.close()
 
 
 def uploaded(space: Workspace, **files: Path) -> Session:
@@ -202,10 +187,9 @@ def test_a_truth_called_gt_txt_keeps_the_name_of_its_recording(space, tmp_path: 
 
 
 def drive_session(folder: Path, *thresholds: float | None, **more: str) -> Session:
-    drive(folder)
     files = ("fir.csv", "nir.csv")
-    systems = tuple(map(lambda file, at: SystemSource((file,), threshold=at), files, thresholds))
-    return Session(folder, Source(("truth.csv",)), systems, size=(640, 480), fps=20, **more)
+    systems = map(lambda file, at: SystemSource((file,), threshold=at), files, thresholds)
+    return session_of(drive(folder), "truth.csv", *systems, **more)
 
 
 def test_a_live_threshold_of_none_counts_every_detection(tmp_path: Path):

@@ -10,7 +10,7 @@ from pathlib import Path
 import av
 import numpy as np
 import pytest
-from export_page import downloads, job_of, opened, opened_drive, opened_folder, press
+from export_page import downloads, job_of, opened, opened_drive, opened_folder
 from inputs import drive
 from places import ROOT
 from streamlit.testing.v1 import AppTest
@@ -20,7 +20,7 @@ from nvcore.errors import MediaError
 from nvcore.overlay.annotate import annotate
 from nvcore.overlay.brush import Canvas
 from nvcore.progress import Progress
-from pages import TIMEOUT_S, checked, texts
+from pages import TIMEOUT_S, checked, press, texts
 from ui.export.frame import file_stem, nearest_row
 from ui.export.link import link
 from ui.export.video import JOB, LONGEST_S, Interval, chosen_interval, start_job, why_not

@@ -1,4 +1,4 @@
-"""The tests of the Ratings page fit and correlate the same ratings once."""
+"""The tests of the Ratings page fit and correlate the same ratings once, and quickly."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from nvcore.comparison import Result
-from nvcore.studies.ratings.fit import fit_saliency
+from nvcore.studies.ratings import fit as fitting
 from nvcore.studies.ratings.validation import correlate
 from ui.ratings import fit, results
 
@@ -17,9 +17,9 @@ _made: dict[Any, Any] = {}
 
 
 def fit_once(result: Result, clips: pd.DataFrame, **options: Any) -> Any:
-    key = result.dataset.fingerprint, result.params, clips.to_csv()
+    key = fitting.HEIGHT_SHARES, result.dataset.fingerprint, result.params, clips.to_csv()
     if key not in _made:
-        _made[key] = fit_saliency(result, clips, **options)
+        _made[key] = fitting.fit_saliency(result, clips, **options)
     return _made[key]
 
 
@@ -34,3 +34,10 @@ def correlate_once(saliency_s: np.ndarray, mean_rank: np.ndarray) -> Any:
 def made_once(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(fit, "fit_saliency", fit_once)
     monkeypatch.setattr(results, "correlate", correlate_once)
+
+
+@pytest.fixture
+def few_settings(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A fit tries the settings only that fit the sample's ratings best, and some beside them."""
+    monkeypatch.setattr(fitting, "HEIGHT_SHARES", (0.075,))
+    monkeypatch.setattr(fitting, "TOLERANCES", (0.05, 0.1))

@@ -7,12 +7,12 @@ from io import BytesIO
 
 import pandas as pd
 import pytest
-from ratings_page import SIMULATED, from_file, metrics, opened, press, table, words
+from ratings_page import SIMULATED, from_file, metrics, opened, table, words
 
 from nvcore.csv_text import to_csv_bytes
 from nvcore.studies.ratings.agreement import rank_ratings
 from nvcore.studies.ratings.reading import read_ratings
-from pages import TIMEOUT_S, checked
+from pages import TIMEOUT_S, checked, press
 from ui.jobs.background import JobState
 from ui.ratings import fit, results
 

@@ -12,7 +12,6 @@ from ratings_page import (
     metrics,
     only,
     opened,
-    press,
     show_part,
     show_source,
     table,
@@ -23,7 +22,7 @@ from streamlit.testing.v1 import AppTest
 
 from nvcore.inputs.session_toml import read_session
 from nvcore.studies.ratings.store import RatingStore, Study
-from pages import begin_with, checked, rows, write
+from pages import begin_with, checked, press, rows, write
 from ui.ratings import links, participant, source
 from ui.session import state
 from ui.widgets import viewer
@@ -33,6 +32,8 @@ STRANGE = "there is no rating session of the name in the address"
 
 @pytest.fixture(autouse=True)
 def store(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> RatingStore:
+    """The file of the ratings; whoever rates has seen each clip to its end."""
+    monkeypatch.setattr(participant, "viewer", lambda **of: of["n_rows"] - 1)
     monkeypatch.setenv("NVCORE_RATINGS", str(tmp_path / "kept" / "ratings.sqlite"))
     return RatingStore(tmp_path / "kept" / "ratings.sqlite")
 
@@ -128,9 +129,8 @@ def test_neither_participants_nor_strangers_see_the_ratings(store: RatingStore):
 
 
 def test_a_participant_with_another_comparison_open_goes_on_once_the_right_one_is(
-    store: RatingStore, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    store: RatingStore, tmp_path: Path
 ):
-    monkeypatch.setattr(participant, "viewer", lambda **_: 0)
     study = begun(opened(), store, "odd_pose")
 
     def be_of(fingerprint: str) -> None:
@@ -166,11 +166,8 @@ def test_a_participant_with_one_system_open_is_told(
     assert "A comparison needs two" in told
 
 
-def rating_here(
-    page: AppTest, store: RatingStore, name: str, monkeypatch: pytest.MonkeyPatch
-) -> Study:
-    """Begin a session of two clips, and let somebody rate on this screen, who sees every end."""
-    monkeypatch.setattr(participant, "viewer", lambda **of: of["n_rows"] - 1)
+def rating_here(page: AppTest, store: RatingStore, name: str) -> Study:
+    """Begin a session of two clips, and let somebody rate on this screen."""
     study = begun(page, store, "odd_pose")
     press(page, "rating_here")
     join(page, name)
@@ -182,12 +179,10 @@ def join(page: AppTest, name: str) -> None:
     checked(next(button for button in page.button if button.label == "Begin").click().run())
 
 
-def test_the_conductors_screen_can_be_handed_to_others_and_taken_back(
-    store: RatingStore, monkeypatch: pytest.MonkeyPatch
-):
+def test_the_conductors_screen_can_be_handed_to_others_and_taken_back(store: RatingStore):
     page = opened()
     checked(page.slider(key="alpha").set_value(0.4).run())
-    study = rating_here(page, store, "Anna", monkeypatch)
+    study = rating_here(page, store, "Anna")
     press(page, "rating_0_5")
     press(page, "rating_1_5")
     press(page, "rating_next")
@@ -213,7 +208,7 @@ def test_the_last_rating_can_be_changed_which_is_recorded_with_how_often_it_was_
     asked = []
     monkeypatch.setattr(participant, "n_plays_in", lambda key: asked.append(key) or 3)
     page = opened()
-    study = rating_here(page, store, "Ann", monkeypatch)
+    study = rating_here(page, store, "Ann")
     assert "rating_change" not in keys(page)  # nothing is rated yet
     press(page, "rating_0_5")
     assert asked == ["clip_0_of_Ann"]
@@ -250,10 +245,7 @@ def test_plays_are_those_that_the_browser_tells(
     assert viewer.n_plays_in("clip") == n_plays
 
 
-def test_clips_have_the_thresholds_of_their_session_and_the_conductor_keeps_his(
-    store: RatingStore, monkeypatch: pytest.MonkeyPatch
-):
-    monkeypatch.setattr(participant, "viewer", lambda **_: 0)
+def test_clips_have_the_thresholds_of_their_session_and_the_conductor_keeps_his(store: RatingStore):
     page = opened()
     checked(page.slider(key="threshold_y").set_value(0.83).run())
     study = begun(page, store, "odd_pose")

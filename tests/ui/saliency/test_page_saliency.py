@@ -65,11 +65,6 @@ def test_an_event_opens_by_a_click_and_the_most_salient_one_by_a_button(
     assert shown[1:] == [worst["first_row"][worst["saliency_s"].idxmax()]]
 
 
-def test_one_system_alone_is_sent_to_the_data_page(tmp_path, monkeypatch):
-    begin_with(session(tmp_path, "fir.csv"), monkeypatch)
-    assert "Only one system is open" in texts(opened())
-
-
 def test_without_a_miss_there_is_no_event(tmp_path, monkeypatch):
     alike = session(tmp_path, "fir.csv", "fir2.csv")
     (tmp_path / "fir2.csv").write_bytes((tmp_path / "fir.csv").read_bytes())

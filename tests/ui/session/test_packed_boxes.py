@@ -8,6 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from builders import NAN, at, make_dataset, result_of
+from scenes import three_frames
 
 from nvcore.comparison import Result, compare
 from nvcore.schema import DetectionState
@@ -40,11 +41,7 @@ def unpack_boxes(content: bytes) -> SimpleNamespace:
 
 @pytest.fixture(scope="module")
 def result() -> Result:
-    """Three frames. 0: tracks 1 (both find it) and 2 (only X). 1: nothing. 2: an ignore region."""
-    truth = [at(0, 30, track=1), at(0, 60, track=2), at(2, 50, w=40, ignore=True)]
-    x = [at(0, 30, score=0.9), at(0, 60, score=0.8), at(2, 50, score=0.7), at(2, 90, score=0.6)]
-    y = [at(0, 30, score=0.9), at(0, 60, score=0.1)]
-    return result_of(make_dataset(truth, x, y), threshold_y=0.5)
+    return three_frames()
 
 
 def test_boxes_stand_by_frame_truth_first_without_those_below_the_threshold(result: Result):
@@ -67,23 +64,12 @@ def test_states_are_bits_of_the_truth_and_states_of_detections(result: Result):
     ]
 
 
-def test_the_most_salient_miss_of_x_has_a_bit_of_its_own():
-    packed = unpack_boxes(pack_boxes(result_of(make_dataset([at(0, 50)], y=[at(0, 50)])), 0, 1))
-    assert packed.state[0] == BIT_RELEVANT | BIT_MATCHED_Y | BIT_SALIENT_X
-
-
 def test_boxes_scores_and_tracks_are_packed(result: Result):
     packed = unpack_boxes(pack_boxes(result, 0, 1))
     assert [getattr(packed, name)[0] for name in "xywh"] == [29, 40, 2, 50]
     assert packed.track.tolist() == [1, 2, -1, -1, -1]
     assert packed.score.tolist()[2:] == pytest.approx([0.9, 0.8, 0.9])
     assert np.isnan(packed.score[:2]).all()
-
-
-def test_a_part_of_the_frames_is_packed_alone(result: Result):
-    packed = unpack_boxes(pack_boxes(result, 1, 3))
-    assert packed.offsets.tolist() == [0, 0, 3]
-    assert packed.source.tolist() == [SOURCE_TRUTH, SOURCE_X, SOURCE_X]
 
 
 @pytest.mark.parametrize("rows", [(0, 0), (1, 2), (3, 3)])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import cv2
@@ -35,9 +34,8 @@ class Grey:
 
 
 @pytest.fixture
-def space(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Workspace:
-    monkeypatch.setenv("NVCORE_UPLOAD_DIR", str(tmp_path))
-    space = Workspace()
+def space(space: Workspace) -> Workspace:
+    """With a comparison of which the first frame has no picture, and the fourth a broken one."""
     dataset = make_dataset(truth=[at(3, 50)], x=[at(3, 50)], n_frames=N_ROWS)
     space.compared = Compared(result_of(dataset), "v1")
     space.pictures = {0: Grey()}

@@ -18,8 +18,7 @@ from ui.session.workspace import Workspace, workspace_of
 
 
 @pytest.fixture(autouse=True)
-def base(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.setenv("NVCORE_UPLOAD_DIR", str(tmp_path / "uploads"))
+def base(surroundings: None) -> Path:
     return base_folder()
 
 

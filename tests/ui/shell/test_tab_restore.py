@@ -12,7 +12,7 @@ import pytest
 from places import ROOT
 from streamlit.testing.v1 import AppTest
 
-from pages import TIMEOUT_S, checked, scripted
+from pages import TIMEOUT_S, checked, press, scripted
 from ui.export import html
 from ui.jobs.background import JobState
 from ui.ratings import fit
@@ -105,12 +105,6 @@ def gated(monkeypatch: pytest.MonkeyPatch) -> Callable[..., Gate]:
     return gate
 
 
-def press(app: AppTest, key: str) -> AppTest:
-    app.button(key=key).click().run()
-    assert not app.exception
-    return app
-
-
 def reloaded(before: AppTest, name: str) -> AppTest:
     """The page in a new session, which has claimed what was open."""
     after = page(name)
@@ -156,7 +150,8 @@ def test_after_a_reload_a_map_can_be_cancelled(gated):
     assert "stability_start" in keys(after)
 
 
-def test_a_fit_goes_on_after_a_reload_and_fitted_settings_are_still_marked(gated):
+def test_a_fit_goes_on_after_a_reload_and_fitted_settings_are_still_marked(gated, monkeypatch):
+    monkeypatch.setattr("nvcore.studies.ratings.fit.HEIGHT_SHARES", (0.075,))  # few are tried
     gate = gated(fit, "fit_saliency")
     before = press(page("ratings"), "rating_fit")
     assert gate.is_reached.wait(TIMEOUT_S)

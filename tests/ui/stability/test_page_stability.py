@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-import threading
-
 import pytest
 from inputs import write
 from streamlit.testing.v1 import AppTest
 
 import pages
-from pages import TIMEOUT_S, begin_with, session
+from pages import begin_with, session
 from ui.jobs.background import JobState
 from ui.stability import survey, verdict_map
-
-SURVEY_AT_ONCE = survey.AT_ONCE
 
 
 @pytest.fixture(autouse=True)
@@ -73,21 +69,6 @@ def test_single_frames_are_not_tested_as_if_they_were_persons(tmp_path, monkeypa
     assert "by 10 blocks of time" in words(page)
 
 
-def is_whole(page: AppTest) -> bool:
-    """Whether the table of all maps of the sample is there."""
-    table = page.dataframe[0].value.set_index("What is varied")
-    return table.loc["Both thresholds"].tolist() == [
-        "X better, in 51 %",
-        "X better, in 70 %",
-        "Y better, in 89 %",
-    ]
-
-
-def test_all_maps_stand_in_one_table(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(survey, "AT_ONCE", SURVEY_AT_ONCE)
-    assert is_whole(opened())
-
-
 def test_the_table_of_many_frames_is_made_on_a_wish():
     page = opened()
     assert not page.dataframe
@@ -95,7 +76,9 @@ def test_the_table_of_many_frames_is_made_on_a_wish():
     job = page.session_state["workspace"].job(survey.JOB)
     job.join()
     assert job.state is JobState.DONE
-    assert is_whole(checked(page.run()))
+    table = checked(page.run()).dataframe[0].value.set_index("What is varied")
+    expected = ["X better, in 51 %", "X better, in 70 %", "Y better, in 89 %"]
+    assert table.loc["Both thresholds"].tolist() == expected
 
 
 def test_what_the_audit_warns_of_stands_above_the_map(tmp_path, monkeypatch: pytest.MonkeyPatch):
@@ -121,25 +104,3 @@ def test_a_large_map_is_made_on_a_wish_and_then_known(monkeypatch: pytest.Monkey
     for criterion in ("encounters", "similarity"):
         checked(page.button_group(key="stability_criterion").set_value(criterion).run())
     assert "As analysed, X has the higher" in words(page)
-
-
-def test_a_map_can_be_cancelled(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(verdict_map, "AT_ONCE", 0)
-    is_started, may_go_on = threading.Event(), threading.Event()
-    real = verdict_map.map_stability
-
-    def waits(*of, **more):
-        is_started.set()
-        assert may_go_on.wait(TIMEOUT_S)
-        return real(*of, **more)
-
-    monkeypatch.setattr(verdict_map, "map_stability", waits)
-    page = opened()
-    checked(page.button(key="stability_start").click().run())
-    assert is_started.wait(TIMEOUT_S)
-    checked(page.button(key="stability_cancel").click().run())
-    may_go_on.set()
-    job = page.session_state["workspace"].job(verdict_map.JOB)
-    job.join()
-    assert job.state is JobState.CANCELLED
-    assert [text.value for text in checked(page.run()).info] == ["Cancelled. No map was made."]
