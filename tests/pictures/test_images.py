@@ -6,7 +6,6 @@ from io import BytesIO
 from pathlib import Path
 from typing import Any
 
-import cv2
 import numpy as np
 import pytest
 from picture_files import encoded, number_in, numbered, png_that_claims, write_picture, write_zip
@@ -228,18 +227,6 @@ def test_16_pictures_stay_in_memory(tmp_path: Path):
 def test_a_radiometric_tiff_keeps_its_values(realdata: Path):
     picture = open_pictures(realdata / "thermal/thermal16/example_radiometric.tiff").read(0)
     assert (picture.dtype, int(picture.min()), int(picture.max())) == (np.uint16, 6743, 7077)
-
-
-@pytest.mark.realdata
-def test_real_thermal_pictures_are_read_as_opencv_reads_them(realdata: Path):
-    folder = realdata / "thermal/kaist"
-    pictures = open_pictures(folder)
-    names = sorted((path.name for path in folder.glob("*.png")), key=natural_order)
-    assert pictures.n == len(names) == 14
-    for index in (0, 13):
-        expected = cv2.cvtColor(cv2.imread(str(folder / names[index])), cv2.COLOR_BGR2RGB)
-        found = pictures.read(index)
-        np.testing.assert_array_equal(found if found.ndim == 3 else found[..., None], expected)
 
 
 def test_a_closed_archive_lets_go_of_its_file(tmp_path: Path):

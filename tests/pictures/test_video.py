@@ -194,25 +194,3 @@ def test_a_video_that_states_an_absurd_size_is_refused_unread(tmp_path: Path):
     path.write_bytes(content)
     with pytest.raises(MediaError, match=r"a\.avi: (is|its first picture|states)"):
         open_pictures(path)
-
-
-@pytest.mark.realdata
-@pytest.mark.parametrize(
-    ("name", "n", "size"),
-    [
-        ("videos/vtest.avi", 795, (768, 576)),
-        ("kaist_night_video/set09_V000_I02330-I03499_lwir.mp4", 1170, (640, 512)),
-    ],
-)
-def test_a_real_video_gives_the_same_pictures_in_any_order(
-    realdata: Path, name: str, n: int, size: tuple[int, int]
-):
-    video = Video(realdata / name)
-    asked = random.Random(5).sample(range(n), 8)
-    at_random = {index: video.read(index).copy() for index in asked}
-    assert (video.n, (video.width, video.height), video.note) == (n, size, "")
-    with av.open(str(realdata / name)) as container:
-        for index, frame in enumerate(container.decode(video=0)):
-            if index in at_random:
-                np.testing.assert_array_equal(at_random[index], frame.to_ndarray(format="rgb24"))
-    assert index == n - 1

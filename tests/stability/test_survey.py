@@ -76,7 +76,7 @@ def test_every_map_is_told_and_drawn(case: str) -> None:
             assert marked == {name for name, is_there in expected.items() if is_there}
 
 
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("case", ["no frames", "no scores", "scores of one only", "two heights"])
 def test_every_map_has_a_row(case: str) -> None:
     table = survey_table(survey_stability(CASES[case]))
     assert len(table) == len(SURVEY_PLANES) * len(get_args(Criterion))

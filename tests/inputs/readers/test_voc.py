@@ -111,8 +111,3 @@ def test_empty_coordinates_are_passed_on(tmp_path: Path) -> None:
 def test_what_is_wrong_is_named_with_its_line(tmp_path: Path, body: str, message: str) -> None:
     with pytest.raises(FormatError, match=r"d_1\.xml, " + message):
         read_xml(tmp_path, body)
-
-
-def test_an_empty_file_is_an_error(tmp_path: Path) -> None:
-    with pytest.raises(FormatError, match=r"1\.xml, line 1: .*no element found"):
-        read([source(tmp_path, "", "1.xml")], ReadOptions())

@@ -65,7 +65,7 @@ def test_classes_txt_names_the_classes_and_is_no_picture(tmp_path: Path) -> None
         "data.yaml": "names: [car, person, rider]\n",
         "d/1.txt": "0 .5 .5 .1 .1\n1 .5 .5 .1 .1\n2 .5 .5 .1 .1\n",
     }
-    assert recognise("classes.txt", files["classes.txt"], "truth")
+    assert recognise("labels/classes.txt", files["classes.txt"], "truth")
     reading = read_files(tmp_path, files)
     assert rows(reading.boxes, "line file ignore") == [[2, 2, False], [3, 2, True]]
     assert "class names from classes.txt" in reading.conversion

@@ -53,7 +53,7 @@ def test_w_is_the_textbooks_with_ties(seed):
 
 def test_p_of_chance_is_spread_evenly():
     rng = np.random.default_rng(1)
-    found = [measure_agreement(rank_ratings(table(rng.random((5, 12))))).p for _ in range(100)]
+    found = [measure_agreement(rank_ratings(table(rng.random((5, 12))))).p for _ in range(40)]
     assert 0.02 <= np.mean(np.array(found) < 0.1) <= 0.18
 
 
@@ -120,7 +120,7 @@ def test_w_with_gaps_is_that_of_all_pairs_one_by_one():
 
 def test_agreement_of_forty_people_with_gaps_is_there_at_once():
     rng = np.random.default_rng(5)
-    ratings = np.arange(40.0) + rng.normal(0, 5, (40, 40))
-    ratings[rng.integers(0, 40, 6), rng.integers(0, 40, 6)] = np.nan
+    ratings = np.arange(20.0) + rng.normal(0, 2.5, (40, 20))
+    ratings[rng.integers(0, 40, 6), rng.integers(0, 20, 6)] = np.nan
     ranks = rank_ratings(table(ratings))
     assert measure_agreement(ranks).p == pytest.approx(1 / 2001)  # one by one: minutes

@@ -6,7 +6,7 @@ import pytest
 from places import DATA
 from reader_files import golden, only_finding, rows, source
 
-from nvcore.errors import FormatError, InputError
+from nvcore.errors import FormatError
 from nvcore.inputs.readers.base import ReadOptions, SourceFile
 from nvcore.inputs.readers.kitti.detections import read
 
@@ -43,12 +43,6 @@ def test_the_classes_that_count_can_be_named_or_numbered(classes):
     options = ReadOptions(role="detections", classes=classes)
     boxes = read(golden("kitti_detections", "ab3dmot.txt"), options).boxes
     assert boxes["x"].tolist() == [100]
-
-
-def test_an_unknown_class_is_answered_with_the_known_ones(tmp_path):
-    options = ReadOptions(role="detections", classes=("dog",))
-    with pytest.raises(InputError, match="no class 'dog'; the classes are Pedestrian, Car, Cyc"):
-        read_text(tmp_path, LONG, options)
 
 
 def test_an_unknown_type_number_is_reported(tmp_path):

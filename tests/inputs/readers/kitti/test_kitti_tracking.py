@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from reader_files import golden, rows, source
 
-from nvcore.errors import FormatError, InputError
+from nvcore.errors import FormatError
 from nvcore.inputs.readers.base import ReadOptions
 from nvcore.inputs.readers.kitti.tracking import read
 
@@ -36,11 +36,6 @@ def test_named_classes_count_and_neutral_ones_among_them_are_not_ignored():
     assert rows(boxes, "x ignore") == [[534.9, True], [200, False], [300, False]]
 
 
-def test_an_unknown_class_is_answered_with_the_known_ones():
-    with pytest.raises(InputError, match=r"0016\.txt: .*no class 'dog'; the classes are Ped"):
-        read(golden("kitti_tracking", "0016.txt"), ReadOptions(classes=("dog",)))
-
-
 def test_results_have_their_score_in_column_18_and_no_ignore_regions(tmp_path):
     text = f"{ROW} 0.75\n" + ROW.replace("Pedestrian", "Person") + " 0.5\n"
     reading = read([source(tmp_path, text, NAME)], ReadOptions(role="detections"))
@@ -52,18 +47,6 @@ def test_results_without_scores_are_said_to_have_none(tmp_path):
     reading = read([source(tmp_path, ROW, NAME)], ReadOptions(role="detections"))
     assert reading.boxes["score"].isna().all()
     assert "no score column: no scores" in reading.conversion
-
-
-def test_a_blank_at_the_end_of_a_row_is_no_further_field(tmp_path):
-    boxes = read([source(tmp_path, f"{ROW} \r\n" * 100, NAME)], ReadOptions()).boxes
-    assert boxes["line"].tolist() == list(range(1, 101))
-
-
-def test_several_recordings_are_told_apart(tmp_path):
-    files = [source(tmp_path, ROW, "0013.txt"), source(tmp_path, f"{ROW}\n{ROW}", "0015.txt")]
-    reading = read(files, ReadOptions())
-    assert rows(reading.boxes, "recording file") == [["0013", 0], ["0015", 1], ["0015", 1]]
-    assert reading.recordings["name"].tolist() == ["0013", "0015"]
 
 
 @pytest.mark.parametrize(
