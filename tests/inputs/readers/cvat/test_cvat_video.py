@@ -13,7 +13,7 @@ from reader_files import golden, only_finding, rows, source
 from nvcore.errors import FormatError, InputError
 from nvcore.inputs.readers.base import Reading, ReadOptions
 from nvcore.inputs.readers.cvat.video import (
-    Filled,
+    FilledTracks,
     fill_between_keyframes,
     read,
 )
@@ -284,7 +284,7 @@ def test_an_attribute_of_the_annotator_marks_occlusion(tmp_path: Path) -> None:
     assert boxes["occlusion"].tolist() == [1, -1]
 
 
-def fill(frames: list[int], *, tracks: list[int] | None = None) -> Filled:
+def fill(frames: list[int], *, tracks: list[int] | None = None) -> FilledTracks:
     n = len(frames)
     return fill_between_keyframes(
         np.array(tracks or [0] * n, dtype=np.int64),
