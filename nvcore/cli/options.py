@@ -109,7 +109,7 @@ format_option = grouped_option(
     "format_",
     metavar="FORMAT",
     help="Format of all files, such as csv, coco or kitti-tracking (all: docs/formats.md). "
-    "Default: told from their content.",
+    "Default: by their content.",
 )
 """The flag for the format of all inputs."""
 
@@ -125,7 +125,7 @@ reading_options = (
         FACTS,
         "--size",
         metavar="WxH",
-        help="Image size in pixels, such as 640x480. Default: told by the data.",
+        help="Image size in pixels, such as 640x480. Default: as in the data.",
     ),
     grouped_option(
         READING,
@@ -175,7 +175,7 @@ def input_options(command: Callable[..., Any]) -> Callable[..., Any]:
             "--name-x",
             metavar="NAME",
             help="Name of X; with a session file: which of its systems is X. Default: "
-            "told from the path, or the first of the session.",
+            "from the path, or the first of the session.",
         ),
         grouped_option(INPUTS, "--name-y", metavar="NAME", help="Name of Y, likewise."),
         format_option,
@@ -189,7 +189,7 @@ def input_options(command: Callable[..., Any]) -> Callable[..., Any]:
         grouped_option(READING, "--format-y", metavar="FORMAT", help="Format of Y, likewise."),
         *reading_options,
         grouped_option(
-            FACTS, "--fps", type=float, help="Frames per second. Default: told by the data."
+            FACTS, "--fps", type=float, help="Frames per second. Default: as in the data."
         ),
         grouped_option(
             FACTS,

@@ -22,7 +22,7 @@ MOST_CHECKS: Final = 256
 """Pictures that are remembered: a long video takes time to open."""
 MAX_SIZE_PX: Final = 100_000
 MAX_FPS: Final = 10_000.0
-AUTOMATIC: Final = "told from the content"
+AUTOMATIC: Final = "by the content"
 FRAME_BASES: Final = {
     "as usual for the format": None,
     "the first frame is 0": 0,
