@@ -11,9 +11,9 @@ import plotly.graph_objects as go
 from nvcore.dataset import Dataset
 from nvcore.figures.marks import line_up
 from nvcore.figures.style import LOOK, axis, draw, empty_figure, faded, system_label, write
-from nvcore.metrics.proximity import sigmoid
+from nvcore.metrics.proximity import in_use, sigmoid
 from nvcore.palette import Theme
-from nvcore.params import MIDPOINT_SHARE, SPREAD_SHARE, Params
+from nvcore.params import Params
 from nvcore.wording import count_text
 
 SMALL_PX: Final = 180
@@ -196,15 +196,11 @@ def _sizes_and_curves(
         distance_m = truth.distance_m[rows]
         measured = distance_m[np.isfinite(distance_m)]
         return measured, [(params.midpoint_m, -params.spread_m)], f"distance (m), {n_all}"
-    midpoint = MIDPOINT_SHARE * frames.height if params.midpoint is None else params.midpoint
-    spread = SPREAD_SHARE * frames.height if params.spread is None else params.spread
-    pairs = np.unique(
-        np.column_stack(np.broadcast_arrays(midpoint, spread, frames.height))[:, :2], axis=0
-    )
+    settings = [in_use(params, "midpoint", frames), in_use(params, "spread", frames)]
+    pairs = np.unique(np.column_stack(settings), axis=0)
     curves = [(float(zero), float(soft)) for zero, soft in pairs[:N_CURVES]]
     if params.proximity == "horizon":
-        stated = params.horizon
-        horizon = frames.horizon if stated is None else np.full(len(frames.height), stated)
+        horizon = in_use(params, "horizon", frames)
         foot = truth.y[rows] + truth.h[rows]
         depth = foot - horizon[frames.recording[truth.frame_index[rows]]]
         return depth[np.isfinite(depth)], curves, f"foot below horizon (px), {n_all}"

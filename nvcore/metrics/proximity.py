@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Literal
 
 import numpy as np
 
 from nvcore.columns import BoxColumns, FrameColumns
 from nvcore.errors import ParameterError
-from nvcore.params import MIDPOINT_SHARE, SPREAD_SHARE, Params
+from nvcore.params import SETTINGS, Params
+
+PerRecording = Literal["midpoint", "spread", "horizon"]
+"""Settings that each recording has a value of its own for, unless `Params` gives one."""
 
 BLOCK: Final = 262_144
 """Boxes weighed at a time: bounds the memory of intermediate results; in smaller blocks the two
@@ -74,9 +77,8 @@ def weigh_proximity(
     """
     if params.proximity == "none":
         return Weights(np.ones(len(boxes)), 0)
-    midpoint = _per_recording(params.midpoint, MIDPOINT_SHARE * frames.height)
-    spread = _per_recording(params.spread, SPREAD_SHARE * frames.height)
-    horizon = _per_recording(params.horizon, frames.horizon)
+    midpoint, spread = in_use(params, "midpoint", frames), in_use(params, "spread", frames)
+    horizon = in_use(params, "horizon", frames)
     by_horizon = params.proximity == "horizon"
     if by_horizon and np.isnan(horizon).any():
         raise ParameterError(
@@ -120,5 +122,9 @@ def _blocks(
             yield slice(start, min(start + BLOCK, int(edges[i + 1]))), int(recording)
 
 
-def _per_recording(value: float | None, default: np.ndarray) -> np.ndarray:
-    return default if value is None else np.full(len(default), float(value))
+def in_use(params: Params, name: PerRecording, frames: FrameColumns) -> np.ndarray:
+    """The setting for each recording, px; its own where `params` gives none; (n_recordings,)."""
+    value, share = getattr(params, name), SETTINGS[name].height_share
+    if value is not None:
+        return np.full(len(frames.fps), float(value))
+    return frames.horizon if share is None else share * frames.height

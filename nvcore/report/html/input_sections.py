@@ -16,6 +16,7 @@ from nvcore.inputs.load import source_hashes
 from nvcore.metrics.encounters import RELEVANT_K
 from nvcore.metrics.kernels import ABSORB_SHARE
 from nvcore.metrics.linking import LINK_GAP, LINK_IOU
+from nvcore.metrics.proximity import PerRecording, in_use
 from nvcore.params import SETTINGS
 from nvcore.report.html import words
 from nvcore.report.html.blocks import Block, Section, Sentences, Table, table
@@ -24,11 +25,7 @@ from nvcore.wording import UNDEFINED, capitalised, count_text, number
 
 MOST_FILES: Final = 60
 """Most input files that are listed one by one; the hash of all is always shown."""
-FROM_HEIGHT: Final = {
-    name: setting.height_share
-    for name, setting in SETTINGS.items()
-    if setting.height_share is not None
-}
+FROM_HEIGHT: Final[tuple[PerRecording, ...]] = ("midpoint", "spread")
 """Settings that are a share of the picture's height if not set."""
 
 
@@ -114,16 +111,9 @@ def _files(result: Result) -> list[Block]:
     ]
 
 
-def in_use(result: Result, name: str) -> np.ndarray:
-    """The midpoint or the spread of every recording, px; shape (n_recordings,)."""
-    heights = result.dataset.recordings["height"].to_numpy(dtype=float)
-    value = getattr(result.params, name)
-    return FROM_HEIGHT[name] * heights if value is None else np.full(len(heights), float(value))
-
-
-def span_in_use(result: Result, name: str) -> str:
-    """`in_use` in words: "48", or "48 to 57.6" where recordings differ."""
-    values = in_use(result, name)
+def span_in_use(result: Result, name: PerRecording) -> str:
+    """The setting in use, px: "48", or "48 to 57.6" where recordings differ."""
+    values = in_use(result.params, name, result.dataset.frame_columns)
     if not len(values):
         return "not set"
     low, high = float(values.min()), float(values.max())
@@ -132,8 +122,9 @@ def span_in_use(result: Result, name: str) -> str:
 
 def _recordings(result: Result) -> Table:
     dataset = result.dataset
-    n_frames = np.diff(dataset.frame_columns.first)
-    midpoint, spread = (in_use(result, name).tolist() for name in FROM_HEIGHT)
+    frames = dataset.frame_columns
+    n_frames = np.diff(frames.first)
+    midpoint, spread = (in_use(result.params, name, frames).tolist() for name in FROM_HEIGHT)
     rows = [
         (
             row["name"],
@@ -201,7 +192,7 @@ def parameters_section(result: Result) -> Section:
 
 def _fallback(result: Result, name: str) -> str:
     """The value in place of a setting that is not set, in words."""
-    return span_in_use(result, name) if name in FROM_HEIGHT else "not set"
+    return next((span_in_use(result, own) for own in FROM_HEIGHT if own == name), "not set")
 
 
 def _value(value: Any) -> str:
