@@ -89,10 +89,16 @@ class Narrator:
         self.outcomes: list[str] = []
 
     def pytest_sessionstart(self) -> None:
-        """The same examples in every run."""
-        from hypothesis import settings
+        """The same examples in every run; one that fails is not made simpler, which takes long."""
+        from hypothesis import Phase, settings
 
-        settings.register_profile("mutants", deadline=None, derandomize=True, database=None)
+        settings.register_profile(
+            "mutants",
+            deadline=None,
+            derandomize=True,
+            database=None,
+            phases=[Phase.explicit, Phase.generate],
+        )
         settings.load_profile("mutants")
 
     @pytest.hookimpl(trylast=True)

@@ -30,7 +30,7 @@ LARGE = (
 WORKERS = 2
 RECORDED_S = 10.0
 """Processor time of a test while its lines are recorded; a slower test takes no part."""
-SPARE_S = 5.0
+SPARE_S = 15.0
 """Processor time that a test may take with a mutant, beyond five times its usual one."""
 
 tree: Path

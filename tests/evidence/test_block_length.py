@@ -63,7 +63,9 @@ def test_the_length_is_that_of_the_recipe(memory: float, seed: int) -> None:
     assert block_length(trace, whole(trace)) == naive_length(trace)
 
 
-@pytest.mark.parametrize("trace", [[], [0.3], [0.3] * 50, [0.1, 0.1], [0.0, 1.0, 0.0]])
+@pytest.mark.parametrize(
+    "trace", [[], [0.3], [0.3] * 50, [1e15 / 7] * 50, [0.1, 0.1], [0.0, 1.0, 0.0]]
+)
 def test_traces_too_short_or_without_change_have_blocks_of_one_frame(trace: list[float]) -> None:
     values = np.array(trace)
     assert block_length(values, whole(values)) == 1
