@@ -65,10 +65,8 @@ def run(sample: dict[str, list[Mutant]], seconds: float, *, again: bool) -> None
     """Try what has no result yet (`again`: and what survived), then show the survivors."""
     results, equivalents = read_results(), read_equivalents()
     mutants = [m for of_folder in sample.values() for m in of_folder]
-    to_do = [
-        m for m in mutants
-        if m.key not in results or (again and not results[m.key] and m.key not in equivalents)
-    ]  # fmt: skip
+    to_do = [m for m in mutants if m.key not in equivalents]
+    to_do = [m for m in to_do if m.key not in results or (again and not results[m.key])]
     mapped = Map(STORE, ROOT)
     print(f"{len(mutants)} mutants, {len(to_do)} to try", flush=True)
     with RESULTS.open("a", encoding="utf-8") as file, make_workers(STORE) as pool:
@@ -133,18 +131,17 @@ def table(sample: dict[str, list[Mutant]]) -> str:
         "|---|--:|--:|--:|--:|--:|",
     ]
     for name, mutants in [*sample.items(), ("all", everything)]:
-        tried = [m.key for m in mutants if m.key in results]
+        tried = [m.key for m in mutants if m.key in results or m.key in equivalents]
         same = sum(key in equivalents for key in tried)
-        killed = sum(bool(results[key]) and key not in equivalents for key in tried)
+        killed = sum(bool(results.get(key)) and key not in equivalents for key in tried)
         share = f"{killed / (len(tried) - same):.1%}" if len(tried) > same else "–"
         survived = len(tried) - killed - same
         rows.append(f"| {name} | {len(tried)} | {killed} | {survived} | {same} | {share} |")
     files = {key[0] for key in equivalents if (ROOT / key[0]).exists()}
     present = {mutant.key for path in files for mutant in mutants_of(ROOT, path)}
     for key in equivalents:
-        if key not in present or results.get(key):
-            why = "was noticed by a test" if key in present else "is not in the code"
-            rows.append(f"\nListed as equivalent, but {why}: {key}")
+        if key not in present:
+            rows.append(f"\nListed as equivalent, but is not in the code: {key}")
     return "\n".join(rows)
 
 

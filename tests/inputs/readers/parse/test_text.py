@@ -56,7 +56,9 @@ def test_a_file_of_nothing_gives_no_rows(tmp_path, content):
     assert [len(column) for column in table.columns] == [0, 0, 0, 0]
 
 
-@pytest.mark.parametrize("tail", [padded(""), ""], ids=["large", "small"])
+@pytest.mark.parametrize(
+    "tail", [padded(""), padded("").rstrip(), ""], ids=["large", "open", "small"]
+)
 @pytest.mark.parametrize("end", ["\n", "\r\n", "\r"], ids=["LF", "CRLF", "CR"])
 def test_every_kind_of_line_end_and_blank_lines_keep_the_line_numbers(tmp_path, end, tail):
     content = ("\n1,2,3\n\n4,5,6\n" + tail).replace("\n", end)
