@@ -100,15 +100,15 @@ def test_runs_end_where_the_key_or_the_recording_changes() -> None:
     assert last.tolist() == [2, 3, 5, 7]
 
 
-def test_a_low_interval_by_hand() -> None:
-    frames = make_dataset(n_frames=6, fps=10).frame_columns
-    table = find_low_intervals(np.array([0.9, 0.8, 0.5, 0.7, 1, 0.85]), frames, low=0.9)
-    assert table["first_row"].tolist() == [1, 5]
-    assert table["last_row"].tolist() == [3, 5]
-    assert table["duration_s"].tolist() == pytest.approx([0.3, 0.1])
-    assert table["severity_s"].tolist() == pytest.approx([0.07, 0.005])
-    assert table["min_similarity"].tolist() == [0.5, 0.85]
-    assert table["worst_row"].tolist() == [2, 5]
+def test_low_intervals_by_hand() -> None:
+    frames = make_dataset(n_frames=7, fps=10).frame_columns
+    table = find_low_intervals(np.array([0.85, 0.9, 0.8, 0.5, 0.7, 1, 0.85]), frames, low=0.9)
+    assert table["first_row"].tolist() == [0, 2, 6]
+    assert table["last_row"].tolist() == [0, 4, 6]
+    assert table["duration_s"].tolist() == pytest.approx([0.1, 0.3, 0.1])
+    assert table["severity_s"].tolist() == pytest.approx([0.005, 0.07, 0.005])
+    assert table["min_similarity"].tolist() == [0.85, 0.5, 0.85]
+    assert table["worst_row"].tolist() == [0, 3, 6]
 
 
 def test_the_first_of_equally_bad_frames_is_the_worst() -> None:
