@@ -14,7 +14,12 @@ from nvcore.comparison import compare
 from nvcore.detection.curves import detection_curve, detection_outcomes
 from nvcore.detection.miss_rate import log_average_miss_rate
 from nvcore.evidence.bootstrap import count_units
-from nvcore.evidence.miss_rate import _count_up_to, _log_average, log_average_miss_rate_measure
+from nvcore.evidence.miss_rate import (
+    _count_up_to,
+    _log_average,
+    _rates,
+    log_average_miss_rate_measure,
+)
 from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.evidence.table import evidence_table
 from nvcore.evidence.units import find_units
@@ -82,9 +87,16 @@ def test_levels_up_to_a_limit_are_counted_as_by_search(n: int):
     assert np.array_equal(found, plain)
 
 
+def test_at_references_that_no_level_reaches_everybody_is_missed():
+    # 100 images, 10 pedestrians; at two levels 5 and 50 false positives, 3 and 4 matches
+    found = _rates(np.array([100.0, 10, 5, 50, 3, 4]))
+    # the references allow 1, 1.8, 3.2, 5.6, 10, 17.8, 31.6, 56.2 and 100 false positives
+    assert found.tolist() == pytest.approx([1, 1, 1, 0.7, 0.7, 0.7, 0.7, 0.6, 0.6])
+
+
 def test_without_scores_there_is_no_measure_and_the_reason_stands_in_its_place():
     truth, x, places = random_boxes(3)
-    unscored = [box._replace(score=float("nan")) for box in x]
+    unscored = [x[0], *(box._replace(score=float("nan")) for box in x[1:])]
     result = result_of(make_dataset(truth, unscored, x, places=places))
     nobody = result_of(make_dataset([], x, x[::2], places=places))
     assert log_average_miss_rate_measure(nobody, find_units(nobody)) is None
