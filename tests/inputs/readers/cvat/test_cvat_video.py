@@ -140,8 +140,9 @@ def test_a_track_that_stops_before_the_end_of_the_task_is_reported(tmp_path: Pat
 
 
 def test_boxes_beside_the_step_are_reported(tmp_path: Path) -> None:
-    body = task(frame_filter="step=5") + track(box(0), box(1), box(2), box(3, more=OUTSIDE))
-    assert only_finding(read_xml(tmp_path, body), "frame-beside-step").count == 2
+    boxes = track(box(1), box(2), box(3), box(4, more=OUTSIDE))
+    reading = read_xml(tmp_path, task(start_frame=1, frame_filter="step=5") + boxes)
+    assert only_finding(reading, "frame-beside-step").count == 2
 
 
 @pytest.mark.parametrize(
