@@ -121,10 +121,10 @@ def test_a_frame_below_the_declared_base_is_an_error(read_text):
 
 
 def test_text_track_ids_are_numbered_after_the_largest_number_of_their_recording(read_text):
-    rows = ["b,ped_7", "a,3", "a,ped_7", "a,ped_2", "a,ped_7", "a,", "b,ped_9"]
+    rows = ["b,ped_7", "a,3", "a,ped_7", "a,ped_2", "a,ped_7", "a,", "b,ped_9", "a,0"]
     lines = [f"1,2,3,4,5,{row}" for row in rows]
     reading = read_text("frame,x,y,w,h,recording,id\n" + "\n".join(lines) + "\n")
-    assert reading.boxes["track"].tolist() == [0, 3, 4, 5, 4, NO_TRACK, 1]
+    assert reading.boxes["track"].tolist() == [0, 3, 4, 5, 4, NO_TRACK, 1, 0]
     assert "numbered by first appearance" in reading.conversion
 
 
