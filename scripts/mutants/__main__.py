@@ -1,6 +1,6 @@
 """Put small mistakes into the library and see which its tests do not notice.
 
-    python -m scripts.mutants map [TESTS ...]      which test runs which line (again for TESTS)
+    python -m scripts.mutants map [TESTS ...]      which test runs which line: new tests, or TESTS
     python -m scripts.mutants run [--sample 240]   a fixed sample of mutants against those tests
     python -m scripts.mutants table                the share killed, by folder, to docs/quality.md
 
@@ -49,9 +49,9 @@ def pick_sample(folders: Sequence[str], size: int, seed: int) -> dict[str, list[
     return sample
 
 
-def read_results() -> dict[Key, str]:
+def read_results(file: Path = RESULTS) -> dict[Key, str]:
     """What noticed each mutant tried so far, empty for a survivor; the last result counts."""
-    lines = RESULTS.read_text("utf-8").splitlines() if RESULTS.exists() else []
+    lines = file.read_text("utf-8").splitlines() if file.exists() else []
     return {tuple(row["key"]): row["killed_by"] for row in map(json.loads, lines)}
 
 
@@ -122,27 +122,38 @@ def describe(mutant: Mutant) -> str:
     return "\n".join(["", *lines, "", "[[mutant]]", *keys])
 
 
-def table(sample: dict[str, list[Mutant]]) -> str:
-    """Markdown: what became of the mutants of each folder."""
-    results, equivalents = read_results(), read_equivalents()
+def table(sample: dict[str, list[Mutant]], earlier: Path | None = None) -> str:
+    """Markdown: what became of the mutants of each folder, here and in an earlier checkout."""
+    equivalents = read_equivalents()
+    results = {key: test for key, test in read_results().items() if key not in equivalents}
+    before = read_results(earlier) if earlier else {}
+    before = {key: test for key, test in before.items() if key not in equivalents}
     everything = [m for of_folder in sample.values() for m in of_folder]
-    rows = [
-        "| folder | mutants | killed | survived | equivalent | share killed |",
-        "|---|--:|--:|--:|--:|--:|",
-    ]
+    columns = ["folder", "mutants", "equivalent", "killed", "survived", "share killed"]
+    columns += ["share killed before"] if earlier else []
+    rows = ["| " + " | ".join(columns) + " |", "|---" + "|--:" * (len(columns) - 1) + "|"]
     for name, mutants in [*sample.items(), ("all", everything)]:
-        tried = [m.key for m in mutants if m.key in results or m.key in equivalents]
-        same = sum(key in equivalents for key in tried)
-        killed = sum(bool(results.get(key)) and key not in equivalents for key in tried)
-        share = f"{killed / (len(tried) - same):.1%}" if len(tried) > same else "–"
-        survived = len(tried) - killed - same
-        rows.append(f"| {name} | {len(tried)} | {killed} | {survived} | {same} | {share} |")
+        tests = [results[m.key] for m in mutants if m.key in results]
+        n_equivalent = sum(m.key in equivalents for m in mutants)
+        n_killed = sum(map(bool, tests))
+        cells: list[object] = [name, len(tests) + n_equivalent, n_equivalent, n_killed]
+        cells += [len(tests) - n_killed, share_killed(tests)]
+        if earlier:
+            folder = "" if name == "all" else name
+            there = [test for key, test in before.items() if key[0].startswith(folder)]
+            cells.append(f"{share_killed(there)} of {len(there)}")
+        rows.append("| " + " | ".join(map(str, cells)) + " |")
     files = {key[0] for key in equivalents if (ROOT / key[0]).exists()}
     present = {mutant.key for path in files for mutant in mutants_of(ROOT, path)}
     for key in equivalents:
         if key not in present:
             rows.append(f"\nListed as equivalent, but is not in the code: {key}")
     return "\n".join(rows)
+
+
+def share_killed(tests: Sequence[str]) -> str:
+    """Share of mutants that a test noticed, in words."""
+    return f"{sum(map(bool, tests)) / len(tests):.1%}" if tests else "–"
 
 
 def write_table(text: str) -> None:
@@ -162,6 +173,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--folders", nargs="+", default=FOLDERS, help="or files")
     parser.add_argument("--seconds", type=float, default=60, help="of tests for each mutant")
+    parser.add_argument("--earlier", type=Path, help="results.jsonl of another checkout: table")
     parser.add_argument("--again", action="store_true", help="try the survivors again")
     parser.add_argument("--fresh", action="store_true", help="try all again")
     options = parser.parse_args()
@@ -175,8 +187,8 @@ def main() -> None:
             RESULTS.unlink(missing_ok=True)
         run(sample, options.seconds, again=options.again)
     else:
-        print(table(sample))
-        write_table(table(sample))
+        print(table(sample, given.earlier))
+        write_table(table(sample, given.earlier))
 
 
 if __name__ == "__main__":

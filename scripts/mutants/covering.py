@@ -1,7 +1,7 @@
 """Which tests run which line of the library.
 
 Every file of tests runs once by itself with coverage's contexts. What it leaves in .mutants:
-coverage (lines), tests.json (seconds of each test), sources.json (the library as it was).
+coverage (lines), tests.json (seconds of each test), sources.json (the files as they were).
 """
 
 from __future__ import annotations
@@ -31,40 +31,51 @@ FIRST_FILES, FIRST_S = 3, 5.0
 
 
 def make_map(store: Path, tests: Sequence[str]) -> None:
-    """Run the tests of the library; or the files `tests` alone, which joins them to the map.
+    """Run the tests of the library that the map does not know as they are; or the files `tests`.
 
-    A map that was interrupted goes on; after an edit of the library it begins anew.
+    So a map that was interrupted goes on. After an edit of the library it begins anew.
     """
     table, sources = store / "tests.json", store / "sources.json"
-    digests = {str(path.relative_to(ROOT)): digest(path) for path in ROOT.glob("nvcore/**/*.py")}
+    library, test_files = digests("nvcore/**/*.py"), digests("tests/**/test_*.py")
+    known = json.loads(sources.read_text()) if sources.exists() else {}
     coverage = CoverageData(str(store / "coverage"))
     recorded: dict[str, float | None] = {}
-    if sources.exists() and json.loads(sources.read_text()) == digests and table.exists():
+    if library.items() <= known.items():
         coverage.read()
         recorded = json.loads(table.read_text())
     else:
         coverage.erase()
-        sources.write_text(json.dumps(digests, indent=0))
-    known = set(map(file_of, recorded))
-    files = [str(path.relative_to(ROOT)) for path in (ROOT / "tests").rglob("test_*.py")]
-    files = [file for file in sorted(files) if file not in known and not file.startswith(LEFT_OUT)]
+        known = library
+    to_do = [
+        file for file, digest in test_files.items()
+        if known.get(file) != digest and not file.startswith(LEFT_OUT)
+    ]  # fmt: skip
     with make_workers(store) as pool:
-        parts = {}
-        for number, test_file in enumerate(tests or files):
+        jobs = {}
+        for number, file in enumerate(tests or to_do):
             part = store / f"part-{number}"
             shutil.rmtree(part, ignore_errors=True)
-            parts[pool.submit(record_file, test_file, part)] = part
-        for number, job in enumerate(as_completed(parts), 1):
+            jobs[pool.submit(record_file, file, part)] = file, part
+        for number, job in enumerate(as_completed(jobs), 1):
+            file, part = jobs[job]
             outcome = job.result()
+            recorded = {test: s for test, s in recorded.items() if file_of(test) != file}
             recorded.update(outcome.seconds, **dict.fromkeys(outcome.failed))
             for test in outcome.failed:
                 print(f"Takes no part, as it is slow here or fails without a mutant: {test}")
-            for file in parts[job].iterdir():
-                coverage.update(read_coverage(file))
-            shutil.rmtree(parts[job])
+            for lines in part.iterdir():
+                coverage.update(read_coverage(lines))
+            shutil.rmtree(part)
+            known[file] = test_files[file]
             table.write_text(json.dumps(recorded, indent=0))
-            if number % 20 == 0 or number == len(parts):
-                print(f"{number} of {len(parts)} files of tests", flush=True)
+            sources.write_text(json.dumps(known, indent=0))
+            if number % 20 == 0 or number == len(jobs):
+                print(f"{number} of {len(jobs)} files of tests", flush=True)
+
+
+def digests(pattern: str) -> dict[str, str]:
+    """What the files of the checkout contain, in short."""
+    return {str(path.relative_to(ROOT)): digest(path) for path in sorted(ROOT.glob(pattern))}
 
 
 def read_coverage(file: Path) -> CoverageData:
