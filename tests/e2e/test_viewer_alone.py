@@ -45,6 +45,21 @@ def test_who_is_missed_by_whom_is_told_in_words(page):
     sync_api.expect(said).to_contain_text("X misses 1, Y misses 0, false alarms X 1, Y 1")
 
 
+def test_a_frame_whose_picture_is_late_is_told_in_words_when_it_is_there(page):
+    waiting: list[sync_api.Route] = []
+    late = re.compile(rf"/frame/0/{scene.MISSED_BY_X.start}\.jpg")
+    page.route(late, lambda route: waiting.append(route))
+    press(page, "n")
+    assert settled(page, scene.MISSED_BY_X.start) == str(scene.MISSED_BY_X.start)
+    said = page.locator(".viewer .spoken")
+    sync_api.expect(said).to_have_text(
+        f"Frame {scene.FIRST_FRAME + scene.MISSED_BY_X.start}, 55.00 s"
+    )
+    waiting[0].continue_()
+    sync_api.expect(said).to_contain_text("X misses 1, Y misses 0, false alarms X 1, Y 1")
+    page.unroute(late)
+
+
 def test_a_click_in_the_strip_seeks(page):
     strip = page.locator(".viewer .strip")
     box = strip.bounding_box()

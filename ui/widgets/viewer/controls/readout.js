@@ -28,9 +28,9 @@ function showCounts(parts, counts) {
   set(parts.truth, `${counts.truth}, ${counts.relevant} relevant`);
 }
 
-function describeFrame({ counts, recording, row, shownRow }) {
+function describeFrame({ counts, recording, row, shown }) {
   const place = `Frame ${recording.frames[row]}, ${recording.timeText(row)}`;
-  if (!counts || shownRow !== row) return place;
+  if (shown?.row !== row) return place;
   return `${place}: X misses ${counts.missed_x}, Y misses ${counts.missed_y}, `
     + `false alarms X ${counts.false_x}, Y ${counts.false_y}`;
 }

@@ -35,6 +35,7 @@ class Viewer {
     this.hoverRow = null;
     this.view = new View();
     this.isStale = true;
+    this.isSpokenEarly = false;
     this.request = 0;
     this.settleTimer = 0;
     this.loadingTimer = 0;
@@ -114,6 +115,7 @@ class Viewer {
     if (!recording || recording.nRows === 0) return;
     this.direction = row < this.row && !this.playing ? -1 : 1;
     this.row = recording.clamp(row);
+    this.isSpokenEarly = false;
     if (this.playing) this.startClock();
     this.load();
     showPosition(this, this.row);
@@ -295,6 +297,7 @@ class Viewer {
     this.shown = { row, entry, found };
     this.isStale = false;
     this.root.dataset.shownRow = String(row);
+    if (this.isSpokenEarly && row === this.row) this.speak();
   }
 
   drawFound(ctx, found) {
@@ -306,7 +309,9 @@ class Viewer {
 
   // ---- words
 
+  // a row that is not painted yet is spoken of without its counts, and again when it is
   speak() {
+    this.isSpokenEarly = this.shown?.row !== this.row;
     const text = describeFrame(this);
     this.say(text);
     this.parts.picture.setAttribute("aria-label", text);
