@@ -46,13 +46,13 @@ docs: $(DEVELOP)
 	PYTHONPATH=tests/helpers $(BIN)/python tests/cli/test_docs_cli.py
 	PYTHONPATH=tests/helpers $(BIN)/python tests/tables/test_docs_report.py
 
-# The browser tests drive Debian's Chromium; where it is missing and may be installed, it is.
+# The browser tests drive Debian's Chromium without windows; where it is missing and may be installed, it is.
 chromium:
-	@command -v chromium > /dev/null || test -n "$$NVCORE_CHROMIUM" || \
+	@command -v chromium-headless-shell > /dev/null || test -n "$$NVCORE_CHROMIUM" || \
 	if [ "$$(id -u)" = 0 ] && command -v apt-get > /dev/null; then \
-	    apt-get update -qq && apt-get install -qq -y --no-install-recommends chromium > /dev/null; \
+	    apt-get update -qq && apt-get install -qq -y --no-install-recommends chromium-headless-shell > /dev/null; \
 	else \
-	    echo "The browser tests need Chromium: install the package chromium, or set NVCORE_CHROMIUM to the program."; \
+	    echo "The browser tests need Chromium: install the package chromium-headless-shell, or set NVCORE_CHROMIUM to the program."; \
 	fi
 
 bench: $(DEVELOP) chromium $(TOOLS) $(MOTMETRICS)

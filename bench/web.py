@@ -3,9 +3,9 @@
     python -m bench.web [--frames 0 100000 1000000] [--repeat 10] [--port 8650] [--out FILE]
 
 Starts the app on a folder of sets, opens each in Chromium (``$NVCORE_CHROMIUM``, else
-/usr/bin/chromium), goes to the Timeline page and presses an arrow key on one slider after the
-other. 0 frames stand for the sample recordings. Each set has a server of its own. Prints one
-line of JSON; with ``--out`` it writes the section "In the browser" of that page.
+/usr/bin/chromium-headless-shell), goes to the Timeline page and presses an arrow key on one slider
+after the other. 0 frames stand for the sample recordings. Each set has a server of its own. Prints
+one line of JSON; with ``--out`` it writes the section "In the browser" of that page.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from bench.web_scene import FPS, READER, is_whole, write_scene
 from bench.web_tables import put_section, web_section
 
 ROOT = Path(__file__).resolve().parent.parent
-CHROMIUM = os.environ.get("NVCORE_CHROMIUM", "/usr/bin/chromium")
+CHROMIUM = os.environ.get("NVCORE_CHROMIUM", "/usr/bin/chromium-headless-shell")
 FLAGS = (
     *("--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"),
     *("--disable-background-networking", "--disable-component-update", "--disable-sync"),
@@ -212,7 +212,7 @@ def main() -> None:
     parser.add_argument("--out", type=Path)
     options = parser.parse_args()
     if not Path(CHROMIUM).exists():
-        report(failed=f"{CHROMIUM} is missing: apt-get install chromium")
+        report(failed=f"{CHROMIUM} is missing: apt-get install chromium-headless-shell")
         return
     figures: dict[str, Any] = {"load": os.getloadavg()[0], "sets": {}}
     with sync_playwright() as playwright, tempfile.TemporaryDirectory() as parent:

@@ -187,8 +187,8 @@ def main() -> None:
             RESULTS.unlink(missing_ok=True)
         run(sample, options.seconds, again=options.again)
     else:
-        print(table(sample, given.earlier))
-        write_table(table(sample, given.earlier))
+        print(table(sample, options.earlier))
+        write_table(table(sample, options.earlier))
 
 
 if __name__ == "__main__":
