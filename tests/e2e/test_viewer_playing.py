@@ -9,9 +9,9 @@ from __future__ import annotations
 import pytest
 import viewer_scene as scene
 from playwright import sync_api
-from viewer_clock import held_clock, held_pictures
+from viewer_clock import held_clock, held_pictures, slow_pictures
 from viewer_reading import is_whole
-from viewer_window import choose, n_runs, painted, press, record, settled, viewer_of
+from viewer_window import choose, n_runs, painted, press, record, repaint, settled, viewer_of
 
 FIRST = 5  # where the viewer opens
 FRAME_S = 1 / scene.FPS
@@ -167,3 +167,17 @@ def test_slow_pictures_do_not_keep_playback_from_its_end(page):
     press(page, " ")
     assert painted(page, last) == last
     sync_api.expect(viewer_of(page)).to_have_attribute("data-playing", "false")
+
+
+def test_playback_goes_on_when_every_picture_takes_seconds(page):
+    first = scene.MISSED_BY_X.start
+    with slow_pictures(page, 100):
+        with held_pictures(page, first) as pictures:
+            press(page, "n")
+            pictures.let(first)
+            assert painted(page, first) == first
+            press(page, " ")  # before the next ones are here
+            repaint(page)
+        seen = record(page, first + 40)
+        press(page, " ")
+    assert seen[-1]["shown"] >= first + 40

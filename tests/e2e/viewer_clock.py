@@ -65,6 +65,19 @@ HOLD_PICTURES = """(first) => {
   };
 }"""
 
+SLOW_PICTURES = """(seconds) => {
+  const { fetch } = window;
+  const now = performance.now;
+  let late = 0;
+  performance.now = () => now.call(performance) + late;
+  window.fetch = async (address, options) => {
+    const answer = await fetch(address, options);
+    late += 1000 * seconds;
+    return answer;
+  };
+  window.testSlowness = { end: () => Object.assign(window, { fetch }) && delete performance.now };
+}"""
+
 
 class Clock:
     """Time of a page, which stands still between two calls."""
@@ -123,3 +136,13 @@ def held_pictures(page: Page, first: int) -> Iterator[Pictures]:
         yield Pictures(page)
     finally:
         page.evaluate("window.testPictures.release()")
+
+
+@contextmanager
+def slow_pictures(page: Page, seconds: float) -> Iterator[None]:
+    """Let every picture seem to take so long; nobody waits for it."""
+    page.evaluate(SLOW_PICTURES, seconds)
+    try:
+        yield
+    finally:
+        page.evaluate("testSlowness.end()")

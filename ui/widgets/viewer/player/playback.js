@@ -3,6 +3,11 @@
 const LONGEST_LAG_S = 0.5; // playback waits for pictures when it is so far ahead of them
 const SCREEN_S = 1 / 60;
 
+// How far ahead of what is shown playback may be, in seconds of the recording's clock.
+function longestLag(speed) {
+  return Math.max(LONGEST_LAG_S * speed, 2 * LONGEST_GAP_S);
+}
+
 // The row to paint now: the newest one that is due and complete. Frames are dropped, never mixed.
 function advance(viewer, now) {
   const { playing, recording, speed } = viewer;
@@ -10,8 +15,7 @@ function advance(viewer, now) {
   if (playing.at !== null) playing.position += ((now - playing.at) / 1000) * speed;
   playing.at = now;
   const shown = Math.max(playing.from, Math.min(viewer.shownRow, viewer.row));
-  const lag = Math.max(LONGEST_LAG_S * speed, 2 * LONGEST_GAP_S);
-  playing.position = Math.min(playing.position, clock[shown] + lag);
+  playing.position = Math.min(playing.position, clock[shown] + longestLag(speed));
   const due = recording.clamp(countUpTo(clock, playing.position + 1e-9) - 1);
   let row = due;
   while (row > shown && !viewer.isReady(row)) row -= 1;
@@ -25,11 +29,12 @@ function advance(viewer, now) {
 }
 
 // Every how many rows a picture is asked for: more than 1 when they come more slowly than they
-// are due.
+// are due. The next one is near enough for playback to reach it while it waits for pictures.
 function rowsPerPicture({ recording, row, speed, pictures }) {
   const { clock, nRows } = recording;
   const last = Math.min(nRows - 1, row + PREFETCH);
   const interval = (clock[last] - clock[row]) / Math.max(1, last - row) / speed;
   const needed = Math.max(pictures.secondsPerPicture, SCREEN_S);
-  return interval > 0 ? Math.max(1, Math.min(16, Math.ceil((0.9 * needed) / interval))) : 1;
+  const within = countUpTo(clock, clock[row] + longestLag(speed)) - 1 - row;
+  return interval > 0 ? Math.max(1, Math.min(16, within, Math.ceil((0.9 * needed) / interval))) : 1;
 }
