@@ -43,6 +43,12 @@ def test_a_miss_at_the_edge_costs_nothing_in_town_and_all_in_the_country() -> No
     assert score_sets([0], [], edge_weight=0.4).distances.d_miss[0] == pytest.approx(20)
 
 
+def test_a_detection_of_somebody_ignored_costs_nothing() -> None:
+    x = result_of(make_dataset([at(0, 50, w=30, ignore=True)], [at(0, 50, w=30)])).x
+    assert x.distances.d_false[0] == 0
+    assert x.similarity[0] == 1
+
+
 @pytest.mark.parametrize(("alpha", "width"), [(0.2, 768), (0.7, 640), (0.9, 1920)])
 def test_rounding_never_takes_similarity_below_0(alpha: float, width: float) -> None:
     x = score_sets([0], [width], width=width, alpha=alpha, edge_weight=1.0)
