@@ -17,6 +17,10 @@ DEVELOP := $(BIN)/.installed-dev
 TOOLS := .venv-bench/tools/.installed
 MOTMETRICS := .venv-bench/motmetrics/.installed
 
+# Compiled modules are kept, also where the environment asks for none: else every process that a
+# test starts compiles them anew, and each of pytest's workers rewrites all assertions.
+unexport PYTHONDONTWRITEBYTECODE
+
 .PHONY: run check test coverage bench mutants lint docs chromium clean
 
 run: $(LIBRARY)
