@@ -10,6 +10,7 @@ import pytest
 
 from nvcore.comparison import Result
 from nvcore.studies.ratings import fit as fitting
+from nvcore.studies.ratings.agreement import Agreement, measure_agreement
 from nvcore.studies.ratings.validation import correlate
 from ui.ratings import fit, results
 
@@ -30,10 +31,18 @@ def correlate_once(saliency_s: np.ndarray, mean_rank: np.ndarray) -> Any:
     return _made[key]
 
 
+def agree_once(ranks: pd.DataFrame) -> Agreement:
+    key = ranks.to_csv()
+    if key not in _made:
+        _made[key] = measure_agreement(ranks)
+    return _made[key]
+
+
 @pytest.fixture(autouse=True)
 def made_once(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(fit, "fit_saliency", fit_once)
     monkeypatch.setattr(results, "correlate", correlate_once)
+    monkeypatch.setattr(results, "measure_agreement", agree_once)
 
 
 @pytest.fixture
