@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 
@@ -30,6 +30,9 @@ from nvcore.params import Params
 from nvcore.params.metadata import ENCOUNTERS, MATCH, PROXIMITY
 from nvcore.schema import Category, DetectionState
 from nvcore.scoring import Memo, SystemResult, score_system
+
+LEAST_FOR_THREADS: Final = 5_000
+"""With fewer boxes, starting threads takes longer than scoring the systems one after the other."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,13 +173,16 @@ def compare(
         "k_truth", lambda: weigh_proximity(truth, ~truth.ignore, frames, params), PROXIMITY
     )
     shared = (dataset, params, tracks, encounters, k_truth)
-    # numpy and the kernels release the lock: the two systems run side by side
     pairs = list(zip(names, (params.threshold_x, params.threshold_y), strict=True))
-    with ThreadPoolExecutor(2) as pool:
-        jobs = [
-            pool.submit(score_system, name, threshold, *shared, memo) for name, threshold in pairs
-        ]
-        result_x, result_y = (job.result() for job in jobs)
+
+    def score(pair: tuple[str, float | None]) -> SystemResult:
+        return score_system(*pair, *shared, memo)
+
+    if len(dataset.boxes) < LEAST_FOR_THREADS:
+        result_x, result_y = map(score, pairs)
+    else:  # numpy and the kernels release the lock: the two systems run side by side
+        with ThreadPoolExecutor(2) as pool:
+            result_x, result_y = pool.map(score, pairs)
     category = memo.get(
         ("category", *pairs),
         lambda: categorise(

@@ -82,12 +82,11 @@ def make_dataset(
             row_of[number, frame] = n_rows
             n_rows += 1
     rows = [
-        {"source": source, "frame_index": row_of[box.recording, box.frame], **box._asdict()}
+        (source, row_of[box.recording, box.frame], *box[1:-1])
         for source, boxes in enumerate(sources)
         for box in boxes
     ]
-    columns = ["source", "frame_index", *Box._fields]
-    boxes = pd.DataFrame(rows, columns=columns).drop(columns=["frame", "recording"])
+    boxes = pd.DataFrame(rows, columns=["source", "frame_index", *Box._fields[1:-1]])
     recordings = pd.DataFrame(
         [(f"r{i}", p.width, p.height, float(p.fps), p.horizon) for i, p in enumerate(places)],
         columns=["name", "width", "height", "fps", "horizon"],
