@@ -1,5 +1,6 @@
 """The dashboard with another sample: the session file that ``NVCORE_TEST_SESSION`` names."""
 
+import gc
 import os
 from pathlib import Path
 
@@ -9,5 +10,6 @@ from ui.session import state
 from ui.session.routes import ROUTES
 from ui.shell.messages import error_banner
 
+gc.freeze()  # as app.py does
 state.SAMPLE = Path(os.environ["NVCORE_TEST_SESSION"])
 app = st.App(state.ROOT / "ui" / "main.py", routes=ROUTES, on_script_error=error_banner)

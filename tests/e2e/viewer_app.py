@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import threading
 import time
 from pathlib import Path
@@ -42,6 +43,7 @@ def answer_boxes(request: Request) -> Response:
     return Response(scene.pack_rows(rows), media_type="application/octet-stream")
 
 
+gc.freeze()  # as app.py does
 app = st.App(
     Path(__file__).with_name("viewer_page.py"),
     routes=[
