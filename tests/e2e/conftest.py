@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterator
 from contextlib import ExitStack
-from pathlib import Path
 from typing import Any
 
 import pytest
-from app_server import ROOT, open_chromium, serve
+from app_server import HELPERS, ROOT, open_chromium, serve
 from app_visit import Visit
 from kept_window import HAS_FAILED, Kept
 from playwright.sync_api import BrowserContext, Page
@@ -96,7 +95,7 @@ def shared(
 @pytest.fixture(scope="session")
 def viewer_address() -> Iterator[str]:
     """Address of the viewer's stand-alone page, started once."""
-    with serve(Path(__file__).with_name("viewer_app.py")) as url:
+    with serve(HELPERS / "viewer_app.py") as url:
         yield url
 
 

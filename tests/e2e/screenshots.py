@@ -1,6 +1,6 @@
 """Makes the pictures of the documentation.
 
-    PYTHONPATH=tests/helpers .venv/bin/python tests/e2e/screenshots.py
+    PYTHONPATH=tests/e2e/helpers .venv/bin/python tests/e2e/screenshots.py
 
 Every page of the sample at 1280 x 800, Overview and Timeline in the dark theme as well, into
 ``docs/images/``, with 256 colours so that the files stay small.

@@ -8,11 +8,10 @@ from pathlib import Path
 
 import pytest
 import viewer_scene as scene
-from app_files import RECORDING, write_files, write_session
-from app_server import serve
+from app_files import RECORDING, send, write_files, write_session
+from app_server import HELPERS, serve
 from app_visit import Visit
 from playwright.sync_api import BrowserContext, expect
-from test_app_uploads import send
 from viewer_reading import READER
 
 from nvcore.palette import X_COLOUR, Y_COLOUR
@@ -49,7 +48,7 @@ def app(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("NVCORE_RATINGS", str(folder / "ratings.sqlite"))
         patch.setenv("NVCORE_TEST_SESSION", str(write_session(folder, CLIP_FRAMES)))
-        with serve(Path(__file__).with_name("short_app.py")) as address:
+        with serve(HELPERS / "short_app.py") as address:
             yield address
 
 

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
-import viewer_scene as scene
-from app_files import N_FRAMES, RECORDING, Sent, write_files
+from app_files import N_FRAMES, RECORDING, Sent, send, write_files
 from app_server import PATIENCE_MS
 from app_visit import Visit
 from kept_window import Kept
@@ -22,32 +20,6 @@ PLAYED_ROWS = 40
 @pytest.fixture(scope="module")
 def files(tmp_path_factory) -> Sent:
     return write_files(tmp_path_factory.mktemp("sent"))
-
-
-def send_annotations(one: Visit, key: str, path: Path) -> None:
-    """Choose a file in the field with this key, and wait until it has arrived."""
-    field = one.keyed(key)
-    with one.page.expect_response(re.compile("/_stcore/upload_file/")):
-        field.locator("input[type=file]").set_input_files(path)
-    expect(field.get_by_text(path.name)).to_be_visible()
-    expect(field.get_by_role("progressbar")).to_have_count(0)
-    one.wait_until_drawn()
-
-
-def send(one: Visit, files: Sent) -> None:
-    """Upload all files and answer what the app asks."""
-    one.page.get_by_role("tab", name="Upload").click()
-    for key, path in (
-        ("upload_truth", files.truth), ("upload_system_0", files.x), ("upload_system_1", files.y),
-    ):  # fmt: skip
-        send_annotations(one, key, path)
-    one.keyed("upload_pictures").locator("input[type=file]").set_input_files(files.video)
-    expect(one.page.get_by_text(f"Here: {files.video.name}")).to_be_visible()
-    # the files say neither size nor frame rate; both are proposed from the video
-    rate = one.page.get_by_role("spinbutton", name="Frames per second")
-    expect(rate).to_have_value(f"{scene.FPS:g}")
-    one.page.get_by_role("button", name="Open these files").click()
-    expect(one.heading("Open now: Uploaded files")).to_be_visible()
 
 
 @pytest.fixture(scope="module")

@@ -1,7 +1,8 @@
-"""Files that a person sends: the viewer's made-up scene as truth, two systems and a video."""
+"""Files that a person sends, and how: the viewer's made-up scene as truth, two systems, a video."""
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import NamedTuple
 
@@ -9,6 +10,8 @@ import av
 import cv2
 import numpy as np
 import viewer_scene as scene
+from app_visit import Visit
+from playwright.sync_api import expect
 
 RECORDING = "walk"
 N_FRAMES = 150
@@ -66,3 +69,29 @@ def _write_video(path: Path, n_frames: int) -> None:
             picture = cv2.imdecode(jpeg, cv2.IMREAD_COLOR_RGB)
             container.mux(stream.encode(av.VideoFrame.from_ndarray(picture, format="rgb24")))
         container.mux(stream.encode(None))
+
+
+def send_annotations(one: Visit, key: str, path: Path) -> None:
+    """Choose a file in the field with this key, and wait until it has arrived."""
+    field = one.keyed(key)
+    with one.page.expect_response(re.compile("/_stcore/upload_file/")):
+        field.locator("input[type=file]").set_input_files(path)
+    expect(field.get_by_text(path.name)).to_be_visible()
+    expect(field.get_by_role("progressbar")).to_have_count(0)
+    one.wait_until_drawn()
+
+
+def send(one: Visit, files: Sent) -> None:
+    """Upload all files and answer what the app asks."""
+    one.page.get_by_role("tab", name="Upload").click()
+    for key, path in (
+        ("upload_truth", files.truth), ("upload_system_0", files.x), ("upload_system_1", files.y),
+    ):  # fmt: skip
+        send_annotations(one, key, path)
+    one.keyed("upload_pictures").locator("input[type=file]").set_input_files(files.video)
+    expect(one.page.get_by_text(f"Here: {files.video.name}")).to_be_visible()
+    # the files say neither size nor frame rate; both are proposed from the video
+    rate = one.page.get_by_role("spinbutton", name="Frames per second")
+    expect(rate).to_have_value(f"{scene.FPS:g}")
+    one.page.get_by_role("button", name="Open these files").click()
+    expect(one.heading("Open now: Uploaded files")).to_be_visible()

@@ -16,7 +16,8 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import BrowserContext, expect, sync_playwright
 
-ROOT = Path(__file__).resolve().parents[2]
+HELPERS = Path(__file__).resolve().parent
+ROOT = HELPERS.parents[2]
 START_S = 300
 END_S = 30
 # Limits for what hangs, not for what is slow: on a busy machine a cold page takes minutes.
