@@ -176,7 +176,8 @@ def compare(
     pairs = list(zip(names, (params.threshold_x, params.threshold_y), strict=True))
 
     def score(pair: tuple[str, float | None]) -> SystemResult:
-        return score_system(*pair, *shared, memo)
+        name, threshold = pair
+        return score_system(name, threshold, *shared, memo)
 
     if len(dataset.boxes) < LEAST_FOR_THREADS:
         result_x, result_y = map(score, pairs)
