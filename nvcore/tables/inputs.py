@@ -17,18 +17,19 @@ def inputs_table(dataset: Dataset) -> pd.DataFrame:
     subject ("truth" or the system's name), first_file (its name), n_files, format, conversion (in
     words), n_boxes (placed boxes, those to be ignored too). No rows for data made in memory.
     """
-    table = (
-        dataset.inputs.groupby("subject", sort=False)
-        .agg(
-            first_file=("file", "first"),
-            n_files=("file", "size"),
-            format=("format", "first"),
-            conversion=("conversion", "first"),
-        )
-        .reset_index()
+    source, subjects = pd.factorize(dataset.inputs["subject"])
+    first = dataset.inputs.drop_duplicates("subject", ignore_index=True)
+    n_boxes = np.bincount(dataset.boxes["source"], minlength=len(subjects))
+    return pd.DataFrame(
+        {
+            "subject": first["subject"],
+            "first_file": first["file"],
+            "n_files": np.bincount(source, minlength=len(subjects)),
+            "format": first["format"],
+            "conversion": first["conversion"],
+            "n_boxes": n_boxes[: len(subjects)],
+        }
     )
-    n_boxes = np.bincount(dataset.boxes["source"], minlength=len(table))
-    return table.assign(n_boxes=n_boxes[: len(table)])
 
 
 def left_out_table(dataset: Dataset) -> pd.DataFrame:

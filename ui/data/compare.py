@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import Any, Final
 
 import pandas as pd
+import plotly.graph_objects as go
 import streamlit as st
 
 from nvcore.dataset import Dataset
@@ -96,7 +97,7 @@ def _compare(x: str, y: str | None) -> None:
 
 
 def _draw_system(letter: str, name: str) -> None:
-    dataset, params, theme = state.opened().dataset, state.params(), state.theme()
+    dataset, params = state.opened().dataset, state.params()
     field = f"threshold_{letter}"
     threshold: float | None = getattr(params, field)
     st.markdown(f"**{letter.upper()}: {plain(name)}**")
@@ -131,13 +132,24 @@ def _draw_system(letter: str, name: str) -> None:
     if note := sampling_note(dataset.frame_columns):
         alarms.caption(note)
     if state.score_span(name) is not None:
-        shown: dict[str, Any] = {"letter": letter, "name": name, "threshold": threshold}
-        scores, curve = (
-            score_histogram(dataset, name),
-            _false_alarm_curve(dataset, name, params.only_for(MATCH)),
-        )
-        draw_chart(score_plot(scores, theme=theme, **shown), f"scores_{letter}")
-        draw_chart(false_alarm_plot(curve, theme=theme, **shown), f"alarms_{letter}")
+        scores, alarms_left = _plots(letter, name, threshold)
+        draw_chart(scores, f"scores_{letter}")
+        draw_chart(alarms_left, f"alarms_{letter}")
+
+
+def _plots(letter: str, name: str, threshold: float | None) -> tuple[go.Figure, go.Figure]:
+    """Scores of a system, and the false alarms that each threshold leaves."""
+    dataset, matching, theme = state.opened().dataset, state.params().only_for(MATCH), state.theme()
+    shown: dict[str, Any] = {"letter": letter, "name": name, "threshold": threshold, "theme": theme}
+    return state.cached(  # they stay while the rest of the page changes
+        "threshold_plots",
+        (letter, name, threshold, matching, theme),
+        lambda: (
+            score_plot(score_histogram(dataset, name), **shown),
+            false_alarm_plot(_false_alarm_curve(dataset, name, matching), **shown),
+        ),
+        most=8,
+    )
 
 
 def _take_threshold(letter: str) -> None:

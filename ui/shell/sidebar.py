@@ -115,7 +115,7 @@ def _proximity_plot() -> None:
     """The weight over the pedestrians' heights."""
     dataset, theme = state.opened().dataset, state.theme()
     names = state.params().only_for(PROXIMITY)
-    figure = state.workspace().cached(  # it stays while other sliders move
+    figure = state.cached(  # it stays while other sliders move
         "proximity_plot",
         (names, theme),
         lambda: proximity_plot(dataset, names, theme=theme),
