@@ -31,11 +31,14 @@ def test_the_zip_holds_the_files_of_the_command_line_byte_for_byte(shared, tmp_p
 
 def test_a_video_is_offered_after_a_reload_while_it_was_made(shared, tmp_path):
     one = shared(LINK)
+    one.page.get_by_role("spinbutton", name="To (s)").fill("5")
+    one.page.keyboard.press("Enter")
+    expect(one.page.get_by_text("101 frames at")).to_be_visible()
     one.keyed("make_video").get_by_role("button").click()
     expect(one.page.get_by_role("button", name="Cancel")).to_be_visible()
     one.page.reload()
     with one.page.expect_download() as download:
         one.keyed("video_download").get_by_role("button").click()
-    assert download.value.suggested_filename == "rural_child-0-200.mp4"
+    assert download.value.suggested_filename == "rural_child-0-100.mp4"
     download.value.save_as(tmp_path / "video.mp4")
     assert (tmp_path / "video.mp4").read_bytes()[4:8] == b"ftyp"

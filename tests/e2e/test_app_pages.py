@@ -32,6 +32,7 @@ FIND_REGION = """(plot, category) => {
 @pytest.fixture
 def overview(shared) -> Visit:
     visit: Visit = shared()
+    visit.prefer("light")
     visit.switch_to("Overview")
     return visit
 
@@ -55,7 +56,8 @@ def test_a_worst_moment_opens_its_frame(overview):
 @pytest.mark.parametrize("title", TITLES)
 @pytest.mark.parametrize("theme", THEMES)
 def test_a_page_has_no_accessibility_fault(shared, theme, title):
-    one = shared(theme=theme)
+    one = shared()
+    one.prefer(theme)
     one.switch_to(title)
     if title == "Timeline":
         one.shows(re.compile("^[0-9]+$"))
@@ -63,10 +65,10 @@ def test_a_page_has_no_accessibility_fault(shared, theme, title):
 
 
 def test_the_dark_theme_reaches_page_plots_and_viewer(shared):
-    one = shared(theme="dark")
+    one = shared()
+    one.prefer("dark")
     one.switch_to("Timeline")
     one.shows(re.compile("^[0-9]+$"))
-    expect(one.page.get_by_test_id("stApp")).to_have_css("background-color", "rgb(17, 22, 27)")
     expect(one.viewer).to_have_attribute("data-theme", "dark")
     title = one.page.locator("[class*=st-key-time_plot_] .gtitle")
     expect(title).to_have_css("fill", "rgb(230, 234, 240)")

@@ -27,7 +27,9 @@ FLAGS = (
     *("--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-sync"),
     *("--disable-background-networking", "--disable-component-update"),
     # a page lives for seconds here: compiling its scripts for speed costs more than it saves
-    "--js-flags=--no-maglev,--no-turbofan",
+    "--js-flags=--no-maglev,--no-turbofan,--single-threaded-gc",
+    # compiled scripts are kept after the first load, not only after the second
+    "--blink-settings=v8CacheOptions=3",
 )
 # While Chromium fetches in the background it compiles every script anew, for seconds per page, also
 # where it has kept the compiled code. The others are Playwright's own, whose list this replaces.

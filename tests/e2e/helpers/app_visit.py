@@ -10,6 +10,7 @@ from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import BrowserContext, ConsoleMessage, Locator, Page, expect
 
 SIZE = {"width": 1280, "height": 800}
+GROUND = {"light": "rgb(255, 255, 255)", "dark": "rgb(17, 22, 27)"}
 # Streamlit looks for its server below the page's own path first
 HARMLESS = re.compile(r"/(_stcore/health|_stcore/host-config)$")
 IS_DRAWN = """() => document.querySelector('[data-testid="stApp"]')
@@ -87,6 +88,12 @@ class Visit:
         self.keyed("navigation").get_by_role("link", name=title, exact=True).click()
         expect(self.heading(title, level=1)).to_be_visible()
         self.wait_until_drawn()
+
+    def prefer(self, theme: Literal["light", "dark"]) -> None:
+        """Change the person's theme; plots and viewer have it once Python draws them anew."""
+        self.page.emulate_media(color_scheme=theme)
+        app = self.page.get_by_test_id("stApp")
+        expect(app).to_have_css("background-color", GROUND[theme])
 
     def wait_until_drawn(self) -> None:
         self.page.wait_for_function(IS_DRAWN)
