@@ -65,8 +65,7 @@ def test_a_page_has_no_accessibility_fault(shared, theme, title):
 
 
 def test_the_dark_theme_reaches_page_plots_and_viewer(shared):
-    one = shared()
-    one.prefer("dark")
+    one = shared(theme="dark")  # from the first page on
     one.switch_to("Timeline")
     one.shows(re.compile("^[0-9]+$"))
     expect(one.viewer).to_have_attribute("data-theme", "dark")
