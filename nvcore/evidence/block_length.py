@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
-from scipy.signal import correlate
 
 INSIGNIFICANT: Final = 2.0
 """Autocorrelations below this many times sqrt(log10(n) / n) count as none."""
@@ -75,6 +74,8 @@ def autocovariance(trace: np.ndarray, first: np.ndarray, *, n_lags: int) -> np.n
 
     Fewer lags where the longest recording has fewer frames.
     """
+    from scipy.signal import correlate  # here: it takes half a second, and is seldom needed
+
     deviation = trace - trace.mean()
     parts: Sequence[np.ndarray] = np.split(deviation, first[1:-1])
     n_lags = min(n_lags, max(len(part) for part in parts) - 1)
