@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Final, Literal
+from typing import Final
 
 import numpy as np
 
 from nvcore.columns import BoxColumns, FrameColumns
 from nvcore.errors import ParameterError
 from nvcore.params import SETTINGS, Params
-
-PerRecording = Literal["midpoint", "spread", "horizon"]
-"""Settings that each recording has a value of its own for, unless `Params` gives one."""
 
 BLOCK: Final = 262_144
 """Boxes weighed at a time: bounds the memory of intermediate results; in smaller blocks the two
@@ -122,8 +119,8 @@ def _blocks(
             yield slice(start, min(start + BLOCK, int(edges[i + 1]))), int(recording)
 
 
-def in_use(params: Params, name: PerRecording, frames: FrameColumns) -> np.ndarray:
-    """The setting for each recording, px; its own where `params` gives none; (n_recordings,)."""
+def in_use(params: Params, name: str, frames: FrameColumns) -> np.ndarray:
+    """Midpoint, spread or horizon of each recording, px; its own where `params` gives none."""
     value, share = getattr(params, name), SETTINGS[name].height_share
     if value is not None:
         return np.full(len(frames.fps), float(value))

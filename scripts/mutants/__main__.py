@@ -187,8 +187,9 @@ def main() -> None:
             RESULTS.unlink(missing_ok=True)
         run(sample, options.seconds, again=options.again)
     else:
-        print(table(sample, options.earlier))
-        write_table(table(sample, options.earlier))
+        text = table(sample, options.earlier)
+        print(text)
+        write_table(text)
 
 
 if __name__ == "__main__":

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 import pytest
-from app_visit import Visit
+from app_visit import GROUND, Visit
 from playwright.sync_api import expect
 
 from ui.shell.pages import SECTIONS
@@ -68,6 +68,7 @@ def test_the_dark_theme_reaches_page_plots_and_viewer(shared):
     one = shared(theme="dark")  # from the first page on
     one.switch_to("Timeline")
     one.shows(re.compile("^[0-9]+$"))
+    expect(one.page.get_by_test_id("stApp")).to_have_css("background-color", GROUND["dark"])
     expect(one.viewer).to_have_attribute("data-theme", "dark")
     title = one.page.locator("[class*=st-key-time_plot_] .gtitle")
     expect(title).to_have_css("fill", "rgb(230, 234, 240)")

@@ -16,7 +16,7 @@ from nvcore.inputs.load import source_hashes
 from nvcore.metrics.encounters import RELEVANT_K
 from nvcore.metrics.kernels import ABSORB_SHARE
 from nvcore.metrics.linking import LINK_GAP, LINK_IOU
-from nvcore.metrics.proximity import PerRecording, in_use
+from nvcore.metrics.proximity import in_use
 from nvcore.params import SETTINGS
 from nvcore.report.html import words
 from nvcore.report.html.blocks import Block, Section, Sentences, Table, table
@@ -25,8 +25,6 @@ from nvcore.wording import UNDEFINED, capitalised, count_text, number
 
 MOST_FILES: Final = 60
 """Most input files that are listed one by one; the hash of all is always shown."""
-FROM_HEIGHT: Final[tuple[PerRecording, ...]] = ("midpoint", "spread")
-"""Settings that are a share of the picture's height if not set."""
 
 
 def audit_section(findings: Sequence[Finding]) -> Section:
@@ -111,7 +109,7 @@ def _files(result: Result) -> list[Block]:
     ]
 
 
-def span_in_use(result: Result, name: PerRecording) -> str:
+def span_in_use(result: Result, name: str) -> str:
     """The setting in use, px: "48", or "48 to 57.6" where recordings differ."""
     values = in_use(result.params, name, result.dataset.frame_columns)
     if not len(values):
@@ -124,7 +122,9 @@ def _recordings(result: Result) -> Table:
     dataset = result.dataset
     frames = dataset.frame_columns
     n_frames = np.diff(frames.first)
-    midpoint, spread = (in_use(result.params, name, frames).tolist() for name in FROM_HEIGHT)
+    midpoint, spread = (
+        in_use(result.params, name, frames).tolist() for name in ("midpoint", "spread")
+    )
     rows = [
         (
             row["name"],
@@ -192,7 +192,7 @@ def parameters_section(result: Result) -> Section:
 
 def _fallback(result: Result, name: str) -> str:
     """The value in place of a setting that is not set, in words."""
-    return next((span_in_use(result, own) for own in FROM_HEIGHT if own == name), "not set")
+    return "not set" if SETTINGS[name].height_share is None else span_in_use(result, name)
 
 
 def _value(value: Any) -> str:

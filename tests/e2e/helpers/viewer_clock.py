@@ -75,7 +75,12 @@ SLOW_PICTURES = """(seconds) => {
     late += 1000 * seconds;
     return answer;
   };
-  window.testSlowness = { end: () => Object.assign(window, { fetch }) && delete performance.now };
+  window.testSlowness = {
+    end() {
+      window.fetch = fetch;
+      delete performance.now;
+    },
+  };
 }"""
 
 
