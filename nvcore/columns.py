@@ -71,8 +71,8 @@ class FrameColumns:
         Frames to the next listed frame (last one: the median gap), float64, shape (n_frames,).
     first
         First row of each recording, int64, shape (n_recordings + 1,).
-    width, height, fps, horizon
-        float64, shape (n_recordings,).
+    width, height, fps, horizon, context
+        float64, shape (n_recordings,); horizon and context NaN where unknown.
     """
 
     recording: np.ndarray
@@ -83,6 +83,7 @@ class FrameColumns:
     height: np.ndarray
     fps: np.ndarray
     horizon: np.ndarray
+    context: np.ndarray
 
     def __len__(self) -> int:
         return len(self.frame)
@@ -95,6 +96,12 @@ class FrameColumns:
     def passed(self) -> np.ndarray:
         """Sum of the gaps before each frame, over all recordings; float64, (n_frames + 1,)."""
         return np.concatenate([[0.0], np.cumsum(self.gap)])
+
+    @cached_property
+    def step_s(self) -> np.ndarray:
+        """Time step of every frame, seconds; float64, (n_frames,)."""
+        steps: np.ndarray = self.gap / self.fps[self.recording]
+        return steps
 
     @cached_property
     def duration_s(self) -> float:

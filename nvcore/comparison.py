@@ -16,7 +16,9 @@ from nvcore.metrics.encounters import Encounters, find_encounters, mostly_one_fr
 from nvcore.metrics.fusion import fuse
 from nvcore.metrics.linking import TruthTracks, track_truth
 from nvcore.metrics.matching import count_per_frame
-from nvcore.metrics.proximity import Weights, weigh_proximity
+from nvcore.metrics.proximity import Weights, in_use, weigh_proximity
+from nvcore.metrics.saliency import saliency_by_recording
+from nvcore.metrics.severity import cost_of_miss
 from nvcore.metrics.venn import (
     BoxVenn,
     Exclusivity,
@@ -27,7 +29,7 @@ from nvcore.metrics.venn import (
     measure_exclusivity,
 )
 from nvcore.params import Params
-from nvcore.params.metadata import ENCOUNTERS, MATCH, PROXIMITY
+from nvcore.params.metadata import COST, ENCOUNTERS, MATCH, PROXIMITY
 from nvcore.schema import Category, DetectionState
 from nvcore.scoring import Memo, SystemResult, score_system
 
@@ -51,6 +53,8 @@ class Result:
         The encounters of the ground truth.
     k_truth
         Proximity weight of every truth box.
+    cost
+        What missing each truth box would cost (`nvcore.metrics.severity.cost_of_miss`).
     category
         Venn category of every encounter; object, shape (n_encounters,).
     venn, exclusivity, boxes
@@ -68,6 +72,7 @@ class Result:
     tracks: TruthTracks
     encounters: Encounters
     k_truth: Weights
+    cost: np.ndarray
     n_truth: np.ndarray
     category: np.ndarray
     venn: Venn
@@ -93,21 +98,22 @@ class Result:
 
     def saliency_of_recordings(self, system: SystemResult) -> np.ndarray:
         """Saliency of every recording by itself, s, 0 is best; float64, shape (n_recordings,)."""
-        saliency = np.zeros(len(self.dataset.recordings))
-        add = np.maximum if self.params.saliency_aggregate == "max" else np.add
-        events = system.events
-        add.at(
-            saliency,
-            events["recording"].to_numpy(dtype=np.int64),
-            events["saliency_s"].to_numpy(dtype=float),
+        return saliency_by_recording(
+            system.events,
+            len(self.dataset.recordings),
+            aggregate=self.params.saliency_aggregate,
         )
-        return saliency
 
     @property
     def lead_time_s(self) -> np.ndarray:
         """Lead of X over Y per encounter, lag(Y) - lag(X), seconds; NaN unless both match."""
         lead: np.ndarray = (self.y.encounters["lag_s"] - self.x.encounters["lag_s"]).to_numpy()
         return lead
+
+    def severity_of(self, system: SystemResult) -> dict[Category, float]:
+        """What a system's failures weigh in the encounters of each category, seconds, 0 is best."""
+        severity_s = system.failures["severity_s"].to_numpy()
+        return {kind: float(severity_s[self.category == kind.value].sum()) for kind in Category}
 
     @cached_property
     def fusion(self) -> Result:
@@ -172,7 +178,12 @@ def compare(
     k_truth = memo.get(
         "k_truth", lambda: weigh_proximity(truth, ~truth.ignore, frames, params), PROXIMITY
     )
-    shared = (dataset, params, tracks, encounters, k_truth)
+    cost = memo.get(
+        "cost",
+        lambda: cost_of_miss(truth, k_truth.k, frames, in_use(params, "edge_weight", frames)),
+        COST,
+    )
+    shared = (dataset, params, tracks, encounters, k_truth, cost)
     pairs = list(zip(names, (params.threshold_x, params.threshold_y), strict=True))
 
     def score(pair: tuple[str, float | None]) -> SystemResult:
@@ -209,6 +220,7 @@ def compare(
         tracks=tracks,
         encounters=encounters,
         k_truth=k_truth,
+        cost=cost,
         n_truth=n_truth,
         category=category,
         venn=venn,

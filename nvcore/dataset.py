@@ -35,8 +35,8 @@ class Dataset:
     Attributes
     ----------
     recordings
-        One row per recording: name, width, height (px), fps, horizon (px, NaN unknown), tags
-        (tuple of str).
+        One row per recording: name, width, height (px), fps, horizon (px, NaN unknown), context
+        (0 urban to 1 rural, NaN not stated), tags (tuple of str).
     frames
         One row per listed frame, frames without boxes too: recording (row of `recordings`),
         frame, time_s, step_s. Sorted by recording, then frame.
@@ -79,7 +79,8 @@ class Dataset:
         first = np.searchsorted(recording, np.arange(len(self.recordings) + 1))
         frame = self.frames["frame"].to_numpy()
         numbers = {
-            name: self.recordings[name].to_numpy() for name in ("width", "height", "fps", "horizon")
+            name: self.recordings[name].to_numpy()
+            for name in ("width", "height", "fps", "horizon", "context")
         }
         gap = frame_gaps(frame, first)
         return FrameColumns(recording, frame, gap, first.astype(np.int64), **numbers)
@@ -194,7 +195,7 @@ def dataset_from_tables(
     Parameters
     ----------
     recordings
-        Columns name, width, height, fps, and optionally horizon and tags.
+        Columns name, width, height, fps, and optionally horizon, context and tags.
     frames_by_recording
         Listed frame numbers of each recording, sorted, unique.
     boxes

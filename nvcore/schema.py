@@ -62,6 +62,7 @@ RECORDING_DTYPES: Final[dict[str, str]] = {
     "height": "float64",  # px
     "fps": "float64",  # frames per second
     "horizon": "float64",  # row of the horizon, px; NaN: unknown
+    "context": "float64",  # traffic: 0 urban to 1 rural; NaN: not stated
     "tags": "object",  # words for choosing recordings, tuple of str
 }
 

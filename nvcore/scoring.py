@@ -16,14 +16,20 @@ from nvcore.metrics.encounters import Encounters, judge_encounters
 from nvcore.metrics.false_alarms import FalseAlarmSummary, find_episodes, summarise_false_alarms
 from nvcore.metrics.linking import TruthTracks
 from nvcore.metrics.matching import Matches, count_per_frame, match_system
-from nvcore.metrics.proximity import Weights, weigh_proximity
-from nvcore.metrics.saliency import aggregate_saliency, find_events, qualify
+from nvcore.metrics.proximity import Weights, in_use, weigh_proximity
+from nvcore.metrics.saliency import find_events, mean_saliency, qualify
+from nvcore.metrics.severity import weigh_failures
 from nvcore.metrics.similarity import (
+    NO_WINDOW,
     Nearest,
     SetDistances,
     SimilaritySummary,
+    Window,
     find_low_intervals,
     find_nearest,
+    find_worst_windows,
+    lost_per_minute,
+    measure_matched,
     measure_sets,
     smooth,
     summarise_similarity,
@@ -38,6 +44,7 @@ from nvcore.params.metadata import (
     NEAREST,
     PROXIMITY,
     SALIENT,
+    SEVERITY,
     Stage,
 )
 
@@ -88,6 +95,8 @@ class SystemResult:
         Saliency events (`nvcore.metrics.saliency.find_events`).
     encounters
         How the system did in each encounter (`nvcore.metrics.encounters.judge_encounters`).
+    failures
+        What its failures weigh in each encounter (`nvcore.metrics.severity.weigh_failures`).
     episodes
         False-alert episodes (`nvcore.metrics.false_alarms.find_episodes`).
     summary
@@ -95,7 +104,8 @@ class SystemResult:
     false_alarm_summary
         Rates of false alarms over all recordings.
     saliency_s
-        Saliency over all recordings: the largest of them, or their sum (`saliency_aggregate`).
+        Mean over the recordings of each one's saliency: its most salient event, or the sum of all
+        (`saliency_aggregate`); NaN without frames.
     """
 
     name: str
@@ -111,6 +121,7 @@ class SystemResult:
     false_alarms: np.ndarray
     events: pd.DataFrame
     encounters: pd.DataFrame
+    failures: pd.DataFrame
     episodes: pd.DataFrame
     summary: SimilaritySummary
     false_alarm_summary: FalseAlarmSummary
@@ -122,6 +133,42 @@ class SystemResult:
     def similarity_window(self) -> np.ndarray:
         """Moving mean of similarity, 1 is best; float64, shape (n_frames,)."""
         return smooth(self.similarity, self._dataset.frame_columns, window=self._params.window)
+
+    @cached_property
+    def loss_miss(self) -> np.ndarray:
+        """What each frame loses to misses: ``alpha * D(G, S) / (W/2)``; float64, (n_frames,)."""
+        return self._params.alpha * self._in_half_widths(self.distances.d_miss)
+
+    @cached_property
+    def loss_false(self) -> np.ndarray:
+        """What each frame loses to false alarms: ``(1 - alpha) * D(S, G) / (W/2)``; (n_frames,)."""
+        return (1 - self._params.alpha) * self._in_half_widths(self.distances.d_false)
+
+    def _in_half_widths(self, distance: np.ndarray) -> np.ndarray:
+        frames = self._dataset.frame_columns
+        shares: np.ndarray = distance / (0.5 * frames.width[frames.recording])
+        return shares
+
+    @cached_property
+    def lost_s_per_min(self) -> float:
+        """Lost similarity, seconds per minute (`nvcore.metrics.similarity.lost_per_minute`)."""
+        return lost_per_minute(self.similarity, self._dataset.frame_columns.step_s)
+
+    @cached_property
+    def worst_window_of_recordings(self) -> tuple[Window, ...]:
+        """The window with the lowest moving mean in every recording."""
+        return find_worst_windows(
+            self.similarity,
+            self.similarity_window,
+            self._dataset.frame_columns,
+            window=self._params.window,
+        )
+
+    @cached_property
+    def worst_window(self) -> Window:
+        """The one with the lowest moving mean of all; undefined without frames."""
+        windows = [window for window in self.worst_window_of_recordings if window.row >= 0]
+        return min(windows, key=lambda window: window.mean, default=NO_WINDOW)
 
     @cached_property
     def intervals(self) -> pd.DataFrame:
@@ -140,6 +187,14 @@ class SystemResult:
         )
 
 
+def nearest_of(dataset: Dataset, name: str, matches: Matches, params: Params) -> Nearest:
+    """Distances between the truth and a system's counted detections, as `pairing` says."""
+    boxes, frames = (dataset.truth, dataset.system(name)), dataset.frame_columns
+    if params.pairing == "matched":
+        return measure_matched(*boxes, matches.truth_det, frames, distance=params.distance)
+    return find_nearest(*boxes, matches.is_counted, frames, distance=params.distance)
+
+
 def score_system(
     name: str,
     threshold: float | None,
@@ -148,6 +203,7 @@ def score_system(
     tracks: TruthTracks,
     encounters: Encounters,
     k_truth: Weights,
+    cost: np.ndarray,
     memo: Memo,
 ) -> SystemResult:
     """Everything about one system, without reference to the other."""
@@ -164,11 +220,8 @@ def score_system(
     episodes = get(
         "episodes", lambda: find_episodes(detections, matches.is_false_alarm, frames), MATCH
     )
-    nearest = get(
-        "nearest",
-        lambda: find_nearest(truth, detections, is_counted, frames, distance=params.distance),
-        NEAREST,
-    )
+    nearest = get("nearest", lambda: nearest_of(dataset, name, matches, params), NEAREST)
+    edge_weight = in_use(params, "edge_weight", frames)
     weights = get(
         "weights",
         lambda: weigh_proximity(detections, is_counted, frames, params),
@@ -185,8 +238,8 @@ def score_system(
             is_counted,
             nearest,
             frames,
+            edge_weight=edge_weight,
             track=tracks.track,
-            edge_weight=params.edge_weight,
         ),
         DISTANCES,
     )
@@ -194,11 +247,11 @@ def score_system(
     salient_row = get(
         "salient_row", lambda: qualify(distances, frames, tolerance=params.tolerance), SALIENT
     )
-    rows = encounters.first_row, encounters.last_row
     events = get(
         "events",
         lambda: find_events(
-            salient_row, encounters.encounter_of, tracks.track, rows, frames, params
+            *(truth, k_truth.k, nearest.truth, distances, tracks.track),
+            *(encounters, frames, edge_weight, params),
         ),
         EVENTS,
     )
@@ -206,6 +259,11 @@ def score_system(
         "judged",
         lambda: judge_encounters(encounters, k_truth.k, matches.is_matched, frames, params),
         ENCOUNTERS,
+    )
+    failures = get(
+        "failures",
+        lambda: weigh_failures(encounters, k_truth.k, cost, matches.is_matched, frames),
+        SEVERITY,
     )
     return SystemResult(
         name=name,
@@ -221,14 +279,13 @@ def score_system(
         false_alarms=false_alarms,
         events=events,
         encounters=outcomes,
+        failures=failures,
         episodes=episodes,
         summary=summarise_similarity(similarity, low=params.low),
         false_alarm_summary=summarise_false_alarms(
             int(false_alarms.sum()), episodes, n_frames=len(frames), duration_s=frames.duration_s
         ),
-        saliency_s=aggregate_saliency(
-            events["saliency_s"].to_numpy(), aggregate=params.saliency_aggregate
-        ),
+        saliency_s=mean_saliency(events, frames, aggregate=params.saliency_aggregate),
         _dataset=dataset,
         _params=params,
     )

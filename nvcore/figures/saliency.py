@@ -46,12 +46,12 @@ def _events(result: Result, letter: str, recording: int | None, most: int) -> pd
     start_s = result.dataset.frames["time_s"].to_numpy()[events["first_row"].to_numpy()]
     text = [
         f"{letter.upper()} misses pedestrian {track}<br>{plain(name)} at {start:.2f} s<br>"
-        f"{duration:.2f} s × recency {recency:.2f} = {saliency:.2f} s"
-        for name, track, start, duration, recency, saliency in zip(
+        f"{weight:.2f} s × recency {recency:.2f} = {saliency:.2f} s"
+        for name, track, start, weight, recency, saliency in zip(
             names,
             events["track"],
             start_s,
-            events["duration_s"],
+            events["weight_s"],
             events["recency"],
             events["saliency_s"],
             strict=True,
@@ -71,10 +71,13 @@ def recency_plot(result: Result, *, theme: Theme, recording: int | None = None) 
         Row of ``dataset.recordings``; None: all of them.
     """
     params, look = result.params, LOOK[theme]
-    tau = np.linspace(0, 1, CURVE_POINTS)
+    in_seconds = params.recency_unit == "seconds"
+    column = "rest_s" if in_seconds else "tau"
+    reach = _reach_s(result, recording) if in_seconds else 1.0
+    place = np.linspace(0, reach, CURVE_POINTS)
     scope = "encounter" if params.saliency_scope == "encounter" else "recording"
     line = {"color": look.muted, "width": 1.5}
-    traces = [still_line(tau, recency_weight(tau, params), "recency", line=line)]
+    traces = [still_line(place, recency_weight(place, place, params), "recency", line=line)]
     counts = []
     for letter, system in result.sides:
         events = _events(result, letter, recording, MAX_EVENTS)
@@ -90,7 +93,7 @@ def recency_plot(result: Result, *, theme: Theme, recording: int | None = None) 
         )
         traces.append(
             marks(
-                events["tau"].to_numpy(),
+                events[column].to_numpy(),
                 events["recency"].to_numpy() + shift,
                 events["text"].tolist(),
                 customdata=events["first_row"].to_numpy(),
@@ -98,8 +101,12 @@ def recency_plot(result: Result, *, theme: Theme, recording: int | None = None) 
                 **marker,
             )
         )
-    quantity = f"end of the event in its {scope} (share of the duration)"
-    ends = {"range": [-0.02, 1.03], "fixedrange": True}
+    if in_seconds:
+        quantity = f"time from the end of the event to the end of its {scope} (s)"
+        along = axis(theme, quantity, range=[1.02 * reach, -0.03 * reach], fixedrange=True)
+    else:
+        quantity = f"end of the event in its {scope} (share of the duration)"
+        along = axis(theme, quantity, tickformat=".0%", range=[-0.02, 1.03], fixedrange=True)
     return draw(
         traces,
         theme,
@@ -107,9 +114,17 @@ def recency_plot(result: Result, *, theme: Theme, recording: int | None = None) 
         subtitle=f"{', '.join(counts)}; larger marks last longer; X drawn just above the curve, "
         "Y just below",
         height=360,
-        xaxis=axis(theme, quantity, tickformat=".0%", **ends),
+        xaxis=along,
         yaxis=axis(theme, "recency (weight, 0 to 1)", range=[-0.06, 1.08], fixedrange=True),
     )
+
+
+def _reach_s(result: Result, recording: int | None) -> float:
+    """Longest time left after an event, or where recency has faded, seconds."""
+    params = result.params
+    faded_s = params.recency_midpoint_s + 5 * params.recency_spread_s
+    rests = (_events(result, letter, recording, MAX_EVENTS)["rest_s"].max() for letter in "xy")
+    return max(faded_s, *(float(rest) for rest in rests if rest == rest))
 
 
 def parts_plot(
@@ -138,7 +153,7 @@ def parts_plot(
             where = "" if recording is not None else f"{plain(name, max_length=20)}, "
             labels.append(f"{where}ped {plain(track, max_length=8)}, {start:.1f} s")
         colour = look.of(letter)
-        for column, fill in (("duration_s", faded(colour, 0.22)), ("saliency_s", colour)):
+        for column, fill in (("weight_s", faded(colour, 0.22)), ("saliency_s", colour)):
             marker = steady_marker(color=fill, line={"width": 1, "color": colour}, cornerradius=2)
             traces.append(
                 go.Bar(
@@ -157,13 +172,14 @@ def parts_plot(
             )
     if not labels:
         return empty_figure(NO_EVENTS, theme=theme)
+    is_risk = result.params.saliency_weight == "risk"
     kind = "largest event" if result.params.saliency_aggregate == "max" else "sum of events"
     return draw(
         traces,
         theme,
         title="The number taken apart",
-        subtitle=f"{count_text(len(labels), 'most salient event')}; pale: duration, "
-        "solid: × recency",
+        subtitle=f"{count_text(len(labels), 'most salient event')}; pale: "
+        f"{'weighted distance over time' if is_risk else 'duration'}, solid: × recency",
         height=150 + 24 * len(labels),
         barmode="overlay",
         xaxis=axis(theme, f"seconds (a recording: {kind})", rangemode="tozero"),

@@ -86,7 +86,7 @@ def low_areas(
     span: TimeSpan, system: SystemResult, lows: pd.DataFrame, letter: str, low: float, theme: Theme
 ) -> go.Scatter:
     """Polygons between the low limit and the trace, one for each interval drawn."""
-    worst = lows.sort_values("severity_s", ascending=False, kind="stable").head(MAX_INTERVALS)
+    worst = lows.sort_values("depth_s", ascending=False, kind="stable").head(MAX_INTERVALS)
     values, time_s = system.similarity[span.start : span.stop], span.time_s
     drawn = decimate(values)
     corners_t: list[np.ndarray] = []

@@ -24,7 +24,7 @@ from nvcore.measures.entry import (
     Parts,
 )
 from nvcore.measures.table import MEASURES
-from nvcore.measures.values import duration_of_recordings, per_recording
+from nvcore.measures.values import duration_of_recordings, per_recording, relevant_share
 
 __all__ = [
     "EVIDENCE_KEYS",
@@ -45,6 +45,7 @@ __all__ = [
     "measure_of",
     "measures_in",
     "per_recording",
+    "relevant_share",
 ]
 
 _BY_KEY: Final = {measure.key: measure for measure in MEASURES}
@@ -69,6 +70,7 @@ def label_words(result: Result, units: str = "") -> dict[str, Any]:
     is_largest = result.params.saliency_aggregate == "max"
     return {
         "low": result.params.low,
+        "window": result.params.window,
         "aggregate": "largest event" if is_largest else "sum of events",
         "n_near": result.venn.n_near,
         "n_boxes": int(result.n_truth.sum()),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import nan
 from operator import attrgetter
 from typing import Any, Final
 
@@ -25,12 +26,19 @@ from nvcore.measures.values import (
     detected_parts,
     episode_parts,
     episodes_by_recording,
+    largest_event,
+    lost_parts,
+    lost_per_minute_by_recording,
     low_parts,
-    mean_saliency,
     rate_by_recording,
+    ratio_of,
+    relevant_share,
     saliency_parts,
+    severity_by_recording,
+    severity_parts,
     similarity_by_recording,
     similarity_parts,
+    worst_windows,
 )
 from nvcore.schema import Category, MissClass
 from nvcore.scoring import SystemResult
@@ -154,14 +162,122 @@ MEASURES: Final[tuple[Measure, ...]] = (
         ),
     ),
     Measure(
+        key="lost_s_per_min",
+        label="similarity lost (s per minute)",
+        form=".2f",
+        better=LOWER,
+        of=lambda _, system: system.lost_s_per_min,
+        unit="s/min",
+        meaning="Lost similarity: the sum of (1 - similarity) * time step per minute. 60 would be "
+        "a similarity of 0 throughout.",
+        empty=NO_FRAMES,
+        by_recording=lost_per_minute_by_recording,
+        tables=(MeasureTable.SCORECARD,),
+        inference=Inference(
+            test="units",
+            scale=AxisScale(".2f", least=0.5, least_reach=0.05, unit="seconds per minute"),
+            parts=lost_parts,
+            per="duration_s",
+            factor=60.0,
+            not_of_pedestrians=_NO_FRAMES_OF_GROUPS,
+        ),
+    ),
+    Measure(
+        key="worst_window_similarity",
+        label="mean similarity of the worst {window:g} s",
+        form=".4f",
+        better=HIGHER,
+        of=lambda _, system: system.worst_window.mean,
+        unit="0 to 1",
+        meaning="Lowest moving mean of similarity (`window`).",
+        empty=NO_FRAMES,
+        by_recording=worst_windows("mean"),
+    ),
+    Measure(
+        key="worst_window_lost_s",
+        label="similarity lost in the worst {window:g} s (s)",
+        form=".3f",
+        better=LOWER,
+        of=lambda _, system: system.worst_window.lost_s,
+        unit="s",
+        meaning="Lost similarity in that window: the sum of (1 - similarity) * time step.",
+        empty=NO_FRAMES,
+        by_recording=worst_windows("lost_s"),
+    ),
+    Measure(
+        key="severity_s",
+        label="severity of missed pedestrians (s)",
+        form=".2f",
+        better=LOWER,
+        of=lambda _, system: float(system.failures["severity_s"].sum()),
+        unit="s",
+        meaning="What the failures weigh: the sum of cost * time step over the relevant frames in "
+        "which a pedestrian was not matched, of all encounters. 1 s is one second of a full-weight "
+        "miss.",
+        by_recording=severity_by_recording,
+        tables=(MeasureTable.SCORECARD,),
+    ),
+    Measure(
+        key="severity_s_per_min",
+        label="severity per minute (s)",
+        part="per minute (s)",
+        form=".2f",
+        better=LOWER,
+        of=lambda result, system: (
+            60 * ratio_of(system.failures["severity_s"].sum(), result.duration_s)
+        ),
+        unit="s/min",
+        meaning="The same per minute of recording.",
+        empty=NO_FRAMES,
+        by_recording=rate_by_recording(severity_by_recording, per_s=60),
+        tables=(MeasureTable.SCORECARD,),
+    ),
+    Measure(
+        key="severity_s_per_encounter",
+        label="severity per encounter (s)",
+        part="per encounter (s)",
+        form=".3f",
+        better=LOWER,
+        of=lambda result, system: ratio_of(system.failures["severity_s"].sum(), result.venn.n_near),
+        unit="s",
+        meaning="The same per encounter, distant ones left out.",
+        empty="no encounter is near enough to count",
+        tables=(MeasureTable.SCORECARD,),
+        inference=Inference(
+            test="units",
+            scale=AxisScale(".2f", least=0.1, least_reach=0.01, unit="seconds"),
+            label="severity of missed pedestrians per encounter (s)",
+            parts=severity_parts,
+            per="n_encounters",
+            noun="severity of missed pedestrians",
+            noun_unit=" s per encounter",
+            needs_tracks=True,
+        ),
+    ),
+    Measure(
+        key="worst_severity_s",
+        label="worst encounter (s)",
+        part="worst encounter (s)",
+        form=".2f",
+        better=LOWER,
+        of=lambda _, system: (
+            float(system.failures["severity_s"].max()) if len(system.encounters) else nan
+        ),
+        unit="s",
+        meaning="Severity of the encounter in which the failures weigh most.",
+        empty="no encounters",
+        tables=(MeasureTable.SCORECARD,),
+    ),
+    Measure(
         key="saliency",
-        label="saliency, {aggregate} (s)",
+        label="saliency, mean over recordings (s)",
         form=".3f",
         better=LOWER,
         of=lambda _, system: system.saliency_s,
         unit="s",
-        meaning="The largest saliency event, or the sum of all (`saliency_aggregate`); 0 without "
-        "any.",
+        meaning="Mean over the recordings of each one's saliency: its largest saliency event, or "
+        "the sum of all (`saliency_aggregate`); 0 without any.",
+        empty=NO_FRAMES,
         by_recording=lambda result, system: result.saliency_of_recordings(system),
         meaning_by_recording="Its largest saliency event, or their sum (`saliency_aggregate`); 0 "
         "without any.",
@@ -180,14 +296,28 @@ MEASURES: Final[tuple[Measure, ...]] = (
         ),
     ),
     Measure(
-        key="mean_saliency",
-        label="mean saliency over recordings (s)",
-        part="mean over recordings (s)",
+        key="saliency_largest_event",
+        label="largest event of all (s)",
+        part="largest event of all (s)",
         form=".3f",
         better=LOWER,
-        of=mean_saliency,
+        of=lambda _, system: largest_event(system),
+        unit="s",
+        meaning="Saliency of the most salient event of all recordings; 0 without any.",
         tables=(MeasureTable.SCORECARD,),
-        of_several=True,
+    ),
+    Measure(
+        key="saliency_relevant_share",
+        label="time of the events in which the pedestrian counts",
+        part="of the events' time, pedestrian counts",
+        form=".0%",
+        better="",
+        of=lambda _, system: relevant_share(system),
+        unit="0 to 1",
+        meaning="Share of the events' time in which the missed pedestrian counts (k >= 0.5). The "
+        "rest is of pedestrians far away.",
+        empty="no events",
+        tables=(MeasureTable.SCORECARD,),
     ),
     Measure(
         key="encounters_detected",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import nan
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from nvcore.schema import Category
 from nvcore.scoring import SystemResult
 
 
-def per_recording(result: Result, values: np.ndarray, recording: np.ndarray) -> np.ndarray:
+def per_recording(result: Result, values: np.ndarray | None, recording: np.ndarray) -> np.ndarray:
     """Sum of `values` over each recording; float64, shape (n_recordings,)."""
     return np.bincount(recording, weights=values, minlength=len(result.dataset.recordings))
 
@@ -24,10 +25,55 @@ def duration_of_recordings(result: Result) -> np.ndarray:
     return duration_s
 
 
-def mean_saliency(result: Result, system: SystemResult) -> float:
-    """Mean over the recordings that have frames, s."""
-    has_frames = np.diff(result.dataset.frame_columns.first) > 0
-    return float(result.saliency_of_recordings(system)[has_frames].mean())
+def ratio_of(numerator: float, denominator: float) -> float:
+    """Numerator over denominator; NaN for nothing over nothing."""
+    return float(numerator) / denominator if denominator else nan
+
+
+def largest_event(system: SystemResult) -> float:
+    """Saliency of the most salient event, s; 0 without any."""
+    return float(system.events["saliency_s"].max()) if len(system.events) else 0.0
+
+
+def relevant_share(system: SystemResult) -> float:
+    """Share of the events' time in which the pedestrian counts; NaN without events."""
+    return ratio_of(system.events["relevant_s"].sum(), float(system.events["duration_s"].sum()))
+
+
+def severity_parts(result: Result, system: SystemResult) -> Parts:
+    """Severity of each encounter, s."""
+    severity_s = system.failures["severity_s"].to_numpy(dtype=float)
+    return Parts(result.encounters.first_row, severity_s)
+
+
+def severity_by_recording(result: Result, system: SystemResult) -> np.ndarray:
+    """Severity of the encounters of each recording, s; float64, shape (n_recordings,)."""
+    return per_recording(result, severity_parts(result, system).value, result.encounters.recording)
+
+
+def lost_parts(result: Result, system: SystemResult) -> Parts:
+    """Similarity lost in each frame, s."""
+    step_s = result.dataset.frame_columns.step_s
+    return Parts(np.arange(len(step_s)), (1 - system.similarity) * step_s)
+
+
+def lost_per_minute_by_recording(result: Result, system: SystemResult) -> np.ndarray:
+    """Similarity lost per minute of each recording, s; float64, shape (n_recordings,)."""
+    lost_s = per_recording(
+        result, lost_parts(result, system).value, result.dataset.frame_columns.recording
+    )
+    with np.errstate(invalid="ignore"):  # a recording without frames has no rates
+        rates: np.ndarray = 60 * lost_s / duration_of_recordings(result)
+    return rates
+
+
+def worst_windows(name: str) -> Callable[[Result, SystemResult], list[float]]:
+    """An attribute of the worst window of each recording."""
+
+    def values(_: Result, system: SystemResult) -> list[float]:
+        return [getattr(window, name) for window in system.worst_window_of_recordings]
+
+    return values
 
 
 def saliency_parts(result: Result, system: SystemResult) -> Parts | None:

@@ -6,14 +6,25 @@ from nvcore.metrics.fusion import fuse, pair_detections
 from nvcore.metrics.linking import TruthTracks, link_boxes, track_truth
 from nvcore.metrics.matching import Matches, count_per_frame, match_boxes
 from nvcore.metrics.proximity import Weights, weigh_proximity
-from nvcore.metrics.saliency import aggregate_saliency, find_events, qualify, recency_weight
+from nvcore.metrics.saliency import (
+    find_events,
+    mean_saliency,
+    qualify,
+    qualify_each,
+    recency_weight,
+    saliency_by_recording,
+)
+from nvcore.metrics.severity import cost_of_miss, weigh_failures
 from nvcore.metrics.similarity import (
     Nearest,
     SetDistances,
     SimilaritySummary,
+    border_of,
     find_low_intervals,
     find_nearest,
+    measure_matched,
     measure_sets,
+    miss_terms,
     runs_of,
     salient_detection,
     smooth,
@@ -43,8 +54,9 @@ __all__ = [
     "TruthTracks",
     "Venn",
     "Weights",
-    "aggregate_saliency",
+    "border_of",
     "categorise",
+    "cost_of_miss",
     "count_boxes",
     "count_categories",
     "count_per_frame",
@@ -57,17 +69,23 @@ __all__ = [
     "judge_encounters",
     "link_boxes",
     "match_boxes",
+    "mean_saliency",
     "measure_exclusivity",
+    "measure_matched",
     "measure_sets",
+    "miss_terms",
     "pair_detections",
     "qualify",
+    "qualify_each",
     "recency_weight",
     "runs_of",
+    "saliency_by_recording",
     "salient_detection",
     "smooth",
     "summarise_false_alarms",
     "summarise_similarity",
     "trace_similarity",
     "track_truth",
+    "weigh_failures",
     "weigh_proximity",
 ]

@@ -215,13 +215,13 @@ def maximin_frames(
     Ties go to the larger weight, then to the smaller track id. An empty A gives 0 and -1.
     """
     for f in range(lo, hi):
-        W = width[recording[f]]
+        W, rho = width[recording[f]], edge_weight[recording[f]]
         most, best = 0.0, -1
         for i in range(offsets[f], offsets[f + 1]):
             if not member[i]:
                 continue
             c = centre(x[i], w[i], W)
-            border = edge_weight * 0.5 * W + (1.0 - edge_weight) * min(c, W - c)
+            border = rho * 0.5 * W + (1.0 - rho) * min(c, W - c)
             value = k[i] * min(border, near[i])
             if (
                 best < 0
@@ -240,11 +240,11 @@ def maximin_frames(
 def maximum_frames(lo, hi, offsets, x, w, k, near, member, edge_weight, recording, width, d):
     """As `maximin_frames`, without the row: a bare maximum needs no branch, a third of the time."""
     for f in range(lo, hi):
-        W = width[recording[f]]
+        W, rho = width[recording[f]], edge_weight[recording[f]]
         most = 0.0
         for i in range(offsets[f], offsets[f + 1]):
             c = centre(x[i], w[i], W)
-            border = edge_weight * 0.5 * W + (1.0 - edge_weight) * min(c, W - c)
+            border = rho * 0.5 * W + (1.0 - rho) * min(c, W - c)
             most = max(most, k[i] * min(border, near[i]) if member[i] else 0.0)
         d[f] = most
 
@@ -307,6 +307,35 @@ def encounter_frames(
         lag[e] = delay
         longest_gap[e] = longest if n_hit else np.nan
         tail[e] = run if n_hit else np.nan
+
+
+@compiled
+def severity_frames(
+    lo, hi, offsets, order, frame_index, gap, k, cost, matched, severity, worst, worst_frame
+):
+    """What each encounter's missed relevant frames cost one system, in frames.
+
+    Writes the sum of cost and time step, the largest cost and its first frame row (-1: nothing was
+    missed). Rows as in `encounter_frames`; of the rows of one frame the largest cost counts.
+    """
+    for e in range(lo, hi):
+        total, most, at = 0.0, 0.0, -1
+        i, stop = offsets[e], offsets[e + 1]
+        while i < stop:
+            f = frame_index[i]
+            lost, is_matched = 0.0, False
+            while i < stop and frame_index[i] == f:
+                row = order[i]
+                if k[row] >= 0.5:
+                    lost = max(lost, cost[row])
+                    is_matched = is_matched or matched[row]
+                i += 1
+            if is_matched or lost == 0.0:
+                continue
+            total += lost * gap[f]
+            if lost > most:
+                most, at = lost, f
+        severity[e], worst[e], worst_frame[e] = total, most, at
 
 
 @compiled

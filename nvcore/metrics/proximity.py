@@ -16,6 +16,9 @@ BLOCK: Final = 262_144
 """Boxes weighed at a time: bounds the memory of intermediate results; in smaller blocks the two
 systems' threads wait for each other."""
 
+UNSTATED_CONTEXT: Final = 0.0
+"""Traffic context of a recording that states none: urban."""
+
 LARGEST_EXPONENT: Final = 700.0
 """``exp`` of more would overflow; the weight there is 1e-304, practically 0."""
 
@@ -120,8 +123,17 @@ def _blocks(
 
 
 def in_use(params: Params, name: str, frames: FrameColumns) -> np.ndarray:
-    """Midpoint, spread or horizon of each recording, px; its own where `params` gives none."""
+    """Value of a setting for each recording: its own where `params` gives none.
+
+    Parameters
+    ----------
+    name
+        ``midpoint``, ``spread`` or ``horizon`` (px, NaN where unknown), or ``edge_weight``.
+    """
     value, share = getattr(params, name), SETTINGS[name].height_share
     if value is not None:
         return np.full(len(frames.fps), float(value))
+    if name == "edge_weight":
+        stated: np.ndarray = np.nan_to_num(frames.context, nan=UNSTATED_CONTEXT)
+        return stated
     return frames.horizon if share is None else share * frames.height

@@ -6,8 +6,9 @@ import numpy as np
 import pandas as pd
 from scipy.special import expit
 
-from nvcore.columns import FrameColumns
-from nvcore.metrics.similarity import SetDistances
+from nvcore.columns import BoxColumns, FrameColumns
+from nvcore.metrics.encounters import RELEVANT_K, Encounters
+from nvcore.metrics.similarity import SetDistances, miss_terms
 from nvcore.params import Params
 
 EVENT_COLUMNS = (
@@ -17,7 +18,10 @@ EVENT_COLUMNS = (
     "first_row",
     "last_row",
     "duration_s",
+    "relevant_s",
+    "weight_s",
     "tau",
+    "rest_s",
     "recency",
     "saliency_s",
 )
@@ -33,84 +37,178 @@ def qualify(distances: SetDistances, frames: FrameColumns, *, tolerance: float) 
     return np.where(distances.d_miss > least, distances.salient_row, -1)
 
 
-def recency_weight(tau: np.ndarray, params: Params) -> np.ndarray:
-    """Weight in (0, 1) of an event that ends at `tau`; larger later: drivers remember the end.
+def qualify_each(
+    truth: BoxColumns,
+    terms: np.ndarray,
+    encounters: Encounters,
+    frames: FrameColumns,
+    *,
+    tolerance: float,
+) -> np.ndarray:
+    """Truth rows of all pedestrians that qualify by themselves, by encounter and frame; int64.
 
-    ``1 / (1 + exp(-(tau - recency_midpoint) / recency_spread))``
+    Those whose own term is greater than ``tolerance * W/2``. A track that occurs twice in a frame
+    counts once there, with the larger term.
+
+    Parameters
+    ----------
+    terms
+        Of each truth box (`nvcore.metrics.similarity.miss_terms`), px; float64, (n_truth,).
     """
-    weight: np.ndarray = expit((tau - params.recency_midpoint) / params.recency_spread)
+    rows = encounters.order
+    least = tolerance * 0.5 * frames.width[frames.recording[encounters.frame_index]]
+    rows = rows[terms[rows] > least]
+    encounter, frame_row = encounters.encounter_of[rows], truth.frame_index[rows]
+    is_twin = (encounter[1:] == encounter[:-1]) & (frame_row[1:] == frame_row[:-1])
+    if is_twin.any():
+        rows = rows[np.lexsort((-terms[rows], frame_row, encounter))]
+        encounter, frame_row = encounters.encounter_of[rows], truth.frame_index[rows]
+        is_twin = (encounter[1:] == encounter[:-1]) & (frame_row[1:] == frame_row[:-1])
+    unique: np.ndarray = rows[np.concatenate([[True], ~is_twin])[: len(rows)]]
+    return unique
+
+
+def recency_weight(tau: np.ndarray, rest_s: np.ndarray, params: Params) -> np.ndarray:
+    """Weight in (0, 1) of an event by its end; larger later: drivers remember the end.
+
+    ``1 / (1 + exp(-(tau - recency_midpoint) / recency_spread))``, or with
+    ``recency_unit="seconds"`` ``1 / (1 + exp((rest_s - recency_midpoint_s) / recency_spread_s))``.
+
+    Parameters
+    ----------
+    tau
+        Share of the recording (or encounter) that has passed at the end of the event.
+    rest_s
+        Seconds from there to its end.
+    """
+    if params.recency_unit == "seconds":
+        weight: np.ndarray = expit((params.recency_midpoint_s - rest_s) / params.recency_spread_s)
+    else:
+        weight = expit((tau - params.recency_midpoint) / params.recency_spread)
     return weight
 
 
 def find_events(
-    salient_row: np.ndarray,
-    encounter_of: np.ndarray,
+    truth: BoxColumns,
+    k_truth: np.ndarray,
+    nearest_truth: np.ndarray,
+    distances: SetDistances,
     track: np.ndarray,
-    encounter_rows: tuple[np.ndarray, np.ndarray],
+    encounters: Encounters,
     frames: FrameColumns,
+    edge_weight: np.ndarray,
     params: Params,
 ) -> pd.DataFrame:
     """Saliency events: maximal runs of listed frames in which one pedestrian qualifies.
 
-    ``saliency = duration * recency`` in seconds, 0 is best. `tau` is the fraction of the recording
-    (or, with ``saliency_scope="encounter"``, of the encounter) that has passed at the end of the
-    event's last frame.
+    ``saliency = weight * recency`` in seconds, 0 is best. The weight is the event's duration, or
+    with ``saliency_weight="risk"`` the sum of ``D(G, S) / (W/2) * time step`` over its frames.
+    With ``saliency_of="each"`` every pedestrian qualifies by his own term, which then stands in
+    place of D(G, S).
 
     Parameters
     ----------
-    salient_row
-        From `qualify`.
-    encounter_of
-        Encounter of each truth row, -1 none; int64, shape (n_truth,).
-    track
-        Track of each truth row; int64, shape (n_truth,).
-    encounter_rows
-        First and last frame row of every encounter.
+    k_truth, nearest_truth, track
+        Of each truth row: proximity weight, distance to the system's detections (px), track;
+        shape (n_truth,).
+    distances
+        Of the same system.
+    edge_weight
+        Of each recording; float64, shape (n_recordings,).
 
     Returns
     -------
-    Columns `EVENT_COLUMNS`, in order of time. No miss, no truth: no rows.
+    Columns `EVENT_COLUMNS`, in order of time. relevant_s: time in which the pedestrian counts
+    (``k >= 0.5``); tau, rest_s: share of the recording that has passed at the end of the event's
+    last frame, and seconds left (with ``saliency_scope="encounter"``, of the encounter). No miss,
+    no truth: no rows.
 
     References
     ----------
     Paper 11-0360, metric of saliency.
     """
-    rows = np.flatnonzero(salient_row >= 0)
-    encounter = encounter_of[salient_row[rows]]
+    if params.saliency_of == "each":
+        terms = miss_terms(truth, k_truth, nearest_truth, frames, edge_weight)
+        boxes = qualify_each(truth, terms, encounters, frames, tolerance=params.tolerance)
+        rows, effect = truth.frame_index[boxes], terms[boxes]
+    else:
+        salient_row = qualify(distances, frames, tolerance=params.tolerance)
+        rows = np.flatnonzero(salient_row >= 0)
+        boxes, effect = salient_row[rows], distances.d_miss[rows]
+    encounter = encounters.encounter_of[boxes]
     # an encounter lies in one recording: a run that ends with the recording changes it too
     goes_on = (rows[1:] == rows[:-1] + 1) & (encounter[1:] == encounter[:-1])
     starts = np.flatnonzero(np.concatenate([[True], ~goes_on])[: len(rows)])
     ends = np.concatenate([starts[1:] - 1, [len(rows) - 1]])[: len(starts)]
     first, last, event_encounter = rows[starts], rows[ends], encounter[starts]
     recording = frames.recording[first]
-    rate = frames.fps[recording]
-    passed = frames.passed
+    rate, passed = frames.fps[recording], frames.passed
     if params.saliency_scope == "encounter":
-        start, end = encounter_rows[0][event_encounter], encounter_rows[1][event_encounter]
+        start, end = encounters.first_row[event_encounter], encounters.last_row[event_encounter]
     else:
         start, end = frames.first[recording], frames.first[recording + 1] - 1
     whole = passed[end + 1] - passed[start]
-    tau = (passed[last + 1] - passed[start]) / whole
     duration_s = (passed[last + 1] - passed[first]) / rate
-    recency = recency_weight(tau, params)
-    return pd.DataFrame(
+    if params.saliency_weight == "risk":
+        half_width = 0.5 * frames.width[frames.recording[rows]]
+        weight_s = _sum(effect / half_width * frames.gap[rows], starts) / rate
+    else:
+        weight_s = duration_s
+    tau = (passed[last + 1] - passed[start]) / whole
+    rest_s = (passed[end + 1] - passed[last + 1]) / rate
+    recency = recency_weight(tau, rest_s, params)
+    events = pd.DataFrame(
         {
             "recording": recording,
             "encounter": event_encounter,
-            "track": track[salient_row[first]],
+            "track": track[boxes[starts]],
             "first_row": first,
             "last_row": last,
             "duration_s": duration_s,
+            "relevant_s": _sum(frames.gap[rows] * (k_truth[boxes] >= RELEVANT_K), starts) / rate,
+            "weight_s": weight_s,
             "tau": tau,
+            "rest_s": rest_s,
             "recency": recency,
-            "saliency_s": duration_s * recency,
+            "saliency_s": weight_s * recency,
         },
         columns=list(EVENT_COLUMNS),
     )
+    if params.saliency_of == "each":
+        events = events.sort_values(["first_row", "encounter"], ignore_index=True)
+    return events
 
 
-def aggregate_saliency(saliency_s: np.ndarray, *, aggregate: str) -> float:
-    """One number from event saliencies: the largest ("max") or the sum ("sum"); 0 without any."""
-    if not len(saliency_s):
-        return 0.0
-    return float(saliency_s.max() if aggregate == "max" else saliency_s.sum())
+def _sum(values: np.ndarray, starts: np.ndarray) -> np.ndarray:
+    """Sum of every event's values; no event is empty."""
+    sums: np.ndarray = np.add.reduceat(values, starts) if len(starts) else np.empty(0)
+    return sums
+
+
+def saliency_by_recording(events: pd.DataFrame, n_recordings: int, *, aggregate: str) -> np.ndarray:
+    """Saliency of every recording, seconds, 0 is best; float64, shape (n_recordings,).
+
+    Its most salient event ("max") or the sum of all ("sum"); 0 without any.
+    """
+    saliency = np.zeros(n_recordings)
+    add = np.maximum if aggregate == "max" else np.add
+    add.at(
+        saliency,
+        events["recording"].to_numpy(dtype=np.int64),
+        events["saliency_s"].to_numpy(dtype=float),
+    )
+    return saliency
+
+
+def mean_saliency(events: pd.DataFrame, frames: FrameColumns, *, aggregate: str) -> float:
+    """Mean over the recordings that have frames of each one's saliency, seconds; NaN without any.
+
+    References
+    ----------
+    ``docs/decisions/035-saliency-over-recordings.md``.
+    """
+    has_frames = np.diff(frames.first) > 0
+    if not has_frames.any():
+        return float("nan")
+    saliency = saliency_by_recording(events, len(has_frames), aggregate=aggregate)
+    return float(saliency[has_frames].mean())

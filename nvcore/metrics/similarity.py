@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
+from typing import Final, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -14,7 +16,7 @@ from nvcore.params import Distance
 
 @dataclass(frozen=True)
 class Nearest:
-    """Distance of each box to the nearest member of the other set, px; infinite if it is empty.
+    """Distance of each box to the other set, px; infinite where there is nothing to measure to.
 
     Attributes
     ----------
@@ -58,6 +60,7 @@ def find_nearest(
     """Distance of every box to the nearest member of the other set, frame by frame.
 
     Independent of alpha, edge weight and the sigmoid, so that these can be changed live.
+    `measure_matched` is its counterpart for ``pairing="matched"``.
 
     Parameters
     ----------
@@ -81,6 +84,71 @@ def find_nearest(
     return Nearest(near_truth, near_detections)
 
 
+def measure_matched(
+    truth: BoxColumns,
+    detections: BoxColumns,
+    truth_det: np.ndarray,
+    frames: FrameColumns,
+    *,
+    distance: Distance = "lateral",
+) -> Nearest:
+    """Distance of every box to the box that matches it, px; infinite for those without a match.
+
+    A false alarm is then never nearer to a pedestrian than the border, and cannot raise similarity.
+
+    Parameters
+    ----------
+    truth_det
+        Per truth box: row of its detection, -1 none; int64, shape (n_truth,).
+    """
+    near_truth, near_detections = np.full(len(truth), np.inf), np.full(len(detections), np.inf)
+    rows = np.flatnonzero(truth_det >= 0)
+    partners = truth_det[rows]
+    width = frames.width[frames.recording[truth.frame_index[rows]]]
+    centres = (
+        np.clip(boxes.x[of] + 0.5 * boxes.w[of], 0, width)
+        for boxes, of in ((truth, rows), (detections, partners))
+    )
+    apart = np.abs(np.subtract(*centres))
+    if distance == "ground":
+        feet = (truth.y + truth.h)[rows] - (detections.y + detections.h)[partners]
+        apart = np.hypot(apart, feet)
+    near_truth[rows] = near_detections[partners] = apart
+    return Nearest(near_truth, near_detections)
+
+
+def border_of(boxes: BoxColumns, frames: FrameColumns, edge_weight: np.ndarray) -> np.ndarray:
+    """Most that a miss or a false alarm can be away from an explanation, px; (n,), 0 to W/2.
+
+    ``edge_weight * W/2 + (1 - edge_weight) * min(c, W - c)``
+
+    Parameters
+    ----------
+    edge_weight
+        Of each recording, 0 urban to 1 rural; float64, shape (n_recordings,).
+    """
+    recording = frames.recording[boxes.frame_index]
+    width, rho = frames.width[recording], edge_weight[recording]
+    centre = np.clip(boxes.x + 0.5 * boxes.w, 0, width)
+    border: np.ndarray = rho * 0.5 * width + (1 - rho) * np.minimum(centre, width - centre)
+    return border
+
+
+def miss_terms(
+    truth: BoxColumns,
+    k_truth: np.ndarray,
+    nearest_truth: np.ndarray,
+    frames: FrameColumns,
+    edge_weight: np.ndarray,
+) -> np.ndarray:
+    """Each pedestrian's own term of D(G, S), px, 0 is best; NaN if ignored; (n_truth,).
+
+    ``k(a) * min(border(a), nearest(a))``: D(G, S) of a frame is the largest of them.
+    """
+    border = border_of(truth, frames, edge_weight)
+    return np.where(truth.ignore, np.nan, k_truth * np.minimum(border, nearest_truth))
+
+
 def measure_sets(
     truth: BoxColumns,
     k_truth: np.ndarray,
@@ -90,8 +158,8 @@ def measure_sets(
     nearest: Nearest,
     frames: FrameColumns,
     *,
+    edge_weight: np.ndarray,
     track: np.ndarray | None = None,
-    edge_weight: float = 0.0,
 ) -> SetDistances:
     """Weighted MaxiMin distances D(G, S) and D(S, G) of every frame, px; 0 is best.
 
@@ -100,6 +168,8 @@ def measure_sets(
 
     Parameters
     ----------
+    edge_weight
+        Of each recording, 0 urban to 1 rural; float64, shape (n_recordings,).
     track
         Track of each truth box for ties, if linked; None: ``truth.track``.
 
@@ -114,14 +184,14 @@ def measure_sets(
         maximin_frames,
         n_frames,
         *(truth.offsets, truth.x, truth.w, k_truth, nearest.truth, ~truth.ignore),
-        *(truth.track if track is None else track, float(edge_weight)),
+        *(truth.track if track is None else track, edge_weight),
         *(frames.recording, frames.width, d_miss, salient_row),
     )
     over_ranges(
         maximum_frames,
         n_frames,
         *(detections.offsets, detections.x, detections.w, k_detections, nearest.detections),
-        *(is_counted, float(edge_weight), frames.recording, frames.width, d_false),
+        *(is_counted, edge_weight, frames.recording, frames.width, d_false),
     )
     return SetDistances(d_miss, d_false, salient_row)
 
@@ -134,7 +204,7 @@ def salient_detection(
     frames: FrameColumns,
     row: int,
     *,
-    edge_weight: float = 0.0,
+    edge_weight: np.ndarray,
 ) -> int:
     """Detection row that attains D(S, G) of one frame; -1 if the frame has no member.
 
@@ -146,11 +216,13 @@ def salient_detection(
         Detections that belong to S; bool, shape (n_det,).
     row
         Row of the frames table.
+    edge_weight
+        Of each recording; float64, shape (n_recordings,).
     """
     d, argmax = np.empty(1), np.empty(1, np.int64)
     maximin_frames(
         *(0, 1, detections.offsets[row : row + 2], detections.x, detections.w, k_detections),
-        *(nearest.detections, is_member, detections.track, float(edge_weight)),
+        *(nearest.detections, is_member, detections.track, edge_weight),
         *(frames.recording[row : row + 1], frames.width, d, argmax),
     )
     return int(argmax[0])
@@ -218,7 +290,7 @@ def find_low_intervals(
     Returns
     -------
     One row per interval: recording (row of the recordings), first_row, last_row (of the frames),
-    duration_s, severity_s (sum of ``(low - M) * time step``, seconds; larger is worse),
+    duration_s, depth_s (sum of ``(low - M) * time step``, seconds; larger is worse),
     min_similarity and worst_row (the first frame that has it).
     """
     is_low = similarity < low
@@ -243,11 +315,65 @@ def find_low_intervals(
             "first_row": first,
             "last_row": last,
             "duration_s": (frames.passed[last + 1] - frames.passed[first]) / rate,
-            "severity_s": (shortfall[last + 1] - shortfall[first]) / rate,
+            "depth_s": (shortfall[last + 1] - shortfall[first]) / rate,
             "min_similarity": least,
             "worst_row": worst,
         }
     )
+
+
+def lost_per_minute(similarity: np.ndarray, step_s: np.ndarray) -> float:
+    """Lost similarity: the sum of ``(1 - M) * time step``, seconds per minute of recording.
+
+    0 is best, 60 a similarity of 0 throughout; NaN without frames.
+    """
+    if not len(similarity):
+        return float("nan")
+    return float(60 * ((1 - similarity) * step_s).sum() / step_s.sum())
+
+
+class Window(NamedTuple):
+    """Frames within half a window of one frame.
+
+    Attributes
+    ----------
+    row
+        The frame in the middle, a row of the frames table; -1: there is none.
+    mean
+        Mean similarity of its frames, 1 is best; NaN if there is none.
+    lost_s
+        Sum of ``(1 - M) * time step`` of its frames, seconds.
+    """
+
+    row: int
+    mean: float
+    lost_s: float
+
+
+NO_WINDOW: Final = Window(-1, float("nan"), float("nan"))
+
+
+def find_worst_windows(
+    similarity: np.ndarray, moving_mean: np.ndarray, frames: FrameColumns, *, window: float = 1.0
+) -> tuple[Window, ...]:
+    """The window with the lowest moving mean of each recording, the first of equals.
+
+    Parameters
+    ----------
+    moving_mean
+        Of `smooth` with the same window; float64, shape (n_frames,).
+    """
+    lost = np.concatenate([[0.0], np.cumsum((1 - similarity) * frames.step_s)])
+    start, stop = frames.within(window)
+    windows = []
+    for first, end in pairwise(frames.first):  # a loop over recordings
+        if first == end:
+            windows.append(NO_WINDOW)
+            continue
+        row = int(first + moving_mean[first:end].argmin())
+        lost_s = float(lost[stop[row]] - lost[start[row]])
+        windows.append(Window(row, float(moving_mean[row]), lost_s))
+    return tuple(windows)
 
 
 @dataclass(frozen=True)

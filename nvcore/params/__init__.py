@@ -13,7 +13,7 @@ from typing import Any, Final, Literal
 
 from nvcore.errors import ParameterError
 from nvcore.params.metadata import (
-    DISTANCES,
+    COST,
     ENCOUNTERS,
     EVENTS,
     LOW,
@@ -32,10 +32,14 @@ from nvcore.params.metadata import (
 from nvcore.wording import did_you_mean
 
 Distance = Literal["lateral", "ground"]
+Pairing = Literal["nearest", "matched"]
 Proximity = Literal["height", "horizon", "distance", "none"]
 Match = Literal["iou", "lateral"]
 Aggregate = Literal["max", "sum"]
 Scope = Literal["recording", "encounter"]
+SaliencyOf = Literal["most_salient", "each"]
+SaliencyWeight = Literal["time", "risk"]
+RecencyUnit = Literal["share", "seconds"]
 
 MIDPOINT_SHARE: Final = 0.10
 """Default midpoint of the height sigmoid as a share of the image height."""
@@ -47,8 +51,8 @@ SPREAD_SHARE: Final = 0.02
 class Params:
     """Settings of one comparison, checked when made.
 
-    The metadata of each field is a `Setting`. None means: taken from the data (`midpoint`,
-    `spread`, `horizon`) or not applied (thresholds).
+    The metadata of each field is a `Setting`. None means: taken from the data (`edge_weight`,
+    `midpoint`, `spread`, `horizon`) or not applied (thresholds).
 
     Raises
     ------
@@ -76,13 +80,24 @@ class Params:
         "points in the picture (ground).",
         is_advanced=True,
     )
-    edge_weight: float = share(
-        DISTANCES,
-        0.0,
+    pairing: Pairing = setting(
+        NEAREST,
+        "nearest",
+        words={"nearest": "the nearest box", "matched": "its own match (strict)"},
+        label="Distances are measured to",
+        meaning="What the distance of a box is measured to: the nearest box of the other set "
+        "(nearest, the paper), so that a false alarm beside a missed pedestrian raises similarity; "
+        "or the box that matches it (matched, strict), where it cannot.",
+        is_advanced=True,
+    )
+    edge_weight: float | None = share(
+        COST,
+        None,
         slider_format="urban %0.2f rural",
         label="Traffic context",
         meaning="Traffic context. 0 (urban): a miss far to the side costs little; 1 (rural): a "
-        "miss at the road's edge costs as much as one straight ahead.",
+        "miss at the road's edge costs as much as one straight ahead. Default: as each recording "
+        "says, 0 where it says nothing.",
     )
     proximity: Proximity = setting(
         PROXIMITY,
@@ -276,6 +291,63 @@ class Params:
         is_above_low=True,
         label="Softness of recency",
         meaning="Softness of that step.",
+        is_advanced=True,
+    )
+    recency_unit: RecencyUnit = setting(
+        EVENTS,
+        "share",
+        words={"share": "share of the duration", "seconds": "seconds before the end"},
+        label="Recency counts in",
+        meaning="What recency counts in: the share of the recording that has passed (share), or "
+        "the seconds left to its end (seconds), which say the same of short and of long ones.",
+        is_advanced=True,
+    )
+    recency_midpoint_s: float = setting(
+        EVENTS,
+        7.5,
+        low=0,
+        high=3_600,
+        slider_high=60,
+        step=0.5,
+        unit="s",
+        label="Remembered half before the end",
+        meaning="Time from the end of a miss to the end of the recording with which it counts "
+        "half, for recency in seconds.",
+        is_advanced=True,
+    )
+    recency_spread_s: float = setting(
+        EVENTS,
+        1.5,
+        low=0,
+        high=3_600,
+        slider_high=30,
+        step=0.5,
+        unit="s",
+        is_above_low=True,
+        label="Softness of recency",
+        meaning="Softness of that step, for recency in seconds.",
+        is_advanced=True,
+    )
+    saliency_of: SaliencyOf = setting(
+        SALIENT,
+        "most_salient",
+        words={
+            "most_salient": "the most salient miss of a frame",
+            "each": "each missed pedestrian",
+        },
+        label="Events are of",
+        meaning="Whose misses make saliency events: of the most salient pedestrian of each frame "
+        "alone (most_salient, the paper), or of each pedestrian (each), so that two who are missed "
+        "side by side do not cut each other's events.",
+        is_advanced=True,
+    )
+    saliency_weight: SaliencyWeight = setting(
+        EVENTS,
+        "time",
+        words={"time": "its duration", "risk": "its weighted distance over time"},
+        label="An event weighs by",
+        meaning="What an event weighs by: its duration (time, the paper), or the sum of its "
+        "weighted distance over time (risk), so that a far pedestrian counts little.",
         is_advanced=True,
     )
     saliency_aggregate: Aggregate = setting(

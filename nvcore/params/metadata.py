@@ -39,10 +39,12 @@ THRESHOLD: Final = Stage("detections that count", "Thresholds and matching")
 MATCH: Final = Stage("matches", "Thresholds and matching")
 PROXIMITY: Final = Stage("weights of nearness", "Proximity")
 NEAREST: Final = Stage("nearest of the other set", "Similarity", (MATCH,))
-DISTANCES: Final = Stage("distances of the sets", "Similarity", (NEAREST, PROXIMITY))
+COST: Final = Stage("cost of a missed pedestrian", "Similarity", (PROXIMITY,))
+DISTANCES: Final = Stage("distances of the sets", "Similarity", (NEAREST, COST))
 SIMILARITY: Final = Stage("similarity of frames", "Similarity", (DISTANCES,))
 LOW: Final = Stage("low frames and moving mean", "Similarity", (SIMILARITY,))
 ENCOUNTERS: Final = Stage("encounters, judged", "Encounters", (MATCH, PROXIMITY))
+SEVERITY: Final = Stage("severity of encounters", "Encounters", (MATCH, COST))
 SALIENT: Final = Stage("most salient miss of frames", "Saliency", (DISTANCES,))
 EVENTS: Final = Stage("saliency events", "Saliency", (SALIENT,))
 SALIENCY: Final = Stage("saliency of recordings", "Saliency", (EVENTS,))
@@ -136,6 +138,6 @@ def setting(stage: Stage, default: float | str | None, **known: Any) -> Any:
     return field(default=default, metadata={"setting": Setting(stage, default, **known)})
 
 
-def share(stage: Stage, default: float, *, step: float = 0.05, **known: Any) -> Any:
+def share(stage: Stage, default: float | None, *, step: float = 0.05, **known: Any) -> Any:
     """A field of `Params` from 0 to 1; `known` as of `Setting`."""
     return setting(stage, default, low=0, high=1, step=step, **known)

@@ -150,7 +150,8 @@ def _venn(result: Result) -> str:
                 ("neither", Category.NEITHER),
             )
         )
-        + f" ({venn.distant} distant, not counted)"
+        + f" ({venn.distant} distant, not counted)",
+        _weights(result),
     ]
     lines.append(describe_exclusivity(result.exclusivity, venn.x_only, venn.y_only))
     lines.append(_lead(result))
@@ -167,6 +168,18 @@ def _venn(result: Result) -> str:
         + ", ".join(n_absorbed)
     )
     return _text(lines)
+
+
+def _weights(result: Result) -> str:
+    """What the failures weigh, by who detects the encounter."""
+    x, y = (result.severity_of(system) for _, system in result.sides)
+    return (
+        "what failures weigh, in seconds of a pedestrian missed straight ahead and near: "
+        f"those that only X detects {y[Category.X_ONLY]:.2f} (for Y), only Y "
+        f"{x[Category.Y_ONLY]:.2f} (for X), neither {x[Category.NEITHER]:.2f} (X) and "
+        f"{y[Category.NEITHER]:.2f} (Y), late or broken off in those that both detect "
+        f"{x[Category.BOTH]:.2f} (X) and {y[Category.BOTH]:.2f} (Y)"
+    )
 
 
 def describe_exclusivity(exclusivity: Exclusivity, x_only: int, y_only: int) -> str:
@@ -217,7 +230,7 @@ def _worst(result: Result, letter: str, system: SystemResult) -> str:
     lines += [
         f"  {row['recording']}  {row['start_s']:.2f} s to "
         f"{row['start_s'] + row['duration_s']:.2f} s  "
-        f"(frames {row['first_frame']} to {row['last_frame']}): severity {row['severity_s']:.3f} "
+        f"(frames {row['first_frame']} to {row['last_frame']}): depth {row['depth_s']:.3f} "
         f"s, lowest {row['min_similarity']:.3f} at frame {row['worst_frame']}"
         for row in table.to_dict("records")
     ]

@@ -12,7 +12,7 @@ from nvcore.comparison import Result
 from nvcore.evidence.paired_tests import MIN_DISCORDANT, MIN_SWAPPED, SIGNIFICANT
 from nvcore.evidence.units import UNIT_WORDS
 from nvcore.findings import Finding, Severity
-from nvcore.measures import EVIDENCE_KEYS, inference_of
+from nvcore.measures import EVIDENCE_KEYS, has_several_recordings, inference_of
 from nvcore.wording import capitalised, listed
 
 SIDE_BY_SIDE: Final = tuple(key for key in EVIDENCE_KEYS if inference_of(key).noun)
@@ -71,7 +71,7 @@ def verdict(
     """
     codes = {finding.code for finding in findings}
     sentences = [_encounters(result, codes, evidence) + _by_units(result, codes, evidence)]
-    side_by_side = _side_by_side(result, evidence)
+    side_by_side = _side_by_side(result)
     if side_by_side:
         sentences.append(f"{side_by_side}; {_chance(evidence, result.is_short)}.")
     unlimited = _without_threshold(result)
@@ -190,7 +190,7 @@ def _by_units(result: Result, codes: Set[str], evidence: pd.DataFrame | None) ->
     return f" Judged by {unit} instead of single encounters, that {outcome}."
 
 
-def _side_by_side(result: Result, evidence: pd.DataFrame | None) -> str:
+def _side_by_side(result: Result) -> str:
     x, y = result.x, result.y
     parts = [
         _better(
@@ -200,8 +200,15 @@ def _side_by_side(result: Result, evidence: pd.DataFrame | None) -> str:
             ".3f",
             is_high_better=True,
         ),
-        _better("the lower saliency", x.saliency_s, y.saliency_s, ".2f", unit=" s")
-        + _mean_saliency(result, evidence),
+        _better(
+            "the lower saliency in the mean over recordings"
+            if has_several_recordings(result)
+            else "the lower saliency",
+            x.saliency_s,
+            y.saliency_s,
+            ".2f",
+            unit=" s",
+        ),
         _better(
             "fewer false-alert episodes",
             x.false_alarm_summary.episodes if result.duration_s else np.nan,
@@ -215,19 +222,6 @@ def _side_by_side(result: Result, evidence: pd.DataFrame | None) -> str:
         return ""
     text = defined[0] if len(defined) == 1 else ", ".join(defined[:-1]) + ", and " + defined[-1]
     return capitalised(text)
-
-
-def _mean_saliency(result: Result, evidence: pd.DataFrame | None) -> str:
-    """A clause if the mean over recordings, which is tested, favours the other system."""
-    rows = None if evidence is None else evidence[evidence["figure"] == "saliency"]
-    if rows is None or rows.empty:
-        return ""
-    mean_difference = float(rows["difference"].iloc[0])
-    if not mean_difference * (result.x.saliency_s - result.y.saliency_s) < 0:
-        return ""
-    means = sorted((float(rows["x"].iloc[0]), float(rows["y"].iloc[0])))
-    winner = "X" if mean_difference < 0 else "Y"
-    return f", but {winner} in the mean over recordings ({means[0]:.2f} to {means[1]:.2f} s)"
 
 
 def _chance(evidence: pd.DataFrame | None, short: bool) -> str:

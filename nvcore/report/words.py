@@ -13,7 +13,7 @@ import pandas as pd
 
 from nvcore.comparison import Result
 from nvcore.evidence.paired_tests import SIGNIFICANT
-from nvcore.measures import MeasureTable
+from nvcore.measures import MeasureTable, relevant_share
 from nvcore.scoring import SystemResult
 from nvcore.tables.scorecard import ScoreRow, score_rows
 from nvcore.wording import count_text, difference, number
@@ -196,16 +196,33 @@ def _saliency(result: Result, letter: str, system: SystemResult) -> str:
     if events.empty:
         return f"{letter} misses nobody by more than the tolerance: its saliency is 0."
     if result.params.saliency_aggregate == "sum":
-        total_s = float(events["duration_s"].sum())
-        return (
+        total_s, saliency_s = (float(events[name].sum()) for name in ("duration_s", "saliency_s"))
+        text = (
             f"{letter}: {count_text(len(events), 'event')}, {total_s:.1f} s in all; weighted by "
-            f"recency and added they make {system.saliency_s:.2f} s."
+            f"recency and added they make {saliency_s:.2f} s."
         )
+    else:
+        text = _most_salient(result, letter, events)
+    share = relevant_share(system)
+    return (
+        f"{text} In {share:.0%} of the events' time the missed pedestrian counts (k >= 0.5); in "
+        "the rest he is far away."
+    )
+
+
+def _most_salient(result: Result, letter: str, events: pd.DataFrame) -> str:
     worst = events.iloc[events["saliency_s"].argmax()]
     scope = "encounter" if result.params.saliency_scope == "encounter" else "recording"
+    if result.params.recency_unit == "seconds":
+        end = f"ends {worst['rest_s']:.1f} s before the end of the {scope}"
+    else:
+        end = f"ends when {worst['tau']:.0%} of the {scope} has passed"
+    weight = ""
+    if result.params.saliency_weight == "risk":
+        weight = f", in which it weighs {worst['weight_s']:.2f} s,"
     return (
         f"{letter}: the most salient of {count_text(len(events), 'event')} lasts "
-        f"{worst['duration_s']:.2f} s and ends when {worst['tau']:.0%} of the {scope} has passed, "
-        f"which gives it the weight {worst['recency']:.2f}: {worst['duration_s']:.2f} s × "
-        f"{worst['recency']:.2f} = {worst['saliency_s']:.2f} s."
+        f"{worst['duration_s']:.2f} s{weight} and {end}, which gives it the weight "
+        f"{worst['recency']:.2f}: {worst['weight_s']:.2f} s × {worst['recency']:.2f} = "
+        f"{worst['saliency_s']:.2f} s."
     )

@@ -12,12 +12,13 @@ import numpy as np
 from nvcore.comparison import Result
 from nvcore.metrics.encounters import judge_encounters
 from nvcore.metrics.matching import Matches, match_system
-from nvcore.metrics.proximity import weigh_proximity
-from nvcore.metrics.saliency import aggregate_saliency, find_events, qualify
-from nvcore.metrics.similarity import SetDistances, find_nearest, measure_sets
+from nvcore.metrics.proximity import in_use, weigh_proximity
+from nvcore.metrics.saliency import find_events, mean_saliency
+from nvcore.metrics.similarity import Nearest, SetDistances, measure_sets
 from nvcore.params import Params, settings_for
 from nvcore.params.metadata import ENCOUNTERS, MATCH, PROXIMITY, SALIENCY, SIMILARITY, Stage
 from nvcore.schema import DetectionState
+from nvcore.scoring import nearest_of
 from nvcore.stability.axes import Axis
 
 Criterion = Literal["similarity", "encounters", "saliency"]
@@ -53,7 +54,8 @@ def enters(name: str, criterion: Criterion, letter: Letter, result: Result) -> b
     """Whether a setting can change the criterion's measure of a system."""
     if name.startswith("threshold_"):
         return name == f"threshold_{letter}"
-    if name in settings_for(MATCH) and criterion != "encounters":
+    is_by_sets = criterion != "encounters" and result.params.pairing == "nearest"
+    if name in settings_for(MATCH) and is_by_sets:
         # the sets depend on matching only through what ignore regions absorb
         return bool(result.dataset.truth.ignore.any())
     return name in settings_for(STAGE_OF[criterion])
@@ -139,11 +141,13 @@ def score_setting(
         elif criterion == "encounters":
             value = _count_detected(result, k_truth, matches, params)
         else:
-            distances = _distances(result, letter, params, changes, matches, k_truth, criterion)
+            nearest, distances = _distances(
+                result, letter, params, changes, matches, k_truth, criterion
+            )
             if criterion == "similarity":
                 scores[letter] = _similarity(distances, result)
                 continue
-            value = _saliency(distances, result, params)
+            value = _saliency(k_truth, nearest, distances, result, params)
         scores[letter] = Score(value, value)
     return scores
 
@@ -190,28 +194,23 @@ def _distances(
     matches: Matches,
     k_truth: np.ndarray,
     criterion: Criterion,
-) -> SetDistances:
-    if not changes:
-        return result.system(letter).distances
+) -> tuple[Nearest, SetDistances]:
     system, dataset = result.system(letter), result.dataset
+    if not changes:
+        return system.nearest, system.distances
     truth, detections = dataset.truth, dataset.system(system.name)
     frames, is_counted = dataset.frame_columns, matches.is_counted
     nearest, k = system.nearest, system.weights.k
     if matches is not system.matches:
-        nearest = find_nearest(truth, detections, is_counted, frames, distance=params.distance)
+        nearest = nearest_of(dataset, system.name, matches, params)
     # saliency considers misses only: the weights of detections do not matter
     if criterion == "similarity" and _is_changed(PROXIMITY, changes):
         k = weigh_proximity(detections, is_counted, frames, params).k
-    return measure_sets(
-        truth,
-        k_truth,
-        detections,
-        k,
-        is_counted,
-        nearest,
-        frames,
+    edge_weight = in_use(params, "edge_weight", frames)
+    return nearest, measure_sets(
+        *(truth, k_truth, detections, k, is_counted, nearest, frames),
+        edge_weight=edge_weight,
         track=result.tracks.track,
-        edge_weight=params.edge_weight,
     )
 
 
@@ -235,12 +234,16 @@ def _count_detected(result: Result, k_truth: np.ndarray, matches: Matches, param
     return float(outcomes["is_detected"].sum())
 
 
-def _saliency(distances: SetDistances, result: Result, params: Params) -> float:
-    frames, encounters = result.dataset.frame_columns, result.encounters
-    salient_row = qualify(distances, frames, tolerance=params.tolerance)
-    rows = encounters.first_row, encounters.last_row
+def _saliency(
+    k_truth: np.ndarray,
+    nearest: Nearest,
+    distances: SetDistances,
+    result: Result,
+    params: Params,
+) -> float:
+    frames = result.dataset.frame_columns
     events = find_events(
-        salient_row, encounters.encounter_of, result.tracks.track, rows, frames, params
+        *(result.dataset.truth, k_truth, nearest.truth, distances, result.tracks.track),
+        *(result.encounters, frames, in_use(params, "edge_weight", frames), params),
     )
-    saliency_s = events["saliency_s"].to_numpy()
-    return aggregate_saliency(saliency_s, aggregate=params.saliency_aggregate)
+    return mean_saliency(events, frames, aggregate=params.saliency_aggregate)

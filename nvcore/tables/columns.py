@@ -77,6 +77,21 @@ _FRAMES = (
             "0 without detections.",
             "low",
         ),
+        Column(
+            "loss_miss",
+            _NUMBER,
+            _SHARE,
+            "What the frame loses to misses: `alpha` * `d_miss` over half the width.",
+            "low",
+        ),
+        Column(
+            "loss_false",
+            _NUMBER,
+            _SHARE,
+            "What it loses to false alarms: (1 - `alpha`) * `d_false` over half the width. "
+            "Similarity is 1 less both.",
+            "low",
+        ),
         Column("similarity", _NUMBER, _SHARE, "Similarity M of this frame.", "high"),
         Column(
             "similarity_window",
@@ -156,6 +171,23 @@ _ENCOUNTERS = (
             "low",
             _UNMATCHED,
         ),
+        Column(
+            "severity_s",
+            _NUMBER,
+            "s",
+            "What its failures weigh: sum of cost * time step over the relevant frames in which it "
+            "was not matched; 1 s is one second of a full-weight miss.",
+            "low",
+            _DISTANT,
+        ),
+        Column(
+            "peak_cost",
+            _NUMBER,
+            _SHARE,
+            "Largest cost among them: 1 is a pedestrian straight ahead and near.",
+            "low",
+            _DISTANT,
+        ),
     ),
     Column(
         "lead_time_s",
@@ -209,20 +241,36 @@ _EVENTS = (
     Column("track", _INTEGER, "", "Track of the missed pedestrian, as in `encounters.csv`."),
     *_SPAN,
     Column(
+        "relevant_s",
+        _NUMBER,
+        "s",
+        "Of these, time in which the pedestrian counts (k >= 0.5).",
+        "low",
+    ),
+    Column(
+        "weight_s",
+        _NUMBER,
+        "s",
+        "What it weighs before recency: `duration_s`, or with `saliency_weight` `risk` the sum of "
+        "weighted distance over half the width * time step.",
+        "low",
+    ),
+    Column(
         "tau",
         _NUMBER,
         _SHARE,
         "Share of the recording (or encounter, by `saliency_scope`) that has passed at its end.",
     ),
+    Column("rest_s", _NUMBER, "s", "Time from its end to the end of the same."),
     Column("recency", _NUMBER, _SHARE, "Weight of that moment: larger, the later it ends."),
-    Column("saliency_s", _NUMBER, "s", "`duration_s` * `recency`.", "low"),
+    Column("saliency_s", _NUMBER, "s", "`weight_s` * `recency`.", "low"),
 )
 
 _INTERVALS = (
     _SYSTEM,
     _RECORDING,
     *_SPAN,
-    Column("severity_s", _NUMBER, "s", "Sum of (`low` - similarity) * time step.", "low"),
+    Column("depth_s", _NUMBER, "s", "Sum of (`low` - similarity) * time step.", "low"),
     Column("min_similarity", _NUMBER, _SHARE, "Its lowest similarity.", "high"),
     Column("worst_frame", _INTEGER, "", "The first frame that has it."),
 )

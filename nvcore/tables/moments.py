@@ -105,13 +105,13 @@ class _Span(NamedTuple):
     first: int
     last: int
     row: int
-    severity_s: float
+    depth_s: float
 
 
 def worst_moments(result: Result, *, n: int = 5) -> pd.DataFrame:
     """The intervals in which each system does worst, and those in which the two differ most.
 
-    Kinds ``"x"`` and ``"y"``: low-similarity intervals by severity. Kinds ``"x_better"`` and
+    Kinds ``"x"`` and ``"y"``: low-similarity intervals by depth. Kinds ``"x_better"`` and
     ``"y_better"``: maximal runs of consecutive listed frames in which that system's similarity is
     larger by more than 0.01, by the sum of difference times time step.
 
@@ -122,9 +122,9 @@ def worst_moments(result: Result, *, n: int = 5) -> pd.DataFrame:
 
     Returns
     -------
-    Kind by kind, the largest severity first: kind, recording, recording_index; first_frame and
+    Kind by kind, the deepest first: kind, recording, recording_index; first_frame and
     last_frame of the interval; row (of the frames table), frame, time_s and the similarities of
-    the frame with the lowest similarity (kinds ``x``, ``y``) or the largest difference; severity_s
+    the frame with the lowest similarity (kinds ``x``, ``y``) or the largest difference; depth_s
     and duration_s in seconds; reason, a sentence about the whole interval that calls the systems X
     and Y, and track, the pedestrian that it names, missing where it is about false alarms.
     """
@@ -149,7 +149,7 @@ def worst_moments(result: Result, *, n: int = 5) -> pd.DataFrame:
             "frame": frame[row],
             "time_s": frames["time_s"].to_numpy()[row],
             "duration_s": (passed[last + 1] - passed[first]) / columns.fps[recording],
-            "severity_s": np.array([span.severity_s for span in spans], dtype=float),
+            "depth_s": np.array([span.depth_s for span in spans], dtype=float),
             "similarity_x": result.x.similarity[row],
             "similarity_y": result.y.similarity[row],
             "track": pd.array([track for track, _ in reasons], dtype="Int64"),
@@ -171,9 +171,9 @@ def next_misses(result: Result, recording: int) -> np.ndarray:
     return rows
 
 
-def _largest(severity_s: np.ndarray, n: int) -> np.ndarray:
+def _largest(depth_s: np.ndarray, n: int) -> np.ndarray:
     """Positions of the `n` largest, the earlier of equals first."""
-    largest: np.ndarray = np.argsort(-severity_s, kind="stable")[:n]
+    largest: np.ndarray = np.argsort(-depth_s, kind="stable")[:n]
     return largest
 
 
@@ -181,8 +181,8 @@ def _low_spans(result: Result, n: int) -> list[_Span]:
     spans = []
     for letter, system in result.sides:
         table = system.intervals
-        worst = table.iloc[_largest(table["severity_s"].to_numpy(), n)]
-        names = ("first_row", "last_row", "worst_row", "severity_s")
+        worst = table.iloc[_largest(table["depth_s"].to_numpy(), n)]
+        names = ("first_row", "last_row", "worst_row", "depth_s")
         values = zip(*(worst[name].tolist() for name in names), strict=True)
         spans += [_Span(letter, *value) for value in values]
     return spans
@@ -197,10 +197,10 @@ def _difference_spans(result: Result, n: int) -> list[_Span]:
         first, last = runs_of(np.where(is_clear, 0, -1), frames.recording)
         total = np.concatenate([[0.0], np.cumsum(np.where(is_clear, lead * frames.gap, 0))])
         rate = frames.fps[frames.recording[first]]
-        severity_s = (total[last + 1] - total[first]) / rate
-        for i in _largest(severity_s, n):
+        depth_s = (total[last + 1] - total[first]) / rate
+        for i in _largest(depth_s, n):
             row = first[i] + np.argmax(lead[first[i] : last[i] + 1])
-            spans.append(_Span(kind, int(first[i]), int(last[i]), int(row), float(severity_s[i])))
+            spans.append(_Span(kind, int(first[i]), int(last[i]), int(row), float(depth_s[i])))
     return spans
 
 

@@ -10,6 +10,7 @@ import pandas as pd
 from nvcore.comparison import Result
 from nvcore.findings import Finding
 from nvcore.measures import MEASURES, duration_of_recordings, per_recording
+from nvcore.metrics.saliency import EVENT_COLUMNS
 from nvcore.schema import NO_TRACK, Category
 from nvcore.tables.columns import column_names
 
@@ -51,6 +52,8 @@ def frames_table(result: Result) -> pd.DataFrame:
             f"false_alarms_{letter}": system.false_alarms,
             f"d_miss_{letter}": system.distances.d_miss,
             f"d_false_{letter}": system.distances.d_false,
+            f"loss_miss_{letter}": system.loss_miss,
+            f"loss_false_{letter}": system.loss_false,
             f"similarity_{letter}": system.similarity,
             f"similarity_window_{letter}": system.similarity_window,
             f"salient_track_{letter}": _integers(track, is_known),
@@ -71,7 +74,7 @@ def encounters_table(result: Result) -> pd.DataFrame:
         "category": result.category,
     }
     for letter, system in result.sides:
-        outcomes = system.encounters
+        outcomes, failures = system.encounters, system.failures
         columns |= {
             f"matched_{letter}": outcomes["matched"],
             f"coverage_{letter}": outcomes["coverage"],
@@ -80,6 +83,8 @@ def encounters_table(result: Result) -> pd.DataFrame:
             f"lag_s_{letter}": outcomes["lag_s"],
             f"gap_s_{letter}": outcomes["gap_s"],
             f"tail_s_{letter}": outcomes["tail_s"],
+            f"severity_s_{letter}": np.where(is_near, failures["severity_s"], np.nan),
+            f"peak_cost_{letter}": np.where(is_near, failures["peak_cost"], np.nan),
         }
     columns |= {
         "lead_time_s": result.lead_time_s,
@@ -125,9 +130,8 @@ def located_events(result: Result) -> pd.DataFrame:
     tables = []
     for letter, system in result.sides:
         spans = _spans(result, system.events, letter)
-        spans |= {name: system.events[name] for name in ("track", "tau", "recency")}
-        spans["saliency_s"] = system.events["saliency_s"]
-        spans |= {name: system.events[name] for name in ("first_row", "last_row")}
+        others = set(EVENT_COLUMNS) - spans.keys() - {"encounter"}
+        spans |= {name: system.events[name] for name in EVENT_COLUMNS if name in others}
         spans["recording_row"] = system.events["recording"]
         tables.append(pd.DataFrame(spans))
     return pd.concat(tables, ignore_index=True)
@@ -145,7 +149,7 @@ def intervals_table(result: Result) -> pd.DataFrame:
     for letter, system in result.sides:
         spans = _spans(result, system.intervals, letter)
         spans |= {
-            "severity_s": system.intervals["severity_s"].to_numpy(),
+            "depth_s": system.intervals["depth_s"].to_numpy(),
             "min_similarity": system.intervals["min_similarity"].to_numpy(),
             "worst_frame": frame[system.intervals["worst_row"].to_numpy()],
         }
@@ -154,8 +158,8 @@ def intervals_table(result: Result) -> pd.DataFrame:
 
 
 def worst_intervals(result: Result, letter: str, *, n: int = 5) -> pd.DataFrame:
-    """The `n` low-similarity intervals of one system with the largest severity, worst first."""
-    return _worst(intervals_table(result), letter, "severity_s", n)
+    """The `n` low-similarity intervals of one system with the largest depth, worst first."""
+    return _worst(intervals_table(result), letter, "depth_s", n)
 
 
 def _worst(table: pd.DataFrame, letter: str, column: str, n: int) -> pd.DataFrame:

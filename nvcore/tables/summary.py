@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, replace
+from functools import partial
 from operator import attrgetter
 from typing import Any, Final, NamedTuple
 
@@ -12,6 +13,7 @@ import numpy as np
 from nvcore import __version__
 from nvcore.comparison import Result
 from nvcore.measures import MEASURES
+from nvcore.schema import Category
 from nvcore.scoring import SystemResult
 from nvcore.tables.column import Column, Kind, measure_column
 from nvcore.tables.columns import VENN_COLUMNS
@@ -56,6 +58,10 @@ def _lead_s(result: Result) -> np.ndarray:
     lead_s = result.lead_time_s
     finite: np.ndarray = lead_s[np.isfinite(lead_s)]
     return finite
+
+
+def _severity_of(result: Result, *, kind: Category, letter: str) -> float:
+    return result.severity_of(result.system(letter))[kind]
 
 
 _ENTRIES: Final[tuple[_Entry, ...]] = (
@@ -125,6 +131,21 @@ _ENTRIES: Final[tuple[_Entry, ...]] = (
         lambda result: system_summary(result, result.y),
     ),
     *(_Entry(replace(column, name=f"venn.{column.name}")) for column in VENN_COLUMNS),
+    *(
+        _Entry(
+            Column(
+                f"venn_severity_s.{kind.value}_{letter}",
+                _NUMBER,
+                "s",
+                f"What the failures of {letter.upper()} weigh in the encounters of `{kind.value}`.",
+                "low",
+            ),
+            partial(_severity_of, kind=kind, letter=letter),
+        )
+        for kind in Category
+        if kind is not Category.DISTANT
+        for letter in "xy"
+    ),
     _Entry(
         Column(
             "dominant",

@@ -38,13 +38,14 @@ class Box(NamedTuple):
 
 
 class Place(NamedTuple):
-    """One recording: its listed frames, size, frame rate and horizon."""
+    """One recording: its listed frames, size, frame rate, horizon and traffic context."""
 
     frames: Sequence[int]
     width: float = 100.0
     height: float = 100.0
     fps: float = 10.0
     horizon: float = NAN
+    context: float = NAN
 
 
 def at(frame: int, centre: float, **more: Any) -> Box:
@@ -88,8 +89,8 @@ def make_dataset(
     ]
     boxes = pd.DataFrame(rows, columns=["source", "frame_index", *Box._fields[1:-1]])
     recordings = pd.DataFrame(
-        [(f"r{i}", p.width, p.height, float(p.fps), p.horizon) for i, p in enumerate(places)],
-        columns=["name", "width", "height", "fps", "horizon"],
+        [(f"r{i}", *p[1:3], float(p.fps), p.horizon, p.context) for i, p in enumerate(places)],
+        columns=["name", "width", "height", "fps", "horizon", "context"],
     )
     listed = [np.array(place.frames, dtype=np.int64) for place in places]
     return dataset_from_tables(recordings, listed, boxes, ["x", "y"])

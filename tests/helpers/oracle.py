@@ -52,19 +52,38 @@ def apart(a: Box, b: Box, place: Place, params: Params) -> float:
     return math.hypot(lateral, (a.y + a.h) - (b.y + b.h))
 
 
+def rho_of(place: Place, params: Params) -> float:
+    if params.edge_weight is not None:
+        return params.edge_weight
+    return 0.0 if math.isnan(place.context) else place.context
+
+
+def border_of(box: Box, place: Place, params: Params) -> float:
+    W, rho = place.width, rho_of(place, params)
+    c = centre(box, W)
+    return rho * W / 2 + (1 - rho) * min(c, W - c)
+
+
+def terms(
+    A: Sequence[Box], B: Sequence[Box], partners: Sequence[Box | None], place: Place,
+    params: Params,
+) -> list[float]:  # fmt: skip
+    """Each a's own term of D(A, B); `partners` has the match of each."""
+    values = []
+    for a, partner in zip(A, partners, strict=True):
+        others = B if params.pairing == "nearest" else [partner] if partner is not None else []
+        border = border_of(a, place, params)
+        nearest = min([border, *(apart(a, b, place, params) for b in others)])
+        values.append(weight(a, place, params) * nearest)
+    return values
+
+
 def maximin(
-    A: Sequence[Box], B: Sequence[Box], place: Place, params: Params
+    A: Sequence[Box], values: Sequence[float], place: Place, params: Params
 ) -> tuple[float, Box | None]:
     """Equation 1 and the member of A at which it stands."""
     if not A:
         return 0.0, None
-    W, rho = place.width, params.edge_weight
-    values = []
-    for a in A:
-        c = centre(a, W)
-        border = rho * W / 2 + (1 - rho) * min(c, W - c)
-        nearest = min([border, *(apart(a, b, place, params) for b in B)])
-        values.append(weight(a, place, params) * nearest)
     most = max(values)
     best = [a for a, value in zip(A, values, strict=True) if value == most]
     best.sort(key=lambda a: (-weight(a, place, params), a.track))
@@ -148,6 +167,7 @@ class Trace:
     matched: list[int] = field(default_factory=list)
     false_alarms: list[list[Box]] = field(default_factory=list)
     matched_boxes: list[list[bool]] = field(default_factory=list)  # of all truth boxes
+    terms: list[dict[int, float]] = field(default_factory=list)  # by track, px
     events: list[tuple[int, int, int, float, float]] = field(default_factory=list)
 
 
@@ -160,9 +180,18 @@ def score(
     for in_truth, detections in zip(truth, system, strict=True):
         G = [box for box in in_truth if not box.ignore]
         pairs, alarms = match(in_truth, detections, place, params, threshold)
-        S = [detections[d] for d in sorted([*pairs, *alarms])]
-        d_miss, at = maximin(G, S, place, params)
-        d_false, worst_alarm = maximin(S, G, place, params)
+        counted = sorted([*pairs, *alarms])
+        S = [detections[d] for d in counted]
+        seen_by = {g: detections[d] for d, g in pairs.items()}
+        of_truth = [seen_by.get(g) for g, box in enumerate(in_truth) if not box.ignore]
+        of_system = [in_truth[pairs[d]] if d in pairs else None for d in counted]
+        own = terms(G, S, of_truth, place, params)
+        d_miss, at = maximin(G, own, place, params)
+        d_false, worst_alarm = maximin(S, terms(S, G, of_system, place, params), place, params)
+        largest: dict[int, float] = {}
+        for box, value in zip(G, own, strict=True):
+            largest[box.track] = max(value, largest.get(box.track, 0.0))
+        trace.terms.append(largest)
         effect = params.alpha * d_miss + (1 - params.alpha) * d_false
         trace.d_miss.append(d_miss)
         trace.d_false.append(d_false)
@@ -174,39 +203,77 @@ def score(
         trace.matched.append(len(pairs))
         trace.false_alarms.append([detections[d] for d in sorted(alarms)])
         trace.matched_boxes.append([g in pairs.values() for g in range(len(in_truth))])
-    trace.events = events(place, truth, trace.salient, params)
+    half = place.width / 2
+    if params.saliency_of == "each":
+        qualify = [
+            {track: value / half for track, value in of_frame.items()
+             if value > params.tolerance * half}
+            for of_frame in trace.terms
+        ]  # fmt: skip
+    else:
+        qualify = [
+            {track: d / half} if track >= 0 else {}
+            for track, d in zip(trace.salient, trace.d_miss, strict=True)
+        ]
+    for track in {track for of_frame in qualify for track in of_frame}:
+        trace.events += events(place, truth, track, [q.get(track) for q in qualify], params)
+    trace.events.sort(key=lambda event: (event[1], event[0]))
     return trace
 
 
 def events(
-    place: Place, truth: Sequence[Sequence[Box]], salient: list[int], params: Params
-) -> list[tuple[int, int, int, float, float]]:
-    """Saliency events: track, position of first and last frame, duration, saliency."""
+    place: Place, truth: Sequence[Sequence[Box]], track: int, effect: list[float | None],
+    params: Params,
+) -> list[tuple[int, int, int, float, float]]:  # fmt: skip
+    """Events of one pedestrian: track, position of first and last frame, duration, saliency."""
     step = steps(place)
     found = []
     i = 0
-    while i < len(salient):
+    while i < len(effect):
         j = i
-        while j + 1 < len(salient) and salient[j + 1] == salient[i]:
+        while j + 1 < len(effect) and (effect[j + 1] is None) == (effect[i] is None):
             j += 1
-        if salient[i] >= 0:
-            first, last = 0, len(salient) - 1
+        if effect[i] is not None:
+            first, last = 0, len(effect) - 1
             if params.saliency_scope == "encounter":
                 seen = [
                     p for p, boxes in enumerate(truth)
-                    if any(b.track == salient[i] and not b.ignore for b in boxes)
+                    if any(b.track == track and not b.ignore for b in boxes)
                 ]  # fmt: skip
                 first, last = seen[0], seen[-1]
-            tau = sum(step[first : j + 1]) / sum(step[first : last + 1])
-            z = (tau - params.recency_midpoint) / params.recency_spread
+            if params.recency_unit == "seconds":
+                rest = sum(step[j + 1 : last + 1])
+                z = (params.recency_midpoint_s - rest) / params.recency_spread_s
+            else:
+                tau = sum(step[first : j + 1]) / sum(step[first : last + 1])
+                z = (tau - params.recency_midpoint) / params.recency_spread
             recency = 1 / (1 + math.exp(-z))
-            duration = sum(step[i : j + 1])
-            found.append((salient[i], i, j, duration, duration * recency))
+            duration = weighs = sum(step[i : j + 1])
+            if params.saliency_weight == "risk":
+                weighs = sum((effect[p] or 0.0) * step[p] for p in range(i, j + 1))
+            found.append((track, i, j, duration, weighs * recency))
         i = j + 1
     return found
 
 
-INTERVAL = ["first_row", "last_row", "duration_s", "severity_s", "min_similarity", "worst_row"]
+def severity(
+    place: Place, truth: Sequence[Sequence[Box]], trace: Trace, track: int, params: Params
+) -> tuple[float, float]:
+    """Severity of one encounter in seconds, and its peak cost."""
+    total = peak = 0.0
+    for p, (boxes, step) in enumerate(zip(truth, steps(place), strict=True)):
+        relevant = [
+            (weight(b, place, params) * border_of(b, place, params) / (place.width / 2), hit)
+            for b, hit in zip(boxes, trace.matched_boxes[p], strict=True)
+            if b.track == track and not b.ignore and weight(b, place, params) >= 0.5
+        ]
+        if relevant and not any(hit for _, hit in relevant):
+            cost = max(cost for cost, _ in relevant)
+            total, peak = total + cost * step, max(peak, cost)
+    return total, peak
+
+
+INTERVAL = ["first_row", "last_row", "duration_s", "depth_s", "min_similarity", "worst_row"]
 
 
 def intervals(place: Place, similarity: list[float], low: float) -> list[tuple[float, ...]]:
@@ -228,13 +295,17 @@ def intervals(place: Place, similarity: list[float], low: float) -> list[tuple[f
     return answer
 
 
-def moving_mean(place: Place, values: list[float], window: float) -> list[float]:
+def within(place: Place, position: int, window: float) -> list[int]:
+    """Positions of the frames at most half a window from one."""
     half = window / 2 * place.fps + 1e-6  # in frames; a frame exactly at the border counts
-    means = []
-    for t in place.frames:
-        near = [v for f, v in zip(place.frames, values, strict=True) if abs(f - t) <= half]
-        means.append(sum(near) / len(near))
-    return means
+    return [
+        p for p, frame in enumerate(place.frames) if abs(frame - place.frames[position]) <= half
+    ]
+
+
+def moving_mean(place: Place, values: list[float], window: float) -> list[float]:
+    windows = [within(place, p, window) for p in range(len(values))]
+    return [sum(values[p] for p in near) / len(near) for near in windows]
 
 
 def encounters(

@@ -79,7 +79,8 @@ def _draw_place(rng: np.random.Generator) -> Place:
         listed = np.arange(n) * int(rng.integers(1, 5))
     fps = float(rng.choice([7, 10, 20, 25, 30]))
     size = float(rng.choice([64, 100, 640])), float(rng.choice([50, 480]))
-    return Place(listed.tolist(), *size, fps, horizon=0.4 * size[1])
+    context = (NAN, 0.0, 0.3, 1.0)[len(listed) % 4]
+    return Place(listed.tolist(), *size, fps, horizon=0.4 * size[1], context=context)
 
 
 def _draw_box(rng: np.random.Generator, place: Place, is_grid: bool) -> Box:

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from scenes import Scene, draw_scene
 
 from nvcore.comparison import Result, compare
+from nvcore.metrics.proximity import in_use
 from nvcore.metrics.similarity import salient_detection
 from nvcore.params import Params
 from nvcore.scoring import SystemResult
@@ -21,7 +22,8 @@ PARAMS = st.builds(
     Params,
     alpha=st.sampled_from([0.0, 0.3, 0.9, 1.0]),
     distance=st.sampled_from(["lateral", "ground"]),
-    edge_weight=st.sampled_from([0.0, 0.4, 1.0]),
+    edge_weight=st.sampled_from([None, 0.0, 0.4, 1.0]),
+    pairing=st.sampled_from(["nearest", "matched"]),
     proximity=st.sampled_from(["height", "horizon", "distance", "none"]),
     midpoint=st.sampled_from([None, 20.0]),
     spread=st.sampled_from([None, 5.0]),
@@ -38,6 +40,11 @@ PARAMS = st.builds(
     tolerance=st.sampled_from([0.0, 0.05, 0.2]),
     saliency_aggregate=st.sampled_from(["max", "sum"]),
     saliency_scope=st.sampled_from(["recording", "encounter"]),
+    saliency_of=st.sampled_from(["most_salient", "each"]),
+    saliency_weight=st.sampled_from(["time", "risk"]),
+    recency_unit=st.sampled_from(["share", "seconds"]),
+    recency_midpoint_s=st.sampled_from([0.0, 0.5, 7.5]),
+    recency_spread_s=st.sampled_from([0.2, 1.5]),
 )
 SEEDS = st.integers(0, 2**32 - 1)
 MOSTLY_FALSE = st.sampled_from([False] * 9 + [True])
@@ -70,7 +77,8 @@ def worst_alarms(
     for row in range(rows.start, rows.stop):
         at = salient_detection(
             boxes, system.weights.k, system.matches.is_counted, system.nearest,
-            result.dataset.frame_columns, row, edge_weight=result.params.edge_weight,
+            result.dataset.frame_columns, row,
+            edge_weight=in_use(result.params, "edge_weight", result.dataset.frame_columns),
         )  # fmt: skip
         worst.append(None if at < 0 else (boxes.x[at], boxes.y[at], boxes.w[at], boxes.h[at]))
     return worst
@@ -115,11 +123,12 @@ def test_saliency_events_agree(scene: Scene, params: Params) -> None:
             names = ["track", "first_row", "last_row", "duration_s", "saliency_s"]
             expected = np.array(trace.events, float).reshape(-1, len(names))
             assert events[names].to_numpy(float) == pytest.approx(expected)
-            saliencies[id(system)] += expected[:, -1].tolist()
+            values = expected[:, -1].tolist()
+            is_max = params.saliency_aggregate == "max"
+            saliencies[id(system)].append(max(values, default=0.0) if is_max else sum(values))
     for system in (result.x, result.y):
         values = saliencies[id(system)]
-        total = max(values, default=0.0) if params.saliency_aggregate == "max" else sum(values)
-        assert system.saliency_s == pytest.approx(total)
+        assert system.saliency_s == pytest.approx(sum(values) / len(values))
 
 
 @thoroughly
@@ -141,6 +150,12 @@ def test_low_intervals_and_the_moving_mean_agree(scene: Scene, params: Params) -
             )
             means = oracle.moving_mean(place, values, params.window)
             assert system.similarity_window[rows] == pytest.approx(means)
+            step_s = np.array(oracle.steps(place))
+            lost = (1 - np.array(values)) * step_s
+            worst = system.worst_window_of_recordings[recording]
+            near = oracle.within(place, worst.row - rows.start, params.window)
+            assert worst.mean == pytest.approx(min(means))
+            assert worst.lost_s == pytest.approx(lost[near].sum())
 
 
 @thoroughly
@@ -172,6 +187,30 @@ def test_encounters_and_venn_counts_agree(scene: Scene, params: Params) -> None:
     assert result.venn.counts() == {
         name: kinds.count(name) for name in ("both", "x_only", "y_only", "neither", "distant")
     }
+
+
+@thoroughly
+@given(SCENES, PARAMS)
+def test_severity_and_losses_agree(scene: Scene, params: Params) -> None:
+    result = compare(scene.dataset(), params)
+    lost_s: dict[int, float] = {id(result.x): 0.0, id(result.y): 0.0}
+    for recording, place in enumerate(scene.places):
+        truth = scene.by_frame(scene.truth, recording)
+        rows, is_here = rows_of(result, recording), result.encounters.recording == recording
+        for system, trace in each_system(scene, result, recording):
+            expected = [
+                oracle.severity(place, truth, trace, track, params)
+                for track in result.encounters.track[is_here].tolist()
+            ]
+            values = system.failures[is_here][["severity_s", "peak_cost"]].to_numpy()
+            assert values == pytest.approx(np.array(expected).reshape(-1, 2), abs=1e-9)
+            both = system.loss_miss + system.loss_false
+            assert both[rows] == pytest.approx(1 - np.array(trace.similarity), abs=1e-9)
+            steps = zip(trace.similarity, oracle.steps(place), strict=True)
+            lost_s[id(system)] += sum((1 - value) * step for value, step in steps)
+    for system in (result.x, result.y):
+        per_minute = lost_s[id(system)] / (result.duration_s / 60)
+        assert system.lost_s_per_min == pytest.approx(per_minute)
 
 
 @thoroughly
@@ -246,6 +285,7 @@ def test_the_oracle_itself_reproduces_figure_7_of_the_paper() -> None:
     place, params = oracle.Place([0]), Params(proximity="none")
     G = [Box(0, 11, 40, 2, 50, track=1), Box(0, 16, 40, 2, 50, track=2)]
     S = [Box(0, 9, 40, 2, 50)]
-    assert oracle.maximin(G, S, place, params) == (7, G[1])
-    assert oracle.maximin(S, G, place, params)[0] == 2
+    of_truth = oracle.terms(G, S, [None, None], place, params)
+    assert oracle.maximin(G, of_truth, place, params) == (7, G[1])
+    assert oracle.terms(S, G, [None], place, params) == [2]
     assert not math.isnan(oracle.weight(S[0], place, Params()))

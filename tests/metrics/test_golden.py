@@ -25,26 +25,31 @@ SETS = [
 ]
 
 
+def compare_golden(name: str, settings: dict[str, Any], realdata: Path) -> Result:
+    """The comparison of a reference set with its parameters."""
+    settings = dict(settings)
+    settings["saliency_aggregate"] = settings.pop("aggregate")
+    thresholds = settings.pop("threshold_x"), settings.pop("threshold_y")
+    files = f"{name}/det_frcnn/det.txt", f"{name}/res_devkit/{name}.txt"
+    session = Session(
+        folder=realdata / "mot15",
+        truth=Source((f"{name}/gt/gt.txt",)),
+        systems=tuple(
+            SystemSource((file,), threshold=threshold)
+            for file, threshold in zip(files, thresholds, strict=True)
+        ),
+        params=params_from({k: v for k, v in settings.items() if v is not None}),
+    )
+    return compare(load(session))
+
+
 class Case:
     """One reference set: its summary, its traces and our result."""
 
     def __init__(self, name: str, folder: Path, realdata: Path):
         self.summary: dict[str, Any] = json.loads((folder / "summary.json").read_text())
         self.frames = pd.read_csv(folder / "frames.csv")
-        settings = self.summary["parameters"]
-        settings["saliency_aggregate"] = settings.pop("aggregate")
-        thresholds = settings.pop("threshold_x"), settings.pop("threshold_y")
-        files = f"{name}/det_frcnn/det.txt", f"{name}/res_devkit/{name}.txt"
-        session = Session(
-            folder=realdata / "mot15",
-            truth=Source((f"{name}/gt/gt.txt",)),
-            systems=tuple(
-                SystemSource((file,), threshold=threshold)
-                for file, threshold in zip(files, thresholds, strict=True)
-            ),
-            params=params_from({k: v for k, v in settings.items() if v is not None}),
-        )
-        self.result: Result = compare(load(session))
+        self.result: Result = compare_golden(name, self.summary["parameters"], realdata)
 
     def systems(self) -> list[tuple[str, SystemResult]]:
         return [("x", self.result.x), ("y", self.result.y)]
@@ -118,3 +123,32 @@ def test_the_mean_and_the_minimum_of_similarity_agree(case: Case) -> None:
         expected = case.summary[letter]
         assert system.summary.mean == pytest.approx(expected["mean_similarity"], abs=1e-6)
         assert system.summary.minimum == pytest.approx(expected["min_similarity"], abs=1e-6)
+
+
+WEIGHED = [
+    (name, kind)
+    for name in ("TUD-Campus", "TUD-Stadtmitte", "PETS09-S2L1", "ETH-Sunnyday")
+    for kind in ("default", "rural", "strict")
+]
+OF_TIME_LEFT = (
+    "ttc_window", "reaction_s", "deceleration", "speed_kmh", "corridor", "confirm_n", "confirm_m",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "kind"), WEIGHED)
+def test_the_weights_agree(name: str, kind: str, golden: Path, realdata: Path) -> None:
+    expected = json.loads((golden / name / kind / "weights.json").read_text())
+    settings = {k: v for k, v in expected["parameters"].items() if k not in OF_TIME_LEFT}
+    result = compare_golden(name, settings, realdata)
+    assert result.venn.counts() == expected["venn"]
+    for letter, system in result.sides:
+        theirs = expected[letter]
+        assert system.summary.mean == pytest.approx(theirs["mean_similarity"], abs=1e-6)
+        assert system.saliency_s == pytest.approx(theirs["saliency"], abs=1e-6)
+        assert system.lost_s_per_min == pytest.approx(theirs["lost_s_per_min"], abs=1e-6)
+        assert system.failures["severity_s"].sum() == pytest.approx(theirs["severity_s"], abs=1e-6)
+        encounters = pd.DataFrame(theirs["encounters"])
+        assert result.encounters.track.tolist() == encounters["track"].tolist()
+        for measure in ("severity_s", "peak_cost"):
+            values = system.failures[measure].to_numpy()
+            assert values == pytest.approx(encounters[measure].to_numpy(), abs=1e-6)

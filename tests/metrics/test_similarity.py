@@ -112,7 +112,7 @@ def test_low_intervals_by_hand() -> None:
     assert table["first_row"].tolist() == [0, 2, 6]
     assert table["last_row"].tolist() == [0, 4, 6]
     assert table["duration_s"].tolist() == pytest.approx([0.1, 0.3, 0.1])
-    assert table["severity_s"].tolist() == pytest.approx([0.005, 0.07, 0.005])
+    assert table["depth_s"].tolist() == pytest.approx([0.005, 0.07, 0.005])
     assert table["min_similarity"].tolist() == [0.85, 0.5, 0.85]
     assert table["worst_row"].tolist() == [0, 3, 6]
 
@@ -134,3 +134,24 @@ def test_aggregates_by_hand() -> None:
 def test_aggregates_of_no_frame_are_undefined() -> None:
     summary = summarise_similarity(np.empty(0))
     assert np.isnan([summary.mean, summary.minimum, summary.percentile_5, summary.share_low]).all()
+
+
+def test_strict_pairing_measures_to_the_match_and_to_the_border_without_one() -> None:
+    truth = [at(0, 30, track=1), at(0, 60, track=2)]
+    x = [at(0, 31), at(0, 55)]  # the second overlaps nobody
+    nearest, strict = (
+        result_of(make_dataset(truth, x), pairing=pairing, iou=0.1).x.distances
+        for pairing in ("nearest", "matched")
+    )
+    assert (nearest.d_miss[0], nearest.d_false[0]) == (5, 5)
+    assert (strict.d_miss[0], strict.d_false[0]) == (40, 45)
+
+
+def test_only_by_the_nearest_box_can_a_false_alarm_raise_similarity() -> None:
+    truth = [at(0, 50, track=1)]
+    for pairing, is_raised in (("nearest", True), ("matched", False)):
+        without, beside = (
+            float(result_of(make_dataset(truth, x), pairing=pairing).x.similarity[0])
+            for x in ([], [at(0, 55)])
+        )
+        assert (beside > without) is is_raised

@@ -70,7 +70,7 @@ def test_the_scorecard_line_by_line(result: Result, scorecard: list[str]):
         "",
         "worst intervals of Y (y):",
         "  r0  0.00 s to 2.00 s  (frames 0 to 19): severity "
-        f"{result.y.intervals['severity_s'].iloc[0]:.3f} s, lowest "
+        f"{result.y.intervals['depth_s'].iloc[0]:.3f} s, lowest "
         f"{result.y.similarity.min():.3f} at frame {result.y.similarity.argmin()}",
         "",
     ]

@@ -35,7 +35,7 @@ def y_blind() -> Result:
 def test_a_low_interval_tells_where_and_how_bad_it_is(y_blind: Result):
     (row,) = of_kind(y_blind, "y").to_dict("records")
     # similarity 0.1 in 4 frames of 0.1 s, low below 0.9
-    assert row["severity_s"] == pytest.approx(0.32)
+    assert row["depth_s"] == pytest.approx(0.32)
     assert row["duration_s"] == pytest.approx(0.4)
     assert [row[name] for name in ("recording", "first_frame", "last_frame", "row", "frame")] == [
         "r0", 2, 5, 2, 2,
@@ -46,7 +46,7 @@ def test_a_low_interval_tells_where_and_how_bad_it_is(y_blind: Result):
 
 def test_a_difference_is_summed_over_time(y_blind: Result):
     (row,) = of_kind(y_blind, "x_better").to_dict("records")
-    assert row["severity_s"] == pytest.approx(0.9 * 0.4)
+    assert row["depth_s"] == pytest.approx(0.9 * 0.4)
     assert (row["first_frame"], row["last_frame"]) == (2, 5)
 
 
@@ -141,7 +141,7 @@ def test_the_n_worst_come_first_and_recordings_are_kept_apart():
     assert table["recording"].tolist() == ["r1", "r0"]
     assert table["recording_index"].tolist() == [1, 0]
     assert table["row"].tolist() == [5, 3]
-    assert table["severity_s"].tolist() == pytest.approx([0.24, 0.16])
+    assert table["depth_s"].tolist() == pytest.approx([0.24, 0.16])
 
 
 def test_without_any_low_frame_the_table_has_its_columns_and_no_rows():

@@ -106,7 +106,7 @@ def test_a_low_interval_is_one_row_with_its_worst_frame(result: Result):
     table = intervals_table(result)
     assert table.iloc[0, :6].tolist() == ["y", "r0", 0, 9, 0.0, 1.0]
     # similarity 0.1 without a detection, 0.26 in frame 3
-    assert table["severity_s"][0] == pytest.approx((9 * 0.8 + 0.64) * 0.1)
+    assert table["depth_s"][0] == pytest.approx((9 * 0.8 + 0.64) * 0.1)
     assert table[["min_similarity", "worst_frame"]].iloc[0].tolist() == pytest.approx([0.1, 0])
 
 

@@ -11,6 +11,7 @@ import streamlit as st
 from nvcore.comparison import Result
 from nvcore.figures.paired import recordings_plot
 from nvcore.figures.saliency import parts_plot, recency_plot
+from nvcore.measures import has_several_recordings
 from nvcore.report.words import describe_saliency
 from nvcore.tables.result import recordings_table, worst_events
 from ui.session import state
@@ -28,6 +29,8 @@ CLICKED_RECORDING: Final = "saliency_wanted"
 def draw_numbers(result: Result) -> None:
     """Saliency of X and Y over all recordings, and how each comes about."""
     kind = "largest event" if result.params.saliency_aggregate == "max" else "sum of all events"
+    if has_several_recordings(result):
+        kind = f"{kind}, mean over recordings"
     for column, (letter, system), description in zip(
         st.columns(2, gap="medium"), result.sides, describe_saliency(result), strict=True
     ):

@@ -11,6 +11,7 @@ import pandas as pd
 
 from nvcore.comparison import Result
 from nvcore.metrics.encounters import RELEVANT_K
+from nvcore.metrics.proximity import in_use
 from nvcore.metrics.similarity import salient_detection
 from nvcore.overlay.annotate import drawn_boxes, frame_picture
 from nvcore.overlay.brush import ON_DARK, ON_LIGHT, Canvas, Inks
@@ -287,7 +288,7 @@ def _box_about(result: Result, moment: Moment) -> np.ndarray | None:
         system.nearest,
         result.dataset.frame_columns,
         moment.row,
-        edge_weight=result.params.edge_weight,
+        edge_weight=in_use(result.params, "edge_weight", result.dataset.frame_columns),
     )
     if worst < 0:
         return None

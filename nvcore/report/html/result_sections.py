@@ -194,12 +194,12 @@ def _intervals(result: Result) -> Table:
             f"{row['first_frame']} to {row['last_frame']}",
             f"{row['start_s']:.2f}",
             f"{row['duration_s']:.2f}",
-            f"{row['severity_s']:.3f}",
+            f"{row['depth_s']:.3f}",
             f"{row['min_similarity']:.3f}",
         )
         for row in worst.to_dict("records")
     ]
-    head = ("System", "Recording", "Frames", "Start (s)", "Duration (s)", "Severity (s)", "Lowest")
+    head = ("System", "Recording", "Frames", "Start (s)", "Duration (s)", "Depth (s)", "Lowest")
     return table("The worst low intervals", head, rows, right=range(3, 7))
 
 

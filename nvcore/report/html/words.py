@@ -123,6 +123,7 @@ def similarity(params: Params, midpoint: str, spread: str) -> Intro:
         values_in_use.insert(
             0, f"midpoint_m {params.midpoint_m:g} m, spread_m {params.spread_m:g} m"
         )
+    context = "as each recording says" if params.edge_weight is None else f"{params.edge_weight:g}"
     in_use = "" if params.proximity == "none" else f", here with {' and '.join(values_in_use)}"
     return Intro(
         what="How near what a system shows is to what is there, for each frame: 1 means that the "
@@ -135,8 +136,8 @@ def similarity(params: Params, midpoint: str, spread: str) -> Intro:
         "width). "
         f"The weight of nearness is {weights[params.proximity]}{in_use}. The border is the nearer "
         "edge of the picture (edge_weight 0, urban), half the picture's width away (1, rural), or "
-        f"between; here {params.edge_weight:g}. A low interval is a run of frames with a "
-        f"similarity below {params.low:g}; its severity is the sum of how far below, times the "
+        f"between; here {context}. A low interval is a run of frames with a "
+        f"similarity below {params.low:g}; its depth is the sum of how far below, times the "
         "time step.",
         best="1; the mean over all frames of all recordings is compared.",
         limits="Only the worst pedestrian and the worst false alarm of a frame count, not how "
@@ -150,17 +151,37 @@ def saliency(params: Params) -> Intro:
     whole = (
         "the largest event" if params.saliency_aggregate == "max" else "the sum of all its events"
     )
+    weight, recency, cutting = "its duration", _recency(params, scope), ""
+    if params.saliency_weight == "risk":
+        weight = "its weighted distance over half the picture's width, summed over time,"
+    if params.saliency_of == "most_salient":
+        cutting = (
+            " Only the most salient miss of a frame counts: two people missed side by side cut "
+            "each other's events, so that missing both can come out below missing one."
+        )
     return Intro(
         what="How much the misses will be noticed by a driver, in seconds: long ones more than "
         "short ones, late ones more than early ones.",
         how="A saliency event is a run of frames in which one missed pedestrian stands out "
         f"(weighted distance above {_percent(params.tolerance)} of half the picture's width). Its "
-        "saliency is duration times recency, and recency is 1 / (1 + exp(-(t - "
-        f"{params.recency_midpoint:g}) / {params.recency_spread:g})), t being the share of the "
-        f"{scope} that has passed when the event ends. A recording's saliency is {whole}; over "
-        "several recordings the same is taken.",
+        f"saliency is {weight} times recency, and recency is {recency} when the event ends. A "
+        f"recording's saliency is {whole}; over several recordings it is the mean of theirs.",
         best="0 s.",
-        limits="It is a model of what drivers remember, not a measurement of it.",
+        limits="It is a model of what drivers remember, not a measurement of it. Part of the "
+        "events' time is of pedestrians far away: the scorecard says how much is of those that "
+        f"count.{cutting}",
+    )
+
+
+def _recency(params: Params, scope: str) -> str:
+    if params.recency_unit == "seconds":
+        return (
+            f"1 / (1 + exp((t - {params.recency_midpoint_s:g}) / {params.recency_spread_s:g})), t "
+            f"being the seconds left to the end of the {scope}"
+        )
+    return (
+        f"1 / (1 + exp(-(t - {params.recency_midpoint:g}) / {params.recency_spread:g})), t being "
+        f"the share of the {scope} that has passed"
     )
 
 

@@ -13,7 +13,7 @@ import pandas as pd
 from nvcore.comparison import Result, compare
 from nvcore.errors import InputError
 from nvcore.evidence.bootstrap import CONFIDENCE, MIN_UNITS, N_RESAMPLES, SEED, count_units
-from nvcore.metrics.saliency import recency_weight
+from nvcore.metrics.saliency import recency_weight, saliency_by_recording
 from nvcore.params import MIDPOINT_SHARE, SPREAD_SHARE, Aggregate, Params
 from nvcore.progress import Progress, no_progress
 
@@ -125,14 +125,14 @@ def fit_saliency(
     if not order.any():
         raise InputError("all clips have the same mean rank: there is nothing to fit to")
     settings = [result.params]
-    saliency = [_of_clips(*_events(result), result.params, clips, result)]
+    saliency = [_of_clips(_events(result), result.params, clips, result)]
     steps = list(_front_settings(result))
     for n_done, front in enumerate(steps, 1):
         names = {"x": result.x.name, "y": result.y.name}
         events = _events(compare(result.dataset, front, **names, previous=result))
         for setting in _back_settings(front):
             settings.append(setting)
-            saliency.append(_of_clips(*events, setting, clips, result))
+            saliency.append(_of_clips(events, setting, clips, result))
         progress(n_done / len(steps), "fitting")
     agreement = _agreement(np.array(saliency), order)
     total = agreement.sum(axis=(1, 2))
@@ -184,37 +184,27 @@ def _back_settings(front: Params) -> Iterator[Params]:
         )
 
 
-def _events(result: Result) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Clip (recording, those of Y after those of X), duration in seconds and tau of each event."""
+def _events(result: Result) -> pd.DataFrame:
+    """The saliency events of X and Y; `recording` counts those of Y after those of X."""
     n = len(result.dataset.recordings)
-    columns = [
-        (
-            system.events["recording"].to_numpy() + n * side,
-            system.events["duration_s"].to_numpy(),
-            system.events["tau"].to_numpy(),
-        )
+    parts = [
+        system.events.assign(recording=system.events["recording"] + n * side)
         for side, (_, system) in enumerate(result.sides)
     ]
-    clip, duration_s, tau = (np.concatenate(parts) for parts in zip(*columns, strict=True))
-    return clip, duration_s, tau
+    return pd.concat(parts, ignore_index=True)
 
 
 def _of_clips(
-    clip: np.ndarray,
-    duration_s: np.ndarray,
-    tau: np.ndarray,
-    params: Params,
-    clips: pd.DataFrame,
-    result: Result,
+    events: pd.DataFrame, params: Params, clips: pd.DataFrame, result: Result
 ) -> np.ndarray:
-    """Saliency of the rated clips, seconds."""
+    """Saliency of the rated clips, seconds, with the recency and the aggregate of `params`."""
     names = result.dataset.recordings["name"].astype(str).tolist()
-    value = duration_s * recency_weight(tau, params)
-    every = np.zeros(2 * len(names))
-    if params.saliency_aggregate == "max":
-        np.maximum.at(every, clip, value)
-    else:
-        np.add.at(every, clip, value)
+    recency = recency_weight(events["tau"].to_numpy(), events["rest_s"].to_numpy(), params)
+    every = saliency_by_recording(
+        events.assign(saliency_s=events["weight_s"] * recency),
+        2 * len(names),
+        aggregate=params.saliency_aggregate,
+    )
     place = {name: i for i, name in enumerate(names)}
     rows = clips["clip"].map(place).to_numpy()
     rows = rows + len(names) * (clips["system"] == result.y.name).to_numpy()

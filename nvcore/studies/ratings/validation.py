@@ -5,7 +5,6 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Any, Final
 
 import numpy as np
@@ -14,7 +13,6 @@ from scipy import stats
 
 from nvcore.comparison import Result
 from nvcore.errors import InputError
-from nvcore.metrics.saliency import aggregate_saliency
 
 LEAST_CLIPS: Final = 5
 """Fewest clips for a meaningful correlation."""
@@ -63,12 +61,7 @@ def clip_saliency(result: Result) -> pd.DataFrame:
     names = result.dataset.recordings["name"].astype(str).tolist()
     parts = []
     for _, system in result.sides:
-        starts = np.searchsorted(system.events["recording"], np.arange(len(names) + 1))
-        events = system.events["saliency_s"].to_numpy()
-        values = [
-            aggregate_saliency(events[a:b], aggregate=result.params.saliency_aggregate)
-            for a, b in pairwise(starts)
-        ]
+        values = result.saliency_of_recordings(system)
         parts.append(pd.DataFrame({"clip": names, "system": system.name, "saliency_s": values}))
     return pd.concat(parts, ignore_index=True)
 

@@ -1,0 +1,73 @@
+"""Severity: what a failure to detect a pedestrian weighs, in seconds of a full-weight miss."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+
+from nvcore.columns import BoxColumns, FrameColumns
+from nvcore.metrics.encounters import Encounters
+from nvcore.metrics.kernels import over_ranges, severity_frames
+from nvcore.metrics.similarity import border_of
+
+
+def cost_of_miss(
+    truth: BoxColumns, k_truth: np.ndarray, frames: FrameColumns, edge_weight: np.ndarray
+) -> np.ndarray:
+    """What missing each pedestrian would cost, 0 to 1; float64, shape (n_truth,).
+
+    ``k * border / (W/2)``: 1 is a pedestrian straight ahead and near. The distance to the nearest
+    detection has no part in it, else a system that fills the picture with false alarms would have
+    no failures.
+
+    Parameters
+    ----------
+    k_truth
+        Proximity weight of each truth box, in (0, 1).
+    edge_weight
+        Of each recording, 0 urban to 1 rural; float64, shape (n_recordings,).
+    """
+    cost = border_of(truth, frames, edge_weight)
+    cost *= k_truth
+    cost /= 0.5 * frames.width[frames.recording[truth.frame_index]]
+    return cost
+
+
+def weigh_failures(
+    encounters: Encounters,
+    k_truth: np.ndarray,
+    cost: np.ndarray,
+    is_matched: np.ndarray,
+    frames: FrameColumns,
+) -> pd.DataFrame:
+    """What one system's failures weigh in every encounter; 0 is best.
+
+    Parameters
+    ----------
+    cost
+        Of `cost_of_miss`.
+    is_matched
+        Truth boxes that the system matched; bool, shape (n_truth,).
+
+    Returns
+    -------
+    One row per encounter: severity_s, the sum of cost and time step over the relevant frames
+    (``k >= 0.5``) in which the pedestrian is not matched, in seconds; peak_cost, the largest cost
+    among them, 0 to 1; peak_row, the first frame row that has it. Nothing missed, or a distant
+    encounter: 0, 0 and -1.
+    """
+    n = len(encounters)
+    severity, peak, peak_row = np.empty(n), np.empty(n), np.empty(n, np.int64)
+    over_ranges(
+        severity_frames,
+        n,
+        *(encounters.offsets, encounters.order, encounters.frame_index),
+        *(frames.gap, k_truth, cost, is_matched, severity, peak, peak_row),
+    )
+    return pd.DataFrame(
+        {
+            "severity_s": severity / frames.fps[encounters.recording],
+            "peak_cost": peak,
+            "peak_row": peak_row,
+        }
+    )
