@@ -16,6 +16,7 @@ from nvcore.errors import InputError
 from nvcore.metrics import kernels
 from nvcore.params import SETTINGS, Params, settings_for
 from nvcore.params.metadata import (
+    COST,
     DISTANCES,
     ENCOUNTERS,
     EVENTS,
@@ -25,6 +26,7 @@ from nvcore.params.metadata import (
     PROXIMITY,
     SALIENCY,
     SALIENT,
+    SEVERITY,
     SIMILARITY,
     THRESHOLD,
     Stage,
@@ -42,14 +44,15 @@ PARTS: dict[str, tuple[Stage, ...]] = {
     "salient_row": (SALIENT,),
     "events": (EVENTS,),
     "encounters": (ENCOUNTERS,),
+    "failures": (SEVERITY,),
 }
 """Parts of a system's result that another comparison may take over, and what makes them."""
 MADE_BY: dict[Stage, set[str]] = {
     THRESHOLD: {"x matches state", "y matches state"},
     MATCH: {"x matches truth_det"},
     PROXIMITY: {"k_truth"},
+    COST: {"cost"},
     NEAREST: {f"x nearest {name}" for name in ("truth", "detections")},
-    DISTANCES: {"x distances d_miss"},
     SIMILARITY: {"x similarity"},
     LOW: {"x intervals", "x similarity_window"},
     ENCOUNTERS: {"x encounters"},
@@ -78,6 +81,7 @@ def figures(result: Result) -> dict[str, Any]:
     found: dict[str, Any] = {
         "venn": result.venn, "exclusivity": result.exclusivity, "boxes": result.boxes,
         "category": result.category, "k_truth": result.k_truth.k, "n_truth": result.n_truth,
+        "cost": result.cost,
         "track": result.tracks.track, "lead": result.lead_time_s, "duration": result.duration_s,
         "without_distance": result.k_truth.n_without_distance,
     }  # fmt: skip
@@ -88,8 +92,8 @@ def figures(result: Result) -> dict[str, Any]:
             for name, value in vars(getattr(system, part)).items():
                 found[f"{letter} {part} {name}"] = value
         for name in ("similarity", "similarity_window", "salient_row", "n_det", "matched",
-                     "false_alarms", "events", "encounters", "episodes", "intervals", "summary",
-                     "false_alarm_summary", "saliency_s"):  # fmt: skip
+                     "false_alarms", "events", "encounters", "failures", "episodes", "intervals",
+                     "summary", "false_alarm_summary", "saliency_s"):  # fmt: skip
             found[f"{letter} {name}"] = getattr(system, name)
     return found
 

@@ -40,6 +40,12 @@ def relevant_share(system: SystemResult) -> float:
     return ratio_of(system.events["relevant_s"].sum(), float(system.events["duration_s"].sum()))
 
 
+def saliency_values(result: Result, system: SystemResult) -> np.ndarray:
+    """Saliency of each recording, s; NaN for those without frames; float64, (n_recordings,)."""
+    has_frames = np.diff(result.dataset.frame_columns.first) > 0
+    return np.where(has_frames, result.saliency_of_recordings(system), nan)
+
+
 def severity_parts(result: Result, system: SystemResult) -> Parts:
     """Severity of each encounter, s."""
     severity_s = system.failures["severity_s"].to_numpy(dtype=float)

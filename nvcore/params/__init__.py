@@ -329,7 +329,7 @@ class Params:
         is_advanced=True,
     )
     saliency_of: SaliencyOf = setting(
-        SALIENT,
+        EVENTS,
         "most_salient",
         words={
             "most_salient": "the most salient miss of a frame",

@@ -11,6 +11,7 @@ import numpy as np
 from nvcore.comparison import Result
 from nvcore.detection.operating_point import false_alarm_curve
 from nvcore.errors import InputError, ParameterError
+from nvcore.metrics.proximity import UNSTATED_CONTEXT, in_use
 from nvcore.params import MIDPOINT_SHARE, SETTINGS
 
 Plane = Literal["alpha-midpoint", "thresholds", "matching", "edge-weight", "edge-weight-alpha"]
@@ -215,10 +216,10 @@ def axes_of(result: Result, plane: Plane, *, n_points: int) -> tuple[Axis, ...]:
         case "matching":
             candidates = (_fixed(result, "iou", n_points), _match_mode(result))
         case "edge-weight":
-            candidates = (_fixed(result, "edge_weight", n_points),)
+            candidates = (_edge_weight(result, n_points),)
         case "edge-weight-alpha":
             candidates = (
-                _fixed(result, "edge_weight", n_points),
+                _edge_weight(result, n_points),
                 _fixed(result, "alpha", n_points),
             )
     axes = tuple(axis for axis in candidates if axis is not None)
@@ -233,6 +234,15 @@ def axes_of(result: Result, plane: Plane, *, n_points: int) -> tuple[Axis, ...]:
 def _fixed(result: Result, name: str, n_points: int) -> Axis:
     """An axis whose range is the same for all data (`RANGES`)."""
     return _numeric(name, RANGES[name], present=getattr(result.params, name), n_points=n_points)
+
+
+def _edge_weight(result: Result, n_points: int) -> Axis:
+    """Traffic context; the analysed values are the recordings' own where none is given."""
+    own = in_use(result.params, "edge_weight", result.dataset.frame_columns)
+    present = (float(own.min(initial=1.0)), float(own.max(initial=0.0)))
+    if present[0] > present[1]:  # no recordings
+        present = (UNSTATED_CONTEXT, UNSTATED_CONTEXT)
+    return _numeric("edge_weight", RANGES["edge_weight"], present=present, n_points=n_points)
 
 
 def _match_mode(result: Result) -> Axis:

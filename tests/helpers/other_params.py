@@ -29,5 +29,7 @@ WITH: Final[dict[str, dict[str, Any]]] = {
     "horizon": {"proximity": "horizon"},
     "lateral_tolerance": {"match": "lateral", "lateral_tolerance": 0.5},
     "saliency_scope": {"saliency_aggregate": "sum"},
+    "recency_midpoint_s": {"recency_unit": "seconds"},
+    "recency_spread_s": {"recency_unit": "seconds"},
 }
 """Where a parameter has an effect at all."""

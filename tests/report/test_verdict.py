@@ -92,8 +92,7 @@ def test_figures_that_look_the_same_are_not_called_better_and_undefined_ones_lef
         "Both have the same mean similarity (1.000), both have the same saliency (0.00 s), and "
         "both have the same false-alert episodes (0 in 1 s);"
     )
-    nothing = verdict(result_of(make_dataset(n_frames=0)))[1]
-    assert nothing.startswith("Both have the same saliency (0.00 s);")
+    assert len(verdict(result_of(make_dataset(n_frames=0)))) == 1
 
 
 def evidence_of(*rows: tuple[str, float, float, float], unit: str = "recordings") -> pd.DataFrame:
@@ -250,12 +249,3 @@ def test_systems_whose_every_detection_counts_are_told(alike: Result):
     assert "Every detection of X and Y counts, however low its score." in verdict(alike)
     limited = result_of(alike.dataset, threshold_x=0.5)
     assert "Every detection of Y counts, however low its score." in verdict(limited)
-
-
-def test_saliency_that_speaks_both_ways_is_told_with_both_figures(better_x: Result):
-    assert better_x.x.saliency_s < better_x.y.saliency_s
-    other = evidence_of(("saliency", 0.1, 0.5, 0.3)).assign(x=1.75, y=1.374, difference=0.376)
-    figures = verdict(better_x, evidence=other)[1]
-    assert " s), but Y in the mean over recordings (1.37 to 1.75 s)" in figures
-    same = other.assign(difference=-0.376)
-    assert "mean over recordings" not in verdict(better_x, evidence=same)[1]

@@ -223,4 +223,4 @@ def test_saliency_is_told_for_each_recording():
     truth = [at(f, 50, track=1, recording=1) for f in range(4)]
     result = result_of(make_dataset(truth, places=[Place(range(4)), Place(range(4))]))
     table = recordings_table(result)
-    assert table["saliency_x"].tolist() == [0, result.x.saliency_s]
+    assert table["saliency_x"].tolist() == [0, 2 * result.x.saliency_s]
