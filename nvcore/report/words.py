@@ -204,6 +204,8 @@ def _saliency(result: Result, letter: str, system: SystemResult) -> str:
     else:
         text = _most_salient(result, letter, events)
     share = relevant_share(system)
+    if share == 1:
+        return f"{text} The missed pedestrians count (k >= 0.5) throughout."
     return (
         f"{text} In {share:.0%} of the events' time the missed pedestrian counts (k >= 0.5); in "
         "the rest he is far away."

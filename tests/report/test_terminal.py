@@ -51,9 +51,12 @@ def test_the_scorecard_line_by_line(result: Result, scorecard: list[str]):
     rows = [line for line in scorecard[table + 1 : end] if not line.endswith(":")]
     assert rows[0].startswith("mean similarity ")
     assert rows[-1].startswith("  no failure ")
-    assert {line.split()[-1] for line in rows} == {"higher", "lower"}
+    assert {line.split()[-1] for line in rows} == {"higher", "lower", "–"}
     assert scorecard[end + 1 : -1] == [
         "encounters detected by: both 1, only X 1, only Y 0, neither 0 (0 distant, not counted)",
+        "what failures weigh, in seconds of a pedestrian missed straight ahead and near: those "
+        "that only X detects 1.20 (for Y), only Y 0.00 (for X), neither 0.00 (X) and 0.00 (Y), "
+        "late or broken off in those that both detect 0.00 (X) and 0.00 (Y)",
         "encounters not detected: 0 by X, 1 by Y, of these 0 by both (Jaccard 0.00, phi –); "
         "McNemar's exact p = 1 for 1 to 0",
         "lead time, in the 1 encounters that both match: X is first in 0, Y in 0, at once in 1; X "
@@ -69,7 +72,7 @@ def test_the_scorecard_line_by_line(result: Result, scorecard: list[str]):
         "worst intervals of X (x): none below 0.9",
         "",
         "worst intervals of Y (y):",
-        "  r0  0.00 s to 2.00 s  (frames 0 to 19): severity "
+        "  r0  0.00 s to 2.00 s  (frames 0 to 19): depth "
         f"{result.y.intervals['depth_s'].iloc[0]:.3f} s, lowest "
         f"{result.y.similarity.min():.3f} at frame {result.y.similarity.argmin()}",
         "",
@@ -114,8 +117,9 @@ def test_saliency_of_several_recordings_stands_as_their_mean_as_well():
     result = result_of(dataset)
     lines = render_scorecard(result).splitlines()
     assert lines[2].startswith("2 recordings, 40 frames, 4.0 s")
-    assert cells(lines, "mean over recordings (s)")[1] == f"{result.y.saliency_s / 2:.3f}"
-    assert any(line.startswith("saliency, largest event") for line in lines)
+    mean = cells(lines, "saliency, largest event, mean over recordings (s)")
+    assert mean[1] == f"{result.y.saliency_s:.3f}"
+    assert cells(lines, "largest event of all (s)")[1] == f"{2 * result.y.saliency_s:.3f}"
     assert "saliency, sum of events" in render_scorecard(
         result_of(dataset, saliency_aggregate="sum")
     )

@@ -120,9 +120,17 @@ def missed(**params: object) -> Result:
 def test_the_saliency_of_a_recording_is_taken_apart():
     assert describe_saliency(missed()) == (
         "X: the most salient of 2 events lasts 0.20 s and ends when 100% of the recording has "
-        "passed, which gives it the weight 0.99: 0.20 s × 0.99 = 0.20 s.",
+        "passed, which gives it the weight 0.99: 0.20 s × 0.99 = 0.20 s. The missed pedestrians "
+        "count (k >= 0.5) throughout.",
         "Y misses nobody by more than the tolerance: its saliency is 0.",
     )
     x, _ = describe_saliency(missed(saliency_aggregate="sum"))
-    assert x == "X: 2 events, 0.4 s in all; weighted by recency and added they make 0.25 s."
+    assert x.startswith(
+        "X: 2 events, 0.4 s in all; weighted by recency and added they make 0.25 s. "
+    )
     assert "of the encounter has passed" in describe_saliency(missed(saliency_scope="encounter"))[0]
+    in_seconds = describe_saliency(missed(recency_unit="seconds"))[0]
+    assert "lasts 0.20 s and ends 0.0 s before the end of the recording" in in_seconds
+    truth = [at(f, 50, h=60 if f < 5 else 2, track=3) for f in range(10)]
+    far = result_of(make_dataset(truth), proximity="height", tolerance=0)
+    assert "In 50% of the events' time the missed pedestrian counts" in describe_saliency(far)[0]

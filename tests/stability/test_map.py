@@ -155,7 +155,7 @@ def test_without_frames_nothing_is_defined(criterion: Criterion) -> None:
 
 def test_only_what_a_setting_changes_is_repeated(monkeypatch: pytest.MonkeyPatch) -> None:
     calls: list[str] = []
-    for name in ("match_system", "find_nearest", "weigh_proximity", "measure_sets"):
+    for name in ("match_system", "nearest_of", "weigh_proximity", "measure_sets"):
         original = getattr(scores, name)
         monkeypatch.setattr(
             scores, name,
