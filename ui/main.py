@@ -10,7 +10,7 @@ from ui.session import state
 from ui.shell import live_params, sidebar, tab_restore
 from ui.shell.messages import error_banner, shown_error
 from ui.shell.navigate import follow_wish
-from ui.shell.pages import all_pages, draw_bar
+from ui.shell.pages import all_pages, draw_bar, shown_on
 
 st.set_page_config(
     page_title="nvcore",
@@ -43,6 +43,6 @@ except NvcoreError as error:
 except Exception as error:  # noqa: BLE001  # the sidebar is drawn, or its widgets lose their values
     error_banner(error)
 if wrong_params is not None and not links.is_participant():  # something is open
-    sidebar.draw(wrong_params)
+    sidebar.draw(wrong_params, shown_on(page))
     with st.sidebar:
         tab_restore.draw()

@@ -11,13 +11,12 @@ import numpy as np
 from nvcore.columns import BoxColumns, FrameColumns
 from nvcore.errors import ParameterError
 from nvcore.params import SETTINGS, Params
+from nvcore.traffic import UNSTATED
 
 BLOCK: Final = 262_144
 """Boxes weighed at a time: bounds the memory of intermediate results; in smaller blocks the two
 systems' threads wait for each other."""
 
-UNSTATED_CONTEXT: Final = 0.0
-"""Traffic context of a recording that states none: urban."""
 
 LARGEST_EXPONENT: Final = 700.0
 """``exp`` of more would overflow; the weight there is 1e-304, practically 0."""
@@ -134,6 +133,6 @@ def in_use(params: Params, name: str, frames: FrameColumns) -> np.ndarray:
     if value is not None:
         return np.full(len(frames.fps), float(value))
     if name == "edge_weight":
-        stated: np.ndarray = np.nan_to_num(frames.context, nan=UNSTATED_CONTEXT)
+        stated: np.ndarray = np.nan_to_num(frames.context, nan=UNSTATED)
         return stated
     return frames.horizon if share is None else share * frames.height

@@ -94,6 +94,7 @@ class Params:
         COST,
         None,
         slider_format="urban %0.2f rural",
+        unset="as the recordings say",
         label="Traffic context",
         meaning="Traffic context. 0 (urban): a miss far to the side costs little; 1 (rural): a "
         "miss at the road's edge costs as much as one straight ahead. Default: as each recording "
@@ -119,7 +120,7 @@ class Params:
         high=10_000,
         unit="px",
         height_share=MIDPOINT_SHARE,
-        proximities=("height", "horizon"),
+        used_with=("proximity", ("height", "horizon")),
         label="Counts half at",
         meaning="Height (or depth below the horizon) at which a pedestrian counts half. Default: "
         "10 % of the image height.",
@@ -132,7 +133,7 @@ class Params:
         unit="px",
         is_above_low=True,
         height_share=SPREAD_SHARE,
-        proximities=("height", "horizon"),
+        used_with=("proximity", ("height", "horizon")),
         label="Softness",
         meaning="Softness of the step at the midpoint. Default: 2 % of the image height.",
     )
@@ -143,7 +144,7 @@ class Params:
         high=1_000,
         slider_high=150,
         unit="m",
-        proximities=("distance",),
+        used_with=("proximity", ("distance",)),
         label="Counts half at",
         meaning="Distance at which a pedestrian counts half, for proximity by distance.",
     )
@@ -156,7 +157,7 @@ class Params:
         step=0.5,
         unit="m",
         is_above_low=True,
-        proximities=("distance",),
+        used_with=("proximity", ("distance",)),
         label="Softness",
         meaning="Softness of the step at that distance.",
     )
@@ -166,7 +167,7 @@ class Params:
         low=-10_000,
         high=10_000,
         unit="px",
-        proximities=("horizon",),
+        used_with=("proximity", ("horizon",)),
         label="Row of the horizon",
         meaning="Row of the horizon in the picture, for proximity by horizon. Default: the "
         "recording's own.",
@@ -205,6 +206,7 @@ class Params:
         0.02,
         step=0.005,
         unit="of image width",
+        used_with=("match", ("lateral",)),
         label="Largest sideways offset (of width)",
         meaning="Largest sideways offset of a match by lateral position; half the pedestrian's "
         "width is always allowed.",
@@ -272,10 +274,20 @@ class Params:
         meaning="A miss counts for saliency only when its weighted distance is larger than this.",
         is_advanced=True,
     )
+    recency_unit: RecencyUnit = setting(
+        EVENTS,
+        "share",
+        words={"share": "share of the duration", "seconds": "seconds before the end"},
+        label="Recency counts in",
+        meaning="What recency counts in: the share of the recording that has passed (share), or "
+        "the seconds left to its end (seconds), which say the same of short and of long ones.",
+        is_advanced=True,
+    )
     recency_midpoint: float = share(
         EVENTS,
         0.5,
         unit="of the duration",
+        used_with=("recency_unit", ("share",)),
         label="Remembered half at (of duration)",
         meaning="When in the recording a miss starts to be remembered: it counts half here.",
         is_advanced=True,
@@ -289,17 +301,9 @@ class Params:
         step=0.01,
         unit="of the duration",
         is_above_low=True,
+        used_with=("recency_unit", ("share",)),
         label="Softness of recency",
         meaning="Softness of that step.",
-        is_advanced=True,
-    )
-    recency_unit: RecencyUnit = setting(
-        EVENTS,
-        "share",
-        words={"share": "share of the duration", "seconds": "seconds before the end"},
-        label="Recency counts in",
-        meaning="What recency counts in: the share of the recording that has passed (share), or "
-        "the seconds left to its end (seconds), which say the same of short and of long ones.",
         is_advanced=True,
     )
     recency_midpoint_s: float = setting(
@@ -310,6 +314,7 @@ class Params:
         slider_high=60,
         step=0.5,
         unit="s",
+        used_with=("recency_unit", ("seconds",)),
         label="Remembered half before the end",
         meaning="Time from the end of a miss to the end of the recording with which it counts "
         "half, for recency in seconds.",
@@ -324,6 +329,7 @@ class Params:
         step=0.5,
         unit="s",
         is_above_low=True,
+        used_with=("recency_unit", ("seconds",)),
         label="Softness of recency",
         meaning="Softness of that step, for recency in seconds.",
         is_advanced=True,

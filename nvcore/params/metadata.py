@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final
 
@@ -22,11 +22,14 @@ class Stage:
         Heading under which its settings are shown.
     after
         The stages that it starts from: their settings move its result, too.
+    result
+        What a reader calls what it makes; empty where nobody sees that by itself.
     """
 
     name: str
     group: str
     after: tuple[Stage, ...] = ()
+    result: str = ""
 
     @property
     def before(self) -> frozenset[Stage]:
@@ -36,18 +39,21 @@ class Stage:
 
 THRESHOLD: Final = Stage("detections that count", "Thresholds and matching")
 """Not before `MATCH`: each system has its own, so the results of a system depend on one of them."""
-MATCH: Final = Stage("matches", "Thresholds and matching")
+MATCH: Final = Stage("matches", "Thresholds and matching", result="matches and false alarms")
 PROXIMITY: Final = Stage("weights of nearness", "Proximity")
 NEAREST: Final = Stage("nearest of the other set", "Similarity", (MATCH,))
 COST: Final = Stage("cost of a missed pedestrian", "Similarity", (PROXIMITY,))
 DISTANCES: Final = Stage("distances of the sets", "Similarity", (NEAREST, COST))
-SIMILARITY: Final = Stage("similarity of frames", "Similarity", (DISTANCES,))
-LOW: Final = Stage("low frames and moving mean", "Similarity", (SIMILARITY,))
-ENCOUNTERS: Final = Stage("encounters, judged", "Encounters", (MATCH, PROXIMITY))
-SEVERITY: Final = Stage("severity of encounters", "Encounters", (MATCH, COST))
+SIMILARITY: Final = Stage("similarity of frames", "Similarity", (DISTANCES,), "similarity")
+LOW: Final = Stage("low frames and moving mean", "Similarity", (SIMILARITY,), "low similarity")
+ENCOUNTERS: Final = Stage("encounters, judged", "Encounters", (MATCH, PROXIMITY), "encounters")
+SEVERITY: Final = Stage("severity of encounters", "Encounters", (MATCH, COST), "severity")
 SALIENT: Final = Stage("most salient miss of frames", "Saliency", (DISTANCES,))
 EVENTS: Final = Stage("saliency events", "Saliency", (SALIENT,))
-SALIENCY: Final = Stage("saliency of recordings", "Saliency", (EVENTS,))
+SALIENCY: Final = Stage("saliency of recordings", "Saliency", (EVENTS,), "saliency")
+
+RESULTS: Final = (MATCH, SIMILARITY, LOW, ENCOUNTERS, SEVERITY, SALIENCY)
+"""The stages whose results are shown, in the order in which they are named."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,8 +82,10 @@ class Setting:
         How its slider shows the value, if not as a number.
     height_share
         The default as a share of the picture's height.
-    proximities
-        Values of `proximity` with which it is used; None: with all.
+    used_with
+        Another setting, and the values of that with which it is used; None: always used.
+    unset
+        What holds without a value, for the switch above its slider; empty: no switch.
     is_advanced
         Whether it is rarely moved: its widget is folded away.
     """
@@ -95,7 +103,8 @@ class Setting:
     slider_high: float | None = None
     slider_format: str | None = None
     height_share: float | None = None
-    proximities: tuple[str, ...] | None = None
+    used_with: tuple[str, tuple[str, ...]] | None = None
+    unset: str = ""
     is_advanced: bool = False
 
     @property
@@ -103,6 +112,19 @@ class Setting:
         """What a widget calls it: "Late after (s)"."""
         is_symbol = self.unit in ("px", "m", "s")
         return f"{self.label} ({self.unit})" if is_symbol else self.label
+
+    @property
+    def acts_on(self) -> str:
+        """The results that it moves, in words: "similarity, low similarity"."""
+        is_moved = (self.stage is THRESHOLD or self.stage in stage.before for stage in RESULTS)
+        return ", ".join(
+            stage.result for stage, moves in zip(RESULTS, is_moved, strict=True) if moves
+        )
+
+    def moves(self, stages: Iterable[Stage]) -> bool:
+        """Whether the result of any of these stages depends on it."""
+        before: frozenset[Stage] = frozenset().union(*(stage.before for stage in stages))
+        return (MATCH if self.stage is THRESHOLD else self.stage) in before
 
     @property
     def range_text(self) -> str:

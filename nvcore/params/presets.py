@@ -19,14 +19,14 @@ class Preset:
     text
         What it is for, in a sentence.
     edge_weight
-        See `Params.edge_weight`.
+        See `Params.edge_weight`; None: as each recording says.
     midpoint_share, spread_share
         Midpoint and spread of the height sigmoid, as shares of the picture's height.
     """
 
     name: str
     text: str
-    edge_weight: float
+    edge_weight: float | None
     midpoint_share: float
     spread_share: float
 
@@ -51,10 +51,10 @@ class Preset:
 
 PRESETS: Final = (
     Preset(
-        "Paper",
-        "All settings but the thresholds as by default: the paper's where it gives them. A miss "
-        "far to the side costs little.",
-        edge_weight=0.0,
+        "Default",
+        "All settings but the thresholds as by default, the traffic context as each recording "
+        "says. Of these the paper fixes alpha alone, at 0.9; the others are choices of ours.",
+        edge_weight=None,
         midpoint_share=MIDPOINT_SHARE,
         spread_share=SPREAD_SHARE,
     ),

@@ -11,8 +11,9 @@ import numpy as np
 from nvcore.comparison import Result
 from nvcore.detection.operating_point import false_alarm_curve
 from nvcore.errors import InputError, ParameterError
-from nvcore.metrics.proximity import UNSTATED_CONTEXT, in_use
+from nvcore.metrics.proximity import in_use
 from nvcore.params import MIDPOINT_SHARE, SETTINGS
+from nvcore.traffic import UNSTATED
 
 Plane = Literal["alpha-midpoint", "thresholds", "matching", "edge-weight", "edge-weight-alpha"]
 
@@ -241,7 +242,7 @@ def _edge_weight(result: Result, n_points: int) -> Axis:
     own = in_use(result.params, "edge_weight", result.dataset.frame_columns)
     present = (float(own.min(initial=1.0)), float(own.max(initial=0.0)))
     if present[0] > present[1]:  # no recordings
-        present = (UNSTATED_CONTEXT, UNSTATED_CONTEXT)
+        present = (UNSTATED, UNSTATED)
     return _numeric("edge_weight", RANGES["edge_weight"], present=present, n_points=n_points)
 
 

@@ -131,7 +131,8 @@ def test_a_preset_makes_valid_parameters(preset, height):
     assert asdict(Params(**values)).items() >= values.items()
 
 
-def test_the_paper_is_the_default():
+def test_the_first_preset_is_the_default():
+    assert PRESETS[0].name == "Default"
     assert Params(**PRESETS[0].values(480.0)) == Params()
 
 
@@ -142,3 +143,39 @@ def test_rural_counts_misses_at_the_edge_and_far_off():
 
 def test_without_a_height_the_sigmoid_is_that_of_each_recording():
     assert PRESETS[2].values(None)["midpoint"] is None
+
+
+def test_the_presets_for_towns_and_rural_roads_set_the_context_for_all_recordings():
+    assert [preset.values(480.0)["edge_weight"] for preset in PRESETS] == [None, 0.0, 1.0]
+
+
+def test_a_setting_is_used_only_with_possible_values_of_another():
+    for setting in SETTINGS.values():
+        if setting.used_with is not None:
+            name, values = setting.used_with
+            assert set(values) < set(SETTINGS[name].words or ())
+
+
+@pytest.mark.parametrize(
+    ("name", "results"),
+    [
+        ("alpha", "similarity, low similarity"),
+        ("low", "low similarity"),
+        ("edge_weight", "similarity, low similarity, severity, saliency"),
+        ("lag_s", "encounters"),
+        ("saliency_aggregate", "saliency"),
+        (
+            "threshold_x",
+            "matches and false alarms, similarity, low similarity, encounters, severity, saliency",
+        ),
+    ],
+)
+def test_a_setting_says_which_results_it_acts_on(name: str, results: str) -> None:
+    assert SETTINGS[name].acts_on == results
+
+
+def test_a_setting_moves_what_comes_after_it() -> None:
+    assert SETTINGS["threshold_x"].moves([MATCH])
+    assert not SETTINGS["edge_weight"].moves([MATCH])
+    assert SETTINGS["edge_weight"].moves([MATCH, SALIENCY])
+    assert not SETTINGS["alpha"].moves([])

@@ -9,8 +9,11 @@ import numpy as np
 
 from nvcore.errors import ParameterError
 from nvcore.params import SETTINGS, Params
+from nvcore.params.metadata import Setting
 
 MAX_DIGITS = 18
+NO_VALUE = "none"
+"""In place of the value of a parameter that may have none, and has a switch for it."""
 
 
 def read_place(
@@ -38,22 +41,28 @@ def read_place(
     return (recording, nearest), wrong
 
 
-def read_parameters(query: Mapping[str, str]) -> tuple[dict[str, float | str], list[str]]:
+def read_parameters(query: Mapping[str, str]) -> tuple[dict[str, float | str | None], list[str]]:
     """Parameters of the address, and in words those that have no possible value."""
-    values: dict[str, float | str] = {}
+    values: dict[str, float | str | None] = {}
     wrong = []
     for name, setting in SETTINGS.items():
         text = query.get(name)
         if text is None:
             continue
         try:
-            value = _finite(text) if setting.words is None else text
+            value = _value(text, setting)
             setting.check(name, value)
         except (ParameterError, ValueError):
             wrong.append(f"its value of {name} is not possible, the default is used")
         else:
             values[name] = value
     return values, wrong
+
+
+def _value(text: str, setting: Setting) -> float | str | None:
+    if setting.unset and text == NO_VALUE:
+        return None
+    return _finite(text) if setting.words is None else text
 
 
 def _finite(text: str) -> float:
@@ -65,8 +74,14 @@ def _finite(text: str) -> float:
 
 def changed_parameters(live: Params, start: Params) -> dict[str, str]:
     """The live parameters that differ from those at the start, as in an address."""
-    return {
+    texts = {
         name: value if isinstance(value, str) else f"{value:.10g}"
         for name, value in live.given().items()
         if value != getattr(start, name)
     }
+    cleared = {
+        name: NO_VALUE
+        for name, setting in SETTINGS.items()
+        if setting.unset and getattr(live, name) is None and getattr(start, name) is not None
+    }
+    return texts | cleared

@@ -9,6 +9,7 @@ import numpy as np
 import streamlit as st
 
 from nvcore.errors import ParameterError
+from nvcore.metrics.proximity import in_use
 from nvcore.params import SETTINGS, Params
 from nvcore.params.metadata import THRESHOLD, Setting
 from nvcore.params.presets import Preset
@@ -57,6 +58,23 @@ def value_of(name: str) -> Any:
     if name in st.session_state:
         return st.session_state[name]
     return getattr(state.session_params(), name)
+
+
+def value_when_set(name: str) -> float:
+    """Where the slider of a parameter starts: the session's value, else what the data agree on."""
+    value = getattr(state.session_params(), name)
+    if value is None:
+        own = np.unique(in_use(state.session_params(), name, state.opened().dataset.frame_columns))
+        value = own[0] if len(own) == 1 else 0.0
+    return float(value)
+
+
+def is_used(setting: Setting) -> bool:
+    """Whether the setting has a meaning with the choices that are made."""
+    if setting.used_with is None:
+        return True
+    name, values = setting.used_with
+    return value_of(name) in values
 
 
 def keep_hidden(name: str) -> None:

@@ -7,6 +7,18 @@ from typing import Final
 import streamlit as st
 from streamlit.navigation.page import StreamlitPage
 
+from nvcore.params.metadata import (
+    ENCOUNTERS,
+    EVENTS,
+    LOW,
+    MATCH,
+    PROXIMITY,
+    RESULTS,
+    SALIENCY,
+    SEVERITY,
+    SIMILARITY,
+    Stage,
+)
 from ui.shell.navigate import PAGES
 
 SECTIONS: Final = {
@@ -24,6 +36,17 @@ SECTIONS: Final = {
 """Sections of the navigation, with the script and the title of each page."""
 START: Final = "overview"
 """The page that the app opens on."""
+SHOWN: Final[dict[str, tuple[Stage, ...]]] = {
+    "data": (MATCH, PROXIMITY),
+    "timeline": (SIMILARITY, LOW, ENCOUNTERS, SEVERITY, EVENTS),
+    "encounters": (SIMILARITY, ENCOUNTERS, SEVERITY),
+    "saliency": (SALIENCY,),
+    "detection": (MATCH,),
+    "ratings": (SALIENCY,),
+    "metrics": (),
+}
+"""What each page shows of the comparison; one that is not named shows all results. Settings that
+move nothing of it are quiet in the sidebar."""
 
 
 def all_pages() -> dict[str, list[StreamlitPage]]:
@@ -35,6 +58,11 @@ def all_pages() -> dict[str, list[StreamlitPage]]:
         ]
         for section, pages in SECTIONS.items()
     }
+
+
+def shown_on(page: StreamlitPage) -> tuple[Stage, ...]:
+    """The stages of the comparison whose results the page shows."""
+    return SHOWN.get(page.url_path or START, RESULTS)
 
 
 def draw_bar(pages: dict[str, list[StreamlitPage]]) -> None:

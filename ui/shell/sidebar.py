@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from html import escape
 from typing import Any, Final
 
@@ -11,8 +12,9 @@ from nvcore.figures.inputs import proximity_plot
 from nvcore.figures.style import CONFIG
 from nvcore.palette import X_COLOUR, Y_COLOUR
 from nvcore.params import SETTINGS, settings_for
-from nvcore.params.metadata import MATCH, PROXIMITY, THRESHOLD, Setting
+from nvcore.params.metadata import MATCH, PROXIMITY, THRESHOLD, Setting, Stage
 from nvcore.params.presets import PRESETS
+from nvcore.traffic import count_contexts
 from nvcore.wording import one_line, shortened
 from ui.session import state
 from ui.shell import live_params
@@ -46,11 +48,20 @@ SHORT_GROUPS: Final = {MATCH.group: "Matching"}
 """Headings of the advanced settings where not all of the group is among them."""
 
 
-def draw(wrong: str = "") -> None:
-    """Draw the sidebar with what is wrong, after the page: its values are in use before."""
+_SHOWN: Final = "sidebar_shown"
+
+
+def draw(wrong: str, shown: Sequence[Stage]) -> None:
+    """Draw the sidebar with what is wrong, after the page: its values are in use before.
+
+    Settings on which nothing of what the page has `shown` depends are quiet.
+    """
+    st.session_state[_SHOWN] = tuple(shown)
     with st.sidebar:
         legend()
         _presets()
+        if not all(setting.moves(shown) for setting in SETTINGS.values()):
+            st.caption("Settings in grey act on nothing on this page.")
         for name, setting in SETTINGS.items():
             if setting.stage is THRESHOLD:
                 _threshold(name)
@@ -62,6 +73,16 @@ def draw(wrong: str = "") -> None:
         st.button("Reset all parameters", width="stretch", on_click=state.reset_params)
         if wrong:
             st.error(f"{plain(wrong)}. The last settings that worked stay in use.")
+
+
+def _quietness(setting: Setting, text: str = "") -> dict[str, Any]:
+    """Help of a widget, and whether it is grey: its setting acts on nothing on this page."""
+    is_quiet = not setting.moves(st.session_state[_SHOWN])
+    start = "Grey, as it acts on nothing on this page. " if is_quiet else ""
+    return {
+        "help": f"{start}{text or setting.meaning} Acts on: {setting.acts_on}.",
+        "disabled": is_quiet,
+    }
 
 
 def _presets() -> None:
@@ -83,7 +104,7 @@ def _proximity() -> None:
     if kind == "horizon":
         _horizon()
     for name, setting in settings.items():
-        if setting.proximities is not None and kind not in setting.proximities:
+        if not live_params.is_used(setting):
             live_params.keep_hidden(name)
         elif setting.height_share is not None:
             low, high_share, step = SLIDER_OF_HEIGHT[name]
@@ -106,8 +127,8 @@ def _horizon() -> None:
         setting.label_with_unit,
         value=state.session_params().horizon,
         key="horizon",
-        help=setting.meaning,
         placeholder="each recording's own",
+        **_quietness(setting),
     )
 
 
@@ -142,7 +163,7 @@ def _threshold(name: str) -> None:
         high=high,
         value=low if session_value is None else session_value,
         step=step,
-        help=SETTINGS[name].meaning + " At the left end all count.",
+        help_text=SETTINGS[name].meaning + " At the left end all count.",
     )
     if getattr(state.params(), name) is None:
         st.caption(f"Every detection of {letter.upper()} counts.")
@@ -160,7 +181,10 @@ def _advanced() -> None:
             with place:
                 st.markdown(f"**{SHORT_GROUPS.get(group, group)}**")
                 for name in names:
-                    _widget(name)
+                    if live_params.is_used(SETTINGS[name]):
+                        _widget(name)
+                    else:
+                        live_params.keep_hidden(name)
         else:
             for name in names:
                 live_params.keep_hidden(name)
@@ -169,6 +193,9 @@ def _advanced() -> None:
 def _widget(name: str) -> Any:
     """The widget of a parameter, made from what `Params` says of it; its value."""
     setting = SETTINGS[name]
+    if setting.unset and not _is_set(name, setting):
+        live_params.keep_hidden(name)
+        return None
     if setting.words is None:
         _slider(name, setting)
         return st.session_state[name]
@@ -178,14 +205,36 @@ def _widget(name: str) -> Any:
         list(setting.words),
         format_func=setting.words.__getitem__,
         key=name,
-        help=setting.meaning,
+        **_quietness(setting),
     )
+
+
+def _is_set(name: str, setting: Setting) -> bool:
+    """The switch above the slider of a parameter that may have no value: whether it has one."""
+    key = f"{name}_unset"
+    st.session_state[key] = live_params.value_of(name) is None
+    is_unset = st.checkbox(
+        f"{setting.label} {setting.unset}",
+        key=key,
+        on_change=_switch,
+        args=(name, key),
+        **_quietness(setting),
+    )
+    if is_unset and name == "edge_weight":
+        contexts = state.opened().dataset.frame_columns.context
+        st.caption(f"Recordings: {count_contexts(contexts)}.")
+    return not is_unset
+
+
+def _switch(name: str, key: str) -> None:
+    value = None if st.session_state[key] else live_params.value_when_set(name)
+    state.set_params(**{name: value})
 
 
 def _slider(name: str, setting: Setting) -> None:
     low = setting.step if setting.is_above_low else setting.low
     high = setting.high if setting.slider_high is None else setting.slider_high
-    value = float(getattr(state.session_params(), name))
+    value = float(live_params.value_when_set(name))
     _number_slider(
         name,
         low=float(low),
@@ -197,10 +246,16 @@ def _slider(name: str, setting: Setting) -> None:
 
 
 def _number_slider(
-    name: str, *, low: float, high: float, value: float, step: float, **more: Any
+    name: str,
+    *,
+    low: float,
+    high: float,
+    value: float,
+    step: float,
+    help_text: str = "",
+    **more: Any,
 ) -> None:
     setting = SETTINGS[name]
-    more = {"help": setting.meaning, **more}
     # a session or a link may give any possible value: the slider then reaches to it, and stays so,
     # since one with other ends would be another slider and lose its value
     given = float(st.session_state.get(name, value))
@@ -218,5 +273,6 @@ def _number_slider(
         max_value=ends[1],
         step=float(step),
         key=name,
+        **_quietness(setting, help_text),
         **more,
     )

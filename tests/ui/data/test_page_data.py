@@ -97,7 +97,7 @@ def choose_pictures(page: AppTest, name: str) -> None:
 
 def test_pictures_sent_later_can_be_chosen_and_taken_away_again():
     page = send_video(opened(), "more.mp4")
-    checked(page.slider(key="alpha").set_value(0.6).run())
+    checked(page.slider(key="midpoint").set_value(60.0).run())
     choose_pictures(page, "more.mp4")
     assert space_of(page).pictures[0].name == "more.mp4"
     choose_pictures(page, "no pictures")
@@ -105,4 +105,4 @@ def test_pictures_sent_later_can_be_chosen_and_taken_away_again():
     press(page, "remove_pictures")
     (choice,) = [choice for choice in page.selectbox if choice.label == "Pictures"]
     assert "more.mp4" not in choice.options
-    assert page.session_state["params"].alpha == 0.6  # outlives corrections of the session
+    assert page.session_state["params"].midpoint == 60  # outlives corrections of the session

@@ -31,8 +31,9 @@ def opened() -> AppTest:
 SIDEBAR = """
 from ui.session import state
 from ui.shell import live_params, sidebar
+from ui.shell.pages import SHOWN
 state.begin_run()
-sidebar.draw(live_params.read())
+sidebar.draw(live_params.read(), SHOWN["detection"])
 """
 
 

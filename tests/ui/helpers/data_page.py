@@ -17,10 +17,11 @@ PAGE = f"""
 import runpy
 from ui.session import state
 from ui.shell import live_params, sidebar
+from ui.shell.pages import SHOWN
 state.begin_run()
 wrong = live_params.read()
 runpy.run_path({str(ROOT / "pages" / "data.py")!r})
-sidebar.draw(wrong)
+sidebar.draw(wrong, SHOWN["data"])
 """
 PNG = b"\x89PNG\r\n\x1a\n" + bytes(100)
 ASKED = {"width": 640, "height": 480, "fps": 20.0}

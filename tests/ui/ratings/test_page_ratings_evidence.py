@@ -68,7 +68,7 @@ def test_a_fit_is_told_honestly_and_marked_as_long_as_it_is_in_use():
 @pytest.mark.usefixtures("few_settings")
 def test_other_settings_beside_a_fit_leave_it_in_use_and_moved_ones_do_not():
     page = taken()
-    checked(page.slider(key="alpha").set_value(0.4).run())
+    checked(page.checkbox(key="edge_weight_unset").uncheck().run())
     assert TRAINING in warnings(page)
     assert "settings before" not in metrics(page)  # a further fit is not made yet
     press(page, "rating_fit")

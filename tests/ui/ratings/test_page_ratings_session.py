@@ -181,7 +181,7 @@ def join(page: AppTest, name: str) -> None:
 
 def test_the_conductors_screen_can_be_handed_to_others_and_taken_back(store: RatingStore):
     page = opened()
-    checked(page.slider(key="alpha").set_value(0.4).run())
+    checked(page.slider(key="midpoint").set_value(60.0).run())
     study = rating_here(page, store, "Anna")
     press(page, "rating_0_5")
     press(page, "rating_1_5")
@@ -197,7 +197,7 @@ def test_the_conductors_screen_can_be_handed_to_others_and_taken_back(store: Rat
     press(page, "rating_back")
     assert only(page, "conduct") == study.conductor
     assert metrics(page)["have rated all clips"] == "1"
-    assert page.slider(key="alpha").value == 0.4
+    assert page.slider(key="midpoint").value == 60
     stranger = opened(study=study.token, participant="Anna")
     assert keys(stranger) == ["rating_change", "rating_next"]
 

@@ -10,13 +10,24 @@ from streamlit.testing.v1 import AppTest
 from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
 from nvcore.params import Params
-from pages import FRAMES, begin_with, checked, opened, rows, write
+from nvcore.params.metadata import MATCH, PROXIMITY, RESULTS
+from pages import FRAMES, begin_with, checked, opened, rows, texts, write
 from ui.session import state
 from ui.session.workspace import Opened
+from ui.shell import pages
 
 SCORED, CONSTANT = (
     "".join(f"night,{frame},300,200,40,120,0.{frame % n}\n" for frame in FRAMES) for n in (9, 1)
 )
+
+
+@pytest.fixture
+def every_setting_acts(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The page that is quickly drawn shows nothing of the comparison: no setting acts on it."""
+    monkeypatch.setitem(pages.SHOWN, "metrics", RESULTS)
+
+
+pytestmark = pytest.mark.usefixtures("every_setting_acts")
 
 
 def app(**query: str) -> AppTest:
@@ -79,7 +90,7 @@ def test_presets_and_resets_are_in_use_in_the_same_run():
     reset = next(button for button in page.button if button.label == "Reset all parameters")
     checked(reset.click().run())
     assert live(page) == page.session_state["workspace"].opened.dataset.params_of()
-    assert page.slider(key="edge_weight").value == 0.0
+    assert page.checkbox(key="edge_weight_unset").value
     assert page.slider(key="midpoint").value == 48.0
 
 
@@ -149,3 +160,72 @@ def test_a_page_that_fails_leaves_the_parameters_as_they_were(monkeypatch: pytes
     checked(page.run())
     assert live(page) == before
     assert page.slider(key="threshold_x").value == 0.6
+
+
+def test_without_a_value_the_traffic_context_is_as_the_recordings_say():
+    page = app()
+    assert live(page).edge_weight is None
+    assert "edge_weight" not in [slider.key for slider in page.slider]
+    checked(page.checkbox(key="edge_weight_unset").uncheck().run())
+    assert live(page).edge_weight == page.slider(key="edge_weight").value == 0
+    checked(page.slider(key="edge_weight").set_value(0.4).run())
+    checked(page.slider(key="alpha").set_value(0.5).run())
+    assert (live(page).edge_weight, live(page).alpha) == (0.4, 0.5)
+    checked(page.checkbox(key="edge_weight_unset").check().run())
+    checked(page.slider(key="alpha").set_value(0.6).run())
+    assert (live(page).edge_weight, live(page).alpha) == (None, 0.6)
+
+
+def test_a_link_keeps_its_traffic_context_and_the_default_clears_it():
+    page = app(edge_weight="0.3")
+    assert live(page).edge_weight == page.slider(key="edge_weight").value == 0.3
+    checked(page.button(key="preset_Default").click().run())
+    assert live(page).edge_weight is None
+
+
+def test_a_link_can_clear_the_traffic_context_of_a_session(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    session = write(tmp_path, {"one": SCORED, "two": SCORED}, truth=rows(300))
+    session.write_text(session.read_text() + "[parameters]\nedge_weight = 0.7\n")
+    begin_with(session, monkeypatch)
+    page = app()
+    assert live(page).edge_weight == page.slider(key="edge_weight").value == 0.7
+    checked(page.checkbox(key="edge_weight_unset").check().run())
+    assert live(page).edge_weight is None
+    assert live(app(edge_weight="none")).edge_weight is None
+
+
+def test_recency_shows_the_sliders_of_its_unit():
+    page = app(recency_unit="seconds", recency_midpoint_s="5", recency_midpoint="0.7")
+    page.session_state["advanced"] = True
+    checked(page.run())
+    keys = {slider.key for slider in page.slider}
+    assert {"recency_midpoint_s", "recency_spread_s"} < keys
+    assert {"recency_midpoint", "recency_spread", "lateral_tolerance"}.isdisjoint(keys)
+    assert page.slider(key="recency_midpoint_s").value == 5
+    checked(page.selectbox(key="recency_unit").set_value("share").run())
+    assert page.slider(key="recency_midpoint").value == 0.7
+    assert live(page).recency_midpoint_s == 5
+
+
+def test_settings_are_grey_where_they_act_on_nothing(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setitem(pages.SHOWN, "metrics", (MATCH, PROXIMITY))
+    page = app()
+    page.session_state["advanced"] = True
+    checked(page.run())
+    is_grey = {slider.key: slider.disabled for slider in page.slider}
+    assert page.checkbox(key="edge_weight_unset").disabled
+    grey = {name for name, disabled in is_grey.items() if disabled}
+    assert {"alpha", "tolerance", "recency_midpoint"} < grey
+    assert {"iou", "midpoint", "spread", "threshold_x"}.isdisjoint(grey)
+    assert "Grey, as it acts on nothing on this page." in page.slider(key="alpha").help
+    assert "Acts on: matches and false alarms, similarity" in page.slider(key="iou").help
+    assert "grey act on nothing" in texts(page)
+
+
+def test_every_page_but_the_documentation_has_settings_that_act():
+    names = [name for section in pages.SECTIONS.values() for name in section]
+    idle = [name for name in names if not pages.SHOWN.get(name, RESULTS)]
+    assert set(pages.SHOWN) <= set(names)
+    assert idle == []
