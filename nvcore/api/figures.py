@@ -20,10 +20,11 @@ from nvcore.figures.encounters import (
 from nvcore.figures.forest import subgroup_forest
 from nvcore.figures.inputs import false_alarm_plot, proximity_plot, score_plot
 from nvcore.figures.lanes import lanes_figure
+from nvcore.figures.loss_plot import loss_plot
 from nvcore.figures.paired import recordings_plot
 from nvcore.figures.saliency import parts_plot, recency_plot
 from nvcore.figures.stability import stability_map
-from nvcore.figures.time_plot import similarity_plot
+from nvcore.figures.time_plot import TimeLayout, similarity_plot
 from nvcore.figures.venn import venn_figure
 from nvcore.palette import Theme
 from nvcore.scoring import SystemResult
@@ -63,20 +64,21 @@ class Figures:
         """The same figures for a dark page."""
         return Figures(self._result, "dark")
 
-    def timeline(self, recording: Recording = 0, *, upright: bool = False) -> go.Figure:
+    def timeline(self, recording: Recording = 0, *, layout: TimeLayout = "time") -> go.Figure:
         """Similarity of X and Y over time, with low intervals and saliency events.
 
         Parameters
         ----------
-        upright
-            Time upwards, X to the left and Y to the right, as in the paper's figure 8.
+        layout
+            ``"time"``: time to the right. ``"upright"``: time upwards, X to the left and Y to the
+            right, mirrored as in the paper's figure 8. ``"side_by_side"``: the same, with
+            similarity growing to the right for both.
         """
-        return similarity_plot(
-            self._result,
-            self._row(recording),
-            theme=self._theme,
-            layout="upright" if upright else "time",
-        )
+        return similarity_plot(self._result, self._row(recording), theme=self._theme, layout=layout)
+
+    def losses(self, recording: Recording = 0) -> go.Figure:
+        """What each frame loses to misses and to false alarms, 0 is best."""
+        return loss_plot(self._result, self._row(recording), theme=self._theme)
 
     def lanes(self, recording: Recording = 0) -> go.Figure:
         """When each pedestrian of a recording was matched or missed by X and by Y."""

@@ -5,6 +5,7 @@ from nvcore.figures.encounters import fusion_plot, lead_time_plot, miss_classes_
 from nvcore.figures.forest import subgroup_forest
 from nvcore.figures.inputs import false_alarm_plot, proximity_plot, score_plot
 from nvcore.figures.lanes import lanes_figure
+from nvcore.figures.loss_plot import loss_plot
 from nvcore.figures.paired import recordings_plot
 from nvcore.figures.ratings import participants_plot, rating_plot
 from nvcore.figures.saliency import parts_plot, recency_plot
@@ -22,6 +23,7 @@ __all__ = [
     "lanes_figure",
     "lead_time_plot",
     "legend_text",
+    "loss_plot",
     "miss_classes_plot",
     "participants_plot",
     "parts_plot",

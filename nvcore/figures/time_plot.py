@@ -161,12 +161,12 @@ def event_marks(span: TimeSpan, events: pd.DataFrame, letter: str, theme: Theme)
     return [bars, clicks]
 
 
-TimeLayout = Literal["time", "upright"]
+TimeLayout = Literal["time", "upright", "side_by_side"]
 
 MAX_CLICKS: Final = 800
 """Frames that can be clicked: one for a column of pixels; the browser draws a marker for each."""
 MEAN_POINTS: Final = 2000
-HEIGHT_PX: Final[dict[TimeLayout, int]] = {"time": 400, "upright": 720}
+HEIGHT_PX: Final[dict[TimeLayout, int]] = {"time": 400, "upright": 720, "side_by_side": 720}
 
 
 def similarity_plot(
@@ -190,13 +190,14 @@ def similarity_plot(
         Row in ``dataset.frames`` of the frame that is shown; None: no cursor.
     layout
         ``"time"``: time to the right. ``"upright"``: time upwards, X to the left of the middle
-        and Y to the right, with 1 (perfect) in the middle (paper, figure 8).
+        and Y to the right, with 1 (perfect) in the middle (paper, figure 8). ``"side_by_side"``:
+        the same, with similarity growing to the right for both systems.
     """
     start, stop = result.dataset.frame_columns.first[recording : recording + 2]
     if start == stop:
         return empty_figure("This recording has no frames.", theme=theme)
     time_s = result.dataset.frames["time_s"].to_numpy()[start:stop]
-    span = TimeSpan(int(start), int(stop), time_s, layout == "upright")
+    span = TimeSpan(int(start), int(stop), time_s, layout != "time")
     traces, counts = [], []
     for letter, system in result.sides:
         lows = _of_recording(system.intervals, recording)
@@ -219,7 +220,7 @@ def similarity_plot(
         barmode="overlay",
         hoverdistance=-1,
         uirevision=f"{result.dataset.fingerprint} {recording} {layout}",
-        **_axes(span, floor, theme),
+        **_axes(span, floor, layout, theme),
     )
     _limit_line(figure, span, result.params.low, theme)
     if cursor_row is not None and span.start <= cursor_row < span.stop:
@@ -296,7 +297,7 @@ def _counts_text(counts: dict[str, int], most: int) -> str:
     )
 
 
-def _axes(span: TimeSpan, floor: float, theme: Theme) -> dict[str, Any]:
+def _axes(span: TimeSpan, floor: float, layout: TimeLayout, theme: Theme) -> dict[str, Any]:
     def similarity(of: str, domain: list[float], ends: list[float]) -> dict[str, Any]:
         form = {"range": ends, "fixedrange": True, "tickformat": ".2~f", "domain": domain}
         return axis(theme, f"similarity{of} (1 = perfect)", **form)
@@ -313,11 +314,12 @@ def _axes(span: TimeSpan, floor: float, theme: Theme) -> dict[str, Any]:
             "yaxis2": axis(theme, **strip),
         }
     strip |= {"ticktext": ["X", "Y"], "domain": [0.455, 0.545]}
+    ends_of_y = [1.02, floor] if layout == "upright" else [floor, 1.02]
     return {
         "yaxis": time,
         "xaxis": similarity(" of X", [0, 0.44], [floor, 1.02]),
         "xaxis2": axis(theme, "events", **strip),
-        "xaxis3": similarity(" of Y", [0.56, 1], [1.02, floor]),
+        "xaxis3": similarity(" of Y", [0.56, 1], ends_of_y),
     }
 
 

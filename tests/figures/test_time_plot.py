@@ -98,6 +98,15 @@ def test_upright_time_runs_upwards_and_the_middle_is_perfect() -> None:
     assert figure.layout.height > similarity_plot(missed_by_y(), 0, theme="light").layout.height
 
 
+def test_side_by_side_similarity_grows_to_the_right_for_both_systems() -> None:
+    figure = similarity_plot(missed_by_y(), 0, theme="light", layout="side_by_side", cursor_row=4)
+    assert trace(figure, "Y, frame by frame").xaxis == "x3"
+    left, right = figure.layout.xaxis.range, figure.layout.xaxis3.range
+    assert left == right
+    assert right[1] > right[0]
+    assert shape(figure, "cursor").y0 == pytest.approx(0.4)
+
+
 def test_a_long_recording_is_drawn_by_at_most_4000_points_a_line() -> None:
     truth = [at(i, 50, track=3) for i in range(9000)]
     y = [at(i, 50) for i in range(9000) if i != 4321]

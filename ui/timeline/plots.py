@@ -2,20 +2,37 @@
 
 from __future__ import annotations
 
-from typing import Any, Final
+from typing import Any, Final, Literal
 
 import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.figures.lanes import lanes_figure
-from nvcore.figures.time_plot import similarity_plot
+from nvcore.figures.loss_plot import loss_plot
+from nvcore.figures.time_plot import TimeLayout, similarity_plot
 from ui.session import state
 from ui.timeline import viewer
 from ui.widgets.charts import clicked_chart
+from ui.widgets.choices import choose_side_by_side
 from ui.widgets.text import docs_link
 
 LANES_PX: Final = 640
 """Height from which on the lanes scroll by themselves."""
+PLOTS: Final[dict[TimeLayout | Literal["losses"], str]] = {
+    "time": "Similarity",
+    "losses": "Lost to misses and false alarms",
+    "upright": "Upright, mirrored",
+    "side_by_side": "Upright, side by side",
+}
+"""What the plot over time can show; the upright ones are the paper's figure 8."""
+SIMILARITY_TEXT: Final = (
+    "Thin: similarity of each frame, 1 is best. Thick: moving mean. Filled: low intervals. "
+    "Marks above or between: saliency events."
+)
+LOSSES_TEXT: Final = (
+    "What each frame loses of its similarity of 1. Filled: to misses, alpha × D(G, S). Hatched, on "
+    "top: to false alarms, (1 − alpha) × D(S, G), both as shares of half the picture's width."
+)
 
 
 @st.fragment
@@ -43,27 +60,16 @@ def draw_all(result: Result) -> None:
 
 
 def _draw_plot(result: Result, cursor: int) -> None:
-    upright = st.toggle(
-        "Time upwards, X left and Y right",
-        key="upright",
-        persist_state="session",
-        help="The plot as in the paper's figure 8: the middle is perfect.",
-    )
-    _clickable(
-        similarity_plot(
-            result,
-            state.recording(),
-            theme=state.theme(),
-            cursor_row=cursor,
-            layout="upright" if upright else "time",
-        ),
-        "time_plot",
-    )
-    st.caption(
-        "Thin: similarity of each frame, 1 is best. Thick: moving mean. Filled: low intervals. "
-        "Marks above: saliency events. Click to see the frame "
-        f"({docs_link('Metrics', 'similarity')})."
-    )
+    kind = choose_side_by_side("Plot over time", PLOTS, "plot_over_time", default="time")
+    settings: dict[str, Any] = {"theme": state.theme(), "cursor_row": cursor}
+    if kind == "losses":
+        figure = loss_plot(result, state.recording(), **settings)
+        words = LOSSES_TEXT
+    else:
+        figure = similarity_plot(result, state.recording(), layout=kind, **settings)
+        words = SIMILARITY_TEXT
+    _clickable(figure, "time_plot")
+    st.caption(f"{words} Click to see the frame ({docs_link('Metrics', 'similarity')}).")
 
 
 def _clickable(figure: Any, key: str) -> None:

@@ -11,7 +11,8 @@ def test_the_page_opens_at_the_frame_of_the_address_which_stays_while_parameters
     assert app.slider(key="alpha").value == 0.4
     assert not app.warning
     checked(app.slider(key="alpha").set_value(0.2).run())
-    checked(app.toggle(key="upright").set_value(True).run())
+    for kind in ("losses", "upright", "side_by_side"):
+        checked(app.segmented_control(key="plot_over_time").set_value(kind).run())
     assert app.query_params["recording"] == "rural_child"
     assert app.query_params["frame"] == "57"
 
