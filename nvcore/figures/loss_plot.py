@@ -9,7 +9,7 @@ import plotly.graph_objects as go
 
 from nvcore.comparison import Result
 from nvcore.figures.marks import click_markers, line_up, still_line
-from nvcore.figures.style import LOOK, axis, draw, empty_figure, faded, plain, write
+from nvcore.figures.style import LEGEND, LOOK, axis, draw, empty_figure, faded, plain, write
 from nvcore.figures.time_plot import MAX_CLICKS, MAX_POINTS, evenly
 from nvcore.metrics.similarity import lost_per_minute
 from nvcore.palette import Theme
@@ -88,6 +88,7 @@ def loss_plot(
         subtitle=_subtitle(result, rows),
         height=HEIGHT_PX,
         hoverdistance=-1,
+        legend=LEGEND | {"traceorder": "normal"},
         uirevision=f"{result.dataset.fingerprint} {recording} losses",
         **_axes(result.sides, float(time_s[-1]), top, theme),
     )

@@ -1,16 +1,73 @@
-"""One frame summarised: who is there, who is missed by which system, false alarms."""
+"""One frame summarised: who is there, who is missed by which system, what each box costs."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Final, NamedTuple
 
 import numpy as np
 import pandas as pd
 
+from nvcore.columns import BOX_COLUMNS, BoxColumns
 from nvcore.comparison import Result
+from nvcore.metrics.proximity import in_use
+from nvcore.metrics.similarity import border_of, miss_terms
 from nvcore.schema import DetectionState, TruthState
 from nvcore.scoring import SystemResult
 from nvcore.tables.box_states import gather_boxes
+
+
+class Words(NamedTuple):
+    """What a column is called on screen and in the report, and what it means."""
+
+    label: str
+    meaning: str
+
+
+_TERM: Final = (
+    "k × the smaller of border and nearest, as a share of half the width. The largest of the frame "
+    "is D(G, S), and alpha times it is what {letter} loses to misses here."
+)
+_NEAREST: Final = (
+    "Distance to the nearest detection of {letter}, px; strict pairing: to his own match. –: there "
+    "is none."
+)
+PEDESTRIAN_WORDS: Final[dict[str, Words]] = {
+    "track": Words("ped.", "Track of the pedestrian."),
+    "missed_by": Words("by", "Who misses this pedestrian; empty: nobody."),
+    "term_x": Words("term X", _TERM.format(letter="X")),
+    "term_y": Words("term Y", _TERM.format(letter="Y")),
+    "cost": Words(
+        "cost",
+        "What missing this pedestrian costs, k × border as a share of half the width; 1: straight "
+        "ahead and near. Counts where he is missed and k is at least 0.5.",
+    ),
+    "k": Words("k", "Proximity weight, 0 far to 1 near; from 0.5 on he counts as an encounter."),
+    "border_px": Words(
+        "border",
+        "The most that a miss of him can count for, px: by traffic context between the distance to "
+        "the picture's nearer side and half the width.",
+    ),
+    "nearest_px_x": Words("near X", _NEAREST.format(letter="X")),
+    "nearest_px_y": Words("near Y", _NEAREST.format(letter="Y")),
+    "height_px": Words("px", "Height of the box, px."),
+}
+"""Columns of `FrameSummary.pedestrians` that are shown, in their order."""
+
+DETECTION_WORDS: Final[dict[str, Words]] = {
+    "system": Words("by", "Which system's detection it is."),
+    "outcome": Words("is", "Whether it matches a pedestrian or is a false alarm."),
+    "term": Words(
+        "term",
+        "k × the smaller of border and nearest, as a share of half the width. The largest of a "
+        "system is D(S, G), and (1 − alpha) times it is what the frame loses to false alarms.",
+    ),
+    "k": Words("k", "Proximity weight of the detection, 0 far to 1 near."),
+    "border_px": Words("border", "The most that this detection can count for, px."),
+    "nearest_px": Words("near", "Distance to the nearest pedestrian, px. –: nobody is there."),
+    "score": Words("score", "Score of the detection. –: it has none."),
+}
+"""Columns of `FrameSummary.detections`, in their order."""
 
 
 @dataclass(frozen=True)
@@ -27,6 +84,9 @@ class SystemSummary:
         Detections that count; pedestrians matched; detections that match nobody.
     n_absorbed
         Detections on ignore regions; they count for nothing.
+    loss_miss, loss_false
+        What the frame loses to misses and to false alarms; 0 is best, similarity is what is left
+        of 1.
     """
 
     name: str
@@ -36,6 +96,8 @@ class SystemSummary:
     matched: int
     false_alarms: int
     n_absorbed: int
+    loss_miss: float
+    loss_false: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,9 +117,15 @@ class FrameSummary:
     x, y
         The two systems.
     pedestrians
-        The tallest first, columns track, height_px, distance_m (NaN
-        unknown), proximity weight k, is_relevant (``k >= 0.5``), found_x and found_y (matched by
-        X, by Y), is_salient_x and is_salient_y (the most salient miss).
+        The largest term first, columns track, height_px, distance_m (NaN unknown), proximity
+        weight k, is_relevant (``k >= 0.5``), found_x and found_y (matched by X, by Y), missed_by
+        (``X and Y``, ``X``, ``Y`` or empty), is_salient_x and is_salient_y (the most salient
+        miss), border_px, nearest_px_x and nearest_px_y (infinite: no detection), term_x and term_y
+        (own term of D(G, S) as a share of W/2, 0 is best), cost (of missing him, 0 to 1).
+    detections
+        Those that count, the largest term first, columns system (``X`` or ``Y``), outcome
+        (``match`` or ``false``), term (own term of D(S, G) as a share of W/2, 0 is best), k,
+        border_px, nearest_px (infinite: no pedestrian), score (NaN: none).
     """
 
     recording: str
@@ -71,33 +139,13 @@ class FrameSummary:
     x: SystemSummary
     y: SystemSummary
     pedestrians: pd.DataFrame
-
-    @property
-    def missed(self) -> pd.DataFrame:
-        """The pedestrians that X or Y misses."""
-        table = self.pedestrians
-        return table[~(table["found_x"] & table["found_y"])]
+    detections: pd.DataFrame
 
 
 def frame_summary(result: Result, row: int) -> FrameSummary:
     """Summary of one frame, by its row in the frames table."""
     dataset, frames = result.dataset, result.dataset.frame_columns
-    truth = dataset.truth
-    boxes = gather_boxes(result, row, row + 1)
-    rows = np.arange(truth.offsets[row], truth.offsets[row + 1])
-    table = pd.DataFrame(
-        {
-            "track": result.tracks.track[rows],
-            "height_px": truth.h[rows],
-            "distance_m": truth.distance_m[rows],
-            "k": result.k_truth.k[rows],
-            "is_relevant": boxes.truth.is_relevant,
-            "found_x": boxes.truth.state_x == TruthState.MATCHED,
-            "found_y": boxes.truth.state_y == TruthState.MATCHED,
-            "is_salient_x": boxes.truth.is_salient_x,
-            "is_salient_y": boxes.truth.is_salient_y,
-        }
-    )[~truth.ignore[rows]]
+    n_ignored = int(np.count_nonzero(dataset.truth.ignore[_rows_of(dataset.truth, row)]))
     recording = int(frames.recording[row])
     return FrameSummary(
         recording=str(dataset.recordings["name"].iloc[recording]),
@@ -107,16 +155,97 @@ def frame_summary(result: Result, row: int) -> FrameSummary:
         frame=int(frames.frame[row]),
         time_s=float(dataset.frames["time_s"].iloc[row]),
         n_truth=int(result.n_truth[row]),
-        n_ignored=int(np.count_nonzero(truth.ignore[rows])),
-        x=_system_summary(result.x, boxes.x.state, row),
-        y=_system_summary(result.y, boxes.y.state, row),
-        pedestrians=table.sort_values("height_px", ascending=False, kind="stable").reset_index(
-            drop=True
-        ),
+        n_ignored=n_ignored,
+        x=_system_summary(result, result.x, row),
+        y=_system_summary(result, result.y, row),
+        pedestrians=_pedestrians(result, row),
+        detections=_detections(result, row),
     )
 
 
-def _system_summary(system: SystemResult, state: np.ndarray, row: int) -> SystemSummary:
+def _rows_of(boxes: BoxColumns, row: int) -> slice:
+    return slice(int(boxes.offsets[row]), int(boxes.offsets[row + 1]))
+
+
+def _boxes_of(boxes: BoxColumns, rows: slice) -> BoxColumns:
+    """The boxes of one frame: whole recordings would take as long as a comparison."""
+    columns = {name: getattr(boxes, name)[rows] for name in BOX_COLUMNS}
+    return replace(boxes, **columns, offsets=np.array([0, rows.stop - rows.start]))
+
+
+def _pedestrians(result: Result, row: int) -> pd.DataFrame:
+    dataset, frames = result.dataset, result.dataset.frame_columns
+    rows = _rows_of(dataset.truth, row)
+    truth, k = _boxes_of(dataset.truth, rows), result.k_truth.k[rows]
+    boxes = gather_boxes(result, row, row + 1).truth
+    edge_weight = in_use(result.params, "edge_weight", frames)
+    half_width = 0.5 * frames.width[frames.recording[row]]
+    nearest = {letter: system.nearest.truth[rows] for letter, system in result.sides}
+    terms = {
+        letter: miss_terms(truth, k, nearest_px, frames, edge_weight) / half_width
+        for letter, nearest_px in nearest.items()
+    }
+    found_x, found_y = (state == TruthState.MATCHED for state in (boxes.state_x, boxes.state_y))
+    table = pd.DataFrame(
+        {
+            "track": result.tracks.track[rows],
+            "height_px": truth.h,
+            "distance_m": truth.distance_m,
+            "k": k,
+            "is_relevant": boxes.is_relevant,
+            "found_x": found_x,
+            "found_y": found_y,
+            "missed_by": np.select(
+                [~found_x & ~found_y, ~found_x, ~found_y], ["X and Y", "X", "Y"], ""
+            ),
+            "is_salient_x": boxes.is_salient_x,
+            "is_salient_y": boxes.is_salient_y,
+            "border_px": border_of(truth, frames, edge_weight),
+            "nearest_px_x": nearest["x"],
+            "nearest_px_y": nearest["y"],
+            "term_x": terms["x"],
+            "term_y": terms["y"],
+            "cost": result.cost[rows],
+        }
+    )[~truth.ignore]
+    worse = table[["term_x", "term_y"]].max(axis=1).to_numpy()
+    order = np.lexsort([-table["k"].to_numpy(), -worse])
+    by_term: pd.DataFrame = table.iloc[order].reset_index(drop=True)
+    return by_term
+
+
+def _detections(result: Result, row: int) -> pd.DataFrame:
+    frames = result.dataset.frame_columns
+    edge_weight = in_use(result.params, "edge_weight", frames)
+    half_width = 0.5 * frames.width[frames.recording[row]]
+    parts = []
+    for letter, system in result.sides:
+        detections = result.dataset.system(system.name)
+        rows = _rows_of(detections, row)
+        boxes, state = _boxes_of(detections, rows), system.matches.state[rows]
+        border_px = border_of(boxes, frames, edge_weight)
+        k, nearest_px = system.weights.k[rows], system.nearest.detections[rows]
+        part = pd.DataFrame(
+            {
+                "system": letter.upper(),
+                "outcome": np.where(state == DetectionState.MATCHED, "match", "false"),
+                "term": k * np.minimum(border_px, nearest_px) / half_width,
+                "k": k,
+                "border_px": border_px,
+                "nearest_px": nearest_px,
+                "score": boxes.score,
+            }
+        )
+        is_counted = (state == DetectionState.MATCHED) | (state == DetectionState.FALSE_ALARM)
+        parts.append(part[is_counted])
+    table = pd.concat(parts)
+    order = np.argsort(-table["term"].to_numpy(), kind="stable")
+    by_term: pd.DataFrame = table.iloc[order].reset_index(drop=True)
+    return by_term
+
+
+def _system_summary(result: Result, system: SystemResult, row: int) -> SystemSummary:
+    state = system.matches.state[_rows_of(result.dataset.system(system.name), row)]
     return SystemSummary(
         name=system.name,
         similarity=float(system.similarity[row]),
@@ -125,4 +254,6 @@ def _system_summary(system: SystemResult, state: np.ndarray, row: int) -> System
         matched=int(system.matched[row]),
         false_alarms=int(system.false_alarms[row]),
         n_absorbed=int(np.count_nonzero(state == DetectionState.ABSORBED)),
+        loss_miss=float(system.loss_miss[row]),
+        loss_false=float(system.loss_false[row]),
     )

@@ -11,7 +11,7 @@ from nvcore.figures.lanes import lanes_figure
 from nvcore.figures.loss_plot import loss_plot
 from nvcore.figures.time_plot import TimeLayout, similarity_plot
 from ui.session import state
-from ui.timeline import viewer
+from ui.timeline import panel, viewer
 from ui.widgets.charts import clicked_chart
 from ui.widgets.choices import choose_side_by_side
 from ui.widgets.text import docs_link
@@ -48,7 +48,7 @@ def draw_all(result: Result) -> None:
     with left:
         viewer.draw(result)
     with right:
-        viewer.panel(result, cursor)
+        panel.draw(result, cursor)
     theme, recording = state.theme(), state.recording()
     lanes = state.workspace().cached(  # they stay while alpha and the like move
         "lanes",

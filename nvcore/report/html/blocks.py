@@ -118,6 +118,8 @@ class Photo:
         Whether it fills a row of its own.
     why_blank
         Why the boxes are drawn on an empty background; empty: they are drawn on the picture.
+    boxes
+        The pedestrians of the frame and what each costs; None: nobody is there.
     """
 
     title: str
@@ -127,6 +129,7 @@ class Photo:
     jpeg: bytes
     is_wide: bool = False
     why_blank: str = ""
+    boxes: Table | None = None
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final, NamedTuple
 
 import cv2
@@ -18,11 +18,12 @@ from nvcore.overlay.brush import ON_DARK, ON_LIGHT, Canvas, Inks
 from nvcore.overlay.draw import canvas_size, draw_boxes
 from nvcore.pictures.recordings import RecordingPictures
 from nvcore.pictures.stretch import jpeg
-from nvcore.report.html.blocks import Photo
+from nvcore.report.html.blocks import Photo, Table, table
 from nvcore.schema import Category, MissClass
 from nvcore.scoring import SystemResult
+from nvcore.tables.frame import PEDESTRIAN_WORDS, frame_summary
 from nvcore.tables.moments import encounter_box, worst_moments
-from nvcore.wording import one_line
+from nvcore.wording import UNDEFINED, one_line
 
 MOST: Final = 12
 """Most frames of a report."""
@@ -49,8 +50,32 @@ KINDS: Final = {
 }
 MOST_OF: Final = dict.fromkeys(KINDS.values(), 2)
 """Most moments of each of these kinds."""
+MOST_PEDESTRIANS: Final = 5
+"""Pedestrians listed below a picture, those with the largest terms."""
 LOSER: Final = {"x": "x", "y": "y", "x_better": "y", "y_better": "x"}
 """The system that does badly in each kind of moment."""
+
+
+def _share(value: float) -> str:
+    return f"{value:.2f}"
+
+
+def _px(value: float) -> str:
+    return f"{value:.0f}" if np.isfinite(value) else UNDEFINED
+
+
+SHOWN_AS: Final[dict[str, Callable[[Any], str]]] = {
+    "track": str,
+    "missed_by": str,
+    "term_x": _share,
+    "term_y": _share,
+    "cost": _share,
+    "k": _share,
+    "border_px": _px,
+    "nearest_px_x": _px,
+    "nearest_px_y": _px,
+}
+"""Columns of the table below a picture, and how their values are written."""
 
 
 class Moment(NamedTuple):
@@ -252,12 +277,38 @@ def photo(result: Result, moment: Moment, pictures: RecordingPictures) -> Photo:
         title=moment.title,
         place=f"{name}, frame {int(frames.frame[row])}, {time_s:.2f} s",
         text=moment.text,
-        measures=f"similarity of this frame: X {result.x.similarity[row]:.2f}, "
-        f"Y {result.y.similarity[row]:.2f}",
+        measures=_measures(result, row),
         jpeg=_small_jpeg(canvas, n_columns * WIDTH_PX),
         is_wide=is_wide,
         why_blank=why_none,
+        boxes=_pedestrians(result, row),
     )
+
+
+def _measures(result: Result, row: int) -> str:
+    """Similarity of both systems in a frame, and what it is lost to."""
+    texts = [
+        f"{letter.upper()} {system.similarity[row]:.2f} (lost to misses "
+        f"{system.loss_miss[row]:.3f}, to false alarms {system.loss_false[row]:.3f})"
+        for letter, system in result.sides
+    ]
+    return f"similarity of this frame: {', '.join(texts)}"
+
+
+def _pedestrians(result: Result, row: int) -> Table | None:
+    """Who costs most in a frame; None: nobody is annotated."""
+    pedestrians = frame_summary(result, row).pedestrians
+    if pedestrians.empty:
+        return None
+    rows = [
+        [SHOWN_AS[name](values[name]) for name in SHOWN_AS]
+        for values in pedestrians.head(MOST_PEDESTRIANS).to_dict("records")
+    ]
+    left_out = len(pedestrians) - len(rows)
+    note = f"The {len(rows)} with the largest terms, {left_out} left out." if left_out else ""
+    head = [PEDESTRIAN_WORDS[name].label for name in SHOWN_AS]
+    title = "Pedestrians of the frame, the largest term first"
+    return table(title, head, rows, right=(0, *range(2, len(head))), note=note)
 
 
 def _small_jpeg(canvas: Canvas, width: int) -> bytes:

@@ -274,7 +274,11 @@ EVIDENCE = Intro(
     "\N{BLACK DOWN-POINTING TRIANGLE} beside the letter marks the miss that stands out most in "
     "this frame. A false alarm is crossed out. The ellipse is around the pedestrian or the false "
     "alarm that the text is about. Numbers are track ids (like the truth) and scores (like their "
-    "system), as far as there is room. Dotted boxes are ignored.",
+    "system), as far as there is room. Dotted boxes are ignored. Below each picture stand its "
+    "pedestrians. Term: k times the smaller of border and near (the distance to the nearest "
+    "detection), as a share of half the width; alpha times the largest is what that system loses "
+    "to misses. Cost: k times border, as the same share: what missing this pedestrian weighs. "
+    "Border and near are in pixels.",
     limits=f"{MOST} frames at most, chosen by rule: they show what happens, not how often.",
 )
 

@@ -90,7 +90,24 @@ def test_the_picture_is_that_of_the_frame(pictures):
     drawn = photo(result, moment, pictures)
     assert decoded(drawn.jpeg)[-20, 20].mean() == pytest.approx(30 * 3, abs=6)  # row 2: picture 3
     assert drawn.place == "r0, frame 2, 0.20 s"
-    assert drawn.measures == "similarity of this frame: X 0.28, Y 1.00"
+    assert drawn.measures == (
+        "similarity of this frame: X 0.28 (lost to misses 0.720, to false alarms 0.000), "
+        "Y 1.00 (lost to misses 0.000, to false alarms 0.000)"
+    )
+    # the pedestrian is 40 of 50 px from the edge, with nothing of X anywhere
+    assert drawn.boxes.head[:5] == ("ped.", "by", "term X", "term Y", "cost")
+    assert drawn.boxes.rows == (("7", "X", "0.80", "0.00", "0.80", "1.00", "40", "–", "0"),)
+
+
+def test_below_a_picture_stand_the_pedestrians_that_cost_most():
+    crowd = [at(0, 5 * i, track=i) for i in range(1, 10)]
+    boxes = photo(
+        result_of(make_dataset(crowd, crowd, [])), Moment(0, "", "", 0, "y"), RecordingPictures()
+    ).boxes
+    assert [row[0] for row in boxes.rows] == ["9", "8", "7", "6", "5"]
+    assert boxes.note == "The 5 with the largest terms, 4 left out."
+    empty = result_of(make_dataset([], [at(0, 50)], []))
+    assert photo(empty, Moment(0, "", "", -1, "x"), RecordingPictures()).boxes is None
 
 
 def test_without_pictures_boxes_stand_on_a_light_ground_and_that_is_said_once():

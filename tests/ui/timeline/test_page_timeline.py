@@ -19,10 +19,13 @@ def test_the_page_opens_at_the_frame_of_the_address_which_stays_while_parameters
 
 def test_another_recording_starts_at_its_first_frame_with_those_missed_in_it():
     app = checked(opened("timeline", recording="rural_child", frame="57"))
+    pedestrians, detections = (table.value for table in app.dataframe)
+    for terms in (pedestrians[["term_x", "term_y"]].max(axis=1), detections["term"]):
+        assert terms.is_monotonic_decreasing
     (choice,) = [box for box in app.selectbox if box.label == "Recording"]
     checked(choice.set_value(0).run())
     assert app.query_params["recording"] == "urban_crossing"
     assert any("**Frame 0**" in text.value for text in app.markdown)
-    table = app.dataframe[0].value
-    assert table["ped."].tolist() == [1, 2, 5]
-    assert set(table["by"]) == {"X and Y"}
+    (pedestrians,) = (table.value for table in app.dataframe)  # nothing is detected
+    assert sorted(pedestrians["track"]) == [1, 2, 5]
+    assert set(pedestrians["missed_by"]) == {"X and Y"}
