@@ -3,7 +3,7 @@
 import streamlit as st
 
 from nvcore.comparison import Result
-from ui.overview import evidence, moments, scorecard, venn
+from ui.overview import evidence, moments, scorecard, strip, venn
 from ui.session import state
 from ui.session.evidence import measure_evidence
 from ui.shell.messages import needs_comparison
@@ -18,6 +18,7 @@ def draw(result: Result) -> None:
         scorecard.scorecard(result)
     with right:
         venn.draw(result)
+    strip.draw(result)
     moments.draw(result)
     scorecard.by_recording(result)
     table = measure_evidence(result)

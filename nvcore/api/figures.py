@@ -21,6 +21,7 @@ from nvcore.figures.forest import subgroup_forest
 from nvcore.figures.inputs import false_alarm_plot, proximity_plot, score_plot
 from nvcore.figures.lanes import lanes_figure
 from nvcore.figures.loss_plot import loss_plot
+from nvcore.figures.loss_strip import loss_strip_plot
 from nvcore.figures.paired import recordings_plot
 from nvcore.figures.saliency import parts_plot, recency_plot
 from nvcore.figures.stability import stability_map
@@ -31,6 +32,7 @@ from nvcore.scoring import SystemResult
 from nvcore.stability.axes import Plane
 from nvcore.stability.map import map_stability
 from nvcore.stability.scores import Criterion
+from nvcore.tables.loss_strip import loss_strip
 from nvcore.tables.miss_classes import fusion_table
 from nvcore.tables.result import encounters_table, recordings_table
 from nvcore.wording import did_you_mean
@@ -79,6 +81,10 @@ class Figures:
     def losses(self, recording: Recording = 0) -> go.Figure:
         """What each frame loses to misses and to false alarms, 0 is best."""
         return loss_plot(self._result, self._row(recording), theme=self._theme)
+
+    def loss_strip(self) -> go.Figure:
+        """Where to look first: over the time of every recording, what the worse system loses."""
+        return loss_strip_plot(self._result, loss_strip(self._result), theme=self._theme)
 
     def lanes(self, recording: Recording = 0) -> go.Figure:
         """When each pedestrian of a recording was matched or missed by X and by Y."""

@@ -6,6 +6,7 @@ from nvcore.figures.forest import subgroup_forest
 from nvcore.figures.inputs import false_alarm_plot, proximity_plot, score_plot
 from nvcore.figures.lanes import lanes_figure
 from nvcore.figures.loss_plot import loss_plot
+from nvcore.figures.loss_strip import loss_strip_plot
 from nvcore.figures.paired import recordings_plot
 from nvcore.figures.ratings import participants_plot, rating_plot
 from nvcore.figures.saliency import parts_plot, recency_plot
@@ -24,6 +25,7 @@ __all__ = [
     "lead_time_plot",
     "legend_text",
     "loss_plot",
+    "loss_strip_plot",
     "miss_classes_plot",
     "participants_plot",
     "parts_plot",

@@ -5,6 +5,7 @@ from nvcore.tables.columns import REPORT_COLUMNS, column_names
 from nvcore.tables.frame import FrameSummary, frame_summary
 from nvcore.tables.inputs import inputs_table, left_out_table
 from nvcore.tables.lanes import lanes_table
+from nvcore.tables.loss_strip import LossStrip, loss_strip
 from nvcore.tables.miss_classes import fusion_table, miss_class_counts, miss_class_totals
 from nvcore.tables.moments import encounter_moments, next_misses, worst_moments
 from nvcore.tables.result import (
@@ -24,6 +25,7 @@ __all__ = [
     "REPORT_COLUMNS",
     "FrameBoxes",
     "FrameSummary",
+    "LossStrip",
     "column_names",
     "encounter_moments",
     "encounters_table",
@@ -37,6 +39,7 @@ __all__ = [
     "intervals_table",
     "lanes_table",
     "left_out_table",
+    "loss_strip",
     "miss_class_counts",
     "miss_class_totals",
     "next_misses",

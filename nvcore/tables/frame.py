@@ -34,7 +34,6 @@ _NEAREST: Final = (
 )
 PEDESTRIAN_WORDS: Final[dict[str, Words]] = {
     "track": Words("ped.", "Track of the pedestrian."),
-    "missed_by": Words("by", "Who misses this pedestrian; empty: nobody."),
     "term_x": Words("term X", _TERM.format(letter="X")),
     "term_y": Words("term Y", _TERM.format(letter="Y")),
     "cost": Words(
@@ -42,6 +41,7 @@ PEDESTRIAN_WORDS: Final[dict[str, Words]] = {
         "What missing this pedestrian costs, k × border as a share of half the width; 1: straight "
         "ahead and near. Counts where he is missed and k is at least 0.5.",
     ),
+    "missed_by": Words("by", "Who misses this pedestrian; empty: nobody."),
     "k": Words("k", "Proximity weight, 0 far to 1 near; from 0.5 on he counts as an encounter."),
     "border_px": Words(
         "border",

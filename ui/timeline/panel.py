@@ -23,7 +23,7 @@ from ui.widgets.text import UNDEFINED, number
 ROW_PX: Final = 28
 MAX_ROWS: Final = 8
 """Rows in sight; the table scrolls to the others."""
-WIDTHS: Final = {"missed_by": 66, "outcome": 62, "score": 58}
+WIDTHS: Final = {"track": 40, "cost": 48, "missed_by": 66, "system": 34, "outcome": 60, "k": 46}
 NARROW: Final = 54
 """Width of the other columns, px."""
 WHOLE: Final = ("track", "height_px", "border_px", "nearest_px")

@@ -66,10 +66,10 @@ def _px(value: float) -> str:
 
 SHOWN_AS: Final[dict[str, Callable[[Any], str]]] = {
     "track": str,
-    "missed_by": str,
     "term_x": _share,
     "term_y": _share,
     "cost": _share,
+    "missed_by": str,
     "k": _share,
     "border_px": _px,
     "nearest_px_x": _px,
@@ -308,7 +308,8 @@ def _pedestrians(result: Result, row: int) -> Table | None:
     note = f"The {len(rows)} with the largest terms, {left_out} left out." if left_out else ""
     head = [PEDESTRIAN_WORDS[name].label for name in SHOWN_AS]
     title = "Pedestrians of the frame, the largest term first"
-    return table(title, head, rows, right=(0, *range(2, len(head))), note=note)
+    is_number = [number for number, name in enumerate(SHOWN_AS) if SHOWN_AS[name] is not str]
+    return table(title, head, rows, right=is_number, note=note)
 
 
 def _small_jpeg(canvas: Canvas, width: int) -> bytes:

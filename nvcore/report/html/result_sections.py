@@ -9,6 +9,7 @@ import pandas as pd
 
 from nvcore.comparison import Result
 from nvcore.figures.encounters import miss_classes_plot
+from nvcore.figures.loss_strip import loss_strip_plot
 from nvcore.figures.paired import recordings_plot
 from nvcore.figures.venn import WORDS, venn_figure
 from nvcore.measures import MeasureTable
@@ -27,6 +28,7 @@ from nvcore.report.words import (
 )
 from nvcore.schema import CATEGORY_TEXT, MISS_CLASS_TEXT, Category
 from nvcore.scoring import SystemResult
+from nvcore.tables.loss_strip import loss_strip
 from nvcore.tables.miss_classes import fusion_table
 from nvcore.tables.moments import encounter_moments
 from nvcore.tables.result import (
@@ -165,6 +167,11 @@ def similarity_section(result: Result) -> Section:
                 "recordings",
                 recordings_plot(recordings, names_of(result), theme=THEME),
                 "Mean similarity of X and Y in every recording",
+            ),
+            Chart(
+                "loss-strip",
+                loss_strip_plot(result, loss_strip(result), theme=THEME),
+                "What the worse system loses over the time of every recording",
             ),
             table("Similarity by recording", head, rows, right=range(1, 7), note=note),
             _intervals(result),

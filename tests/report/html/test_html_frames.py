@@ -95,8 +95,8 @@ def test_the_picture_is_that_of_the_frame(pictures):
         "Y 1.00 (lost to misses 0.000, to false alarms 0.000)"
     )
     # the pedestrian is 40 of 50 px from the edge, with nothing of X anywhere
-    assert drawn.boxes.head[:5] == ("ped.", "by", "term X", "term Y", "cost")
-    assert drawn.boxes.rows == (("7", "X", "0.80", "0.00", "0.80", "1.00", "40", "–", "0"),)
+    assert drawn.boxes.head[:5] == ("ped.", "term X", "term Y", "cost", "by")
+    assert drawn.boxes.rows == (("7", "0.80", "0.00", "0.80", "X", "1.00", "40", "–", "0"),)
 
 
 def test_below_a_picture_stand_the_pedestrians_that_cost_most():

@@ -1,0 +1,123 @@
+"""A strip for each recording: when the worse system loses how much; where to look first."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import numpy as np
+import plotly.graph_objects as go
+
+from nvcore.comparison import Result
+from nvcore.figures.marks import click_markers
+from nvcore.figures.style import LOOK, axis, draw, empty_figure, plain, rows_axis
+from nvcore.palette import Theme
+from nvcore.tables.loss_strip import LossStrip
+from nvcore.wording import count_text
+
+ROW_PX: Final = 22
+MAX_CLICKS: Final = 1500
+"""Places that can be clicked, over all strips; the browser draws a marker for each."""
+LEAST_TOP: Final = 0.2
+"""Least upper end of the colour scale, so that trifles look small."""
+LOSS_COLOURS: Final[dict[Theme, tuple[str, ...]]] = {
+    "light": ("#F1F3F6", "#D3B8E0", "#9A5FB5", "#4A1162"),
+    "dark": ("#222933", "#5C3A73", "#A56CC4", "#F4DCFF"),
+}
+"""From nothing lost to most; neither X's colour nor Y's."""
+
+
+def loss_scale(theme: Theme) -> list[tuple[float, str]]:
+    """Plotly's colour scale of losses and costs, 0 first."""
+    colours = LOSS_COLOURS[theme]
+    return list(zip(np.linspace(0, 1, len(colours)).tolist(), colours, strict=True))
+
+
+def loss_strip_plot(result: Result, strip: LossStrip, *, theme: Theme) -> go.Figure:
+    """One row for each recording, the worst on top; the stronger the colour, the more is lost.
+
+    The colour is the largest loss ``1 - M`` of either system in that bin of time. A click gives the
+    frame in which it stands: `customdata` is its row in ``dataset.frames``.
+
+    Parameters
+    ----------
+    strip
+        `nvcore.tables.loss_strip.loss_strip` of the result.
+    """
+    n_strips, n_bins = strip.loss.shape
+    if not n_strips:
+        return empty_figure("There is no evaluated frame.", theme=theme)
+    font = {"size": 12, "color": LOOK[theme].muted}
+    bar = {"title": {"text": "loss", "side": "top", "font": font}, "tickfont": font}
+    bar |= {"outlinewidth": 0, "thickness": 12, "len": 1, "nticks": 4}
+    top = max(LEAST_TOP, float(np.ceil(np.nanmax(strip.loss) * 5 - 1e-9) / 5))
+    heat = go.Heatmap(
+        x0=0.5 * strip.bin_s,
+        dx=strip.bin_s,
+        y=np.arange(n_strips),
+        z=strip.loss,
+        zmin=0,
+        zmax=top,
+        colorscale=loss_scale(theme),
+        colorbar=bar,
+        xgap=0,
+        ygap=3,
+        hoverinfo="skip",
+        hoverongaps=False,
+        name="loss",
+    )
+    names = result.dataset.recordings["name"].to_numpy()[strip.recording]
+    end_s = n_bins * strip.bin_s
+    extent = count_text(strip.n_recordings, "recording")
+    if strip.n_recordings > n_strips:
+        extent += f", the {n_strips} in which most is lost drawn"
+    return draw(
+        [heat, _clicks(result, strip)],
+        theme,
+        title="Where to look first",
+        subtitle=f"{extent}, most lost per minute on top; colour: the worse system's largest loss "
+        f"in {strip.bin_s:.2g} s",
+        height=132 + ROW_PX * n_strips,
+        hoverdistance=-1,
+        showlegend=False,
+        margin={"l": 130, "r": 16, "t": 64, "b": 48},
+        xaxis=axis(theme, "time (s)", range=[0, end_s], showgrid=False),
+        yaxis=rows_axis(
+            theme,
+            [plain(name, max_length=18) for name in names],
+            fixedrange=True,
+            showgrid=False,
+        ),
+    )
+
+
+def _clicks(result: Result, strip: LossStrip) -> Any:
+    """Invisible markers: Plotly reports no clicks in a heat map. Each is at the worst bin near it.
+
+    Neighbouring bins share one where there are more than `MAX_CLICKS`.
+    """
+    n_strips, n_bins = strip.loss.shape
+    stride = max(1, -(-n_strips * n_bins // MAX_CLICKS))
+    n_groups = -(-n_bins // stride)
+    padded = np.full((n_strips, n_groups * stride), -1.0)
+    padded[:, :n_bins] = np.nan_to_num(strip.loss, nan=-1.0)
+    groups = padded.reshape(n_strips, n_groups, stride)
+    worst = groups.argmax(axis=2) + stride * np.arange(n_groups)
+    place, group = np.nonzero(groups.max(axis=2) >= 0)
+    bins = worst[place, group]
+    rows = strip.row[place, bins]
+    frames = result.dataset.frames
+    names = result.dataset.recordings["name"].to_numpy()[strip.recording]
+    labels = np.array([plain(name) for name in names], dtype=object)[place]
+    text = [
+        f"{label}, frame {frame}, {second:.2f} s<br>similarity X {value_x:.2f}   Y {value_y:.2f}"
+        for label, frame, second, value_x, value_y in zip(
+            labels,
+            frames["frame"].to_numpy()[rows],
+            frames["time_s"].to_numpy()[rows],
+            result.x.similarity[rows],
+            result.y.similarity[rows],
+            strict=True,
+        )
+    ]
+    middles = (bins + 0.5) * strip.bin_s
+    return click_markers(middles, place.astype(float), text, customdata=rows, name="frames")

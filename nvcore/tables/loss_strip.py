@@ -1,0 +1,109 @@
+"""All recordings as strips of time: how much the worse system loses, and in which frame."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from nvcore.comparison import Result
+from nvcore.metrics.similarity import lost_per_minute
+
+N_BINS: Final = 240
+MOST_RECORDINGS: Final = 60
+
+
+@dataclass(frozen=True, eq=False)
+class LossStrip:
+    """Recordings, the worst first, cut into bins of one length.
+
+    Attributes
+    ----------
+    recording
+        Row of the recordings of each strip; int64, shape (n_strips,).
+    lost_s_per_min
+        Similarity that the worse of the two systems loses in it, seconds per minute, 0 is best;
+        float64, shape (n_strips,), falling.
+    loss
+        Largest ``1 - M`` of either system in each bin, 0 is best; NaN after the recording's end;
+        float64, shape (n_strips, n_bins).
+    row
+        The frame in which it stands (the first of equals), a row of the frames table, -1 after the
+        end; int64, shape (n_strips, n_bins).
+    bin_s
+        Length of a bin, seconds.
+    n_recordings
+        Recordings with frames, those left out included.
+    """
+
+    recording: np.ndarray
+    lost_s_per_min: np.ndarray
+    loss: np.ndarray
+    row: np.ndarray
+    bin_s: float
+    n_recordings: int
+
+
+def loss_strip(result: Result, *, n_bins: int = N_BINS, most: int = MOST_RECORDINGS) -> LossStrip:
+    """The recordings, in each bin of time the largest loss of the worse system.
+
+    The maximum, so that no bad moment is lost, however long the recordings are. A frame counts
+    until the next listed one. Recordings without frames have no strip.
+
+    Parameters
+    ----------
+    n_bins
+        Bins of the longest recording.
+    most
+        Most strips; those that lose most are kept.
+    """
+    frames = result.dataset.frame_columns
+    similarity = np.minimum(result.x.similarity, result.y.similarity)
+    with_frames = np.flatnonzero(np.diff(frames.first))
+    step_s, time_s = frames.step_s, result.dataset.frames["time_s"].to_numpy()
+    lost = np.empty(len(with_frames))
+    end_s = np.empty(len(with_frames))
+    for place, recording in enumerate(with_frames.tolist()):  # a loop over recordings
+        rows = frames.rows_of(recording)
+        lost[place] = max(
+            lost_per_minute(system.similarity[rows], step_s[rows]) for _, system in result.sides
+        )
+        end_s[place] = time_s[rows.stop - 1] + step_s[rows.stop - 1]
+    order = np.argsort(-lost, kind="stable")[:most]
+    bin_s = float(end_s[order].max(initial=0) / n_bins) or 1.0
+    loss = np.full((len(order), n_bins), np.nan)
+    worst_rows = np.full((len(order), n_bins), -1, dtype=np.int64)
+    for place, index in enumerate(order.tolist()):
+        rows = frames.rows_of(int(with_frames[index]))
+        # rounded: a frame at a bin's edge belongs to the bin that begins there
+        bins = np.floor(time_s[rows] / bin_s + 1e-9).astype(np.int64).clip(0, n_bins - 1)
+        n_covered = int(np.ceil(end_s[index] / bin_s - 1e-9).clip(bins[-1] + 1, n_bins))
+        least = _least_of_each(similarity[rows], bins, n_covered)
+        worst_rows[place, :n_covered] = rows.start + least
+        loss[place, :n_covered] = 1 - similarity[rows.start + least]
+    return LossStrip(
+        recording=with_frames[order],
+        lost_s_per_min=lost[order],
+        loss=loss,
+        row=worst_rows,
+        bin_s=bin_s,
+        n_recordings=len(with_frames),
+    )
+
+
+def _least_of_each(values: np.ndarray, bins: np.ndarray, n_bins: int) -> np.ndarray:
+    """Index of the least value of each bin, the first of equals; an empty bin has the last one's.
+
+    Parameters
+    ----------
+    bins
+        Bin of each value, rising from 0, shape (n,).
+    """
+    starts = np.flatnonzero(np.diff(bins, prepend=-1))
+    least = np.minimum.reduceat(values, starts)
+    hits = np.flatnonzero(values == np.repeat(least, np.diff(np.append(starts, len(values)))))
+    # the last frame before an empty bin holds until the next one, not the worst before it
+    index: np.ndarray = np.searchsorted(bins, np.arange(n_bins), side="right") - 1
+    index[bins[starts]] = hits[np.searchsorted(hits, starts)]
+    return index
