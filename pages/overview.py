@@ -21,6 +21,7 @@ def draw(result: Result) -> None:
     strip.draw(result)
     moments.draw(result)
     scorecard.by_recording(result)
+    moments.worst_windows(result)
     table = measure_evidence(result)
     evidence.draw(result, table)
     with verdict:

@@ -75,7 +75,7 @@ def loss_strip_plot(result: Result, strip: LossStrip, *, theme: Theme) -> go.Fig
         theme,
         title="Where to look first",
         subtitle=f"{extent}, most lost per minute on top; colour: the worse system's largest loss "
-        f"in {strip.bin_s:.2g} s",
+        f"in each {strip.bin_s:.2g} s",
         height=132 + ROW_PX * n_strips,
         hoverdistance=-1,
         showlegend=False,

@@ -20,6 +20,7 @@ from nvcore.tables.result import (
 )
 from nvcore.tables.scorecard import score_rows
 from nvcore.tables.summary import summary, system_summary
+from nvcore.tables.windows import windows_table
 
 __all__ = [
     "REPORT_COLUMNS",
@@ -47,6 +48,7 @@ __all__ = [
     "score_rows",
     "summary",
     "system_summary",
+    "windows_table",
     "worst_events",
     "worst_intervals",
     "worst_moments",

@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Mapping
+from functools import partial
 from typing import Any, Final
 
 import cv2
+import pandas as pd
 import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.overlay.annotate import LAYERS, annotate
 from nvcore.pictures import Pictures, jpeg
 from nvcore.tables.moments import worst_moments
+from nvcore.tables.windows import windows_table
 from ui.session import state
 from ui.shell.navigate import open_row
 from ui.widgets.choices import choose_side_by_side
-from ui.widgets.text import plain
+from ui.widgets.clicks import clicked_cell, clicked_row
+from ui.widgets.table_columns import table_height
+from ui.widgets.text import docs_link, plain
 
 KINDS: Final = {
     "x": "Worst of X",
@@ -23,6 +28,31 @@ KINDS: Final = {
     "x_better": "X better",
     "y_better": "Y better",
 }
+_OF_WINDOW: Final = {
+    "lost_s_per_min": (
+        "lost (s/min)",
+        "%.2f",
+        "What {letter} loses of its similarity: the sum of (1 - similarity) * time step, in "
+        "seconds per minute of recording. 0 is best, 60 a similarity of 0 throughout.",
+    ),
+    "window_similarity": (
+        "worst window",
+        "%.3f",
+        "The lowest mean similarity of {letter} over {window}; 1 is best.",
+    ),
+    "window_lost_s": (
+        "lost in it (s)",
+        "%.2f",
+        "What {letter} loses in that window, in seconds.",
+    ),
+    "window_time_s": ("at (s)", "%.2f", "Time of the window's middle in its recording."),
+}
+"""Label, format and help of the columns of each system's worst window."""
+WINDOW_COLUMNS: Final = {
+    "recording": ("", "", ""),
+    **{f"{name}_{letter}": words for letter in "xy" for name, words in _OF_WINDOW.items()},
+}
+WINDOW: Final = "clicked_window"
 THUMBNAIL_PX: Final = 640
 N_MOMENTS: Final = 4
 
@@ -44,6 +74,60 @@ def draw(result: Result) -> None:
     for column, moment in zip(st.columns(N_MOMENTS), moments, strict=False):
         with column:
             _moment(result, kind, KINDS[kind], moment)
+
+
+def worst_windows(result: Result) -> None:
+    """What each recording loses and its worst window; a click opens the frame in its middle."""
+    st.subheader("Lost similarity and the worst window")
+    table = windows_table(result)
+    if table.empty:
+        st.info("There is no evaluated frame.")
+        return
+    st.dataframe(
+        table[list(WINDOW_COLUMNS)],
+        hide_index=True,
+        height=table_height(len(table)),
+        key="windows",
+        column_config={name: _window_column(name, result) for name in WINDOW_COLUMNS},
+        selection_mode=("single-row", "single-cell"),
+        on_select=partial(_ask_for_window, table),
+    )
+    st.caption(
+        "Most lost on top. Click a value of X or Y to open the middle of that system's worst "
+        f"window of {result.params.window:g} s in the Timeline, or a recording's name for that of "
+        f"the worse system ({docs_link('Metrics', 'similarity')})."
+    )
+    row = st.session_state.pop(WINDOW, None)
+    if row is not None:
+        open_row(row)
+
+
+def _ask_for_window(table: pd.DataFrame) -> None:
+    """Remember the frame that was clicked: pages are opened only while one is drawn."""
+    cell, row = clicked_cell("windows"), clicked_row("windows")
+    if row is not None:
+        column = cell[1] if cell is not None and cell[0] == row else ""
+        st.session_state[WINDOW] = window_row(table, row, column)
+
+
+def window_row(table: pd.DataFrame, row: int, column: str) -> int:
+    """Frame to open for a click: of the column's system, else of the one whose window is worse."""
+    values = table.iloc[row]
+    letter = column[-1:] if column in WINDOW_COLUMNS and column != "recording" else ""
+    if not letter:
+        letter = "x" if values["window_similarity_x"] <= values["window_similarity_y"] else "y"
+    return int(values[f"window_row_{letter}"])
+
+
+def _window_column(name: str, result: Result) -> Any:
+    """Heading, format and help of a column; the systems' columns end with their letter."""
+    if name == "recording":
+        return st.column_config.TextColumn("Recording", width=150, pinned=True)
+    (label, form, text), letter = WINDOW_COLUMNS[name], name[-1].upper()
+    window = f"{result.params.window:g} s"
+    return st.column_config.NumberColumn(
+        f"{letter} {label}", format=form, help=text.format(letter=letter, window=window)
+    )
 
 
 def _moment(result: Result, kind: str, title: str, moment: Mapping[Hashable, Any]) -> None:

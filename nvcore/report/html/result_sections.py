@@ -38,6 +38,7 @@ from nvcore.tables.result import (
     worst_intervals,
 )
 from nvcore.tables.scorecard import score_rows
+from nvcore.tables.windows import windows_table
 from nvcore.wording import UNDEFINED, count_text, difference, number
 
 MEASURES_HEAD = ("Measure", "X", "Y", "X - Y", "Better")
@@ -174,6 +175,7 @@ def similarity_section(result: Result) -> Section:
                 "What the worse system loses over the time of every recording",
             ),
             table("Similarity by recording", head, rows, right=range(1, 7), note=note),
+            _windows(result),
             _intervals(result),
         ),
     )
@@ -190,6 +192,31 @@ def _most_different(recordings: pd.DataFrame) -> tuple[pd.DataFrame, str]:
         f"{len(recordings) - MAX_ROWS:,} are left out."
     )
     return recordings.loc[largest], note
+
+
+def _windows(result: Result) -> Table:
+    """Lost similarity and the worst window of every recording."""
+    columns = ("lost_s_per_min", "window_similarity", "window_lost_s", "window_time_s")
+    forms = (".2f", ".4f", ".3f", ".2f")
+    rows = [
+        (
+            row["recording"],
+            *(
+                number(row[f"{name}_{letter}"], form)
+                for letter in "xy"
+                for name, form in zip(columns, forms, strict=True)
+            ),
+        )
+        for row in windows_table(result).to_dict("records")
+    ]
+    labels = ("lost (s per minute)", "worst window", "lost in it (s)", "its middle (s)")
+    head = ("Recording", *(f"{letter}: {label}" for letter in "XY" for label in labels))
+    note = (
+        "Lost: the sum of (1 - similarity) * time step. The worst window is the "
+        f"{result.params.window:g} s with the lowest mean similarity, which is given."
+    )
+    title = "Lost similarity and the worst window, most lost first"
+    return table(title, head, rows, right=range(1, len(head)), note=note)
 
 
 def _intervals(result: Result) -> Table:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import pandas as pd
 import pytest
 from streamlit.testing.v1 import AppTest
 
 from pages import checked, opened, texts
+from ui.overview.moments import window_row
 
 
 @pytest.fixture
@@ -67,3 +69,21 @@ def test_the_figure_that_groups_are_compared_in_can_be_chosen(app: AppTest):
     checked(box.set_value("false_alert_episodes_per_hour").run())
     assert "a false alert belongs to no pedestrian" in texts(app)
     assert "place: edge" not in forest(app)
+
+
+def test_a_window_that_was_clicked_is_opened_in_the_timeline(app: AppTest):
+    table = next(one.value for one in app.dataframe if "window_similarity_x" in one.value)
+    assert table["recording"].iloc[0] == "all recordings"
+    assert len(table) == 11
+    app.session_state["clicked_window"] = 57
+    assert checked(app.run()).title[0].value == "Timeline"
+    assert app.query_params["frame"] == "57"
+
+
+@pytest.mark.parametrize(
+    ("column", "row"), [("window_time_s_y", 7), ("lost_s_per_min_x", 3), ("recording", 3), ("", 3)]
+)
+def test_a_click_means_the_column_s_system_or_the_worse_one(column: str, row: int):
+    columns = {"window_similarity_x": [1, 0.2], "window_similarity_y": [1, 0.3]}
+    table = pd.DataFrame({**columns, "window_row_x": [0, 3], "window_row_y": [0, 7]})
+    assert window_row(table, 1, column) == row

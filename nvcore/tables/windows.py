@@ -1,0 +1,60 @@
+"""What each recording loses, and its worst window, for both systems and over all recordings."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import numpy as np
+import pandas as pd
+
+from nvcore.comparison import Result
+from nvcore.metrics.similarity import lost_per_minute
+
+ALL: Final = "all recordings"
+"""Name in the row over all recordings."""
+
+
+def windows_table(result: Result) -> pd.DataFrame:
+    """Lost similarity per minute and the worst window, by recording and over all.
+
+    Returns
+    -------
+    The row over all recordings first, then those with frames, most lost per minute by either
+    system on top: recording (``all recordings`` in the first), recording_index (-1 in the first);
+    for each system lost_s_per_min (seconds per minute, 0 is best), window_similarity (mean of the
+    worst window, 1 is best), window_lost_s (what it loses, seconds), window_row (the frame in its
+    middle, a row of the frames table), window_recording (name) and window_time_s of that frame.
+    Empty without frames.
+    """
+    frames = result.dataset.frame_columns
+    names = result.dataset.recordings["name"].to_numpy(dtype=object)
+    time_s = result.dataset.frames["time_s"].to_numpy()
+    with_frames = np.flatnonzero(np.diff(frames.first)).tolist()
+    columns: dict[str, Any] = {
+        "recording": [ALL, *names[with_frames]],
+        "recording_index": [-1, *with_frames],
+    }
+    for letter, system in result.sides:
+        lost = [system.lost_s_per_min]
+        windows = [system.worst_window]
+        for recording in with_frames:  # a loop over recordings
+            rows = frames.rows_of(recording)
+            lost.append(lost_per_minute(system.similarity[rows], frames.step_s[rows]))
+            windows.append(system.worst_window_of_recordings[recording])
+        columns |= {
+            f"lost_s_per_min_{letter}": lost,
+            f"window_similarity_{letter}": [window.mean for window in windows],
+            f"window_lost_s_{letter}": [window.lost_s for window in windows],
+            f"window_row_{letter}": [window.row for window in windows],
+        }
+    table = pd.DataFrame(columns)
+    if not with_frames:
+        table = table.iloc[:0]
+    for letter, _ in result.sides:
+        middle = table[f"window_row_{letter}"].to_numpy(dtype=np.int64)
+        table[f"window_recording_{letter}"] = names[frames.recording[middle]]
+        table[f"window_time_s_{letter}"] = time_s[middle]
+    worse = table[["lost_s_per_min_x", "lost_s_per_min_y"]].max(axis=1).to_numpy()
+    order = np.argsort(-worse[1:], kind="stable") + 1
+    by_loss: pd.DataFrame = table.iloc[[*range(len(table))[:1], *order]].reset_index(drop=True)
+    return by_loss
