@@ -1,0 +1,52 @@
+"""What missing a pedestrian would cost over the picture, small, for the sidebar."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import plotly.graph_objects as go
+
+from nvcore.figures.loss_strip import loss_scale
+from nvcore.figures.style import LOOK, axis, draw
+from nvcore.metrics.cost_map import CostMap
+from nvcore.palette import Theme
+
+SMALL_PX: Final = 190
+STEP: Final = 0.1
+"""Between the lines of equal cost."""
+
+
+def cost_plot(cost_map: CostMap, *, theme: Theme) -> go.Figure:
+    """Cost of missing a pedestrian, 0 to 1, by lateral position and row of the feet.
+
+    As the picture is seen: the lower, the nearer. Empty where nobody can stand.
+    """
+    look = LOOK[theme]
+    size = {"width": 0.6, "color": look.surface}
+    font = {"size": 11, "color": look.muted}
+    costs = go.Contour(
+        x=cost_map.centre_px,
+        y=cost_map.foot_px,
+        z=cost_map.cost,
+        zmin=0,
+        zmax=1,
+        contours={"start": STEP, "end": 1 - STEP, "size": STEP},
+        line=size,
+        colorscale=loss_scale(theme),
+        colorbar={"tickvals": [0, 0.5, 1], "tickfont": font, "thickness": 8, "outlinewidth": 0},
+        hovertemplate="feet at x %{x:.0f}, row %{y:.0f}: cost %{z:.2f}<extra></extra>",
+        name="cost",
+    )
+    ends = [
+        [centres[0] - half, centres[-1] + half]
+        for centres in (cost_map.centre_px, cost_map.foot_px)
+        for half in (0.5 * float(centres[1] - centres[0]),)
+    ]
+    return draw(
+        costs,
+        theme,
+        height=SMALL_PX,
+        margin={"l": 40, "r": 4, "t": 8, "b": 38},
+        xaxis=axis(theme, "lateral position (px)", range=ends[0], fixedrange=True, showgrid=False),
+        yaxis=axis(theme, "feet (row)", range=ends[1][::-1], fixedrange=True, showgrid=False),
+    )

@@ -1,0 +1,209 @@
+"""What missing a pedestrian would cost, by where in the picture he stands."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final, Literal, NamedTuple
+
+import numpy as np
+
+from nvcore.columns import BoxColumns, FrameColumns
+from nvcore.errors import ParameterError
+from nvcore.metrics.proximity import in_use, sigmoid
+from nvcore.params import Params
+from nvcore.wording import count_text
+
+N_COLUMNS: Final = 128
+N_ROWS: Final = 96
+LEAST_BOXES: Final = 10
+"""Boxes from which on a line is drawn through them."""
+LEAST_SPREAD: Final = 0.01
+"""Standard deviation of their foot rows that a line needs, as a share of the picture's height."""
+
+Basis = Literal["height", "horizon", "distance", "none", "one height"]
+
+
+@dataclass(frozen=True, eq=False)
+class CostMap:
+    """Cost of missing a pedestrian, ``k * border / (W/2)``, on a grid over one recording's picture.
+
+    The weight k follows from the row of the feet alone, the border from the lateral position alone.
+
+    Attributes
+    ----------
+    centre_px
+        Lateral positions, the middles of equal columns of the picture; float64, (n_columns,).
+    foot_px
+        Foot rows, the middles of equal rows of the picture; float64, (n_rows,).
+    border
+        Border of each position as a share of W/2, 0 to 1; float64, (n_columns,).
+    k
+        Weight of a pedestrian with his feet in each row, in (0, 1); NaN where none can stand, at
+        the horizon and above it; float64, (n_rows,).
+    basis
+        What k follows from: ``height`` (the height that pedestrians of this recording have with
+        their feet in that row), ``distance`` (their distance, likewise), ``horizon`` (the row
+        itself), ``none`` (k is 1), or ``one height``: no line goes through the boxes, and k is that
+        of a pedestrian of `height_px` in every row.
+    n_boxes
+        Boxes that the line goes through.
+    height_px
+        With ``one height``: that height; else NaN.
+    """
+
+    centre_px: np.ndarray
+    foot_px: np.ndarray
+    border: np.ndarray
+    k: np.ndarray
+    basis: Basis
+    n_boxes: int
+    height_px: float
+
+    @property
+    def cost(self) -> np.ndarray:
+        """Cost at each place, 0 to 1, NaN where none can stand; float64, (n_rows, n_columns)."""
+        cost: np.ndarray = np.outer(self.k, self.border)
+        return cost
+
+    @property
+    def text(self) -> str:
+        """In words, what the weight follows from."""
+        boxes = count_text(self.n_boxes, "box", "boxes")
+        return {
+            "height": f"height by foot row, a line through {boxes} of this recording",
+            "distance": f"distance by foot row, a line through {boxes} of this recording",
+            "horizon": "depth of the feet below the horizon",
+            "none": "everybody weighs the same",
+            "one height": f"by lateral position only, for a pedestrian {self.height_px:.0f} px "
+            "tall: no line goes through the boxes of this recording",
+        }[self.basis]
+
+
+class Line(NamedTuple):
+    """Straight line ``at_zero + slope * foot row``."""
+
+    at_zero: float
+    slope: float
+
+    def at(self, foot_px: np.ndarray) -> np.ndarray:
+        """Its value in these rows."""
+        values: np.ndarray = self.at_zero + self.slope * foot_px
+        return values
+
+
+def fit_line(foot_px: np.ndarray, value: np.ndarray, *, height: float) -> Line | None:
+    """Least-squares line of a value over the foot row; None where none can be relied on.
+
+    That is with fewer than `LEAST_BOXES` boxes, with feet all in about the same row, or where the
+    value does not grow downwards.
+
+    Parameters
+    ----------
+    foot_px, value
+        float64, shape (n,).
+    height
+        Of the picture, px.
+    """
+    if len(foot_px) < LEAST_BOXES or foot_px.std() < LEAST_SPREAD * height:
+        return None
+    centred = foot_px - foot_px.mean()
+    slope = float((centred * (value - value.mean())).sum() / (centred**2).sum())
+    if slope <= 0:
+        return None
+    return Line(float(value.mean()) - slope * float(foot_px.mean()), slope)
+
+
+def map_cost(
+    truth: BoxColumns,
+    frames: FrameColumns,
+    params: Params,
+    recording: int,
+    *,
+    n_rows: int = N_ROWS,
+    n_columns: int = N_COLUMNS,
+) -> CostMap:
+    """What missing a pedestrian would cost in each place of a recording's picture.
+
+    With proximity by height, the height in each foot row is taken from a straight line through
+    the recording's boxes, those that the picture's upper or lower edge cuts left out; on flat
+    ground height grows linearly with the foot row. With proximity by distance, so does the inverse
+    of the distance; without distances, the height is used, as for the boxes themselves. Where no
+    line can be relied on, the map is that of the boxes' median height (without boxes: of the
+    midpoint) and varies with the lateral position alone.
+
+    Parameters
+    ----------
+    truth
+        Boxes of all recordings; those to be ignored are left out.
+    recording
+        Row of the recordings.
+    n_rows, n_columns
+        Size of the grid.
+
+    Raises
+    ------
+    ParameterError
+        If proximity is by horizon and neither the parameter nor the recording gives one.
+
+    References
+    ----------
+    ``docs/metrics.md``, severity.
+    """
+    width, height = float(frames.width[recording]), float(frames.height[recording])
+    centre_px = (np.arange(n_columns) + 0.5) * width / n_columns
+    foot_px = (np.arange(n_rows) + 0.5) * height / n_rows
+    rho = float(in_use(params, "edge_weight", frames)[recording])
+    sides = np.minimum(centre_px, width - centre_px) / (0.5 * width)
+    k, basis, n_boxes, height_px = _weigh_rows(truth, frames, params, recording, foot_px)
+    return CostMap(
+        centre_px=centre_px,
+        foot_px=foot_px,
+        border=rho + (1 - rho) * sides,
+        k=k,
+        basis=basis,
+        n_boxes=n_boxes,
+        height_px=height_px,
+    )
+
+
+def _weigh_rows(
+    truth: BoxColumns, frames: FrameColumns, params: Params, recording: int, foot_px: np.ndarray
+) -> tuple[np.ndarray, Basis, int, float]:
+    """Weight of a pedestrian with his feet in each row, what it follows from, boxes, height."""
+    nan = float("nan")
+    if params.proximity == "none":
+        return np.ones(len(foot_px)), "none", 0, nan
+    midpoint, spread, horizon = (
+        float(in_use(params, name, frames)[recording]) for name in ("midpoint", "spread", "horizon")
+    )
+    if params.proximity == "horizon":
+        if np.isnan(horizon):
+            raise ParameterError("proximity by horizon needs the row of the horizon")
+        depth = foot_px - horizon
+        k = sigmoid((depth - midpoint) / spread)
+        return np.where(depth > 0, k, np.nan), "horizon", 0, nan
+    picture_height = float(frames.height[recording])
+    rows = slice(*(int(truth.offsets[row]) for row in frames.first[recording : recording + 2]))
+    is_pedestrian = ~truth.ignore[rows]
+    top, tall, metres = (
+        values[rows][is_pedestrian] for values in (truth.y, truth.h, truth.distance_m)
+    )
+    foot = top + tall
+    if params.proximity == "distance":
+        is_known = np.isfinite(metres) & (metres > 0)
+        line = fit_line(foot[is_known], 1 / metres[is_known], height=picture_height)
+        if line is not None:
+            nearness = line.at(foot_px)
+            is_ground = nearness > 0
+            away_m = 1 / np.where(is_ground, nearness, 1)
+            k = sigmoid((params.midpoint_m - away_m) / params.spread_m)
+            return np.where(is_ground, k, np.nan), "distance", int(is_known.sum()), nan
+    is_whole = (top > 1) & (foot < picture_height - 1)
+    line = fit_line(foot[is_whole], tall[is_whole], height=picture_height)
+    if line is not None:
+        tall_there = line.at(foot_px)
+        k = sigmoid((tall_there - midpoint) / spread)
+        return np.where(tall_there > 0, k, np.nan), "height", int(is_whole.sum()), nan
+    chosen = float(np.median(tall)) if len(tall) else midpoint
+    k = sigmoid(np.full(len(foot_px), (chosen - midpoint) / spread))
+    return k, "one height", 0, chosen
