@@ -19,6 +19,7 @@ from nvcore.tables.result import (
     worst_intervals,
 )
 from nvcore.tables.scorecard import score_rows
+from nvcore.tables.severity import weighed_encounters
 from nvcore.tables.summary import summary, system_summary
 from nvcore.tables.windows import windows_table
 
@@ -48,6 +49,7 @@ __all__ = [
     "score_rows",
     "summary",
     "system_summary",
+    "weighed_encounters",
     "windows_table",
     "worst_events",
     "worst_intervals",

@@ -24,8 +24,8 @@ def encounter_moments(result: Result) -> pd.DataFrame:
     -------
     One row per encounter, columns int64: first_row, the first relevant frame (of a distant
     encounter the first annotated one); missed_row_x and missed_row_y, the first relevant frame in
-    which that system misses the pedestrian, -1 if it never does; shown_row, the earlier of these
-    two, else first_row.
+    which that system misses the pedestrian, -1 if it never does; shown_row, where the failure that
+    weighs more, X's or Y's, costs most, else first_row.
     """
     encounters = result.encounters
     n, rows = len(encounters), encounters.order
@@ -44,10 +44,9 @@ def encounter_moments(result: Result) -> pd.DataFrame:
         moments[f"missed_row_{letter}"] = _earliest(
             n, of[is_missed][~has_matched_twin], frame_row[is_missed][~has_matched_twin]
         )
-    missed_rows = np.stack([moments["missed_row_x"], moments["missed_row_y"]])
-    earlier = np.where(missed_rows == NEVER, len(result.dataset.frames), missed_rows).min(axis=0)
-    is_missed_at_all = (missed_rows != NEVER).any(axis=0)
-    moments["shown_row"] = np.where(is_missed_at_all, earlier, first)
+    x, y = result.x.failures, result.y.failures
+    peak_row = np.where(y["severity_s"] > x["severity_s"], y["peak_row"], x["peak_row"])
+    moments["shown_row"] = np.where(peak_row == NEVER, first, peak_row)
     return pd.DataFrame(moments).astype("int64")
 
 

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
+from itertools import combinations
 from math import pi
 
 import numpy as np
+import pandas as pd
 import pytest
+from builders import at, make_dataset, result_of
 from figure_parts import shape, trace, words
 
-from nvcore.figures.venn import overlap_area, place_circles, venn_figure
+from nvcore.figures.venn import MOST_MARKS, WORDS, overlap_area, place_circles, venn_figure
+from nvcore.figures.venn.plan import MIN_SIZE, REGIONS
 from nvcore.metrics.venn import Venn
+from nvcore.tables import weighed_encounters
 
 NAMES = ("FIR", "NIR")
 
@@ -22,8 +28,9 @@ def area(figure: object, letter: str) -> float:
 
 
 def label(figure: object, name: str) -> str:
+    """The text of that name, without markup."""
     found = [one.text for one in figure.layout.annotations if one.name == name]
-    return found[0] if found else ""
+    return re.sub("<br>|<[^>]*>", lambda tag: " " * (tag[0] == "<br>"), found[0]) if found else ""
 
 
 def test_the_paper_s_figure_1_has_circles_of_7_and_7_with_5_shared() -> None:
@@ -64,17 +71,17 @@ def test_circles_apart_one_inside_the_other_and_one_on_the_other() -> None:
 def test_a_system_that_detects_nobody_has_no_circle() -> None:
     figure = venn_figure(Venn(0, 0, 7, 2, 0), NAMES, theme="dark")
     assert [one.name for one in figure.layout.shapes] == ["all encounters", "circle y"]
-    assert "X: FIR</b> 0 of 9" in words(figure)
+    assert label(figure, "system x") == "X: FIR 0 of 9"
 
 
 def test_counts_stand_in_their_regions() -> None:
     figure = venn_figure(Venn(50, 20, 21, 4, 6), NAMES, theme="light")
-    assert "50" in label(figure, "both")
-    assert "20" in label(figure, "x_only")
-    assert "21" in label(figure, "y_only")
-    assert "4</b> neither" in label(figure, "neither")
-    assert "6 distant, not counted" in label(figure, "distant")
-    assert "95 encounters" in words(figure)
+    assert label(figure, "both") == "50 both"
+    assert label(figure, "x_only") == "20 only X"
+    assert label(figure, "y_only") == "21 only Y"
+    assert label(figure, "neither") == "4 neither"
+    assert label(figure, "distant") == "6 distant, not counted"
+    assert "95 near encounters; areas in proportion" in words(figure)
 
 
 def test_a_click_in_a_region_gives_its_category() -> None:
@@ -103,3 +110,115 @@ def test_without_encounters_that_count_the_diagram_says_so() -> None:
     shown = words(venn_figure(Venn(0, 0, 0, 0, 3), NAMES, theme="light"))
     assert "No pedestrian came near enough to count. 3 encounters stayed distant." in shown
     assert "distant" not in words(venn_figure(Venn(0, 0, 0, 0, 0), NAMES, theme="light"))
+
+
+def encounters_of(venn: Venn, *, seed: int = 0) -> pd.DataFrame:
+    """Made-up encounters of these counts as `weighed_encounters`, the heaviest first."""
+    rng = np.random.default_rng(seed)
+    kinds = [kind.value for kind in REGIONS for _ in range(venn.counts()[kind.value])]
+    severity_s = rng.exponential(1, (2, len(kinds)))
+    for row, spared in enumerate(("x_only", "y_only")):
+        severity_s[row][[kind in (spared, "both") for kind in kinds]] = 0
+    table = pd.DataFrame({"recording": "<i>", "track": range(len(kinds)), "category": kinds})
+    for letter, values in zip("xy", severity_s, strict=True):
+        table = table.assign(**{f"severity_s_{letter}": values, f"peak_cost_{letter}": 0.5})
+    table = table.assign(severity_s=severity_s.max(axis=0), shown_row=10 + table["track"])
+    return table.sort_values("severity_s", ascending=False, kind="stable")
+
+
+def marks_of(figure: object) -> list[tuple[str, float, float, float, int]]:
+    """Region, x, y, size (px) and frame row of each mark."""
+    return [
+        (kind.value, *values)
+        for kind in REGIONS
+        for part in figure.data
+        if part.name == f"{WORDS[kind]}, by severity"
+        for values in zip(part.x, part.y, part.marker.size, part.customdata, strict=True)
+    ]
+
+
+PATTERNS = [
+    (22, 8, 5, 3), (90, 20, 25, 15), (140, 1, 0, 2), (1, 70, 70, 5), (5, 2, 2, 1),
+    (0, 3, 0, 140), (10, 0, 0, 0), (0, 8, 9, 2), (60, 1, 1, 30), (0, 0, 20, 5), (0, 0, 0, 9),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("counts", PATTERNS)
+def test_every_encounter_has_a_mark_in_its_region_and_none_touches_another(counts) -> None:
+    venn = Venn(*counts, 4)
+    table = encounters_of(venn)
+    figure = venn_figure(venn, NAMES, theme="light", encounters=table)
+    marks = marks_of(figure)
+    assert sorted(mark[-1] for mark in marks) == sorted(table["shown_row"])
+    by_row = table.set_index("shown_row")["category"]
+    assert all(by_row[row] == kind for kind, *_, row in marks)
+    x_axis, y_axis = figure.layout.xaxis.range, figure.layout.yaxis.range
+    # in a plot of 385 x 285 px
+    scale = min(385 / (x_axis[1] - x_axis[0]), 285 / (y_axis[1] - y_axis[0]))
+    circles = {one.name[-1]: one for one in figure.layout.shapes if one.type == "circle"}
+    for kind, x, y, size, _ in marks:
+        assert x_axis[0] < x < x_axis[1]
+        assert y_axis[0] < y < y_axis[1]
+        for letter, circle in circles.items():
+            radius = (circle.x1 - circle.x0) / 2
+            apart = np.hypot(x - (circle.x0 + circle.x1) / 2, y - (circle.y0 + circle.y1) / 2)
+            if kind in ("both", f"{letter}_only"):
+                assert (radius - apart) * scale >= size / 2
+            else:
+                assert (apart - radius) * scale >= size / 2
+    for (_, x, y, size, _), (_, other_x, other_y, other_size, _) in combinations(marks, 2):
+        assert np.hypot(x - other_x, y - other_y) * scale > (size + other_size) / 2
+
+
+def test_marks_are_larger_the_more_an_encounter_weighs_and_visible_without_weight() -> None:
+    venn = Venn(3, 2, 0, 0, 0)
+    table = encounters_of(venn)
+    figure = venn_figure(venn, NAMES, theme="dark", encounters=table)
+    sizes = {row: size for *_, size, row in marks_of(figure)}
+    in_order = [sizes[row] for row in table["shown_row"]]
+    assert in_order == sorted(in_order, reverse=True)
+    first, second = (table["severity_s"].iloc[i] for i in (0, 1))
+    assert (in_order[1] / in_order[0]) ** 2 == pytest.approx(second / first)
+    assert in_order[-3:] == [MIN_SIZE] * 3
+
+
+def test_the_same_encounters_are_drawn_in_the_same_places() -> None:
+    venn = Venn(22, 8, 5, 3, 0)
+    drawn = [
+        venn_figure(venn, NAMES, theme="light", encounters=encounters_of(venn)).to_json()
+        for _ in range(2)
+    ]
+    assert drawn[0] == drawn[1]
+
+
+def test_above_a_number_of_encounters_there_are_counts_and_weights_only() -> None:
+    venn = Venn(MOST_MARKS, 1, 0, 0, 0)
+    table = encounters_of(venn)
+    figure = venn_figure(venn, NAMES, theme="light", encounters=table)
+    assert [one.name for one in figure.data] == ["regions"]
+    weight = table["severity_s_y"].sum()
+    assert label(figure, "x_only") == f"1 only X Y {weight:.2f} s"
+    assert label(figure, "both") == f"{MOST_MARKS} both X 0.00 s Y 0.00 s"
+
+
+def test_a_mark_says_who_it_is_what_the_failure_weighs_and_where_to_look() -> None:
+    truth = [at(f, 50, track=7) for f in range(10)]
+    result = result_of(make_dataset(truth, truth, truth[:6]))
+    table = weighed_encounters(result)
+    figure = venn_figure(result.venn, ("a", "b"), theme="light", encounters=table)
+    (text,) = trace(figure, "both, by severity").text
+    assert text == (
+        "r0, pedestrian 7: both<br>severity X 0.00 s, Y 0.40 s<br>peak cost X 0.00, Y 1.00"
+    )
+    assert list(trace(figure, "both, by severity").customdata) == [6]
+
+
+def test_no_place_for_clicks_on_a_region_lies_on_a_mark() -> None:
+    venn = Venn(22, 8, 5, 3, 0)
+    figure = venn_figure(venn, NAMES, theme="light", encounters=encounters_of(venn))
+    places = trace(figure, "regions")
+    width = np.ptp(figure.layout.xaxis.range)
+    for _, x, y, size, _ in marks_of(figure):
+        apart_px = np.hypot(np.array(places.x) - x, np.array(places.y) - y) * 385 / width
+        assert apart_px.min() > size / 2
+    assert set(places.customdata) == {"both", "x_only", "y_only", "neither", "distant"}

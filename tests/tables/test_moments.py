@@ -178,8 +178,18 @@ def test_the_first_missed_frame_is_told_for_each_system():
     truth = [at(f, 50, track=1) for f in range(10)]
     x, y = ([box for box in truth if box.frame not in gone] for gone in ((5, 6), (3,)))
     assert moments(truth, x, y) == [
-        {"first_row": 0, "missed_row_x": 5, "missed_row_y": 3, "shown_row": 3}
+        {"first_row": 0, "missed_row_x": 5, "missed_row_y": 3, "shown_row": 5}
     ]
+
+
+def test_an_encounter_opens_where_the_heavier_failure_costs_most():
+    # X misses three frames at the edge, Y two in the middle
+    place = {0: 5, 1: 5, 2: 5, 3: 40, 4: 50, 5: 40}
+    truth = [at(f, place[f], track=1) for f in range(6)]
+    (row,) = moments(truth, truth[3:], [*truth[:4], truth[5]])
+    assert row["shown_row"] == 4
+    (row,) = moments(truth, truth[3:], truth)
+    assert row["shown_row"] == 0
 
 
 def test_an_encounter_without_a_miss_opens_where_it_begins_to_count():

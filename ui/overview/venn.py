@@ -1,35 +1,90 @@
-"""Overview page: the Venn diagram; a click on a region opens its encounters."""
+"""Overview page: the Venn diagram and the worst encounters; clicks open regions and frames."""
 
 from __future__ import annotations
 
+from functools import partial
+from typing import Final
+
+import pandas as pd
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.figures.venn import venn_figure
+from nvcore.figures.venn import MOST_MARKS, venn_figure
+from nvcore.tables.severity import weighed_encounters
 from ui.session import state
-from ui.shell.navigate import open_page
+from ui.shell.navigate import open_page, open_row
 from ui.widgets.charts import clicked_chart
+from ui.widgets.clicks import clicked_row
+from ui.widgets.table_columns import as_shown, column_config
+from ui.widgets.text import UNDEFINED, docs_link
+
+WORDS: Final = {"both": "Both", "x_only": "Only X", "y_only": "Only Y", "neither": "Neither"}
+N_WORST: Final = 5
+WORST_COLUMNS: Final = ("recording", "track", "severity_s_x", "severity_s_y")
+OPEN: Final = "overview_open"
+"""Frame row of the encounter that was clicked in the list."""
 
 
 def draw(result: Result) -> None:
-    """The diagram, and the same by buttons for those who do not click in pictures."""
+    """The diagram, the same by buttons for those who do not click in pictures, and a list."""
     st.header("Who detects whom")
-    region = clicked_chart(
-        venn_figure(result.venn, (result.x.name, result.y.name), theme=state.theme()),
+    row = st.session_state.pop(OPEN, None)
+    if row is not None:
+        open_row(row)
+    encounters = weighed_encounters(result)
+    names = (result.x.name, result.y.name)
+    clicked = clicked_chart(
+        venn_figure(result.venn, names, theme=state.theme(), encounters=encounters),
         "venn",
         alt=_in_words(result),
     )
-    if region is not None:
-        _open(str(region))
-    st.caption("Click a region to see its encounters.")
+    if isinstance(clicked, str):
+        _open(clicked)
+    elif clicked is not None:
+        open_row(int(clicked))
+    has_marks = len(encounters) <= MOST_MARKS
+    st.caption(
+        f"{docs_link('Severity', 'severity')}: what failures weigh, in seconds of a pedestrian "
+        "missed straight ahead and near. "
+        + (
+            "Each mark is an encounter, larger the more its failure weighs; its colour is the "
+            "system that fails, a square where both do. Click a mark to see its moment, or a "
+            "region to see its encounters."
+            if has_marks
+            else "Click a region to see its encounters."
+        )
+    )
     counts = result.venn.counts()
     columns = st.columns(4)
     for column, (category, words) in zip(columns, WORDS.items(), strict=True):
         if column.button(f"{words} {counts[category]}", key=f"open_{category}", width="stretch"):
             _open(category)
+    _draw_worst(encounters)
 
 
-WORDS = {"both": "Both", "x_only": "Only X", "y_only": "Only Y", "neither": "Neither"}
+def _draw_worst(encounters: pd.DataFrame) -> None:
+    """The encounters whose failures weigh most; a click opens the frame."""
+    worst = encounters[encounters["severity_s"] > 0].head(N_WORST)
+    if worst.empty:
+        return
+    st.markdown("**Encounters that weigh most**")
+    key = f"overview_worst_{hash(tuple(worst['shown_row']))}"
+    st.dataframe(
+        as_shown(worst[list(WORST_COLUMNS)]),
+        hide_index=True,
+        column_config=column_config("encounters.csv"),
+        key=key,
+        placeholder=UNDEFINED,
+        selection_mode=("single-row", "single-cell"),
+        on_select=partial(_ask_for_row, key, worst["shown_row"].tolist()),
+    )
+    st.caption("Click an encounter to see the frame in which its failure costs most.")
+
+
+def _ask_for_row(key: str, rows: list[int]) -> None:
+    row = clicked_row(key)
+    if row is not None:
+        st.session_state[OPEN] = rows[row]
 
 
 def _in_words(result: Result) -> str:

@@ -23,6 +23,7 @@ HEADINGS: Final = {
     "lag_s": "lag (s)",
     "gap_s": "gap (s)",
     "tail_s": "tail (s)",
+    "severity_s": "severity (s)",
     "lead_time_s": "Lead of X (s)",
     "peak_height": "Height (px)",
     "lateral_position": "Position",
@@ -33,6 +34,9 @@ HEADINGS: Final = {
     "start_s": "Start (s)",
     "duration_s": "Duration (s)",
     "tau": "Ends at",
+    "relevant_s": "Relevant (s)",
+    "weight_s": "Weight (s)",
+    "rest_s": "Rest (s)",
     "saliency_s": "Saliency (s)",
 }
 """Headings that do not follow from the column's name."""
@@ -47,6 +51,8 @@ WIDTHS: Final = {
     "category": 72,
     "miss_class": 90,
     "coverage": 85,
+    "severity_s": 88,
+    "peak_cost": 88,
     "lead_time_s": 92,
     "peak_height": 82,
     "lateral_position": 70,

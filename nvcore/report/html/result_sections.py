@@ -38,6 +38,7 @@ from nvcore.tables.result import (
     worst_intervals,
 )
 from nvcore.tables.scorecard import score_rows
+from nvcore.tables.severity import weighed_encounters
 from nvcore.tables.windows import windows_table
 from nvcore.wording import UNDEFINED, count_text, difference, number
 
@@ -77,6 +78,7 @@ def encounters_section(result: Result) -> Section:
     sentences = (*describe_misses(result), describe_lead(result))
     fusion = fusion_table(result)
     names = names_of(result)
+    encounters = weighed_encounters(result)
     return Section(
         "encounters",
         "Who detects whom",
@@ -88,7 +90,11 @@ def encounters_section(result: Result) -> Section:
                 [(WORDS[kind], counts[kind], CATEGORY_TEXT[kind]) for kind in Category],
                 right=(1,),
             ),
-            Chart("venn", venn_figure(result.venn, names, theme=THEME), f"Encounters: {in_words}"),
+            Chart(
+                "venn",
+                venn_figure(result.venn, names, theme=THEME, encounters=encounters),
+                f"Encounters: {in_words}",
+            ),
             Sentences(sentences),
             Chart(
                 "classes",

@@ -7,6 +7,7 @@ import pytest
 from streamlit.testing.v1 import AppTest
 
 from pages import checked, opened, texts
+from ui.overview import venn
 from ui.overview.moments import window_row
 
 
@@ -32,6 +33,37 @@ def test_the_app_opens_on_verdict_and_scorecard_which_follow_the_parameters(app:
     assert after["mean similarity ↑"] != before["mean similarity ↑"]
     assert after["encounters detected, of 38 ↑"] == before["encounters detected, of 38 ↑"]
     assert app.query_params["alpha"] == "0.5"
+
+
+@pytest.mark.parametrize("clicked", [75, "x_only"])
+def test_a_mark_of_the_venn_diagram_opens_its_frame_and_a_region_its_encounters(
+    app: AppTest, clicked: int | str, monkeypatch: pytest.MonkeyPatch
+):
+    opened_rows: list[int] = []
+    opened_categories: list[str] = []
+    monkeypatch.setattr(venn, "clicked_chart", lambda *_, **__: clicked)
+    monkeypatch.setattr(venn, "open_row", opened_rows.append)
+    monkeypatch.setattr(venn, "_open", opened_categories.append)
+    checked(app.run())
+    assert [*opened_rows, *opened_categories] == [clicked]
+
+
+def test_the_encounters_that_weigh_most_are_listed_and_open_by_a_click(
+    app: AppTest, monkeypatch: pytest.MonkeyPatch
+):
+    (table,) = [one.value for one in app.dataframe if "severity_s_x" in one.value]
+    larger = table[["severity_s_x", "severity_s_y"]].max(axis=1)
+    assert len(table) == venn.N_WORST
+    assert larger.is_monotonic_decreasing
+    result = app.session_state["workspace"].result
+    assert larger.iloc[0] == max(
+        result.x.failures["severity_s"].max(), result.y.failures["severity_s"].max()
+    )
+    shown: list[int] = []
+    monkeypatch.setattr(venn, "open_row", shown.append)
+    app.session_state[venn.OPEN] = 123
+    checked(app.run())
+    assert shown == [123]
 
 
 def test_every_kind_of_moment_can_be_looked_at(app: AppTest):

@@ -1,0 +1,269 @@
+"""The diagram drawn: circles, counts with what failures weigh, a mark for each encounter."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import numpy as np
+import pandas as pd
+import plotly.graph_objects as go
+
+from nvcore.figures.marks import click_markers, marks, steady_marker
+from nvcore.figures.style import (
+    DASH,
+    HIDDEN_AXIS,
+    LOOK,
+    SYMBOL,
+    Look,
+    draw,
+    empty_figure,
+    faded,
+    plain,
+    write,
+)
+from nvcore.figures.venn.circles import Circles, Frame
+from nvcore.figures.venn.labels import Label, Labels, Line, anchor_of
+from nvcore.figures.venn.plan import GAP, IN_CIRCLES, REGIONS, Plan, plan_counts, plan_marks
+from nvcore.metrics.venn import Venn
+from nvcore.palette import Theme
+from nvcore.schema import Category
+from nvcore.wording import count_text
+
+MOST_MARKS: Final = 150
+"""Encounters up to which each has a mark."""
+HEIGHT_PX: Final = 380
+GRID: Final = (36, 22)
+"""Places that can be clicked, across and down."""
+CLICK_PX: Final = 8
+"""Size of such a place."""
+WORDS: Final = {
+    Category.BOTH: "both",
+    Category.X_ONLY: "only X",
+    Category.Y_ONLY: "only Y",
+    Category.NEITHER: "neither",
+    Category.DISTANT: "distant",
+}
+AREAS: Final = {"circle": 1.0, "diamond": 0.96, "square": 0.886, "circle-open": 1.0}
+"""Sizes with which symbols have the same area."""
+FAILING: Final = {
+    Category.BOTH: "xy",
+    Category.X_ONLY: "y",
+    Category.Y_ONLY: "x",
+    Category.NEITHER: "xy",
+}
+"""Whose failures a region's severity is of."""
+
+
+def venn_figure(
+    venn: Venn,
+    names: tuple[str, str],
+    *,
+    theme: Theme,
+    encounters: pd.DataFrame | None = None,
+) -> go.Figure:
+    """Encounters by which system detects them, with what its failures weigh.
+
+    A click on a region gives its category as `customdata`, one on a mark the row in the frames
+    table that is worth opening.
+
+    Parameters
+    ----------
+    names
+        Names of X and Y.
+    encounters
+        `nvcore.tables.severity.weighed_encounters`: up to 150 have a mark each, its area by the
+        larger severity; None: counts alone.
+
+    References
+    ----------
+    Paper 11-0360, figures 1 and 2.
+    """
+    if venn.n_near == 0:
+        text = "No pedestrian came near enough to count."
+        if venn.distant:
+            text += f" {count_text(venn.distant, 'encounter')} stayed distant."
+        return empty_figure(text, theme=theme, height=HEIGHT_PX)
+    look = LOOK[theme]
+    labels = _labels(venn, names, encounters, look)
+    has_marks = encounters is not None and len(encounters) <= MOST_MARKS
+    parts = {}
+    if encounters is not None and has_marks:
+        category = encounters["category"].to_numpy()
+        parts = {kind: encounters[category == kind.value] for kind in REGIONS}
+    plan = (
+        plan_marks(venn, labels, {kind: parts[kind]["severity_s"].to_numpy() for kind in REGIONS})
+        if has_marks
+        else plan_counts(venn, labels)
+    )
+    frame = plan.frame
+    areas = "areas in proportion" if plan.is_exact else "areas roughly in proportion"
+    figure = draw(
+        [_clicks(venn, plan)],
+        theme,
+        title="Encounters detected",
+        subtitle=f"{count_text(venn.n_near, 'near encounter')}; {areas}"
+        + ("" if encounters is None else "; seconds: severity"),
+        height=HEIGHT_PX,
+        hoverdistance=24,
+        margin={"l": 8, "r": 8, "t": 60, "b": 30},
+        xaxis={**HIDDEN_AXIS, "range": [frame.left, frame.right]},
+        yaxis={**HIDDEN_AXIS, "range": [frame.bottom, frame.top], "scaleanchor": "x"},
+    )
+    pale = LOOK[theme].pale
+    line = {"color": pale, "width": 1}
+    _fill(figure, "rect", "all encounters", frame, line, faded(pale, 0.12))
+    _draw_circles(figure, plan.circles, theme)
+    for kind, part in parts.items():
+        if len(part):
+            figure.add_trace(_marks(part, kind, plan, look))
+    _write_labels(figure, venn, plan, labels, look)
+    return figure
+
+
+def _labels(
+    venn: Venn, names: tuple[str, str], encounters: pd.DataFrame | None, look: Look
+) -> Labels:
+    """Counts with words and weights, and the systems with theirs."""
+    inside, beside = {}, {}
+    for kind in REGIONS:
+        count = f"{venn.counts()[kind.value]:,}"
+        if count == "0" and kind is not Category.NEITHER:
+            continue
+        weights = _weights(encounters, kind)
+        small = Label((Line(f"<b>{count}</b> {WORDS[kind]}", 14), *weights))
+        large = (Line(count, 24, is_bold=True), Line(WORDS[kind], 14))
+        beside[kind] = small
+        inside[kind] = small if kind is Category.NEITHER else Label((*large, *weights))
+    systems = (
+        Label(
+            (
+                Line(f"{letter.upper()}: {plain(name, max_length=18)}", 13, look.of(letter), True),
+                Line(f"{venn.both + alone:,} of {venn.n_near:,}", 13, look.of(letter)),
+            )
+        )
+        for letter, name, alone in zip("xy", names, (venn.x_only, venn.y_only), strict=True)
+    )
+    return Labels(inside, beside, *systems)
+
+
+def _weights(encounters: pd.DataFrame | None, kind: Category) -> list[Line]:
+    """What the failures in a region weigh, a line for each system that fails there."""
+    if encounters is None:
+        return []
+    part = encounters[encounters["category"].to_numpy() == kind.value]
+    return [
+        Line(f"{letter.upper()} {part[f'severity_s_{letter}'].sum():.2f} s", 12)
+        for letter in FAILING[kind]
+        if len(part)
+    ]
+
+
+def _draw_circles(figure: go.Figure, circles: Circles, theme: Theme) -> None:
+    for letter, centre, radius in (
+        ("x", 0.0, circles.radius_x),
+        ("y", circles.apart, circles.radius_y),
+    ):
+        if radius:
+            colour = LOOK[theme].of(letter)
+            line = {"color": colour, "width": 2, "dash": DASH[letter]}
+            corners = Frame(centre - radius, centre + radius, -radius, radius)
+            _fill(figure, "circle", f"circle {letter}", corners, line, faded(colour, 0.30))
+
+
+def _fill(
+    figure: go.Figure, kind: str, name: str, corners: Frame, line: dict[str, Any], colour: str
+) -> None:
+    sides = dict(zip(("x0", "x1", "y0", "y1"), corners, strict=True))
+    figure.add_shape(type=kind, name=name, line=line, fillcolor=colour, layer="below", **sides)
+
+
+def _marks(part: pd.DataFrame, kind: Category, plan: Plan, look: Look) -> go.Scatter:
+    """A mark for each encounter of a region, in the look of the system whose failure it is."""
+    x_s, y_s = (part[f"severity_s_{letter}"].to_numpy() for letter in "xy")
+    fails = [x_s > y_s, y_s > x_s, x_s > 0]
+    if kind is Category.NEITHER:
+        fails = [np.zeros(len(part), bool), np.zeros(len(part), bool), x_s + y_s > 0]
+    colour = np.select(fails, [look.x, look.y, look.ink], look.muted)
+    symbol = np.select(fails, [SYMBOL["x"], SYMBOL["y"], "square"], "circle-open")
+    text = [
+        f"{plain(row.recording)}, pedestrian {row.track}: {WORDS[kind]}<br>severity X "
+        f"{row.severity_s_x:.2f} s, Y {row.severity_s_y:.2f} s<br>peak cost X "
+        f"{row.peak_cost_x:.2f}, Y {row.peak_cost_y:.2f}"
+        for row in part.itertuples(index=False)
+    ]
+    return marks(
+        plan.x[kind],
+        plan.y[kind],
+        text,
+        customdata=part["shown_row"].to_numpy(),
+        name=f"{WORDS[kind]}, by severity",
+        showlegend=False,
+        **steady_marker(
+            color=colour,
+            symbol=symbol,
+            size=plan.size_px[kind] * [AREAS[name] for name in symbol],
+            line={"width": 1, "color": np.where(symbol == "circle-open", look.muted, look.surface)},
+        ),
+    )
+
+
+def _write_labels(figure: go.Figure, venn: Venn, plan: Plan, labels: Labels, look: Look) -> None:
+    """Count and words in each region, beside it with a line where it is too narrow; the names."""
+    circles, frame = plan.circles, plan.frame
+    for kind in labels.inside:
+        anchor = anchor_of(kind, circles, frame, plan.is_inside)
+        place: dict[str, Any] = {"x": anchor.x, "y": anchor.y}
+        text = labels.inside[kind].html
+        if not plan.is_inside.get(kind, True):
+            text = labels.beside[kind].html
+            line = {"arrowhead": 0, "arrowwidth": 1, "arrowcolor": look.muted}
+            ends = {"x": sum(circles.region_ends(kind)) / 2, "y": 0, "ax": anchor.x, "ay": anchor.y}
+            place = {"showarrow": True, "axref": "x", "ayref": "y", **line, **ends}
+        _write(figure, text, kind.value, look.ink, place, anchor.xanchor, anchor.yanchor)
+    for letter, label in (("x", labels.x), ("y", labels.y)):
+        anchor = anchor_of(letter, circles, frame, plan.is_inside)
+        place = {"x": anchor.x, "y": anchor.y}
+        name = f"system {letter}"
+        _write(figure, label.html, name, look.ink, place, anchor.xanchor, anchor.yanchor)
+    place = {"x": frame.right, "y": frame.bottom, "yshift": -4}
+    text = f'<span style="font-size:12px">{venn.distant:,} distant, not counted</span>'
+    _write(figure, text, Category.DISTANT.value, look.muted, place, "right", "top")
+
+
+def _write(
+    figure: go.Figure,
+    text: str,
+    name: str,
+    colour: str,
+    place: dict[str, Any],
+    xanchor: str,
+    yanchor: str,
+) -> None:
+    place |= {"xanchor": xanchor, "yanchor": yanchor, "align": xanchor}
+    write(figure, text, size=14, color=colour, name=name, borderpad=0, **place)
+
+
+def _clicks(venn: Venn, plan: Plan) -> go.Scatter:
+    """Invisible markers all over the diagram but on marks, each of the category at its place."""
+    circles, (left, right, bottom, top) = plan.circles, plan.frame
+    across, up = np.linspace(left, right, GRID[0]), np.linspace(bottom, top, GRID[1])
+    x, y = (grid.ravel() for grid in np.meshgrid(across, up))
+    depth = [circles.depth(kind, x, y) >= 0 for kind in IN_CIRCLES]
+    category = np.select(depth, range(3), default=3)
+    # a region may be too small for the grid: one marker in its middle
+    for code, kind in enumerate(IN_CIRCLES):
+        if venn.counts()[kind.value]:
+            x, y = np.append(x, sum(circles.region_ends(kind)) / 2), np.append(y, 0.0)
+            category = np.append(category, code)
+    is_free = np.ones(len(x), bool)
+    for kind, size_px in plan.size_px.items():
+        for mark_x, mark_y, size in zip(plan.x[kind], plan.y[kind], size_px, strict=True):
+            apart_px = np.hypot(x - mark_x, y - mark_y) * plan.frame.scale
+            is_free &= apart_px > (size + CLICK_PX) / 2 + GAP
+    x, y, category = x[is_free], y[is_free], category[is_free]
+    x, y = np.append(x, right), np.append(y, bottom - 0.04 * (top - bottom))
+    names = [REGIONS[code].value for code in category] + [Category.DISTANT.value]
+    text = [
+        f"{count_text(venn.counts()[name], 'encounter')}: {WORDS[Category(name)]}" for name in names
+    ]
+    return click_markers(x, y, text, customdata=names, name="regions", cliponaxis=False)
