@@ -1,0 +1,1 @@
+"""How much more would it take? Power of studies like the recordings at hand, non-inferiority."""

@@ -1,0 +1,81 @@
+"""Is the candidate worse by less than a margin? Non-inferiority, by recordings alone."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final, Literal
+
+from nvcore.evidence.measures import Evidence
+from nvcore.evidence.units import RECORDINGS
+from nvcore.measures import Better
+
+Side = Literal["x", "y"]
+SIDES: Final = ("x", "y")
+
+
+@dataclass(frozen=True)
+class NonInferiority:
+    """Whether a system is at most a margin worse than the other.
+
+    Attributes
+    ----------
+    candidate
+        The system that would be taken, because it costs less say: ``x`` or ``y``.
+    margin
+        By how much it may be worse, in the unit of the measure (shares: 0 to 1).
+    worse
+        By how much it is worse in these recordings; negative: better.
+    worse_at_most
+        End of the 95 % interval against it: by how much it may be worse with other recordings, at
+        97.5 %; NaN where there is no interval.
+    is_shown
+        Whether that is less than the margin; None where it cannot be said.
+    reason
+        Why it cannot be said; empty where it can.
+    """
+
+    candidate: Side
+    margin: float
+    worse: float
+    worse_at_most: float
+    is_shown: bool | None
+    reason: str
+
+
+def favour(candidate: Side, better: Better) -> int:
+    """1 if a positive difference X - Y favours the candidate, else -1."""
+    return 1 if (candidate == "x") == (better == "higher") else -1
+
+
+def judge_noninferiority(evidence: Evidence, candidate: Side, margin: float) -> NonInferiority:
+    """Non-inferiority of the candidate by the interval of the difference over recordings.
+
+    It is shown where the whole 95 % interval of the difference is on the better side of the margin:
+    a one-sided test at 2.5 %. Blocks of time say nothing of other recordings and show nothing.
+
+    Examples
+    --------
+    >>> row = Evidence(figure="mean_similarity", label="", better="higher", n=20, note="",
+    ...     unit="recordings", difference=0.01, low=-0.01, high=0.02)
+    >>> judge_noninferiority(row, "y", 0.03).is_shown  # Y is at most 0.02 worse
+    True
+    >>> judge_noninferiority(row, "y", 0.015).is_shown
+    False
+    """
+    sign = favour(candidate, evidence.better)
+    end = evidence.low if sign > 0 else evidence.high
+    reason = ""
+    if evidence.unit != RECORDINGS:
+        end = math.nan
+        reason = "stretches of time say nothing of other recordings"
+    elif math.isnan(end):
+        reason = evidence.note or "the difference has no interval"
+    return NonInferiority(
+        candidate=candidate,
+        margin=margin,
+        worse=-sign * evidence.difference,
+        worse_at_most=-sign * end,
+        is_shown=None if reason else -sign * end < margin,
+        reason=reason,
+    )

@@ -1,0 +1,196 @@
+"""The recordings at hand as the pilot of a study: what each adds to the difference X - Y."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from nvcore.comparison import Result
+from nvcore.detection.filtered_truth import filter_truth
+from nvcore.errors import InputError, ParameterError
+from nvcore.evidence.bootstrap import ROUNDING
+from nvcore.evidence.measures import Evidence, UnitMeasure, judge_measure, unit_measures
+from nvcore.evidence.miss_rate import judge_miss_rate, log_average_miss_rate_measure
+from nvcore.evidence.paired_tests import MIN_SWAPPED
+from nvcore.evidence.units import RECORDINGS, Units, find_units, sum_units, units_within
+from nvcore.measures import EVIDENCE_KEYS, inference_of
+from nvcore.protocols import PROTOCOLS, Protocol
+from nvcore.wording import did_you_mean, one_line
+
+MIN_PILOT: Final = MIN_SWAPPED
+"""Fewest recordings to plan from: with fewer there is no test of recordings, either."""
+_BY_UNIT: Final = "_by_unit"
+PLAN_KEYS: Final = {
+    key.removesuffix(_BY_UNIT): key for key in EVIDENCE_KEYS if inference_of(key).test != "encounters"
+}
+"""Measures that a study can be planned for, by the names that users give them: those judged by
+recordings. ``encounters_detected`` is the one by recordings, too."""
+DEFAULT_KEY: Final = "encounters_detected"
+
+
+@dataclass(frozen=True, eq=False)
+class Pilot:
+    """A measure's difference X - Y as a ratio of sums over recordings.
+
+    Attributes
+    ----------
+    difference
+        X - Y over all recordings, ``parts.sum() / weights.sum()``.
+    parts, weights
+        What each recording adds to numerator and denominator; float64, shape (n_recordings,). Of
+        the log-average miss rate the parts are jackknife pseudo-values, the weights 1.
+    differs
+        Recordings in which X and Y differ; bool, shape (n_recordings,).
+    n_encounters, duration_s
+        Of an average recording.
+    """
+
+    difference: float
+    parts: np.ndarray
+    weights: np.ndarray
+    differs: np.ndarray
+    n_encounters: float
+    duration_s: float
+
+    def __len__(self) -> int:
+        return len(self.parts)
+
+    @property
+    def residuals(self) -> np.ndarray:
+        """How far each recording's part is from its share of the difference."""
+        rest: np.ndarray = self.parts - self.difference * self.weights
+        return rest
+
+    @property
+    def spread(self) -> float:
+        """Standard deviation of one recording's difference about that of all."""
+        scale = float(self.weights.mean())
+        return float(np.sqrt((self.residuals**2).sum() / (len(self) - 1))) / scale
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether recordings do not vary: nothing can be planned from them."""
+        size = float(np.abs(self.parts).max(initial=0.0))
+        return float(np.abs(self.residuals).max(initial=0.0)) <= 1e3 * ROUNDING * size
+
+    def parts_for(self, difference: float) -> np.ndarray:
+        """Parts of recordings that vary as here, but by another difference on the whole.
+
+        The residuals are widened by ``sqrt(n / (n - 1))``: drawn with replacement, those of n
+        recordings vary less than the recordings that they come from.
+        """
+        n = len(self)
+        parts: np.ndarray = difference * self.weights + np.sqrt(n / (n - 1)) * self.residuals
+        return parts
+
+
+def plan_key(name: str) -> str:
+    """The key in the table of evidence of a measure that a user names.
+
+    Raises
+    ------
+    ParameterError
+        If no study can be planned for it.
+    """
+    if name in PLAN_KEYS.values():
+        return name
+    if name not in PLAN_KEYS:
+        names = f"measures to plan for are {', '.join(PLAN_KEYS)}"
+        raise ParameterError(
+            f"no study can be planned for {one_line(name)!r}: {did_you_mean(name, PLAN_KEYS, names)}"
+        )
+    return PLAN_KEYS[name]
+
+
+def judge_key(
+    result: Result,
+    key: str,
+    *,
+    protocol: Protocol = PROTOCOLS["all"],
+    units: Units | None = None,
+) -> Evidence:
+    """The row of the table of evidence for one measure of `PLAN_KEYS`; p is not corrected."""
+    units = find_units(result) if units is None else units
+    if inference_of(key).test == "curve":
+        return judge_miss_rate(result, units, protocol)
+    return judge_measure(_unit_measure(result, units, key), units)
+
+
+def make_pilot(
+    result: Result,
+    key: str,
+    *,
+    protocol: Protocol = PROTOCOLS["all"],
+    units: Units | None = None,
+) -> tuple[Pilot | None, str]:
+    """The pilot for a measure of `PLAN_KEYS`; None, and why there is none.
+
+    Blocks of time know nothing of other recordings: without `MIN_PILOT` recordings there is none.
+    """
+    units = find_units(result) if units is None else units
+    measure: UnitMeasure | None
+    if inference_of(key).test == "curve":
+        try:
+            units = _counted_units(result, units, protocol)
+        except InputError as error:  # no recording has the protocol's tags
+            return None, error.message
+        measure = log_average_miss_rate_measure(result, units, protocol)
+    else:
+        measure = _unit_measure(result, units, key)
+    if units.kind != RECORDINGS or len(units) < MIN_PILOT:
+        n = units.n_recordings
+        return None, (
+            f"a plan needs a pilot of {MIN_PILOT} recordings or more, here "
+            f"{'is' if n == 1 else 'are'} {n}: stretches of time say nothing of other recordings"
+        )
+    if measure is None:
+        return None, (
+            "the log-average miss rate needs pedestrians that count, and detections with scores"
+        )
+    pilot = _pilot_of(measure, result, units)
+    if not np.isfinite(pilot.difference):
+        return None, "the measure is undefined in these recordings"
+    if pilot.is_constant:
+        return None, (
+            "X and Y are the same in every recording"
+            if not pilot.differs.any()
+            else "X and Y differ by the same in every recording"
+        ) + ": there is no variation to plan from"
+    return pilot, ""
+
+
+def _pilot_of(measure: UnitMeasure, result: Result, units: Units) -> Pilot:
+    x, y, n = measure.x, measure.y, len(measure.x)
+    of_all = sum_units(result, units)
+    if inference_of(measure.key).test == "curve":
+        all_x, all_y = x.sum(axis=0), y.sum(axis=0)
+        difference = float(measure.statistic(all_x) - measure.statistic(all_y))
+        without = measure.statistic(all_x - x) - measure.statistic(all_y - y)
+        pseudo = n * difference - (n - 1) * without
+        parts, weights = pseudo - pseudo.mean() + difference, np.ones(n)
+    else:  # X and Y have the same denominators: frames, encounters or time of the recording
+        parts, weights = x[:, 0] - y[:, 0], x[:, 1].astype(float)
+        total = float(weights.sum())
+        difference = float(parts.sum()) / total if total else np.nan
+    return Pilot(
+        difference=difference,
+        parts=parts,
+        weights=weights,
+        differs=np.any(x != y, axis=1),
+        n_encounters=float(of_all["n_encounters"].mean()),
+        duration_s=float(of_all["duration_s"].mean()),
+    )
+
+
+def _unit_measure(result: Result, units: Units, key: str) -> UnitMeasure:
+    return next(measure for measure in unit_measures(result, units) if measure.key == key)
+
+
+def _counted_units(result: Result, units: Units, protocol: Protocol) -> Units:
+    """The units within the recordings that a protocol counts."""
+    truth = filter_truth(result.dataset, protocol)
+    recordings = np.zeros(len(result.dataset.recordings), dtype=bool)
+    recordings[result.dataset.frame_columns.recording[truth.is_counted]] = True
+    return units_within(result, units, recordings)

@@ -1,0 +1,357 @@
+"""How many recordings would show a difference, or that a system is not worse by a margin."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import Final, Literal
+
+import numpy as np
+import pandas as pd
+from scipy.stats import chi2
+
+from nvcore.comparison import Result
+from nvcore.errors import ParameterError
+from nvcore.evidence.bootstrap import MIN_UNITS
+from nvcore.evidence.measures import Evidence
+from nvcore.evidence.paired_tests import MIN_SWAPPED, SIGNIFICANT
+from nvcore.evidence.planning.noninferiority import (
+    SIDES,
+    NonInferiority,
+    Side,
+    favour,
+    judge_noninferiority,
+)
+from nvcore.evidence.planning.pilot import DEFAULT_KEY, Pilot, judge_key, make_pilot, plan_key
+from nvcore.evidence.planning.power import (
+    MOST_RECORDINGS,
+    PowerPoint,
+    count_differences_shown,
+    count_noninferior,
+    find_length,
+    guess_length,
+)
+from nvcore.evidence.units import Units, find_units
+from nvcore.measures import inference_of
+from nvcore.progress import Progress, no_progress, part_of
+from nvcore.protocols import PROTOCOLS, Protocol
+
+POWER: Final = 0.8
+"""Share of studies that shall show what they look for."""
+ONE_SIDED: Final = 0.025
+"""Level at which the 95 % interval shows non-inferiority."""
+SPREAD_SHARE: Final = 0.8
+"""Nominal share of pilots whose range of sizes holds the one that is needed."""
+
+Assumption = Literal["as found", "as named", "equal"]
+
+
+@dataclass(frozen=True)
+class StudySize:
+    """How large a study has to be if the true difference is this one.
+
+    Attributes
+    ----------
+    assumption
+        Where the difference comes from: ``as found`` in these recordings, ``as named`` by the user,
+        or ``equal`` systems.
+    difference
+        The difference X - Y that is assumed, in the unit of the measure.
+    n_recordings, n_encounters, duration_s
+        Size of the study; None and NaN where there is none, `reason` says why.
+    power, power_low, power_high
+        Share of simulated studies of that size that show it, with its 95 % Monte Carlo interval.
+    least_recordings, most_recordings
+        Range of `n_recordings` that the pilot leaves open, as it knows its own spread from few
+        recordings: 80 %, if these vary normally.
+    points
+        Power of the studies that were simulated.
+    reason
+        Why there is no size; empty where there is one.
+    """
+
+    assumption: Assumption
+    difference: float
+    n_recordings: int | None = None
+    n_encounters: int | None = None
+    duration_s: float = math.nan
+    power: float = math.nan
+    power_low: float = math.nan
+    power_high: float = math.nan
+    least_recordings: int | None = None
+    most_recordings: int | None = None
+    points: tuple[PowerPoint, ...] = field(default=(), repr=False)
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class StudyPlan:
+    """What these recordings show of a measure, and how many would show more.
+
+    Attributes
+    ----------
+    evidence
+        Difference X - Y in these recordings, with interval and p; p is of this measure by itself.
+    n_encounters, duration_s
+        Encounters that count and time of these recordings.
+    power
+        Share of studies that shall show it.
+    n_tests
+        Measures that the study's p is corrected for.
+    sizes
+        Sizes of studies, one for each difference that is assumed.
+    noninferiority
+        Whether the candidate is shown to be at most the margin worse; None: not asked.
+    """
+
+    evidence: Evidence
+    n_encounters: int
+    duration_s: float
+    power: float
+    n_tests: int
+    sizes: tuple[StudySize, ...]
+    noninferiority: NonInferiority | None = None
+
+    @property
+    def level(self) -> float:
+        """Largest p at which a study shows a difference."""
+        return SIGNIFICANT / self.n_tests
+
+    @property
+    def curve(self) -> pd.DataFrame:
+        """Every simulated size: assumption, n_recordings, n_encounters, power, low, high."""
+        per_recording = self.n_encounters / max(self.evidence.n, 1)
+        rows = [
+            {
+                "assumption": size.assumption,
+                "difference": size.difference,
+                "n_recordings": point.n_recordings,
+                "n_encounters": round(per_recording * point.n_recordings),
+                "power": point.power,
+                "low": point.low,
+                "high": point.high,
+                "n_studies": point.n_studies,
+            }
+            for size in self.sizes
+            for point in size.points
+        ]
+        return pd.DataFrame(rows, columns=list(CURVE_COLUMNS))
+
+
+CURVE_COLUMNS: Final = (
+    "assumption",
+    "difference",
+    "n_recordings",
+    "n_encounters",
+    "power",
+    "low",
+    "high",
+    "n_studies",
+)
+
+
+def plan_study(
+    result: Result,
+    measure: str = DEFAULT_KEY,
+    *,
+    power: float = POWER,
+    difference: float | None = None,
+    margin: float | None = None,
+    candidate: Side = "y",
+    n_tests: int = 1,
+    protocol: Protocol = PROTOCOLS["all"],
+    units: Units | None = None,
+    evidence: Evidence | None = None,
+    progress: Progress = no_progress,
+) -> StudyPlan:
+    """How many recordings like these would show a difference, or non-inferiority.
+
+    Parameters
+    ----------
+    measure
+        A name of `PLAN_KEYS`, such as ``encounters_detected``.
+    power
+        Share of studies that shall show it, 0.5 to 0.99.
+    difference
+        Size of the difference to be shown, in the unit of the measure, shares from 0 to 1: the
+        smallest one that would matter. None: as in these recordings.
+    margin
+        By how much the candidate may be worse, likewise: asks for non-inferiority instead of a
+        difference.
+    candidate
+        The system of which that is asked.
+    n_tests
+        Measures that the study is going to test, this one included: it shows a difference where p
+        is at most 0.05 over this number.
+    protocol
+        Which pedestrians count in the log-average miss rate.
+    units, evidence
+        ``find_units(result)``, ``judge_key(result, key)``, if already computed.
+
+    Raises
+    ------
+    ParameterError
+        If a study cannot be planned for this measure, or a value is outside its range.
+
+    Examples
+    --------
+    >>> plan_study(result, difference=0.03).sizes[0].n_recordings  # doctest: +SKIP
+    212
+    """
+    key = plan_key(measure)
+    _check(key, power, difference, margin, candidate, n_tests)
+    units = find_units(result) if units is None else units
+    if evidence is None:
+        evidence = judge_key(result, key, protocol=protocol, units=units)
+    pilot, why_not = make_pilot(result, key, protocol=protocol, units=units)
+    plan = StudyPlan(
+        evidence=evidence,
+        n_encounters=result.venn.n_near,
+        duration_s=result.duration_s,
+        power=power,
+        n_tests=n_tests,
+        sizes=(),
+        noninferiority=None
+        if margin is None
+        else judge_noninferiority(evidence, candidate, margin),
+    )
+    assumed: list[tuple[Assumption, float]]
+    if margin is not None:
+        assumed = [("equal", 0.0), ("as found", evidence.difference)]
+        of_size = partial(_noninferiority_size, margin=margin, sign=favour(candidate, evidence.better))
+    else:
+        assumed = [("as found", evidence.difference)]
+        if difference is not None:
+            named = -difference if evidence.difference < 0 else difference
+            assumed.insert(0, ("as named", named))
+        of_size = partial(_difference_size, level=plan.level)
+    if pilot is None:
+        return replace(plan, sizes=tuple(StudySize(*size, reason=why_not) for size in assumed))
+    sizes = [
+        of_size(
+            pilot,
+            *size,
+            target=power,
+            progress=part_of(progress, index / len(assumed), (index + 1) / len(assumed)),
+        )
+        for index, size in enumerate(assumed)
+    ]
+    return replace(plan, sizes=tuple(sizes))
+
+
+def _check(
+    key: str,
+    power: float,
+    difference: float | None,
+    margin: float | None,
+    candidate: str,
+    n_tests: int,
+) -> None:
+    if difference is not None and margin is not None:
+        raise ParameterError(
+            "a study looks for a difference, or for no more than a margin: give one of the two"
+        )
+    for name, value in (("difference", difference), ("margin", margin)):
+        if value is None:
+            continue
+        if not (math.isfinite(value) and value > 0):
+            raise ParameterError(f"{name} is {value:g}: expected a number above 0")
+        if inference_of(key).scale.is_share and value >= 1:
+            raise ParameterError(
+                f"{name} is {value:g}: expected a share below 1, such as 0.03 for 3 percentage "
+                "points"
+            )
+    if candidate not in SIDES:
+        raise ParameterError(f"candidate is {candidate!r}: expected x or y")
+    if not 0.5 <= power <= 0.99:
+        raise ParameterError(f"power is {power:g}: expected a share from 0.5 to 0.99")
+    if n_tests < 1:
+        raise ParameterError(f"{n_tests} tests: expected 1 or more")
+
+
+def _difference_size(
+    pilot: Pilot,
+    assumption: Assumption,
+    difference: float,
+    *,
+    level: float,
+    target: float,
+    progress: Progress,
+) -> StudySize:
+    size = StudySize(assumption, difference)
+    if difference == 0:
+        return replace(size, reason="X and Y are equal in these recordings: name a difference")
+    return _sized(
+        pilot,
+        size,
+        lambda n, n_studies: count_differences_shown(pilot, difference, n, n_studies, level=level),
+        guess=guess_length(pilot, difference, level=level, target=target),
+        least=MIN_SWAPPED,
+        target=target,
+        progress=progress,
+    )
+
+
+def _noninferiority_size(
+    pilot: Pilot,
+    assumption: Assumption,
+    difference: float,
+    *,
+    margin: float,
+    sign: int,
+    target: float,
+    progress: Progress,
+) -> StudySize:
+    size = StudySize(assumption, difference)
+    distance = sign * difference + margin
+    if distance <= 0:
+        reason = "the candidate is then worse by the margin or more: no study shows that it is not"
+        return replace(size, reason=reason)
+    return _sized(
+        pilot,
+        size,
+        lambda n, n_studies: count_noninferior(
+            pilot, difference, n, n_studies, margin=margin, sign=sign
+        ),
+        guess=guess_length(pilot, distance, level=2 * ONE_SIDED, target=target),
+        least=MIN_UNITS,
+        target=target,
+        progress=progress,
+    )
+
+
+def _sized(
+    pilot: Pilot,
+    size: StudySize,
+    count: Callable[[int, int], int],
+    *,
+    guess: float,
+    least: int,
+    target: float,
+    progress: Progress,
+) -> StudySize:
+    length = find_length(count, guess=guess, least=least, target=target, progress=progress)
+    n = length.n_recordings
+    if n is None:
+        reason = f"more than {MOST_RECORDINGS:,} recordings like these"
+        return replace(size, points=length.points, reason=reason)
+    point = next(point for point in length.points if point.n_recordings == n)
+    degrees = len(pilot) - 1
+    tail = (1 - SPREAD_SHARE) / 2
+    # the size goes with the variance, which a pilot of few recordings knows badly
+    ends = [n * degrees / chi2.isf(q, degrees) for q in (tail, 1 - tail)]
+    least_n, most_n = (max(least, int(np.ceil(end))) for end in ends)
+    return replace(
+        size,
+        n_recordings=n,
+        n_encounters=round(n * pilot.n_encounters),
+        duration_s=n * pilot.duration_s,
+        power=point.power,
+        power_low=point.low,
+        power_high=point.high,
+        least_recordings=least_n,
+        most_recordings=most_n,
+        points=length.points,
+    )
