@@ -20,6 +20,7 @@ from nvcore.metrics.proximity import Weights, in_use, weigh_proximity
 from nvcore.metrics.saliency import saliency_by_recording
 from nvcore.metrics.severity import cost_of_miss
 from nvcore.metrics.venn import (
+    MIN_DISCORDANT,
     BoxVenn,
     Exclusivity,
     Venn,
@@ -95,6 +96,17 @@ class Result:
         """Whether most encounters that count are a single frame long."""
         is_near = self.category != Category.DISTANT.value
         return mostly_one_frame(self.encounters.n_frames[is_near])
+
+    @property
+    def mcnemar_p(self) -> float:
+        """Exact McNemar p of the encounters that one system detects, within these drives.
+
+        NaN where it is withheld: most encounters are one frame long, or fewer than
+        `nvcore.metrics.venn.MIN_DISCORDANT` tell the systems apart.
+        """
+        n_split = self.venn.x_only + self.venn.y_only
+        is_withheld = self.is_short or n_split < MIN_DISCORDANT
+        return np.nan if is_withheld else self.exclusivity.mcnemar_p
 
     def saliency_of_recordings(self, system: SystemResult) -> np.ndarray:
         """Saliency of every recording by itself, s, 0 is best; float64, shape (n_recordings,)."""

@@ -3,7 +3,7 @@
 import streamlit as st
 
 from nvcore.comparison import Result
-from ui.overview import evidence, moments, scorecard, strip, venn
+from ui.overview import companions, evidence, moments, scorecard, strip, venn
 from ui.session import state
 from ui.session.evidence import measure_evidence
 from ui.shell.messages import needs_comparison
@@ -25,7 +25,8 @@ def draw(result: Result) -> None:
     table = measure_evidence(result)
     evidence.draw(result, table)
     with verdict:
-        scorecard.verdict_box(result, state.findings(), table)
+        of_both = companions.wait_for_companions(result, table)
+        scorecard.verdict_box(result, state.findings(), table, of_both)
 
 
 st.title("Overview")

@@ -18,6 +18,8 @@ from nvcore.auditing import audit
 from nvcore.comparison import Result
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError
+from nvcore.evidence.claims import Claim
+from nvcore.evidence.companions import Companions, find_companions
 from nvcore.evidence.table import evidence_table
 from nvcore.findings import Finding
 from nvcore.inputs.session import Session
@@ -29,7 +31,7 @@ from nvcore.report.files import write_report
 from nvcore.report.html import write_html_report
 from nvcore.report.keep_inputs import files_read, replaced_input
 from nvcore.report.terminal import render_scorecard
-from nvcore.report.verdict import verdict
+from nvcore.report.verdict import Verdict, verdict
 from nvcore.scoring import SystemResult
 from nvcore.tables.columns import REPORT_COLUMNS
 from nvcore.tables.result import (
@@ -162,7 +164,12 @@ class Comparison:
 
     def verdict(self) -> tuple[str, ...]:
         """What the comparison supports, in sentences."""
-        return verdict(self.result, self.findings, evidence=self._evidence)
+        return self._verdict.sentences
+
+    @property
+    def claims(self) -> tuple[Claim, ...]:
+        """The differences that the verdict calls more than chance: measure, winner, p."""
+        return self._verdict.claims
 
     def write(self, folder: str | Path) -> None:
         """Write the tables, ``summary.json`` and ``session.toml`` into a folder.
@@ -201,6 +208,16 @@ class Comparison:
     def _evidence(self) -> pd.DataFrame:
         return evidence_table(self.result, self.protocol)
 
+    @cached_property
+    def _companions(self) -> Companions:
+        return find_companions(self.result, self._evidence)
+
+    @cached_property
+    def _verdict(self) -> Verdict:
+        return verdict(
+            self.result, self.findings, evidence=self._evidence, companions=self._companions
+        )
+
     def _keep_inputs(self, outputs: Sequence[Path]) -> None:
         settings = self.dataset.settings
         clash = (
@@ -212,7 +229,11 @@ class Comparison:
             )
 
     def __str__(self) -> str:
-        return render_scorecard(self.result, self.findings, self.protocol, evidence=self._evidence)
+        return render_scorecard(
+            *(self.result, self.findings, self.protocol),
+            evidence=self._evidence,
+            companions=self._companions,
+        )
 
     def __repr__(self) -> str:
         means = " and ".join(number(system.summary.mean, ".4f") for _, system in self.result.sides)

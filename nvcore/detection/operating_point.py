@@ -144,12 +144,17 @@ def same_operating_point(dataset: Dataset, params: Params, x: str, y: str) -> Sa
         If there is no such system.
     """
     at_x = operating_point(dataset, x, params, threshold=params.threshold_x)
-    threshold = _threshold_with(dataset, y, params, at_x.n_false_alarms)
+    threshold = threshold_with_alarms(dataset, y, params, at_x.n_false_alarms)
     return SameOperatingPoint(at_x, operating_point(dataset, y, params, threshold=threshold))
 
 
-def _threshold_with(dataset: Dataset, system: str, params: Params, n_target: int) -> float | None:
-    """Threshold that gives the number of false alarms closest to `n_target`; None: all."""
+def threshold_with_alarms(
+    dataset: Dataset, system: str, params: Params, n_target: int
+) -> float | None:
+    """Threshold that gives the number of false alarms closest to `n_target`; None: all.
+
+    The thresholds of `params` are not used.
+    """
     score = dataset.system(system).score
     matches = match_system(dataset, system, None, params)
     is_scored = ~np.isnan(score)

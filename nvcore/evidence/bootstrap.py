@@ -18,9 +18,9 @@ N_RESAMPLES: Final = 10_000
 CONFIDENCE: Final = 0.95
 """Nominal share of intervals that hold the true difference."""
 MIN_UNITS: Final = 8
-"""Fewest units for an interval. In 1,500 simulations the 95 % interval of 8 draws, normal to
-lognormal, held the true mean in 94 to 90 %; of 6 draws in 93 to 88 %, its ends being set by a few
-of only 462 distinct resamples."""
+"""Fewest units for an interval. In 1,500 simulations the 95 % interval of 8 draws held the true
+mean in 94 % where these were normal, in 86 % where lognormal (sigma 1); of 6 draws in 93 and 82 %,
+its ends being set by a few of only 462 distinct resamples."""
 ROWS_AT_ONCE: Final = 100_000
 """Drawn units held in memory at a time; fastest where they fit the cache."""
 ROUNDING: Final = 1e-12
@@ -93,6 +93,9 @@ def bootstrap_difference(
     statistic
         The measure from such sums, vectorised over leading axes.
 
+    n_resamples
+        0: no interval.
+
     Returns
     -------
     No interval, but the reason in words, for fewer than `MIN_UNITS` units, an undefined measure, or
@@ -125,6 +128,8 @@ def bootstrap_difference(
 
     if not np.isfinite(difference):
         return without("the measure is undefined")
+    if not n_resamples:
+        return without("")
     if n < MIN_UNITS:
         return without(f"too few to resample: {n}, at least {MIN_UNITS} are needed")
     if np.array_equal(x, y):
@@ -181,6 +186,62 @@ def bootstrap_difference(
         method=method,
         reason="",
     )
+
+
+def pseudo_values(x: np.ndarray, y: np.ndarray, statistic: Statistic) -> np.ndarray:
+    """Part of each unit in the difference X - Y, shape (n_units,): jackknife pseudo-values.
+
+    For a mean over units of equal weight these are the units' own differences; in other measures a
+    unit counts by how much leaving it out changes the difference.
+    """
+    n = len(x)
+    total_x, total_y = x.sum(axis=0), y.sum(axis=0)
+    whole = statistic(total_x) - statistic(total_y)
+    values: np.ndarray = n * whole - (n - 1) * (statistic(total_x - x) - statistic(total_y - y))
+    return values
+
+
+def studentised_p(parts: np.ndarray, *, n_resamples: int = N_RESAMPLES, seed: int = SEED) -> float:
+    """Two-sided p of the mean of some parts being 0, by the studentised bootstrap (bootstrap-t).
+
+    The parts are drawn with replacement; p is twice the share of draws whose t is as far from the
+    parts' mean, on the side of the mean found. Unlike an exchange it does not take positive and
+    negative parts for mirror images, and so allows for skew.
+
+    Parameters
+    ----------
+    parts
+        `pseudo_values`, shape (n_units,).
+
+    Returns
+    -------
+    NaN where a part is undefined, or all are the same.
+
+    References
+    ----------
+    Efron and Tibshirani (1993), An introduction to the bootstrap, section 12.5.
+
+    Examples
+    --------
+    >>> studentised_p(np.array([1.0, 2.0, 3.0, 2.0, 1.0, 2.0, 3.0, 2.0])) < 0.05
+    True
+    """
+    n = len(parts)
+    if n < 2 or not np.isfinite(parts).all():
+        return np.nan
+    mean, spread = float(parts.mean()), float(parts.std())
+    if not spread > 1e-9 * abs(mean):
+        return np.nan
+    rng = np.random.default_rng(seed)
+    observed, n_reached = abs(mean) / spread, 0
+    deviations = (parts - mean) * np.sign(mean)
+    batch = max(1, ROWS_AT_ONCE // n)
+    for start in range(0, n_resamples, batch):  # batches bound the memory
+        drawn = deviations[rng.integers(0, n, size=(min(batch, n_resamples - start), n))]
+        # a draw of one unit alone has no spread: it counts as far off
+        spreads = np.maximum(drawn.std(axis=1), 1e-12 * spread)
+        n_reached += int(np.count_nonzero(drawn.mean(axis=1) >= observed * spreads))
+    return min(1.0, 2 * (n_reached + 1) / (n_resamples + 1))
 
 
 def count_units(units: np.ndarray, n: int) -> np.ndarray:

@@ -16,11 +16,27 @@ from nvcore.evidence.bootstrap import (
     BootstrapDifference,
     Statistic,
     bootstrap_difference,
+    pseudo_values,
     ratio,
+    studentised_p,
 )
-from nvcore.evidence.paired_tests import McNemar, SwapTest, holm, mcnemar, swap_test
-from nvcore.evidence.units import RECORDINGS, Units, find_units, sum_units
-from nvcore.measures import EVIDENCE_KEYS, Better, evidence_label, inference_of, measure_of
+from nvcore.evidence.paired_tests import SIGNIFICANT, McNemar, SwapTest, holm, mcnemar, swap_test
+from nvcore.evidence.units import (
+    OTHER_RECORDINGS,
+    RECORDINGS,
+    THESE_RECORDINGS,
+    Units,
+    find_units,
+    sum_units,
+)
+from nvcore.measures import (
+    EVIDENCE_KEYS,
+    Better,
+    evidence_label,
+    inference_of,
+    measure_of,
+    repeated_by,
+)
 
 D_Z: Final = "Cohen's d_z"
 ODDS_RATIO: Final = "odds ratio"
@@ -65,15 +81,22 @@ class Evidence:
         95 % interval of the difference; NaN where none can be given.
     p, p_holm
         Two-sided p-value, and by Holm's correction for all measures shown together; NaN where none
-        can be given.
+        can be given, and p_holm where the hypothesis is that of another row.
+    least_p
+        The least p that so many units could give; NaN without p.
     effect, effect_name
         Size of the difference: Cohen's d_z (the difference over the standard deviation of the
         units' parts in it; positive where X is higher), or the odds ratio of discordant encounters
         (above 1 where X detects more). NaN for d_z where there is neither interval nor p-value.
     n, unit
         How many were compared, and of what: encounters, recordings, blocks.
+    scope
+        What interval and p speak of: ``other recordings`` like these, or ``these recordings``
+        alone.
     method
         How interval and p-value were computed.
+    doubt
+        Why no claim can rest on the difference, however small p is.
     note
         Why something is missing, and what the numbers do not say.
     """
@@ -88,11 +111,14 @@ class Evidence:
     high: float = math.nan
     p: float = math.nan
     p_holm: float = math.nan
+    least_p: float = math.nan
     effect: float = math.nan
     effect_name: str = D_Z
     n: int
     unit: str
+    scope: str = OTHER_RECORDINGS
     method: str = ""
+    doubt: str = ""
     note: str
 
     @classmethod
@@ -105,23 +131,27 @@ class Evidence:
     def values_only(self) -> Evidence:
         """The values without interval, test and effect size."""
         nan = math.nan
-        return replace(self, low=nan, high=nan, p=nan, effect=nan, method="")
+        return replace(self, low=nan, high=nan, p=nan, least_p=nan, effect=nan, method="")
 
 
 COLUMNS: Final = tuple(field.name for field in fields(Evidence))
 
 
 def significance_table(
-    result: Result, extra: Sequence[Evidence] = (), *, units: Units | None = None
+    result: Result,
+    extra: Sequence[Evidence] = (),
+    *,
+    units: Units | None = None,
+    has_intervals: bool = True,
 ) -> pd.DataFrame:
     """The scorecard's measures with interval, p-value and effect size.
 
     `nvcore.evidence.table.evidence_table` adds the log-average miss rate.
 
-    Encounters detected come twice: encounter by encounter (McNemar), and by units, which allows
-    for encounters of one recording being alike. Then come the other measures that
-    `nvcore.measures.Inference` judges by units, and `extra`. Where the data are too few for a
-    measure, or most encounters are single frames, it is NaN and `note` says why.
+    Encounters detected come twice: encounter by encounter (McNemar), which is about these drives
+    alone, and by units, which allows for encounters of one recording being alike. Then come the
+    other measures that `nvcore.measures.Inference` judges by units, and `extra`. Where the data are
+    too few for a measure, or most encounters are single frames, it is NaN and `note` says why.
 
     Parameters
     ----------
@@ -129,11 +159,13 @@ def significance_table(
         Further measures, included in Holm's correction.
     units
         ``find_units(result)``, if already computed.
+    has_intervals
+        Without them, p alone: much faster.
 
     Returns
     -------
     Columns `COLUMNS` (attributes of `Evidence`), one row per measure. p_holm corrects for all of
-    them.
+    them but those whose hypothesis another row has already (`corrected`).
 
     Examples
     --------
@@ -141,14 +173,26 @@ def significance_table(
     """
     units = find_units(result) if units is None else units
     by_unit = [
-        with_mean_over_recordings(result, units, judge_measure(measure, units))
+        with_mean_over_recordings(
+            result, units, judge_measure(measure, units, has_interval=has_intervals)
+        )
         for measure in unit_measures(result, units)
     ]
     encounters = judge_encounters_detected(result)
     rows = [encounters.values_only() if result.is_short else encounters, *by_unit, *extra]
     table = pd.DataFrame([vars(row) for row in rows])
-    table["p_holm"] = holm(table["p"].to_numpy())
+    table["p_holm"] = corrected(table)
     return table
+
+
+def corrected(table: pd.DataFrame) -> np.ndarray:
+    """Holm's correction of p over rows of `Evidence`; NaN where another row has the hypothesis.
+
+    McNemar's test asks by encounters what is asked by recordings, and lost similarity is mean
+    similarity in other words: they make the family no larger.
+    """
+    is_repeated = np.array([bool(repeated_by(key)) for key in table["figure"]], dtype=bool)
+    return holm(np.where(is_repeated, np.nan, table["p"].to_numpy(dtype=float)))
 
 
 def judge_encounters_detected(result: Result) -> Evidence:
@@ -175,6 +219,7 @@ def judge_encounters_detected(result: Result) -> Evidence:
         effect_name=ODDS_RATIO,
         n=test.n,
         unit="encounters",
+        scope=THESE_RECORDINGS,
         method=_mcnemar_method(test),
         note=_join(notes),
     )
@@ -206,12 +251,29 @@ def unit_measures(result: Result, units: Units) -> tuple[UnitMeasure, ...]:
     return tuple(measures)
 
 
-def judge_measure(measure: UnitMeasure, units: Units) -> Evidence:
-    """Difference of a measure with bootstrap interval, permutation test and effect size."""
-    interval = bootstrap_difference(measure.x, measure.y, measure.statistic)
-    test = swap_test(measure.x, measure.y, measure.statistic)
+def judge_measure(measure: UnitMeasure, units: Units, *, has_interval: bool = True) -> Evidence:
+    """Difference of a measure with bootstrap interval, test and effect size.
+
+    p is the larger of the exact exchange's (`swap_test`) and the studentised bootstrap's, which
+    allows for skew. Blocks of time have none.
+    """
+    x, y, statistic = measure.x, measure.y, measure.statistic
+    n_resamples = N_RESAMPLES if has_interval else 0
+    interval = bootstrap_difference(x, y, statistic, n_resamples=n_resamples)
+    if units.kind == RECORDINGS:
+        test = swap_test(x, y, statistic)
+    else:
+        test = SwapTest(np.nan, 0, 0, is_exact=False, seed=interval.seed, reason="")
+    has_p = bool(np.isfinite(test.p))
+    parts = pseudo_values(x, y, statistic) if has_p else np.empty(0)
+    p_of_skewed = studentised_p(parts)
+    p = np.fmax(test.p, p_of_skewed) if has_p else np.nan
     notes = [*dict.fromkeys((interval.reason, test.reason)), units.note]
-    has_evidence = np.isfinite(interval.low) or np.isfinite(test.p)
+    if test.p <= SIGNIFICANT < p:
+        notes.append(
+            "the recordings' differences are very skewed: a few large ones against many small ones"
+        )
+    has_evidence = np.isfinite(interval.low) or has_p
     return Evidence(
         figure=measure.key,
         label=measure.label,
@@ -221,11 +283,13 @@ def judge_measure(measure: UnitMeasure, units: Units) -> Evidence:
         difference=interval.difference,
         low=interval.low,
         high=interval.high,
-        p=test.p,
+        p=float(p),
+        least_p=test.least_p,
         effect=_effect_size(measure) if has_evidence else np.nan,
         n=len(units),
         unit=units.kind,
-        method=_unit_method(interval, test, units),
+        scope=units.scope,
+        method=_unit_method(interval, test, p_of_skewed, units),
         note=_join(notes),
     )
 
@@ -244,24 +308,21 @@ def with_mean_over_recordings(result: Result, units: Units, row: Evidence) -> Ev
 
 
 def _effect_size(measure: UnitMeasure) -> float:
-    """Cohen's d_z from jackknife pseudo-values.
-
-    For a mean over units of equal weight this is the mean of their differences over the standard
-    deviation; in other measures a unit counts by how much leaving it out changes the difference.
-    """
-    x, y, n = measure.x, measure.y, len(measure.x)
-    if n < 2:
+    """Cohen's d_z from jackknife pseudo-values."""
+    x, y = measure.x, measure.y
+    if len(x) < 2:
         return float("nan")
     difference = float(measure.statistic(x.sum(axis=0)) - measure.statistic(y.sum(axis=0)))
-    without = measure.statistic(x.sum(axis=0) - x) - measure.statistic(y.sum(axis=0) - y)
-    spread = (n - 1) * float(without.std(ddof=1))
+    spread = float(pseudo_values(x, y, measure.statistic).std(ddof=1))
     # the spread of equal differences may be a rounding error instead of 0
     if not spread > 1e-9 * abs(difference):
         return float("nan")
     return difference / spread
 
 
-def _unit_method(interval: BootstrapDifference, test: SwapTest, units: Units) -> str:
+def _unit_method(
+    interval: BootstrapDifference, test: SwapTest, p_of_skewed: float, units: Units
+) -> str:
     parts = []
     if interval.method:
         parts.append(
@@ -272,7 +333,9 @@ def _unit_method(interval: BootstrapDifference, test: SwapTest, units: Units) ->
             f"all {test.n_permutations:,}" if test.is_exact else f"{test.n_permutations:,} random"
         )
         where = f"the {test.n_swapped:,} {units.kind} that differ"
-        parts.append(f"X and Y exchanged within {where}, in {ways} ways")
+        parts.append(f"X and Y exchanged within {where}, in {ways} ways (p = {test.p:.2g})")
+    if not np.isnan(p_of_skewed):
+        parts.append(f"studentised bootstrap (p = {p_of_skewed:.2g}); p is the larger of the two")
     return "; ".join(parts)
 
 

@@ -20,6 +20,8 @@ from nvcore.protocols import PROTOCOLS, Protocol
 KEY: Final = "log_average_miss_rate"
 N_POINTS: Final = 200
 """Operating points besides the references, among which a resample looks up its own."""
+ALIKE_REACH: Final = 1.1
+"""Curves whose ends differ by no more than this factor end alike."""
 POINT_RANGE: Final = (0.002, 4.0)
 """False positives per image of these points; the references are 0.01 to 1."""
 
@@ -79,6 +81,7 @@ def judge_miss_rate(
         )
     evidence = judge_measure(measure, units)
     sums = (measure.x.sum(axis=0), measure.y.sum(axis=0))
+    evidence = replace(evidence, doubt=_doubt(evidence, *(_reach(totals) for totals in sums)))
     notes = [evidence.note]
     n_with = np.count_nonzero(measure.x[:, 1])
     if np.isnan(evidence.low) and n_with < len(units):
@@ -93,6 +96,23 @@ def judge_miss_rate(
 def _label(protocol: Protocol) -> str:
     is_plain = protocol == PROTOCOLS["all"]
     return measure_of(KEY).label + ("" if is_plain else f", {protocol.title}")
+
+
+def _reach(sums: np.ndarray) -> float:
+    """Most false positives per image of a curve, as far as it is counted."""
+    n_levels = (len(sums) - 2) // 2
+    return float(sums[1 + n_levels] / max(sums[0], 1))
+
+
+def _doubt(evidence: Evidence, reach_x: float, reach_y: float) -> str:
+    """Why the worse average may only be that of the list of detections that ends earlier."""
+    worse, better = (reach_x, reach_y) if evidence.difference > 0 else (reach_y, reach_x)
+    if ALIKE_REACH * worse >= min(better, FPPI_REFERENCES[-1]):
+        return ""
+    return (
+        f"the detections of X reach {reach_x:.2g} false positives per image and those of Y "
+        f"{reach_y:.2g}: beyond the end of a list its last miss rate counts"
+    )
 
 
 def _levels() -> np.ndarray:

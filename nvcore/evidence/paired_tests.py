@@ -11,11 +11,8 @@ import numpy as np
 from scipy.stats import binomtest
 
 from nvcore.evidence.bootstrap import CONFIDENCE, ROUNDING, ROWS_AT_ONCE, SEED, Statistic
-from nvcore.metrics.venn import Venn, measure_exclusivity
+from nvcore.metrics.venn import MIN_DISCORDANT, Venn, measure_exclusivity
 
-MIN_DISCORDANT: Final = 6
-"""Fewest encounters detected by one system only for a p-value: with 5 the most uneven split has
-p = 2 / 2^5 = 0.0625, which can never be significant."""
 MIN_SWAPPED: Final = 6
 """Fewest units in which X and Y differ for a p-value, for the same reason."""
 MIN_PAIRS: Final = 10
@@ -168,6 +165,13 @@ class SwapTest:
     seed: int
     reason: str
 
+    @property
+    def least_p(self) -> float:
+        """The least p that so many units can give; NaN without p."""
+        if np.isnan(self.p):
+            return np.nan
+        return 2 / self.n_permutations if self.is_exact else 1 / (self.n_permutations + 1)
+
 
 def swap_test(
     x: np.ndarray,
@@ -179,9 +183,13 @@ def swap_test(
 ) -> SwapTest:
     """Permutation test of the difference X - Y of a measure, X and Y exchanged unit by unit.
 
-    If the systems are equally good, the results of a recording could as well have come from the
-    other system. For a mean this is the sign-flip test. All exchanges are tried for up to
-    `EXACT_UNITS` units that differ, else `n_permutations` random ones.
+    If the systems are exchangeable, the results of a recording could as well have come from the
+    other system. That is what p tests, and it is more than equal means: systems of equal means, of
+    which one errs a little everywhere and the other gravely in a few recordings, are not
+    exchangeable (`studentised_p` is for that). For a mean this is the sign-flip test; studentising
+    it would change nothing, since the sum of the squared differences is the same in every exchange.
+    All exchanges are tried for up to `EXACT_UNITS` units that differ, else `n_permutations` random
+    ones.
 
     Parameters
     ----------

@@ -35,7 +35,6 @@ COLUMNS: Final = (
     "high",
     "odds_ratio",
     "mcnemar_p",
-    "mcnemar_p_holm",
     "n_units",
     "unit",
     "detected_by_unit_low",
@@ -51,7 +50,7 @@ COLUMNS: Final = (
     "similarity_p_holm",
     "note",
 )
-CORRECTED: Final = ("mcnemar_p", "detected_by_unit_p", "similarity_p")
+CORRECTED: Final = ("detected_by_unit_p", "similarity_p")
 
 
 def pairwise_table(
@@ -75,8 +74,9 @@ def pairwise_table(
     Returns
     -------
     Columns `COLUMNS`, one row per pair: shares of encounters detected with interval and exact
-    McNemar p; interval and p of the same difference by units (recordings or blocks of time);
-    mean similarity, 1 is best, with interval and p. Holm corrects each kind of p over the pairs.
+    McNemar p, both within these recordings; interval and p of the same difference by units
+    (recordings; blocks of time have no p); mean similarity, 1 is best, with interval and p. Holm
+    corrects the p by units of both measures together over the pairs.
     All differences are X - Y. NaN: undefined, `note` says why.
 
     Raises
@@ -100,8 +100,9 @@ def pairwise_table(
         previous = compare(dataset, setting, x=x, y=y, previous=previous)
         rows.append(_row(previous))
     table = pd.DataFrame(rows)
-    for column in CORRECTED:
-        table[f"{column}_holm"] = holm(table[column].to_numpy())
+    p_holm = holm(table[list(CORRECTED)].to_numpy(dtype=float).T.ravel())
+    for column, of_column in zip(CORRECTED, p_holm.reshape(len(CORRECTED), -1), strict=True):
+        table[f"{column}_holm"] = of_column
     return table[list(COLUMNS)]
 
 
@@ -109,6 +110,7 @@ def _row(result: Result) -> dict[str, Any]:
     units = find_units(result)
     measures = {measure.key: measure for measure in unit_measures(result, units)}
     split = judge_encounters_detected(result)
+    split = split.values_only() if result.is_short else split
     by_unit = judge_measure(measures["encounters_detected_by_unit"], units)
     similarity = judge_measure(measures["mean_similarity"], units)
     return {

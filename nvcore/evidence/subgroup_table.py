@@ -14,13 +14,14 @@ from nvcore.dataset import Dataset
 from nvcore.evidence.measures import COLUMNS as EVIDENCE_COLUMNS
 from nvcore.evidence.measures import (
     Evidence,
+    corrected,
     judge_encounters_detected,
     judge_measure,
     unit_measures,
     with_mean_over_recordings,
 )
 from nvcore.evidence.miss_rate import judge_miss_rate
-from nvcore.evidence.paired_tests import holm, mcnemar
+from nvcore.evidence.paired_tests import mcnemar
 from nvcore.evidence.subgroups import ALL, Subgroup, everyone, find_subgroups
 from nvcore.evidence.units import Units, find_units, units_within
 from nvcore.measures import EVIDENCE_KEYS, inference_of
@@ -71,8 +72,8 @@ def subgroup_table(
     -------
     Columns `COLUMNS`: factor, group; both, x_only, y_only, neither: near encounters of the group
     by who detects them; odds_low, odds_high: 95 % interval of the odds ratio; p_holm: p corrected
-    for all groups of the same measure (the row of all is not a group). The others are attributes
-    of `measures.Evidence`. Groups of different factors overlap, and so do those of tags.
+    for all groups and measures of the table (the rows of all are no groups). The others are
+    attributes of `measures.Evidence`. Groups of different factors overlap, and so do those of tags.
 
     References
     ----------
@@ -90,9 +91,12 @@ def subgroup_table(
         rows = [_row(result, *pair) for pair in zip(parts, of_measure, strict=True)]
         table = pd.DataFrame(rows)
         table["label"] = of_measure[0].label  # the label of a tag's miss rate names the tag
-        table["p_holm"] = np.concatenate([[np.nan], holm(table["p"].to_numpy()[1:])])
-        tables.append(table[list(COLUMNS)])
-    return pd.concat(tables, ignore_index=True)
+        tables.append(table)
+    whole = pd.concat(tables, ignore_index=True)
+    is_group = (whole["factor"] != ALL).to_numpy()
+    whole["p_holm"] = np.nan
+    whole.loc[is_group, "p_holm"] = corrected(whole[is_group])
+    return whole[list(COLUMNS)]
 
 
 def _row(result: Result, part: Subgroup, evidence: Evidence) -> dict[str, Any]:

@@ -10,13 +10,17 @@ import pandas as pd
 
 from nvcore.comparison import Result
 from nvcore.evidence.block_length import block_length
-from nvcore.evidence.bootstrap import MIN_UNITS
 from nvcore.measures import EVIDENCE_KEYS, inference_of, measure_of
 from nvcore.schema import Category
 from nvcore.scoring import SystemResult
 
 RECORDINGS: Final = "recordings"
 BLOCKS: Final = "blocks"
+MIN_RECORDINGS: Final = 6
+"""Fewest recordings that may speak of others: of 5 the least p is 2 / 2^5 = 0.0625."""
+
+OTHER_RECORDINGS: Final = "other recordings"
+THESE_RECORDINGS: Final = "these recordings"
 STRETCH: Final = 2
 """Length of the blocks in lengths that minimise the variance's error: in simulations, tests at 5 %
 rejected 8 to 10 % of equal traces with that length, 6 to 8 % with twice the length."""
@@ -25,7 +29,7 @@ MAX_BLOCKS: Final = 1000
 
 UNIT_WORDS: Final = {
     "recordings": "recordings",
-    "blocks": "blocks of time, which say nothing of other recordings",
+    "blocks": "blocks of time within these recordings",
 }
 """Kinds of units in a sentence."""
 
@@ -67,20 +71,25 @@ class Units:
         return f"{n:,} block{'' if n == 1 else 's'} of {self.block_s:.3g} s"
 
     @property
+    def scope(self) -> str:
+        """What intervals over these units speak of."""
+        return OTHER_RECORDINGS if self.kind == RECORDINGS else THESE_RECORDINGS
+
+    @property
     def note(self) -> str:
         """What the choice of units means; empty for recordings."""
         if self.kind == RECORDINGS:
             return ""
-        if self.n_recordings == 1:
-            return "one recording only: this says nothing of other recordings"
+        n = self.n_recordings
+        few = "one recording only" if n == 1 else f"{n} recordings only"
         return (
-            f"{self.n_recordings} recordings are too few to resample ({MIN_UNITS} are needed): "
-            "this says nothing of other recordings"
+            f"{few}: intervals over blocks of time hold within these recordings; of others they "
+            f"say nothing, and there is no p ({MIN_RECORDINGS} recordings are needed)"
         )
 
 
 def find_units(result: Result) -> Units:
-    """Recordings where there are at least `MIN_UNITS`, else blocks of time within them.
+    """Recordings where there are at least `MIN_RECORDINGS`, else blocks of time within them.
 
     All blocks have about the same number of listed frames: `STRETCH` times the longest length that
     the differences X - Y need (`block_length`), of similarity, of low frames and of false
@@ -92,7 +101,7 @@ def find_units(result: Result) -> Units:
     names = result.dataset.recordings["name"].to_numpy()[with_frames].astype(str)
     with_frames = with_frames[np.argsort(names, kind="stable")]
     n_blocks = np.zeros(len(n_of), np.int64)
-    if len(with_frames) >= MIN_UNITS or not len(with_frames):
+    if len(with_frames) >= MIN_RECORDINGS or not len(with_frames):
         kind = RECORDINGS
         n_blocks[with_frames] = 1
     else:

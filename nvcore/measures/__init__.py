@@ -24,7 +24,12 @@ from nvcore.measures.entry import (
     Parts,
 )
 from nvcore.measures.table import MEASURES
-from nvcore.measures.values import duration_of_recordings, per_recording, relevant_share
+from nvcore.measures.values import (
+    duration_of_recordings,
+    per_recording,
+    ratio_of,
+    relevant_share,
+)
 
 __all__ = [
     "EVIDENCE_KEYS",
@@ -45,7 +50,9 @@ __all__ = [
     "measure_of",
     "measures_in",
     "per_recording",
+    "ratio_of",
     "relevant_share",
+    "repeated_by",
 ]
 
 _BY_KEY: Final = {measure.key: measure for measure in MEASURES}
@@ -54,9 +61,9 @@ _INFERENCE: Final = {
 }
 
 EVIDENCE_KEYS: Final = tuple(
-    sorted(_INFERENCE, key=lambda key: _INFERENCE[key].per != "n_encounters")
+    sorted(_INFERENCE, key=lambda key: not key.startswith("encounters_detected"))
 )
-"""Keys of the table of evidence: encounters first, then in the order of `MEASURES`."""
+"""Keys of the table of evidence: encounters detected first, then in the order of `MEASURES`."""
 
 
 def label_words(result: Result, units: str = "") -> dict[str, Any]:
@@ -96,6 +103,11 @@ def measure_of(key: str) -> Measure:
 def inference_of(key: str) -> Inference:
     """How the difference of a measure of `EVIDENCE_KEYS` is judged."""
     return _INFERENCE[key]
+
+
+def repeated_by(key: str) -> str:
+    """Key of the measure whose hypothesis this one tests again; empty: it has its own."""
+    return _INFERENCE[key].repeats if key in _INFERENCE else ""
 
 
 def evidence_form(key: str) -> str:

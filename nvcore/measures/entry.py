@@ -94,6 +94,8 @@ class Inference:
         What the verdict calls it where it lists measures; empty: not listed.
     needs_tracks
         Whether it means little if encounters are single frames.
+    repeats
+        Key of the measure whose hypothesis this one tests again; empty: it has its own.
     """
 
     test: Literal["encounters", "units", "curve"]
@@ -108,6 +110,7 @@ class Inference:
     noun: str = ""
     noun_unit: str = ""
     needs_tracks: bool = False
+    repeats: str = ""
 
 
 @dataclass(frozen=True)

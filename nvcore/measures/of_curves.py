@@ -29,6 +29,7 @@ CURVE_MEASURES: Final[tuple[Measure, ...]] = (
             test="curve",
             scale=AxisScale(".1%", least=1.0, least_reach=1.0),
             form=".1%",
+            noun="log-average miss rate",
         ),
     ),
     _of_curve(

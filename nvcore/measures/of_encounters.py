@@ -118,9 +118,10 @@ ENCOUNTER_MEASURES: Final[tuple[Measure, ...]] = (
         inference=Inference(
             test="encounters",
             scale=AxisScale(".0%", least=1.0, least_reach=1.0),
-            label="share of encounters detected",
+            label="share of encounters detected, within these recordings",
             form=".1%",
             per="n_encounters",
+            repeats="encounters_detected_by_unit",
         ),
     ),
     Measure(
@@ -133,6 +134,7 @@ ENCOUNTER_MEASURES: Final[tuple[Measure, ...]] = (
             scale=AxisScale(".0%", least=1.0, least_reach=1.0),
             parts=detected_parts,
             per="n_encounters",
+            noun="encounters detected",
         ),
     ),
     Measure(

@@ -128,6 +128,7 @@ FRAME_MEASURES: Final[tuple[Measure, ...]] = (
             per="duration_s",
             factor=60.0,
             not_of_pedestrians=_NO_FRAMES_OF_GROUPS,
+            repeats="mean_similarity",
         ),
     ),
     Measure(

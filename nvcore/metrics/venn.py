@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import asdict, dataclass
+from typing import Final
 
 import numpy as np
 from scipy.special import bdtr
@@ -38,6 +39,11 @@ class Venn:
     def counts(self) -> dict[str, int]:
         """The five counts by category."""
         return asdict(self)
+
+
+MIN_DISCORDANT: Final = 6
+"""Fewest encounters detected by one system only for a p-value: with 5 the most uneven split has
+p = 2 / 2^5 = 0.0625, which can never be significant."""
 
 
 @dataclass(frozen=True)

@@ -285,7 +285,7 @@ def gate_measures(
         "mended_misses": venn.y_only * one_or_nan,
         "missed_by_both": venn.neither * one_or_nan,
         "encounters": float(venn.n_near),
-        "mcnemar_p": result.exclusivity.mcnemar_p * one_or_nan,
+        "mcnemar_p": result.mcnemar_p,
         "audit_errors": float(count[Severity.ERROR]),
         "audit_warnings": float(count[Severity.WARNING]),
     }

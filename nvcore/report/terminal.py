@@ -9,9 +9,9 @@ import pandas as pd
 
 from nvcore.comparison import Result
 from nvcore.dataset import Dataset
+from nvcore.evidence.companions import Companions, find_companions
 from nvcore.evidence.table import evidence_table
 from nvcore.findings import Finding, Severity
-from nvcore.metrics.venn import Exclusivity
 from nvcore.protocols import PROTOCOLS, Protocol
 from nvcore.report.verdict import verdict
 from nvcore.report.words import count_leads, scorecard_cells
@@ -31,6 +31,7 @@ def render_scorecard(
     protocol: Protocol = PROTOCOLS["all"],
     *,
     evidence: pd.DataFrame | None = None,
+    companions: Companions | None = None,
 ) -> str:
     """Scorecard of both systems, Venn counts, fusion, worst moments, and the verdict.
 
@@ -40,17 +41,20 @@ def render_scorecard(
         Of the audit; the verdict says on which of them it depends.
     protocol
         Which pedestrians count in the detection measures.
-    evidence
-        ``evidence_table(result, protocol)``, if already computed.
+    evidence, companions
+        ``evidence_table(result, protocol)``, ``find_companions(result, evidence)``, if already
+        computed.
     """
     evidence = evidence_table(result, protocol) if evidence is None else evidence
+    companions = find_companions(result, evidence) if companions is None else companions
+    in_short = verdict(result, findings, evidence=evidence, companions=companions)
     parts = [
         _heading(result),
         _table(result),
         _venn(result),
         _fusion(result),
         *(_worst(result, letter, system) for letter, system in result.sides),
-        "In short: " + " ".join(verdict(result, findings, evidence=evidence)),
+        "In short: " + " ".join(in_short.sentences),
     ]
     return "\n\n".join(parts)
 
@@ -153,7 +157,7 @@ def _venn(result: Result) -> str:
         + f" ({venn.distant} distant, not counted)",
         _weights(result),
     ]
-    lines.append(describe_exclusivity(result.exclusivity, venn.x_only, venn.y_only))
+    lines.append(describe_exclusivity(result))
     lines.append(_lead(result))
     boxes = result.boxes
     lines.append(
@@ -182,9 +186,9 @@ def _weights(result: Result) -> str:
     )
 
 
-def describe_exclusivity(exclusivity: Exclusivity, x_only: int, y_only: int) -> str:
+def describe_exclusivity(result: Result) -> str:
     """How exclusive the misses are, in words that claim no more than the numbers show."""
-    e = exclusivity
+    e, x_only, y_only = result.exclusivity, result.venn.x_only, result.venn.y_only
     text = (
         f"encounters not detected: {e.missed_by_x} by X, {e.missed_by_y} by Y, of these "
         f"{e.missed_by_both} by both "
@@ -192,7 +196,10 @@ def describe_exclusivity(exclusivity: Exclusivity, x_only: int, y_only: int) -> 
     )
     if x_only + y_only == 0:
         return text + "; none tells the two systems apart"
-    return text + f"; McNemar's exact p = {e.mcnemar_p:.2g} for {x_only} to {y_only}"
+    text += f"; {x_only} to {y_only} are detected by one alone"
+    if np.isnan(result.mcnemar_p):
+        return text
+    return f"{text}, McNemar's exact p within these drives = {result.mcnemar_p:.2g}"
 
 
 def _lead(result: Result) -> str:

@@ -2,23 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence, Set
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 import pandas as pd
 
 from nvcore.comparison import Result
-from nvcore.evidence.paired_tests import MIN_DISCORDANT, MIN_SWAPPED, SIGNIFICANT
-from nvcore.evidence.units import UNIT_WORDS
+from nvcore.evidence.claims import Basis, Claim, Support, find_claims, least_corrected_p
+from nvcore.evidence.companions import Companions, are_unequal, count_alarms, has_scores
+from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.findings import Finding, Severity
-from nvcore.measures import EVIDENCE_KEYS, has_several_recordings, inference_of
-from nvcore.wording import capitalised, listed
-
-SIDE_BY_SIDE: Final = tuple(key for key in EVIDENCE_KEYS if inference_of(key).noun)
-"""Keys of the measures that the verdict puts side by side."""
-
-BLOCKS: Final = "blocks"
+from nvcore.report.verdict_words import (
+    describe_chance,
+    describe_encounters,
+    describe_side_by_side,
+    describe_strict,
+    describe_weights,
+)
+from nvcore.wording import listed
 
 CAVEATS: Final = {
     "track-reused": "track ids of the ground truth are used again after a gap, so that two persons "
@@ -40,47 +43,148 @@ CAVEATS: Final = {
 }
 """What a finding of the audit means for the verdict, by its code."""
 
+SAME_BOXES: Final = "same-boxes"
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What a comparison supports.
+
+    Attributes
+    ----------
+    sentences
+        In words, the most important first.
+    claims
+        Every difference that the sentences call more than chance.
+    basis
+        The comparison that the claims are about.
+    caveat
+        What all this depends on, by the audit; the last of the sentences; empty: nothing.
+    """
+
+    sentences: tuple[str, ...]
+    claims: tuple[Claim, ...]
+    basis: Basis
+    caveat: str = ""
+
 
 def verdict(
-    result: Result, findings: Sequence[Finding] = (), *, evidence: pd.DataFrame | None = None
-) -> tuple[str, ...]:
-    """Which system detects more pedestrians, and what the other measures say, in plain sentences.
+    result: Result,
+    findings: Sequence[Finding] = (),
+    *,
+    evidence: pd.DataFrame | None = None,
+    companions: Companions | None = None,
+) -> Verdict:
+    """Which system detects more pedestrians, and what the other measures say.
 
-    The first sentence is about encounters: one system dominates, is better beyond chance, or these
-    data show no difference. The second puts measures side by side, and says which of their
-    differences are more than chance. The last one lists the warnings and errors of the audit that
-    all this depends on. X and Y are called ``X`` and ``Y``.
+    Where X and Y are set to different operating points, the first sentence says so, and all others
+    are about both at equal false alarms. Then come: who detects more encounters, what the failures
+    weigh, the other measures side by side and which of their differences are more than chance,
+    where strict pairing disagrees, and the warnings and errors of the audit that all this depends
+    on. X and Y are called ``X`` and ``Y``; the worst failure is named by its recording and track.
 
     Parameters
     ----------
     findings
         Of the audit of the same inputs.
     evidence
-        `nvcore.evidence.measures.significance_table` of the result; None: the text says that the
+        `nvcore.evidence.table.evidence_table` of the result; None: the text says that the
         differences are not tested.
+    companions
+        `nvcore.evidence.companions.find_companions` of the result; None: not yet known, and nothing
+        is claimed.
 
     Notes
     -----
-    Without a near encounter the first sentence says that there is none; a measure that is
-    undefined for a system is left out of the second.
+    Without a near encounter the sentence about encounters says that there is none; a measure that
+    is undefined for a system is left out.
 
     Examples
     --------
-    >>> print(" ".join(verdict(result)))  # doctest: +SKIP
-    X detects every encounter that Y detects, and 9 more of 40 (p = 0.0039).
+    >>> print(" ".join(verdict(result).sentences))  # doctest: +SKIP
+    X detects every encounter that Y detects, and 9 more of 40 (by 12 recordings, p = 0.0039).
     """
-    codes = {finding.code for finding in findings}
-    sentences = [_encounters(result, codes, evidence) + _by_units(result, codes, evidence)]
-    side_by_side = _side_by_side(result)
+    is_same = any(finding.code == SAME_BOXES for finding in findings)
+    support = Support(Basis.NONE) if is_same else find_claims(result, evidence, companions)
+    sentences = [_operating_points(result, companions)] if not is_same else []
+    if is_same:
+        sentences.append(
+            "Two of the inputs have the same boxes: this is no comparison of two systems."
+        )
+    shown, of_shown, before = result, evidence, ""
+    if support.basis is Basis.EQUAL_ALARMS and companions is not None:
+        assert companions.equal is not None
+        shown, of_shown = companions.equal, companions.evidence
+        before = f"At equal false alarms ({_threshold_text(companions)}) "
+    elif are_unequal(result):
+        of_shown = None
+        before = "As set, "
+    if not is_same:
+        sentences.append(_after(before, describe_encounters(shown, of_shown, support)))
+    sentences.append(describe_weights(shown))
+    side_by_side = describe_side_by_side(shown, of_shown)
     if side_by_side:
-        sentences.append(f"{side_by_side}; {_chance(evidence, result.is_short)}.")
-    unlimited = _without_threshold(result)
-    if unlimited:
-        sentences.append(unlimited)
+        chance = describe_chance(of_shown, support, short=result.is_short)
+        sentences.append(f"{_after(before, side_by_side)}; {chance}.")
+    if companions is not None and not is_same:
+        sentences.append(describe_strict(shown, companions.strict))
+    sentences.append(_least_p(of_shown))
+    sentences.append(_without_threshold(result))
     serious = [finding for finding in findings if finding.severity is not Severity.NOTE]
-    if serious:
-        sentences.append(_caveat(serious))
-    return tuple(sentences)
+    caveat = _caveat(serious) if serious else ""
+    told = tuple(sentence for sentence in (*sentences, caveat) if sentence)
+    return Verdict(told, support.claims, support.basis, caveat)
+
+
+def _after(before: str, sentence: str) -> str:
+    """A sentence after words that begin it; X and Y keep their capitals."""
+    if not before:
+        return sentence
+    is_name = sentence[:2] in ("X ", "Y ")
+    return before + (sentence if is_name else sentence[0].lower() + sentence[1:])
+
+
+def _operating_points(result: Result, companions: Companions | None) -> str:
+    """That X and Y are set to different operating points, if they are."""
+    n_frames = len(result.dataset.frames)
+    if not are_unequal(result):
+        return ""
+    rates = [f"{count_alarms(system) / n_frames:.3g}" for _, system in result.sides]
+    text = (
+        "X and Y are set to different operating points "
+        f"({rates[0]} and {rates[1]} false alarms per frame)"
+    )
+    if companions is None:
+        return f"{text}: nothing is claimed before they are compared at equal false alarms."
+    if companions.equal is not None:
+        return f"{text}: nothing is claimed from the comparison as set."
+    if not any(has_scores(result, letter) for letter in "xy"):
+        return f"{text}, and without scores they cannot be set alike: nothing is claimed."
+    return f"{text}, and no threshold sets them alike: nothing is claimed."
+
+
+def _threshold_text(companions: Companions) -> str:
+    assert companions.equal is not None
+    equal, moved = companions.equal, companions.moved
+    per_frame = count_alarms(equal.x) / len(equal.dataset.frames)
+    threshold = equal.system(moved).threshold
+    at = "with all detections" if threshold is None else f"with scores of {threshold:g} or more"
+    return f"{moved.upper()} {at}, {per_frame:.3g} per frame"
+
+
+def _least_p(evidence: pd.DataFrame | None) -> str:
+    """That no difference could come out as more than chance with so few recordings, if so."""
+    if evidence is None:
+        return ""
+    least_p = least_corrected_p(evidence)
+    if not least_p > SIGNIFICANT:
+        return ""
+    tested = evidence[np.isfinite(evidence["p_holm"])]
+    return (
+        f"With {int(tested['n'].max())} recordings and {len(tested)} measures no difference can be "
+        f"shown to be more than chance, however large: the least p is {least_p:.2g} after "
+        "correction."
+    )
 
 
 def _caveat(serious: Sequence[Finding]) -> str:
@@ -101,196 +205,8 @@ def _without_threshold(result: Result) -> str:
     letters = [
         letter.upper()
         for letter, system in result.sides
-        if system.threshold is None and np.isfinite(result.dataset.system(system.name).score).any()
+        if system.threshold is None and has_scores(result, letter)
     ]
     if not letters:
         return ""
-    return f"Every detection of {' and '.join(letters)} counts, however low its score."
-
-
-def _encounters(result: Result, codes: Set[str], evidence: pd.DataFrame | None) -> str:
-    venn, p = result.venn, _p_of_encounters(result, evidence)
-    if "same-boxes" in codes:
-        return "Two of the inputs have the same boxes: this is no comparison of two systems."
-    is_testable = not result.is_short
-    n_split = venn.x_only + venn.y_only
-    test_text = f"p = {result.exclusivity.mcnemar_p:.2g}"
-    if p != result.exclusivity.mcnemar_p:
-        test_text += f"; corrected for all measures, p = {p:.2g}"
-    if n_split < MIN_DISCORDANT:
-        test_text = "too few to test"
-    chance = f" ({test_text})" if is_testable else ""
-    if not venn.n_near:
-        return (
-            "There is no encounter near enough to count: these data do not show which system "
-            "detects more."
-        )
-    if not n_split:
-        return (
-            f"X and Y detect the same {venn.both} of {venn.n_near} encounters: these data do not "
-            "tell them apart by whom they detect."
-        )
-    winner, loser = ("X", "Y") if venn.x_only > venn.y_only else ("Y", "X")
-    more = max(venn.x_only, venn.y_only)
-    if venn.dominant is not None:
-        claim = (
-            f"{winner} detects every encounter that {loser} detects, and {more} more of "
-            f"{venn.n_near}"
-        )
-        if p <= SIGNIFICANT or not is_testable:
-            return f"{claim}{chance}."
-        if n_split < MIN_DISCORDANT:
-            return f"{claim}; so few do not show a difference beyond chance."
-        return f"{claim}; that is not shown to be more than chance{chance}."
-    split = (
-        f"of the {n_split} encounters that only one system detects, X detects {venn.x_only} and Y "
-        f"{venn.y_only}{chance}"
-    )
-    if not is_testable:
-        return f"{capitalised(split)}."
-    if p <= SIGNIFICANT:
-        return f"{winner} detects more encounters, but not all that {loser} detects: {split}."
-    return f"These data do not show which system detects more encounters: {split}."
-
-
-def _p_of_encounters(result: Result, evidence: pd.DataFrame | None) -> float:
-    """McNemar's p, corrected for the other measures where there are any."""
-    if evidence is not None:
-        row = evidence[evidence["figure"] == "encounters_detected"]
-        if len(row) and np.isfinite(row["p_holm"].iloc[0]):
-            return float(row["p_holm"].iloc[0])
-    return result.exclusivity.mcnemar_p
-
-
-def _by_units(result: Result, codes: Set[str], evidence: pd.DataFrame | None) -> str:
-    """What is left of the evidence once similar encounters of one recording are allowed for.
-
-    Empty unless single encounters support a claim, or are frames rather than persons.
-    """
-    venn, short = result.venn, result.is_short
-    has_claim = short or _p_of_encounters(result, evidence) <= SIGNIFICANT
-    if evidence is None or "same-boxes" in codes or not has_claim or venn.x_only == venn.y_only:
-        return ""
-    row = evidence[evidence["figure"] == "encounters_detected_by_unit"]
-    p = np.nan if row.empty else float(row["p_holm"].iloc[0])
-    is_significant = p <= SIGNIFICANT
-    if row.empty or (is_significant and not short):
-        return ""
-    n, kind = int(row["n"].iloc[0]), str(row["unit"].iloc[0])
-    unit = f"{n:,} {kind.removesuffix('s') if n == 1 else kind}"
-    unit += " of time" if kind == BLOCKS else ""
-    if np.isnan(p) and n < MIN_SWAPPED:
-        outcome = "cannot be tested: there are too few of them"
-    elif np.isnan(p):
-        outcome = "cannot be tested: too few of them tell X and Y apart"
-    elif is_significant:
-        outcome = f"is more than chance (p = {p:.2g})"
-    else:
-        outcome = "is not shown to be more than chance"
-    return f" Judged by {unit} instead of single encounters, that {outcome}."
-
-
-def _side_by_side(result: Result) -> str:
-    x, y = result.x, result.y
-    parts = [
-        _better(
-            "the higher mean similarity",
-            x.summary.mean,
-            y.summary.mean,
-            ".3f",
-            is_high_better=True,
-        ),
-        _better(
-            "the lower saliency in the mean over recordings"
-            if has_several_recordings(result)
-            else "the lower saliency",
-            x.saliency_s,
-            y.saliency_s,
-            ".2f",
-            unit=" s",
-        ),
-        _better(
-            "fewer false-alert episodes",
-            x.false_alarm_summary.episodes if result.duration_s else np.nan,
-            y.false_alarm_summary.episodes if result.duration_s else np.nan,
-            "d",
-            unit=f" in {_duration(result.duration_s)}",
-        ),
-    ]
-    defined = [part for part in parts if part]
-    if not defined:
-        return ""
-    text = defined[0] if len(defined) == 1 else ", ".join(defined[:-1]) + ", and " + defined[-1]
-    return capitalised(text)
-
-
-def _chance(evidence: pd.DataFrame | None, short: bool) -> str:
-    """Which of these differences are more than chance, by their corrected p-values."""
-    if evidence is None:
-        return "whether these differences are more than chance is not tested"
-    keys = [key for key in SIDE_BY_SIDE if not (short and inference_of(key).needs_tracks)]
-    text = _beyond_chance(evidence[evidence["figure"].isin(keys)])
-    return f"{text}; saliency and episodes mean little here and are not judged" if short else text
-
-
-def _beyond_chance(rows: pd.DataFrame) -> str:
-    tested = rows[np.isfinite(rows["p_holm"])]
-    if tested.empty:
-        return "there are too few data to test these differences for chance"
-    beyond = tested[tested["p_holm"] <= SIGNIFICANT]
-    by = f"by these {int(tested['n'].iloc[0]):,} {UNIT_WORDS[tested['unit'].iloc[0]]}"
-    if beyond.empty and len(rows) == 1:
-        noun = inference_of(rows["figure"].iloc[0]).noun
-        return f"{by}, the difference in {noun} is not shown to be more than chance"
-    if beyond.empty:
-        return f"{by}, none of these differences is shown to be more than chance"
-    parts = [
-        f"{inference_of(key).noun} (for {_winner(difference, better)}, "
-        f"{_interval(key, low, high)}p = {p:.2g})"
-        for key, difference, better, low, high, p in zip(
-            *(beyond[name] for name in ("figure", "difference", "better", "low", "high", "p_holm")),
-            strict=True,
-        )
-    ]
-    is_one = len(parts) == 1
-    others = "" if len(beyond) == len(rows) else "; the others are not shown to be"
-    noun, verb = ("difference", "is") if is_one else ("differences", "are")
-    return f"{by}, the {noun} in {listed(parts)} {verb} more than chance{others}"
-
-
-def _winner(difference: float, better: str) -> str:
-    """The system that a difference X - Y favours."""
-    return "X" if (difference > 0) == (better == "higher") else "Y"
-
-
-def _interval(key: str, low: float, high: float) -> str:
-    if not np.isfinite(low):
-        return ""
-    ends = f"{_with_sign(low)} to {_with_sign(high)}"
-    return f"X - Y 95 % interval {ends}{inference_of(key).noun_unit}, "
-
-
-def _with_sign(value: float) -> str:
-    """With sign and at least three digits, without exponent."""
-    return f"{value:+,.0f}" if abs(value) >= 100 else f"{value:+.3g}"
-
-
-def _duration(seconds: float) -> str:
-    return f"{seconds:.0f} s" if seconds < 600 else f"{seconds / 3600:.1f} h"
-
-
-def _better(
-    quality: str, x: float, y: float, form: str, *, unit: str = "", is_high_better: bool = False
-) -> str:
-    """Who has the quality, with both values, the better one first; empty where undefined."""
-    if np.isnan(x) or np.isnan(y):
-        return ""
-    shown_x, shown_y = format(x, form), format(y, form)
-    if shown_x == shown_y:
-        noun = (
-            quality.split(" ", 2)[-1] if quality.startswith("the ") else quality.split(" ", 1)[-1]
-        )
-        return f"both have the same {noun} ({shown_x}{unit})"
-    is_x = (x > y) == is_high_better
-    winner, first, second = ("X", shown_x, shown_y) if is_x else ("Y", shown_y, shown_x)
-    return f"{winner} has {quality} ({first} to {second}{unit})"
+    return f"Every detection of {listed(letters)} counts, however low its score."

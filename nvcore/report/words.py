@@ -72,8 +72,7 @@ def describe_misses(result: Result) -> tuple[str, ...]:
     relation = _relation(e.phi, min(e.missed_by_x, e.missed_by_y))
     if relation:
         sentences.append(relation)
-    short = result.is_short
-    sentences.append(_split(venn.x_only, venn.y_only, e.mcnemar_p, short=short))
+    sentences.append(_split(venn.x_only, venn.y_only, result.mcnemar_p, short=result.is_short))
     return tuple(sentences)
 
 
@@ -114,15 +113,15 @@ def _split(x_only: int, y_only: int, p: float, *, short: bool) -> str:
             f"{split}. Most encounters are one frame long and not independent, so no test of "
             "single encounters is given."
         )
+    if np.isnan(p):
+        return f"{split}: too few to test."
+    within = f"exact McNemar test within these drives, p = {p:.2g}"
     if p <= SIGNIFICANT:
         return (
-            f"{split}: a split so uneven is unlikely if both are equally good (exact McNemar test, "
-            f"p = {p:.2g})."
+            f"{split}: so uneven a split would be unlikely if each of them fell to either system "
+            f"by chance ({within}; whether other drives would show it is judged by recordings)."
         )
-    return (
-        f"{split}: two equally good systems could well differ so much by chance (exact McNemar "
-        f"test, p = {p:.2g})."
-    )
+    return f"{split}: two equally good systems could well differ so much by chance ({within})."
 
 
 def describe_lead(result: Result) -> str:

@@ -194,9 +194,11 @@ _ENTRIES: Final[tuple[_Entry, ...]] = (
             "exclusivity.mcnemar_p",
             _NUMBER,
             "0 to 1",
-            "Exact McNemar p: how likely a split of `x_only` against `y_only` at least this uneven "
-            "is if both are equally good.",
-        )
+            "Exact McNemar p, within these drives: how likely a split of `x_only` against `y_only` "
+            "at least this uneven is if both are equally good and encounters independent.",
+            empty="most encounters are one frame long, or fewer than 6 tell the systems apart",
+        ),
+        attrgetter("mcnemar_p"),
     ),
     _Entry(Column("boxes.both", _INTEGER, "boxes", "Pedestrian boxes that both systems matched.")),
     _Entry(Column("boxes.x_only", _INTEGER, "boxes", "Pedestrian boxes that only X matched.")),

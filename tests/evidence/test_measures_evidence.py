@@ -9,9 +9,9 @@ from scipy.signal import lfilter
 from nvcore.comparison import compare
 from nvcore.dataset import Dataset, dataset_from_tables
 from nvcore.evidence.block_length import block_length
-from nvcore.evidence.bootstrap import bootstrap_difference, ratio
+from nvcore.evidence.bootstrap import bootstrap_difference, ratio, studentised_p
 from nvcore.evidence.measures import COLUMNS, UnitMeasure, judge_measure, significance_table
-from nvcore.evidence.paired_tests import swap_test
+from nvcore.evidence.paired_tests import holm, swap_test
 from nvcore.evidence.units import STRETCH, find_units
 from nvcore.measures import measure_of
 from nvcore.params import Params
@@ -36,14 +36,14 @@ def test_the_table_has_every_measure_with_its_evidence() -> None:
     assert tuple(table.columns) == COLUMNS
     assert table["figure"].tolist() == [
         "encounters_detected", "encounters_detected_by_unit", "mean_similarity", "share_low",
-        "saliency", "false_alert_episodes_per_hour",
+        "lost_s_per_min", "severity_s_per_encounter", "saliency", "false_alert_episodes_per_hour",
     ]  # fmt: skip
     assert (table["low"] < table["difference"]).all()
     assert (table["difference"] < table["high"]).all()
-    assert table[NUMBERS].notna().all().all()
-    assert (table["p_holm"] >= table["p"]).all()
-    assert table["n"].tolist() == [60, 12, 12, 12, 12, 12]
-    assert table["unit"].tolist() == ["encounters", *["recordings"] * 5]
+    assert table[[name for name in NUMBERS if name != "p_holm"]].notna().all().all()
+    assert table["n"].tolist() == [60, *[12] * 7]
+    assert table["unit"].tolist() == ["encounters", *["recordings"] * 7]
+    assert table["scope"].tolist() == ["these recordings", *["other recordings"] * 7]
     assert (table["note"] == "").all()
 
 
@@ -57,7 +57,7 @@ def test_the_measures_are_those_of_the_scorecard() -> None:
             system.false_alarm_summary.episodes_per_hour
         )
         assert table.loc["saliency", letter] == pytest.approx(
-            measure_of("mean_saliency").of(result, system)
+            measure_of("saliency").of(result, system)
         )
         share = system.encounters["is_detected"].sum() / result.venn.n_near
         assert table.loc["encounters_detected", letter] == pytest.approx(share)
@@ -65,12 +65,56 @@ def test_the_measures_are_those_of_the_scorecard() -> None:
     assert table.loc["encounters_detected", "p"] == result.exclusivity.mcnemar_p
 
 
+def test_no_hypothesis_is_in_holm_s_family_twice() -> None:
+    table = by_figure(result_of(drives(12)))
+    repeated = ["encounters_detected", "lost_s_per_min"]
+    assert table.loc[repeated, "p"].notna().all()
+    assert table.loc[repeated, "p_holm"].isna().all()
+    family = table.drop(index=repeated)
+    assert family["p_holm"].tolist() == holm(family["p"].to_numpy()).tolist()
+
+
+@pytest.mark.parametrize(("n", "unit", "has_p"), [(5, "blocks", False), (6, "recordings", True)])
+def test_p_speaks_of_other_drives_from_six_recordings_on(n: int, unit: str, has_p: bool) -> None:
+    table = by_figure(result_of(drives(n))).drop(index="encounters_detected")
+    assert set(table["unit"]) == {unit}
+    assert table["p"].notna().any() == has_p
+    least_p = table.loc["mean_similarity", "least_p"]
+    assert least_p == 2 / 2**6 if has_p else np.isnan(least_p)
+
+
+def test_p_is_the_same_without_intervals() -> None:
+    result = result_of(drives(12))
+    whole, brief = significance_table(result), significance_table(result, has_intervals=False)
+    assert brief["p_holm"].equals(whole["p_holm"])
+    assert brief["low"].iloc[1:].isna().all()
+
+
+def test_skewed_differences_do_not_pass_for_a_difference() -> None:
+    # a system that errs a little more in most recordings and gravely less in a few is no worse
+    rng = np.random.default_rng(3)
+    n, n_runs = 16, 150
+    units = find_units(result_of(drives(n)))
+    n_swapped = n_judged = 0
+    for skewed in rng.lognormal(0, 1, (n_runs, n)) - np.exp(0.5):
+        x, y = np.column_stack([skewed, np.ones(n)]), np.column_stack([0 * skewed, np.ones(n)])
+        measure = UnitMeasure("share", "share", "higher", x, y)
+        row = judge_measure(measure, units, has_interval=False)
+        exchanged = swap_test(x, y, ratio).p
+        assert row.p >= exchanged
+        assert ("very skewed" in row.note) == (exchanged <= 0.05 < row.p)
+        n_swapped += exchanged <= 0.05
+        n_judged += row.p <= 0.05
+    assert n_swapped / n_runs > 0.08  # the exchange alone
+    assert n_judged / n_runs < 0.08
+
+
 def test_p_of_similarity_is_the_sign_flip_test_of_the_recordings_traces() -> None:
     result = result_of(drives(12))
     difference = (result.x.similarity - result.y.similarity).reshape(12, 20).mean(axis=1)
     row = by_figure(result).loc["mean_similarity"]
     flips = swap_test(difference[:, None], np.zeros((12, 1)), lambda sums: sums[..., 0])
-    assert row["p"] == flips.p
+    assert row["p"] == max(flips.p, studentised_p(difference))
     assert row["effect"] == pytest.approx(difference.mean() / difference.std(ddof=1))
     assert row["effect_name"] == "Cohen's d_z"
 
@@ -110,7 +154,9 @@ def test_the_order_of_the_recordings_changes_nothing() -> None:
     there, back = (by_figure(result_of(one)) for one in (dataset, reordered(dataset, order)))
     assert not np.array_equal(order, np.arange(18))
     for name in NUMBERS:
-        assert back[name].tolist() == pytest.approx(there[name].tolist(), rel=1e-9), name
+        assert back[name].tolist() == pytest.approx(there[name].tolist(), rel=1e-9, nan_ok=True), (
+            name
+        )
 
 
 def test_one_recording_is_judged_by_blocks_and_says_what_that_means() -> None:
@@ -123,7 +169,9 @@ def test_one_recording_is_judged_by_blocks_and_says_what_that_means() -> None:
     row = table.loc["mean_similarity"]
     assert row["unit"] == "blocks"
     assert row["low"] > 0
-    assert "one recording only: this says nothing of other recordings" in row["note"]
+    assert np.isnan(row["p"])
+    assert row["scope"] == "these recordings"
+    assert "one recording only: intervals over blocks of time hold within" in row["note"]
     saliency = table.loc["saliency"]
     assert saliency[["low", "high", "p"]].isna().all()
     assert saliency["y"] > saliency["x"] == 0
@@ -186,8 +234,8 @@ def test_another_measure_from_sums_over_the_same_units_can_be_added() -> None:
     assert row["x"] == pytest.approx(1 - result.x.matched.sum() / result.n_truth.sum())
     assert row["low"] < row["difference"] < row["high"] < 0
     # one more p-value to correct for
-    plain = significance_table(result)
-    assert (table["p_holm"].iloc[:-1] >= plain["p_holm"]).all()
+    plain, more = significance_table(result)["p_holm"], table["p_holm"].iloc[:-1]
+    assert (more.dropna() >= plain.dropna()).all()
 
 
 def test_blocks_hold_the_true_difference_and_keep_the_level_about_as_they_say() -> None:

@@ -6,7 +6,6 @@ import re
 
 import pytest
 from places import ROOT
-from scipy.stats import binomtest
 
 from nvcore.comparison import compare
 from nvcore.dataset import Dataset
@@ -24,17 +23,13 @@ def test_a_shared_threshold_tells_kaist_s_systems_apart_but_for_two(kaist: Datas
     assert len(pairs) == 10
     assert (pairs["n_units"] == 16).all()
     for row in pairs.to_dict("records"):
-        split = row["x_only"] + row["y_only"]
-        assert row["mcnemar_p"] == pytest.approx(binomtest(row["x_only"], split).pvalue)
         # every second of the drives is annotated: few pedestrians are there twice
         assert "most encounters are one frame long" in row["note"]
+    assert pairs["mcnemar_p"].isna().all()
     found = pairs.set_index(["x", "y"])
     alike = found.loc[("MLPD", "GAFF")]
-    assert alike["mcnemar_p_holm"] > 0.5
-    assert alike["low"] < 0 < alike["high"]
-    assert (found.drop(index=("MLPD", "GAFF"))["mcnemar_p_holm"] < 0.001).all()
-    # whole recordings are fewer than pedestrians: they tell fewer pairs apart
-    assert (found["detected_by_unit_p_holm"] < 0.05).sum() < (found["mcnemar_p_holm"] < 0.05).sum()
+    assert alike["detected_by_unit_p_holm"] > 0.5
+    assert alike["detected_by_unit_low"] < 0 < alike["detected_by_unit_high"]
     assert found.loc[("MLPD", "YOLOv3-visible"), "detected_by_unit_p_holm"] < 0.05
 
 

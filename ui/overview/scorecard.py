@@ -9,8 +9,9 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.comparison import Result
+from nvcore.evidence.companions import Companions
 from nvcore.figures.paired import recordings_plot
-from nvcore.findings import Finding, Severity
+from nvcore.findings import Finding
 from nvcore.measures import MeasureTable
 from nvcore.report.verdict import verdict
 from nvcore.tables.result import recordings_table
@@ -27,16 +28,20 @@ from ui.widgets.text import docs_link, plain
 WIDTHS: Final = {"measure": 250, "X": 70, "Y": 70, "X - Y": 70}
 
 
-def verdict_box(result: Result, findings: Sequence[Finding], evidence: pd.DataFrame) -> None:
+def verdict_box(
+    result: Result,
+    findings: Sequence[Finding],
+    evidence: pd.DataFrame,
+    companions: Companions | None,
+) -> None:
     """What the measures support, and what it depends on."""
-    sentences = verdict(result, findings, evidence=evidence)
-    grave = [finding for finding in findings if finding.severity is not Severity.NOTE]
+    text = verdict(result, findings, evidence=evidence, companions=companions)
+    sentences = [sentence for sentence in text.sentences if sentence != text.caveat]
     with st.container(border=True, key="verdict"):
         st.markdown(f"## {plain(sentences[0])}")
-        if len(sentences) > 1:
-            st.markdown(plain(" ".join(sentences[1 : len(sentences) - bool(grave)])))
-        if grave:
-            st.warning(plain(sentences[-1]), icon=":material/warning:")
+        st.markdown(plain(" ".join(sentences[1:])))
+        if text.caveat:
+            st.warning(plain(text.caveat), icon=":material/warning:")
             if st.button("See the findings on the Data page"):
                 open_page("data")
     st.caption(_extent(result))
@@ -52,8 +57,9 @@ def _extent(result: Result) -> str:
         f"{result.duration_s:,.1f} s. An encounter is one pedestrian from first to last annotated "
         f"frame; {venn.n_near:,} came near enough to count, {venn.distant:,} stayed distant. A "
         f"system detects it by matching it in at least {result.params.coverage:.0%} of the frames "
-        "in which it is near. p, where given: how often so uneven a split would come by chance if "
-        f"both were equally good (exact McNemar test) ({docs_link('Metrics', 'encounters')})."
+        "in which it is near. p, where given: how often recordings in which X and Y could be "
+        "exchanged would differ as much, corrected for all measures "
+        f"({docs_link('Significance', 'other-measures', doc='significance')})."
     )
 
 

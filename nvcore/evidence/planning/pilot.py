@@ -23,7 +23,9 @@ MIN_PILOT: Final = MIN_SWAPPED
 """Fewest recordings to plan from: with fewer there is no test of recordings, either."""
 _BY_UNIT: Final = "_by_unit"
 PLAN_KEYS: Final = {
-    key.removesuffix(_BY_UNIT): key for key in EVIDENCE_KEYS if inference_of(key).test != "encounters"
+    key.removesuffix(_BY_UNIT): key
+    for key in EVIDENCE_KEYS
+    if inference_of(key).test != "encounters"
 }
 """Measures that a study can be planned for, by the names that users give them: those judged by
 recordings. ``encounters_detected`` is the one by recordings, too."""

@@ -287,6 +287,7 @@ def guess_length(pilot: Pilot, distance: float, *, level: float, target: float) 
     quantiles = ndtri(1 - level / 2) + ndtri(target)
     return float((quantiles * pilot.spread / distance) ** 2)
 
+
 LEAST_TESTED: Final = MIN_SWAPPED
 """Fewest recordings of a study that tests a difference."""
 LEAST_WITH_INTERVAL: Final = MIN_UNITS

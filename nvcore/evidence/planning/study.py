@@ -220,7 +220,9 @@ def plan_study(
     assumed: list[tuple[Assumption, float]]
     if margin is not None:
         assumed = [("equal", 0.0), ("as found", evidence.difference)]
-        of_size = partial(_noninferiority_size, margin=margin, sign=favour(candidate, evidence.better))
+        of_size = partial(
+            _noninferiority_size, margin=margin, sign=favour(candidate, evidence.better)
+        )
     else:
         assumed = [("as found", evidence.difference)]
         if difference is not None:

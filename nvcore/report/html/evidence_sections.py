@@ -16,6 +16,7 @@ from nvcore.detection.curves import DetectionCurve, detection_curve
 from nvcore.detection.filtered_truth import filter_truth
 from nvcore.detection.miss_rate import explain_few
 from nvcore.errors import InputError
+from nvcore.evidence.companions import find_companions
 from nvcore.evidence.subgroups import ALL
 from nvcore.figures.detection import CurveKind, curve_plot, legend_text
 from nvcore.figures.forest import subgroup_forest
@@ -51,7 +52,8 @@ AT_ONCE: Final = 20_000
 
 def verdict_section(result: Result, findings: Sequence[Any], evidence: pd.DataFrame) -> Section:
     """What the comparison supports."""
-    sentences = verdict(result, tuple(findings), evidence=evidence)
+    companions = find_companions(result, evidence)
+    sentences = verdict(result, findings, evidence=evidence, companions=companions).sentences
     return Section("verdict", "Verdict", words.VERDICT, (Sentences(sentences, is_strong=True),))
 
 

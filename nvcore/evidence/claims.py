@@ -1,0 +1,186 @@
+"""What a comparison may claim: differences that are more than chance and no matter of settings."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import Final
+
+import numpy as np
+import pandas as pd
+
+from nvcore.comparison import Result
+from nvcore.evidence.companions import (
+    ALIKE,
+    STRICT_KEYS,
+    Companions,
+    are_unequal,
+    count_alarms,
+)
+from nvcore.evidence.paired_tests import SIGNIFICANT
+from nvcore.evidence.units import RECORDINGS
+from nvcore.measures import EVIDENCE_KEYS, inference_of
+
+CLAIMED: Final = tuple(key for key in EVIDENCE_KEYS if inference_of(key).noun)
+"""Keys of the measures of which the verdict may claim a difference."""
+
+
+class Basis(StrEnum):
+    """The comparison on which the verdict rests."""
+
+    AS_SET = "as set"
+    EQUAL_ALARMS = "equal false alarms"
+    NONE = "none"
+
+
+@dataclass(frozen=True)
+class Claim:
+    """One difference that is more than chance.
+
+    Attributes
+    ----------
+    key
+        Key of the measure.
+    winner
+        ``x`` or ``y``, the better system in it.
+    p
+        Corrected for all measures.
+    n
+        Number of recordings that it rests on.
+    """
+
+    key: str
+    winner: str
+    p: float
+    n: int
+
+
+@dataclass(frozen=True)
+class Support:
+    """What the evidence supports.
+
+    Attributes
+    ----------
+    basis
+        Which comparison it is about; ``none``: nothing can be claimed.
+    claims
+        The claims, in the order of the table.
+    withheld
+        Differences that would be claims, by their keys, and why they are none.
+    """
+
+    basis: Basis
+    claims: tuple[Claim, ...] = ()
+    withheld: Mapping[str, str] = field(default_factory=dict)
+
+
+def find_claims(
+    result: Result, evidence: pd.DataFrame | None, companions: Companions | None
+) -> Support:
+    """Which differences between X and Y may be claimed.
+
+    A claim is corrected for all measures, rests on six recordings or more, and is no matter of the
+    operating points: where these are unequal it is about the comparison at equal false alarms, else
+    it has to hold there as well. Where strict pairing turns the difference round it is no claim.
+    Until the companions are known there is none.
+
+    Parameters
+    ----------
+    evidence
+        `nvcore.evidence.table.evidence_table` of the result; None: not tested.
+    companions
+        `nvcore.evidence.companions.find_companions` of the result; None: not yet known.
+    """
+    is_unequal = are_unequal(result)
+    if is_unequal and (companions is None or companions.equal is None):
+        return Support(Basis.NONE)
+    basis = Basis.EQUAL_ALARMS if is_unequal else Basis.AS_SET
+    if evidence is None:
+        return Support(basis)
+    if companions is None:
+        pending = "whether it holds at equal false alarms is not known yet"
+        return Support(basis, withheld=dict.fromkeys(_candidates(result, evidence), pending))
+    if is_unequal:
+        assert companions.equal is not None
+        assert companions.evidence is not None
+        basis_result, candidates = companions.equal, _candidates(result, companions.evidence)
+        withheld: dict[str, str] = {}
+    else:
+        basis_result, candidates = result, _candidates(result, evidence)
+        withheld = _not_confirmed(result, candidates, companions)
+    for key in STRICT_KEYS:
+        if key in candidates and _is_turned(key, basis_result, companions.strict):
+            withheld[key] = "paired strictly it is the other way round"
+    claims = tuple(claim for key, claim in candidates.items() if key not in withheld)
+    return Support(basis, claims, withheld)
+
+
+def _candidates(result: Result, evidence: pd.DataFrame) -> dict[str, Claim]:
+    """Differences over recordings that are more than chance, by key."""
+    claims = {}
+    for row in evidence.to_dict("records"):
+        key = str(row["figure"])
+        is_real = row["unit"] == RECORDINGS and row["p_holm"] <= SIGNIFICANT and not row["doubt"]
+        if key not in CLAIMED or not is_real:
+            continue
+        if result.is_short and inference_of(key).needs_tracks:
+            continue
+        winner = winner_of(row["difference"], row["better"])
+        claims[key] = Claim(key, winner, float(row["p_holm"]), int(row["n"]))
+    return claims
+
+
+def winner_of(difference: float, better: str) -> str:
+    """The system, ``x`` or ``y``, that a difference X - Y favours."""
+    return "x" if (difference > 0) == (better == "higher") else "y"
+
+
+def _not_confirmed(
+    result: Result, candidates: Mapping[str, Claim], companions: Companions
+) -> dict[str, str]:
+    """Differences as set that do not hold at equal false alarms, and why."""
+    reasons = {}
+    if companions.equal is None or companions.evidence is None:
+        n = {letter: count_alarms(system) for letter, system in result.sides}
+        for key, claim in candidates.items():
+            other = "y" if claim.winner == "x" else "x"
+            if n[claim.winner] > (1 + ALIKE) * n[other]:
+                reasons[key] = (
+                    f"{claim.winner.upper()} has more false alarms as well, and without scores the "
+                    "two cannot be set alike"
+                )
+        return reasons
+    confirmed = _candidates(result, companions.evidence)
+    for key, claim in candidates.items():
+        if key not in confirmed or confirmed[key].winner != claim.winner:
+            reasons[key] = "at equal false alarms it is not shown"
+    return reasons
+
+
+def _is_turned(key: str, basis: Result, strict: Result) -> bool:
+    """Whether strict pairing turns the sign of a measure's difference."""
+    return values_turn(*values_of(key, basis), *values_of(key, strict))
+
+
+def values_of(key: str, result: Result) -> tuple[float, float]:
+    """A measure of `STRICT_KEYS`, of X and Y."""
+    if key == "saliency":
+        return result.x.saliency_s, result.y.saliency_s
+    return result.x.summary.mean, result.y.summary.mean
+
+
+def values_turn(x: float, y: float, strict_x: float, strict_y: float) -> bool:
+    """Whether the order of X and Y is another one by the strict values."""
+    return bool(np.sign(x - y) * np.sign(strict_x - strict_y) < 0)
+
+
+def least_corrected_p(evidence: pd.DataFrame) -> float:
+    """The least corrected p that these recordings could give; NaN without any p.
+
+    Holm multiplies the smallest of m p-values by m.
+    """
+    tested = evidence[np.isfinite(evidence["p_holm"])]
+    if tested.empty:
+        return np.nan
+    return float(tested["least_p"].min() * len(tested))

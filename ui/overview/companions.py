@@ -1,0 +1,37 @@
+"""Overview page: both systems at equal false alarms and strictly paired, for the verdict."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import pandas as pd
+
+from nvcore.comparison import Result
+from nvcore.evidence.companions import Companions, find_companions
+from nvcore.progress import Progress
+from ui.jobs.computed import Computation
+from ui.session import state
+
+QUICK_BOXES: Final = 50_000
+"""Up to so many boxes it takes a fraction of a second and is done at once."""
+
+
+def wait_for_companions(result: Result, evidence: pd.DataFrame) -> Companions | None:
+    """The companions of the comparison; None while they are computed in the background."""
+
+    def compute(_: Progress) -> Companions:
+        return find_companions(result, evidence)
+
+    computation = Computation(
+        kind="companions",
+        key=(result.params, result.x.name, result.y.name, state.protocol()),
+        compute=compute,
+        thing="the comparison at equal false alarms",
+        doing="comparing",
+        most=4,
+    )
+    companions, is_missing = computation.draw(is_quick=len(result.dataset.boxes) <= QUICK_BOXES)
+    if is_missing:
+        computation.start()
+        computation.draw(is_quick=False)
+    return companions
