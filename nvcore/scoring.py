@@ -250,8 +250,8 @@ def score_system(
     events = get(
         "events",
         lambda: find_events(
-            *(truth, k_truth.k, nearest.truth, distances, tracks.track),
-            *(encounters, frames, edge_weight, params),
+            *(truth, k_truth.k, nearest.truth, distances.d_miss, salient_row),
+            *(tracks.track, encounters, frames, edge_weight, params),
         ),
         EVENTS,
     )
@@ -262,7 +262,7 @@ def score_system(
     )
     failures = get(
         "failures",
-        lambda: weigh_failures(encounters, k_truth.k, cost, matches.is_matched, frames),
+        lambda: weigh_failures(truth, encounters, k_truth.k, cost, matches.is_matched, frames),
         SEVERITY,
     )
     return SystemResult(

@@ -56,7 +56,7 @@ def _miss_class(kind: MissClass) -> Measure:
 ENCOUNTER_MEASURES: Final[tuple[Measure, ...]] = (
     Measure(
         key="saliency",
-        label="saliency, {aggregate}, mean over recordings (s)",
+        label="saliency, mean {aggregate} (s)",
         form=".3f",
         better=LOWER,
         of=lambda _, system: system.saliency_s,

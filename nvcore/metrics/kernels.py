@@ -250,6 +250,16 @@ def maximum_frames(lo, hi, offsets, x, w, k, near, member, edge_weight, recordin
 
 
 @compiled
+def cost_frames(lo, hi, offsets, x, w, k, edge_weight, recording, width, cost):
+    """What missing each box would cost: its weight times its border over half the width."""
+    for f in range(lo, hi):
+        W, rho = width[recording[f]], edge_weight[recording[f]]
+        for i in range(offsets[f], offsets[f + 1]):
+            c = centre(x[i], w[i], W)
+            cost[i] = k[i] * (rho * 0.5 * W + (1.0 - rho) * min(c, W - c)) / (0.5 * W)
+
+
+@compiled
 def encounter_frames(
     lo,
     hi,
@@ -310,32 +320,37 @@ def encounter_frames(
 
 
 @compiled
-def severity_frames(
-    lo, hi, offsets, order, frame_index, gap, k, cost, matched, severity, worst, worst_frame
-):
+def severity_frames(offsets, encounter_of, gap, k, cost, matched, severity, worst, worst_frame):
     """What each encounter's missed relevant frames cost one system, in frames.
 
     Writes the sum of cost and time step, the largest cost and its first frame row (-1: nothing was
-    missed). Rows as in `encounter_frames`; of the rows of one frame the largest cost counts.
+    missed); `severity` and `worst` are 0 before. All frames in one pass, in order of memory: an
+    encounter's frame is added when its next one comes, since a track id may be given twice in a
+    frame. Of the boxes of one frame the largest cost counts.
     """
-    for e in range(lo, hi):
-        total, most, at = 0.0, 0.0, -1
-        i, stop = offsets[e], offsets[e + 1]
-        while i < stop:
-            f = frame_index[i]
-            lost, is_matched = 0.0, False
-            while i < stop and frame_index[i] == f:
-                row = order[i]
-                if k[row] >= 0.5:
-                    lost = max(lost, cost[row])
-                    is_matched = is_matched or matched[row]
-                i += 1
-            if is_matched or lost == 0.0:
+    n = severity.size
+    frame, lost = np.full(n, -1, np.int64), np.zeros(n)
+    for e in range(n):
+        worst_frame[e] = -1
+    for f in range(offsets.size - 1):
+        for i in range(offsets[f], offsets[f + 1]):
+            e = encounter_of[i]
+            if e < 0 or k[i] < 0.5:
                 continue
-            total += lost * gap[f]
-            if lost > most:
-                most, at = lost, f
-        severity[e], worst[e], worst_frame[e] = total, most, at
+            paid = -1.0 if matched[i] else cost[i]  # -1: matched by one of the boxes
+            if frame[e] == f:
+                lost[e] = -1.0 if min(paid, lost[e]) < 0.0 else max(paid, lost[e])
+                continue
+            if lost[e] > 0.0:
+                severity[e] += lost[e] * gap[frame[e]]
+                if lost[e] > worst[e]:
+                    worst[e], worst_frame[e] = lost[e], frame[e]
+            frame[e], lost[e] = f, paid
+    for e in range(n):
+        if lost[e] > 0.0:
+            severity[e] += lost[e] * gap[frame[e]]
+            if lost[e] > worst[e]:
+                worst[e], worst_frame[e] = lost[e], frame[e]
 
 
 @compiled

@@ -92,7 +92,8 @@ def find_events(
     truth: BoxColumns,
     k_truth: np.ndarray,
     nearest_truth: np.ndarray,
-    distances: SetDistances,
+    d_miss: np.ndarray,
+    salient_row: np.ndarray,
     track: np.ndarray,
     encounters: Encounters,
     frames: FrameColumns,
@@ -111,8 +112,8 @@ def find_events(
     k_truth, nearest_truth, track
         Of each truth row: proximity weight, distance to the system's detections (px), track;
         shape (n_truth,).
-    distances
-        Of the same system.
+    d_miss, salient_row
+        D(G, S) of each frame, px, and who qualifies (`qualify`); shape (n_frames,).
     edge_weight
         Of each recording; float64, shape (n_recordings,).
 
@@ -132,9 +133,8 @@ def find_events(
         boxes = qualify_each(truth, terms, encounters, frames, tolerance=params.tolerance)
         rows, effect = truth.frame_index[boxes], terms[boxes]
     else:
-        salient_row = qualify(distances, frames, tolerance=params.tolerance)
         rows = np.flatnonzero(salient_row >= 0)
-        boxes, effect = salient_row[rows], distances.d_miss[rows]
+        boxes, effect = salient_row[rows], d_miss[rows]
     encounter = encounters.encounter_of[boxes]
     # an encounter lies in one recording: a run that ends with the recording changes it too
     goes_on = (rows[1:] == rows[:-1] + 1) & (encounter[1:] == encounter[:-1])

@@ -7,8 +7,7 @@ import pandas as pd
 
 from nvcore.columns import BoxColumns, FrameColumns
 from nvcore.metrics.encounters import Encounters
-from nvcore.metrics.kernels import over_ranges, severity_frames
-from nvcore.metrics.similarity import border_of
+from nvcore.metrics.kernels import cost_frames, over_ranges, severity_frames
 
 
 def cost_of_miss(
@@ -27,13 +26,18 @@ def cost_of_miss(
     edge_weight
         Of each recording, 0 urban to 1 rural; float64, shape (n_recordings,).
     """
-    cost = border_of(truth, frames, edge_weight)
-    cost *= k_truth
-    cost /= 0.5 * frames.width[frames.recording[truth.frame_index]]
+    cost = np.empty(len(truth))
+    over_ranges(
+        cost_frames,
+        len(frames),
+        *(truth.offsets, truth.x, truth.w, k_truth, edge_weight),
+        *(frames.recording, frames.width, cost),
+    )
     return cost
 
 
 def weigh_failures(
+    truth: BoxColumns,
     encounters: Encounters,
     k_truth: np.ndarray,
     cost: np.ndarray,
@@ -57,12 +61,10 @@ def weigh_failures(
     encounter: 0, 0 and -1.
     """
     n = len(encounters)
-    severity, peak, peak_row = np.empty(n), np.empty(n), np.empty(n, np.int64)
-    over_ranges(
-        severity_frames,
-        n,
-        *(encounters.offsets, encounters.order, encounters.frame_index),
-        *(frames.gap, k_truth, cost, is_matched, severity, peak, peak_row),
+    severity, peak, peak_row = np.zeros(n), np.zeros(n), np.empty(n, np.int64)
+    severity_frames(
+        *(truth.offsets, encounters.encounter_of, frames.gap, k_truth, cost, is_matched),
+        *(severity, peak, peak_row),
     )
     return pd.DataFrame(
         {

@@ -13,7 +13,7 @@ from nvcore.comparison import Result
 from nvcore.metrics.encounters import judge_encounters
 from nvcore.metrics.matching import Matches, match_system
 from nvcore.metrics.proximity import in_use, weigh_proximity
-from nvcore.metrics.saliency import find_events, mean_saliency
+from nvcore.metrics.saliency import find_events, mean_saliency, qualify
 from nvcore.metrics.similarity import Nearest, SetDistances, measure_sets
 from nvcore.params import Params, settings_for
 from nvcore.params.metadata import ENCOUNTERS, MATCH, PROXIMITY, SALIENCY, SIMILARITY, Stage
@@ -242,8 +242,10 @@ def _saliency(
     params: Params,
 ) -> float:
     frames = result.dataset.frame_columns
+    salient_row = qualify(distances, frames, tolerance=params.tolerance)
     events = find_events(
-        *(result.dataset.truth, k_truth, nearest.truth, distances, result.tracks.track),
-        *(result.encounters, frames, in_use(params, "edge_weight", frames), params),
+        *(result.dataset.truth, k_truth, nearest.truth, distances.d_miss, salient_row),
+        *(result.tracks.track, result.encounters, frames),
+        *(in_use(params, "edge_weight", frames), params),
     )
     return mean_saliency(events, frames, aggregate=params.saliency_aggregate)

@@ -117,10 +117,10 @@ def test_saliency_of_several_recordings_stands_as_their_mean_as_well():
     result = result_of(dataset)
     lines = render_scorecard(result).splitlines()
     assert lines[2].startswith("2 recordings, 40 frames, 4.0 s")
-    mean = cells(lines, "saliency, largest event, mean over recordings (s)")
+    mean = cells(lines, "saliency, mean largest event (s)")
     assert mean[1] == f"{result.y.saliency_s:.3f}"
     assert cells(lines, "largest event of all (s)")[1] == f"{2 * result.y.saliency_s:.3f}"
-    assert "saliency, sum of events" in render_scorecard(
+    assert "saliency, mean sum of events" in render_scorecard(
         result_of(dataset, saliency_aggregate="sum")
     )
 
