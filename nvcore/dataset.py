@@ -234,13 +234,17 @@ def dataset_from_tables(
     if len(key) > 1 and np.any(np.diff(key) < 0):
         table = table.iloc[np.argsort(key, kind="stable")].reset_index(drop=True)
     if fingerprint is None:
-        fingerprint = tables_fingerprint([without_empty_tags(recordings), frames, table], systems)
+        fingerprint = tables_fingerprint([what_is_stated(recordings), frames, table], systems)
     return Dataset(recordings, frames, table, tuple(systems), fingerprint, **other_fields)  # type: ignore[arg-type]
 
 
-def without_empty_tags(recordings: pd.DataFrame) -> pd.DataFrame:
-    """The recordings as a fingerprint includes them: without the tags if all are empty."""
-    return recordings if any(recordings["tags"]) else recordings.drop(columns="tags")
+def what_is_stated(recordings: pd.DataFrame) -> pd.DataFrame:
+    """The recordings as a fingerprint includes them: without tags or context if none has any.
+
+    So data that state neither keep the fingerprint of before there were such columns.
+    """
+    is_empty = {"tags": not any(recordings["tags"]), "context": recordings["context"].isna().all()}
+    return recordings.drop(columns=[name for name, empty in is_empty.items() if empty])
 
 
 def tables_fingerprint(tables: Iterable[pd.DataFrame], systems: Sequence[str]) -> str:

@@ -33,6 +33,7 @@ def compare(
     size: tuple[int, int] | None = None,
     fps: float | None = None,
     frames: str | range | None = None,
+    recordings: PathLike | None = None,
     name_x: str | None = None,
     name_y: str | None = None,
     protocol: str | Protocol | None = None,
@@ -47,7 +48,7 @@ def compare(
     ----------
     source
         A session file, a session, or a dataset made by `load`.
-    truth, x, y, size, fps, frames, name_x, name_y, protocol
+    truth, x, y, size, fps, frames, recordings, name_x, name_y, protocol
         See `load`.
     params
         Settings by name, such as ``alpha=0.8`` or ``threshold_x=0.5``: see `nvcore.Params`. A
@@ -66,7 +67,8 @@ def compare(
     >>> print(result)  # doctest: +SKIP
     >>> result = compare(truth=truth, x=x, y=y, size=(1280, 720), fps=30)  # doctest: +SKIP
     """
-    inputs = {"truth": truth, "x": x, "y": y, "size": size, "fps": fps, "frames": frames}
+    facts = {"size": size, "fps": fps, "frames": frames, "recordings": recordings}
+    inputs = {"truth": truth, "x": x, "y": y, **facts}
     dataset = _dataset(source, inputs, name_x, name_y, protocol)
     return Comparison(comparison.compare(with_params(dataset, params)))
 
@@ -81,6 +83,7 @@ def audit(
     size: tuple[int, int] | None = None,
     fps: float | None = None,
     frames: str | range | None = None,
+    recordings: PathLike | None = None,
     name_x: str | None = None,
     name_y: str | None = None,
     **params: float | str | None,
@@ -89,7 +92,7 @@ def audit(
 
     Parameters
     ----------
-    source, truth, x, y, size, fps, frames, name_x, name_y, params
+    source, truth, x, y, size, fps, frames, recordings, name_x, name_y, params
         See `compare`. One system is enough.
 
     Raises
@@ -104,7 +107,8 @@ def audit(
     >>> for finding in audit("sample_data/session.toml"):  # doctest: +SKIP
     ...     print(finding.severity, finding.subject, finding.message)
     """
-    inputs = {"truth": truth, "x": x, "y": y, "size": size, "fps": fps, "frames": frames}
+    facts = {"size": size, "fps": fps, "frames": frames, "recordings": recordings}
+    inputs = {"truth": truth, "x": x, "y": y, **facts}
     dataset = _dataset(source, inputs, name_x, name_y, None)
     return audit_dataset(with_params(dataset, params))
 

@@ -12,7 +12,15 @@ import pandas as pd
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError, MissingFactError
 from nvcore.inputs.load import load as load_session
-from nvcore.inputs.session import Session, Source, SystemSource, is_frame_range, override_recordings
+from nvcore.inputs.recordings_file import with_recordings_file
+from nvcore.inputs.session import (
+    RecordingsFile,
+    Session,
+    Source,
+    SystemSource,
+    is_frame_range,
+    override_recordings,
+)
 from nvcore.inputs.session_toml import read_session
 from nvcore.params import params_from
 from nvcore.protocols import Protocol, protocol_from
@@ -42,6 +50,7 @@ def load(
     size: tuple[int, int] | None = None,
     fps: float | None = None,
     frames: str | range | None = None,
+    recordings: PathLike | None = None,
     name_x: str | None = None,
     name_y: str | None = None,
     protocol: str | Protocol | None = None,
@@ -64,6 +73,9 @@ def load(
     frames
         Evaluated frames: a range, ``"first:last[:step]"``, or a file with one number a line; None:
         likewise.
+    recordings
+        A CSV file with a line for each recording: its size, frame rate, traffic context, tags and
+        pictures (docs/formats.md); None: what the session names. `size` and `fps` go before it.
     name_x, name_y
         Names of X and Y; with a session: which of its systems they are.
     protocol
@@ -97,6 +109,10 @@ def load(
         name_x = name_y = None  # they are named so already
     else:
         session = source if isinstance(source, Session) else read_session(Path(source))
+    if recordings is not None:
+        table = RecordingsFile(str(Path.cwd() / recordings))
+        session = replace(session, recordings_file=table)
+    session = with_recordings_file(session, goes_first=recordings is not None)
     session = override_recordings(session, size=size, fps=fps, frames=_frames(frames))
     session = with_choices(session, name_x, name_y, protocol)
     try:

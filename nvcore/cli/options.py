@@ -193,6 +193,13 @@ def input_options(command: Callable[..., Any]) -> Callable[..., Any]:
         ),
         grouped_option(
             FACTS,
+            "--recordings",
+            metavar="FILE",
+            help="CSV file with a line for each recording: recording,width,height,fps,context,tags,"
+            "pictures (docs/formats.md). --size and --fps go before it.",
+        ),
+        grouped_option(
+            FACTS,
             "--frames",
             metavar="FILE|F:L[:S]",
             help="Evaluated frames: first:last[:step], or a file with a number a line. "

@@ -10,6 +10,7 @@ import click
 
 from nvcore.cli.options import flag_of
 from nvcore.inputs.session import (
+    RecordingsFile,
     Session,
     Source,
     SystemSource,
@@ -67,15 +68,31 @@ def session_from(options: dict[str, Any], *, needs_y: bool) -> Session:
         for letter in "xy"
         if options[f"{letter}_paths"]
     ]
-    return Session(
+    session = Session(
         folder=Path.cwd(),
         truth=truth,
         systems=tuple(systems),
+        params=params_from(given),
+        protocol=PROTOCOLS[options.get("protocol") or "all"],
+    )
+    return _with_facts(session, options)
+
+
+def _with_facts(session: Session, options: dict[str, Any]) -> Session:
+    """The session with what the flags say of its recordings, before what files say of them."""
+    from nvcore.inputs.recordings_file import with_recordings_file
+
+    path = options["recordings"]
+    if path is not None:
+        is_here = session.folder == Path.cwd()
+        table = RecordingsFile(path if is_here else str(Path.cwd() / path))
+        session = replace(session, recordings_file=table)
+    session = with_recordings_file(session, goes_first=path is not None)
+    return override_recordings(
+        session,
         size=size_option(options),
         fps=options["fps"],
         frames=None if options["frames"] is None else _frames(options["frames"]),
-        params=params_from(given),
-        protocol=PROTOCOLS[options.get("protocol") or "all"],
     )
 
 
@@ -89,13 +106,7 @@ def _from_file(options: dict[str, Any], given: dict[str, Any]) -> Session:
                 f"{flag} is for files named by flags; in a session file write it under [truth] "
                 "or [[system]]"
             )
-    # a flag goes before what the file says, of single recordings, too
-    session = override_recordings(
-        read_session(options["session_file"]),
-        size=size_option(options),
-        fps=options["fps"],
-        frames=None if options["frames"] is None else _frames(options["frames"]),
-    )
+    session = _with_facts(read_session(options["session_file"]), options)
     protocol = options.get("protocol")
     session = replace(
         session,

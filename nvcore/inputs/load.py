@@ -15,7 +15,7 @@ from nvcore.dataset import (
     Dataset,
     dataset_from_tables,
     tables_fingerprint,
-    without_empty_tags,
+    what_is_stated,
 )
 from nvcore.errors import MissingFactError
 from nvcore.findings import Finding
@@ -32,7 +32,13 @@ from nvcore.inputs.readers.base import (
 )
 from nvcore.inputs.readers.table import FORMAT as TABLE
 from nvcore.inputs.readers.table import read_table, table_as_file
-from nvcore.inputs.recordings import NO_BOX, contradicted_facts, describe_recordings
+from nvcore.inputs.recordings import (
+    NO_BOX,
+    check_listed,
+    contradicted_facts,
+    describe_recordings,
+)
+from nvcore.inputs.recordings_file import with_recordings_file
 from nvcore.inputs.session import Session, Source, SystemSource
 from nvcore.progress import Progress, no_progress
 
@@ -72,6 +78,7 @@ def load(
     MissingFactError
         If image size, frame rate or truth are needed and unknown; with the flag to give.
     """
+    session = with_recordings_file(session)
     n_steps = 2 + len(session.systems)
     progress(0.0, "reading the ground truth")
     tables = tables or {}
@@ -225,6 +232,7 @@ def _corrected(system: _Loaded, source: SystemSource) -> _Loaded:
 def _place(session: Session, loaded: list[_Loaded]) -> Dataset:
     """The dataset of all sources, every box in its frame."""
     truth = loaded[0].reading
+    check_listed(session, truth)
     recordings = describe_recordings(session, truth)
     frames, notes = _frames(session, truth, recordings)
     keep = [i for i, listed in enumerate(frames) if len(listed)]
@@ -373,7 +381,7 @@ def _fingerprint(
         settings = {**asdict(source), "path": None, "format": item.format.name}
         settings |= {"threshold": None, "name": None}
         digest_.update(f"{item.subject}\n{item.digests}\n{settings}\n".encode())
-    digest_.update(without_empty_tags(recordings).to_csv(index=False).encode())
+    digest_.update(what_is_stated(recordings).to_csv(index=False).encode())
     for listed in frames:
         digest_.update(listed.astype(np.int64).tobytes())
     return digest_.hexdigest()

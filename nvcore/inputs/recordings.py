@@ -11,7 +11,10 @@ from nvcore.errors import InputError, MissingFactError
 from nvcore.findings import Finding
 from nvcore.inputs.readers.base import Reading, warning
 from nvcore.inputs.session import Session
+from nvcore.wording import did_you_mean
 
+MOST_NAMED: Final = 5
+"""Recordings that are named in an error."""
 NO_BOX: Final = (
     "no frame is evaluated: the ground truth holds no box (only a header, or other classes?). "
     "Check that it is the right file and --classes; if there is no pedestrian in it, give the "
@@ -45,8 +48,40 @@ def contradicted_facts(truth: Reading, recordings: pd.DataFrame) -> list[Finding
     return findings
 
 
+def check_listed(session: Session, truth: Reading) -> None:
+    """Refuse a table of recordings that names one of which nothing else is known.
+
+    Raises
+    ------
+    InputError
+        With the line.
+    """
+    table = session.recordings_file
+    if table is None or table.line_of is None or session.frames is not None:
+        return
+    names = truth.recordings["name"].tolist()
+    entries = session.entries(names)
+    for name, line in table.line_of.items():
+        if name in entries and name not in names and entries[name].frames is None:
+            known = f"its recordings are {', '.join(names[:MOST_NAMED])}"
+            more = f" and {len(names) - MOST_NAMED:,} more" if len(names) > MOST_NAMED else ""
+            hint = did_you_mean(name, names, known + more)
+            raise InputError(
+                f"there is no recording {name!r} in the ground truth; {hint}. One without "
+                "pedestrians needs its evaluated frames, as frames in a session file",
+                file=table.path,
+                line=line,
+            )
+
+
 def describe_recordings(session: Session, truth: Reading) -> pd.DataFrame:
-    """Name, width, height, fps, horizon, tags of recordings; what is unknown is an error."""
+    """Name, width, height, fps, horizon, context, tags of recordings.
+
+    Raises
+    ------
+    MissingFactError
+        If a size or a frame rate is unknown.
+    """
     table = truth.recordings.copy()
     entries = session.entries(table["name"].tolist())
     known = set(table["name"])
@@ -56,10 +91,10 @@ def describe_recordings(session: Session, truth: Reading) -> pd.DataFrame:
         table = pd.concat([table, extra], ignore_index=True)
     if table.empty:
         raise InputError(NO_BOX, file=session.truth.path[0])
-    table["horizon"] = np.nan
+    table = table.assign(horizon=np.nan, context=np.nan)
     for row, name in enumerate(table["name"]):  # a loop over recordings: at most hundreds
         entry = entries.get(name)
-        for column in ("width", "height", "fps", "horizon"):
+        for column in ("width", "height", "fps", "horizon", "context"):
             value = None if entry is None else getattr(entry, column)
             if value is not None:
                 table.loc[row, column] = value

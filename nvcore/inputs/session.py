@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from nvcore.errors import SessionError
 from nvcore.settings import Settings
+from nvcore.traffic import parse_context
 
 if TYPE_CHECKING:
     from nvcore.inputs.readers.base import Role
@@ -27,7 +28,8 @@ class RecordingEntry:
     """A ``[[recording]]`` of a session; None: as in the data.
 
     `pictures` is a video, a folder or an archive, `first_picture` the number of the frame that
-    its first picture shows. `tags` are words by which recordings can be chosen, such as "night".
+    its first picture shows. `context` is that of the traffic, from 0 (urban) to 1 (rural). `tags`
+    are words by which recordings can be chosen, such as "night".
     """
 
     name: str
@@ -39,6 +41,7 @@ class RecordingEntry:
     pictures: str | None = None
     first_picture: int | None = None
     tags: tuple[str, ...] = ()
+    context: float | None = None
 
     def __post_init__(self) -> None:
         if not self.name:
@@ -46,6 +49,11 @@ class RecordingEntry:
         for name in ("width", "height", "fps"):
             _positive(name, getattr(self, name))
         _finite("horizon", self.horizon)
+        if self.context is not None:
+            try:
+                parse_context(self.context)
+            except ValueError as error:
+                raise SessionError(f"context: {error}") from error
         if self.first_picture is not None and abs(self.first_picture) > _MAX_FRAME:
             raise SessionError(
                 f"first_picture: expected a frame number, found {self.first_picture}"
@@ -54,6 +62,27 @@ class RecordingEntry:
         _can_be_a_path("pictures", self.pictures)
         if not all(tag.strip() for tag in self.tags) or len(set(self.tags)) < len(self.tags):
             raise SessionError(f"tags: expected different words, found {list(self.tags)}")
+
+
+@dataclass(frozen=True)
+class RecordingsFile:
+    """A table of the recordings (`nvcore.inputs.recordings_file`).
+
+    Attributes
+    ----------
+    path
+        The CSV file.
+    line_of
+        Line of each recording, by its name; None: the file has not been read.
+    """
+
+    path: str
+    line_of: Mapping[str, int] | None = None
+
+    def __post_init__(self) -> None:
+        if not self.path:
+            raise SessionError("path: expected a file, found nothing")
+        _can_be_a_path("path", self.path)
 
 
 @dataclass(frozen=True)
@@ -144,6 +173,8 @@ class Session(Settings):
         The inputs.
     recordings
         Facts by recording.
+    recordings_file
+        A table with more of them; once it has been read they are in `recordings`.
     size, fps, frames
         Facts for all recordings: (width, height) px, frames per second, frame list.
     hashes
@@ -157,6 +188,7 @@ class Session(Settings):
     truth: Source
     systems: tuple[SystemSource, ...]
     recordings: tuple[RecordingEntry, ...] = ()
+    recordings_file: RecordingsFile | None = None
     size: tuple[int, int] | None = None
     fps: float | None = None
     frames: str | None = None
@@ -171,7 +203,9 @@ class Session(Settings):
                 raise SessionError(f"expected one [[recording]] named {name!r}, found several")
 
     def paths(self) -> Iterator[str]:
-        """What it names of files: inputs, frame lists, pictures, as they are written."""
+        """What it names of files still to be read, as they are written."""
+        if self.recordings_file is not None and self.has_unread_recordings:
+            yield self.recordings_file.path
         for source in (self.truth, *self.systems):
             yield from source.path
         for frames in (self.frames, *(recording.frames for recording in self.recordings)):
@@ -180,6 +214,11 @@ class Session(Settings):
         yield from (
             recording.pictures for recording in self.recordings if recording.pictures is not None
         )
+
+    @property
+    def has_unread_recordings(self) -> bool:
+        """Whether it names a table of recordings that has not been read."""
+        return self.recordings_file is not None and self.recordings_file.line_of is None
 
     @property
     def thresholds(self) -> tuple[float | None, ...]:
@@ -192,7 +231,11 @@ class Session(Settings):
         return (self.truth, "truth"), *((system, "detections") for system in self.systems)
 
     def with_paths(self, rename: Callable[[str], str], *, folder: Path) -> Session:
-        """The session in another folder, each of its paths renamed; ranges of frames stay."""
+        """The session in another folder, each of its paths renamed; ranges of frames stay.
+
+        A table of recordings that was read is no longer named: `recordings` hold it.
+        """
+        table = self.recordings_file if self.has_unread_recordings else None
 
         def of_frames(frames: str | None) -> str | None:
             return frames if frames is None or is_frame_range(frames) else rename(frames)
@@ -212,6 +255,7 @@ class Session(Settings):
                 )
                 for entry in self.recordings
             ),
+            recordings_file=None if table is None else RecordingsFile(rename(table.path)),
             frames=of_frames(self.frames),
         )
 

@@ -7,9 +7,13 @@
     fps = 20
     frames = "0:299:1"       first:last[:step], or a file with one number a line
     horizon = 236.0
+    context = "urban"        of the traffic: "urban", "rural", or a number from 0 to 1
     pictures = "urban_01.mp4" a video, a folder, or an archive
     first_picture = 0        number of the frame that the first picture shows
     tags = ["night", "rain"] words by which recordings can be chosen
+
+    [recordings]             the same as a table (see nvcore.inputs.recordings_file)
+    path = "recordings.csv"
 
     [defaults]               the same facts for all recordings: size, fps, frames
     size = "640x480"
@@ -73,6 +77,7 @@ import tomli_w
 from nvcore.errors import ParameterError, SessionError
 from nvcore.inputs.session import (
     RecordingEntry,
+    RecordingsFile,
     Session,
     Source,
     SystemSource,
@@ -80,15 +85,27 @@ from nvcore.inputs.session import (
 )
 from nvcore.params import params_from
 from nvcore.protocols import protocol_from
+from nvcore.traffic import context_word, parse_context
 from nvcore.wording import did_you_mean
 
 _T = TypeVar("_T")
 
 _TABLES: Final = frozenset(
-    {"recording", "defaults", "truth", "system", "compare", "parameters", "protocol", "written"}
+    {
+        "recording",
+        "recordings",
+        "defaults",
+        "truth",
+        "system",
+        "compare",
+        "parameters",
+        "protocol",
+        "written",
+    }
 )
 _DEFAULTS: Final = {"size": str, "fps": float, "frames": str}
 _COMPARE: Final = {"x": str, "y": str}
+_RECORDINGS: Final = {"path": str}
 _WORDS: Final = {
     str: "a text",
     int: "a whole number",
@@ -153,10 +170,7 @@ class _Decoder:
             self.source(SystemSource, table, "[[system]]")
             for table in self.tables(content, "system")
         ]
-        recordings = [
-            self.decode(RecordingEntry, table, "[[recording]]")
-            for table in self.tables(content, "recording")
-        ]
+        recordings = [self.recording(table) for table in self.tables(content, "recording")]
         defaults = self.values(_DEFAULTS, self.table(content, "defaults"), "[defaults]")
         with self.errors_in("[defaults]"):
             defaults |= {"size": parse_size(defaults["size"])} if "size" in defaults else {}
@@ -174,12 +188,30 @@ class _Decoder:
                 truth=truth,
                 systems=tuple(systems),
                 recordings=tuple(recordings),
+                recordings_file=self.recordings_file(content),
                 params=params,
                 protocol=protocol,
                 hashes=hashes,
                 **defaults,
                 **compare,
             )
+
+    def recording(self, table: dict[str, Any]) -> RecordingEntry:
+        """A recording; its traffic context may be a word."""
+        if "context" in table:
+            with self.errors_in("[[recording]]: context"):
+                table = {**table, "context": parse_context(table["context"])}
+        return self.decode(RecordingEntry, table, "[[recording]]")
+
+    def recordings_file(self, content: dict[str, Any]) -> RecordingsFile | None:
+        """The table of recordings that the session names, if it does."""
+        if "recordings" not in content:
+            return None
+        values = self.values(_RECORDINGS, self.table(content, "recordings"), "[recordings]")
+        if not values:
+            raise self.fail("[recordings]: expected a path")
+        with self.errors_in("[recordings]"):
+            return RecordingsFile(**values)
 
     def source(self, kind: type[_T], table: dict[str, Any], where: str) -> _T:
         """A source; a single path or scale counts as a list of one."""
@@ -256,6 +288,7 @@ def write_session(session: Session, *, version: str, fingerprint: str) -> str:
     """
     folder = session.folder
     session = session.with_paths(lambda path: _absolute(path, folder), folder=folder)
+    table = session.recordings_file
     defaults = {
         "size": None if session.size is None else f"{session.size[0]}x{session.size[1]}",
         "fps": session.fps,
@@ -270,12 +303,11 @@ def write_session(session: Session, *, version: str, fingerprint: str) -> str:
         "compare": _given({"x": session.x, "y": session.y}),
         "parameters": session.params.given(),
         "protocol": session.protocol.given(),
+        "recordings": {} if table is None else {"path": table.path},
         "defaults": _given(defaults),
         "truth": _source_table(session.truth),
     }
-    recordings = [
-        _given({**vars(entry), "tags": list(entry.tags) or None}) for entry in session.recordings
-    ]
+    recordings = [_recording_table(entry) for entry in session.recordings]
     systems = [
         {
             **_given({"name": system.name}),
@@ -290,6 +322,11 @@ def write_session(session: Session, *, version: str, fingerprint: str) -> str:
     parts += [f"[[recording]]\n{tomli_w.dumps(table)}" for table in recordings]
     parts += [f"[[system]]\n{tomli_w.dumps(table)}" for table in systems]
     return "\n".join(parts)
+
+
+def _recording_table(entry: RecordingEntry) -> dict[str, Any]:
+    context = None if entry.context is None else context_word(entry.context)
+    return _given({**vars(entry), "context": context, "tags": list(entry.tags) or None})
 
 
 def _given(values: dict[str, Any]) -> dict[str, Any]:

@@ -44,6 +44,8 @@ def files_read(session: Session) -> Iterator[Path]:
     for frames in (session.frames, *(facts.frames for facts in session.recordings)):
         if frames is not None and not is_frame_range(frames):
             yield session.folder / frames
+    if session.recordings_file is not None:
+        yield session.folder / session.recordings_file.path
     for facts in session.recordings:
         if facts.pictures is not None:
             yield session.folder / facts.pictures

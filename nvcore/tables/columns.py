@@ -289,6 +289,13 @@ _RECORDINGS = (
     Column("width", _NUMBER, "px", "Width of the picture."),
     Column("height", _NUMBER, "px", "Height of the picture."),
     Column("fps", _NUMBER, "frames/s", "Frame rate."),
+    Column(
+        "context",
+        _NUMBER,
+        _SHARE,
+        "Traffic context: 0 urban, 1 rural. Used unless `edge_weight` has a value.",
+        empty="not stated: as 0",
+    ),
     Column("n_frames", _INTEGER, "frames", "Evaluated frames."),
     Column("duration_s", _NUMBER, "s", "Sum of their time steps."),
     Column("n_truth", _INTEGER, "boxes", "Annotated pedestrians, ignore regions left out."),

@@ -175,6 +175,7 @@ def recordings_table(result: Result) -> pd.DataFrame:
         "width": dataset.recordings["width"],
         "height": dataset.recordings["height"],
         "fps": dataset.recordings["fps"],
+        "context": dataset.recordings["context"],
         "n_frames": np.diff(frames.first),
         "duration_s": duration_of_recordings(result),
         "n_truth": per_recording(result, result.n_truth, frames.recording).astype(np.int64),

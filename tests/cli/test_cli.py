@@ -138,7 +138,7 @@ def test_size_fps_and_frames_by_flag_go_before_the_session(folder: Path, tmp_pat
            "--out", tmp_path / "a")  # fmt: skip
     lines = contents(tmp_path / "a")["recordings.csv"].decode().splitlines()
     assert [line.split(",")[:5] for line in lines[1:]] == [
-        ["urban", "1280", "960", "10", "4"], ["rural", "1280", "960", "10", "4"],
+        ["urban", "1280", "960", "10", ""], ["rural", "1280", "960", "10", ""],
     ]  # fmt: skip
 
 

@@ -9,7 +9,7 @@ import pytest
 from builders import make_dataset
 from inputs import drive, session_of, write
 
-from nvcore.dataset import dataset_from_tables
+from nvcore.dataset import dataset_from_tables, tables_fingerprint
 from nvcore.inputs.load import load
 from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource
 from nvcore.params import Params
@@ -43,6 +43,7 @@ def test_the_fingerprint_changes_with_one_byte_of_the_input(tmp_path: Path):
         {"systems": (SystemSource(("fir.csv",), scale=(1, 2)), SystemSource(("nir.csv",)))},
         {"recordings": (RecordingEntry("urban", horizon=200.0),)},
         {"recordings": (RecordingEntry("urban", tags=("night",)),)},
+        {"recordings": (RecordingEntry("urban", context=0.0),)},
     ],
 )
 def test_the_fingerprint_changes_with_every_setting_of_the_reading(tmp_path: Path, change: dict):
@@ -61,12 +62,16 @@ def test_the_fingerprint_does_not_change_with_live_parameters_and_without_tags(t
     assert fingerprint(changed) == fingerprint(session)
 
 
-def test_tables_without_tags_have_none_and_keep_their_fingerprint():
+def test_tables_without_tags_and_context_have_none_and_keep_their_fingerprint():
     dataset = make_dataset(n_frames=2)
     assert dataset.recordings["tags"].tolist() == [()]
+    assert dataset.recordings["context"].isna().all()
     frames = [dataset.frames["frame"].to_numpy()]
     again = dataset_from_tables(dataset.recordings, frames, dataset.boxes, dataset.systems)
     assert again.fingerprint == dataset.fingerprint
+    before = dataset.recordings.drop(columns=["tags", "context"])  # as there were no such columns
+    tables = [before, dataset.frames, dataset.boxes]
+    assert tables_fingerprint(tables, dataset.systems) == dataset.fingerprint
 
 
 def test_a_changed_input_is_a_finding(tmp_path: Path):

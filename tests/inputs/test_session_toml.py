@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from inputs import write
 
 from nvcore.errors import SessionError
-from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource
+from nvcore.inputs.session import RecordingEntry, RecordingsFile, Session, Source, SystemSource
 from nvcore.inputs.session_toml import read_session, write_session
 from nvcore.params import Params
 from nvcore.protocols import OWN, PROTOCOLS, Protocol
@@ -32,9 +32,10 @@ FULL = Session(
     ),
     recordings=(
         RecordingEntry(
-            "urban", 640.0, 480.0, 20.0, "frames.txt", 236.5, "urban.mp4", 3, ("night", "wet road")
+            "urban", 640.0, 480.0, 20.0, "frames.txt", 236.5, "urban.mp4", 3, ("night", "wet road"),
+            0.25,
         ),
-        RecordingEntry("rural", frames="0:299:20"),
+        RecordingEntry("rural", frames="0:299:20", context=1.0),
     ),
     size=(1280, 960),
     fps=12.5,
@@ -262,3 +263,53 @@ def test_the_paths_of_a_session_are_inputs_frame_lists_and_pictures():
         Path(), Source(("t.csv",)), (SystemSource(("x.csv", "y/*.csv")),), (facts,), frames="0:9"
     )
     assert list(session.paths()) == ["t.csv", "x.csv", "y/*.csv", "a.txt", "a.mp4"]
+
+
+@pytest.mark.parametrize(
+    ("text", "context"), [('"urban"', 0.0), ('"Rural"', 1.0), ("0.3", 0.3), ("1", 1.0)]
+)
+def test_the_traffic_context_of_a_recording_is_a_word_or_a_number(
+    tmp_path: Path, text: str, context: float
+):
+    session = read(tmp_path, f'[[recording]]\nname = "a"\ncontext = {text}', *MINIMAL)
+    assert session.recordings == (RecordingEntry("a", context=context),)
+    assert written(session, tmp_path).recordings == session.recordings
+
+
+@pytest.mark.parametrize("text", ['"suburban"', "1.1", "-0.1", "nan", "true", "[0.5]"])
+def test_another_traffic_context_is_refused_with_file_and_key(tmp_path: Path, text: str):
+    words = (
+        r"session.toml: \[\[recording\]\]: context: expected urban, rural or a number from 0 to 1"
+    )
+    with pytest.raises(SessionError, match=words):
+        read(tmp_path, f'[[recording]]\nname = "a"\ncontext = {text}', *MINIMAL)
+    with pytest.raises(SessionError, match="context: expected urban"):
+        RecordingEntry("a", context=1.5)
+
+
+def test_the_ends_of_the_traffic_context_are_written_as_words():
+    session = replace(FULL, recordings=(RecordingEntry("a", context=1.0),))
+    assert 'context = "rural"' in write_session(session, version="1", fingerprint="2")
+
+
+def test_a_table_of_recordings_is_named_until_it_has_been_read(tmp_path: Path):
+    session = read(tmp_path, '[recordings]\npath = "meta/recordings.csv"', *MINIMAL)
+    assert session.recordings_file == RecordingsFile("meta/recordings.csv")
+    assert "meta/recordings.csv" in session.paths()
+    again = written(session, tmp_path)
+    assert again.recordings_file == RecordingsFile(str(tmp_path / "meta" / "recordings.csv"))
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("[recordings]", "expected a path"),
+        ("[recordings]\npath = 3", "path: expected a text, found 3"),
+        ('[recordings]\npath = ""', "path: expected a file, found nothing"),
+        ('[recordings]\nfile = "a.csv"', "has no key 'file'"),
+        ('[[recordings]]\npath = "a.csv"', "to be a table"),
+    ],
+)
+def test_a_table_of_recordings_that_is_not_named_is_refused(tmp_path: Path, text: str, words: str):
+    with pytest.raises(SessionError, match=words):
+        read(tmp_path, text, *MINIMAL)
