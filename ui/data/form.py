@@ -16,7 +16,13 @@ from ui.data.missing_inputs import MissingInputs, ask_for_missing, forget_missin
 from ui.data.names import with_recording_name
 from ui.data.opening import draw_trouble, forget_trouble
 from ui.data.pictures import ChosenPictures
-from ui.session.opening import guess_pictures, recording_names, with_recordings
+from ui.data.recordings_table import RecordingsTable
+from ui.session.opening import (
+    guess_pictures,
+    recording_entry,
+    recording_names,
+    with_recordings,
+)
 
 
 def forget_outcome(place: str) -> None:
@@ -32,6 +38,7 @@ class Form:
     names: list[str]
     recording: str
     frames: FrameList
+    recordings: RecordingsTable
     pictures: ChosenPictures
     facts: MissingInputs
     unusable: str
@@ -44,24 +51,40 @@ class Form:
             )
         if not has_systems:
             raise InputError("Choose the detections of at least one system.")
-        for wrong in (self.unusable, self.frames.stops, self.pictures.stops):
+        for wrong in (
+            self.unusable,
+            self.frames.stops,
+            self.recordings.stops,
+            self.pictures.stops,
+        ):
             if wrong:
                 raise InputError(wrong)
 
     def session(self, folder: Path, truth: Source, systems: tuple[SystemSource, ...]) -> Session:
-        """The session, without pictures and names of recordings."""
+        """The session; its table of recordings is not read yet, and pictures are missing."""
         return self.facts.session(
-            frame_list=self.frames.path, folder=folder, truth=truth, systems=systems
+            frame_list=self.frames.path,
+            folder=folder,
+            truth=truth,
+            systems=systems,
+            recordings_file=self.recordings.file,
         )
 
     def with_pictures(self, session: Session, paths: Mapping[str, str]) -> Session:
-        """The session with pictures, given by their labels, and the name of the recording."""
+        """The session with pictures, given by their labels, and the name of the recording.
+
+        Pictures that its table of recordings names stay.
+        """
         if not paths and not self.recording:
             return session
         with st.spinner("Reading the ground truth"):
             names = recording_names(session)
         whose = guess_pictures(names, paths)
-        changes = {name: {"pictures": paths[label]} for name, label in whose.items()}
+        changes = {
+            name: {"pictures": paths[label]}
+            for name, label in whose.items()
+            if recording_entry(session, names, name).pictures is None
+        }
         return with_recording_name(with_recordings(session, names, changes), names, self.recording)
 
 
@@ -70,6 +93,7 @@ def finish_form(
     names: list[str],
     recording: str,
     frames: FrameList,
+    table: RecordingsTable,
     pictures: ChosenPictures,
     checks: Mapping[str, FileCheck | None],
 ) -> Form:
@@ -80,6 +104,7 @@ def finish_form(
     first, *_ = checks.values()
     unknown = {name for check in checks.values() if check is not None for name in check.unknown}
     format_name = "" if first is None else first.format
+    unknown -= table.known([] if first is None else first.recordings)
     facts = ask_for_missing(place, pictures.usable.values(), unknown, format_name)
     draw_trouble(place)
-    return Form(names, recording, frames, pictures, facts, unusable(checks.items()))
+    return Form(names, recording, frames, table, pictures, facts, unusable(checks.items()))

@@ -14,6 +14,7 @@ import streamlit as st
 from nvcore.dataset import Dataset
 from nvcore.inputs.session import Session
 from nvcore.tables.inputs import inputs_table, left_out_table
+from ui.data import context
 from ui.data.opening import draw_trouble, try_to_open
 from ui.session import state
 from ui.session.opening import recording_entry, relative_path, with_recordings
@@ -49,6 +50,8 @@ def draw() -> None:
     for note in dataset.notes:
         st.caption(plain(note[:1].upper() + note[1:]))
     draw_trouble("session")
+    with st.expander("Traffic context of the recordings"):
+        context.draw()
     with st.expander("Pictures of the recordings"):
         _draw_pictures(space)
 
@@ -96,6 +99,7 @@ def _recordings(space: Workspace, dataset: Dataset) -> pd.DataFrame:
                 f"{w:g} × {h:g}" for w, h in zip(table["width"], table["height"], strict=True)
             ],
             "Frames per second": [f"{fps:g}" for fps in table["fps"]],
+            "Traffic": [context.context_text(value) for value in table["context"]],
             "Evaluated frames": first[1:] - first[:-1],
             "Pictures": [_pictures_text(space, recording) for recording in range(n_rows)],
         }

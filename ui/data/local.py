@@ -12,6 +12,7 @@ import streamlit as st
 from nvcore.errors import InputError, NvcoreError
 from nvcore.inputs.files import find_files
 from nvcore.inputs.readers.base import Role
+from nvcore.inputs.recordings_file import with_recordings_file
 from nvcore.inputs.session import Session, Source, SystemSource
 from nvcore.inputs.session_toml import read_session
 from ui.data.file_check import FileCheck, check_files, draw_file_check
@@ -21,6 +22,13 @@ from ui.data.missing_inputs import MissingInputs, ask_for_missing
 from ui.data.names import draw_recording, draw_system_name, proposed_names
 from ui.data.opening import draw_trouble, try_to_open
 from ui.data.pictures import draw_checked
+from ui.data.recordings_table import (
+    RECORDINGS_HELP,
+    RECORDINGS_LABEL,
+    RecordingsTable,
+    check_recordings,
+    draw_recordings,
+)
 from ui.session.local_files import Entry, LocalRoot
 from ui.session.opening import check_confined
 from ui.shell.messages import without_paths
@@ -34,6 +42,7 @@ ROLES: Final = {
     "local_truth": "Ground truth",
     "local_x": "System X",
     "local_y": "System Y",
+    "local_recordings": RECORDINGS_LABEL,
     "local_frames": FRAMES_LABEL,
     "local_pictures": "Pictures (not needed for the numbers)",
 }
@@ -79,6 +88,7 @@ def _draw_form(root: LocalRoot, entries: list[Entry]) -> tuple[dict[str, list[st
         name_fields.append(left)
         checks.append(check)
     recordings = [] if checks[0] is None else checks[0].recordings
+    table = _draw_table(root, entries)
     frames = _draw_frame_list(root, entries, recordings)
     paths_of["local_pictures"] = _draw_role("local_pictures", entries)
     places, missing = _find(root, paths_of["local_pictures"])
@@ -95,7 +105,19 @@ def _draw_form(root: LocalRoot, entries: list[Entry]) -> tuple[dict[str, list[st
     pictures = draw_checked(PLACE, places, recordings, missing)
     titles = ["the ground truth", *(f"system {key[-1].upper()}" for key in SYSTEMS)]
     checks_by_title = dict(zip(titles, checks, strict=True))
-    return paths_of, finish_form(PLACE, names, recording, frames, pictures, checks_by_title)
+    return paths_of, finish_form(PLACE, names, recording, frames, table, pictures, checks_by_title)
+
+
+def _draw_table(root: LocalRoot, entries: list[Entry]) -> RecordingsTable:
+    files = [entry for entry in entries if not entry.is_folder]
+    paths = _draw_role("local_recordings", files, most=1, help_text=RECORDINGS_HELP)
+    if not paths:
+        return RecordingsTable()
+    try:
+        root.find(paths[0])
+    except InputError as error:
+        return draw_recordings(RecordingsTable(trouble=str(error)))
+    return draw_recordings(check_recordings(paths[0], root.folder))
 
 
 def _draw_frame_list(root: LocalRoot, entries: list[Entry], recordings: Sequence[str]) -> FrameList:
@@ -211,6 +233,13 @@ def _last(path: str) -> str:
 
 def _session_file(root: LocalRoot, path: str, facts: MissingInputs) -> Session:
     session = facts.added_to(read_session(root.find(path)))
+    return _with_recordings(root, session)
+
+
+def _with_recordings(root: LocalRoot, session: Session) -> Session:
+    """The session with its table of recordings read; nothing that it names leaves the root."""
+    check_confined(session, root.folder)
+    session = with_recordings_file(session)
     check_confined(session, root.folder)
     return session
 
@@ -223,8 +252,7 @@ def _session(root: LocalRoot, paths_of: dict[str, list[str]], form: Form) -> Ses
     ]
     form.check(has_truth=bool(paths_of["local_truth"]), has_systems=bool(systems))
     truth = Source(path=tuple(paths_of["local_truth"]))
-    session = form.session(root.folder, truth, tuple(systems))
-    check_confined(session, root.folder)
+    session = _with_recordings(root, form.session(root.folder, truth, tuple(systems)))
     session = form.with_pictures(session, {Path(path).name: path for path in form.pictures.usable})
     check_confined(session, root.folder)
     return session

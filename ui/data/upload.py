@@ -23,10 +23,17 @@ from ui.data.missing_inputs import draw_reading
 from ui.data.names import draw_recording, draw_system_name, proposed_names
 from ui.data.opening import try_to_open
 from ui.data.pictures import ChosenPictures, draw_checked
+from ui.data.recordings_table import (
+    RECORDINGS_HELP,
+    RECORDINGS_LABEL,
+    RecordingsTable,
+    check_recordings,
+    draw_recordings,
+)
 from ui.session import state
-from ui.session.opening import relative_path
+from ui.session.opening import relative_path, with_uploaded_recordings
 from ui.session.uploads import ANNOTATION_FOLDERS, new_upload, remove_pictures, store_annotations
-from ui.session.workspace import Workspace
+from ui.session.workspace import PICTURES, Workspace
 from ui.shell.messages import without_paths
 from ui.widgets.text import plain
 from ui.widgets.upload import upload_pictures
@@ -95,9 +102,11 @@ def draw() -> None:
     st.caption(
         "Files stay on this server only while this browser tab is open; nobody else sees them."
     )
-    truth, systems, listed = _draw_truth(), _draw_systems(), _draw_frame_list()
+    truth, systems = _draw_truth(), _draw_systems()
+    table = _draw_single("the recordings", "recordings", RECORDINGS_LABEL, RECORDINGS_HELP)
+    listed = _draw_single("the evaluated frames", "frames", FRAMES_LABEL, FRAMES_HELP)
     with st.container():  # spinners go here: what comes below keeps its place, and its uploads
-        stored = _store(space, [truth, *systems, listed])
+        stored = _store(space, [truth, *systems, table, listed])
         truth_check = _check(stored, truth, None)
         checks = [_check(stored, system, truth_check) for system in systems]
     recordings = [] if truth_check is None else truth_check.recordings
@@ -109,12 +118,14 @@ def draw() -> None:
     for system, check in zip(systems, checks, strict=True):
         with system.below:
             draw_file_check(check, truth_check)
+    with table.below:
+        rows = _check_table(stored, table)
     with listed.below:
         frames = _check_list(stored, listed, recordings)
     pictures = _draw_pictures(space, recordings)
     titles = [field.title for field in (truth, *systems)]
     checks_by_title = dict(zip(titles, [truth_check, *checks], strict=True))
-    form = finish_form(PLACE, names, recording, frames, pictures, checks_by_title)
+    form = finish_form(PLACE, names, recording, frames, rows, pictures, checks_by_title)
     if st.button("Open these files", key="open_upload", type="primary"):
         try_to_open(lambda: _session(truth, systems, stored, form), label=LABEL, place=PLACE)
 
@@ -157,13 +168,21 @@ def _draw_systems() -> list[_Field]:
     return systems
 
 
-def _draw_frame_list() -> _Field:
+def _draw_single(title: str, slot: str, label: str, help_text: str) -> _Field:
+    """A field for a file of its own kind, which needs no reader."""
     _, right = st.columns([1, 3])
-    file = right.file_uploader(
-        FRAMES_LABEL, key="upload_frames", help=FRAMES_HELP, on_change=_changed
-    )
+    file = right.file_uploader(label, key=f"upload_{slot}", help=help_text, on_change=_changed)
     files = [] if file is None else [file]
-    return _Field("the evaluated frames", "frames", files, {}, right.container(), right)
+    return _Field(title, slot, files, {}, right.container(), right)
+
+
+def _check_table(stored: _Stored, table: _Field) -> RecordingsTable:
+    if not table.files:
+        return RecordingsTable()
+    if table.slot in stored.troubles:
+        return draw_recordings(RecordingsTable(trouble=stored.troubles[table.slot]))
+    (path,) = stored.paths[table.slot]
+    return draw_recordings(check_recordings(path, stored.folder))
 
 
 def _check_list(stored: _Stored, listed: _Field, recordings: Sequence[str]) -> FrameList:
@@ -261,6 +280,7 @@ def _session(truth: _Field, systems: Sequence[_Field], stored: _Stored, form: Fo
         for system, name in sent
     )
     session = form.session(stored.folder, stored.source(truth), sources)
+    session = with_uploaded_recordings(session, state.workspace().folder / PICTURES)
     pictures = form.pictures.usable.items()
     return form.with_pictures(
         session, {label: relative_path(path, stored.folder) for label, path in pictures}

@@ -21,7 +21,15 @@ from nvcore.errors import SessionError
 from nvcore.findings import Finding
 from nvcore.inputs.files import NAME_PARTS
 from nvcore.inputs.load import read_source
-from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource, is_frame_range
+from nvcore.inputs.recordings_file import with_recordings_file
+from nvcore.inputs.session import (
+    RecordingEntry,
+    RecordingsFile,
+    Session,
+    Source,
+    SystemSource,
+    is_frame_range,
+)
 from nvcore.inputs.session_toml import read_session
 from nvcore.params import Params
 from nvcore.pictures.open import is_below
@@ -83,22 +91,41 @@ def uploaded_session(content: bytes, folder: Path, files: Sequence[str], picture
     finally:
         place.unlink()  # it is read; no upload accounts for its size
     sent = _Sent(folder, files)
+    if (table := session.recordings_file) is not None:
+        session = replace(session, recordings_file=RecordingsFile(str(sent.find(table.path)[0])))
+    session = with_uploaded_recordings(replace(session, folder=folder), pictures)
     frames = None if session.frames is None else sent.frames(session.frames)
     return replace(
         session,
-        folder=folder,
         truth=sent.source(session.truth),
         systems=tuple(sent.source(system) for system in session.systems),
         recordings=tuple(
-            replace(
-                entry,
-                frames=None if entry.frames is None else sent.frames(entry.frames),
-                pictures=_uploaded_pictures(entry.pictures, pictures, folder),
-            )
+            replace(entry, frames=None if entry.frames is None else sent.frames(entry.frames))
             for entry in session.recordings
         ),
         frames=frames,
     )
+
+
+def with_uploaded_recordings(session: Session, pictures: Path) -> Session:
+    """The session with its table of recordings read, and only such pictures as were sent.
+
+    Parameters
+    ----------
+    pictures
+        The folder of the pictures that were sent.
+
+    Raises
+    ------
+    InputError
+        If the table cannot be used.
+    """
+    session = with_recordings_file(session)
+    entries = tuple(
+        replace(entry, pictures=_uploaded_pictures(entry.pictures, pictures, session.folder))
+        for entry in session.recordings
+    )
+    return replace(session, recordings=entries)
 
 
 class _Sent:
