@@ -130,6 +130,7 @@ def _rural_road() -> Recording:
     return Recording(
         name="rural_road",
         text="Country road, 20 m/s, lone walkers on the shoulder, one of them far off the road",
+        context=1.0,
         speed=((0, 20), (15, 20)),
         road=COUNTRY,
         climate=WINTER,
@@ -153,6 +154,7 @@ def _rural_child() -> Recording:
     return Recording(
         name="rural_child",
         text="Country road, 14 m/s, a child with an adult and a child alone at the road",
+        context=1.0,
         speed=((0, 14), (9, 14), (12, 9), (15, 9)),
         road=COUNTRY,
         climate=AUTUMN,
@@ -181,6 +183,7 @@ def _rural_cyclist() -> Recording:
     return Recording(
         name="rural_cyclist",
         text="Country road, 13 m/s, a cyclist ahead (flagged ignore) and two walkers",
+        context=1.0,
         speed=((0, 13), (9, 12), (15, 12)),
         road=COUNTRY,
         climate=WINTER,
@@ -274,6 +277,7 @@ def _oncoming_glare() -> Recording:
     return Recording(
         name="oncoming_glare",
         text="Village road, 10 m/s slowing to 4, two oncoming cars dazzle the near-infrared camera",
+        context=0.5,
         speed=((0, 10), (7, 10), (9.5, 4), (15, 4)),
         road=Road(left=-5.2, right=1.75, pavement=2.0),
         climate=AUTUMN,

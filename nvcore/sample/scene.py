@@ -121,7 +121,7 @@ class Climate:
 
 @dataclass(frozen=True)
 class Recording:
-    """One recording: the drive, the place and everybody in it."""
+    """One recording: the drive, the place with its traffic context, and everybody in it."""
 
     name: str
     text: str
@@ -132,6 +132,7 @@ class Recording:
     cars: tuple[Car, ...] = ()
     things: tuple[Thing, ...] = ()
     horizon: float = 236.0
+    context: float = 0.0
 
     @property
     def camera(self) -> Camera:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from nvcore.sample.camera import FPS, HEIGHT, N_FRAMES, WIDTH
 from nvcore.sample.scene import Recording
 from nvcore.sample.systems import THRESHOLD
+from nvcore.traffic import context_word
 
 SYSTEM_FILES: Final = {"FIR": "fir.csv", "NIR": "nir.csv"}
 TRUTH_FILE: Final = "truth.csv"
@@ -44,6 +45,7 @@ def session_text(recordings: Iterable[Recording]) -> str:
     tables = [
         f'[[recording]]\nname = "{recording.name}"\nwidth = {WIDTH}\nheight = {HEIGHT}\n'
         f'fps = {FPS}\nframes = "0:{N_FRAMES - 1}"\nhorizon = {recording.horizon:.1f}\n'
+        f"context = {_context_text(recording.context)}\n"
         f'pictures = "{recording.name}.mp4"\n'
         for recording in recordings
     ]
@@ -54,6 +56,11 @@ def session_text(recordings: Iterable[Recording]) -> str:
         for name, path in SYSTEM_FILES.items()
     ]
     return "\n".join(tables)
+
+
+def _context_text(context: float) -> str:
+    word = context_word(context)
+    return f'"{word}"' if isinstance(word, str) else f"{word:g}"
 
 
 def write_video(path: Path, pictures: Iterable[NDArray[np.uint8]]) -> None:
@@ -119,7 +126,8 @@ Each recording lasts {seconds} s at {fps} frames per second.
   warm night shorten its reach, and hot engines and cabinets give false alarms.
 - `nir.csv`: a simulated near-infrared system. It sees as far as its lamp, less with dark clothes,
   little beside dazzling headlamps, and takes some reflecting signs for people.
-- `session.toml`: all of it as one comparison; both systems count from score 0.5 up.
+- `session.toml`: all of it as one comparison; both systems count from score 0.5 up. Traffic
+  context: rural for the three `rural_` recordings, 0.5 for `oncoming_glare`, urban for the others.
 - `<recording>.mp4`: the pictures, H.264.
 - `ratings_simulated.csv`: made-up ratings, 1 (not annoying) to 7, of every recording with the boxes
   of each system. Nobody was asked: 16 participants are simulated, one of whom takes the scale the
