@@ -39,7 +39,7 @@ REPORT = "Report"
     "--stability/--no-stability",
     default=None,
     help="Whether to map the verdict over the settings: alpha and midpoint, thresholds, matching, "
-    "traffic context. Default: for up to 20,000 frames.",
+    "traffic context, pairing, rules of saliency. Default: for up to 20,000 frames.",
 )
 @grouped_option(
     OUTPUT,

@@ -15,7 +15,15 @@ from nvcore.metrics.proximity import in_use
 from nvcore.params import MIDPOINT_SHARE, SETTINGS
 from nvcore.traffic import UNSTATED
 
-Plane = Literal["alpha-midpoint", "thresholds", "matching", "edge-weight", "edge-weight-alpha"]
+Plane = Literal[
+    "alpha-midpoint",
+    "thresholds",
+    "matching",
+    "edge-weight",
+    "edge-weight-alpha",
+    "pairing-alpha",
+    "saliency-rule",
+]
 
 ALPHA_PLAUSIBLE: Final = (0.5, 1.0)
 """A warning system exists for the pedestrian who would be missed: a miss counts at least as much as
@@ -79,6 +87,15 @@ RANGES: Final = {
     ),
 }
 """Of the settings whose range is the same for all data."""
+
+CHOICES: Final = {
+    "match": "matching by",
+    "pairing": "distances to",
+    "saliency_of": "events of",
+    "saliency_weight": "an event weighing by",
+}
+"""Titles of the settings that are choices."""
+REASON_OF_CHOICES: Final = "both are in use"
 
 MIN_POINTS: Final = 3
 DIGITS: Final = 10
@@ -215,7 +232,7 @@ def axes_of(result: Result, plane: Plane, *, n_points: int) -> tuple[Axis, ...]:
         case "thresholds":
             candidates = (_threshold(result, "x", n_points), _threshold(result, "y", n_points))
         case "matching":
-            candidates = (_fixed(result, "iou", n_points), _match_mode(result))
+            candidates = (_fixed(result, "iou", n_points), _choice(result, "match"))
         case "edge-weight":
             candidates = (_edge_weight(result, n_points),)
         case "edge-weight-alpha":
@@ -223,6 +240,10 @@ def axes_of(result: Result, plane: Plane, *, n_points: int) -> tuple[Axis, ...]:
                 _edge_weight(result, n_points),
                 _fixed(result, "alpha", n_points),
             )
+        case "pairing-alpha":
+            candidates = (_fixed(result, "alpha", n_points), _choice(result, "pairing"))
+        case "saliency-rule":
+            candidates = (_choice(result, "saliency_weight"), _choice(result, "saliency_of"))
     axes = tuple(axis for axis in candidates if axis is not None)
     if not axes:
         raise InputError(
@@ -246,20 +267,21 @@ def _edge_weight(result: Result, n_points: int) -> Axis:
     return _numeric("edge_weight", RANGES["edge_weight"], present=present, n_points=n_points)
 
 
-def _match_mode(result: Result) -> Axis:
-    setting = SETTINGS["match"]
+def _choice(result: Result, name: str) -> Axis:
+    """An axis of all choices of a setting (`CHOICES`)."""
+    setting = SETTINGS[name]
     assert setting.words is not None
     labels = tuple(setting.words)
-    place = float(labels.index(result.params.match))
+    place = float(labels.index(getattr(result.params, name)))
     values = np.arange(len(labels), dtype=float)
     values.flags.writeable = False
     return Axis(
-        name="match",
-        title="matching by",
+        name=name,
+        title=CHOICES[name],
         unit=setting.unit,
         values=values,
         plausible=(0.0, len(labels) - 1.0),
-        reason="both are in use",
+        reason=REASON_OF_CHOICES,
         present=(place, place),
         label=setting.label,
         labels=labels,

@@ -213,8 +213,9 @@ def map_stability(
         The comparison at the present setting; whatever a setting does not change comes from it.
     plane
         Which settings change: ``"alpha-midpoint"``, ``"thresholds"`` (of X, of Y), ``"matching"``
-        (IoU, mode), ``"edge-weight"``, ``"edge-weight-alpha"``. An axis that these data do not have
-        is left out: the midpoint without proximity, a threshold without scores.
+        (IoU, mode), ``"edge-weight"``, ``"edge-weight-alpha"``, ``"pairing-alpha"``,
+        ``"saliency-rule"`` (weight, whose events). An axis that these data do not have is left
+        out: the midpoint without proximity, a threshold without scores.
     criterion
         ``"similarity"`` (mean), ``"encounters"`` (detected by only X minus by only Y),
         ``"saliency"``.

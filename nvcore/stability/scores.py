@@ -201,7 +201,7 @@ def _distances(
     truth, detections = dataset.truth, dataset.system(system.name)
     frames, is_counted = dataset.frame_columns, matches.is_counted
     nearest, k = system.nearest, system.weights.k
-    if matches is not system.matches:
+    if matches is not system.matches or "pairing" in changes:
         nearest = nearest_of(dataset, system.name, matches, params)
     # saliency considers misses only: the weights of detections do not matter
     if criterion == "similarity" and _is_changed(PROXIMITY, changes):

@@ -23,6 +23,8 @@ SURVEY_PLANES: Final[tuple[Plane, ...]] = (
     "thresholds",
     "matching",
     "edge-weight-alpha",
+    "pairing-alpha",
+    "saliency-rule",
 )
 """Planes that together contain every setting that a map can change."""
 NOTHING: Final = "–"

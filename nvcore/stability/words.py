@@ -25,6 +25,8 @@ PLANES: Final[dict[Plane, str]] = {
     "matching": "Matching rule",
     "edge-weight": "Traffic context",
     "edge-weight-alpha": "Traffic context and alpha",
+    "pairing-alpha": "Strict pairing and alpha",
+    "saliency-rule": "What makes a saliency event, and its weight",
 }
 CRITERIA: Final[dict[Criterion, str]] = {
     "similarity": "mean similarity",

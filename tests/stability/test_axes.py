@@ -99,7 +99,7 @@ def test_the_analysed_value_and_the_ends_of_the_plausible_range_are_points(n_poi
     data = make_dataset([at(0, 50)], [at(0, 50, score=0.2), at(0, 5, score=0.9)], [at(0, 50)])
     params = Params(alpha=0.123, midpoint=9.3, iou=0.51, edge_weight=0.77, threshold_x=0.333)
     result = compare(data, params)
-    for plane in ("alpha-midpoint", "matching", "edge-weight-alpha", "thresholds"):
+    for plane in ("alpha-midpoint", "matching", "edge-weight-alpha", "thresholds", "pairing-alpha"):
         for axis in axes_of(result, plane, n_points=n_points):
             assert axis.setting(axis.present_index) == getattr(params, axis.name)
             assert set(axis.plausible) <= set(axis.values)
@@ -108,3 +108,24 @@ def test_the_analysed_value_and_the_ends_of_the_plausible_range_are_points(n_poi
             outside = ~axis.is_plausible(axis.values)
             assert axis.weights[outside].sum() == 0
             assert (axis.weights[~outside] > 0).all()
+
+
+def test_without_a_value_the_traffic_context_is_that_of_the_recordings() -> None:
+    places = [Place(range(1), context=0.25), Place(range(1), context=0.75)]
+    result = result_of(make_dataset([at(0, 50)], places=places))
+    axis = axes_of(result, "edge-weight", n_points=5)[0]
+    assert axis.present == (0.25, 0.75)
+    assert axis.present_index is None
+    given = axes_of(result_of(result.dataset, edge_weight=0.25), "edge-weight", n_points=5)[0]
+    assert given.values[given.present_index] == 0.25
+
+
+def test_the_rules_of_saliency_are_two_choices_and_pairing_is_one() -> None:
+    result = result_of(make_dataset([at(0, 50)]), saliency_of="each", pairing="matched")
+    weight, whose = axes_of(result, "saliency-rule", n_points=5)
+    assert (weight.labels, whose.labels) == (("time", "risk"), ("most_salient", "each"))
+    assert (weight.present_index, whose.present_index) == (0, 1)
+    assert whose.text(1.0) == "events of each missed pedestrian"
+    alpha, pairing = axes_of(result, "pairing-alpha", n_points=5)
+    assert (alpha.name, pairing.name, pairing.present_index) == ("alpha", "pairing", 1)
+    assert pairing.text(1.0) == "distances to its own match (strict)"
