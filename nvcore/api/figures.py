@@ -10,6 +10,7 @@ from nvcore.detection.curves import detection_curve
 from nvcore.detection.operating_point import false_alarm_curve, score_histogram
 from nvcore.errors import InputError
 from nvcore.evidence.subgroup_table import subgroup_table
+from nvcore.figures.cost_map import cost_plot
 from nvcore.figures.detection import CurveKind, curve_plot, legend_text
 from nvcore.figures.encounters import (
     fusion_plot,
@@ -27,6 +28,7 @@ from nvcore.figures.saliency import parts_plot, recency_plot
 from nvcore.figures.stability import stability_map
 from nvcore.figures.time_plot import TimeLayout, similarity_plot
 from nvcore.figures.venn import venn_figure
+from nvcore.metrics.cost_map import map_cost
 from nvcore.palette import Theme
 from nvcore.scoring import SystemResult
 from nvcore.stability.axes import Plane
@@ -191,6 +193,12 @@ class Figures:
     def proximity(self) -> go.Figure:
         """How much a pedestrian counts by how near it seems."""
         return proximity_plot(self._result.dataset, self._result.params, theme=self._theme)
+
+    def cost_map(self, recording: Recording = 0) -> go.Figure:
+        """What missing a pedestrian would cost, by where in the picture the feet are."""
+        dataset, row = self._result.dataset, self._row(recording)
+        cost = map_cost(dataset.truth, dataset.frame_columns, self._result.params, row)
+        return cost_plot(cost, theme=self._theme)
 
     def _system(self, letter: str) -> SystemResult:
         sides = dict(self._result.sides)

@@ -1,5 +1,6 @@
 """Figures: tables and results in, Plotly figures out; pure, one module for each figure."""
 
+from nvcore.figures.cost_map import cost_plot
 from nvcore.figures.detection import CurveKind, curve_plot, legend_text
 from nvcore.figures.encounters import fusion_plot, lead_time_plot, miss_classes_plot, position_map
 from nvcore.figures.forest import subgroup_forest
@@ -18,6 +19,7 @@ from nvcore.figures.venn import venn_figure
 __all__ = [
     "CONFIG",
     "CurveKind",
+    "cost_plot",
     "curve_plot",
     "false_alarm_plot",
     "fusion_plot",

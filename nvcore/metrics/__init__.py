@@ -1,5 +1,6 @@
 """The metrics of paper 11-0360: pure functions over columns."""
 
+from nvcore.metrics.cost_map import CostMap, map_cost
 from nvcore.metrics.encounters import RELEVANT_K, Encounters, find_encounters, judge_encounters
 from nvcore.metrics.false_alarms import FalseAlarmSummary, find_episodes, summarise_false_alarms
 from nvcore.metrics.fusion import fuse, pair_detections
@@ -44,6 +45,7 @@ from nvcore.metrics.venn import (
 __all__ = [
     "RELEVANT_K",
     "BoxVenn",
+    "CostMap",
     "Encounters",
     "Exclusivity",
     "FalseAlarmSummary",
@@ -68,6 +70,7 @@ __all__ = [
     "fuse",
     "judge_encounters",
     "link_boxes",
+    "map_cost",
     "match_boxes",
     "mean_saliency",
     "measure_exclusivity",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 import pytest
-from app_visit import GROUND, Visit
+from app_visit import GROUND, SHARE, Visit
 from playwright.sync_api import expect
 
 from ui.shell.pages import SECTIONS
@@ -48,9 +48,18 @@ def test_a_click_on_a_venn_region_lists_its_encounters(overview, category, count
 def test_a_worst_moment_opens_its_frame(overview):
     overview.page.get_by_role("button", name="Open frame").first.click()
     expect(overview.heading("Timeline", level=1)).to_be_visible()
-    expect(overview.page.get_by_text("Missed, the tallest first")).to_be_visible()
+    expect(overview.page.get_by_text("Pedestrians, the largest term first")).to_be_visible()
     overview.wait_until_drawn()
     overview.shows(int(overview.page.evaluate(ADDRESSED_FRAME)))
+
+
+def test_a_click_in_the_strip_of_all_recordings_opens_the_frame(overview):
+    overview.click_plot("loss_strip", SHARE, [0.6, 0.05])  # the worst recording, after 9 s
+    expect(overview.heading("Timeline", level=1)).to_be_visible()
+    overview.query("recording", "winter_frost")
+    frame = int(overview.page.evaluate(ADDRESSED_FRAME))
+    assert 170 <= frame <= 190
+    overview.shows(frame)
 
 
 @pytest.mark.parametrize("title", TITLES)

@@ -21,6 +21,17 @@ ANY_OTHER_LINE = """([key, line, before]) =>
   [...document.querySelectorAll(`.st-key-${key} ${line}`)]
     .some(one => !before.includes(one.getAttribute("d")))"""
 
+# Mean red, green and blue of a small part of the picture, at these shares of its size.
+MEAN_COLOUR = """(canvas, [across, down]) => {
+  const [w, h] = [canvas.width, canvas.height];
+  const part = canvas.getContext("2d").getImageData(across * w - 8, down * h - 8, 16, 16).data;
+  return [0, 1, 2].map(i => part.filter((_, at) => at % 4 === i).reduce((a, b) => a + b) / 256);
+}"""
+IS_PURPLE = f"""([canvas, place, isSo]) => {{
+  const [red, green, blue] = ({MEAN_COLOUR})(canvas, place);
+  return (blue - green > 30 && red - green > 15) === isSo;
+}}"""
+
 
 def painted_lines(plot: Locator) -> list[str]:
     """The lines of a plot as they are painted."""
@@ -108,3 +119,21 @@ def test_the_frame_is_kept_on_the_way_through_other_pages(timeline):
     timeline.switch_to("Timeline")
     timeline.shows(1)
     expect(timeline.slider("alpha")).to_have_value(alpha)
+
+
+def test_what_a_miss_would_cost_is_laid_over_the_picture_by_key_and_follows_the_sliders(timeline):
+    canvas = timeline.viewer.locator("canvas.picture")
+    near, far = [0.5, 0.8], [0.5, 0.2]
+    red, green, blue = canvas.evaluate(MEAN_COLOUR, near)
+    assert max(red, green, blue) - min(red, green, blue) < 5  # a grey picture
+    timeline.viewer.press("c")
+    button = timeline.viewer.get_by_role("button", name="Cost of a miss, by place")
+    expect(button).to_have_attribute("aria-pressed", "true")
+    shown = canvas.element_handle()
+    timeline.page.wait_for_function(IS_PURPLE, arg=[shown, near, True])
+    sky = canvas.evaluate(MEAN_COLOUR, far)
+    assert max(sky) - min(sky) < 5  # nobody stands there
+    timeline.slider("Counts half at").press("End")  # now the near ones count little
+    timeline.page.wait_for_function(IS_PURPLE, arg=[shown, near, False])
+    timeline.viewer.press("c")
+    expect(button).to_have_attribute("aria-pressed", "false")

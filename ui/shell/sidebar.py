@@ -17,7 +17,7 @@ from nvcore.params.presets import PRESETS
 from nvcore.traffic import count_contexts
 from nvcore.wording import one_line, shortened
 from ui.session import state
-from ui.shell import live_params
+from ui.shell import cost_map, live_params
 from ui.widgets.text import plain
 
 MAX_NAME = 26
@@ -119,6 +119,7 @@ def _proximity() -> None:
             _widget(name)
     if kind != "none":
         _proximity_plot()
+    cost_map.draw()
 
 
 def _horizon() -> None:

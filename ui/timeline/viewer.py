@@ -8,6 +8,7 @@ import pandas as pd
 from nvcore.comparison import Result
 from nvcore.tables.moments import next_misses
 from ui.session import state
+from ui.session.cost import cost_map_of
 from ui.session.viewer_arguments import viewer_arguments
 from ui.widgets.viewer import settled_in, viewer
 
@@ -39,6 +40,7 @@ def draw(result: Result) -> None:
         seek=(state.row(), state.seek()),
         lo=lo,
         hi=hi,
+        cost=cost_map_of(recording),
         height_px=HEIGHT_PX,
         key=KEY,
     )

@@ -11,6 +11,8 @@ from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
 from nvcore.params import Params
 from nvcore.params.metadata import MATCH, PROXIMITY, RESULTS
+
+
 from pages import FRAMES, begin_with, checked, opened, rows, texts, write
 from ui.session import state
 from ui.session.workspace import Opened
@@ -229,3 +231,13 @@ def test_every_page_but_the_documentation_has_settings_that_act():
     idle = [name for name in names if not pages.SHOWN.get(name, RESULTS)]
     assert set(pages.SHOWN) <= set(names)
     assert idle == []
+
+
+def test_the_costs_by_place_are_drawn_once_unfolded_and_say_what_they_follow_from():
+    page = app()
+    assert "k × border" not in texts(page)
+    page.session_state["cost_map"] = True
+    checked(page.run())
+    assert "Height by foot row, a line through" in texts(page)
+    checked(page.selectbox(key="proximity").set_value("none").run())
+    assert "Everybody weighs the same" in texts(page)

@@ -6,7 +6,10 @@ import base64
 
 import numpy as np
 import pytest
+from builders import at, make_dataset
 
+from nvcore.metrics.cost_map import map_cost
+from nvcore.params import Params
 from nvcore.schema import DetectionState
 from ui.session import packed_boxes
 from ui.widgets.viewer import FOLDER, settled_row
@@ -16,6 +19,7 @@ from ui.widgets.viewer.packing import (
     find_runs,
     find_spans,
     pack,
+    pack_cost,
     pack_frames,
     pack_times,
 )
@@ -43,6 +47,18 @@ def test_regular_frames_are_one_run_and_none_are_none():
     starts, firsts, steps = find_runs(np.array([9, 29, 49, 69]))
     assert (starts.tolist(), firsts.tolist(), steps.tolist()) == ([0], [9], [20])
     assert unpack(pack_frames(np.array([], dtype=np.int64))["starts"], "i4") == []
+
+
+def test_the_cost_of_a_miss_is_sent_as_weight_by_row_and_border_by_column():
+    dataset = make_dataset([at(0, 50)], horizon=25.0)
+    settings = Params(proximity="horizon", midpoint=25.0, spread=1e-3)
+    cost = map_cost(dataset.truth, dataset.frame_columns, settings, 0, n_rows=4, n_columns=2)
+    sent = pack_cost(cost)
+    k = unpack(sent["k"], "f4")
+    assert np.isnan(k[0])
+    assert k[1:] == [0, 1, 1]  # feet in rows 37.5, 62.5 and 87.5; half at row 50
+    assert unpack(sent["border"], "f4") == [0.5, 0.5]
+    assert sent["text"] == cost.text == "depth of the feet below the horizon"
 
 
 @pytest.mark.parametrize(

@@ -18,13 +18,22 @@ from typing import Any, Literal
 import numpy as np
 import streamlit as st
 
+from nvcore.metrics.cost_map import CostMap
 from nvcore.palette import TRUTH_COLOUR, X_COLOUR, Y_COLOUR
-from ui.widgets.viewer.packing import decimate_minima, find_spans, pack, pack_frames, pack_times
+from ui.widgets.viewer.packing import (
+    decimate_minima,
+    find_spans,
+    pack,
+    pack_cost,
+    pack_frames,
+    pack_times,
+)
 
 FOLDER = Path(__file__).parent
 SCRIPTS = (
     *("data/boxes.js", "data/pictures.js", "data/recording.js"),
     *("drawing/labels.js", "drawing/drawing.js", "drawing/strip.js", "drawing/view.js"),
+    "drawing/cost.js",
     *("controls/controls.js", "controls/readout.js", "player/playback.js", "controls/listening.js"),
     *("player/viewer.js", "player/clip.js", "player/show.js"),
 )
@@ -68,6 +77,7 @@ def viewer(
     key: str,
     picture_version: str = "",
     only: Literal["x", "y"] | None = None,
+    cost: CostMap | None = None,
 ) -> int | None:
     """Draw the viewer and say which row it has settled on.
 
@@ -116,6 +126,9 @@ def viewer(
         style that does not tell which it is, played from the first row to the last by one button,
         without seeking. The browser then never gets `names`; `traces`, `intervals` and `misses`
         are not shown.
+    cost : CostMap or None
+        What missing a pedestrian would cost in this recording, to be laid over the picture on
+        request; it is never sent with `only`.
 
     Returns
     -------
@@ -153,6 +166,7 @@ def viewer(
             "colours": _colours(theme),
             "height_px": int(height_px),
             "only": only,
+            "cost": None if cost is None or only else pack_cost(cost),
         },
         default={"settled": None},
         on_settled_change=_nothing,

@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from nvcore.metrics.cost_map import CostMap
+
 MOST_BUCKETS = 2000
 """Points of a trace at most; the strip is not wider than this on any screen."""
 
@@ -86,3 +88,8 @@ def pack_times(times_s: np.ndarray, frames: np.ndarray, fps: float) -> dict[str,
         if np.abs(offsets - offsets[0]).max() < TIME_TOLERANCE_S:
             return {"offset": float(offsets[0])}
     return {"every_row": pack(times_s, "f8")}
+
+
+def pack_cost(cost: CostMap) -> dict[str, str]:
+    """A cost map for the browser, which multiplies weight and border and interpolates."""
+    return {"k": pack(cost.k, "f4"), "border": pack(cost.border, "f4"), "text": cost.text}

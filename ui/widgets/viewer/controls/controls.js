@@ -12,6 +12,7 @@ const ICONS = {
   pause: "M6 5h4v14H6zM14 5h4v14h-4z",
   fit: "M3 3h7v2H5v5H3zM14 3h7v7h-2V5h-5zM3 14h2v5h5v2H3zM19 14h2v7h-7v-2h5z",
   full: "M14 3h7v7h-2V6.4l-5 5L12.600 10l5-5H14zM10 21H3v-7h2v3.600l5-5L11.400 14l-5 5H10z",
+  cost: "M2 20 12 4l10 16H2zm4.500-2.600h11L12 8.600zM8.200 15.600h7.600L12 11.400z",
   labels: "M3 5h11l7 7-7 7H3zm3 5v4h4v-4z",
   close: "M6.400 5 12 10.600 17.600 5 19 6.400 13.400 12 19 17.600 17.600 19 12 13.400 6.400 19 5 17.600 10.600 12 5 6.400z",
 };
@@ -26,6 +27,7 @@ const KEYS = [
   ["n p", "next or previous miss begins"],
   ["x y g", "show or hide X, Y, ground truth"],
   ["l", "show or hide labels"],
+  ["c", "what missing a pedestrian would cost, by where the feet are"],
   ["+ −", "zoom (also Ctrl + wheel; drag to move)"],
   ["f", "fit the picture"],
   ["?", "this help"],
@@ -104,6 +106,8 @@ function makeControls(actions) {
   parts.play = iconButton("play", "Play", "space", actions.playPause);
   parts.play.classList.add("play");
   parts.labels = iconButton("labels", "Labels", "l", () => actions.toggle("labels"));
+  parts.cost = iconButton("cost", "Cost of a miss, by place", "c", () => actions.toggle("cost"));
+  parts.cost.setAttribute("aria-pressed", "false");
   parts.speed = make("select", { "aria-label": "Speed", title: "Speed" },
     SPEEDS.map((speed) => make("option", { value: String(speed), text: `${speed}×` })));
   parts.speed.value = "1";
@@ -122,7 +126,7 @@ function makeControls(actions) {
     iconButton("forward", "Next frame", "→", actions.next),
     iconButton("missForward", "Next miss", "n", actions.nextMiss),
     iconButton("last", "Last frame", "End", actions.last),
-    parts.speed, parts.readout, parts.labels,
+    parts.speed, parts.readout, parts.labels, parts.cost,
     iconButton("fit", "Fit the picture", "f", actions.fit),
     parts.full, parts.help,
   ]);

@@ -67,6 +67,7 @@ function onKey(viewer, event) {
     y: () => viewer.toggle("y"),
     g: () => viewer.toggle("truth"),
     l: () => viewer.toggle("labels"),
+    c: () => viewer.cost.isKnown && viewer.toggle("cost"),
     f: () => viewer.fit(),
     "+": () => viewer.zoomBy(1.5),
     "-": () => viewer.zoomBy(1 / 1.5),

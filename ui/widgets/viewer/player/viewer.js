@@ -7,7 +7,7 @@ const LOADING_TEXT_MS = 400;
 
 class Viewer {
   constructor() {
-    this.layers = { truth: true, x: true, y: true, labels: true };
+    this.layers = { truth: true, x: true, y: true, labels: true, cost: false };
     this.parts = makeControls({
       toggle: (layer) => this.toggle(layer),
       playPause: () => this.playPause(),
@@ -34,6 +34,7 @@ class Viewer {
     this.isDragging = false;
     this.hoverRow = null;
     this.view = new View();
+    this.cost = new CostLayer();
     this.isStale = true;
     this.isSpokenEarly = false;
     this.request = 0;
@@ -68,6 +69,10 @@ class Viewer {
     if (differs("colours", "theme")) this.setColours(sent);
     if (differs("traces", "intervals", "misses", "low", "colours")) this.strip.set(sent, sent.colours.picture);
     if (differs("names")) this.setNames(sent.names);
+    if (differs("cost")) {
+      this.cost.set(sent.cost);
+      this.parts.cost.hidden = !this.cost.isKnown;
+    }
     if (differs("height_px", "width", "height")) this.setHeight();
     const isSeek = isOther || before.seek[1] !== sent.seek[1];
     if (isOther) {
@@ -291,6 +296,7 @@ class Viewer {
       ctx.fillStyle = "#171C25";
       ctx.fillRect(frame.x, frame.y, frame.w, frame.h);
     }
+    if (this.layers.cost) this.cost.draw(ctx, frame, this.view.seen);
     const found = this.boxes.ofRow(row) ?? shownFound;
     this.drawFound(ctx, found);
     this.pictures.pin(entry ?? null);

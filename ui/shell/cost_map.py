@@ -1,0 +1,34 @@
+"""The sidebar's figure of what a miss would cost, folded away until it is wanted."""
+
+from __future__ import annotations
+
+import streamlit as st
+
+from nvcore.errors import ParameterError
+from nvcore.figures.cost_map import cost_plot
+from nvcore.figures.style import CONFIG
+from nvcore.wording import capitalised
+from ui.session import state
+from ui.session.cost import cost_map_of
+from ui.widgets.text import plain
+
+
+def draw() -> None:
+    """What missing a pedestrian would cost over the picture of the current recording."""
+    place = st.expander("What a miss costs, by place", key="cost_map", on_change="rerun")
+    if not place.open:  # folded, it costs neither server nor browser time
+        return
+    recording = state.recording()
+    try:
+        cost = cost_map_of(recording)
+    except ParameterError:  # the sidebar says it below
+        return
+    with place:
+        st.plotly_chart(
+            cost_plot(cost, theme=state.theme()), theme=None, config=CONFIG, key="cost_plot"
+        )
+        st.caption(
+            f"k × border of a pedestrian with the feet there, 0 to 1, in "
+            f"{plain(state.recording_names()[recording])}. {plain(capitalised(cost.text))}. Over "
+            "the picture: Timeline, key c."
+        )
