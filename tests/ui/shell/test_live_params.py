@@ -11,8 +11,6 @@ from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
 from nvcore.params import Params
 from nvcore.params.metadata import MATCH, PROXIMITY, RESULTS
-
-
 from pages import FRAMES, begin_with, checked, opened, rows, texts, write
 from ui.session import state
 from ui.session.workspace import Opened
