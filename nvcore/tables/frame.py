@@ -29,8 +29,8 @@ _TERM: Final = (
     "is D(G, S), and alpha times it is what {letter} loses to misses here."
 )
 _NEAREST: Final = (
-    "Distance to the nearest detection of {letter}, px; strict pairing: to his own match. –: there "
-    "is none."
+    "Distance to the nearest detection of {letter}, px; strict pairing: to the match. –: there is "
+    "none."
 )
 PEDESTRIAN_WORDS: Final[dict[str, Words]] = {
     "track": Words("ped.", "Track of the pedestrian."),
@@ -39,13 +39,15 @@ PEDESTRIAN_WORDS: Final[dict[str, Words]] = {
     "cost": Words(
         "cost",
         "What missing this pedestrian costs, k × border as a share of half the width; 1: straight "
-        "ahead and near. Counts where he is missed and k is at least 0.5.",
+        "ahead and near. Counts where the pedestrian is missed and k is at least 0.5.",
     ),
     "missed_by": Words("by", "Who misses this pedestrian; empty: nobody."),
-    "k": Words("k", "Proximity weight, 0 far to 1 near; from 0.5 on he counts as an encounter."),
+    "k": Words(
+        "k", "Proximity weight, 0 far to 1 near; from 0.5 on a miss counts in the encounter."
+    ),
     "border_px": Words(
         "border",
-        "The most that a miss of him can count for, px: by traffic context between the distance to "
+        "The most that missing this pedestrian can count for, px: by traffic context between the distance to "
         "the picture's nearer side and half the width.",
     ),
     "nearest_px_x": Words("near X", _NEAREST.format(letter="X")),
