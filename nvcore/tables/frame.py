@@ -47,8 +47,8 @@ PEDESTRIAN_WORDS: Final[dict[str, Words]] = {
     ),
     "border_px": Words(
         "border",
-        "The most that missing this pedestrian can count for, px: by traffic context between the distance to "
-        "the picture's nearer side and half the width.",
+        "The most that missing this pedestrian can count for, px: by traffic context between the "
+        "distance to the picture's nearer side and half the width.",
     ),
     "nearest_px_x": Words("near X", _NEAREST.format(letter="X")),
     "nearest_px_y": Words("near Y", _NEAREST.format(letter="Y")),
