@@ -54,7 +54,7 @@ def loss_strip_plot(result: Result, strip: LossStrip, *, theme: Theme) -> go.Fig
         x0=0.5 * strip.bin_s,
         dx=strip.bin_s,
         y=np.arange(n_strips),
-        z=strip.loss,
+        z=strip.loss.astype(np.float32),  # half the bytes
         zmin=0,
         zmax=top,
         colorscale=loss_scale(theme),
