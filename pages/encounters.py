@@ -28,7 +28,9 @@ def draw(result: Result) -> None:
         f"An {docs_link('encounter', 'encounters')} is one pedestrian of one recording, met once. "
         "It counts in its *relevant* frames, those in which the pedestrian is near enough to "
         "matter (k ≥ 0.5); without any it is *distant*. A system *detects* it by matching it in "
-        f"enough of them; the {docs_link('miss class', 'miss-classes')} says how it failed."
+        f"enough of them; the {docs_link('miss class', 'miss-classes')} says how it failed, "
+        f"the {docs_link('severity', 'severity')} what its failures weigh: seconds of a pedestrian "
+        "missed straight ahead and near."
     )
     draw_warnings(result)
     draw_filtered()

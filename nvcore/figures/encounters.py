@@ -95,19 +95,23 @@ FEW: Final = 6
 MAX_MARKS: Final = 4000
 """Encounters on the map; detected ones are thinned out first."""
 MAP_KINDS: Final = (
-    (Category.DISTANT, "distant", "pale", "circle-open", 5),
-    (Category.BOTH, "seen by both", "muted", "circle-open", 8),
-    (Category.Y_ONLY, "missed by X", "x", "x", 11),
-    (Category.X_ONLY, "missed by Y", "y", "triangle-down", 12),
-    (Category.NEITHER, "missed by both", "ink", "square-x", 12),
+    (Category.DISTANT, "distant", "pale", "circle-open"),
+    (Category.BOTH, "seen by both", "muted", "circle-open"),
+    (Category.Y_ONLY, "missed by X", "x", "x"),
+    (Category.X_ONLY, "missed by Y", "y", "triangle-down"),
+    (Category.NEITHER, "missed by both", "ink", "square-x"),
 )
-"""Category, words, colour, symbol and size; the later ones are drawn on top."""
+"""Category, words, colour and symbol; the later ones are drawn on top."""
+MAP_SIZES: Final = (6.0, 22.0)
+"""Of a mark without severity, and of the one with the largest, px."""
 
 
 def miss_classes_plot(
     encounters: pd.DataFrame, names: tuple[str, str], *, theme: Theme
 ) -> go.Figure:
     """How many encounters have which miss class, X against Y; `customdata` is the class.
+
+    Pointing at a bar tells what its failures weigh.
 
     Parameters
     ----------
@@ -124,7 +128,10 @@ def miss_classes_plot(
     look = LOOK[theme]
     traces = []
     for letter, name in zip("xy", names, strict=True):
-        counts = near[f"miss_class_{letter}"].value_counts().reindex(kinds, fill_value=0)
+        of_class = near.groupby(f"miss_class_{letter}")[f"severity_s_{letter}"]
+        counts, severity_s = (
+            values.reindex(kinds, fill_value=0) for values in (of_class.size(), of_class.sum())
+        )
         # Y's bars are outlined, not hatched: Plotly loses the hatching at the first click
         colour = look.of(letter)
         bars = steady_marker(
@@ -143,7 +150,10 @@ def miss_classes_plot(
                 text=counts.to_numpy(),
                 textposition="outside",
                 cliponaxis=False,
-                hovertext=[MISS_CLASS_TEXT[kind] for kind in MissClass],
+                hovertext=[
+                    f"{MISS_CLASS_TEXT[kind]}<br>severity in all {severity_s[kind]:.2f} s"
+                    for kind in MissClass
+                ],
                 hovertemplate=f"{letter.upper()}: %{{y}}<br>%{{hovertext}}<extra></extra>",
                 **bars,
             )
@@ -226,6 +236,10 @@ def lead_time_plot(encounters: pd.DataFrame, *, theme: Theme) -> go.Figure:
     )
 
 
+def _severities(row: Any) -> str:
+    return f"severity X {row.severity_s_x:.2f} s, Y {row.severity_s_y:.2f} s"
+
+
 def position_map(encounters: pd.DataFrame, *, theme: Theme) -> go.Figure:
     """Where in the picture each system misses: sideways position by height.
 
@@ -245,7 +259,10 @@ def position_map(encounters: pd.DataFrame, *, theme: Theme) -> go.Figure:
     step = max(1, int(np.ceil(1 / share))) if share > 0 else len(encounters)
     traces = []
     n_drawn = 0
-    for kind, words, colour, symbol, size in MAP_KINDS:
+    severity_s = encounters[["severity_s_x", "severity_s_y"]].max(axis=1).fillna(0.0)
+    relative = severity_s / max(float(severity_s.max()), 1e-9)
+    size_px = MAP_SIZES[0] + (MAP_SIZES[1] - MAP_SIZES[0]) * np.sqrt(relative)
+    for kind, words, colour, symbol in MAP_KINDS:
         part = encounters[category == kind.value]
         if kind in (Category.DISTANT, Category.BOTH):
             part = part.iloc[::step]
@@ -253,10 +270,10 @@ def position_map(encounters: pd.DataFrame, *, theme: Theme) -> go.Figure:
             part = part.iloc[:MAX_MARKS]
         n_drawn += len(part)
         text = [
-            f"{plain(name)}, pedestrian {track}: {words}<br>{height:.0f} px tall"
-            for name, track, height in zip(
-                part["recording"], part["track"], part["peak_height"], strict=True
-            )
+            f"{plain(row.recording)}, pedestrian {row.track}: {words}<br>"
+            f"{row.peak_height:.0f} px tall"
+            + ("" if np.isnan(row.severity_s_x) else f"<br>{_severities(row)}")
+            for row in part.itertuples(index=False)
         ]
         shade = getattr(look, colour)
         line = {"width": 1.5, "color": shade}
@@ -267,7 +284,9 @@ def position_map(encounters: pd.DataFrame, *, theme: Theme) -> go.Figure:
                 text,
                 customdata=part.index.to_numpy(),
                 name=f"{words} ({np.count_nonzero(category == kind.value):,})",
-                **steady_marker(symbol=symbol, size=size, color=shade, line=line),
+                **steady_marker(
+                    symbol=symbol, size=size_px[part.index].to_numpy(), color=shade, line=line
+                ),
             )
         )
     extent = count_text(len(encounters), "encounter")
@@ -278,7 +297,7 @@ def position_map(encounters: pd.DataFrame, *, theme: Theme) -> go.Figure:
         traces,
         theme,
         title="Where pedestrians are missed",
-        subtitle=f"{extent}; colour: the system that misses",
+        subtitle=f"{extent}; colour: the system that misses, size: severity",
         height=430,
         showlegend=True,
         hoverdistance=24,

@@ -28,8 +28,10 @@ def table(*rows: tuple[str, str | None, str | None, float]) -> pd.DataFrame:
     encounters = pd.DataFrame(rows, columns=columns, index=10 + np.arange(len(rows)))
     place = np.arange(len(rows)) / 10
     return encounters.assign(
-        recording="<b>r</b>", track=7, lateral_position=place, peak_height=100 * place
-    )
+        recording="<b>r</b>", track=7, lateral_position=place, peak_height=100 * place,
+        severity_s_x=np.where(encounters["category"] == "distant", np.nan, place),
+        severity_s_y=np.where(encounters["category"] == "distant", np.nan, 2 * place),
+    )  # fmt: skip
 
 
 SIX = table(
@@ -118,6 +120,27 @@ def test_the_map_marks_each_encounter_by_who_misses_it() -> None:
     assert (missed.x.tolist(), missed.y.tolist()) == ([pytest.approx(0.3)], [pytest.approx(30)])
     assert "&lt;b&gt;r" in missed.text[0]
     assert len({one.marker.symbol for one in figure.data[1:]}) == 4  # told without colour
+
+
+def test_marks_of_the_map_are_larger_the_more_the_failure_weighs() -> None:
+    figure = position_map(SIX, theme="light")
+    by_row = {
+        row: size
+        for one in figure.data
+        for row, size in zip(one.customdata, one.marker.size, strict=True)
+    }
+    assert by_row[10] == by_row[15] == module.MAP_SIZES[0]  # no severity, distant
+    assert by_row[14] == module.MAP_SIZES[1]
+    assert by_row[11] < by_row[12] < by_row[13] < by_row[14]
+    assert "severity X 0.30 s, Y 0.60 s" in trace(figure, "missed by X (1)").text[0]
+    assert "severity" not in trace(figure, "distant (1)").text[0]
+
+
+def test_a_bar_of_a_miss_class_tells_what_its_failures_weigh() -> None:
+    figure = miss_classes_plot(SIX, NAMES, theme="light")
+    never, late = trace(figure, "Y: NIR").hovertext[:2]
+    assert never.endswith("severity in all 1.20 s")  # 2 * (0.2 + 0.4)
+    assert late.endswith("severity in all 0.00 s")
 
 
 def test_the_map_thins_out_those_who_are_seen_before_those_who_are_missed(

@@ -153,8 +153,8 @@ def test_every_encounter_has_a_mark_in_its_region_and_none_touches_another(count
     by_row = table.set_index("shown_row")["category"]
     assert all(by_row[row] == kind for kind, *_, row in marks)
     x_axis, y_axis = figure.layout.xaxis.range, figure.layout.yaxis.range
-    # in a plot of 385 x 285 px
-    scale = min(385 / (x_axis[1] - x_axis[0]), 285 / (y_axis[1] - y_axis[0]))
+    # in a plot of 355 x 285 px
+    scale = min(355 / (x_axis[1] - x_axis[0]), 285 / (y_axis[1] - y_axis[0]))
     circles = {one.name[-1]: one for one in figure.layout.shapes if one.type == "circle"}
     for kind, x, y, size, _ in marks:
         assert x_axis[0] < x < x_axis[1]
@@ -219,6 +219,6 @@ def test_no_place_for_clicks_on_a_region_lies_on_a_mark() -> None:
     places = trace(figure, "regions")
     width = np.ptp(figure.layout.xaxis.range)
     for _, x, y, size, _ in marks_of(figure):
-        apart_px = np.hypot(np.array(places.x) - x, np.array(places.y) - y) * 385 / width
+        apart_px = np.hypot(np.array(places.x) - x, np.array(places.y) - y) * 355 / width
         assert apart_px.min() > size / 2
     assert set(places.customdata) == {"both", "x_only", "y_only", "neither", "distant"}

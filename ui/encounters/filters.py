@@ -17,6 +17,7 @@ from ui.widgets.text import plain
 
 CATEGORIES: Final = tuple(kind.value for kind in Category)
 CLASSES: Final = tuple(kind.value for kind in MissClass)
+SEVERITY_STEP_S: Final = 0.05
 LINK: Final = "category"
 """Name of the category in the page's address, and in the state that other pages hand over."""
 
@@ -32,6 +33,7 @@ class Filters:
     position: tuple[float, float] | None = None
     height_px: tuple[float, float] | None = None
     pose_z: tuple[float, float] | None = None
+    least_severity_s: float = 0.0
 
     def keep(self, encounters: pd.DataFrame) -> pd.DataFrame:
         """Rows of `nvcore.tables.result.encounters_table` that pass, with their index."""
@@ -51,6 +53,9 @@ class Filters:
         ):
             if span is not None:
                 passes &= encounters[column].between(*span).to_numpy()
+        if self.least_severity_s > 0:
+            larger_s = encounters[["severity_s_x", "severity_s_y"]].max(axis=1)
+            passes &= (larger_s >= self.least_severity_s).to_numpy()
         return encounters[passes]
 
 
@@ -93,7 +98,7 @@ def clear_filters() -> None:
     """List all encounters. For callbacks."""
     for name in ("category", "class_x", "class_y", "recording"):
         st.session_state[key(name)] = []
-    for name in ("position", "height", "pose"):
+    for name in ("position", "height", "pose", "severity"):
         st.session_state.pop(key(name), None)
 
 
@@ -122,7 +127,8 @@ def _write_category(categories: Sequence[str]) -> None:
 
 
 def _draw_widgets(encounters: pd.DataFrame) -> Filters:
-    categories = st.pills(
+    above, beside = st.columns([2, 1])
+    categories = above.pills(
         "Detected by",
         CATEGORIES,
         selection_mode="multi",
@@ -131,6 +137,7 @@ def _draw_widgets(encounters: pd.DataFrame) -> Filters:
         persist_state="session",
         help=" ".join(f"*{category_words(kind)}*: {CATEGORY_TEXT[kind]}" for kind in Category),
     )
+    least_severity_s = _least_severity(beside, encounters)
     left, middle, right = st.columns(3)
     meaning = "  \n".join(f"*{class_words(kind)}*: {MISS_CLASS_TEXT[kind]}" for kind in MissClass)
     classes_x, classes_y = (
@@ -177,7 +184,33 @@ def _draw_widgets(encounters: pd.DataFrame) -> Filters:
         "How unusual the mean height over width is among all encounters: below -2 uncommonly wide "
         "(sitting, cycling, pushing a pram), above 2 uncommonly narrow.",
     )
-    return Filters(categories, classes_x, classes_y, recordings, position, height_px, pose_z)
+    return Filters(
+        *(categories, classes_x, classes_y, recordings, position, height_px, pose_z),
+        least_severity_s=least_severity_s,
+    )
+
+
+def _least_severity(place: st.delta_generator.DeltaGenerator, encounters: pd.DataFrame) -> float:
+    """A slider from 0, which lists all encounters, to the largest severity."""
+    largest = np.nanmax(
+        encounters[["severity_s_x", "severity_s_y"]].to_numpy(dtype=float), initial=0.0
+    )
+    if not largest:
+        return 0.0
+    high = float(np.floor(largest / SEVERITY_STEP_S) + 1) * SEVERITY_STEP_S
+    severity_s: float = place.slider(
+        "Least severity (s)",
+        0.0,
+        round(high, 6),
+        0.0,
+        SEVERITY_STEP_S,
+        "%.2f",
+        key=key("severity"),
+        persist_state="session",
+        help="Lists the encounters in which the failure of X or of Y weighs at least so much: "
+        "seconds of a pedestrian missed straight ahead and near. 0 lists all.",
+    )
+    return severity_s
 
 
 def _range(

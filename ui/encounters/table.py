@@ -11,8 +11,8 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.figures.encounters import position_map
-from nvcore.schema import CATEGORY_TEXT, Category, MissClass
-from nvcore.tables.moments import encounter_moments
+from nvcore.schema import CATEGORY_TEXT, Category
+from nvcore.tables.moments import NEVER, encounter_moments
 from ui.encounters import picture
 from ui.session import state
 from ui.shell.navigate import open_row
@@ -32,19 +32,18 @@ FIRST_COLUMNS: Final = (
     "recording",
     "track",
     "category",
+    "severity_s_x",
+    "severity_s_y",
+    "peak_cost_x",
+    "peak_cost_y",
     "miss_class_x",
     "miss_class_y",
-    "coverage_x",
-    "coverage_y",
-    "lead_time_s",
     "peak_height",
-    "lateral_position",
 )
 """What most people look for, as many as stand side by side in a small window."""
 ORDER: Final = (
-    "First come the pedestrians that a system does not detect, then those that it detects late or "
-    "loses, then those without failure; distant ones are last. In each of these groups the "
-    "tallest, so the nearest, are on top. Click a heading to sort by it."
+    "Sorted by severity, the larger of X's and Y's; of equals the tallest first. Distant "
+    "pedestrians, which do not count, are last. Click a heading to sort by it."
 )
 SELECTED: Final = "encounters_chosen"
 
@@ -71,7 +70,7 @@ def _draw_table(encounters: pd.DataFrame) -> None:
         "All columns",
         key="encounters_columns",
         persist_state="session",
-        help="Also lag, gap, tail, frames, pose and more, to the right.",
+        help="Also coverage, lag, gap, tail, lead time, pose and more, to the right.",
     )
     # a key for these rows: a selection must not move to another pedestrian
     key = f"encounters_table_{hash(tuple(table.index))}"
@@ -92,19 +91,10 @@ def _draw_table(encounters: pd.DataFrame) -> None:
 
 def by_weight(encounters: pd.DataFrame) -> pd.DataFrame:
     """The rows in the order of `ORDER`, with their index."""
-    classes = encounters[["miss_class_x", "miss_class_y"]]
-    is_failure = (classes.notna() & (classes != MissClass.NONE)).any(axis=1)
-    group = np.select(
-        [
-            encounters["category"] == Category.DISTANT,
-            encounters["category"] != Category.BOTH,
-            is_failure,
-        ],
-        [3, 0, 1],
-        2,
-    )
+    severity_s = encounters[["severity_s_x", "severity_s_y"]].max(axis=1).fillna(-1.0)
+    is_distant = encounters["category"] == Category.DISTANT
     height = encounters["peak_height"].to_numpy(dtype=float)
-    return encounters.iloc[np.lexsort((-height, group))]
+    return encounters.iloc[np.lexsort((-height, -severity_s.to_numpy(dtype=float), is_distant))]
 
 
 def _choose_row(key: str, index: pd.Index) -> None:
@@ -144,7 +134,7 @@ def _draw_chosen(result: Result, encounters: pd.DataFrame) -> None:
     st.markdown(CATEGORY_TEXT[Category(row["category"])])
     moments = encounter_moments(result).iloc[encounter]
     picture.draw(result, encounter, int(moments["shown_row"]))
-    _draw_ways(result, moments)
+    _draw_ways(result, row, moments)
     st.table(_both(row))
     st.caption(
         f"Up to {row['peak_height']:.0f} px tall (k {row['peak_k']:.2f}); mean position "
@@ -160,6 +150,8 @@ def _both(row: pd.Series[Any]) -> pd.DataFrame:
         matched, coverage = row[f"matched_{letter}"], row[f"coverage_{letter}"]
         share = f"{matched} of {row['n_relevant']} frames"
         columns[letter.upper()] = {
+            "Severity": _seconds(row[f"severity_s_{letter}"]),
+            "Peak cost": number(row[f"peak_cost_{letter}"], ".2f"),
             "Miss class": class_words(row[f"miss_class_{letter}"]) or UNDEFINED,
             "Matched": f"{share} ({coverage:.0%})" if row["n_relevant"] else UNDEFINED,
             "Lag": _seconds(row[f"lag_s_{letter}"]),
@@ -174,12 +166,11 @@ def _seconds(value: float) -> str:
     return text if text == UNDEFINED else f"{text} s"
 
 
-def _draw_ways(result: Result, moments: pd.Series[Any]) -> None:
+def _draw_ways(result: Result, row: pd.Series[Any], moments: pd.Series[Any]) -> None:
     """Buttons to the frames that are worth seeing."""
     frames = result.dataset.frames
     shown_row = int(moments["shown_row"])
-    by = {letter: int(moments[f"missed_row_{letter}"]) for letter in "xy"}
-    first = [letter.upper() for letter, row in by.items() if row == shown_row]
+    missed = {letter: int(moments[f"missed_row_{letter}"]) for letter in "xy"}
     if st.button(
         "Show in timeline",
         key="encounters_show",
@@ -188,16 +179,24 @@ def _draw_ways(result: Result, moments: pd.Series[Any]) -> None:
         width="stretch",
     ):
         open_row(shown_row)
-    why = f"where {' and '.join(first)} first miss{'es' if len(first) == 1 else ''} the pedestrian"
     st.caption(
-        f"Frame {frames['frame'].iloc[shown_row]} at {frames['time_s'].iloc[shown_row]:.2f} s"
-        f"{', ' + why if first else ', where the encounter begins to count'}."
+        f"Frame {frames['frame'].iloc[shown_row]} at {frames['time_s'].iloc[shown_row]:.2f} s, "
+        f"{_why(row, any(place >= 0 for place in missed.values()))}."
     )
-    later = {letter: row for letter, row in by.items() if row > shown_row}
-    for letter, row in later.items():
-        if st.button(
-            f"Show where {letter.upper()} first misses (frame {frames['frame'].iloc[row]})",
+    for letter, place in missed.items():
+        if place not in (shown_row, NEVER) and st.button(
+            f"Show where {letter.upper()} first misses (frame {frames['frame'].iloc[place]})",
             key=f"encounters_show_{letter}",
             width="stretch",
         ):
-            open_row(row)
+            open_row(place)
+
+
+def _why(row: pd.Series[Any], is_missed: bool) -> str:
+    """Why that frame is shown."""
+    if not is_missed:
+        return "where the encounter begins to count"
+    x, y = row["severity_s_x"], row["severity_s_y"]
+    if x == y:
+        return "where missing the pedestrian costs most"
+    return f"where {'X' if x > y else 'Y'}'s failure, the heavier, costs most"

@@ -22,7 +22,7 @@ from nvcore.figures.style import (
     write,
 )
 from nvcore.figures.venn.circles import Circles, Frame
-from nvcore.figures.venn.labels import Label, Labels, Line, anchor_of
+from nvcore.figures.venn.labels import BASE_PX, Label, Labels, Line, anchor_of
 from nvcore.figures.venn.plan import GAP, IN_CIRCLES, REGIONS, Plan, plan_counts, plan_marks
 from nvcore.metrics.venn import Venn
 from nvcore.palette import Theme
@@ -114,7 +114,7 @@ def venn_figure(
     _fill(figure, "rect", "all encounters", frame, line, faded(pale, 0.12))
     _draw_circles(figure, plan.circles, theme)
     for kind, part in parts.items():
-        if len(part):
+        if len(plan.x.get(kind, ())):
             figure.add_trace(_marks(part, kind, plan, look))
     _write_labels(figure, venn, plan, labels, look)
     return figure
@@ -240,7 +240,7 @@ def _write(
     yanchor: str,
 ) -> None:
     place |= {"xanchor": xanchor, "yanchor": yanchor, "align": xanchor}
-    write(figure, text, size=14, color=colour, name=name, borderpad=0, **place)
+    write(figure, text, size=BASE_PX, color=colour, name=name, borderpad=0, **place)
 
 
 def _clicks(venn: Venn, plan: Plan) -> go.Scatter:

@@ -12,10 +12,12 @@ import numpy as np
 from nvcore.figures.venn.circles import Circles, Frame
 from nvcore.schema import Category
 
-CHARACTER: Final = 0.56
-"""Mean width of a character over the size of its font; a text may be a little narrower."""
+CHARACTER: Final = 0.6
+"""Width of a character over the size of its font, where the font is a wide one."""
 LINE: Final = 1.3
 """Height of a line over the size of its font."""
+BASE_PX: Final = 14
+"""Font size of the whole label: no line is lower."""
 
 
 class Line(NamedTuple):
@@ -51,7 +53,7 @@ class Label:
     @property
     def height(self) -> float:
         """Height, px."""
-        return sum(LINE * line.size for line in self.lines)
+        return sum(LINE * max(line.size, BASE_PX) for line in self.lines)
 
 
 @dataclass(frozen=True)

@@ -18,16 +18,16 @@ from nvcore.schema import Category
 
 REGIONS: Final = (Category.BOTH, Category.X_ONLY, Category.Y_ONLY, Category.NEITHER)
 IN_CIRCLES: Final = REGIONS[:3]
-MAX_SIZES: Final = (28, 24, 20, 17, 14, 12, 10, 8, 6)
+MAX_SIZES: Final = (28, 24, 20, 17, 14, 12, 10, 8, 6.5, 5)
 """Sizes of the largest mark that are tried, px."""
 FAIR: Final = MAX_SIZES.index(10)
 """Rather than that marks are smaller than this, a count stands beside its region."""
-MIN_SIZE: Final = 5
+MIN_SIZE: Final = 4
 """Size of the mark of an encounter in which nothing was missed."""
-GAP: Final = 2
+GAP: Final = 1.5
 REACH: Final = 1.25
 """How far corners of diamonds and squares reach beyond a circle of their area."""
-STEP: Final = 4
+STEP: Final = 3.3
 """Distance of the places that are tried."""
 GROWTH: Final = 1.6
 """By how much a region grows that is too narrow for its marks."""
@@ -96,7 +96,7 @@ def plan_marks(venn: Venn, labels: Labels, severity_s: Mapping[Category, np.ndar
             x, y = ({kind: places[kind][axis] / frame.scale for kind in REGIONS} for axis in (0, 1))
             return Plan(circles, frame, is_inside, growth == 0, x, y, size_px)
         area |= {kind: area[kind] * GROWTH for kind in narrow}
-    return plan_counts(venn, labels)
+    return plan_counts(venn, labels)  # not seen with up to 150 marks
 
 
 def _inside(circles: Circles, frame: Frame, labels: Labels) -> dict[Category, bool]:

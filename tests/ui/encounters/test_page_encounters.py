@@ -37,14 +37,15 @@ def choose(page: AppTest, row: int) -> AppTest:
     return checked(page.run())
 
 
-def test_all_encounters_of_the_sample_are_listed_the_nearest_missed_pedestrians_first():
+def test_all_encounters_of_the_sample_are_listed_the_heaviest_failures_first():
     page = opened()
     assert "**46** of 46 encounters" in texts(page)
     rows = listed(page)
     assert len(rows) == 46
-    assert rows["category"].head(3).isin(["only X", "only Y", "neither"]).all()
-    assert set(rows["category"].tail(6)) == {"distant"}
-    assert "the tallest, so the nearest, are on top" in texts(page)
+    heavier_s = rows[["severity_s_x", "severity_s_y"]].max(axis=1)
+    assert heavier_s.head(38).is_monotonic_decreasing
+    assert set(rows["category"].tail(8)) == {"distant"}
+    assert "Sorted by severity" in texts(page)
     assert page.button(key="encounters_clear").disabled
     assert "X does not detect 8 and Y does not detect 11" in texts(page)
     assert "“X or Y” detects 35 of 38 encounters, 5 more than X alone" in texts(page)
@@ -80,6 +81,16 @@ def test_encounters_can_be_chosen_by_miss_class_and_recording():
     assert set(rows["recording"]) == {"urban_crossing"}
 
 
+def test_encounters_of_a_least_severity_can_be_listed():
+    page = opened()
+    widget(page, "slider", "Least severity (s)").set_value(0.5)
+    rows = listed(checked(page.run()))
+    assert 0 < len(rows) < 38
+    assert (rows[["severity_s_x", "severity_s_y"]].max(axis=1) >= 0.5).all()
+    checked(page.button(key="encounters_clear").click().run())
+    assert len(listed(page)) == 46
+
+
 def test_filters_that_leave_nothing_say_what_to_do_and_are_cleared_at_once():
     page = opened(category="distant")
     widget(page, "slider", "Largest height (px)").set_value((10.0, 338.0))
@@ -90,29 +101,39 @@ def test_filters_that_leave_nothing_say_what_to_do_and_are_cleared_at_once():
     assert "category" not in page.query_params
 
 
-def test_a_chosen_encounter_is_told_and_opens_at_its_first_missed_frame(
+def test_a_chosen_encounter_opens_where_the_heavier_failure_costs_most(
     monkeypatch: pytest.MonkeyPatch,
 ):
     shown: list[int] = []
     monkeypatch.setattr(table, "open_row", shown.append)
     page = choose(opened(), 2)
+    result = page.session_state["workspace"].result
     assert "Pedestrian 3 in urban_crossing" in texts(page)
     assert "Only X detected the pedestrian" in texts(page)
-    assert "Frame 40 at 2.00 s, where Y first misses the pedestrian" in texts(page)
+    assert "where Y's failure, the heavier, costs most" in texts(page)
     values = page.table[0].value
     assert values.index.name == "Measure"  # no table has an empty heading
     assert values.loc["Matched"].tolist() == ["51 of 51 frames (100%)", "8 of 51 frames (16%)"]
+    assert values.loc["Severity"].tolist() == ["0.00 s", "0.64 s"]
     pairs = [table.value for table in page.dataframe if "Y never" in table.value]
     assert [table.index.name for table in pairs] == ["Miss class"]
     checked(page.button(key="encounters_show").click().run())
-    checked(choose(page, 0).button(key="encounters_show_x").click().run())  # first missed by X
-    assert shown == [40, 75]
+    checked(page.button(key="encounters_show_y").click().run())  # first missed by Y
+    assert shown == [result.y.failures["peak_row"][2], 40]
+
+
+def test_an_encounter_that_nobody_misses_opens_where_it_begins_to_count():
+    page = opened()
+    result = page.session_state["workspace"].result
+    is_whole = (result.x.failures["peak_row"] < 0) & (result.y.failures["peak_row"] < 0)
+    whole = int(np.flatnonzero(is_whole & (result.category == "both"))[0])
+    assert "where the encounter begins to count" in texts(choose(page, whole))
 
 
 def test_a_distant_encounter_has_dashes():
     page = choose(opened(), 4)
     assert "never came near enough" in texts(page)
-    assert page.table[0].value["X"].tolist() == ["–"] * 5
+    assert page.table[0].value["X"].tolist() == ["–"] * 7
     # one that was chosen in other data is forgotten
     page.session_state[table.SELECTED] = ("other data", 0)
     assert "Click a row of the table" in texts(checked(page.run()))
@@ -167,13 +188,15 @@ SIX = pd.DataFrame(
         "lateral_position": [-0.5, 0, 0.5, 0, 0, 0],
         "peak_height": [50.0, 60, 70, 80, 90, 10],
         "aspect_z": [0, 1, 2, -3, 0, np.nan],
+        "severity_s_x": [0.0, 0.2, 0, 0.5, 1.0, np.nan],
+        "severity_s_y": [0.0, 0.0, 0.7, 0, 1.0, np.nan],
     }
 )
 
 
-def test_missed_pedestrians_come_first_and_distant_ones_last_each_the_nearest_on_top():
-    late = SIX.assign(peak_height=[95.0, 60, 70, 80, 90, 200])
-    assert table.by_weight(late).index.tolist() == [4, 3, 2, 1, 0, 5]
+def test_the_heavier_failure_comes_first_then_the_taller_and_distant_ones_last():
+    tall = pd.concat([SIX, SIX.iloc[[0]].assign(peak_height=95.0)], ignore_index=True)
+    assert table.by_weight(tall).index.tolist() == [4, 2, 3, 1, 6, 0, 5]
 
 
 @pytest.mark.parametrize(
@@ -186,6 +209,7 @@ def test_missed_pedestrians_come_first_and_distant_ones_last_each_the_nearest_on
         (Filters(position=(0, 1)), [1, 2, 3, 4, 5]),
         (Filters(height_px=(60, 80)), [1, 2, 3]),
         (Filters(pose_z=(-3, 0)), [0, 3, 4]),
+        (Filters(least_severity_s=0.5), [2, 3, 4]),
     ],
 )
 def test_filters_are_joined_and_keep_the_index(filters: Filters, rows: list[int]):
