@@ -177,12 +177,12 @@ def _venn(result: Result) -> str:
 def _weights(result: Result) -> str:
     """What the failures weigh, by who detects the encounter."""
     x, y = (result.severity_of(system) for _, system in result.sides)
+    both, neither = Category.BOTH, Category.NEITHER
     return (
-        "what failures weigh, in seconds of a pedestrian missed straight ahead and near: "
-        f"those that only X detects {y[Category.X_ONLY]:.2f} (for Y), only Y "
-        f"{x[Category.Y_ONLY]:.2f} (for X), neither {x[Category.NEITHER]:.2f} (X) and "
-        f"{y[Category.NEITHER]:.2f} (Y), late or broken off in those that both detect "
-        f"{x[Category.BOTH]:.2f} (X) and {y[Category.BOTH]:.2f} (Y)"
+        "severity (1 s: a pedestrian straight ahead and near is missed for 1 s): "
+        f"detected by both, X misses {x[both]:.2f} s and Y {y[both]:.2f} s; by X only, Y misses "
+        f"{y[Category.X_ONLY]:.2f} s; by Y only, X misses {x[Category.Y_ONLY]:.2f} s; by neither, "
+        f"X misses {x[neither]:.2f} s and Y {y[neither]:.2f} s"
     )
 
 

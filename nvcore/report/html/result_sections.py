@@ -13,7 +13,6 @@ from nvcore.figures.loss_strip import loss_strip_plot
 from nvcore.figures.paired import recordings_plot
 from nvcore.figures.venn import WORDS, venn_figure
 from nvcore.measures import MeasureTable
-from nvcore.metrics.encounters import RELEVANT_K
 from nvcore.report.html import words
 from nvcore.report.html.blocks import MAX_ROWS, Chart, Section, Sentences, Table, table
 from nvcore.report.html.charts import THEME
@@ -27,7 +26,6 @@ from nvcore.report.words import (
     scorecard_cells,
 )
 from nvcore.schema import CATEGORY_TEXT, MISS_CLASS_TEXT, Category
-from nvcore.scoring import SystemResult
 from nvcore.tables.loss_strip import loss_strip
 from nvcore.tables.miss_classes import fusion_table
 from nvcore.tables.moments import encounter_moments
@@ -45,6 +43,8 @@ from nvcore.wording import UNDEFINED, count_text, difference, number
 MEASURES_HEAD = ("Measure", "X", "Y", "X - Y", "Better")
 PART = "– "
 """Before the label of a measure that is a part of the one above."""
+N_HEAVIEST = 10
+"""How many of the encounters that weigh most are listed."""
 N_WORST = 3
 """How many intervals, events and episodes of each system are listed."""
 
@@ -86,15 +86,19 @@ def encounters_section(result: Result) -> Section:
         (
             table(
                 "Encounters by who detects them",
-                ("Category", "Encounters", "Meaning"),
-                [(WORDS[kind], counts[kind], CATEGORY_TEXT[kind]) for kind in Category],
-                right=(1,),
+                ("Category", "Encounters", "Severity X (s)", "Severity Y (s)", "Meaning"),
+                [
+                    (WORDS[kind], counts[kind], *_severities(result, kind), CATEGORY_TEXT[kind])
+                    for kind in Category
+                ],
+                right=(1, 2, 3),
             ),
             Chart(
                 "venn",
                 venn_figure(result.venn, names, theme=THEME, encounters=encounters),
                 f"Encounters: {in_words}",
             ),
+            _heaviest(result, encounters),
             Sentences(sentences),
             Chart(
                 "classes",
@@ -107,6 +111,40 @@ def encounters_section(result: Result) -> Section:
             _fusion(fusion),
         ),
     )
+
+
+def _severities(result: Result, kind: Category) -> tuple[str, str]:
+    """What X's and Y's failures weigh in a category; distant encounters have no weight."""
+    if kind is Category.DISTANT:
+        return UNDEFINED, UNDEFINED
+    x_s, y_s = (result.severity_of(system)[kind] for _, system in result.sides)
+    return f"{x_s:.2f}", f"{y_s:.2f}"
+
+
+def _heaviest(result: Result, encounters: pd.DataFrame) -> Table:
+    """The encounters whose failures weigh most."""
+    time_s = result.dataset.frames["time_s"].to_numpy()
+    heaviest = encounters[encounters["severity_s"] > 0].head(N_HEAVIEST)
+    rows = [
+        (
+            row["recording"],
+            row["track"],
+            WORDS[Category(row["category"])],
+            f"{time_s[row['shown_row']]:.2f}",
+            *(f"{row[f'severity_s_{letter}']:.2f}" for letter in "xy"),
+            *(f"{row[f'peak_cost_{letter}']:.2f}" for letter in "xy"),
+            *(str(row[f"miss_class_{letter}"]).replace("_", " ") for letter in "xy"),
+        )
+        for row in heaviest.to_dict("records")
+    ]
+    head = (
+        *("Recording", "Pedestrian", "Detected by", "Costs most at (s)"),
+        *("Severity X (s)", "Severity Y (s)", "Peak cost X", "Peak cost Y"),
+        *("Failure of X", "Failure of Y"),
+    )
+    title = "The encounters whose failures weigh most"
+    note = "Sorted by the larger severity of the two; the time is that of its largest cost."
+    return table(title, head, rows, right=range(3, 8), note=note)
 
 
 def _boxes(result: Result) -> Table:
@@ -322,13 +360,13 @@ def only_one_section(result: Result) -> Section:
     """Encounters that only one system detects, row by row, the worst first."""
     encounters = encounters_table(result)
     moments = encounter_moments(result)
-    weights = {letter: _missed_weighted_s(result, system) for letter, system in result.sides}
     time_s = result.dataset.frames["time_s"].to_numpy()
     category = encounters["category"].to_numpy()
     exclusive = np.flatnonzero(np.isin(category, [Category.X_ONLY.value, Category.Y_ONLY.value]))
     is_x_only = category[exclusive] == Category.X_ONLY.value
-    missed_s = np.where(is_x_only, weights["y"][exclusive], weights["x"][exclusive])
-    order = np.argsort(-missed_s, kind="stable")
+    x_s, y_s = (encounters[f"severity_s_{letter}"].to_numpy()[exclusive] for letter in "xy")
+    severity_s = np.where(is_x_only, y_s, x_s)
+    order = np.argsort(-severity_s, kind="stable")
     rows: list[tuple[Any, ...]] = []
     for index in order[:MAX_ROWS].tolist():
         encounter = encounters.iloc[exclusive[index]]
@@ -340,7 +378,8 @@ def only_one_section(result: Result) -> Section:
                 encounter["recording"],
                 encounter["track"],
                 f"{time_s[row]:.2f}" if row >= 0 else UNDEFINED,
-                f"{missed_s[index]:.2f}",
+                f"{severity_s[index]:.2f}",
+                f"{encounter[f'peak_cost_{other}']:.2f}",
                 encounter["n_relevant"],
                 f"{encounter['peak_height']:.0f}",
                 number(encounter["coverage_x"], ".0%"),
@@ -353,7 +392,8 @@ def only_one_section(result: Result) -> Section:
         "Recording",
         "Pedestrian",
         "Missed from (s)",
-        "Weighted missed time (s)",
+        "Severity (s)",
+        "Peak cost",
         "Relevant frames",
         "Height (px)",
         "Coverage X",
@@ -362,17 +402,6 @@ def only_one_section(result: Result) -> Section:
     )
     title = f"{count_text(len(exclusive), 'encounter')} that only one system detects"
     left_out = len(exclusive) - len(rows)
-    note = f"The gravest {len(rows):,} are shown, {left_out:,} are left out." if left_out else ""
-    listing = table(title, head, rows, right=range(3, 9), note=note)
+    note = f"The heaviest {len(rows):,} are shown, {left_out:,} are left out." if left_out else ""
+    listing = table(title, head, rows, right=range(3, 10), note=note)
     return Section("only-one", "Encounters that only one detects", words.ONLY_ONE, (listing,))
-
-
-def _missed_weighted_s(result: Result, system: SystemResult) -> np.ndarray:
-    """Time in which a system misses each encounter, weighted by nearness, s; shape (n,)."""
-    encounters, frames = result.encounters, result.dataset.frame_columns
-    rows, frame_rows = encounters.order, encounters.frame_index
-    of = np.repeat(np.arange(len(encounters)), np.diff(encounters.offsets))
-    step_s = frames.gap[frame_rows] / frames.fps[frames.recording[frame_rows]]
-    is_missed = ~system.matches.is_matched[rows] & (result.k_truth.k[rows] >= RELEVANT_K)
-    weights = np.where(is_missed, result.k_truth.k[rows] * step_s, 0.0)
-    return np.bincount(of, weights=weights, minlength=len(encounters))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from nvcore.figures.venn import MOST_MARKS
 from nvcore.metrics.encounters import RELEVANT_K
 from nvcore.metrics.kernels import ABSORB_SHARE
 from nvcore.metrics.linking import LINK_GAP, LINK_IOU
@@ -86,12 +87,18 @@ def who(params: Params) -> Intro:
         f"{_percent(params.coverage)} of the relevant frames, and in one at least. A first match "
         f"more than {params.lag_s:g} s late makes the encounter late, a gap of more than "
         f"{params.gap_s:g} s a dropout, the same after the last match an early loss; the first of "
-        "these that holds is counted. Lead time is Y's delay of the first match less X's. Jaccard "
-        "index: shared misses over all misses. Phi: correlation of the two systems' misses.",
-        best="Many in the middle of the diagram, few outside the circles. A system dominates the "
-        "other if it detects all that the other detects, and more.",
-        limits="An encounter counts once, however long it lasts; one class is named, though "
-        "several failures may hold.",
+        "these that holds is counted. Severity is what a system's failure weighs: the cost of each "
+        "relevant frame in which it misses the pedestrian (weight of nearness times distance from "
+        "the border over half the picture's width, 0 to 1; see Similarity), summed over time. 1 s "
+        "is a pedestrian straight ahead and near, missed for 1 s; peak cost is the largest of a "
+        "frame. Lead time is Y's delay of the first match less X's. Jaccard index: "
+        "shared misses over all misses. Phi: correlation of the two systems' misses.",
+        best="Many in the middle of the diagram, few outside the circles, and little severity. A "
+        "system dominates the other if it detects all that the other detects, and more. In the "
+        f"diagram of up to {MOST_MARKS} encounters each is a mark, larger the more its failure "
+        "weighs: a circle where X fails, a diamond where Y does, a square where neither detects.",
+        limits="A count takes an encounter once, however long it lasts and however near it comes: "
+        "look at the severity, too. One class is named, though several failures may hold.",
     )
 
 
@@ -284,11 +291,10 @@ EVIDENCE = Intro(
 
 ONLY_ONE = Intro(
     what="Every encounter that one system detects and the other does not: what tells the two "
-    "apart. The gravest come first.",
-    how="Sorted by weighted missed time: the time in which the other system misses the pedestrian, "
-    "each frame multiplied by its weight of nearness. Coverage is the share of relevant frames in "
-    "which the pedestrian is matched. Missed from is the time of the first relevant frame in "
-    "which the other system misses them.",
+    "apart. The heaviest failures come first.",
+    how="Sorted by the severity for the other system, which misses the pedestrian (see Who detects "
+    "whom). Coverage is the share of relevant frames in which the pedestrian is matched. Missed "
+    "from is the time of the first relevant frame in which the other system misses them.",
 )
 
 AUDIT = Intro(

@@ -140,7 +140,8 @@ def test_the_scorecard_has_the_measures_counted_by_hand(page):
 
 
 def test_encounters_have_who_detects_them_and_what_a_fusion_gives(page):
-    assert page.row("Encounters by who detects them", "only X")[0] == "1"
+    assert page.row("Encounters by who detects them", "only X")[:2] == ["1", "0.00"]
+    assert page.row("Encounters by who detects them", "distant")[:3] == ["0", "–", "–"]
     assert page.tables["Boxes of pedestrians by who matches them"][1] == ["10", "30", "0", "0"]
     assert [row[:3] for row in page.tables["X and Y as one system"][1:]] == [
         ["X alone", "2", "0"], ["Y alone", "1", "1"], ["X or Y", "2", "1"], ["X and Y", "1", "0"],
@@ -149,6 +150,21 @@ def test_encounters_have_who_detects_them_and_what_a_fusion_gives(page):
     _, row = page.tables["1 encounter that only one system detects"]
     assert row[:4] == ["only X", "rural", "1", "0.00"]
     assert row[-3:] == ["100%", "0%", "never"]
+
+
+def test_the_encounters_that_weigh_most_are_listed(page, result):
+    caption = "The encounters whose failures weigh most"
+    row, late = page.tables[caption][1:]
+    severity_s = result.y.failures["severity_s"].max()
+    assert late[2] == "both"
+    assert float(late[5]) < float(row[5])
+    assert row[:4] == ["rural", "1", "only X", "0.00"]
+    assert row[4:6] == ["0.00", f"{severity_s:.2f}"]
+    assert row[8:] == ["none", "never"]
+    (category,) = [
+        row for row in page.tables["Encounters by who detects them"] if row[0] == "only X"
+    ]
+    assert category[3] == f"{severity_s:.2f}"
 
 
 def test_subgroups_have_who_detects_more_and_the_other_figures(page):
@@ -273,7 +289,7 @@ def test_frames_rather_than_persons_are_no_evidence_of_their_own(tmp_path, page)
     assert "The truth of 1 recording has pedestrians without track ids" in short.text
 
 
-def test_the_gravest_of_many_encounters_that_only_one_detects_are_listed(tmp_path, monkeypatch):
+def test_the_heaviest_of_many_encounters_that_only_one_detects_are_listed(tmp_path, monkeypatch):
     monkeypatch.setattr(result_sections, "MAX_ROWS", 6)
     # track t is missed by Y for t + 1 frames at 10 fps, all of full weight
     truth = [at(f, 50, track=t, recording=t) for t in range(8) for f in range(1 + t)]
@@ -283,7 +299,7 @@ def test_the_gravest_of_many_encounters_that_only_one_detects_are_listed(tmp_pat
     page = Page(written(tmp_path / "r.html", result, session_of(tmp_path), stability=False))
     rows = page.tables["8 encounters that only one system detects"][1:]
     assert [float(row[4]) for row in rows] == pytest.approx([0.8, 0.7, 0.6, 0.5, 0.4, 0.3])
-    assert "The gravest 6 are shown, 2 are left out." in page.text
+    assert "The heaviest 6 are shown, 2 are left out." in page.text
     assert "The 6 recordings in which the systems differ most are shown, 2 are left out." in (
         page.text
     )
