@@ -54,11 +54,11 @@ def test_the_scorecard_line_by_line(result: Result, scorecard: list[str]):
     assert {line.split()[-1] for line in rows} == {"higher", "lower", "–"}
     assert scorecard[end + 1 : -1] == [
         "encounters detected by: both 1, only X 1, only Y 0, neither 0 (0 distant, not counted)",
-        "what failures weigh, in seconds of a pedestrian missed straight ahead and near: those "
-        "that only X detects 1.20 (for Y), only Y 0.00 (for X), neither 0.00 (X) and 0.00 (Y), "
-        "late or broken off in those that both detect 0.00 (X) and 0.00 (Y)",
+        "severity (1 s: a pedestrian straight ahead and near is missed for 1 s): detected by both, "
+        "X misses 0.00 s and Y 0.00 s; by X only, Y misses 1.20 s; by Y only, X misses 0.00 s; by "
+        "neither, X misses 0.00 s and Y 0.00 s",
         "encounters not detected: 0 by X, 1 by Y, of these 0 by both (Jaccard 0.00, phi –); "
-        "McNemar's exact p = 1 for 1 to 0",
+        "1 to 0 are detected by one alone",
         "lead time, in the 1 encounters that both match: X is first in 0, Y in 0, at once in 1; X "
         "leads by +0.00 s on average, median +0.00 s",
         "boxes matched by: both 20, only X 20, only Y 0, neither 0 (all boxes, distant ones too)",

@@ -15,6 +15,7 @@ from nvcore.progress import Progress, part_of
 from nvcore.protocols import Protocol
 from nvcore.report.html import words
 from nvcore.report.html.blocks import Section, Sentences
+from nvcore.report.html.encounter_sections import encounters_section, only_one_section
 from nvcore.report.html.evidence_sections import (
     detection_section,
     frames_section,
@@ -26,9 +27,7 @@ from nvcore.report.html.evidence_sections import (
 from nvcore.report.html.frames import decisive_moments, photo
 from nvcore.report.html.input_sections import audit_section, inputs_section, parameters_section
 from nvcore.report.html.result_sections import (
-    encounters_section,
     false_alerts_section,
-    only_one_section,
     saliency_section,
     scorecard_section,
     similarity_section,

@@ -4,47 +4,34 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from nvcore.comparison import Result
-from nvcore.figures.encounters import miss_classes_plot
 from nvcore.figures.loss_strip import loss_strip_plot
 from nvcore.figures.paired import recordings_plot
-from nvcore.figures.venn import WORDS, venn_figure
 from nvcore.measures import MeasureTable
 from nvcore.report.html import words
 from nvcore.report.html.blocks import MAX_ROWS, Chart, Section, Sentences, Table, table
 from nvcore.report.html.charts import THEME
 from nvcore.report.html.input_sections import span_in_use
 from nvcore.report.words import (
-    describe_fusion,
-    describe_lead,
-    describe_misses,
     describe_saliency,
     score_cells,
     scorecard_cells,
 )
-from nvcore.schema import CATEGORY_TEXT, MISS_CLASS_TEXT, Category
 from nvcore.tables.loss_strip import loss_strip
-from nvcore.tables.miss_classes import fusion_table
-from nvcore.tables.moments import encounter_moments
 from nvcore.tables.result import (
-    encounters_table,
     recordings_table,
     worst_events,
     worst_intervals,
 )
 from nvcore.tables.scorecard import score_rows
-from nvcore.tables.severity import weighed_encounters
 from nvcore.tables.windows import windows_table
-from nvcore.wording import UNDEFINED, count_text, difference, number
+from nvcore.wording import difference, number
 
 MEASURES_HEAD = ("Measure", "X", "Y", "X - Y", "Better")
 PART = "– "
 """Before the label of a measure that is a part of the one above."""
-N_HEAVIEST = 10
-"""How many of the encounters that weigh most are listed."""
 N_WORST = 3
 """How many intervals, events and episodes of each system are listed."""
 
@@ -63,126 +50,6 @@ def scorecard_section(result: Result) -> Section:
         words.scorecard(result.params),
         (table("Measures of X and Y", MEASURES_HEAD, rows, right=(1, 2, 3)),),
     )
-
-
-def encounters_section(result: Result) -> Section:
-    """Which system detects which pedestrians, and how the others are missed."""
-    counts = result.venn.counts()
-    in_words = ", ".join(f"{WORDS[kind]} {counts[kind]}" for kind in Category)
-    classes = [
-        (row.label, number(row.x, "d"), number(row.y, "d"), MISS_CLASS_TEXT[kind])
-        for row, kind in zip(
-            score_rows(result, MeasureTable.MISS_CLASSES), MISS_CLASS_TEXT, strict=True
-        )
-    ]
-    sentences = (*describe_misses(result), describe_lead(result))
-    fusion = fusion_table(result)
-    names = names_of(result)
-    encounters = weighed_encounters(result)
-    return Section(
-        "encounters",
-        "Who detects whom",
-        words.who(result.params),
-        (
-            table(
-                "Encounters by who detects them",
-                ("Category", "Encounters", "Severity X (s)", "Severity Y (s)", "Meaning"),
-                [
-                    (WORDS[kind], counts[kind], *_severities(result, kind), CATEGORY_TEXT[kind])
-                    for kind in Category
-                ],
-                right=(1, 2, 3),
-            ),
-            Chart(
-                "venn",
-                venn_figure(result.venn, names, theme=THEME, encounters=encounters),
-                f"Encounters: {in_words}",
-            ),
-            _heaviest(result, encounters),
-            Sentences(sentences),
-            Chart(
-                "classes",
-                miss_classes_plot(encounters_table(result), names, theme=THEME),
-                "How many encounters each system fails in which way",
-            ),
-            table("How they were missed", ("Class", "X", "Y", "Meaning"), classes, right=(1, 2)),
-            _boxes(result),
-            Sentences(describe_fusion(fusion)),
-            _fusion(fusion),
-        ),
-    )
-
-
-def _severities(result: Result, kind: Category) -> tuple[str, str]:
-    """What X's and Y's failures weigh in a category; distant encounters have no weight."""
-    if kind is Category.DISTANT:
-        return UNDEFINED, UNDEFINED
-    x_s, y_s = (result.severity_of(system)[kind] for _, system in result.sides)
-    return f"{x_s:.2f}", f"{y_s:.2f}"
-
-
-def _heaviest(result: Result, encounters: pd.DataFrame) -> Table:
-    """The encounters whose failures weigh most."""
-    time_s = result.dataset.frames["time_s"].to_numpy()
-    heaviest = encounters[encounters["severity_s"] > 0].head(N_HEAVIEST)
-    rows = [
-        (
-            row["recording"],
-            row["track"],
-            WORDS[Category(row["category"])],
-            f"{time_s[row['shown_row']]:.2f}",
-            *(f"{row[f'severity_s_{letter}']:.2f}" for letter in "xy"),
-            *(f"{row[f'peak_cost_{letter}']:.2f}" for letter in "xy"),
-            *(str(row[f"miss_class_{letter}"]).replace("_", " ") for letter in "xy"),
-        )
-        for row in heaviest.to_dict("records")
-    ]
-    head = (
-        *("Recording", "Pedestrian", "Detected by", "Costs most at (s)"),
-        *("Severity X (s)", "Severity Y (s)", "Peak cost X", "Peak cost Y"),
-        *("Failure of X", "Failure of Y"),
-    )
-    title = "The encounters whose failures weigh most"
-    note = "Sorted by the larger severity of the two; the time is that of its largest cost."
-    return table(title, head, rows, right=range(3, 8), note=note)
-
-
-def _boxes(result: Result) -> Table:
-    """How many boxes of the truth each system matches."""
-    boxes = result.boxes
-    counts = (boxes.both, boxes.x_only, boxes.y_only, boxes.neither)
-    head = ("Matched by both", "Only by X", "Only by Y", "By neither")
-    n_absorbed = " and ".join(
-        f"{system.matches.n_absorbed:,} detections of {letter.upper()}"
-        for letter, system in result.sides
-    )
-    note = (
-        f"Near and distant pedestrians, frame by frame. {n_absorbed} lie on people or regions that "
-        "the ground truth ignores and do not count."
-    )
-    rows = [[f"{n:,}" for n in counts]]
-    return table("Boxes of pedestrians by who matches them", head, rows, right=range(4), note=note)
-
-
-def _fusion(fusion: pd.DataFrame) -> Table:
-    """Both systems as one system, beside each of them."""
-    names = {"x": "X alone", "y": "Y alone", "x_or_y": "X or Y", "x_and_y": "X and Y"}
-    rows = [
-        (
-            names[row["system"]],
-            f"{row['encounters_detected']:,}",
-            f"{row['false_alert_episodes']:,}",
-            number(row["episodes_per_hour"], ".1f"),
-            number(row["mean_similarity"], ".4f"),
-        )
-        for row in fusion.to_dict("records")
-    ]
-    head = ("System", "Encounters detected", "False-alert episodes", "Per hour", "Mean similarity")
-    note = (
-        "What if both were one system: \u201cX or Y\u201d shows what either shows (a pair of boxes "
-        "that overlap once), \u201cX and Y\u201d only what both show."
-    )
-    return table("X and Y as one system", head, rows, right=range(1, 5), note=note)
 
 
 def similarity_section(result: Result) -> Section:
@@ -354,54 +221,3 @@ def _episodes(result: Result) -> list[tuple[Any, ...]]:
                 )
             )
     return rows
-
-
-def only_one_section(result: Result) -> Section:
-    """Encounters that only one system detects, row by row, the worst first."""
-    encounters = encounters_table(result)
-    moments = encounter_moments(result)
-    time_s = result.dataset.frames["time_s"].to_numpy()
-    category = encounters["category"].to_numpy()
-    exclusive = np.flatnonzero(np.isin(category, [Category.X_ONLY.value, Category.Y_ONLY.value]))
-    is_x_only = category[exclusive] == Category.X_ONLY.value
-    x_s, y_s = (encounters[f"severity_s_{letter}"].to_numpy()[exclusive] for letter in "xy")
-    severity_s = np.where(is_x_only, y_s, x_s)
-    order = np.argsort(-severity_s, kind="stable")
-    rows: list[tuple[Any, ...]] = []
-    for index in order[:MAX_ROWS].tolist():
-        encounter = encounters.iloc[exclusive[index]]
-        letter, other = ("x", "y") if is_x_only[index] else ("y", "x")
-        row = int(moments[f"missed_row_{other}"].iloc[exclusive[index]])
-        rows.append(
-            (
-                f"only {letter.upper()}",
-                encounter["recording"],
-                encounter["track"],
-                f"{time_s[row]:.2f}" if row >= 0 else UNDEFINED,
-                f"{severity_s[index]:.2f}",
-                f"{encounter[f'peak_cost_{other}']:.2f}",
-                encounter["n_relevant"],
-                f"{encounter['peak_height']:.0f}",
-                number(encounter["coverage_x"], ".0%"),
-                number(encounter["coverage_y"], ".0%"),
-                str(encounter[f"miss_class_{other}"]).replace("_", " "),
-            )
-        )
-    head = (
-        "Detected by",
-        "Recording",
-        "Pedestrian",
-        "Missed from (s)",
-        "Severity (s)",
-        "Peak cost",
-        "Relevant frames",
-        "Height (px)",
-        "Coverage X",
-        "Coverage Y",
-        "The other's failure",
-    )
-    title = f"{count_text(len(exclusive), 'encounter')} that only one system detects"
-    left_out = len(exclusive) - len(rows)
-    note = f"The heaviest {len(rows):,} are shown, {left_out:,} are left out." if left_out else ""
-    listing = table(title, head, rows, right=range(3, 10), note=note)
-    return Section("only-one", "Encounters that only one detects", words.ONLY_ONE, (listing,))

@@ -21,7 +21,7 @@ from nvcore.inputs.load import load
 from nvcore.inputs.session import Session
 from nvcore.params import Params
 from nvcore.protocols import PROTOCOLS
-from nvcore.report.html import css_text, result_sections, write_html_report
+from nvcore.report.html import css_text, encounter_sections, result_sections, write_html_report
 from nvcore.report.html.blocks import MAX_CELL, MAX_NOTE, MAX_ROWS, table
 
 HOSTILE = "</script><img src=x onerror=alert(1)>{{ 7*7 }}"
@@ -290,7 +290,8 @@ def test_frames_rather_than_persons_are_no_evidence_of_their_own(tmp_path, page)
 
 
 def test_the_heaviest_of_many_encounters_that_only_one_detects_are_listed(tmp_path, monkeypatch):
-    monkeypatch.setattr(result_sections, "MAX_ROWS", 6)
+    for module in (encounter_sections, result_sections):
+        monkeypatch.setattr(module, "MAX_ROWS", 6)
     # track t is missed by Y for t + 1 frames at 10 fps, all of full weight
     truth = [at(f, 50, track=t, recording=t) for t in range(8) for f in range(1 + t)]
     result = result_of(
