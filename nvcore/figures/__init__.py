@@ -10,7 +10,7 @@ from nvcore.figures.loss_plot import loss_plot
 from nvcore.figures.loss_strip import loss_strip_plot
 from nvcore.figures.paired import recordings_plot
 from nvcore.figures.ratings import participants_plot, rating_plot
-from nvcore.figures.saliency import parts_plot, recency_plot
+from nvcore.figures.saliency import parts_plot, plane_plot, recency_plot
 from nvcore.figures.stability import stability_map
 from nvcore.figures.style import CONFIG
 from nvcore.figures.time_plot import similarity_plot
@@ -31,6 +31,7 @@ __all__ = [
     "miss_classes_plot",
     "participants_plot",
     "parts_plot",
+    "plane_plot",
     "position_map",
     "proximity_plot",
     "rating_plot",

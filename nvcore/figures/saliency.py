@@ -1,4 +1,4 @@
-"""Saliency: the events on the recency curve, and what makes up a number."""
+"""Saliency: the events on the recency curve, what makes up a number, and beside similarity."""
 
 from __future__ import annotations
 
@@ -9,8 +9,9 @@ import pandas as pd
 import plotly.graph_objects as go
 
 from nvcore.comparison import Result
-from nvcore.figures.marks import marks, steady_marker, still_line
+from nvcore.figures.marks import marks, steady_marker, still_line, with_gaps
 from nvcore.figures.style import (
+    CLEAR,
     LOOK,
     SYMBOL,
     axis,
@@ -23,6 +24,7 @@ from nvcore.figures.style import (
 )
 from nvcore.metrics.saliency import recency_weight
 from nvcore.palette import Theme
+from nvcore.tables.result import recordings_table
 from nvcore.wording import count_text
 
 MAX_EVENTS: Final = 1000
@@ -32,6 +34,8 @@ N_PARTS: Final = 6
 CURVE_POINTS: Final = 201
 SHIFT: Final = 0.03
 """How far from the curve the marks of X and Y stand apart from each other."""
+MANY_RECORDINGS: Final = 100
+"""Recordings above which the marks of the plane are small and faint."""
 NO_EVENTS: Final = "No saliency events: no pedestrian is missed by more than the tolerance."
 
 
@@ -185,3 +189,96 @@ def parts_plot(
         xaxis=axis(theme, f"seconds (a recording: {kind})", rangemode="tozero"),
         yaxis=rows_axis(theme, labels, fixedrange=True, showgrid=False, automargin=True),
     )
+
+
+def plane_plot(result: Result, *, theme: Theme) -> go.Figure:
+    """Mean similarity by saliency: a mark for each recording and system, X and Y joined by a line.
+
+    Large open marks are the means over recordings. `customdata` is a row in ``dataset.frames``: the
+    first frame of the system's most salient event of the recording, else the recording's first.
+    """
+    recordings = recordings_table(result)
+    first = result.dataset.frame_columns.first[:-1]
+    similarity, saliency_s = (
+        {letter: recordings[f"{name}_{letter}"].to_numpy(dtype=float) for letter in "xy"}
+        for name in ("mean_similarity", "saliency")
+    )
+    defined = np.flatnonzero(np.isfinite(similarity["x"]) & np.isfinite(similarity["y"]))
+    if not len(defined):
+        return empty_figure("There is no recording to compare.", theme=theme)
+    x, y = (
+        {letter: values[letter][defined] for letter in "xy"} for values in (similarity, saliency_s)
+    )
+    is_many = len(defined) > MANY_RECORDINGS
+    look = LOOK[theme]
+    joined = still_line(
+        with_gaps(x["x"], x["y"]),
+        with_gaps(y["x"], y["y"]),
+        "the same recording",
+        line={"width": 0.75 if is_many else 2, "color": look.pale},
+    )
+    traces = [joined]
+    names = [plain(name) for name in recordings["recording"].to_numpy()[defined]]
+    for letter, system in result.sides:
+        rows = first.copy()
+        events = system.events.sort_values("saliency_s", kind="stable")
+        rows[events["recording"].to_numpy()] = events["first_row"].to_numpy()
+        text = [
+            f"{name}: {letter.upper()}<br>mean similarity {value:.3f}<br>saliency {seconds:.2f} s"
+            for name, value, seconds in zip(names, x[letter], y[letter], strict=True)
+        ]
+        traces.append(
+            marks(
+                x[letter],
+                y[letter],
+                text,
+                cliponaxis=False,
+                customdata=rows[defined],
+                name=system_label(letter, system.name),
+                **steady_marker(
+                    opacity=0.6 if is_many else 1,
+                    color=look.of(letter),
+                    symbol=SYMBOL[letter],
+                    size=5 if is_many else 10,
+                    line={"width": 0 if is_many else 1, "color": look.surface},
+                ),
+            )
+        )
+    if len(defined) > 1:
+        means = {letter: (x[letter].mean(), y[letter].mean()) for letter in "xy"}
+        traces += [_mean_mark(letter, *means[letter], theme=theme) for letter in "xy"]
+    lowest = min(float(values.min()) for values in x.values())
+    n_better = [
+        np.count_nonzero((x[own] > x[other]) & (y[own] < y[other])) for own, other in ("xy", "yx")
+    ]
+    return draw(
+        traces,
+        theme,
+        title="Similarity and saliency of the recordings",
+        subtitle=f"{count_text(len(defined), 'recording')}; best is bottom right; better in both: "
+        f"X in {n_better[0]:,}, Y in {n_better[1]:,}",
+        height=420,
+        xaxis=axis(
+            theme,
+            "mean similarity (1 = perfect)",
+            range=[min(lowest - 0.02, 0.9), 1.005],
+            fixedrange=True,
+        ),
+        yaxis=axis(theme, "saliency (s, 0 = nothing to notice)", rangemode="tozero"),
+    )
+
+
+def _mean_mark(letter: str, x: float, y: float, *, theme: Theme) -> go.Scatter:
+    """The mean of a system over recordings: a large open mark."""
+    look = LOOK[theme]
+    marker = steady_marker(
+        color=CLEAR,
+        symbol=SYMBOL[letter],
+        size=20,
+        line={"width": 2.5, "color": look.of(letter)},
+    )
+    text = (
+        f"{letter.upper()}, mean of the recordings<br>mean similarity {x:.3f}<br>saliency {y:.2f} s"
+    )
+    name = f"mean of {letter.upper()}"
+    return marks([x], [y], [text], name=name, showlegend=False, cliponaxis=False, **marker)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 from builders import Place, at, make_dataset, result_of
 from figure_parts import trace, words
 
 from nvcore.comparison import Result
-from nvcore.figures.saliency import parts_plot, recency_plot
+from nvcore.figures.saliency import MANY_RECORDINGS, parts_plot, plane_plot, recency_plot
 
 
 def missed(**params: object) -> Result:
@@ -55,3 +56,42 @@ def test_the_axes_say_how_the_number_of_a_recording_is_made() -> None:
     result = missed(saliency_aggregate="sum", saliency_scope="encounter")
     assert "sum of events" in parts_plot(result, theme="light").layout.xaxis.title.text
     assert "in its encounter" in recency_plot(result, theme="light").layout.xaxis.title.text
+
+
+def test_every_recording_has_a_mark_for_each_system_and_a_line_between_the_two() -> None:
+    result = missed()
+    figure = plane_plot(result, theme="light")
+    x, y = trace(figure, "X: x"), trace(figure, "Y: y")
+    # recording 0 is empty; in recording 1 X misses 4 of 10 frames in the middle of the picture
+    assert x.x.tolist() == pytest.approx([1, 1 - 0.4 * 0.9])
+    assert x.y.tolist() == pytest.approx([0, 0.2 * 0.99331], abs=1e-5)
+    assert (y.x.tolist(), y.y.tolist()) == ([1, 1], [0, 0])
+    line = trace(figure, "the same recording")
+    assert line.x[3:5].tolist() == [x.x[1], y.x[1]]
+    assert line.y[3:5].tolist() == [x.y[1], y.y[1]]
+    assert np.isnan(line.x[[2, 5]]).all()
+    mean = trace(figure, "mean of X")
+    assert (mean.x[0], mean.y[0]) == pytest.approx((np.mean(x.x), np.mean(x.y)))
+    assert "2 recordings; best is bottom right; better in both: X in 0, Y in 1" in words(figure)
+
+
+def test_a_mark_of_the_plane_opens_the_most_salient_event_else_the_recording() -> None:
+    figure = plane_plot(missed(), theme="light")
+    assert trace(figure, "X: x").customdata.tolist() == [0, 18]
+    assert trace(figure, "Y: y").customdata.tolist() == [0, 10]
+    assert "r1: X<br>mean similarity 0.640<br>saliency 0.20 s" in trace(figure, "X: x").text
+
+
+def test_marks_of_many_recordings_are_small() -> None:
+    n = MANY_RECORDINGS + 1
+    places = [Place([0])] * n
+    truth = [at(0, 50, track=1, recording=i) for i in range(n)]
+    figure = plane_plot(result_of(make_dataset(truth, truth, [], places=places)), theme="dark")
+    marker = trace(figure, "Y: y").marker
+    assert len(trace(figure, "Y: y").x) == n
+    assert (marker.size, marker.opacity) == (5, 0.6)
+
+
+def test_without_frames_there_is_no_plane() -> None:
+    figure = plane_plot(result_of(make_dataset(places=[Place([])])), theme="light")
+    assert "no recording to compare" in words(figure)

@@ -10,7 +10,7 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.figures.paired import recordings_plot
-from nvcore.figures.saliency import parts_plot, recency_plot
+from nvcore.figures.saliency import parts_plot, plane_plot, recency_plot
 from nvcore.measures import has_several_recordings
 from nvcore.report.words import describe_saliency
 from nvcore.tables.result import recordings_table, worst_events
@@ -60,15 +60,22 @@ def draw_events(result: Result, recording: int | None) -> None:
 
 
 def draw_recordings(result: Result) -> None:
-    """X against Y per recording; a click chooses the recording."""
-    names = (result.x.name, result.y.name)
-    table = recordings_table(result)
-    draw_chart(
-        recordings_plot(table, names, theme=state.theme(), measure="saliency"),
-        "saliency_recordings",
-        on_click=_choose_recording,
-    )
-    st.caption("Click a recording to see only its events below.")
+    """X against Y per recording, by saliency alone and beside similarity."""
+    names, theme = (result.x.name, result.y.name), state.theme()
+    left, right = st.columns(2, gap="medium")
+    with left:
+        draw_chart(
+            recordings_plot(recordings_table(result), names, theme=theme, measure="saliency"),
+            "saliency_recordings",
+            on_click=_choose_recording,
+        )
+        st.caption("Click a recording to see only its events below.")
+    with right:
+        _chart(plane_plot(result, theme=theme), "saliency_plane")
+        st.caption(
+            "Large open marks are the means over the recordings. Click one of the others to see the "
+            "system's most salient event of that recording in the Timeline."
+        )
 
 
 def _chart(figure: go.Figure, key: str) -> None:

@@ -9,6 +9,7 @@ import pandas as pd
 from nvcore.comparison import Result
 from nvcore.figures.loss_strip import loss_strip_plot
 from nvcore.figures.paired import recordings_plot
+from nvcore.figures.saliency import plane_plot
 from nvcore.measures import MeasureTable
 from nvcore.report.html import words
 from nvcore.report.html.blocks import MAX_ROWS, Chart, Section, Sentences, Table, table
@@ -180,6 +181,11 @@ def saliency_section(result: Result) -> Section:
         words.saliency(result.params),
         (
             Sentences(describe_saliency(result)),
+            Chart(
+                "plane",
+                plane_plot(result, theme=THEME),
+                "Mean similarity and saliency of X and Y in every recording",
+            ),
             table("The most salient events", head, rows, right=range(3, 8)),
         ),
     )

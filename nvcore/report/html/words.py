@@ -173,7 +173,8 @@ def saliency(params: Params) -> Intro:
         f"(weighted distance above {_percent(params.tolerance)} of half the picture's width). Its "
         f"saliency is {weight} times recency, and recency is {recency} when the event ends. A "
         f"recording's saliency is {whole}; over several recordings it is the mean of theirs.",
-        best="0 s.",
+        best="0 s; in the plane of similarity and saliency bottom right (large open marks: means "
+        "over the recordings).",
         limits="It is a model of what drivers remember, not a measurement of it. Part of the "
         "events' time is of pedestrians far away: the scorecard says how much is of those that "
         f"count.{cutting}",

@@ -233,7 +233,7 @@ def test_a_text_in_css_can_end_neither_it_nor_the_style():
 
 def test_charts_are_figures_of_plotly_and_nothing_is_fetched_from_elsewhere(page, content):
     charts = page.charts()
-    assert len(charts) == 9
+    assert len(charts) == 10
     titles = [one["layout"]["title"].get("text", "") for one in charts.values()]
     assert sum("click" in title.lower() for title in titles) == 0
     assert re.findall(r'(?:src|href)="(?!#|data:image/jpeg;base64,)[^"]*"', content) == []
@@ -259,7 +259,7 @@ def test_changed_parameters_and_the_protocol_are_told_and_the_stability_map_may_
     assert "Protocol reasonable:" in page.text
     assert "height 50 or more px" in page.text
     assert "Not computed for these 40 frames" in page.text
-    assert len(page.charts()) == 8
+    assert len(page.charts()) == 9
 
 
 def test_frames_rather_than_persons_are_no_evidence_of_their_own(tmp_path, page):
@@ -328,7 +328,7 @@ def test_names_from_files_are_text(tmp_path):
     assert page.tags.count("b") == 0
     assert page.row("Similarity by recording", HOSTILE)[0] == "20"
     assert f"{HOSTILE} (X) and <b>nir</b> (Y) compared" in page.words
-    assert len(page.charts()) == 9  # their JSON is whole: no name ended its script
+    assert len(page.charts()) == 10  # their JSON is whole: no name ended its script
 
 
 @pytest.mark.parametrize(
