@@ -5,7 +5,6 @@ import streamlit as st
 from nvcore.comparison import Result
 from ui.saliency import events, figures
 from ui.shell.messages import draw_warnings, needs_comparison
-from ui.widgets.text import docs_link
 
 
 @st.fragment
@@ -23,13 +22,7 @@ def draw_events(result: Result) -> None:
 @needs_comparison
 def draw(result: Result) -> None:
     """What saliency is, the numbers, and the events behind them."""
-    st.caption(
-        f"{docs_link('Saliency', 'saliency')}, in seconds, 0 is best: how much the misses will be "
-        "noticed. A *saliency event* is a run of frames in which one pedestrian is the most "
-        "salient miss. It counts by its *duration* times its *recency*, a weight of 0 to 1 that is "
-        "larger for late misses, because the end of a drive is remembered best. Distant "
-        "pedestrians can be the most salient, with the little weight they have."
-    )
+    st.caption(figures.what_it_is(result.params))
     draw_warnings(result)
     figures.draw_numbers(result)
     draw_events()

@@ -48,13 +48,16 @@ def _events(result: Result, letter: str, recording: int | None, most: int) -> pd
     events = events.sort_values("saliency_s", ascending=False, kind="stable").head(most)
     names = result.dataset.recordings["name"].to_numpy()[events["recording"].to_numpy()]
     start_s = result.dataset.frames["time_s"].to_numpy()[events["first_row"].to_numpy()]
+    is_risk = result.params.saliency_weight == "risk"
     text = [
         f"{letter.upper()} misses pedestrian {track}<br>{plain(name)} at {start:.2f} s<br>"
-        f"{weight:.2f} s × recency {recency:.2f} = {saliency:.2f} s"
-        for name, track, start, weight, recency, saliency in zip(
+        + (f"for {duration:.2f} s, weight {weight:.2f} s<br>" if is_risk else "")
+        + f"{weight:.2f} s × recency {recency:.2f} = {saliency:.2f} s"
+        for name, track, start, duration, weight, recency, saliency in zip(
             names,
             events["track"],
             start_s,
+            events["duration_s"],
             events["weight_s"],
             events["recency"],
             events["saliency_s"],
@@ -65,7 +68,7 @@ def _events(result: Result, letter: str, recording: int | None, most: int) -> pd
 
 
 def recency_plot(result: Result, *, theme: Theme, recording: int | None = None) -> go.Figure:
-    """The recency curve with every event on it; larger marks last longer.
+    """The recency curve with every event on it; larger marks weigh more before recency.
 
     `customdata` is the row in ``dataset.frames`` of the event's first frame.
 
@@ -86,7 +89,7 @@ def recency_plot(result: Result, *, theme: Theme, recording: int | None = None) 
     for letter, system in result.sides:
         events = _events(result, letter, recording, MAX_EVENTS)
         counts.append(f"{letter.upper()} {count_text(len(events), 'event')}")
-        area = events["duration_s"].to_numpy()
+        area = events["weight_s"].to_numpy()
         # X's marks stand above the curve and Y's below: many events of both end at one time
         shift = SHIFT if letter == "x" else -SHIFT
         marker = steady_marker(
@@ -115,8 +118,8 @@ def recency_plot(result: Result, *, theme: Theme, recording: int | None = None) 
         traces,
         theme,
         title="When misses happen, and how much they count",
-        subtitle=f"{', '.join(counts)}; larger marks last longer; X drawn just above the curve, "
-        "Y just below",
+        subtitle=f"{', '.join(counts)}; larger marks "
+        + ("weigh more" if params.saliency_weight == "risk" else "last longer"),
         height=360,
         xaxis=along,
         yaxis=axis(theme, "recency (weight, 0 to 1)", range=[-0.06, 1.08], fixedrange=True),
@@ -177,16 +180,16 @@ def parts_plot(
     if not labels:
         return empty_figure(NO_EVENTS, theme=theme)
     is_risk = result.params.saliency_weight == "risk"
-    kind = "largest event" if result.params.saliency_aggregate == "max" else "sum of events"
+    kind = "its largest event" if result.params.saliency_aggregate == "max" else "the sum of events"
     return draw(
         traces,
         theme,
         title="The number taken apart",
-        subtitle=f"{count_text(len(labels), 'most salient event')}; pale: "
-        f"{'weighted distance over time' if is_risk else 'duration'}, solid: × recency",
+        subtitle=f"{count_text(len(labels), 'largest event')}; pale: "
+        f"{'weighted distance' if is_risk else 'duration'}, solid: × recency",
         height=150 + 24 * len(labels),
         barmode="overlay",
-        xaxis=axis(theme, f"seconds (a recording: {kind})", rangemode="tozero"),
+        xaxis=axis(theme, f"seconds (of a recording counts {kind})", rangemode="tozero"),
         yaxis=rows_axis(theme, labels, fixedrange=True, showgrid=False, automargin=True),
     )
 

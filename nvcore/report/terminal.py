@@ -14,7 +14,7 @@ from nvcore.evidence.table import evidence_table
 from nvcore.findings import Finding, Severity
 from nvcore.protocols import PROTOCOLS, Protocol
 from nvcore.report.verdict import verdict
-from nvcore.report.words import count_leads, scorecard_cells
+from nvcore.report.words import count_leads, saliency_caveat, scorecard_cells
 from nvcore.schema import Category
 from nvcore.scoring import SystemResult
 from nvcore.tables.inputs import inputs_table
@@ -48,11 +48,13 @@ def render_scorecard(
     evidence = evidence_table(result, protocol) if evidence is None else evidence
     companions = find_companions(result, evidence) if companions is None else companions
     in_short = verdict(result, findings, evidence=evidence, companions=companions)
+    caveat = saliency_caveat(result.params)
     parts = [
         _heading(result),
         _table(result),
         _venn(result),
         _fusion(result),
+        *([f"saliency: {caveat[0].lower()}{caveat[1:-1]}"] if caveat else []),
         *(_worst(result, letter, system) for letter, system in result.sides),
         "In short: " + " ".join(in_short.sentences),
     ]

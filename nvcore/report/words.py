@@ -13,7 +13,8 @@ import pandas as pd
 
 from nvcore.comparison import Result
 from nvcore.evidence.paired_tests import SIGNIFICANT
-from nvcore.measures import MeasureTable, relevant_share
+from nvcore.measures import MeasureTable, has_several_recordings, relevant_share
+from nvcore.params import Params
 from nvcore.scoring import SystemResult
 from nvcore.tables.scorecard import ScoreRow, score_rows
 from nvcore.wording import count_text, difference, number
@@ -186,32 +187,54 @@ def _fused_sentence(row: dict[Hashable, Any], name: str, best: str, n: int) -> s
 
 
 def describe_saliency(result: Result) -> tuple[str, ...]:
-    """How each system's saliency over all recordings comes about, a sentence each."""
+    """How each system's saliency over all recordings comes about, a few sentences each."""
     return tuple(_saliency(result, letter.upper(), system) for letter, system in result.sides)
+
+
+def saliency_caveat(params: Params) -> str:
+    """What to know of a saliency that follows the paper's rule; empty where another is set."""
+    if params.saliency_of != "most_salient":
+        return ""
+    return (
+        "Only the most salient miss of a frame makes an event: two people missed side by side cut "
+        "each other's events short, so that missing both can come out below missing one."
+    )
 
 
 def _saliency(result: Result, letter: str, system: SystemResult) -> str:
     events = system.events
     if events.empty:
         return f"{letter} misses nobody by more than the tolerance: its saliency is 0."
+    is_mean = has_several_recordings(result)
+    n_events = count_text(len(events), "event")
     if result.params.saliency_aggregate == "sum":
         total_s, saliency_s = (float(events[name].sum()) for name in ("duration_s", "saliency_s"))
+        weight = ""
+        if result.params.saliency_weight == "risk":
+            weight = f", which weigh {float(events['weight_s'].sum()):.2f} s"
+        mean = f", {system.saliency_s:.2f} s a recording" if is_mean else ""
         text = (
-            f"{letter}: {count_text(len(events), 'event')}, {total_s:.1f} s in all; weighted by "
-            f"recency and added they make {saliency_s:.2f} s."
+            f"{letter}: {n_events}, {total_s:.1f} s in all{weight}; weighted by recency and added "
+            f"they make {saliency_s:.2f} s{mean}."
+        )
+    elif is_mean:
+        text = (
+            f"{letter}: {n_events}. The largest of each recording makes {system.saliency_s:.2f} s "
+            f"on average; the largest of all {_largest(result, events)}"
         )
     else:
-        text = _most_salient(result, letter, events)
+        text = f"{letter}: the most salient of {n_events} {_largest(result, events)}"
     share = relevant_share(system)
     if share == 1:
         return f"{text} The missed pedestrians count (k >= 0.5) throughout."
     return (
         f"{text} In {share:.0%} of the events' time the missed pedestrian counts (k >= 0.5); in "
-        "the rest he is far away."
+        "the rest they are too far away."
     )
 
 
-def _most_salient(result: Result, letter: str, events: pd.DataFrame) -> str:
+def _largest(result: Result, events: pd.DataFrame) -> str:
+    """How the largest event comes about: "lasts ... s."."""
     worst = events.iloc[events["saliency_s"].argmax()]
     scope = "encounter" if result.params.saliency_scope == "encounter" else "recording"
     if result.params.recency_unit == "seconds":
@@ -220,10 +243,9 @@ def _most_salient(result: Result, letter: str, events: pd.DataFrame) -> str:
         end = f"ends when {worst['tau']:.0%} of the {scope} has passed"
     weight = ""
     if result.params.saliency_weight == "risk":
-        weight = f", in which it weighs {worst['weight_s']:.2f} s,"
+        weight = f", weighs {worst['weight_s']:.2f} s by its distance"
     return (
-        f"{letter}: the most salient of {count_text(len(events), 'event')} lasts "
-        f"{worst['duration_s']:.2f} s{weight} and {end}, which gives it the weight "
+        f"lasts {worst['duration_s']:.2f} s{weight} and {end}, which gives it the recency "
         f"{worst['recency']:.2f}: {worst['weight_s']:.2f} s × {worst['recency']:.2f} = "
         f"{worst['saliency_s']:.2f} s."
     )

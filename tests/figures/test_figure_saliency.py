@@ -95,3 +95,14 @@ def test_marks_of_many_recordings_are_small() -> None:
 def test_without_frames_there_is_no_plane() -> None:
     figure = plane_plot(result_of(make_dataset(places=[Place([])])), theme="light")
     assert "no recording to compare" in words(figure)
+
+
+def test_with_risk_and_seconds_marks_axes_and_texts_are_of_these() -> None:
+    result = missed(saliency_weight="risk", recency_unit="seconds", proximity="none")
+    figure = recency_plot(result, theme="light")
+    events = trace(figure, "X: x")
+    assert events.x.tolist() == pytest.approx([0.0, 0.6])
+    assert "larger marks weigh more" in words(figure)
+    assert "end of the event to the end of its recording (s)" in figure.layout.xaxis.title.text
+    assert "for 0.20 s, weight 0.20 s<br>0.20 s × recency" in events.text[0]
+    assert "pale: weighted distance" in words(parts_plot(result, theme="light"))

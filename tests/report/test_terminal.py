@@ -69,6 +69,9 @@ def test_the_scorecard_line_by_line(result: Result, scorecard: list[str]):
         "fusion X and Y: 1 of 2 encounters, 0.0 false-alert episodes/h, mean similarity "
         f"{result.fusion.y.summary.mean:.4f}",
         "",
+        "saliency: only the most salient miss of a frame makes an event: two people missed side by "
+        "side cut each other's events short, so that missing both can come out below missing one",
+        "",
         "worst intervals of X (x): none below 0.9",
         "",
         "worst intervals of Y (y):",

@@ -7,11 +7,18 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
-from builders import at, make_dataset, result_of
+from builders import Place, at, make_dataset, result_of
 
 from nvcore.comparison import Result
 from nvcore.metrics.venn import Venn, measure_exclusivity
-from nvcore.report.words import describe_fusion, describe_lead, describe_misses, describe_saliency
+from nvcore.params import Params
+from nvcore.report.words import (
+    describe_fusion,
+    describe_lead,
+    describe_misses,
+    describe_saliency,
+    saliency_caveat,
+)
 from nvcore.tables.miss_classes import fusion_table
 
 
@@ -120,7 +127,7 @@ def missed(**params: object) -> Result:
 def test_the_saliency_of_a_recording_is_taken_apart():
     assert describe_saliency(missed()) == (
         "X: the most salient of 2 events lasts 0.20 s and ends when 100% of the recording has "
-        "passed, which gives it the weight 0.99: 0.20 s × 0.99 = 0.20 s. The missed pedestrians "
+        "passed, which gives it the recency 0.99: 0.20 s × 0.99 = 0.20 s. The missed pedestrians "
         "count (k >= 0.5) throughout.",
         "Y misses nobody by more than the tolerance: its saliency is 0.",
     )
@@ -134,3 +141,32 @@ def test_the_saliency_of_a_recording_is_taken_apart():
     truth = [at(f, 50, h=60 if f < 5 else 2, track=3) for f in range(10)]
     far = result_of(make_dataset(truth), proximity="height", tolerance=0)
     assert "In 50% of the events' time the missed pedestrian counts" in describe_saliency(far)[0]
+
+
+def test_the_mean_over_recordings_stands_before_the_largest_event_of_all():
+    places = [Place(range(10)), Place(range(10))]
+    truth = [at(f, 50, track=3, recording=r) for r in (0, 1) for f in range(10)]
+    x = [box for box in truth if box.recording == 0 or box.frame < 8]
+    several = make_dataset(truth, x, truth, places=places)
+    text, _ = describe_saliency(result_of(several))
+    assert text.startswith(
+        "X: 1 event. The largest of each recording makes 0.10 s on average; the largest of all "
+        "lasts 0.20 s and ends"
+    )
+    text, _ = describe_saliency(result_of(several, saliency_aggregate="sum"))
+    assert "added they make 0.20 s, 0.10 s a recording." in text
+
+
+def test_with_risk_the_sentence_says_what_the_event_weighs():
+    text, _ = describe_saliency(missed(saliency_weight="risk", proximity="none"))
+    # the pedestrian stands in the middle: weighted distance over half the width is 1
+    assert "lasts 0.20 s, weighs 0.20 s by its distance and ends when 100%" in text
+    text, _ = describe_saliency(
+        missed(saliency_weight="risk", saliency_aggregate="sum", proximity="none")
+    )
+    assert "2 events, 0.4 s in all, which weigh 0.40 s; weighted by recency" in text
+
+
+def test_what_follows_from_the_paper_s_rule_is_told_while_it_holds():
+    assert "missing both can come out below missing one" in saliency_caveat(Params())
+    assert saliency_caveat(Params(saliency_of="each")) == ""

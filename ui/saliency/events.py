@@ -9,6 +9,7 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.comparison import Result
+from nvcore.params import Params
 from nvcore.tables.columns import column_names
 from nvcore.tables.result import located_events
 from ui.saliency.figures import CLICKED_RECORDING, OPEN
@@ -65,6 +66,7 @@ def draw_table(result: Result, recording: int | None) -> None:
         as_shown(events.assign(system=events["system"].str.upper())),
         hide_index=True,
         column_config=column_config("events.csv"),
+        column_order=_shown_columns(result.params),
         height=table_height(len(events)),
         key=key,
         placeholder=UNDEFINED,
@@ -75,6 +77,14 @@ def draw_table(result: Result, recording: int | None) -> None:
         "Click an event here or in a figure to open its first frame in the Timeline. "
         + rows_told(n_events, "most salient")
     )
+
+
+def _shown_columns(params: Params) -> list[str]:
+    """What makes up the number, from left to right; then the frames."""
+    weight = ["weight_s"] if params.saliency_weight == "risk" else []
+    end = "rest_s" if params.recency_unit == "seconds" else "tau"
+    made_of = ["duration_s", "relevant_s", *weight, end, "recency", "saliency_s"]
+    return ["recording", "track", "system", "start_s", *made_of, "first_frame", "last_frame"]
 
 
 def _events(

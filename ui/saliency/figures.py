@@ -12,18 +12,35 @@ from nvcore.comparison import Result
 from nvcore.figures.paired import recordings_plot
 from nvcore.figures.saliency import parts_plot, plane_plot, recency_plot
 from nvcore.measures import has_several_recordings
-from nvcore.report.words import describe_saliency
+from nvcore.params import Params
+from nvcore.report.words import describe_saliency, saliency_caveat
 from nvcore.tables.result import recordings_table, worst_events
 from ui.session import state
 from ui.shell.navigate import open_row
 from ui.widgets.charts import draw_chart
 from ui.widgets.clicks import clicked_point
-from ui.widgets.text import plain
+from ui.widgets.text import docs_link, plain
 
 OPEN: Final = "saliency_open"
 """Frame row that was clicked."""
 CLICKED_RECORDING: Final = "saliency_wanted"
 """Recording that was clicked."""
+
+
+def what_it_is(params: Params) -> str:
+    """What saliency means with these settings."""
+    is_each, is_risk = params.saliency_of == "each", params.saliency_weight == "risk"
+    who = "is missed by more than the tolerance" if is_each else "is the most salient miss"
+    weight = "weighted distance, summed over time," if is_risk else "*duration*"
+    passed = "seconds left" if params.recency_unit == "seconds" else "share that has passed"
+    scope = "encounter" if params.saliency_scope == "encounter" else "recording"
+    return (
+        f"{docs_link('Saliency', 'saliency')}, in seconds, 0 is best: how much the misses will be "
+        f"noticed. A *saliency event* is a run of frames in which one pedestrian {who}. It counts "
+        f"by its {weight} times its *recency*, a weight of 0 to 1 by the {passed} of the {scope} "
+        "when it ends: late misses are remembered best. Pedestrians far away can have events, too. "
+        f"{saliency_caveat(params)}"
+    )
 
 
 def draw_numbers(result: Result) -> None:
@@ -55,6 +72,7 @@ def draw_events(result: Result, recording: int | None) -> None:
     left, right = st.columns(2, gap="medium")
     with left:
         _chart(recency_plot(result, theme=theme, recording=recording), "saliency_curve")
+        st.caption("X is drawn just above the curve, Y just below it.")
     with right:
         _chart(parts_plot(result, theme=theme, recording=recording), "saliency_parts")
 
@@ -73,7 +91,7 @@ def draw_recordings(result: Result) -> None:
     with right:
         _chart(plane_plot(result, theme=theme), "saliency_plane")
         st.caption(
-            "Large open marks are the means over the recordings. Click one of the others to see the "
+            "Large open marks: means over the recordings. Click one of the others to see the "
             "system's most salient event of that recording in the Timeline."
         )
 

@@ -9,6 +9,7 @@ from nvcore.metrics.linking import LINK_GAP, LINK_IOU
 from nvcore.params import MIDPOINT_SHARE, SPREAD_SHARE, Params
 from nvcore.report.html.blocks import Intro
 from nvcore.report.html.frames import APART_S, MOST
+from nvcore.report.words import saliency_caveat
 
 
 def reading(params: Params) -> tuple[str, ...]:
@@ -158,26 +159,24 @@ def saliency(params: Params) -> Intro:
     whole = (
         "the largest event" if params.saliency_aggregate == "max" else "the sum of all its events"
     )
-    weight, recency, cutting = "its duration", _recency(params, scope), ""
+    weight, recency = "its duration", _recency(params, scope)
     if params.saliency_weight == "risk":
         weight = "its weighted distance over half the picture's width, summed over time,"
-    if params.saliency_of == "most_salient":
-        cutting = (
-            " Only the most salient miss of a frame counts: two people missed side by side cut "
-            "each other's events, so that missing both can come out below missing one."
-        )
+    who = "one pedestrian is the most salient miss"
+    if params.saliency_of == "each":
+        who = "one pedestrian is missed, whoever else is"
     return Intro(
         what="How much the misses will be noticed by a driver, in seconds: long ones more than "
         "short ones, late ones more than early ones.",
-        how="A saliency event is a run of frames in which one missed pedestrian stands out "
-        f"(weighted distance above {_percent(params.tolerance)} of half the picture's width). Its "
-        f"saliency is {weight} times recency, and recency is {recency} when the event ends. A "
-        f"recording's saliency is {whole}; over several recordings it is the mean of theirs.",
+        how=f"A saliency event is a run of frames in which {who} (weighted distance above "
+        f"{_percent(params.tolerance)} of half the picture's width). Its saliency is {weight} "
+        f"times recency, and recency is {recency} when the event ends. A recording's saliency is "
+        f"{whole}; over several recordings it is the mean of theirs.",
         best="0 s; in the plane of similarity and saliency bottom right (large open marks: means "
         "over the recordings).",
         limits="It is a model of what drivers remember, not a measurement of it. Part of the "
-        "events' time is of pedestrians far away: the scorecard says how much is of those that "
-        f"count.{cutting}",
+        "events' time may be of pedestrians too far away to count: the share is below. "
+        + saliency_caveat(params),
     )
 
 

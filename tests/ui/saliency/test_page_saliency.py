@@ -6,6 +6,7 @@ import pandas as pd
 import pytest
 from streamlit.testing.v1 import AppTest
 
+from nvcore.params import Params
 from pages import alone, begin_with, checked, session, texts
 from ui.saliency import events, figures
 
@@ -20,7 +21,7 @@ def listed(page: AppTest) -> pd.DataFrame:
 
 def test_the_number_of_each_system_is_taken_apart_and_its_events_are_listed():
     page = opened()
-    assert [metric.value for metric in page.metric] == ["3.81 s", "3.39 s"]
+    assert [metric.value for metric in page.metric] == ["1.37 s", "1.75 s"]
     assert "5.00 s × 0.76 = 3.81 s" in texts(page)
     assert "The most salient: pedestrian 2 in winter_frost" in texts(page)
     table = listed(page)
@@ -29,6 +30,24 @@ def test_the_number_of_each_system_is_taken_apart_and_its_events_are_listed():
     assert table["saliency_s"].is_monotonic_decreasing
     page.button_group[0].set_value("Y")
     assert len(listed(checked(page.run()))) == 107
+
+
+def test_the_page_says_what_saliency_is_with_the_settings_at_hand():
+    page = opened()
+    assert "missing both can come out below missing one" in texts(page)
+    assert "share that has passed of the recording" in texts(page)
+    assert "tau" in page.dataframe[0].proto.column_order
+    page.session_state["params"] = Params(
+        recency_unit="seconds", saliency_weight="risk", saliency_of="each"
+    )
+    checked(page.run())
+    assert "missing both can come out" not in texts(page)
+    assert "one pedestrian is missed by more than the tolerance" in texts(page)
+    assert "by its weighted distance, summed over time, times its" in texts(page)
+    assert "seconds left of the recording" in texts(page)
+    order = page.dataframe[0].proto.column_order
+    assert {"weight_s", "rest_s"} <= set(order)
+    assert "tau" not in order
 
 
 def test_a_click_on_a_recording_leaves_its_events_only():
