@@ -20,6 +20,7 @@ from nvcore.dataset import Dataset
 from nvcore.errors import InputError
 from nvcore.evidence.claims import Claim
 from nvcore.evidence.companions import Companions, find_companions
+from nvcore.evidence.planning import DEFAULT_KEY, POWER, Side, StudyPlan, plan_study
 from nvcore.evidence.table import evidence_table
 from nvcore.findings import Finding
 from nvcore.inputs.session import Session
@@ -170,6 +171,39 @@ class Comparison:
     def claims(self) -> tuple[Claim, ...]:
         """The differences that the verdict calls more than chance: measure, winner, p."""
         return self._verdict.claims
+
+    def plan(
+        self,
+        measure: str = DEFAULT_KEY,
+        *,
+        power: float = POWER,
+        difference: float | None = None,
+        margin: float | None = None,
+        candidate: Side = "y",
+        n_tests: int = 1,
+    ) -> StudyPlan:
+        """How many recordings like these would show a difference, or non-inferiority.
+
+        Parameters
+        ----------
+        measure, power, difference, margin, candidate, n_tests
+            See `nvcore.evidence.planning.plan_study`; a share of 3 percentage points is 0.03.
+
+        Raises
+        ------
+        ParameterError
+            If a study cannot be planned for this measure, or a value is outside its range.
+        """
+        return plan_study(
+            self.result,
+            measure,
+            power=power,
+            difference=difference,
+            margin=margin,
+            candidate=candidate,
+            n_tests=n_tests,
+            protocol=self.protocol,
+        )
 
     def write(self, folder: str | Path) -> None:
         """Write the tables, ``summary.json`` and ``session.toml`` into a folder.

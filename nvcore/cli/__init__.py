@@ -22,6 +22,7 @@ from nvcore.cli.options import (
     protocol_option,
     strict_option,
 )
+from nvcore.cli.plan import plan
 from nvcore.cli.report import report
 from nvcore.cli.session_options import session_from
 from nvcore.cli.steps import (
@@ -210,6 +211,7 @@ def check(strict: bool, **options: Any) -> None:
 
 main.add_command(convert)
 main.add_command(gate)
+main.add_command(plan)
 main.add_command(report)
 
 

@@ -1,1 +1,33 @@
 """How much more would it take? Power of studies like the recordings at hand, non-inferiority."""
+
+from nvcore.evidence.planning.noninferiority import NonInferiority, Side, judge_noninferiority
+from nvcore.evidence.planning.pilot import (
+    DEFAULT_KEY,
+    PLAN_KEYS,
+    Pilot,
+    judge_key,
+    make_pilot,
+    plan_key,
+)
+from nvcore.evidence.planning.power import PowerPoint
+from nvcore.evidence.planning.study import POWER, StudyPlan, StudySize, plan_study
+from nvcore.evidence.planning.words import describe_plan, plan_sentence
+
+__all__ = [
+    "DEFAULT_KEY",
+    "PLAN_KEYS",
+    "POWER",
+    "NonInferiority",
+    "Pilot",
+    "PowerPoint",
+    "Side",
+    "StudyPlan",
+    "StudySize",
+    "describe_plan",
+    "judge_key",
+    "judge_noninferiority",
+    "make_pilot",
+    "plan_key",
+    "plan_sentence",
+    "plan_study",
+]

@@ -99,10 +99,9 @@ def plan_key(name: str) -> str:
     if name in PLAN_KEYS.values():
         return name
     if name not in PLAN_KEYS:
-        names = f"measures to plan for are {', '.join(PLAN_KEYS)}"
-        raise ParameterError(
-            f"no study can be planned for {one_line(name)!r}: {did_you_mean(name, PLAN_KEYS, names)}"
-        )
+        names = f"the measures are {', '.join(PLAN_KEYS)}"
+        hint = did_you_mean(name, PLAN_KEYS, names)
+        raise ParameterError(f"no study can be planned for {one_line(name)!r}: {hint}")
     return PLAN_KEYS[name]
 
 

@@ -102,6 +102,8 @@ class StudyPlan:
         Measures that the study's p is corrected for.
     sizes
         Sizes of studies, one for each difference that is assumed.
+    n_differing
+        Recordings in which X and Y differ; None without a pilot.
     noninferiority
         Whether the candidate is shown to be at most the margin worse; None: not asked.
     """
@@ -112,7 +114,13 @@ class StudyPlan:
     power: float
     n_tests: int
     sizes: tuple[StudySize, ...]
+    n_differing: int | None = None
     noninferiority: NonInferiority | None = None
+
+    def __str__(self) -> str:
+        from nvcore.evidence.planning.words import describe_plan  # it needs this class
+
+        return "\n".join(describe_plan(self))
 
     @property
     def level(self) -> float:
@@ -240,7 +248,8 @@ def plan_study(
         )
         for index, size in enumerate(assumed)
     ]
-    return replace(plan, sizes=tuple(sizes))
+    n_differing = int(np.count_nonzero(pilot.differs))
+    return replace(plan, sizes=tuple(sizes), n_differing=n_differing)
 
 
 def _check(

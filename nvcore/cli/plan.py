@@ -1,0 +1,145 @@
+"""``nvcore plan``: how many recordings would show a difference, or that there is none to fear."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+from nvcore.cli.options import (
+    OUTPUT,
+    GroupedCommand,
+    grouped_option,
+    input_options,
+    parameter_options,
+    protocol_option,
+    strict_option,
+)
+from nvcore.cli.session_options import session_from
+from nvcore.cli.steps import (
+    compare_session,
+    exit_on_findings,
+    findings_at_paths,
+    pasteable_errors,
+)
+from nvcore.wording import one_line
+
+# As in nvcore/cli/__init__.py, numpy and pandas are imported by the command only.
+
+STUDY = "Study"
+
+
+@click.command(cls=GroupedCommand, short_help="Say how many recordings would show a difference.")
+@input_options
+@grouped_option(
+    STUDY,
+    "--measure",
+    metavar="KEY",
+    default="encounters_detected",
+    show_default=True,
+    help="What to compare by: severity_s_per_encounter, encounters_detected, mean_similarity, "
+    "share_low, lost_s_per_min, saliency, false_alert_episodes_per_hour or log_average_miss_rate.",
+)
+@grouped_option(
+    STUDY,
+    "--difference",
+    metavar="D",
+    help="The smallest difference that would matter, in the unit of the measure; 3% is 0.03, 3 "
+    "percentage points of a share. Default: as in these recordings.",
+)
+@grouped_option(
+    STUDY,
+    "--margin",
+    metavar="M",
+    help="Ask another question: is the candidate worse by less than this? Likewise.",
+)
+@grouped_option(
+    STUDY,
+    "--candidate",
+    type=click.Choice(["x", "y"]),
+    default="y",
+    show_default=True,
+    help="The system that --margin is for, such as the one that costs less.",
+)
+@grouped_option(
+    STUDY,
+    "--power",
+    type=float,
+    default=0.8,
+    show_default=True,
+    help="Share of studies that shall show it.",
+)
+@grouped_option(
+    STUDY,
+    "--tests",
+    "n_tests",
+    type=click.IntRange(min=1),
+    default=1,
+    show_default=True,
+    help="Measures that the study will test, for which its p is corrected.",
+)
+@grouped_option(OUTPUT, "--json", "as_json", is_flag=True, help="Print the plan as JSON.")
+@strict_option
+@protocol_option
+@parameter_options
+def plan(
+    measure: str,
+    difference: str | None,
+    margin: str | None,
+    candidate: str,
+    power: float,
+    n_tests: int,
+    as_json: bool,
+    strict: bool,
+    **options: Any,
+) -> None:
+    """Say how many recordings like these would show a difference between X and Y.
+
+    Inputs as for compare. Studies are simulated by drawing whole recordings from these, of which 6
+    or more are needed. With --margin: how many would show that the candidate is at most that much
+    worse, and whether these do. Exit code 0: fine, 1: the audit found errors (with --strict: or
+    warnings), 2: bad input.
+    """
+    from nvcore.evidence.planning import plan_key, plan_study
+    from nvcore.inputs.files import paths_to_show
+    from nvcore.report.plan import plan_json, render_plan
+    from nvcore.report.terminal import render_findings
+
+    key = plan_key(measure)
+    session = session_from(options, needs_y=True)
+    with pasteable_errors(session.folder, session.sources):
+        result, findings = compare_session(session)
+    study = plan_study(
+        result,
+        measure,
+        power=power,
+        difference=_amount("--difference", difference, key),
+        margin=_amount("--margin", margin, key),
+        candidate="x" if candidate == "x" else "y",
+        n_tests=n_tests,
+        protocol=session.protocol,
+    )
+    paths = paths_to_show(session.folder, session.sources)
+    click.echo(render_findings(findings_at_paths(findings, paths)) + "\n", err=as_json)
+    click.echo(plan_json(study) if as_json else render_plan(study), nl=not as_json)
+    exit_on_findings(findings, strict)
+
+
+def _amount(flag: str, text: str | None, key: str) -> float | None:
+    """The number of a flag; 3% is 0.03, for measures that are shares."""
+    from nvcore.measures import inference_of
+
+    if text is None:
+        return None
+    is_percent = text.strip().endswith("%")
+    if is_percent and not inference_of(key).scale.is_share:
+        raise click.UsageError(
+            f"{flag}: {text} of what? Expected a number in the unit of the measure, which is no "
+            "share"
+        )
+    try:
+        return float(text.strip().removesuffix("%")) / (100 if is_percent else 1)
+    except ValueError as error:
+        raise click.UsageError(
+            f"{flag}: expected a number, such as 0.5 or 3%, found {one_line(text)!r}"
+        ) from error
