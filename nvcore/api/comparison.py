@@ -31,6 +31,7 @@ from nvcore.protocols import Protocol
 from nvcore.report.files import write_report
 from nvcore.report.html import write_html_report
 from nvcore.report.keep_inputs import files_read, replaced_input
+from nvcore.report.plan import verdict_plan
 from nvcore.report.terminal import render_scorecard
 from nvcore.report.verdict import Verdict, verdict
 from nvcore.scoring import SystemResult
@@ -249,8 +250,15 @@ class Comparison:
     @cached_property
     def _verdict(self) -> Verdict:
         return verdict(
-            self.result, self.findings, evidence=self._evidence, companions=self._companions
+            *(self.result, self.findings),
+            evidence=self._evidence,
+            companions=self._companions,
+            plan=self._plan,
         )
+
+    @cached_property
+    def _plan(self) -> str:
+        return verdict_plan(self.result, self._evidence, self._companions)
 
     def _keep_inputs(self, outputs: Sequence[Path]) -> None:
         settings = self.dataset.settings
@@ -267,6 +275,7 @@ class Comparison:
             *(self.result, self.findings, self.protocol),
             evidence=self._evidence,
             companions=self._companions,
+            plan=self._plan,
         )
 
     def __repr__(self) -> str:

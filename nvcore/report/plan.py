@@ -1,19 +1,27 @@
-"""A plan for the terminal and as JSON."""
+"""A plan for the verdict, for the terminal and as JSON."""
 
 from __future__ import annotations
 
 import json
 import math
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from typing import Any, Final
 
-from nvcore.evidence.planning.study import Assumption, StudyPlan
+import pandas as pd
+
+from nvcore.comparison import Result
+from nvcore.evidence.companions import Companions, are_unequal
+from nvcore.evidence.measures import Evidence
+from nvcore.evidence.paired_tests import SIGNIFICANT
+from nvcore.evidence.planning.pilot import DEFAULT_KEY, plan_key
+from nvcore.evidence.planning.study import Assumption, StudyPlan, plan_study
 from nvcore.evidence.planning.words import (
     QUESTION,
     describe_plan,
     difference_text,
     duration_text,
     percent,
+    plan_sentence,
 )
 
 ASSUMPTIONS: Final[dict[Assumption, str]] = {
@@ -22,6 +30,41 @@ ASSUMPTIONS: Final[dict[Assumption, str]] = {
     "equal": "X and Y equal",
 }
 """What is assumed of the true difference, in words."""
+
+
+def verdict_plan(
+    result: Result, evidence: pd.DataFrame | None, companions: Companions | None
+) -> str:
+    """How many encounters and recordings more would take, where none detects more beyond chance.
+
+    Empty where a difference is shown, or nothing can be planned. Of systems that are set to
+    different operating points, the comparison at equal false alarms is planned for.
+
+    Parameters
+    ----------
+    evidence
+        `nvcore.evidence.table.evidence_table` of the result.
+    companions
+        `nvcore.evidence.companions.find_companions` of the result.
+    """
+    key, basis, of_basis = plan_key(DEFAULT_KEY), result, evidence
+    if are_unequal(result):
+        if companions is None or companions.equal is None:
+            return ""
+        basis, of_basis = companions.equal, companions.evidence
+    row = None if of_basis is None else evidence_of(of_basis, key)
+    if row is None or row.p_holm <= SIGNIFICANT:
+        return ""
+    # the companion has no intervals
+    return plan_sentence(plan_study(basis, evidence=row if basis is result else None))
+
+
+def evidence_of(evidence: pd.DataFrame, key: str) -> Evidence | None:
+    """A row of the table of evidence; None if the table lacks it."""
+    rows = evidence[evidence["figure"] == key]
+    if rows.empty:
+        return None
+    return Evidence(**{field.name: rows[field.name].iloc[0] for field in fields(Evidence)})
 
 
 def render_plan(plan: StudyPlan) -> str:

@@ -13,6 +13,7 @@ from nvcore.evidence.companions import Companions, find_companions
 from nvcore.evidence.table import evidence_table
 from nvcore.findings import Finding, Severity
 from nvcore.protocols import PROTOCOLS, Protocol
+from nvcore.report.plan import verdict_plan
 from nvcore.report.verdict import verdict
 from nvcore.report.words import count_leads, saliency_caveat, scorecard_cells
 from nvcore.schema import Category
@@ -32,6 +33,7 @@ def render_scorecard(
     *,
     evidence: pd.DataFrame | None = None,
     companions: Companions | None = None,
+    plan: str | None = None,
 ) -> str:
     """Scorecard of both systems, Venn counts, fusion, worst moments, and the verdict.
 
@@ -44,10 +46,13 @@ def render_scorecard(
     evidence, companions
         ``evidence_table(result, protocol)``, ``find_companions(result, evidence)``, if already
         computed.
+    plan
+        ``verdict_plan(result, evidence, companions)``, likewise.
     """
     evidence = evidence_table(result, protocol) if evidence is None else evidence
     companions = find_companions(result, evidence) if companions is None else companions
-    in_short = verdict(result, findings, evidence=evidence, companions=companions)
+    plan = verdict_plan(result, evidence, companions) if plan is None else plan
+    in_short = verdict(result, findings, evidence=evidence, companions=companions, plan=plan)
     caveat = saliency_caveat(result.params)
     parts = [
         _heading(result),

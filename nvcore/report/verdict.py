@@ -74,6 +74,7 @@ def verdict(
     *,
     evidence: pd.DataFrame | None = None,
     companions: Companions | None = None,
+    plan: str = "",
 ) -> Verdict:
     """Which system detects more pedestrians, and what the other measures say.
 
@@ -93,6 +94,8 @@ def verdict(
     companions
         `nvcore.evidence.companions.find_companions` of the result; None: not yet known, and nothing
         is claimed.
+    plan
+        `nvcore.report.plan.verdict_plan` of the result: how many more recordings it would take.
 
     Notes
     -----
@@ -128,7 +131,7 @@ def verdict(
         sentences.append(f"{_after(before, side_by_side)}; {chance}.")
     if companions is not None and not is_same:
         sentences.append(describe_strict(shown, companions.strict))
-    sentences.append(_least_p(of_shown))
+    sentences += [_least_p(of_shown), "" if is_same else plan]
     sentences.append(_without_threshold(result))
     serious = [finding for finding in findings if finding.severity is not Severity.NOTE]
     caveat = _caveat(serious) if serious else ""

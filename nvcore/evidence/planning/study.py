@@ -15,6 +15,7 @@ from scipy.stats import chi2
 from nvcore.comparison import Result
 from nvcore.errors import ParameterError
 from nvcore.evidence.bootstrap import MIN_UNITS
+from nvcore.evidence.companions import are_unequal
 from nvcore.evidence.measures import Evidence
 from nvcore.evidence.paired_tests import MIN_SWAPPED, SIGNIFICANT
 from nvcore.evidence.planning.noninferiority import (
@@ -104,6 +105,8 @@ class StudyPlan:
         Sizes of studies, one for each difference that is assumed.
     n_differing
         Recordings in which X and Y differ; None without a pilot.
+    is_unequal
+        Whether X and Y are set to different operating points.
     noninferiority
         Whether the candidate is shown to be at most the margin worse; None: not asked.
     """
@@ -115,6 +118,7 @@ class StudyPlan:
     n_tests: int
     sizes: tuple[StudySize, ...]
     n_differing: int | None = None
+    is_unequal: bool = False
     noninferiority: NonInferiority | None = None
 
     def __str__(self) -> str:
@@ -221,6 +225,7 @@ def plan_study(
         power=power,
         n_tests=n_tests,
         sizes=(),
+        is_unequal=inference_of(key).test != "curve" and are_unequal(result),
         noninferiority=None
         if margin is None
         else judge_noninferiority(evidence, candidate, margin),

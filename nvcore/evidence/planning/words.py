@@ -18,6 +18,10 @@ OPTIMISTIC: Final = (
     "A difference that a few recordings happen to show tends to be larger than the true one, and "
     "the study planned for it too small: name the smallest difference that would matter instead."
 )
+UNEQUAL: Final = (
+    "X and Y are set to different operating points: what follows is of these settings, and would "
+    "come out otherwise with equally many false alarms. Set thresholds that give these first."
+)
 FRESH: Final = (
     "This is the size of a study of its own, whose end is set before it begins: recordings added "
     "until p is small enough show differences that are not there."
@@ -28,6 +32,8 @@ def describe_plan(plan: StudyPlan) -> tuple[str, ...]:
     """What these recordings show, what they exclude, and how many would show more."""
     row = plan.evidence
     sentences = [_state(plan)]
+    if plan.is_unequal:
+        sentences.append(UNEQUAL)
     if plan.noninferiority is not None:
         sentences.append(describe_noninferiority(plan.noninferiority, row))
     sentences.append(describe_excluded(row))
@@ -41,15 +47,18 @@ def describe_plan(plan: StudyPlan) -> tuple[str, ...]:
 
 
 def plan_sentence(plan: StudyPlan) -> str:
-    """The plan of a difference as found, for the verdict; empty if nothing can be planned."""
-    size = plan.sizes[-1]
+    """The plan for the difference as found, for the verdict; empty if nothing can be said."""
+    row, size = plan.evidence, plan.sizes[-1]
+    excluded = "" if row.unit != RECORDINGS or math.isnan(row.low) else describe_excluded(row)
     if plan.noninferiority is not None or size.n_recordings is None:
-        return ""
-    noun = plan.evidence.label.partition(", by ")[0]
-    return (
-        f"About {_extent(size)} would show a difference of this size in the {noun} in "
-        f"{percent(plan.power)} of studies. {describe_excluded(plan.evidence)}"
+        return excluded
+    noun = row.label.partition(", by ")[0]
+    sentence = (
+        f"About {_extent(size)} would show a difference in the {noun} as large as here "
+        f"({difference_text(size.difference, row.figure)}), tested by itself, in "
+        f"{percent(plan.power)} of studies"
     )
+    return f"{sentence}; {excluded[:1].lower()}{excluded[1:]}" if excluded else f"{sentence}."
 
 
 def describe_excluded(row: Evidence) -> str:
@@ -63,8 +72,8 @@ def describe_excluded(row: Evidence) -> str:
         return f"No difference can be excluded: {row.note or 'there is no interval'}."
     low, high = (difference_text(end, row.figure) for end in (row.low, row.high))
     return (
-        f"These {count_text(row.n, 'recording')} exclude, at 95 %, differences X - Y below {low} "
-        f"and above {high}."
+        f"These {count_text(row.n, 'recording')} exclude, at 95 %, a difference X - Y below {low} "
+        f"or above {high}."
     )
 
 

@@ -28,6 +28,7 @@ from nvcore.report.html import words
 from nvcore.report.html.blocks import Block, Chart, Photo, Photos, Section, Sentences, Table, table
 from nvcore.report.html.charts import THEME, interval_plot
 from nvcore.report.html.result_sections import MEASURES_HEAD, PART
+from nvcore.report.plan import verdict_plan
 from nvcore.report.verdict import verdict
 from nvcore.report.words import score_cells
 from nvcore.stability.survey import SurveyRow, survey_stability, survey_table
@@ -53,7 +54,9 @@ AT_ONCE: Final = 20_000
 def verdict_section(result: Result, findings: Sequence[Any], evidence: pd.DataFrame) -> Section:
     """What the comparison supports."""
     companions = find_companions(result, evidence)
-    sentences = verdict(result, findings, evidence=evidence, companions=companions).sentences
+    plan = verdict_plan(result, evidence, companions)
+    text = verdict(result, findings, evidence=evidence, companions=companions, plan=plan)
+    sentences = text.sentences
     return Section("verdict", "Verdict", words.VERDICT, (Sentences(sentences, is_strong=True),))
 
 
