@@ -6,7 +6,7 @@ import math
 import operator
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from typing import Any, Final
@@ -17,8 +17,9 @@ from nvcore.comparison import Result
 from nvcore.detection.curve_summary import summarise_curve
 from nvcore.detection.curves import detection_curve
 from nvcore.errors import ParameterError
+from nvcore.evidence.planning import PLAN_KEYS, SIDES, Side, judge_key, worse_at_most
 from nvcore.findings import Finding, Severity
-from nvcore.measures import MEASURES
+from nvcore.measures import MEASURES, measure_of
 from nvcore.protocols import Protocol
 from nvcore.schema import Category
 from nvcore.tables.column import Column, Kind
@@ -52,6 +53,12 @@ _RULE: Final = re.compile(
     r"\s*([A-Za-z][A-Za-z0-9_.]*)\s*([<>=!≤≥≠]+)\s*([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?)\s*(%?)"
     r"\s*(\bor\s+undefined)?\s*"
 )
+_WORSE: Final = {
+    f"{measure_of(key).rule or name}_worse_{letter}": (key, letter)
+    for name, key in PLAN_KEYS.items()
+    for letter in SIDES
+}
+"""By how much a system may be worse, by the interval over recordings: measure and system."""
 COUNTED_ENCOUNTERS: Final = {
     "new_misses": Category.X_ONLY,
     "mended_misses": Category.Y_ONLY,
@@ -89,7 +96,7 @@ def measure_names() -> list[str]:
     """Names of all measures that a rule may name."""
     of_systems = [*_numeric(SYSTEM_KEYS), *_OF_CURVE]
     with_endings = [f"{name}_{end}" for name in of_systems for end in ("x", "y", "difference")]
-    return [*with_endings, *_OTHER_NAMES, *SUMMARY_NAMES]
+    return [*with_endings, *_WORSE, *_OTHER_NAMES, *SUMMARY_NAMES]
 
 
 def value_text(value: float) -> str:
@@ -250,7 +257,8 @@ def gate_measures(
     """The measures that rules may name; slow ones only if they are needed.
 
     ``new_misses`` are the encounters that X detects and Y does not, ``mended_misses`` the other
-    way round: X is the release in use, Y the candidate.
+    way round: X is the release in use, Y the candidate. ``mean_similarity_worse_y`` and the like
+    are the ends of 95 % intervals against a system (`nvcore.evidence.planning.worse_at_most`).
 
     Parameters
     ----------
@@ -258,7 +266,7 @@ def gate_measures(
         Of the detection curves.
     names
         Names in rules. Measures of detection curves and those of `SUMMARY_NAMES` are computed if
-        one of them is among these.
+        one of them is among these, intervals for those that are.
     """
     needed = set(names)
     values: dict[str, float] = {}
@@ -276,6 +284,7 @@ def gate_measures(
     if not needed.isdisjoint(SUMMARY_NAMES):
         of_all = dict(_numbers(summary(result)))
         values |= {name: of_all[name] for name in SUMMARY_NAMES}
+    values |= _may_be_worse(result, protocol, needed)
     count = Counter(finding.severity for finding in findings)
     venn = result.venn
     # without encounters nothing can be missed: undefined, so that no rule passes because of that
@@ -289,6 +298,19 @@ def gate_measures(
         "audit_errors": float(count[Severity.ERROR]),
         "audit_warnings": float(count[Severity.WARNING]),
     }
+
+
+def _may_be_worse(result: Result, protocol: Protocol, names: Set[str]) -> dict[str, float]:
+    """Those of `_WORSE` that are needed."""
+    sides_of: dict[str, dict[str, Side]] = {}
+    for name in names & _WORSE.keys():
+        key, side = _WORSE[name]
+        sides_of.setdefault(key, {})[name] = side
+    values: dict[str, float] = {}
+    for key, sides in sides_of.items():
+        evidence = judge_key(result, key, protocol=protocol)
+        values |= {name: worse_at_most(evidence, side) for name, side in sides.items()}
+    return values
 
 
 def _numbers(content: Mapping[str, Any], before: str = "") -> Iterable[tuple[str, float]]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import asdict, fields
-from typing import Any, Final
+from typing import Any
 
 import pandas as pd
 
@@ -14,8 +14,9 @@ from nvcore.evidence.companions import Companions, are_unequal
 from nvcore.evidence.measures import Evidence
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.planning.pilot import DEFAULT_KEY, plan_key
-from nvcore.evidence.planning.study import Assumption, StudyPlan, plan_study
+from nvcore.evidence.planning.study import StudyPlan, plan_study
 from nvcore.evidence.planning.words import (
+    ASSUMPTIONS,
     QUESTION,
     describe_plan,
     difference_text,
@@ -23,13 +24,6 @@ from nvcore.evidence.planning.words import (
     percent,
     plan_sentence,
 )
-
-ASSUMPTIONS: Final[dict[Assumption, str]] = {
-    "as found": "difference as found",
-    "as named": "difference as named",
-    "equal": "X and Y equal",
-}
-"""What is assumed of the true difference, in words."""
 
 
 def verdict_plan(

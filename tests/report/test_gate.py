@@ -132,7 +132,7 @@ def test_the_rules_to_copy_from_the_page_can_be_judged():
     (example,) = re.findall(r"^```ini\n(.*?)^```$", page, re.DOTALL | re.MULTILINE)
     rules, problems = read_rules((("", line) for line in example.splitlines()), measure_names())
     assert problems == []
-    assert len(rules) == 5
+    assert len(rules) == 6
 
 
 @pytest.mark.parametrize(
@@ -245,3 +245,17 @@ def test_the_results_of_a_gate_are_told_from_other_files():
     assert all(is_gate_result(one) for one in own)
     others = [b"", b"recording,frame\n", b"## Gate rules\n", b"<?xml version='1.0'?><annotation/>"]
     assert not any(is_gate_result(one) for one in others)
+
+
+def test_how_much_worse_a_system_may_be_is_the_end_of_the_interval_over_recordings_against_it():
+    result = result_of(drives(12))
+    names = ["encounters_detected_worse_x", "encounters_detected_worse_y", "share_low_worse_y"]
+    values = gate_measures(result, [], PROTOCOLS["all"], names)
+    rows = by_figure(result)
+    detected, low = rows.loc["encounters_detected_by_unit"], rows.loc["share_low"]
+    assert [values[name] for name in names] == [-detected["low"], detected["high"], -low["low"]]
+    (rule,), _ = read_rules([("", "encounters_detected_worse_x <= 3%")], measure_names())
+    assert judge([rule], values)[0].is_passed
+    few = gate_measures(result_of(drives(3)), [], PROTOCOLS["all"], names)
+    assert np.isnan([few[name] for name in names]).all()
+    assert "share_low_worse_y" not in gate_measures(result, [], PROTOCOLS["all"], ["frames"])

@@ -1,6 +1,12 @@
 """How much more would it take? Power of studies like the recordings at hand, non-inferiority."""
 
-from nvcore.evidence.planning.noninferiority import NonInferiority, Side, judge_noninferiority
+from nvcore.evidence.planning.noninferiority import (
+    SIDES,
+    NonInferiority,
+    Side,
+    judge_noninferiority,
+    worse_at_most,
+)
 from nvcore.evidence.planning.pilot import (
     DEFAULT_KEY,
     PLAN_KEYS,
@@ -17,6 +23,7 @@ __all__ = [
     "DEFAULT_KEY",
     "PLAN_KEYS",
     "POWER",
+    "SIDES",
     "NonInferiority",
     "Pilot",
     "PowerPoint",
@@ -30,4 +37,5 @@ __all__ = [
     "plan_key",
     "plan_sentence",
     "plan_study",
+    "worse_at_most",
 ]

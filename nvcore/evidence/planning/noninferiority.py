@@ -11,7 +11,7 @@ from nvcore.evidence.units import RECORDINGS
 from nvcore.measures import Better
 
 Side = Literal["x", "y"]
-SIDES: Final = ("x", "y")
+SIDES: Final[tuple[Side, ...]] = ("x", "y")
 
 
 @dataclass(frozen=True)
@@ -48,6 +48,14 @@ def favour(candidate: Side, better: Better) -> int:
     return 1 if (candidate == "x") == (better == "higher") else -1
 
 
+def worse_at_most(evidence: Evidence, candidate: Side) -> float:
+    """End of the 95 % interval over recordings against the candidate, positive is worse; or NaN."""
+    if evidence.unit != RECORDINGS:
+        return math.nan
+    sign = favour(candidate, evidence.better)
+    return -sign * (evidence.low if sign > 0 else evidence.high)
+
+
 def judge_noninferiority(evidence: Evidence, candidate: Side, margin: float) -> NonInferiority:
     """Non-inferiority of the candidate by the interval of the difference over recordings.
 
@@ -63,19 +71,17 @@ def judge_noninferiority(evidence: Evidence, candidate: Side, margin: float) -> 
     >>> judge_noninferiority(row, "y", 0.015).is_shown
     False
     """
-    sign = favour(candidate, evidence.better)
-    end = evidence.low if sign > 0 else evidence.high
+    end = worse_at_most(evidence, candidate)
     reason = ""
     if evidence.unit != RECORDINGS:
-        end = math.nan
         reason = "stretches of time say nothing of other recordings"
     elif math.isnan(end):
         reason = evidence.note or "the difference has no interval"
     return NonInferiority(
         candidate=candidate,
         margin=margin,
-        worse=-sign * evidence.difference,
-        worse_at_most=-sign * end,
-        is_shown=None if reason else -sign * end < margin,
+        worse=-favour(candidate, evidence.better) * evidence.difference,
+        worse_at_most=end,
+        is_shown=None if reason else end < margin,
         reason=reason,
     )

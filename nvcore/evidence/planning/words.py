@@ -8,12 +8,18 @@ from typing import Final
 from nvcore.evidence.measures import Evidence
 from nvcore.evidence.planning.noninferiority import NonInferiority
 from nvcore.evidence.planning.pilot import MIN_PILOT
-from nvcore.evidence.planning.study import StudyPlan, StudySize
+from nvcore.evidence.planning.study import Assumption, StudyPlan, StudySize
 from nvcore.evidence.units import RECORDINGS
 from nvcore.measures import evidence_form, inference_of
 from nvcore.wording import capitalised, count_text, difference, number
 
 QUESTION: Final = "How much more would it take?"
+ASSUMPTIONS: Final[dict[Assumption, str]] = {
+    "as found": "difference as found",
+    "as named": "difference as named",
+    "equal": "X and Y equal",
+}
+"""What is assumed of the true difference."""
 OPTIMISTIC: Final = (
     "A difference that a few recordings happen to show tends to be larger than the true one, and "
     "the study planned for it too small: name the smallest difference that would matter instead."

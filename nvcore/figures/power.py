@@ -1,0 +1,87 @@
+"""Power of a planned study over its number of recordings."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import plotly.graph_objects as go
+
+from nvcore.evidence.planning.study import StudyPlan
+from nvcore.evidence.planning.words import ASSUMPTIONS, difference_text, percent
+from nvcore.figures.style import LOOK, axis, draw, empty_figure
+from nvcore.palette import Theme
+from nvcore.wording import count_text
+
+DASHES: Final = ("solid", "dash")
+SYMBOLS: Final = ("circle", "diamond")
+NARROW: Final = 8
+"""Recordings are on a logarithmic axis where the sizes differ by more than this factor."""
+
+
+def power_plot(plan: StudyPlan, *, theme: Theme) -> go.Figure:
+    """Share of simulated studies that show what they look for; a line for each assumption.
+
+    Bars are 95 % Monte Carlo intervals; the level line is the power that is wanted.
+    """
+    sizes = [size for size in plan.sizes if size.points]
+    if not sizes:
+        return empty_figure("No study was simulated.", theme=theme)
+    look = LOOK[theme]
+    traces = []
+    for size, dash, symbol in zip(sizes, DASHES, SYMBOLS, strict=False):
+        points = size.points
+        texts = [
+            f"{count_text(point.n_recordings, 'recording')}<br>{percent(point.power)} of "
+            f"{point.n_studies:,} studies ({percent(point.low)} to {percent(point.high)})"
+            for point in points
+        ]
+        amount = difference_text(size.difference, plan.evidence.figure)
+        name = ASSUMPTIONS[size.assumption]
+        colour = look.ink if dash == "solid" else look.muted
+        traces.append(
+            go.Scatter(
+                x=[point.n_recordings for point in points],
+                y=[point.power for point in points],
+                error_y={
+                    "type": "data",
+                    "symmetric": False,
+                    "array": [point.high - point.power for point in points],
+                    "arrayminus": [point.power - point.low for point in points],
+                    "thickness": 1,
+                    "width": 0,
+                },
+                mode="lines+markers",
+                line={"color": colour, "width": 1.5, "dash": dash},
+                marker={"color": colour, "symbol": symbol, "size": 7},
+                name=name if size.assumption == "equal" else f"{name} ({amount})",
+                text=texts,
+                hovertemplate="%{text}<extra></extra>",
+                showlegend=True,
+            )
+        )
+    every = [point.n_recordings for size in sizes for point in size.points]
+    is_wide = max(every) > NARROW * min(every)
+    figure = draw(
+        traces,
+        theme,
+        title="How many recordings would show it",
+        subtitle=f"simulated from {count_text(plan.evidence.n, 'recording')} with "
+        f"{count_text(plan.n_encounters, 'encounter')}",
+        height=340,
+        xaxis=axis(
+            theme,
+            "recordings" + (", logarithmic" if is_wide else ""),
+            **({"type": "log", "dtick": "D2"} if is_wide else {"rangemode": "tozero"}),
+        ),
+        yaxis=axis(theme, "power: share of studies that show it", range=[0, 1], tickformat=".0%"),
+    )
+    figure.add_hline(
+        plan.power,
+        line={"color": look.muted, "width": 1, "dash": "dot"},
+        annotation={
+            "text": percent(plan.power),
+            "xanchor": "right",
+            "font": {"size": 12, "color": look.muted},
+        },
+    )
+    return figure
