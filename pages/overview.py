@@ -3,7 +3,7 @@
 import streamlit as st
 
 from nvcore.comparison import Result
-from ui.overview import companions, evidence, moments, scorecard, strip, venn
+from ui.overview import companions, evidence, moments, plan, scorecard, strip, venn
 from ui.session import state
 from ui.session.evidence import measure_evidence
 from ui.shell.messages import needs_comparison
@@ -26,7 +26,10 @@ def draw(result: Result) -> None:
     evidence.draw(result, table)
     with verdict:
         of_both = companions.wait_for_companions(result, table)
-        scorecard.verdict_box(result, state.findings(), table, of_both)
+    plan.draw(result, table, of_both)
+    with verdict:
+        more = plan.known_sentence(result)
+        scorecard.verdict_box(result, state.findings(), table, of_both, more)
 
 
 st.title("Overview")

@@ -33,9 +33,10 @@ def verdict_box(
     findings: Sequence[Finding],
     evidence: pd.DataFrame,
     companions: Companions | None,
+    plan: str,
 ) -> None:
-    """What the measures support, and what it depends on."""
-    text = verdict(result, findings, evidence=evidence, companions=companions)
+    """What the measures support, how much more it would take, and what it depends on."""
+    text = verdict(result, findings, evidence=evidence, companions=companions, plan=plan)
     sentences = [sentence for sentence in text.sentences if sentence != text.caveat]
     with st.container(border=True, key="verdict"):
         st.markdown(f"## {plain(sentences[0])}")

@@ -1,0 +1,63 @@
+"""How much more would it take? on the Overview page, run without a browser."""
+
+from __future__ import annotations
+
+import pytest
+from inputs import write
+from streamlit.testing.v1 import AppTest
+
+from pages import begin_with, checked, opened, session, texts
+from ui.jobs.background import JobState
+from ui.overview import plan
+
+
+@pytest.fixture
+def app() -> AppTest:
+    """The app on the sample recordings, at the Overview."""
+    return checked(opened())
+
+
+def verdict(app: AppTest) -> str:
+    return " ".join(text.value for text in app.markdown[:2]).replace("\\", "")
+
+
+def computed(app: AppTest) -> AppTest:
+    checked(app.button(key=f"{plan.JOB}_start").click().run())
+    job = app.session_state["workspace"].job(plan.JOB)
+    job.join()
+    assert job.state is JobState.DONE
+    return checked(app.run())
+
+
+def test_studies_are_simulated_when_asked_for_and_the_verdict_then_says_how_many(app: AppTest):
+    assert "recordings like these" not in texts(app)
+    app = computed(app)
+    said = texts(app).replace("\\", "")
+    assert "would show a difference as found here (+7.9 pp) in 80 % of studies" in said
+    assert "would show a difference in the share of encounters detected as large as here" in said
+    plots = [plot.proto.spec for plot in app.get("plotly_chart")]
+    assert any("How many recordings would show it" in spec for spec in plots)
+    checked(app.slider(key="alpha").set_value(0.5).run())  # another comparison, another plan
+    assert "would show" not in texts(app)
+
+
+def test_a_margin_asks_whether_a_system_is_at_most_so_much_worse(app: AppTest):
+    checked(app.button_group(key="plan_question").set_value("y").run())
+    assert "Give the margin" in texts(app)
+    checked(app.number_input(key="plan_y_encounters_detected").set_value(30.0).run())
+    said = texts(computed(app)).replace("\\", "")
+    assert "It is shown that Y is at most 30.0 pp worse than X" in said
+    assert "If X and Y are equal: about" in said
+
+
+def test_few_recordings_are_no_pilot(tmp_path, monkeypatch: pytest.MonkeyPatch):
+    two = session(tmp_path, "fir.csv", "nir.csv")
+    rows = [f"urban,{f},100,200,40,100" for f in range(20)]
+    write(tmp_path / "truth.csv", "recording,frame,x,y,w,h,track", *(f"{row},1" for row in rows))
+    for name, kept in (("fir", rows), ("nir", rows[:5])):
+        scored = (f"{row},0.9" for row in kept)
+        write(tmp_path / f"{name}.csv", "recording,frame,x,y,w,h,score", *scored)
+    begin_with(two, monkeypatch)
+    app = checked(opened())
+    assert "A plan needs a pilot of 6 recordings or more" in texts(app)
+    assert not [button for button in app.button if button.key == f"{plan.JOB}_start"]

@@ -1,0 +1,170 @@
+"""Overview page: how many recordings would show a difference, computed when asked for."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Final, NamedTuple
+
+import numpy as np
+import pandas as pd
+import streamlit as st
+
+from nvcore.comparison import Result
+from nvcore.evidence.companions import Companions
+from nvcore.evidence.planning import DEFAULT_KEY, PLAN_KEYS, Side, StudyPlan, plan_study
+from nvcore.evidence.planning.pilot import MIN_PILOT
+from nvcore.evidence.planning.words import QUESTION, describe_plan
+from nvcore.evidence.units import RECORDINGS
+from nvcore.figures.power import power_plot
+from nvcore.measures import inference_of
+from nvcore.progress import Progress, part_of
+from nvcore.protocols import Protocol
+from nvcore.report.plan import verdict_plan
+from nvcore.wording import capitalised, count_text
+from ui.jobs.computed import Computation
+from ui.session import state
+from ui.widgets.charts import draw_chart
+from ui.widgets.choices import choose_side_by_side
+from ui.widgets.text import docs_link, plain
+
+JOB: Final = "study_plan"
+MOST: Final = 8
+DIFFERENCE: Final = "difference"
+QUESTIONS: Final = {
+    DIFFERENCE: "Is there a difference?",
+    "x": "Is X at most so much worse?",
+    "y": "Is Y at most so much worse?",
+}
+
+
+class _Asked(NamedTuple):
+    """What is planned for: also the key of the plan."""
+
+    measure: str
+    difference: float | None
+    margin: float | None
+    candidate: Side
+    n_tests: int
+    protocol: Protocol
+
+
+class _Answer(NamedTuple):
+    plan: StudyPlan
+    sentence: str  # for the verdict
+
+
+def known_sentence(result: Result) -> str:
+    """What the verdict says of more recordings, once any plan was computed; else empty."""
+    sentence: str | None = state.workspace().peek("verdict_plan", _comparison(result))
+    return sentence or ""
+
+
+def draw(result: Result, evidence: pd.DataFrame, companions: Companions | None) -> None:
+    """The question, the button that computes the answer, and the answer."""
+    with st.expander(QUESTION):
+        if not (evidence["unit"] == RECORDINGS).any():
+            n = int(np.count_nonzero(np.diff(result.dataset.frame_columns.first)))
+            st.markdown(
+                f"A plan needs a pilot of {MIN_PILOT} recordings or more, here "
+                f"{'is' if n == 1 else 'are'} {n}: stretches of time say nothing of other "
+                "recordings."
+            )
+            return
+        asked = _ask(evidence)
+        if asked is not None:
+            _draw_answer(result, evidence, companions, asked)
+        st.caption(
+            "Studies are simulated from these recordings, each drawn as a whole, and tested as in "
+            "the table above: computed when asked for, within seconds "
+            f"({docs_link('Significance', 'how-much-more-would-it-take', doc='significance')})."
+        )
+
+
+def _ask(evidence: pd.DataFrame) -> _Asked | None:
+    """The question; None while a margin is lacking."""
+    labels = dict(zip(evidence["figure"], evidence["label"], strict=True))
+    left, right = st.columns(2)
+    with left:
+        measure = st.selectbox(
+            "Measure",
+            list(PLAN_KEYS),
+            index=list(PLAN_KEYS).index(DEFAULT_KEY),
+            format_func=lambda name: capitalised(labels[PLAN_KEYS[name]]),
+            key="plan_measure",
+            persist_state="session",
+        )
+    with right:
+        scale = inference_of(PLAN_KEYS[measure]).scale
+        unit = "percentage points" if scale.is_share else scale.unit or "0 to 1"
+        question = choose_side_by_side("Question", QUESTIONS, "plan_question", default=DIFFERENCE)
+    is_margin = question != DIFFERENCE
+    amount: float | None = left.number_input(
+        f"{'At most worse by' if is_margin else 'Smallest difference that matters'} ({unit})",
+        0.0,
+        99.0 if scale.is_share else None,
+        None,
+        key=f"plan_{question}_{measure}",
+        placeholder="a margin chosen beforehand" if is_margin else "as found",
+        persist_state="session",
+    )
+    n_tested = int(np.isfinite(evidence["p_holm"]).sum())
+    is_corrected = not is_margin and right.toggle(
+        f"Corrected for {count_text(n_tested, 'measure')}, as in the table",
+        key="plan_corrected",
+        persist_state="session",
+        help="Else p of this measure by itself, as if the study tested no other.",
+    )
+    size = (amount or None) if amount is None or not scale.is_share else amount / 100 or None
+    if is_margin and size is None:
+        st.markdown("Give the margin: by how much it may be worse and still be taken.")
+        return None
+    return _Asked(
+        measure=measure,
+        difference=None if is_margin else size,
+        margin=size if is_margin else None,
+        candidate="x" if question == "x" else "y",
+        n_tests=max(n_tested, 1) if is_corrected else 1,
+        protocol=state.protocol(),
+    )
+
+
+def _draw_answer(
+    result: Result, evidence: pd.DataFrame, companions: Companions | None, asked: _Asked
+) -> None:
+    work = Computation(
+        kind=JOB,
+        key=(*_comparison(result), asked),
+        compute=partial(_answer, result, evidence, companions, asked),
+        thing="plan",
+        doing="Simulating studies",
+        most=MOST,
+    )
+    answer, is_to_start = work.draw(is_quick=False)
+    if is_to_start:
+        icon = ":material/query_stats:"
+        st.button("Simulate studies", key=f"{JOB}_start", icon=icon, on_click=work.start)
+    if answer is None:
+        return
+    space, key = state.workspace(), _comparison(result)
+    if space.peek("verdict_plan", key) is None:
+        space.cached("verdict_plan", key, lambda: answer.sentence)
+        st.rerun()  # the verdict, which is above, says it
+    st.markdown("\n".join(f"- {plain(sentence)}" for sentence in describe_plan(answer.plan)))
+    if any(size.points for size in answer.plan.sizes):
+        draw_chart(power_plot(answer.plan, theme=state.theme()), "power")
+
+
+def _comparison(result: Result) -> tuple[object, ...]:
+    return (state.workspace().version, result.params, result.x.name, result.y.name)
+
+
+def _answer(
+    result: Result,
+    evidence: pd.DataFrame,
+    companions: Companions | None,
+    asked: _Asked,
+    progress: Progress,
+) -> _Answer:
+    plan = plan_study(result, **asked._asdict(), progress=part_of(progress, 0.0, 0.7))
+    progress(0.7, "the verdict")
+    return _Answer(plan, verdict_plan(result, evidence, companions))
