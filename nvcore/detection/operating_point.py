@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Literal
 
 import numpy as np
 import pandas as pd
@@ -149,11 +149,22 @@ def same_operating_point(dataset: Dataset, params: Params, x: str, y: str) -> Sa
 
 
 def threshold_with_alarms(
-    dataset: Dataset, system: str, params: Params, n_target: int
+    dataset: Dataset,
+    system: str,
+    params: Params,
+    n_target: int,
+    *,
+    end: Literal["round", "lowest", "highest"] = "round",
 ) -> float | None:
     """Threshold that gives the number of false alarms closest to `n_target`; None: all.
 
     The thresholds of `params` are not used.
+
+    Parameters
+    ----------
+    end
+        Which of these thresholds: the lowest of few decimals, the lowest, or the highest, which is
+        infinite for no false alarm.
     """
     score = dataset.system(system).score
     matches = match_system(dataset, system, None, params)
@@ -163,16 +174,21 @@ def threshold_with_alarms(
     if not is_scored.all():
         curve = false_alarm_curve(dataset, system, params)
         n_alarms = curve["n_false_alarms"].to_numpy()[::-1]
-        best = int(np.argmin(np.abs(n_alarms - n_target)))
-        return float(curve["threshold"].to_numpy()[::-1][best])
+        distance = np.abs(n_alarms - n_target)
+        rows = np.flatnonzero(distance == distance.min())
+        return float(curve["threshold"].to_numpy()[::-1][rows[0]])
     alarms = np.sort(score[matches.is_false_alarm])[::-1]
     # equal scores stay or go together
     possible = np.concatenate([[0], np.flatnonzero(np.diff(alarms)) + 1, [len(alarms)]])
     n_left = int(possible[np.argmin(np.abs(possible - n_target))])
+    if end == "highest":
+        return float(alarms[n_left - 1]) if n_left else np.inf
     if n_left == len(alarms):
         return None
     score_out = float(alarms[n_left])
     score_in = float(alarms[n_left - 1]) if n_left else np.inf
+    if end == "lowest":
+        return float(np.nextafter(score_out, np.inf))
     threshold = round_between(score_out, score_in)
     if threshold is None:
         threshold = score_in if n_left else float(np.nextafter(score_out, np.inf))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Final
@@ -16,7 +16,6 @@ from nvcore.evidence.companions import (
     STRICT_KEYS,
     Companions,
     are_unequal,
-    count_alarms,
 )
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.units import RECORDINGS
@@ -103,8 +102,7 @@ def find_claims(
         return Support(basis, withheld=dict.fromkeys(_candidates(result, evidence), pending))
     if is_unequal:
         assert companions.equal is not None
-        assert companions.evidence is not None
-        basis_result, candidates = companions.equal, _candidates(result, companions.evidence)
+        basis_result, candidates = companions.equal, _at_all(result, companions.evidence)
         withheld: dict[str, str] = {}
     else:
         basis_result, candidates = result, _candidates(result, evidence)
@@ -136,26 +134,35 @@ def winner_of(difference: float, better: str) -> str:
     return "x" if (difference > 0) == (better == "higher") else "y"
 
 
+def _at_all(result: Result, tables: Sequence[pd.DataFrame]) -> dict[str, Claim]:
+    """Differences that are more than chance in every table, for the same system; the larger p."""
+    first, *others = (_candidates(result, table) for table in tables)
+    for other in others:
+        shared = {key for key, claim in first.items() if _same_winner(claim, other.get(key))}
+        first = {key: max(first[key], other[key], key=lambda claim: claim.p) for key in shared}
+    return {key: first[key] for key in CLAIMED if key in first}
+
+
+def _same_winner(claim: Claim, other: Claim | None) -> bool:
+    return other is not None and claim.winner == other.winner
+
+
 def _not_confirmed(
     result: Result, candidates: Mapping[str, Claim], companions: Companions
 ) -> dict[str, str]:
     """Differences as set that do not hold at equal false alarms, and why."""
-    reasons = {}
-    if companions.equal is None or companions.evidence is None:
-        n = {letter: count_alarms(system) for letter, system in result.sides}
-        for key, claim in candidates.items():
-            other = "y" if claim.winner == "x" else "x"
-            if n[claim.winner] > (1 + ALIKE) * n[other]:
-                reasons[key] = (
-                    f"{claim.winner.upper()} has more false alarms as well, and without scores the "
-                    "two cannot be set alike"
-                )
-        return reasons
-    confirmed = _candidates(result, companions.evidence)
-    for key, claim in candidates.items():
-        if key not in confirmed or confirmed[key].winner != claim.winner:
-            reasons[key] = "at equal false alarms it is not shown"
-    return reasons
+    if companions.equal is None:
+        if not are_unequal(result, ALIKE):
+            return {}
+        reason = "the two have different numbers of false alarms and no scores to set them alike"
+        return dict.fromkeys(candidates, reason)
+    confirmed = _at_all(result, companions.evidence)
+    reason = "at equal false alarms it is not shown"
+    return {
+        key: reason
+        for key, claim in candidates.items()
+        if not _same_winner(claim, confirmed.get(key))
+    }
 
 
 def _is_turned(key: str, basis: Result, strict: Result) -> bool:

@@ -8,7 +8,7 @@ equally many false alarms, and when boxes are paired strictly.
 from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
-from typing import Any, Final
+from typing import Any, Final, Literal
 
 import numpy as np
 import pandas as pd
@@ -21,13 +21,15 @@ from nvcore.scoring import SystemResult
 
 UNEQUAL: Final = 1.5
 """Numbers of false alarms are unequal if the larger is more than this many times the smaller."""
+ALIKE: Final = 1.1
+"""Without scores to set the systems alike, this many times the smaller number is too many already:
+one detector at two thresholds would pass for two."""
 LEAST_MORE: Final = MIN_DISCORDANT
 """A difference of fewer false alarms may be chance, as with encounters that one system detects."""
-ALIKE: Final = 0.1
-"""Without scores to set the systems alike, a system may have this share more false alarms."""
 
 STRICT_KEYS: Final = ("mean_similarity", "saliency")
 """Measures that strict pairing changes."""
+ENDS: Final[tuple[Literal["lowest", "highest"], ...]] = ("lowest", "highest")
 MISS_RATE: Final = "log_average_miss_rate"
 
 
@@ -35,15 +37,19 @@ MISS_RATE: Final = "log_average_miss_rate"
 class Companions:
     """The same two systems at equal false alarms, and paired strictly.
 
+    A number of false alarms holds for a range of thresholds. A claim has to hold at both ends of
+    it, since the other system's threshold may be anywhere in its own range.
+
     Attributes
     ----------
     equal
-        Both at equal false alarms; the result as set where it has them; None: no threshold gives
-        them.
+        Both at equal false alarms, the threshold about as low as these allow; None: no threshold
+        gives them.
     moved
         System with another threshold in `equal`, ``x`` or ``y``; empty: neither.
     evidence
-        Evidence of `equal`, p without intervals; None without `equal`.
+        Evidence at the lowest and at the highest such threshold: p without intervals. Empty
+        without `equal`.
     strict
         The comparison that the verdict rests on (`equal` where the one as set is unequal), with
         ``pairing="matched"``.
@@ -51,7 +57,7 @@ class Companions:
 
     equal: Result | None
     moved: str
-    evidence: pd.DataFrame | None
+    evidence: tuple[pd.DataFrame, ...]
     strict: Result
 
 
@@ -60,10 +66,10 @@ def count_alarms(system: SystemResult) -> int:
     return int(system.false_alarms.sum())
 
 
-def are_unequal(result: Result) -> bool:
+def are_unequal(result: Result, factor: float = UNEQUAL) -> bool:
     """Whether X and Y are set to different operating points, so that neither can be preferred."""
     fewer, more = sorted(count_alarms(system) for _, system in result.sides)
-    return more > UNEQUAL * fewer and more - fewer >= LEAST_MORE
+    return more > factor * fewer and more - fewer >= LEAST_MORE
 
 
 def has_scores(result: Result, letter: str) -> bool:
@@ -81,18 +87,22 @@ def find_companions(result: Result, evidence: pd.DataFrame) -> Companions:
         thresholds and is taken over.
     """
     moved = which_moves(result)
-    equal = at_equal_alarms(result, moved)
-    basis = equal if are_unequal(result) and equal is not None else result
+    equal = _at_equal_alarms(result, moved, "round") if moved else None
+    if equal is not None and are_unequal(equal):
+        equal = None
+    basis = equal if equal is not None and are_unequal(result) else result
     strict = basis
     if result.params.pairing != "matched":
         params = replace(basis.params, pairing="matched")
         strict = compare(result.dataset, params, x=result.x.name, y=result.y.name, previous=basis)
     if equal is None:
-        return Companions(None, "", None, strict)
-    if equal is result:
-        return Companions(result, "", evidence, strict)
-    of_equal = significance_table(equal, _miss_rates(evidence), has_intervals=False)
-    return Companions(equal, moved, of_equal, strict)
+        return Companions(None, "", (), strict)
+    has_p = bool(np.isfinite(evidence["p_holm"]).any())
+    ends = [_at_equal_alarms(result, moved, end) for end in ENDS] if has_p else [equal]
+    tables = [
+        significance_table(at_end, _miss_rates(evidence), has_intervals=False) for at_end in ends
+    ]
+    return Companions(equal, moved, tuple(tables), strict)
 
 
 def which_moves(result: Result) -> str:
@@ -101,23 +111,25 @@ def which_moves(result: Result) -> str:
     To raise a threshold is always possible; to lower it leads no further than the scores do.
     """
     movable = [letter for letter in "xy" if has_scores(result, letter)]
-    return max(movable, key=lambda letter: count_alarms(result.system(letter)), default="")
+
+    def size(letter: str) -> tuple[int, int]:
+        system = result.system(letter)
+        return count_alarms(system), int(system.n_det.sum())
+
+    return max(movable, key=size, default="")
 
 
-def at_equal_alarms(result: Result, moved: str) -> Result | None:
-    """Both systems with equally many false alarms, by the threshold of one; None: impossible."""
-    n_x, n_y = count_alarms(result.x), count_alarms(result.y)
-    if n_x == n_y:
-        return result
-    if not moved:
-        return None
-    n_target = n_y if moved == "x" else n_x
+def _at_equal_alarms(
+    result: Result, moved: str, end: Literal["round", "lowest", "highest"]
+) -> Result:
+    """Both systems with equally many false alarms, at an end of the range of such thresholds."""
+    n_target = count_alarms(result.y if moved == "x" else result.x)
+    x, y = result.x.name, result.y.name
     name = result.system(moved).name
-    threshold = threshold_with_alarms(result.dataset, name, result.params, n_target)
+    threshold = threshold_with_alarms(result.dataset, name, result.params, n_target, end=end)
     changed: dict[str, Any] = {f"threshold_{moved}": threshold}
     params = replace(result.params, **changed)
-    equal = compare(result.dataset, params, x=result.x.name, y=result.y.name, previous=result)
-    return None if are_unequal(equal) else equal
+    return compare(result.dataset, params, x=x, y=y, previous=result)
 
 
 def _miss_rates(evidence: pd.DataFrame) -> list[Evidence]:

@@ -20,8 +20,6 @@ from nvcore.protocols import PROTOCOLS, Protocol
 KEY: Final = "log_average_miss_rate"
 N_POINTS: Final = 200
 """Operating points besides the references, among which a resample looks up its own."""
-ALIKE_REACH: Final = 1.1
-"""Curves whose ends differ by no more than this factor end alike."""
 POINT_RANGE: Final = (0.002, 4.0)
 """False positives per image of these points; the references are 0.01 to 1."""
 
@@ -55,7 +53,11 @@ def log_average_miss_rate_measure(
 
 
 def judge_miss_rate(
-    result: Result, units: Units, protocol: Protocol = PROTOCOLS["all"]
+    result: Result,
+    units: Units,
+    protocol: Protocol = PROTOCOLS["all"],
+    *,
+    has_interval: bool = True,
 ) -> Evidence:
     """Difference of the log-average miss rate; `note` says why it is undefined or 0.
 
@@ -79,7 +81,7 @@ def judge_miss_rate(
         return undefined(
             "the log-average miss rate needs pedestrians that count, and detections with scores"
         )
-    evidence = judge_measure(measure, units)
+    evidence = judge_measure(measure, units, has_interval=has_interval)
     sums = (measure.x.sum(axis=0), measure.y.sum(axis=0))
     evidence = replace(evidence, doubt=_doubt(evidence, *(_reach(totals) for totals in sums)))
     notes = [evidence.note]
@@ -105,9 +107,9 @@ def _reach(sums: np.ndarray) -> float:
 
 
 def _doubt(evidence: Evidence, reach_x: float, reach_y: float) -> str:
-    """Why the worse average may only be that of the list of detections that ends earlier."""
+    """Why the worse average may only be that of a list of detections that ends early."""
     worse, better = (reach_x, reach_y) if evidence.difference > 0 else (reach_y, reach_x)
-    if ALIKE_REACH * worse >= min(better, FPPI_REFERENCES[-1]):
+    if worse >= FPPI_REFERENCES[-1] or worse > better:
         return ""
     return (
         f"the detections of X reach {reach_x:.2g} false positives per image and those of Y "

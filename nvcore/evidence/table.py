@@ -17,6 +17,7 @@ def evidence_table(
     *,
     units: Units | None = None,
     miss_rate: Evidence | None = None,
+    has_intervals: bool = True,
 ) -> pd.DataFrame:
     """`nvcore.evidence.measures.significance_table` with the log-average miss rate as its last row.
 
@@ -26,6 +27,8 @@ def evidence_table(
         Which pedestrians count in the log-average miss rate.
     units, miss_rate
         ``find_units(result)``, ``judge_miss_rate(result, units, protocol)``, if already computed.
+    has_intervals
+        Without them, p alone: much faster.
 
     Examples
     --------
@@ -33,5 +36,5 @@ def evidence_table(
     """
     units = find_units(result) if units is None else units
     if miss_rate is None:
-        miss_rate = judge_miss_rate(result, units, protocol)
-    return significance_table(result, [miss_rate], units=units)
+        miss_rate = judge_miss_rate(result, units, protocol, has_interval=has_intervals)
+    return significance_table(result, [miss_rate], units=units, has_intervals=has_intervals)

@@ -117,7 +117,7 @@ def verdict(
     shown, of_shown, before = result, evidence, ""
     if support.basis is Basis.EQUAL_ALARMS and companions is not None:
         assert companions.equal is not None
-        shown, of_shown = companions.equal, companions.evidence
+        shown, of_shown = companions.equal, companions.evidence[0]
         before = f"At equal false alarms ({_threshold_text(companions)}) "
     elif are_unequal(result):
         of_shown = None

@@ -73,7 +73,7 @@ def judged(result: Result, *rows: dict[str, object], companions: bool = True) ->
     """The verdict by this evidence, which holds at equal false alarms as well."""
     table = pd.DataFrame([row_of(BY_UNIT, NAN), *rows])
     table = table.drop_duplicates("figure", keep="last").reset_index(drop=True)
-    both = Companions(result, "", table, result) if companions else None
+    both = Companions(result, "", (table,), result) if companions else None
     return verdict(result, evidence=table, companions=both)
 
 
