@@ -12,10 +12,10 @@ import pandas as pd
 
 from nvcore.comparison import Result
 from nvcore.evidence.companions import (
-    ALIKE,
     STRICT_KEYS,
     Companions,
     are_unequal,
+    count_alarms,
 )
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.units import RECORDINGS
@@ -23,6 +23,9 @@ from nvcore.measures import EVIDENCE_KEYS, inference_of
 
 CLAIMED: Final = tuple(key for key in EVIDENCE_KEYS if inference_of(key).noun)
 """Keys of the measures of which the verdict may claim a difference."""
+
+
+FALSE_ALERTS: Final = "false_alert_episodes_per_hour"
 
 
 class Basis(StrEnum):
@@ -152,10 +155,7 @@ def _not_confirmed(
 ) -> dict[str, str]:
     """Differences as set that do not hold at equal false alarms, and why."""
     if companions.equal is None:
-        if not are_unequal(result, ALIKE):
-            return {}
-        reason = "the two have different numbers of false alarms and no scores to set them alike"
-        return dict.fromkeys(candidates, reason)
+        return _not_dominant(result, candidates)
     confirmed = _at_all(result, companions.evidence)
     reason = "at equal false alarms it is not shown"
     return {
@@ -163,6 +163,26 @@ def _not_confirmed(
         for key, claim in candidates.items()
         if not _same_winner(claim, confirmed.get(key))
     }
+
+
+def _not_dominant(result: Result, candidates: Mapping[str, Claim]) -> dict[str, str]:
+    """Without scores to set the systems alike: what the winner may owe to its operating point."""
+    reasons = {}
+    n_alarms = {letter: count_alarms(system) for letter, system in result.sides}
+    n_matched = {letter: int(system.matched.sum()) for letter, system in result.sides}
+    for key, claim in candidates.items():
+        other = "y" if claim.winner == "x" else "x"
+        is_of_alarms = key == FALSE_ALERTS
+        if is_of_alarms and n_matched[claim.winner] < n_matched[other]:
+            more = "also matches fewer pedestrians"
+        elif not is_of_alarms and n_alarms[claim.winner] > n_alarms[other]:
+            more = "also has more false alarms"
+        else:
+            continue
+        reasons[key] = (
+            f"{claim.winner.upper()} {more}, and without scores the two cannot be set alike"
+        )
+    return reasons
 
 
 def _is_turned(key: str, basis: Result, strict: Result) -> bool:

@@ -16,14 +16,12 @@ import pandas as pd
 from nvcore.comparison import Result, compare
 from nvcore.detection.operating_point import threshold_with_alarms
 from nvcore.evidence.measures import Evidence, significance_table
+from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.metrics.venn import MIN_DISCORDANT
 from nvcore.scoring import SystemResult
 
 UNEQUAL: Final = 1.5
 """Numbers of false alarms are unequal if the larger is more than this many times the smaller."""
-ALIKE: Final = 1.1
-"""Without scores to set the systems alike, this many times the smaller number is too many already:
-one detector at two thresholds would pass for two."""
 LEAST_MORE: Final = MIN_DISCORDANT
 """A difference of fewer false alarms may be chance, as with encounters that one system detects."""
 
@@ -44,7 +42,7 @@ class Companions:
     ----------
     equal
         Both at equal false alarms, the threshold about as low as these allow; None: no threshold
-        gives them.
+        gives them, or it is not asked: X and Y are set alike, and no difference could be claimed.
     moved
         System with another threshold in `equal`, ``x`` or ``y``; empty: neither.
     evidence
@@ -66,10 +64,10 @@ def count_alarms(system: SystemResult) -> int:
     return int(system.false_alarms.sum())
 
 
-def are_unequal(result: Result, factor: float = UNEQUAL) -> bool:
+def are_unequal(result: Result) -> bool:
     """Whether X and Y are set to different operating points, so that neither can be preferred."""
     fewer, more = sorted(count_alarms(system) for _, system in result.sides)
-    return more > factor * fewer and more - fewer >= LEAST_MORE
+    return more > UNEQUAL * fewer and more - fewer >= LEAST_MORE
 
 
 def has_scores(result: Result, letter: str) -> bool:
@@ -86,11 +84,13 @@ def find_companions(result: Result, evidence: pd.DataFrame) -> Companions:
         `nvcore.evidence.table.evidence_table` of the result; its miss rate does not depend on
         thresholds and is taken over.
     """
-    moved = which_moves(result)
+    is_unequal = are_unequal(result)
+    has_candidates = bool((evidence["p_holm"] <= SIGNIFICANT).any())
+    moved = which_moves(result) if is_unequal or has_candidates else ""
     equal = _at_equal_alarms(result, moved, "round") if moved else None
     if equal is not None and are_unequal(equal):
         equal = None
-    basis = equal if equal is not None and are_unequal(result) else result
+    basis = equal if equal is not None and is_unequal else result
     strict = basis
     if result.params.pairing != "matched":
         params = replace(basis.params, pairing="matched")

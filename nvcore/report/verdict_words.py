@@ -82,14 +82,18 @@ def describe_weights(result: Result) -> str:
     """What the encounters weigh that only one system detects, and the worst failure."""
     venn = result.venn
     of_x, of_y = (result.severity_of(system) for _, system in result.sides)
-    parts = [
-        f"the {n} that only {letter} detects weigh {weight:.1f} s of missed pedestrian for {other}"
-        for letter, other, n, weight in (
-            ("X", "Y", venn.x_only, of_y[Category.X_ONLY]),
-            ("Y", "X", venn.y_only, of_x[Category.Y_ONLY]),
+    weights = [
+        (f"the {n} that only {letter} detects", f"{weight:.1f} s")
+        for letter, n, weight in (
+            ("X", venn.x_only, of_y[Category.X_ONLY]),
+            ("Y", venn.y_only, of_x[Category.Y_ONLY]),
         )
         if n
     ]
+    parts = [f"{who} {weight}" for who, weight in weights]
+    if weights:
+        verb = "weighs" if weights[0][0].startswith("the 1 ") else "weigh"
+        parts[0] = f"{weights[0][0]} {verb} {weights[0][1]} of missed pedestrian"
     text = ", ".join(parts)
     worst = _worst_failure(result)
     if worst:

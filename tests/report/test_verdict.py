@@ -157,13 +157,13 @@ def test_nothing_is_claimed_before_the_companions_are_known(better_x: Result):
 def test_what_failures_weigh_and_the_worst_of_them(better_x: Result):
     # proximity "none": 0.1 s of each frame in full; four pedestrians of three frames
     assert judged(better_x).sentences[1] == (
-        "The 4 that only X detects weigh 1.2 s of missed pedestrian for Y; the worst single "
-        "failure is Y's: pedestrian 2 in r0, 0.3 s."
+        "The 4 that only X detects weigh 1.2 s of missed pedestrian; the worst single failure is "
+        "Y's: pedestrian 2 in r0, 0.3 s."
     )
     both_ways = judged(detecting(9, range(6), range(3, 9))).sentences[1]
     assert both_ways.startswith(
-        "The 3 that only X detects weigh 0.9 s of missed pedestrian for Y, the 3 that only Y "
-        "detects weigh 0.9 s of missed pedestrian for X; the worst"
+        "The 3 that only X detects weigh 0.9 s of missed pedestrian, the 3 that only Y detects "
+        "0.9 s; the worst single failure is"
     )
 
 

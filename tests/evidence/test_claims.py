@@ -1,0 +1,189 @@
+"""What a comparison may claim: by recordings, at equal false alarms, paired strictly."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+from builders import NAN, Box, Place, at, make_dataset, result_of
+from drives import drives
+
+from nvcore.comparison import Result, compare
+from nvcore.dataset import Dataset
+from nvcore.evidence.claims import Basis, Support, find_claims, least_corrected_p
+from nvcore.evidence.companions import (
+    are_unequal,
+    count_alarms,
+    find_companions,
+    which_moves,
+)
+from nvcore.evidence.measures import significance_table
+from nvcore.evidence.table import evidence_table
+from nvcore.params import Params
+from nvcore.protocols import PROTOCOLS
+
+
+def detector(
+    seed: int, *, share: float = 0.85, cut: float = 0.0, n: int = 12, has_scores: bool = True
+) -> list[Box]:
+    """Of four pedestrians in 20 frames of n recordings, and an alarm in about every other frame."""
+    rng, boxes = np.random.default_rng(seed), []
+    for number in range(n):
+        for frame in range(20):
+            for centre in (20, 40, 60, 80):
+                hit, score = rng.random() < share, rng.random()
+                if hit:
+                    boxes.append(at(frame, centre, recording=number, score=score))
+            alarm, score = rng.random() < 0.5, 0.9 * rng.random()
+            if alarm:
+                boxes.append(at(frame, 5, recording=number, score=score))
+    kept = [box for box in boxes if box.score >= cut]
+    return kept if has_scores else [box._replace(score=NAN) for box in kept]
+
+
+def scene(x: list[Box], y: list[Box], n: int = 12, **params: float) -> Result:
+    truth = [
+        at(frame, centre, track=centre, recording=number)
+        for number in range(n)
+        for frame in range(20)
+        for centre in (20, 40, 60, 80)
+    ]
+    return result_of(make_dataset(truth, x, y, places=[Place(range(20))] * n), **params)
+
+
+def support_of(result: Result) -> Support:
+    evidence = evidence_table(result, has_intervals=False)
+    return find_claims(result, evidence, find_companions(result, evidence))
+
+
+@pytest.mark.parametrize("cut", [0.05, 0.2, 0.5])
+@pytest.mark.parametrize("has_scores", [True, False])
+def test_one_detector_at_two_thresholds_is_no_two_systems(cut: float, has_scores: bool):
+    whole, strict = (detector(1, cut=at_least, has_scores=has_scores) for at_least in (0.0, cut))
+    result = scene(whole, strict)
+    by_unit = significance_table(result).set_index("figure")["p_holm"]
+    assert by_unit["mean_similarity"] <= 0.05  # as set it would be a difference
+    assert not support_of(result).claims
+
+
+@pytest.mark.parametrize("cut", [0.05, 0.2, 0.5])
+def test_one_detector_with_two_thresholds_of_its_scores_is_no_two_systems(cut: float):
+    boxes = detector(1)
+    assert not support_of(scene(boxes, boxes, threshold_y=cut)).claims
+    assert not support_of(scene(boxes, boxes, threshold_x=cut)).claims
+
+
+def test_a_better_system_is_claimed_as_set_and_at_unequal_thresholds():
+    good, bad = detector(1, share=0.95), detector(2, share=0.6)
+    as_set = support_of(scene(good, bad))
+    assert as_set.basis is Basis.AS_SET
+    assert {"mean_similarity", "log_average_miss_rate"} <= {claim.key for claim in as_set.claims}
+    # the better one at a strict threshold: as set, it detects less
+    result = scene(good, bad, threshold_x=0.7)
+    assert result.boxes.x_only < result.boxes.y_only
+    support = support_of(result)
+    assert support.basis is Basis.EQUAL_ALARMS
+    assert {claim.winner for claim in (*as_set.claims, *support.claims)} == {"x"}
+
+
+def test_the_system_with_more_false_alarms_is_moved_or_the_only_one_with_scores():
+    few, many = detector(1, cut=0.5), detector(2)
+    assert which_moves(scene(few, many)) == "y"
+    assert which_moves(scene(many, few)) == "x"
+    plain = [box._replace(score=NAN) for box in many]
+    assert which_moves(scene(few, plain)) == "x"
+    assert which_moves(scene(plain, plain)) == ""
+
+
+def test_the_system_that_moves_has_as_many_false_alarms_as_the_other():
+    result = scene(detector(1, cut=0.5), detector(2))
+    companions = find_companions(result, evidence_table(result, has_intervals=False))
+    equal = companions.equal
+    assert equal is not None
+    assert companions.moved == "y"
+    assert count_alarms(equal.y) == count_alarms(equal.x) == count_alarms(result.x)
+    assert len(companions.evidence) == 2
+
+
+def test_a_few_more_false_alarms_are_no_other_operating_point():
+    def with_alarms(n_x: int, n_y: int) -> Result:
+        x, y = ([at(frame, 5) for frame in range(n)] for n in (n_x, n_y))
+        return result_of(make_dataset([], x, y, n_frames=100))
+
+    assert not are_unequal(with_alarms(30, 45))
+    assert are_unequal(with_alarms(30, 46))
+    assert are_unequal(with_alarms(0, 6))
+    assert not are_unequal(with_alarms(5, 0))
+
+
+def test_nothing_is_claimed_from_fewer_than_six_recordings_nor_before_the_companions():
+    good, bad = (detector(seed, share=share, n=5) for seed, share in ((1, 0.95), (2, 0.5)))
+    assert not support_of(scene(good, bad, n=5)).claims
+    result = scene(detector(1, share=0.95), detector(2, share=0.5))
+    support = find_claims(result, evidence_table(result), None)
+    assert not support.claims
+    assert "mean_similarity" in support.withheld
+
+
+def test_clustered_encounters_are_no_more_than_their_recordings():
+    # X detects all twelve encounters of two recordings, Y those of one; the rest both
+    truth, x, y = [], [], []
+    for number in range(6):
+        for track in range(12):
+            for frame in range(2 * track, 2 * track + 2):
+                box = at(frame, 50, track=track, recording=number)
+                truth.append(box)
+                if number != 5:
+                    x.append(box._replace(score=0.9))
+                if number > 1:
+                    y.append(box._replace(score=0.9))
+    result = result_of(make_dataset(truth, x, y, places=[Place(range(24))] * 6))
+    assert result.mcnemar_p > 0.05 or result.venn.x_only > result.venn.y_only
+    assert not support_of(result).claims
+
+
+def test_where_strict_pairing_turns_it_round_it_is_no_claim():
+    # Y's false alarms stand beside the pedestrians that it misses; X misses fewer, and has none
+    truth, x, y = [], [], []
+    for number in range(12):
+        for frame in range(20):
+            truth.append(at(frame, 50, track=1, recording=number, w=10))
+            if frame % 4:
+                x.append(at(frame, 50, recording=number, w=10))
+            near = 50 if frame % 4 > 1 else 60
+            y.append(at(frame, near, recording=number, w=10))
+    result = result_of(make_dataset(truth, x, y, places=[Place(range(20))] * 12))
+    strict = compare(result.dataset, Params(proximity="none", pairing="matched"))
+    assert result.x.summary.mean < result.y.summary.mean
+    assert strict.x.summary.mean > strict.y.summary.mean
+    support = support_of(result)
+    assert "mean_similarity" not in {claim.key for claim in support.claims}
+
+
+@pytest.mark.parametrize(("n", "n_tests", "least_p"), [(8, 7, 7 / 128), (9, 7, 7 / 256)])
+def test_the_least_p_that_so_many_recordings_can_give(n: int, n_tests: int, least_p: float):
+    table = pd.DataFrame(
+        {"p_holm": [0.1] * n_tests + [NAN], "least_p": [2 / 2**n] * n_tests + [NAN]}
+    )
+    assert least_corrected_p(table) == pytest.approx(least_p)
+
+
+def test_drives_that_differ_are_claimed_by_their_recordings():
+    result = result_of(drives(12))
+    evidence = significance_table(result)
+    support = find_claims(result, evidence, find_companions(result, evidence))
+    assert result.dataset.systems == ("x", "y")
+    assert all(claim.n == 12 for claim in support.claims)
+
+
+@pytest.mark.realdata
+def test_kaist_a_weak_system_at_a_low_threshold_is_not_preferred(kaist: Dataset):
+    params = Params(threshold_x=0.0, threshold_y=0.5)
+    result = compare(kaist, params, x="YOLOv3-visible", y="MBNet")
+    assert result.venn.x_only > 5 * result.venn.y_only
+    evidence = evidence_table(result, PROTOCOLS["kaist-reasonable"], has_intervals=False)
+    support = find_claims(result, evidence, find_companions(result, evidence))
+    assert support.basis is Basis.EQUAL_ALARMS
+    assert {claim.winner for claim in support.claims} == {"y"}
+    claimed = {claim.key for claim in support.claims}
+    assert {"encounters_detected_by_unit", "log_average_miss_rate"} <= claimed
