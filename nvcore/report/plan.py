@@ -45,7 +45,7 @@ def verdict_plan(
     if are_unequal(result):
         if companions is None or companions.equal is None:
             return ""
-        basis, of_basis = companions.equal, companions.evidence
+        basis, of_basis = companions.equal, next(iter(companions.evidence), None)
     row = None if of_basis is None else evidence_of(of_basis, key)
     if row is None or row.p_holm <= SIGNIFICANT:
         return ""

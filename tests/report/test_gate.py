@@ -8,6 +8,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 from builders import Place, at, make_dataset, result_of
+from drives import by_figure, drives
 from places import ROOT
 
 from nvcore.errors import ParameterError
