@@ -5,15 +5,15 @@ from nvcore.figures.detection import CurveKind, curve_plot, legend_text
 from nvcore.figures.encounters import fusion_plot, lead_time_plot, miss_classes_plot, position_map
 from nvcore.figures.forest import subgroup_forest
 from nvcore.figures.inputs import false_alarm_plot, proximity_plot, score_plot
-from nvcore.figures.lanes import lanes_figure
-from nvcore.figures.loss_plot import loss_plot
-from nvcore.figures.loss_strip import loss_strip_plot
+from nvcore.figures.over_time.lanes import lanes_figure
+from nvcore.figures.over_time.losses import loss_plot
+from nvcore.figures.over_time.similarity import similarity_plot
+from nvcore.figures.over_time.strip import loss_strip_plot
 from nvcore.figures.paired import recordings_plot
 from nvcore.figures.ratings import participants_plot, rating_plot
 from nvcore.figures.saliency import parts_plot, plane_plot, recency_plot
 from nvcore.figures.stability import stability_map
 from nvcore.figures.style import CONFIG
-from nvcore.figures.time_plot import similarity_plot
 from nvcore.figures.venn import venn_figure
 
 __all__ = [

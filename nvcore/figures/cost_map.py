@@ -7,8 +7,7 @@ from typing import Final
 import numpy as np
 import plotly.graph_objects as go
 
-from nvcore.figures.loss_strip import loss_scale
-from nvcore.figures.style import LOOK, axis, draw
+from nvcore.figures.style import LOOK, axis, draw, loss_scale
 from nvcore.metrics.cost_map import CostMap
 from nvcore.palette import Theme
 

@@ -31,6 +31,11 @@ CONFIG: Final[dict[str, Any]] = {
 }
 """Plotly's configuration for every figure: no tool bar, double click resets the view."""
 
+LOSS_COLOURS: Final[dict[Theme, tuple[str, ...]]] = {
+    "light": ("#F1F3F6", "#D3B8E0", "#9A5FB5", "#4A1162"),
+    "dark": ("#222933", "#5C3A73", "#A56CC4", "#F4DCFF"),
+}
+"""From nothing lost to most; neither X's colour nor Y's."""
 HIDDEN_AXIS: Final = {"visible": False, "fixedrange": True}
 CLEAR: Final = "rgba(0,0,0,0)"
 LEGEND: Final[dict[str, Any]] = {
@@ -100,6 +105,12 @@ def faded(colour: str, opacity: float) -> str:
     """A colour ``#RRGGBB`` with an opacity of 0..1."""
     red, green, blue = rgb(colour)
     return f"rgba({red},{green},{blue},{opacity:g})"
+
+
+def loss_scale(theme: Theme) -> list[tuple[float, str]]:
+    """Plotly's colour scale of losses and costs, 0 first."""
+    colours = LOSS_COLOURS[theme]
+    return list(zip(np.linspace(0, 1, len(colours)).tolist(), colours, strict=True))
 
 
 def axis(theme: Theme, title: str = "", **more: Any) -> dict[str, Any]:

@@ -58,3 +58,19 @@ def windows_table(result: Result) -> pd.DataFrame:
     order = np.argsort(-worse[1:], kind="stable") + 1
     by_loss: pd.DataFrame = table.iloc[[*range(len(table))[:1], *order]].reset_index(drop=True)
     return by_loss
+
+
+def worst_windows_text(table: pd.DataFrame) -> str:
+    """Where over all recordings each system has its worst window, in a sentence; names as they are.
+
+    Parameters
+    ----------
+    table
+        `windows_table`, with a row at least.
+    """
+    of_all = table.iloc[0]
+    x, y = (
+        f"{of_all[f'window_recording_{letter}']} at {of_all[f'window_time_s_{letter}']:.2f} s"
+        for letter in "xy"
+    )
+    return f"Over all recordings the worst window of X is in {x}, that of Y in {y}."

@@ -7,8 +7,8 @@ import pytest
 from builders import at, make_dataset, result_of
 from figure_parts import shape, trace, words
 
-from nvcore.figures import lanes
-from nvcore.figures.lanes import lanes_figure
+from nvcore.figures.over_time import lanes
+from nvcore.figures.over_time.lanes import lanes_figure
 
 TRUTH = [at(i, 50, track=3) for i in range(6)]
 

@@ -8,7 +8,7 @@ from builders import Place, at, make_dataset, result_of
 from figure_parts import trace, words
 
 from nvcore.comparison import Result
-from nvcore.figures.loss_strip import MAX_CLICKS, loss_strip_plot
+from nvcore.figures.over_time.strip import MAX_CLICKS, loss_strip_plot
 from nvcore.tables.loss_strip import loss_strip
 
 

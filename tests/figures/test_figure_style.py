@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from nvcore.figures.over_time.similarity import decimate, evenly
 from nvcore.figures.style import plain
-from nvcore.figures.time_plot import decimate, evenly
 from nvcore.wording import count_text
 
 

@@ -14,7 +14,7 @@ from nvcore.comparison import Result
 from nvcore.overlay.annotate import LAYERS, annotate
 from nvcore.pictures import Pictures, jpeg
 from nvcore.tables.moments import worst_moments
-from nvcore.tables.windows import windows_table
+from nvcore.tables.windows import windows_table, worst_windows_text
 from ui.session import state
 from ui.shell.navigate import open_row
 from ui.widgets.choices import choose_side_by_side
@@ -93,9 +93,10 @@ def worst_windows(result: Result) -> None:
         on_select=partial(_ask_for_window, table),
     )
     st.caption(
-        "Most lost on top. Click a value of X or Y to open the middle of that system's worst "
-        f"window of {result.params.window:g} s in the Timeline, or a recording's name for that of "
-        f"the worse system ({docs_link('Metrics', 'similarity')})."
+        f"{plain(worst_windows_text(table))} Most lost on top. Click a value of X or Y to "
+        f"open the middle of that system's worst window of {result.params.window:g} s in the "
+        "Timeline, or a recording's name for that of the worse system "
+        f"({docs_link('Metrics', 'similarity')})."
     )
     row = st.session_state.pop(WINDOW, None)
     if row is not None:

@@ -7,9 +7,9 @@ from typing import Any, Final, Literal
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.figures.lanes import lanes_figure
-from nvcore.figures.loss_plot import loss_plot
-from nvcore.figures.time_plot import TimeLayout, similarity_plot
+from nvcore.figures.over_time.lanes import lanes_figure
+from nvcore.figures.over_time.losses import loss_plot
+from nvcore.figures.over_time.similarity import TimeLayout, similarity_plot
 from ui.session import state
 from ui.timeline import panel, viewer
 from ui.widgets.charts import clicked_chart

@@ -7,7 +7,7 @@ from typing import Any
 import pandas as pd
 
 from nvcore.comparison import Result
-from nvcore.figures.loss_strip import loss_strip_plot
+from nvcore.figures.over_time.strip import loss_strip_plot
 from nvcore.figures.paired import recordings_plot
 from nvcore.figures.saliency import plane_plot
 from nvcore.measures import MeasureTable
@@ -27,7 +27,7 @@ from nvcore.tables.result import (
     worst_intervals,
 )
 from nvcore.tables.scorecard import score_rows
-from nvcore.tables.windows import windows_table
+from nvcore.tables.windows import windows_table, worst_windows_text
 from nvcore.wording import difference, number
 
 MEASURES_HEAD = ("Measure", "X", "Y", "X - Y", "Better")
@@ -110,6 +110,7 @@ def _windows(result: Result) -> Table:
     """Lost similarity and the worst window of every recording."""
     columns = ("lost_s_per_min", "window_similarity", "window_lost_s", "window_time_s")
     forms = (".2f", ".4f", ".3f", ".2f")
+    windows = windows_table(result)
     rows = [
         (
             row["recording"],
@@ -119,7 +120,7 @@ def _windows(result: Result) -> Table:
                 for name, form in zip(columns, forms, strict=True)
             ),
         )
-        for row in windows_table(result).to_dict("records")
+        for row in windows.to_dict("records")
     ]
     labels = ("lost (s per minute)", "worst window", "lost in it (s)", "its middle (s)")
     head = ("Recording", *(f"{letter}: {label}" for letter in "XY" for label in labels))
@@ -127,6 +128,8 @@ def _windows(result: Result) -> Table:
         "Lost: the sum of (1 - similarity) * time step. The worst window is the "
         f"{result.params.window:g} s with the lowest mean similarity, which is given."
     )
+    if len(windows):
+        note += f" {worst_windows_text(windows)}"
     title = "Lost similarity and the worst window, most lost first"
     return table(title, head, rows, right=range(1, len(head)), note=note)
 

@@ -9,7 +9,7 @@ import plotly.graph_objects as go
 
 from nvcore.comparison import Result
 from nvcore.figures.marks import click_markers
-from nvcore.figures.style import LOOK, axis, draw, empty_figure, plain, rows_axis
+from nvcore.figures.style import LOOK, axis, draw, empty_figure, loss_scale, plain, rows_axis
 from nvcore.palette import Theme
 from nvcore.tables.loss_strip import LossStrip
 from nvcore.wording import count_text
@@ -19,17 +19,6 @@ MAX_CLICKS: Final = 1500
 """Places that can be clicked, over all strips; the browser draws a marker for each."""
 LEAST_TOP: Final = 0.2
 """Least upper end of the colour scale, so that trifles look small."""
-LOSS_COLOURS: Final[dict[Theme, tuple[str, ...]]] = {
-    "light": ("#F1F3F6", "#D3B8E0", "#9A5FB5", "#4A1162"),
-    "dark": ("#222933", "#5C3A73", "#A56CC4", "#F4DCFF"),
-}
-"""From nothing lost to most; neither X's colour nor Y's."""
-
-
-def loss_scale(theme: Theme) -> list[tuple[float, str]]:
-    """Plotly's colour scale of losses and costs, 0 first."""
-    colours = LOSS_COLOURS[theme]
-    return list(zip(np.linspace(0, 1, len(colours)).tolist(), colours, strict=True))
 
 
 def loss_strip_plot(result: Result, strip: LossStrip, *, theme: Theme) -> go.Figure:

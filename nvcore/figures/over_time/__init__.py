@@ -1,0 +1,1 @@
+"""Figures with time along them: similarity, losses, lanes of pedestrians, all recordings."""
