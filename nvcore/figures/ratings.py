@@ -9,14 +9,27 @@ import numpy as np
 import pandas as pd
 import plotly.graph_objects as go
 
-from nvcore.figures.marks import marks, system_marker
-from nvcore.figures.style import LOOK, axis, draw, empty_figure, plain, rows_axis, system_label
+from nvcore.figures.marks import marks, still_line, system_marker
+from nvcore.figures.style import (
+    LOOK,
+    axis,
+    draw,
+    empty_figure,
+    faded,
+    plain,
+    rows_axis,
+    system_label,
+    write,
+)
 from nvcore.palette import Theme
 from nvcore.studies.ratings.agreement import Agreement
+from nvcore.studies.ratings.trend import Trend, fit_trend
 from nvcore.studies.ratings.validation import Correlation
 from nvcore.wording import count_text
 
 MOST_CLIPS: Final = 2_000
+MOST_NAMES: Final = 5
+"""Outliers that are named."""
 MOST_PARTICIPANTS: Final = 60
 ROW_PX: Final = 20
 
@@ -28,7 +41,10 @@ def rating_plot(
     *,
     theme: Theme,
 ) -> go.Figure:
-    """Saliency of every clip against its mean rank; one mark for each clip.
+    """Saliency of every clip against its mean rank, with the line through the clips.
+
+    The line has its 95 % interval as a band; the clips farthest from it are named, five at most, by
+    the rule of `nvcore.studies.ratings.trend.Trend`.
 
     Parameters
     ----------
@@ -41,7 +57,8 @@ def rating_plot(
     """
     if clips.empty:
         return empty_figure("No clip has both a rating and a saliency.", theme=theme)
-    traces = []
+    trend = fit_trend(clips)
+    traces = [] if trend is None else _trend_traces(trend, theme)
     for letter, name in zip("xy", names, strict=True):
         mine = clips[clips["system"] == name].head(MOST_CLIPS)
         text = [
@@ -66,7 +83,7 @@ def rating_plot(
         (f"; {told_in_words(correlation)}" for correlation in correlations if not correlation.note),
         "",
     )
-    return draw(
+    figure = draw(
         traces,
         theme,
         title="Saliency against the ratings",
@@ -75,6 +92,50 @@ def rating_plot(
         xaxis=axis(theme, "mean rank (1 = least annoying)"),
         yaxis=axis(theme, "saliency (s)", rangemode="tozero"),
     )
+    if trend is not None:
+        _name_outliers(figure, clips, trend, names, theme)
+    return figure
+
+
+def _trend_traces(trend: Trend, theme: Theme) -> list[go.Scatter]:
+    """The interval as a band, and the line on it."""
+    look = LOOK[theme]
+    band = still_line(
+        np.concatenate([trend.rank, trend.rank[::-1]]),
+        np.concatenate([trend.most_s, trend.least_s[::-1]]),
+        "interval of the trend",
+        line={"width": 0},
+        fill="toself",
+        fillcolor=faded(look.muted, 0.18),
+    )
+    per_rank = (
+        f"trend: {trend.slope_s:+.2f} s per rank (95 %: {trend.low_s:+.2f} to {trend.high_s:+.2f})"
+    )
+    line = {"width": 2, "color": look.muted, "dash": "dot"}
+    return [band, still_line(trend.rank, trend.saliency_s, per_rank, showlegend=True, line=line)]
+
+
+def _name_outliers(
+    figure: go.Figure, clips: pd.DataFrame, trend: Trend, names: tuple[str, str], theme: Theme
+) -> None:
+    """The names of the outliers, the farthest first."""
+    order = np.argsort(-np.abs(trend.residual_s), kind="stable")
+    middle = clips["mean_rank"].mean()
+    for index in [i for i in order if trend.is_outlier[i]][:MOST_NAMES]:
+        clip = clips.iloc[index]
+        letter = "X" if clip["system"] == names[0] else "Y"
+        is_left = clip["mean_rank"] < middle
+        write(
+            figure,
+            f"{plain(clip['clip'], max_length=24)}, {letter}",
+            size=12,
+            color=LOOK[theme].ink,
+            name="outlier",
+            x=clip["mean_rank"],
+            y=clip["saliency_s"],
+            xanchor="left" if is_left else "right",
+            xshift=9 if is_left else -9,
+        )
 
 
 def told_in_words(correlation: Correlation) -> str:

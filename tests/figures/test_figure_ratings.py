@@ -35,6 +35,32 @@ def test_each_clip_stands_at_its_rank_and_saliency_with_the_coefficient_told() -
     assert "<b>" not in of_x.text[0]
 
 
+def test_the_plot_has_the_trend_with_its_interval_and_names_the_clip_far_from_it() -> None:
+    table = clips()
+    noise = np.resize([0.1, -0.1, 0.05, -0.05], 12)
+    table["saliency_s"] = 2 * table["mean_rank"] + noise
+    table.loc[3, "saliency_s"] = 30.0
+    figure = rating_plot(table, [], ("FIR", "NIR"), theme="light")
+    (line,) = [one for one in figure.data if one.name.startswith("trend: ")]
+    band = trace(figure, "interval of the trend")
+    assert "s per rank (95 %:" in line.name
+    half = len(line.x)
+    assert (np.array(band.y[:half]) >= np.array(line.y)).all()
+    assert (np.array(band.y[half:])[::-1] <= np.array(line.y)).all()
+    (named,) = [one for one in figure.layout.annotations if one.name == "outlier"]
+    assert named.text == "&lt;b&gt;drive 3, Y"
+    assert (named.x, named.y) == (4.0, 30.0)
+
+
+def test_five_outliers_are_named_at_most_and_few_clips_have_no_trend() -> None:
+    table = clips(40)
+    table["saliency_s"] = np.where(np.arange(40) % 5 == 0, 90.0, table["mean_rank"])
+    figure = rating_plot(table, [], ("FIR", "NIR"), theme="light")
+    assert len([one for one in figure.layout.annotations if one.name == "outlier"]) <= 5
+    few = rating_plot(clips(4), [], ("FIR", "NIR"), theme="light")
+    assert [one.name for one in few.data] == ["X: FIR", "Y: NIR"]
+
+
 def test_no_clips_say_so() -> None:
     figure = rating_plot(clips().head(0), [], ("FIR", "NIR"), theme="dark")
     assert "No clip has both" in words(figure)

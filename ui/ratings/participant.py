@@ -20,7 +20,7 @@ from ui.widgets.text import plain
 from ui.widgets.viewer import n_plays_in, viewer
 
 ENDS: Final = ("not annoying at all", "very annoying")
-"""Ends of the scale, as in figure 9 of the paper."""
+"""Words at the ends of the scale; they are ours, the paper gives none."""
 HEIGHT_PX: Final = 640
 WAITING: Final = "rating_waiting"
 KNOWN_NAME: Final = "rating_known_name"
