@@ -21,13 +21,23 @@ N_STUDIES_LAST: Final = 2000
 """Studies at the size that comes out: power to 2 percentage points."""
 MOST_RECORDINGS: Final = 10_000
 """Largest study that is looked for."""
-RANK: Final = 20
-"""Rank at which the random ways of a simulated test reject: 399 exchanges at a level of 5 %."""
+RANK: Final = 10
+"""Rank at which the random ways of a simulated test reject at least: the p-values of studies are
+known to a third where they decide."""
+LEAST_WAYS: Final = 399
+"""Fewest exchanges or resamples of a simulated test: 20 at a level of 5 %."""
 DRAWN_AT_ONCE: Final = 1_000_000
 """Exchanged recordings held in memory at a time."""
+ROUGHLY: Final = 0.03
+"""Share by which a size may be off: it is not known better."""
 EXPANDED_FROM: Final = 40
-"""Recordings of a study from which on the studentised bootstrap's p is computed by its expansion:
-in simulated studies, normal to lognormal, the two then decide alike in 95 to 100 %."""
+"""Recordings of a study from which on p is computed by expansions of both tests: in simulated
+studies, normal to lognormal, the studentised bootstrap and its own then decide alike in 95 to
+100 %."""
+LEAST_PARTS: Final = 20
+"""Fewest parts that matter for the expansion of the exchange."""
+CONSTANT: Final = 1e-9
+"""Recordings whose spread is less than this share of their mean do not vary, but by rounding."""
 WAYS_AT_ONCE: Final = 100
 """Exchanges or resamples between two looks at whether a study is decided."""
 GRID: Final = (0.5, 0.7, 0.85, 1.0, 1.2, 1.5, 2.0)
@@ -73,20 +83,33 @@ def count_differences_shown(
         Largest p at which a study shows a difference.
     """
     parts, n = pilot.parts_for(difference), len(pilot)
-    n_ways = int(np.ceil(RANK / level)) - 1
+    n_ways = max(int(np.ceil(RANK / level)) - 1, LEAST_WAYS)
     rng = np.random.default_rng([SEED, n_recordings])
     drawn = rng.multinomial(n_recordings, np.full(n, 1 / n), size=n_studies)
     drawn = drawn[drawn @ pilot.differs.astype(np.int64) >= MIN_SWAPPED]
-    drawn = drawn[_reject_by_exchange(rng, drawn, parts, n_ways=n_ways, level=level)]
+    if n_recordings < EXPANDED_FROM:
+        rejected = _reject_by_exchange(rng, drawn, parts, n_ways=n_ways, level=level)
+    else:
+        p, is_close = exchange_p(drawn, parts)
+        rejected = p <= level
+        rejected[~is_close] = _reject_by_exchange(
+            rng, drawn[~is_close], parts, n_ways=n_ways, level=level
+        )
+    drawn = drawn[rejected]
     ratio = (drawn @ parts) / np.maximum(drawn @ pilot.weights, 1e-300)
     # each study's parts about its own mean, which is on the positive side
     values = np.sign(ratio)[:, np.newaxis] * (parts - ratio[:, np.newaxis] * pilot.weights)
     means = np.abs(drawn @ parts) / n_recordings
+    spreads = np.sqrt((drawn * values**2).sum(axis=1) / n_recordings)
+    # where recordings do not vary there is no studentised test, and the exchange decides
+    varies = spreads > CONSTANT * means
+    n_constant = int(np.count_nonzero(~varies))
+    drawn, values, means = drawn[varies], values[varies], means[varies]
     if n_recordings < EXPANDED_FROM:
         is_shown = _reject_by_resampling(rng, drawn, values, means, n_ways=n_ways, level=level)
     else:
         is_shown = studentised_tail(drawn, values, means) <= level / 2
-    return int(np.count_nonzero(is_shown))
+    return n_constant + int(np.count_nonzero(is_shown))
 
 
 def _reject_by_exchange(
@@ -105,6 +128,28 @@ def _reject_by_exchange(
     return _are_few_reached(count, len(drawn), len(parts), n_ways=n_ways, share=level)
 
 
+def exchange_p(drawn: np.ndarray, parts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Two-sided p of the exchange of X and Y by its expansion, and where that is close to it.
+
+    Exchanged, a study's difference is a sum of its parts with random signs, which is symmetrical.
+    The expansion is close to it where no few parts make up most of that sum.
+
+    Parameters
+    ----------
+    drawn
+        How often each study has drawn each recording; shape (n_studies, n).
+    parts
+        Of the recordings, shape (n,).
+    """
+    square, fourth = drawn @ parts**2, drawn @ parts**4
+    scale = np.maximum(square, 1e-300)
+    t = np.abs(drawn @ parts) / np.sqrt(scale)
+    share = fourth / scale**2  # 1 over the number of parts that matter
+    density = np.exp(-(t**2) / 2) / np.sqrt(2 * np.pi)
+    p: np.ndarray = 2 * (ndtr(-t) - density * share * (t**3 - 3 * t) / 12)
+    return p, share * LEAST_PARTS <= 1
+
+
 def _reject_by_resampling(
     rng: np.random.Generator,
     drawn: np.ndarray,
@@ -121,8 +166,7 @@ def _reject_by_resampling(
     # every recording of every study
     each = np.repeat(values.ravel(), drawn.ravel()).reshape(len(drawn), n_recordings)
     spread = each.std(axis=1)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        observed = means / spread
+    observed = means / spread
 
     def count(studies: np.ndarray, n_now: int) -> np.ndarray:
         shape = (len(studies), n_now, n_recordings)
@@ -294,7 +338,7 @@ def find_length(
     n_recordings = _length_at(points, target, least)
     simulate(n_recordings, N_STUDIES_LAST)
     better = _length_at(points, target, least)
-    if better != n_recordings:
+    if abs(better - n_recordings) > ROUGHLY * n_recordings:
         n_recordings = better
         simulate(n_recordings, N_STUDIES_LAST)
     return StudyLength(n_recordings, _in_order(points))

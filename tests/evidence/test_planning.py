@@ -1,0 +1,287 @@
+"""How many recordings would show a difference, and whether a system is worse by a margin."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from builders import Place, at, make_dataset, result_of
+from drives import by_figure, drives
+from scipy.stats import nct, t
+
+from nvcore.errors import ParameterError
+from nvcore.evidence.bootstrap import ratio, studentised_p
+from nvcore.evidence.measures import Evidence
+from nvcore.evidence.paired_tests import swap_test
+from nvcore.evidence.planning import (
+    PLAN_KEYS,
+    Pilot,
+    describe_plan,
+    judge_noninferiority,
+    make_pilot,
+    plan_sentence,
+    plan_study,
+)
+from nvcore.evidence.planning.power import (
+    MOST_RECORDINGS,
+    count_differences_shown,
+    count_noninferior,
+    exchange_p,
+    find_length,
+    studentised_tail,
+)
+
+
+def normal_pilot(n: int = 60, difference: float = 0.5, seed: int = 5) -> Pilot:
+    """Recordings of weight 1 whose differences are normal with a standard deviation of 1."""
+    drawn = np.random.default_rng(seed).normal(size=n)
+    parts = difference + (drawn - drawn.mean()) / drawn.std(ddof=1)
+    return Pilot(difference, parts, np.ones(n), np.ones(n, dtype=bool), 4.0, 60.0)
+
+
+def t_test_power(effect: float, n: int) -> float:
+    """Closed form of the paired t-test at 5 %, two-sided."""
+    limit, shift = t.isf(0.025, n - 1), effect * math.sqrt(n)
+    return float(nct.sf(limit, n - 1, shift) + nct.cdf(-limit, n - 1, shift))
+
+
+@pytest.mark.parametrize("n", [12, 30, 50])
+def test_the_power_of_a_normal_pilot_is_that_of_the_paired_t_test(n: int):
+    n_studies = 1000
+    power = count_differences_shown(normal_pilot(), 0.5, n, n_studies, level=0.05) / n_studies
+    expected = t_test_power(0.5, n)
+    # 3 standard errors of the simulation, and 4 points for two tests that both have to reject
+    assert power == pytest.approx(expected, abs=3 * math.sqrt(0.25 / n_studies) + 0.04)
+
+
+def test_without_a_difference_studies_show_one_in_5_percent():
+    for n in (12, 60):
+        shown = count_differences_shown(normal_pilot(), 0.0, n, 1000, level=0.05)
+        assert 20 <= shown <= 72  # 50 less or more 3 standard errors; two tests are stricter
+
+
+def test_longer_studies_larger_differences_and_laxer_levels_have_more_power():
+    pilot, n_studies = normal_pilot(20), 600
+
+    def shown(difference: float, n: int, level: float = 0.05) -> int:
+        return count_differences_shown(pilot, difference, n, n_studies, level=level)
+
+    assert shown(0.5, 6) < shown(0.5, 12) < shown(0.5, 25) < shown(0.5, 50) < shown(0.5, 100)
+    assert shown(0.2, 25) < shown(0.5, 25) < shown(0.8, 25)
+    assert shown(0.5, 25, 0.01) < shown(0.5, 25)
+    assert shown(0.5, 5) == 0  # too few for a test
+
+
+def test_a_simulated_study_rejects_where_the_tests_of_the_table_do():
+    """The pilot drawn once each is the data themselves: the simulation against `swap_test`."""
+    rng = np.random.default_rng(0)
+    pilot = normal_pilot(12, 0.6)
+    n_shown = 0
+    for _ in range(150):
+        parts = pilot.parts_for(0.6)[rng.integers(0, 12, 15)]
+        x, y = np.column_stack([parts, np.ones(15)]), np.column_stack([0 * parts, np.ones(15)])
+        p = swap_test(x, y, ratio, n_permutations=399).p
+        p_of_skewed = studentised_p(parts, n_resamples=399)
+        n_shown += max(p, p_of_skewed) <= 0.05
+    simulated = count_differences_shown(pilot, 0.6, 15, 1000, level=0.05) / 1000
+    assert simulated == pytest.approx(n_shown / 150, abs=3 * math.sqrt(0.25 / 150))
+
+
+def test_the_expansion_of_the_studentised_bootstrap_is_close_to_it():
+    rng = np.random.default_rng(1)
+    parts = rng.lognormal(size=60) - 1.2
+    mean = float(parts.mean())
+    values = (np.sign(mean) * (parts - mean))[np.newaxis]
+    drawn = np.ones((1, 60), dtype=int)
+    (tail,) = studentised_tail(drawn, values, np.array([abs(mean)]))
+    assert 2 * tail == pytest.approx(studentised_p(parts), abs=0.02)
+
+
+def test_the_expansion_of_the_exchange_is_close_to_it():
+    rng = np.random.default_rng(2)
+    for parts in (rng.normal(0.2, 1, 60), rng.lognormal(size=80) - 1.3):
+        x, y = np.column_stack([parts, 0 * parts + 1]), np.column_stack([0 * parts, 0 * parts + 1])
+        p, is_close = exchange_p(np.ones((1, len(parts)), dtype=int), parts)
+        assert is_close[0] == (len(parts) == 60)  # of the other, few parts make up most
+        assert p[0] == pytest.approx(swap_test(x, y, ratio).p, abs=0.012)
+
+
+def test_the_size_has_the_power_and_is_near_the_formula_s():
+    pilot = normal_pilot()
+    length = find_length(
+        lambda n, n_studies: count_differences_shown(pilot, 0.5, n, n_studies, level=0.05),
+        guess=10,  # far too few
+        least=6,
+        target=0.8,
+    )
+    assert length.n_recordings is not None
+    formula = next(n for n in range(6, 200) if t_test_power(0.5, n) >= 0.8)
+    assert length.n_recordings == pytest.approx(formula, rel=0.15)
+    (point,) = [point for point in length.points if point.n_recordings == length.n_recordings]
+    assert point.low <= 0.8 <= point.high
+
+
+def test_what_no_study_shows_has_no_size():
+    length = find_length(lambda *_: 0, guess=100, least=6, target=0.8)
+    assert length.n_recordings is None
+    assert length.points[-1].n_recordings == MOST_RECORDINGS
+    easy = find_length(lambda _, n_studies: n_studies, guess=100, least=6, target=0.8)
+    assert easy.n_recordings == 6
+
+
+def test_noninferiority_of_equal_systems_takes_what_a_one_sided_t_test_does():
+    pilot, n_studies = normal_pilot(), 4000
+    for n in (10, 30):
+        shown = count_noninferior(pilot, 0.0, n, n_studies, margin=0.5, sign=1) / n_studies
+        expected = float(nct.sf(t.isf(0.025, n - 1), n - 1, 0.5 * math.sqrt(n)))
+        assert shown == pytest.approx(expected, abs=0.05)
+    at_the_margin = count_noninferior(pilot, -0.5, 30, n_studies, margin=0.5, sign=1)
+    assert at_the_margin / n_studies == pytest.approx(0.025, abs=0.012)
+
+
+def evidence(**changes: object) -> Evidence:
+    row = Evidence(
+        figure="encounters_detected_by_unit",
+        label="share of encounters detected, by recordings",
+        better="higher",
+        x=0.8,
+        y=0.78,
+        difference=0.02,
+        low=-0.01,
+        high=0.05,
+        n=20,
+        unit="recordings",
+        note="",
+    )
+    return replace(row, **changes)
+
+
+def test_a_system_is_shown_not_to_be_worse_where_the_interval_is_beyond_the_margin():
+    # X - Y is -0.01 to 0.05: Y is at worst 0.05 worse than X, X at worst 0.01 worse than Y
+    assert judge_noninferiority(evidence(), "y", 0.06).is_shown is True
+    assert judge_noninferiority(evidence(), "y", 0.05).is_shown is False
+    assert judge_noninferiority(evidence(), "x", 0.02).is_shown is True
+    y = judge_noninferiority(evidence(), "y", 0.06)
+    assert (y.worse, y.worse_at_most) == (0.02, 0.05)
+    # of a measure of which less is better it is the other end
+    lower = evidence(better="lower")
+    assert judge_noninferiority(lower, "y", 0.02).is_shown is True
+    assert judge_noninferiority(lower, "x", 0.05).is_shown is False
+    assert judge_noninferiority(lower, "x", 0.05).worse == 0.02
+
+
+def test_blocks_of_time_and_few_recordings_show_no_noninferiority():
+    blocks = judge_noninferiority(evidence(unit="blocks"), "y", 0.06)
+    assert blocks.is_shown is None
+    assert "nothing of other recordings" in blocks.reason
+    assert math.isnan(blocks.worse_at_most)
+    few = evidence(
+        low=math.nan, high=math.nan, note="too few to resample: 7, at least 8 are needed"
+    )
+    answer = judge_noninferiority(few, "y", 0.06)
+    assert (answer.is_shown, answer.reason) == (None, few.note)
+
+
+def test_the_pilot_is_what_each_recording_adds_to_the_measure():
+    result = result_of(drives(12))
+    rows = by_figure(result)
+    for name, key in PLAN_KEYS.items():
+        if key == "log_average_miss_rate":
+            continue
+        pilot, why_not = make_pilot(result, key)
+        assert why_not == ""
+        assert pilot is not None
+        assert pilot.difference == pytest.approx(rows.loc[key, "difference"]), name
+        assert pilot.parts.sum() / pilot.weights.sum() == pytest.approx(pilot.difference)
+        # of another difference, with the variance of a pilot of independent recordings
+        other = pilot.parts_for(0.3)
+        assert other.sum() / pilot.weights.sum() == pytest.approx(0.3)
+        rest = other - 0.3 * pilot.weights
+        assert (rest**2).mean() == pytest.approx((pilot.residuals**2).sum() / 11)
+    pilot, _ = make_pilot(result, "encounters_detected_by_unit")
+    assert (len(pilot), pilot.n_encounters) == (12, 5)
+
+
+def test_a_plan_says_recordings_encounters_and_time():
+    result = result_of(drives(12))
+    plan = plan_study(result, difference=0.2)
+    named, as_found = plan.sizes
+    assert (named.assumption, as_found.assumption) == ("as named", "as found")
+    assert named.difference == 0.2  # X detects more, as found
+    assert named.n_encounters == 5 * named.n_recordings
+    assert named.least_recordings < named.n_recordings < named.most_recordings
+    assert as_found.n_recordings < named.n_recordings  # the difference is larger
+    assert set(plan.curve["assumption"]) == {"as named", "as found"}
+    text = " ".join(describe_plan(plan))
+    assert "would show a difference of 20.0 pp in 80 % of studies" in text
+    assert "These 12 recordings exclude, at 95 %, a difference X - Y below" in text
+    assert str(plan) == "\n".join(describe_plan(plan))
+    again = plan_study(result, difference=0.2)
+    assert again.sizes == plan.sizes  # the seed is fixed
+
+
+def test_tests_of_several_measures_and_more_power_take_more_recordings():
+    result = result_of(drives(12))
+    by_itself = plan_study(result, difference=0.1).sizes[0].n_recordings
+    assert plan_study(result, difference=0.1, n_tests=2).sizes[0].n_recordings > by_itself
+    assert plan_study(result, difference=0.1, power=0.95).sizes[0].n_recordings > by_itself
+    assert plan_study(result, difference=0.05).sizes[0].n_recordings > 2 * by_itself
+
+
+def test_a_plan_for_noninferiority_takes_both_for_equal_and_for_different_as_found():
+    result = result_of(drives(12))  # Y detects far less
+    plan = plan_study(result, margin=0.1, candidate="y")
+    assert plan.noninferiority.is_shown is False
+    equal, as_found = plan.sizes
+    assert equal.n_recordings is not None
+    assert as_found.n_recordings is None
+    assert "worse by the margin or more" in as_found.reason
+    better = plan_study(result, margin=0.1, candidate="x")
+    assert better.noninferiority.is_shown is True
+    assert better.sizes[1].n_recordings == 8  # the least with an interval
+    text = " ".join(describe_plan(better))
+    assert "It is shown that X is at most 10.0 pp worse than Y" in text
+
+
+def test_the_miss_rate_can_be_planned_for():
+    plan = plan_study(result_of(drives(12)), "log_average_miss_rate")
+    (size,) = plan.sizes
+    assert size.n_recordings is None or size.n_recordings >= 6
+    assert size.n_recordings is not None or size.reason
+
+
+def equal_drives(n: int = 8):
+    """Both systems detect the pedestrian of every recording."""
+    truth = [at(frame, 50, track=1, recording=r) for r in range(n) for frame in range(6)]
+    found = [at(frame, 50, recording=r) for r in range(n) for frame in range(6)]
+    return result_of(make_dataset(truth, found, found, places=[Place(range(6))] * n))
+
+
+def test_without_recordings_variation_or_difference_there_is_a_reason_and_no_size():
+    few = plan_study(result_of(drives(5)))
+    assert few.sizes[0].n_recordings is None
+    assert "a pilot of 6 recordings or more, here are 5" in few.sizes[0].reason
+    assert "nothing of others" in " ".join(describe_plan(few))
+    assert plan_sentence(few) == ""
+    equal = plan_study(equal_drives())
+    assert "X and Y are the same in every recording" in equal.sizes[0].reason
+    assert "– (X and Y are the same" in " ".join(describe_plan(equal))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"measure": "recal"}, "no study can be planned for 'recal'"),
+        ({"difference": 3.0}, "expected a share below 1, such as 0.03 for 3 percentage points"),
+        ({"margin": -0.1}, "expected a number above 0"),
+        ({"margin": 0.1, "difference": 0.1}, "give one of the two"),
+        ({"power": 80}, "expected a share from 0.5 to 0.99"),
+        ({"candidate": "z", "margin": 0.1}, "expected x or y"),
+        ({"n_tests": 0}, "expected 1 or more"),
+    ],
+)
+def test_what_makes_no_sense_is_refused(arguments, words):
+    with pytest.raises(ParameterError, match=words):
+        plan_study(equal_drives(), **arguments)
