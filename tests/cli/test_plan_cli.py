@@ -1,0 +1,56 @@
+"""``nvcore plan``: what is printed, as text and as JSON, and what is bad input."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from inputs import flags, nvcore
+from places import SAMPLE
+
+
+def test_the_plan_says_how_many_recordings_and_the_power_of_other_sizes():
+    ran = nvcore("plan", SAMPLE, "--measure", "saliency", "--difference", "0.5")
+    assert ran.exit_code == 0, ran.output
+    assert ran.stdout.startswith("Audit: nothing found.")
+    assert "would show a difference of 0.50 s in 80 % of studies" in ran.stdout
+    assert "difference as found (-0.38 s)\n  recordings  encounters" in ran.stdout
+
+
+def test_a_percentage_of_a_share_is_a_hundredth_and_json_stands_alone():
+    ran = nvcore("plan", SAMPLE, "--margin", "30%", "--json")
+    assert ran.exit_code == 0, ran.output
+    plan = json.loads(ran.stdout)
+    assert "Audit: " in ran.stderr
+    answer = plan["noninferiority"]
+    assert (answer["margin"], answer["candidate"], answer["is_shown"]) == (0.3, "y", True)
+    equal, as_found = plan["sizes"]
+    assert (equal["assumption"], as_found["assumption"]) == ("equal", "as found")
+    assert equal["n_encounters"] == pytest.approx(3.8 * equal["n_recordings"], abs=1)
+    assert plan["sentences"][1].startswith("It is shown that Y is at most 30.0 pp worse")
+
+
+def test_two_recordings_are_no_pilot_and_that_is_no_error(folder: Path):
+    ran = nvcore("plan", *flags(folder), "--json")
+    assert ran.exit_code == 0, ran.output
+    (size,) = json.loads(ran.stdout)["sizes"]
+    assert size["n_recordings"] is None
+    assert size["reason"].startswith("a plan needs a pilot of 6 recordings or more, here are 2")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--measure", "saliensy"], "did you mean 'saliency'?"),
+        (["--measure", "saliency", "--margin", "5%"], "--margin: 5% of what?"),
+        (["--difference", "some"], "--difference: expected a number, such as 0.5 or 3%"),
+        (["--margin", "5"], "such as 0.03 for 3 percentage points"),
+        (["--margin", "5%", "--difference", "5%"], "give one of the two"),
+        (["--power", "80"], "expected a share from 0.5 to 0.99"),
+    ],
+)
+def test_what_cannot_be_planned_is_bad_input(arguments: list[str], words: str, folder: Path):
+    ran = nvcore("plan", *flags(folder), *arguments)
+    assert ran.exit_code == 2
+    assert words in ran.output
