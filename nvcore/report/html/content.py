@@ -26,6 +26,7 @@ from nvcore.report.html.evidence_sections import (
 )
 from nvcore.report.html.frames import decisive_moments, photo
 from nvcore.report.html.input_sections import audit_section, inputs_section, parameters_section
+from nvcore.report.html.plan_section import plan_section
 from nvcore.report.html.result_sections import (
     false_alerts_section,
     saliency_section,
@@ -85,7 +86,7 @@ def report_content(
     subgroups = subgroup_table(result, protocol=protocol)
     progress(0.15, "detection curves")
     detection = detection_section(result, protocol)
-    progress(0.3, "tables")
+    plan = plan_section(result, evidence, protocol, progress=part_of(progress, 0.2, 0.3))
     sections = [
         verdict_section(result, findings, evidence),
         Section(
@@ -97,6 +98,7 @@ def report_content(
         saliency_section(result),
         false_alerts_section(result),
         significance_section(evidence),
+        plan,
         subgroups_section(subgroups),
         detection,
     ]

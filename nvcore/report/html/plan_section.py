@@ -1,0 +1,112 @@
+"""Section on how many recordings would show the differences that these do not."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import pandas as pd
+
+from nvcore.comparison import Result
+from nvcore.evidence.companions import are_unequal
+from nvcore.evidence.paired_tests import SIGNIFICANT
+from nvcore.evidence.planning.pilot import MIN_PILOT, PLAN_KEYS
+from nvcore.evidence.planning.study import StudyPlan, StudySize, plan_study
+from nvcore.evidence.planning.words import (
+    FRESH,
+    OPTIMISTIC,
+    QUESTION,
+    UNEQUAL,
+    duration_text,
+)
+from nvcore.evidence.units import RECORDINGS
+from nvcore.measures import evidence_form, repeated_by
+from nvcore.progress import Progress, part_of
+from nvcore.protocols import Protocol
+from nvcore.report.html import words
+from nvcore.report.html.blocks import Block, Section, Sentences, table
+from nvcore.report.plan import evidence_of
+from nvcore.wording import UNDEFINED, capitalised, difference
+
+HEAD: Final = (
+    "Measure",
+    "X - Y",
+    "Excluded: below",
+    "Excluded: above",
+    "Recordings",
+    "Or rather",
+    "Encounters",
+    "Time",
+)
+
+
+def plan_section(
+    result: Result, evidence: pd.DataFrame, protocol: Protocol, *, progress: Progress
+) -> Section:
+    """A row for each measure of which no difference is shown; or why there is none.
+
+    Parameters
+    ----------
+    evidence
+        `nvcore.evidence.table.evidence_table` of the result.
+    protocol
+        Which pedestrians count in the log-average miss rate.
+    """
+    not_shown = [
+        (name, row)
+        for name, key in PLAN_KEYS.items()
+        if (row := evidence_of(evidence, key)) is not None
+        and not repeated_by(key)
+        and not row.p_holm <= SIGNIFICANT
+    ]
+    blocks: list[Block]
+    if not (evidence["unit"] == RECORDINGS).any():
+        why_not = f"There is no plan: it needs a pilot of {MIN_PILOT} recordings or more."
+        blocks = [Sentences((why_not,))]
+    elif not not_shown:
+        blocks = [Sentences(("Every difference is shown to be more than chance.",))]
+    else:
+        plans = [
+            plan_study(
+                *(result, name),
+                protocol=protocol,
+                evidence=row,
+                progress=part_of(progress, index / len(not_shown), (index + 1) / len(not_shown)),
+            )
+            for index, (name, row) in enumerate(not_shown)
+        ]
+        caption = "Recordings that would show a difference as found, in 80 % of studies"
+        reasons = _reasons(plans)
+        sentences = [OPTIMISTIC, FRESH, *([UNEQUAL] if are_unequal(result) else [])]
+        blocks = [
+            table(caption, HEAD, [_row(plan) for plan in plans], right=range(1, 8), note=reasons),
+            Sentences(tuple(sentences)),
+        ]
+    return Section("plan", QUESTION.rstrip("?"), words.PLAN, tuple(blocks))
+
+
+def _row(plan: StudyPlan) -> tuple[str, ...]:
+    key, row, (size,) = plan.evidence.figure, plan.evidence, plan.sizes
+    texts = [
+        difference(value, 0, evidence_form(key)) for value in (row.difference, row.low, row.high)
+    ]
+    if size.n_recordings is None:
+        return (row.label, *texts, *[UNDEFINED] * 4)
+    return (row.label, *texts, *_size(size))
+
+
+def _size(size: StudySize) -> tuple[str, ...]:
+    return (
+        f"{size.n_recordings:,}",
+        f"{size.least_recordings:,} to {size.most_recordings:,}",
+        f"{size.n_encounters:,}",
+        duration_text(size.duration_s),
+    )
+
+
+def _reasons(plans: list[StudyPlan]) -> str:
+    """Why measures have no size."""
+    return " ".join(
+        f"{capitalised(plan.evidence.label)}: {plan.sizes[0].reason}."
+        for plan in plans
+        if plan.sizes[0].reason
+    )
