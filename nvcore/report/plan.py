@@ -41,16 +41,17 @@ def verdict_plan(
     companions
         `nvcore.evidence.companions.find_companions` of the result.
     """
-    key, basis, of_basis = plan_key(DEFAULT_KEY), result, evidence
+    key, basis = plan_key(DEFAULT_KEY), result
+    tables: tuple[pd.DataFrame, ...] = () if evidence is None else (evidence,)
     if are_unequal(result):
         if companions is None or companions.equal is None:
             return ""
-        basis, of_basis = companions.equal, next(iter(companions.evidence), None)
-    row = None if of_basis is None else evidence_of(of_basis, key)
-    if row is None or row.p_holm <= SIGNIFICANT:
+        basis, tables = companions.equal, companions.evidence
+    rows = [row for table in tables if (row := evidence_of(table, key)) is not None]
+    if not rows or all(row.p_holm <= SIGNIFICANT for row in rows):
         return ""
-    # the companion has no intervals
-    return plan_sentence(plan_study(basis, evidence=row if basis is result else None))
+    # the companions have no intervals
+    return plan_sentence(plan_study(basis, evidence=rows[0] if basis is result else None))
 
 
 def evidence_of(evidence: pd.DataFrame, key: str) -> Evidence | None:
