@@ -203,10 +203,10 @@ def describe_exclusivity(result: Result) -> str:
     )
     if x_only + y_only == 0:
         return text + "; none tells the two systems apart"
-    text += f"; {x_only} to {y_only} are detected by one alone"
+    text += f"; X alone detects {x_only}, Y alone {y_only}"
     if np.isnan(result.mcnemar_p):
         return text
-    return f"{text}, McNemar's exact p within these drives = {result.mcnemar_p:.2g}"
+    return f"{text} (McNemar's exact p within these drives = {result.mcnemar_p:.2g})"
 
 
 def _lead(result: Result) -> str:

@@ -410,8 +410,9 @@ _SUBGROUPS = (
     replace(
         _EVIDENCE["p_holm"],
         meaning="The same, corrected for all groups and measures.",
-        empty=f"{_TOO_FEW}, or `all`",
+        empty=f"{_TOO_FEW}, `all`, or another row has the same hypothesis",
     ),
+    _EVIDENCE["least_p"],
     _EVIDENCE["effect"],
     _EVIDENCE["effect_name"],
     Column(
@@ -428,7 +429,9 @@ _SUBGROUPS = (
         "Upper end.",
         empty=f"{_TOO_FEW}, another effect, or it is infinite",
     ),
+    _EVIDENCE["scope"],
     _EVIDENCE["method"],
+    _EVIDENCE["doubt"],
     _EVIDENCE["note"],
 )
 

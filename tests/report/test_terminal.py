@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pandas as pd
 import pytest
 from builders import NAN, Place, at, make_dataset, result_of
 
 from nvcore.comparison import Result
+from nvcore.evidence.companions import find_companions
 from nvcore.evidence.table import evidence_table
 from nvcore.findings import Finding, Severity
 from nvcore.report.terminal import render_dataset, render_findings, render_inputs, render_scorecard
 from nvcore.report.verdict import verdict
+from nvcore.tables.summary import summary
 from nvcore.wording import number, one_line
 
 
@@ -58,7 +61,7 @@ def test_the_scorecard_line_by_line(result: Result, scorecard: list[str]):
         "X misses 0.00 s and Y 0.00 s; by X only, Y misses 1.20 s; by Y only, X misses 0.00 s; by "
         "neither, X misses 0.00 s and Y 0.00 s",
         "encounters not detected: 0 by X, 1 by Y, of these 0 by both (Jaccard 0.00, phi –); "
-        "1 to 0 are detected by one alone",
+        "X alone detects 1, Y alone 0",
         "lead time, in the 1 encounters that both match: X is first in 0, Y in 0, at once in 1; X "
         "leads by +0.00 s on average, median +0.00 s",
         "boxes matched by: both 20, only X 20, only Y 0, neither 0 (all boxes, distant ones too)",
@@ -81,7 +84,23 @@ def test_the_scorecard_line_by_line(result: Result, scorecard: list[str]):
         "",
     ]
     evidence = evidence_table(result)
-    assert scorecard[-1] == "In short: " + " ".join(verdict(result, evidence=evidence))
+    companions = find_companions(result, evidence)
+    text = verdict(result, evidence=evidence, companions=companions)
+    assert scorecard[-1] == "In short: " + " ".join(text.sentences)
+
+
+def test_mcnemar_s_p_is_withheld_where_it_means_nothing():
+    truth = [at(f, 50, track=f) for f in range(12)]
+    frames = result_of(make_dataset(truth, truth, truth[:2], n_frames=12))
+    assert frames.exclusivity.mcnemar_p < 0.05
+    assert np.isnan(frames.mcnemar_p)  # most encounters are one frame long
+    assert "McNemar" not in render_scorecard(frames)
+    assert summary(frames)["exclusivity"]["mcnemar_p"] is None
+    persons = [at(2 * i + f, 50, track=i) for i in range(9) for f in range(2)]
+    for n_seen, is_given in ((3, True), (4, False)):  # of 9: 6 and 5 tell the two apart
+        result = result_of(make_dataset(persons, persons, persons[: 2 * n_seen], n_frames=18))
+        assert ("McNemar's exact p within these drives" in render_scorecard(result)) == is_given
+        assert (summary(result)["exclusivity"]["mcnemar_p"] is not None) == is_given
 
 
 def test_counts_and_shares_stand_side_by_side_with_their_difference(scorecard: list[str]):

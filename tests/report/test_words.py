@@ -36,7 +36,7 @@ def nothing() -> Result:
             "that at least one misses are missed by both (Jaccard index 0.20).",
             "Too few misses to say whether those of X and Y go together (phi +0.05).",
             "only one system detects, X detects 2 and Y 2: in this they do not differ.")),
-        (20, 12, 0, 5, ("a split so uneven is unlikely if both are equally good",)),
+        (20, 12, 0, 5, ("so uneven a split would be unlikely if each of them fell to either",)),
         (20, 4, 2, 5, ("X detects 4 and Y 2: two equally good systems could well differ so much",)),
         (20, 3, 4, 0, ("all 7 misses are exclusive",)),
         (20, 0, 0, 4, ("they miss the same 4", "none tells the two apart")),

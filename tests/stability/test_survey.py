@@ -132,7 +132,7 @@ SAME_ENCOUNTERS = {"encounters_detected": (1, 0.01), "encounters_detected_by_uni
     [
         ("similarity", {"mean_similarity": (0.1, 0.58)},
          "This difference is not shown to be more than chance (p = 0.58 after correction for "
-         "all measures tested; by 12 blocks of time, which say nothing of other recordings): a "
+         "all measures tested; by 12 blocks of time within these recordings): a "
          "verdict that holds at other settings is no evidence against chance."),
         ("saliency", {"saliency": (-0.1, 0.04)},
          "the mean saliency of the recordings is more than chance (p = 0.04 after "),

@@ -13,6 +13,7 @@ from nvcore.comparison import Result
 from nvcore.evidence.measures import ODDS_RATIO
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.subgroup_table import subgroup_table
+from nvcore.evidence.units import BLOCKS
 from nvcore.figures.forest import subgroup_forest
 from nvcore.measures import EVIDENCE_KEYS, evidence_form, inference_of
 from nvcore.wording import ARROWS, capitalised, difference, number
@@ -40,15 +41,16 @@ def draw(result: Result, evidence: pd.DataFrame) -> None:
     st.header("Is the difference real?")
     draw_measures(shown_evidence(evidence), "evidence", WIDTHS)
     notes = dict.fromkeys(note for row in evidence["note"] if row for note in row.split("; "))
-    has_blocks = (evidence["unit"] == "blocks").any()
+    has_blocks = (evidence["unit"] == BLOCKS).any()
     units = "stretches of these recordings" if has_blocks else "recordings"
     for note in notes:
         st.caption(plain(f"{UNDEFINED} {capitalised(note)}."))
     st.caption(
         "Both systems saw the same pedestrians, so differences are judged in pairs: how far they "
-        f"would vary with other {units} (interval), and how often chance alone would "
-        f"make them as large (p; at most {SIGNIFICANT} is called more than chance). p (Holm) "
-        "allows for all the rows being looked at together. effect: size of the difference, "
+        f"would vary with other {units} (interval), and how often they would be as large if X and "
+        "Y could be exchanged (p, from six recordings on). p (Holm) allows for all the rows being "
+        f"looked at together: at most {SIGNIFICANT} is more than chance. Within these recordings: "
+        "McNemar's test, which says nothing of others. effect: size of the difference, "
         "Cohen's d_z or, with ×, the odds ratio "
         f"({docs_link('Significance', 'significance', doc='significance')})."
     )

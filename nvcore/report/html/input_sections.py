@@ -9,7 +9,8 @@ import numpy as np
 
 from nvcore import __version__
 from nvcore.comparison import Result
-from nvcore.evidence.bootstrap import MIN_UNITS, N_RESAMPLES, SEED
+from nvcore.evidence.bootstrap import N_RESAMPLES, SEED
+from nvcore.evidence.units import MIN_RECORDINGS
 from nvcore.findings import Finding
 from nvcore.inputs.evaluated_frames import MIN_SAMPLED
 from nvcore.inputs.load import source_hashes
@@ -176,7 +177,7 @@ def parameters_section(result: Result) -> Section:
         ("annotated frames from which sampling is inferred", f"{MIN_SAMPLED}"),
         ("resamples of the bootstrap", f"{N_RESAMPLES:,}"),
         ("seed of the bootstrap and of random exchanges", f"{SEED}"),
-        ("recordings below which blocks of time are resampled", f"{MIN_UNITS}"),
+        ("recordings below which blocks of time are resampled", f"{MIN_RECORDINGS}"),
         ("version of nvcore", __version__),
     )
     return Section(

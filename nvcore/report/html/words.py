@@ -39,11 +39,13 @@ def reading(params: Params) -> tuple[str, ...]:
 
 VERDICT = Intro(
     what="What the measures of this report support, in sentences that go no further than they do.",
-    how="The first sentence counts the encounters that only one of the systems detects and tests "
-    "whether so uneven a split may be chance; the next one names who is better in which measure; "
-    "then comes what the audit of the inputs says about it.",
-    limits="It holds for these recordings, at these thresholds and parameters. It says nothing "
-    "about conditions that were not recorded and is no proof of safety.",
+    how="If X and Y are set to different operating points, the verdict begins with that and compares "
+    "them at equal false alarms. It counts the encounters that only one of the systems detects, and "
+    "what they weigh; the next sentence names who is better in which measure. More than chance is "
+    "what other recordings like these would show: by six recordings or more, corrected for all "
+    "measures, at equal false alarms as well, and not turned round by strict pairing. Last comes "
+    "what the audit of the inputs says about it.",
+    limits="It says nothing about conditions that were not recorded and is no proof of safety.",
 )
 
 
@@ -195,31 +197,34 @@ def _recency(params: Params, scope: str) -> str:
 SIGNIFICANCE = Intro(
     what="Whether each difference between X and Y may be chance. Both systems saw the same "
     "pedestrians, so all tests are paired.",
-    how="Whole recordings (or blocks of time, where there are few recordings) are drawn again and "
-    "again with replacement; the middle 95 % of the differences that come about, corrected for "
-    "bias and skew (BCa), are the interval. For the p-value X and Y are exchanged "
-    "within the recordings or blocks, in all ways where up to 16 of them differ, else in 10,000 "
-    "random ways; it is the share of these that give at least so large a difference. For "
-    "encounters it is the exact McNemar test of those that only one detects. Holm's correction "
-    "allows for several measures being tested at once. Effect size: mean difference over its "
+    how="Whole recordings (or blocks of time within them, where there are fewer than six) are drawn "
+    "again and again with replacement; the middle 95 % of the differences that come about, "
+    "corrected for bias and skew (BCa), are the interval. For the p-value X and Y are exchanged "
+    "within the recordings, in all ways where up to 16 of them differ, else in 10,000 random ways: "
+    "the share of these that give at least so large a difference, if X and Y could be exchanged. "
+    "Where a studentised bootstrap, which allows for skew, gives a larger p, that is taken. Blocks "
+    "of time have no p. The row of encounters within these recordings has the exact McNemar test of "
+    "those that only one detects: it takes them as independent and says nothing of other "
+    "recordings. Holm's correction allows for several measures being tested at once; a hypothesis "
+    "counts once. Effect size: mean difference over its "
     "standard deviation (Cohen's d_z), or the odds ratio of the encounters that only one detects.",
     best="An interval that does not touch 0 on the side of the better system; a corrected p of "
     "0.05 or less.",
     limits="A large p does not show that the systems are equal: it may be that there are too few "
-    "data. The intervals do not allow for recordings of other kinds than these. Saliency is tested "
-    "as the mean of the recordings; the scorecard has that of all of them together, which one "
-    "recording may decide, so that the two can point in different directions.",
+    "data. The intervals do not allow for recordings of other kinds than these, nor for disasters "
+    "that are in none of them.",
 )
 
 SUBGROUPS = Intro(
     what="The same measures for some of the encounters: near or far, in the centre or at the "
     "edge of the picture, occluded, in an unusual pose, by tags of the recordings.",
     how="The plot has the share of encounters that X detects less the share that Y detects, with "
-    "Newcombe's 95 % interval for paired shares and the exact McNemar test. The other measures are "
+    "Newcombe's 95 % interval for paired shares and the exact McNemar test, within these recordings. "
+    "The other measures are "
     "judged as in the section before: for a tag from the recordings that have it; for a group of "
     "pedestrians saliency from the events of these pedestrians, as the mean over the recordings "
     "that have any, and the log-average miss rate with all other pedestrians ignored. p (Holm) is "
-    "corrected for all groups of one measure. Only encounters that count are in a group; among "
+    "corrected for all groups and measures. Only encounters that count are in a group; among "
     "them near means at least twice as high in the picture as a pedestrian who counts half, far "
     "lower than that (distant encounters, which do not count, are not meant). Centre means the "
     "middle half of the picture's width; an unusual pose is one standard deviation or more from "

@@ -73,7 +73,8 @@ def test_intervals_are_those_of_the_table_shares_in_percentage_points(evidence):
     lines = [trace for trace in figure.data if trace.mode == "lines"]
     assert list(lines[0].x) == pytest.approx([100 * known.low, 100 * known.high])
     shown = f"{100 * known.low:+.1f} pp to {100 * known.high:+.1f} pp".replace("-", "−")
-    text = f"share of encounters detected: <b>+50.0 pp</b>   (95 % interval {shown})"
+    label = "share of encounters detected, within these recordings"
+    text = f"{label}: <b>+50.0 pp</b>   (95 % interval {shown})"
     assert text in annotations(figure)
 
 

@@ -276,10 +276,11 @@ def test_frames_rather_than_persons_are_no_evidence_of_their_own(tmp_path, page)
     ):
         section = content.partition(f'<section id="{anchor}">')[2].partition("</section>")[0]
         assert words in section
-    assert "a split so uneven" not in content
+    assert "so uneven a split" not in content
     short = Page(content)
-    assert short.row("Differences and tests", "share of encounters detected")[3:7] == ["–"] * 4
-    assert short.row("How they were made", "share of encounters detected")[1] == "–"
+    label = "share of encounters detected, within these recordings"
+    assert short.row("Differences and tests", label)[3:7] == ["–"] * 4
+    assert short.row("How they were made", label)[1] == "–"
     assert {row[-2] for row in short.tables["Encounters detected by subgroup"][1:]} == {"–"}
     assert "one person may stand" not in page.text
     # recordings of two sizes have two midpoints

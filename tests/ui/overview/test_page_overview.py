@@ -88,7 +88,8 @@ def forest(app: AppTest) -> str:
 def test_the_figure_that_groups_are_compared_in_can_be_chosen(app: AppTest):
     box = app.selectbox(key="subgroup_figure")
     assert box.value == "encounters_detected"
-    assert "Share of encounters detected: X less Y, by group" in forest(app)
+    label = "Share of encounters detected, within these recordings"
+    assert f"{label}: X less Y, by group" in forest(app)
     for measure, title, group in (
         ("saliency", "Saliency of a recording", "place: edge"),
         ("log_average_miss_rate", "Log-average miss rate: X less Y, by group", "distance: near"),
