@@ -39,12 +39,12 @@ def reading(params: Params) -> tuple[str, ...]:
 
 VERDICT = Intro(
     what="What the measures of this report support, in sentences that go no further than they do.",
-    how="If X and Y are set to different operating points, the verdict begins with that and compares "
-    "them at equal false alarms. It counts the encounters that only one of the systems detects, and "
-    "what they weigh; the next sentence names who is better in which measure. More than chance is "
-    "what other recordings like these would show: by six recordings or more, corrected for all "
-    "measures, at equal false alarms as well, and not turned round by strict pairing. Last comes "
-    "what the audit of the inputs says about it.",
+    how="If X and Y are set to different operating points, the verdict begins with that and "
+    "compares them at equal false alarms. It counts the encounters that only one of the systems "
+    "detects, and what they weigh; the next sentence names who is better in which measure. More "
+    "than chance is what other recordings like these would show: by six recordings or more, "
+    "corrected for all measures, at equal false alarms as well, and not turned round by strict "
+    "pairing. Last comes what the audit of the inputs says about it.",
     limits="It says nothing about conditions that were not recorded and is no proof of safety.",
 )
 
@@ -197,14 +197,14 @@ def _recency(params: Params, scope: str) -> str:
 SIGNIFICANCE = Intro(
     what="Whether each difference between X and Y may be chance. Both systems saw the same "
     "pedestrians, so all tests are paired.",
-    how="Whole recordings (or blocks of time within them, where there are fewer than six) are drawn "
-    "again and again with replacement; the middle 95 % of the differences that come about, "
+    how="Whole recordings (or blocks of time within them, where there are fewer than six) are "
+    "drawn again and again with replacement; the middle 95 % of the differences that come about, "
     "corrected for bias and skew (BCa), are the interval. For the p-value X and Y are exchanged "
     "within the recordings, in all ways where up to 16 of them differ, else in 10,000 random ways: "
     "the share of these that give at least so large a difference, if X and Y could be exchanged. "
     "Where a studentised bootstrap, which allows for skew, gives a larger p, that is taken. Blocks "
-    "of time have no p. The row of encounters within these recordings has the exact McNemar test of "
-    "those that only one detects: it takes them as independent and says nothing of other "
+    "of time have no p. The row of encounters within these recordings has the exact McNemar test "
+    "of those that only one detects: it takes them as independent and says nothing of other "
     "recordings. Holm's correction allows for several measures being tested at once; a hypothesis "
     "counts once. Effect size: mean difference over its "
     "standard deviation (Cohen's d_z), or the odds ratio of the encounters that only one detects.",
@@ -219,8 +219,8 @@ SUBGROUPS = Intro(
     what="The same measures for some of the encounters: near or far, in the centre or at the "
     "edge of the picture, occluded, in an unusual pose, by tags of the recordings.",
     how="The plot has the share of encounters that X detects less the share that Y detects, with "
-    "Newcombe's 95 % interval for paired shares and the exact McNemar test, within these recordings. "
-    "The other measures are "
+    "Newcombe's 95 % interval for paired shares and the exact McNemar test, within these "
+    "recordings. The other measures are "
     "judged as in the section before: for a tag from the recordings that have it; for a group of "
     "pedestrians saliency from the events of these pedestrians, as the mean over the recordings "
     "that have any, and the log-average miss rate with all other pedestrians ignored. p (Holm) is "
@@ -256,8 +256,8 @@ PLAN = Intro(
     how="Studies are simulated by drawing whole recordings from these, with replacement, and "
     "tested as above; a study shows a difference where p, of this measure by itself, is at most "
     "0.05. Recordings: the fewest with which four of five studies do. Or rather: the range that is "
-    "left open, as these recordings tell only roughly how much recordings vary. Excluded is what lies "
-    "outside the 95 % interval of the difference.",
+    "left open, as these recordings tell only roughly how much recordings vary. Excluded is what "
+    "lies outside the 95 % interval of the difference.",
     limits="It is for the differences as found here. The smallest difference that would matter, "
     "and whether a system is at most so much worse, can be asked of the program (nvcore plan).",
 )
