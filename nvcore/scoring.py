@@ -15,20 +15,17 @@ from nvcore.dataset import Dataset
 from nvcore.metrics.encounters import Encounters, judge_encounters
 from nvcore.metrics.false_alarms import FalseAlarmSummary, find_episodes, summarise_false_alarms
 from nvcore.metrics.linking import TruthTracks
+from nvcore.metrics.losses import NO_WINDOW, Window, find_worst_windows, lost_per_minute
 from nvcore.metrics.matching import Matches, count_per_frame, match_system
 from nvcore.metrics.proximity import Weights, in_use, weigh_proximity
 from nvcore.metrics.saliency import find_events, mean_saliency, qualify
 from nvcore.metrics.severity import weigh_failures
 from nvcore.metrics.similarity import (
-    NO_WINDOW,
     Nearest,
     SetDistances,
     SimilaritySummary,
-    Window,
     find_low_intervals,
     find_nearest,
-    find_worst_windows,
-    lost_per_minute,
     measure_matched,
     measure_sets,
     smooth,
@@ -151,7 +148,7 @@ class SystemResult:
 
     @cached_property
     def lost_s_per_min(self) -> float:
-        """Lost similarity, seconds per minute (`nvcore.metrics.similarity.lost_per_minute`)."""
+        """Lost similarity, seconds per minute (`nvcore.metrics.losses.lost_per_minute`)."""
         return lost_per_minute(self.similarity, self._dataset.frame_columns.step_s)
 
     @cached_property

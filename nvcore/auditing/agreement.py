@@ -12,7 +12,8 @@ from nvcore.auditing.overlaps import iou_of_pairs, rows_in_ranges
 from nvcore.columns import BoxColumns
 from nvcore.dataset import Dataset
 from nvcore.findings import Finding, Severity
-from nvcore.metrics.kernels import over_ranges, pair_frames
+from nvcore.metrics.kernels import over_ranges
+from nvcore.metrics.kernels.pairs import pair_frames
 from nvcore.metrics.matching import Matches, match_system
 from nvcore.params import Params
 from nvcore.wording import count_text

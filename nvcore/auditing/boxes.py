@@ -9,7 +9,7 @@ import pandas as pd
 
 from nvcore.auditing.cases import BoxSource
 from nvcore.findings import Finding, Severity
-from nvcore.metrics.kernels import group_rows
+from nvcore.metrics.kernels.encounters import group_rows
 from nvcore.schema import NO_TRACK
 from nvcore.wording import count_text
 

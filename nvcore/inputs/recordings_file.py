@@ -21,7 +21,7 @@ from nvcore.errors import SessionError
 from nvcore.inputs.readers.base import SourceFile
 from nvcore.inputs.readers.parse.text import read_text
 from nvcore.inputs.session import RecordingEntry, RecordingsFile, Session
-from nvcore.traffic import parse_context
+from nvcore.params.traffic import parse_context
 from nvcore.wording import did_you_mean
 
 NAME: Final = "recording"

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from nvcore.errors import SessionError
+from nvcore.params.traffic import parse_context
 from nvcore.settings import Settings
-from nvcore.traffic import parse_context
 
 if TYPE_CHECKING:
     from nvcore.inputs.readers.base import Role

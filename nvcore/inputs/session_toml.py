@@ -84,8 +84,8 @@ from nvcore.inputs.session import (
     parse_size,
 )
 from nvcore.params import params_from
+from nvcore.params.traffic import context_word, parse_context
 from nvcore.protocols import protocol_from
-from nvcore.traffic import context_word, parse_context
 from nvcore.wording import did_you_mean
 
 _T = TypeVar("_T")

@@ -9,7 +9,8 @@ import numpy as np
 import pandas as pd
 
 from nvcore.columns import BoxColumns, FrameColumns
-from nvcore.metrics.kernels import encounter_frames, group_rows, over_ranges
+from nvcore.metrics.kernels import over_ranges
+from nvcore.metrics.kernels.encounters import encounter_frames, group_rows
 from nvcore.params import Params
 from nvcore.schema import UNKNOWN_OCCLUSION, MissClass
 

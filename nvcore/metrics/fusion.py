@@ -9,7 +9,8 @@ import numpy as np
 
 from nvcore.columns import BoxColumns, FrameColumns
 from nvcore.dataset import Dataset
-from nvcore.metrics.kernels import over_ranges, pair_frames
+from nvcore.metrics.kernels import over_ranges
+from nvcore.metrics.kernels.pairs import pair_frames
 from nvcore.schema import DATASET_BOX_DTYPES, TRUTH, conform
 from nvcore.settings import Settings
 

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from nvcore.columns import BoxColumns, FrameColumns
-from nvcore.metrics.link_kernel import link_rows
+from nvcore.metrics.kernels.linking import link_rows
 from nvcore.schema import NO_TRACK
 
 LINK_IOU: Final = 0.3

@@ -8,7 +8,8 @@ import numpy as np
 
 from nvcore.columns import BoxColumns, FrameColumns
 from nvcore.dataset import Dataset
-from nvcore.metrics.kernels import match_frames, over_ranges
+from nvcore.metrics.kernels import over_ranges
+from nvcore.metrics.kernels.frames import match_frames
 from nvcore.params import Params
 from nvcore.schema import DetectionState
 

@@ -11,7 +11,7 @@ import numpy as np
 from nvcore.columns import BoxColumns, FrameColumns
 from nvcore.errors import ParameterError
 from nvcore.params import SETTINGS, Params
-from nvcore.traffic import UNSTATED
+from nvcore.params.traffic import UNSTATED
 
 BLOCK: Final = 262_144
 """Boxes weighed at a time: bounds the memory of intermediate results; in smaller blocks the two

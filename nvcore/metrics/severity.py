@@ -7,7 +7,9 @@ import pandas as pd
 
 from nvcore.columns import BoxColumns, FrameColumns
 from nvcore.metrics.encounters import Encounters
-from nvcore.metrics.kernels import cost_frames, over_ranges, severity_frames
+from nvcore.metrics.kernels import over_ranges
+from nvcore.metrics.kernels.encounters import severity_frames
+from nvcore.metrics.kernels.frames import cost_frames
 
 
 def cost_of_miss(

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import pairwise
-from typing import Final, NamedTuple
 
 import numpy as np
 import pandas as pd
 
 from nvcore.columns import BoxColumns, FrameColumns
-from nvcore.metrics.kernels import maximin_frames, maximum_frames, nearest_frames, over_ranges
+from nvcore.metrics.kernels import over_ranges
+from nvcore.metrics.kernels.frames import maximin_frames, maximum_frames, nearest_frames
 from nvcore.params import Distance
 
 
@@ -320,60 +319,6 @@ def find_low_intervals(
             "worst_row": worst,
         }
     )
-
-
-def lost_per_minute(similarity: np.ndarray, step_s: np.ndarray) -> float:
-    """Lost similarity: the sum of ``(1 - M) * time step``, seconds per minute of recording.
-
-    0 is best, 60 a similarity of 0 throughout; NaN without frames.
-    """
-    if not len(similarity):
-        return float("nan")
-    return float(60 * ((1 - similarity) * step_s).sum() / step_s.sum())
-
-
-class Window(NamedTuple):
-    """Frames within half a window of one frame.
-
-    Attributes
-    ----------
-    row
-        The frame in the middle, a row of the frames table; -1: there is none.
-    mean
-        Mean similarity of its frames, 1 is best; NaN if there is none.
-    lost_s
-        Sum of ``(1 - M) * time step`` of its frames, seconds.
-    """
-
-    row: int
-    mean: float
-    lost_s: float
-
-
-NO_WINDOW: Final = Window(-1, float("nan"), float("nan"))
-
-
-def find_worst_windows(
-    similarity: np.ndarray, moving_mean: np.ndarray, frames: FrameColumns, *, window: float = 1.0
-) -> tuple[Window, ...]:
-    """The window with the lowest moving mean of each recording, the first of equals.
-
-    Parameters
-    ----------
-    moving_mean
-        Of `smooth` with the same window; float64, shape (n_frames,).
-    """
-    lost = np.concatenate([[0.0], np.cumsum((1 - similarity) * frames.step_s)])
-    start, stop = frames.within(window)
-    windows = []
-    for first, end in pairwise(frames.first):  # a loop over recordings
-        if first == end:
-            windows.append(NO_WINDOW)
-            continue
-        row = int(first + moving_mean[first:end].argmin())
-        lost_s = float(lost[stop[row]] - lost[start[row]])
-        windows.append(Window(row, float(moving_mean[row]), lost_s))
-    return tuple(windows)
 
 
 @dataclass(frozen=True)

@@ -11,10 +11,10 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from nvcore.params.traffic import context_word
 from nvcore.sample.camera import FPS, HEIGHT, N_FRAMES, WIDTH
 from nvcore.sample.scene import Recording
 from nvcore.sample.systems import THRESHOLD
-from nvcore.traffic import context_word
 
 SYSTEM_FILES: Final = {"FIR": "fir.csv", "NIR": "nir.csv"}
 TRUTH_FILE: Final = "truth.csv"

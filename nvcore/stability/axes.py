@@ -13,7 +13,7 @@ from nvcore.detection.operating_point import false_alarm_curve
 from nvcore.errors import InputError, ParameterError
 from nvcore.metrics.proximity import in_use
 from nvcore.params import MIDPOINT_SHARE, SETTINGS
-from nvcore.traffic import UNSTATED
+from nvcore.params.traffic import UNSTATED
 
 Plane = Literal[
     "alpha-midpoint",

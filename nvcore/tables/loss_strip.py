@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from nvcore.comparison import Result
-from nvcore.metrics.similarity import lost_per_minute
+from nvcore.metrics.losses import lost_per_minute
 
 N_BINS: Final = 240
 MOST_RECORDINGS: Final = 60

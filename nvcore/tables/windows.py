@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from nvcore.comparison import Result
-from nvcore.metrics.similarity import lost_per_minute
+from nvcore.metrics.losses import lost_per_minute
 
 ALL: Final = "all recordings"
 """Name in the row over all recordings."""

@@ -5,12 +5,7 @@ import pytest
 from builders import at, make_dataset, result_of
 
 from nvcore.errors import ParameterError
-from nvcore.metrics.similarity import (
-    find_low_intervals,
-    runs_of,
-    smooth,
-    summarise_similarity,
-)
+from nvcore.metrics.similarity import find_low_intervals, runs_of, smooth, summarise_similarity
 from nvcore.scoring import SystemResult
 
 

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 import streamlit as st
 
-from nvcore.traffic import CONTEXTS, context_word, count_contexts, parse_context
+from nvcore.params.traffic import CONTEXTS, context_word, count_contexts, parse_context
 from nvcore.wording import UNDEFINED
 from ui.data.opening import try_to_open
 from ui.session import state

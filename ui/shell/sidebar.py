@@ -14,7 +14,7 @@ from nvcore.palette import X_COLOUR, Y_COLOUR
 from nvcore.params import SETTINGS, settings_for
 from nvcore.params.metadata import MATCH, PROXIMITY, THRESHOLD, Setting, Stage
 from nvcore.params.presets import PRESETS
-from nvcore.traffic import count_contexts
+from nvcore.params.traffic import count_contexts
 from nvcore.wording import one_line, shortened
 from ui.session import state
 from ui.shell import cost_map, live_params

@@ -11,7 +11,7 @@ from nvcore.comparison import Result
 from nvcore.figures.marks import click_markers, line_up, still_line
 from nvcore.figures.over_time.similarity import MAX_CLICKS, MAX_POINTS, evenly
 from nvcore.figures.style import LEGEND, LOOK, axis, draw, empty_figure, faded, plain, write
-from nvcore.metrics.similarity import lost_per_minute
+from nvcore.metrics.losses import lost_per_minute
 from nvcore.palette import Theme
 from nvcore.scoring import SystemResult
 from nvcore.wording import count_text, number

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.optimize import linear_sum_assignment
 
-from nvcore.metrics.link_kernel import assign, link_rows
+from nvcore.metrics.kernels.linking import assign, link_rows
 
 
 @st.composite

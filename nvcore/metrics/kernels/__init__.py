@@ -1,0 +1,57 @@
+"""The compiled loops over frames, boxes and encounters.
+
+All kernels work on columns sorted by frame, with ``offsets[f]:offsets[f + 1]`` the rows of frame
+f, and write into arrays that the caller made. They take a range of frames (``lo``, ``hi``) and
+release the interpreter lock, so that `over_ranges` can run them in threads; that avoids numba's
+own parallel mode, which takes seconds to compile. Sets are small (a handful of boxes a frame), so
+all pairs are tried: below about 48 boxes a side that beats sorting.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from itertools import pairwise
+from typing import Any, Final
+
+import numpy as np
+from numba import njit
+
+ABSORB_SHARE: Final = 0.5
+"""Share of a detection's own area inside an ignore region that makes it count for nothing."""
+
+compiled = njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+"""Compile on first use, keep the machine code on disk, run without the interpreter lock."""
+
+MIN_PER_THREAD: Final = 20_000
+"""Smallest number of frames that is worth a thread of its own."""
+
+
+def over_ranges(kernel: Callable[..., Any], n: int, *arguments: Any) -> list[Any]:
+    """Run ``kernel(lo, hi, *arguments)`` over 0..n in as many threads as there are cores."""
+    n_threads = min(os.cpu_count() or 1, n // MIN_PER_THREAD)
+    if n_threads < 2:
+        return [kernel(0, n, *arguments)]
+    edges = np.linspace(0, n, n_threads + 1).astype(np.int64)
+    with ThreadPoolExecutor(n_threads) as pool:
+        jobs = [pool.submit(kernel, int(lo), int(hi), *arguments) for lo, hi in pairwise(edges)]
+        return [job.result() for job in jobs]
+
+
+@compiled
+def centre(x: float, w: float, width: float) -> float:
+    """Lateral position of a box: its centre, clipped to the picture."""
+    return min(max(x + 0.5 * w, 0.0), width)
+
+
+@compiled
+def intersection(
+    ax: float, ay: float, aw: float, ah: float, bx: float, by: float, bw: float, bh: float
+) -> float:
+    """Area that two boxes share, continuous pixels; 0 where they do not touch."""
+    across = min(ax + aw, bx + bw) - max(ax, bx)
+    down = min(ay + ah, by + bh) - max(ay, by)
+    if across <= 0.0 or down <= 0.0:
+        return 0.0
+    return across * down

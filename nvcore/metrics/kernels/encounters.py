@@ -1,0 +1,115 @@
+"""Loops over the boxes of encounters."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from nvcore.metrics.kernels import compiled
+
+
+@compiled
+def encounter_frames(
+    lo,
+    hi,
+    offsets,
+    order,
+    frame_index,
+    frame,
+    gap,
+    k,
+    matched,
+    n_relevant,
+    n_matched,
+    peak_k,
+    lag,
+    longest_gap,
+    tail,
+):
+    """Measures of one system for every encounter; lag, gap and tail in frames.
+
+    ``order[offsets[e]:offsets[e + 1]]`` are the truth rows of encounter e by frame, and
+    `frame_index` has the frames of these rows in the same order. Rows of one
+    frame (a track id given twice) count as one. Never matched: lag, gap and tail are NaN.
+    """
+    for e in range(lo, hi):
+        n_rel, n_hit = 0, 0
+        peak = 0.0
+        first_relevant = -1
+        run, longest, delay = 0.0, 0.0, np.nan
+        i, stop = offsets[e], offsets[e + 1]
+        while i < stop:
+            f = frame_index[i]
+            is_relevant, is_matched = False, False
+            while i < stop and frame_index[i] == f:
+                row = order[i]
+                peak = max(peak, k[row])
+                if k[row] >= 0.5:
+                    is_relevant = True
+                    is_matched = is_matched or matched[row]
+                i += 1
+            if not is_relevant:
+                continue
+            n_rel += 1
+            if first_relevant < 0:
+                first_relevant = f
+            if is_matched:
+                if n_hit == 0:
+                    delay = float(frame[f] - frame[first_relevant])
+                else:
+                    longest = max(longest, run)
+                n_hit += 1
+                run = 0.0
+            else:
+                run += gap[f]
+        n_relevant[e], n_matched[e], peak_k[e] = n_rel, n_hit, peak
+        lag[e] = delay
+        longest_gap[e] = longest if n_hit else np.nan
+        tail[e] = run if n_hit else np.nan
+
+
+@compiled
+def severity_frames(offsets, encounter_of, gap, k, cost, matched, severity, worst, worst_frame):
+    """What each encounter's missed relevant frames cost one system, in frames.
+
+    Writes the sum of cost and time step, the largest cost and its first frame row (-1: nothing was
+    missed); `severity` and `worst` are 0 before. All frames in one pass, in order of memory: an
+    encounter's frame is added when its next one comes, since a track id may be given twice in a
+    frame. Of the boxes of one frame the largest cost counts.
+    """
+    n = severity.size
+    frame, lost = np.full(n, -1, np.int64), np.zeros(n)
+    for e in range(n):
+        worst_frame[e] = -1
+    for f in range(offsets.size - 1):
+        for i in range(offsets[f], offsets[f + 1]):
+            e = encounter_of[i]
+            if e < 0 or k[i] < 0.5:
+                continue
+            paid = -1.0 if matched[i] else cost[i]  # -1: matched by one of the boxes
+            if frame[e] == f:
+                lost[e] = -1.0 if min(paid, lost[e]) < 0.0 else max(paid, lost[e])
+                continue
+            if lost[e] > 0.0:
+                severity[e] += lost[e] * gap[frame[e]]
+                if lost[e] > worst[e]:
+                    worst[e], worst_frame[e] = lost[e], frame[e]
+            frame[e], lost[e] = f, paid
+    for e in range(n):
+        if lost[e] > 0.0:
+            severity[e] += lost[e] * gap[frame[e]]
+            if lost[e] > worst[e]:
+                worst[e], worst_frame[e] = lost[e], frame[e]
+
+
+@compiled
+def group_rows(code, counts):
+    """Rows in the order of their group, the order inside a group kept (a counting sort)."""
+    position = np.zeros(counts.size + 1, np.int64)
+    for g in range(counts.size):
+        position[g + 1] = position[g] + counts[g]
+    order = np.empty(code.size, np.int64)
+    for i in range(code.size):
+        if code[i] >= 0:
+            order[position[code[i]]] = i
+            position[code[i]] += 1
+    return order

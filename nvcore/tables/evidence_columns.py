@@ -1,0 +1,119 @@
+"""What the columns of ``significance.csv`` and ``subgroups.csv`` hold."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Final
+
+from nvcore.tables.column import Column, Kind
+
+_TEXT, _INTEGER, _NUMBER = Kind.TEXT, Kind.INTEGER, Kind.NUMBER
+
+_TOO_FEW = "too few data for one (`note`)"
+
+SIGNIFICANCE_COLUMNS: Final[tuple[Column, ...]] = (
+    Column("figure", _TEXT, "", "Key of the measure."),
+    Column("label", _TEXT, "", "What it is, with its unit."),
+    Column("better", _TEXT, "", "`higher` or `lower`."),
+    Column("x", _NUMBER, "measure's", "Of X.", empty="undefined"),
+    Column("y", _NUMBER, "measure's", "Of Y.", empty="undefined"),
+    Column("difference", _NUMBER, "measure's", "X less Y.", empty="undefined"),
+    Column("low", _NUMBER, "measure's", "Lower end of its 95 % interval.", empty=_TOO_FEW),
+    Column("high", _NUMBER, "measure's", "Upper end.", empty=_TOO_FEW),
+    Column(
+        "p",
+        _NUMBER,
+        "0..1",
+        "How often chance alone makes a difference as large, if X and Y could be exchanged.",
+        empty=_TOO_FEW,
+    ),
+    Column(
+        "p_holm",
+        _NUMBER,
+        "0..1",
+        "The same, corrected for all rows.",
+        empty=f"{_TOO_FEW}, or another row has the same hypothesis",
+    ),
+    Column("least_p", _NUMBER, "0..1", "The least p that so many could give.", empty=_TOO_FEW),
+    Column(
+        "effect",
+        _NUMBER,
+        "",
+        "Size of the difference.",
+        empty="neither interval nor p, or an odds ratio that is infinite",
+    ),
+    Column("effect_name", _TEXT, "", "`Cohen's d_z` over the units, or `odds ratio`."),
+    Column("n", _INTEGER, "units", "How many were compared."),
+    Column("unit", _TEXT, "", "`encounters`, `recordings` or `blocks` of time."),
+    Column(
+        "scope",
+        _TEXT,
+        "",
+        "What interval and p speak of: `other recordings` like these, or `these recordings` alone.",
+    ),
+    Column("method", _TEXT, "", "How interval and p were made.", empty="neither could be"),
+    Column(
+        "doubt",
+        _TEXT,
+        "",
+        "Why no claim can rest on the difference, however small p is.",
+        empty="no such reason",
+    ),
+    Column(
+        "note",
+        _TEXT,
+        "",
+        "Why something is missing, and what it does not say.",
+        empty="nothing to say",
+    ),
+)
+
+_EVIDENCE = {column.name: column for column in SIGNIFICANCE_COLUMNS}
+_NO_GROUP = "undefined for this group (`note`)"
+
+SUBGROUP_COLUMNS: Final[tuple[Column, ...]] = (
+    Column(
+        "factor",
+        _TEXT,
+        "",
+        "What encounters are divided by: `all`, `distance`, `place`, `occlusion`, `pose`, `tag`.",
+    ),
+    Column("group", _TEXT, "", "The part."),
+    replace(_EVIDENCE["figure"], meaning="Key of the measure, as in `significance.csv`."),
+    _EVIDENCE["label"],
+    _EVIDENCE["better"],
+    replace(_EVIDENCE["n"], meaning="How many were compared; 0: undefined for this group."),
+    _EVIDENCE["unit"],
+    Column("both", _INTEGER, "encounters", "Of the group, detected by both systems.", "high"),
+    Column("x_only", _INTEGER, "encounters", "Detected by X only."),
+    Column("y_only", _INTEGER, "encounters", "Detected by Y only."),
+    Column("neither", _INTEGER, "encounters", "Detected by neither.", "low"),
+    *(replace(_EVIDENCE[name], empty=_NO_GROUP) for name in ("x", "y", "difference")),
+    *(_EVIDENCE[name] for name in ("low", "high", "p")),
+    replace(
+        _EVIDENCE["p_holm"],
+        meaning="The same, corrected for all groups and measures.",
+        empty=f"{_TOO_FEW}, `all`, or another row has the same hypothesis",
+    ),
+    _EVIDENCE["least_p"],
+    _EVIDENCE["effect"],
+    _EVIDENCE["effect_name"],
+    Column(
+        "odds_low",
+        _NUMBER,
+        "",
+        "Lower end of the odds ratio's 95 % interval.",
+        empty=f"{_TOO_FEW}, or another effect",
+    ),
+    Column(
+        "odds_high",
+        _NUMBER,
+        "",
+        "Upper end.",
+        empty=f"{_TOO_FEW}, another effect, or it is infinite",
+    ),
+    _EVIDENCE["scope"],
+    _EVIDENCE["method"],
+    _EVIDENCE["doubt"],
+    _EVIDENCE["note"],
+)
