@@ -29,6 +29,15 @@ FIND_REGION = """(plot, category) => {
 }"""
 
 
+# Place in the plot's area of the largest mark of a region of the Venn diagram.
+FIND_MARK = """(plot, name) => {
+  const trace = plot._fullData.find(one => one.name === name), layout = plot._fullLayout;
+  const size = trace.marker.size, largest = size.indexOf(Math.max(...size));
+  return [layout.xaxis.l2p(trace.x[largest]), layout.yaxis.l2p(trace.y[largest]),
+    trace.customdata[largest]];
+}"""
+
+
 @pytest.fixture
 def overview(shared) -> Visit:
     visit: Visit = shared()
@@ -43,6 +52,14 @@ def test_a_click_on_a_venn_region_lists_its_encounters(overview, category, count
     expect(overview.heading("Encounters", level=1)).to_be_visible()
     expect(overview.page.get_by_text(f"{count} of 46 encounters")).to_be_visible()
     overview.query("category", category)
+
+
+def test_a_click_on_a_mark_of_the_venn_diagram_opens_the_frame_that_costs_most(overview):
+    overview.click_plot("venn", FIND_MARK, "only Y, by severity")
+    expect(overview.heading("Timeline", level=1)).to_be_visible()
+    overview.query("recording", "winter_frost")  # X misses a child there until it is near
+    overview.wait_until_drawn()
+    overview.shows(int(overview.page.evaluate(ADDRESSED_FRAME)))
 
 
 def test_a_worst_moment_opens_its_frame(overview):
