@@ -17,10 +17,13 @@ from nvcore.comparison import Result
 from nvcore.detection.curve_summary import summarise_curve
 from nvcore.detection.curves import detection_curve
 from nvcore.errors import ParameterError
+from nvcore.evidence.companions import find_companions
 from nvcore.evidence.planning import PLAN_KEYS, SIDES, Side, judge_key, worse_at_most
+from nvcore.evidence.table import evidence_table
 from nvcore.findings import Finding, Severity
 from nvcore.measures import MEASURES, measure_of
 from nvcore.protocols import Protocol
+from nvcore.report.verdict import verdict
 from nvcore.schema import Category
 from nvcore.tables.column import Column, Kind
 from nvcore.tables.summary import SUMMARY_KEYS, SYSTEM_KEYS, summary, system_summary
@@ -70,6 +73,8 @@ COUNTED_ENCOUNTERS: Final = {
 """Measures that count encounters; a failed rule lists them."""
 COUNTED_FINDINGS: Final = {"audit_errors": Severity.ERROR, "audit_warnings": Severity.WARNING}
 """Measures that count findings of the audit; a failed rule lists them, too."""
+COUNTED_CLAIMS: Final = {"claims_x": "x", "claims_y": "y"}
+"""Measures that count differences that the verdict claims for a system; they take a moment."""
 MAX_LISTED: Final = 10
 _OTHER_NAMES: Final = (
     "new_misses",
@@ -78,6 +83,7 @@ _OTHER_NAMES: Final = (
     "encounters",
     "mcnemar_p",
     *COUNTED_FINDINGS,
+    *COUNTED_CLAIMS,
 )
 
 
@@ -265,8 +271,8 @@ def gate_measures(
     protocol
         Of the detection curves.
     names
-        Names in rules. Measures of detection curves and those of `SUMMARY_NAMES` are computed if
-        one of them is among these, intervals for those that are.
+        Names in rules. Measures of detection curves, those of `SUMMARY_NAMES` and the number of
+        claims are computed if one of them is among these, intervals for those that are.
     """
     needed = set(names)
     values: dict[str, float] = {}
@@ -285,6 +291,12 @@ def gate_measures(
         of_all = dict(_numbers(summary(result)))
         values |= {name: of_all[name] for name in SUMMARY_NAMES}
     values |= _may_be_worse(result, protocol, needed)
+    if not needed.isdisjoint(COUNTED_CLAIMS):
+        evidence = evidence_table(result, protocol)
+        companions = find_companions(result, evidence)
+        text = verdict(result, findings, evidence=evidence, companions=companions)
+        for name, letter in COUNTED_CLAIMS.items():
+            values[name] = float(sum(claim.winner == letter for claim in text.claims))
     count = Counter(finding.severity for finding in findings)
     venn = result.venn
     # without encounters nothing can be missed: undefined, so that no rule passes because of that

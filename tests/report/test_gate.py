@@ -260,3 +260,15 @@ def test_how_much_worse_a_system_may_be_is_the_end_of_the_interval_over_recordin
     few = gate_measures(result_of(drives(3)), [], PROTOCOLS["all"], names)
     assert np.isnan([few[name] for name in names]).all()
     assert "share_low_worse_y" not in gate_measures(result, [], PROTOCOLS["all"], ["frames"])
+
+
+def test_claims_of_the_verdict_can_be_limited():
+    # X detects the pedestrians of all eleven recordings, Y those of one
+    truth = [at(f, 50, track=1, recording=r) for r in range(11) for f in range(4)]
+    y = [box for box in truth if box.recording == 0]
+    result = result_of(make_dataset(truth, truth, y, places=[Place(range(4))] * 11))
+    values = gate_measures(result, [], PROTOCOLS["all"], ["claims_x"])
+    assert values["claims_x"] > 0 == values["claims_y"]
+    assert "claims_x" not in gate_measures(result, [], PROTOCOLS["all"], ["new_misses"])
+    same = [Finding(Severity.WARNING, "same-boxes", "truth", 1, "Same.", "Look.")]
+    assert gate_measures(result, same, PROTOCOLS["all"], ["claims_x"])["claims_x"] == 0

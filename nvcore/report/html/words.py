@@ -200,14 +200,14 @@ SIGNIFICANCE = Intro(
     how="Whole recordings (or blocks of time within them, where there are fewer than six) are "
     "drawn again and again with replacement; the middle 95 % of the differences that come about, "
     "corrected for bias and skew (BCa), are the interval. For the p-value X and Y are exchanged "
-    "within the recordings, in all ways where up to 16 of them differ, else in 10,000 random ways: "
-    "the share of these that give at least so large a difference, if X and Y could be exchanged. "
-    "Where a studentised bootstrap, which allows for skew, gives a larger p, that is taken. Blocks "
-    "of time have no p. The row of encounters within these recordings has the exact McNemar test "
-    "of those that only one detects: it takes them as independent and says nothing of other "
-    "recordings. Holm's correction allows for several measures being tested at once; a hypothesis "
-    "counts once. Effect size: mean difference over its "
-    "standard deviation (Cohen's d_z), or the odds ratio of the encounters that only one detects.",
+    "within the recordings, in all ways where up to 16 of them differ, else in 10,000 random "
+    "ways: the share of these that give at least so large a difference, if X and Y could be "
+    "exchanged. Where a studentised bootstrap, which allows for skew, gives a larger p, that is "
+    "taken. Blocks of time have no p. The row of encounters within these recordings has the exact "
+    "McNemar test of those that only one detects: it takes them as independent and says nothing "
+    "of other recordings. Holm's correction allows for several measures being tested at once; a "
+    "hypothesis counts once. Effect size: mean difference over its standard deviation (Cohen's "
+    "d_z), or the odds ratio of the encounters that only one detects.",
     best="An interval that does not touch 0 on the side of the better system; a corrected p of "
     "0.05 or less.",
     limits="A large p does not show that the systems are equal: it may be that there are too few "
@@ -220,15 +220,14 @@ SUBGROUPS = Intro(
     "edge of the picture, occluded, in an unusual pose, by tags of the recordings.",
     how="The plot has the share of encounters that X detects less the share that Y detects, with "
     "Newcombe's 95 % interval for paired shares and the exact McNemar test, within these "
-    "recordings. The other measures are "
-    "judged as in the section before: for a tag from the recordings that have it; for a group of "
-    "pedestrians saliency from the events of these pedestrians, as the mean over the recordings "
-    "that have any, and the log-average miss rate with all other pedestrians ignored. p (Holm) is "
-    "corrected for all groups and measures. Only encounters that count are in a group; among "
-    "them near means at least twice as high in the picture as a pedestrian who counts half, far "
-    "lower than that (distant encounters, which do not count, are not meant). Centre means the "
-    "middle half of the picture's width; an unusual pose is one standard deviation or more from "
-    "the mean ratio of height to width.",
+    "recordings. The other measures are judged as in the section before: for a tag from the "
+    "recordings that have it; for a group of pedestrians saliency from the events of these "
+    "pedestrians, as the mean over the recordings that have any, and the log-average miss rate "
+    "with all other pedestrians ignored. p (Holm) is corrected for all groups and measures. Only "
+    "encounters that count are in a group; among them near means at least twice as high in the "
+    "picture as a pedestrian who counts half, far lower than that (distant encounters, which do "
+    "not count, are not meant). Centre means the middle half of the picture's width; an unusual "
+    "pose is one standard deviation or more from the mean ratio of height to width.",
     best="In the plot: right of 0 X detects more, left of it Y.",
     limits="A frame's similarity and a false alert belong to no single pedestrian: these measures "
     "are there for all and by tags only. Groups overlap, and small groups show little: look at "
