@@ -134,7 +134,8 @@ def _name_outliers(
             x=clip["mean_rank"],
             y=clip["saliency_s"],
             xanchor="left" if is_left else "right",
-            xshift=9 if is_left else -9,
+            xshift=6 if is_left else -6,
+            yshift=11,
         )
 
 

@@ -21,7 +21,7 @@ def listed(page: AppTest) -> pd.DataFrame:
 
 def test_the_number_of_each_system_is_taken_apart_and_its_events_are_listed():
     page = opened()
-    assert [metric.value for metric in page.metric] == ["1.37 s", "1.75 s"]
+    assert [metric.value for metric in page.metric] == ["1.43 s", "1.91 s"]
     assert "5.00 s × 0.76 = 3.81 s" in texts(page)
     assert "The most salient: pedestrian 2 in winter_frost" in texts(page)
     table = listed(page)
