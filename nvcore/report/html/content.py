@@ -87,6 +87,7 @@ def report_content(
     progress(0.15, "detection curves")
     detection = detection_section(result, protocol)
     plan = plan_section(result, evidence, protocol, progress=part_of(progress, 0.2, 0.3))
+    progress(0.3, "tables")
     sections = [
         verdict_section(result, findings, evidence),
         Section(

@@ -254,9 +254,9 @@ PLAN = Intro(
     "which differences these exclude.",
     how="Studies are simulated by drawing whole recordings from these, with replacement, and "
     "tested as above; a study shows a difference where p, of this measure by itself, is at most "
-    "0.05. Recordings: the fewest with which four of five studies do. Or rather: the range that is "
-    "left open, as these recordings tell only roughly how much recordings vary. Excluded is what "
-    "lies outside the 95 % interval of the difference.",
+    "0.05. Recordings: the fewest with which four of five studies do. Or rather: the range that "
+    "these recordings leave open, as they tell only roughly how much recordings vary. Excluded is "
+    "what lies outside the 95 % interval of the difference.",
     limits="It is for the differences as found here. The smallest difference that would matter, "
     "and whether a system is at most so much worse, can be asked of the program (nvcore plan).",
 )

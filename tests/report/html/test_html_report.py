@@ -120,8 +120,8 @@ def test_every_section_says_what_it_is_about(content):
     anchors = re.findall(r'<section id="([\w-]+)">', content)
     assert anchors == [
         "verdict", "reading", "scorecard", "encounters", "similarity", "saliency", "false-alerts",
-        "significance", "subgroups", "detection", "stability", "frames", "only-one", "audit",
-        "inputs", "parameters",
+        "significance", "plan", "subgroups", "detection", "stability", "frames", "only-one",
+        "audit", "inputs", "parameters",
     ]  # fmt: skip
     assert re.findall(r'<li><a href="#([\w-]+)">', content) == anchors
     introduced = re.findall(r'<section id="([\w-]+)">\s*<h2>.*?</h2>\s*<dl class="intro">', content)

@@ -1,0 +1,54 @@
+"""The report's section on how many recordings would show a difference."""
+
+from __future__ import annotations
+
+import pytest
+from builders import result_of
+from drives import drives
+from places import SAMPLE
+
+from nvcore.comparison import Result, compare
+from nvcore.evidence.table import evidence_table
+from nvcore.inputs.load import load
+from nvcore.inputs.session_toml import read_session
+from nvcore.progress import no_progress
+from nvcore.protocols import PROTOCOLS
+from nvcore.report.html.blocks import Sentences, Table
+from nvcore.report.html.plan_section import plan_section
+from nvcore.report.plan import verdict_plan
+
+
+@pytest.fixture(scope="module")
+def sample() -> Result:
+    return compare(load(read_session(SAMPLE)))
+
+
+def test_each_difference_that_is_not_shown_has_its_size_and_what_is_excluded(sample: Result):
+    evidence = evidence_table(sample)
+    section = plan_section(sample, evidence, PROTOCOLS["all"], progress=no_progress)
+    plan, sentences = section.blocks
+    assert isinstance(plan, Table)
+    assert isinstance(sentences, Sentences)
+    rows = {row[0]: [cell.replace("\xa0", " ") for cell in row[1:]] for row in plan.rows}
+    assert len(rows) == 7  # lost similarity is mean similarity in other words
+    difference, below, above, n, span, n_encounters, _ = rows[
+        "share of encounters detected, by recordings"
+    ]
+    assert (difference, below, above) == ("+7.9 pp", "-29.7 pp", "+29.3 pp")
+    assert 150 < int(n) < 300
+    assert int(n_encounters.replace(",", "")) == pytest.approx(3.8 * int(n), abs=1)
+    assert " to " in span
+    assert f"About {n} recordings like these" in verdict_plan(sample, evidence, None)
+
+
+def test_blocks_of_time_and_what_is_shown_have_words_instead():
+    few = result_of(drives(4))
+    section = plan_section(few, evidence_table(few), PROTOCOLS["all"], progress=no_progress)
+    assert "a pilot of 6 recordings or more" in section.blocks[0].texts[0]
+    assert verdict_plan(few, evidence_table(few), None) == ""
+    clear = result_of(drives(30))
+    evidence = evidence_table(clear)
+    assert verdict_plan(clear, evidence, None) == ""
+    evidence["p_holm"] = 0.001
+    section = plan_section(clear, evidence, PROTOCOLS["all"], progress=no_progress)
+    assert section.blocks[0].texts == ("Every difference is shown to be more than chance.",)
