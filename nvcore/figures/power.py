@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Any, Final
 
 import plotly.graph_objects as go
 
@@ -51,6 +51,7 @@ def power_plot(plan: StudyPlan, *, theme: Theme) -> go.Figure:
                     "width": 0,
                 },
                 mode="lines+markers",
+                cliponaxis=False,
                 line={"color": colour, "width": 1.5, "dash": dash},
                 marker={"color": colour, "symbol": symbol, "size": 7},
                 name=name if size.assumption == "equal" else f"{name} ({amount})",
@@ -71,7 +72,7 @@ def power_plot(plan: StudyPlan, *, theme: Theme) -> go.Figure:
         xaxis=axis(
             theme,
             "recordings" + (", logarithmic" if is_wide else ""),
-            **({"type": "log", "dtick": "D2"} if is_wide else {"rangemode": "tozero"}),
+            **(_log_ticks(every) if is_wide else {"rangemode": "tozero"}),
         ),
         yaxis=axis(theme, "power: share of studies that show it", range=[0, 1], tickformat=".0%"),
     )
@@ -85,3 +86,14 @@ def power_plot(plan: StudyPlan, *, theme: Theme) -> go.Figure:
         },
     )
     return figure
+
+
+def _log_ticks(numbers: list[int]) -> dict[str, Any]:
+    """A logarithmic axis with ticks at 1, 2, 5, 10, 20 and so on."""
+    ticks = [
+        digit * 10**power
+        for power in range(len(str(max(numbers))))
+        for digit in (1, 2, 5)
+        if min(numbers) <= digit * 10**power <= max(numbers)
+    ]
+    return {"type": "log", "tickvals": ticks, "ticktext": [f"{tick:,}" for tick in ticks]}

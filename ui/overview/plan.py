@@ -83,22 +83,20 @@ def draw(result: Result, evidence: pd.DataFrame, companions: Companions | None) 
 def _ask(evidence: pd.DataFrame) -> _Asked | None:
     """The question; None while a margin is lacking."""
     labels = dict(zip(evidence["figure"], evidence["label"], strict=True))
-    left, right = st.columns(2)
-    with left:
-        measure = st.selectbox(
-            "Measure",
-            list(PLAN_KEYS),
-            index=list(PLAN_KEYS).index(DEFAULT_KEY),
-            format_func=lambda name: capitalised(labels[PLAN_KEYS[name]]),
-            key="plan_measure",
-            persist_state="session",
-        )
-    with right:
-        scale = inference_of(PLAN_KEYS[measure]).scale
-        unit = "percentage points" if scale.is_share else scale.unit or "0 to 1"
-        question = choose_side_by_side("Question", QUESTIONS, "plan_question", default=DIFFERENCE)
+    question = choose_side_by_side("Question", QUESTIONS, "plan_question", default=DIFFERENCE)
+    left, right = st.columns(2, vertical_alignment="bottom")
+    measure = left.selectbox(
+        "Measure",
+        list(PLAN_KEYS),
+        index=list(PLAN_KEYS).index(DEFAULT_KEY),
+        format_func=lambda name: capitalised(labels[PLAN_KEYS[name]]),
+        key="plan_measure",
+        persist_state="session",
+    )
+    scale = inference_of(PLAN_KEYS[measure]).scale
+    unit = "percentage points" if scale.is_share else scale.unit or "0 to 1"
     is_margin = question != DIFFERENCE
-    amount: float | None = left.number_input(
+    amount: float | None = right.number_input(
         f"{'At most worse by' if is_margin else 'Smallest difference that matters'} ({unit})",
         0.0,
         99.0 if scale.is_share else None,
@@ -108,7 +106,7 @@ def _ask(evidence: pd.DataFrame) -> _Asked | None:
         persist_state="session",
     )
     n_tested = int(np.isfinite(evidence["p_holm"]).sum())
-    is_corrected = not is_margin and right.toggle(
+    is_corrected = not is_margin and st.toggle(
         f"Corrected for {count_text(n_tested, 'measure')}, as in the table",
         key="plan_corrected",
         persist_state="session",

@@ -28,7 +28,7 @@ LEAST_WAYS: Final = 399
 """Fewest exchanges or resamples of a simulated test: 20 at a level of 5 %."""
 DRAWN_AT_ONCE: Final = 1_000_000
 """Exchanged recordings held in memory at a time."""
-ROUGHLY: Final = 0.03
+ROUGHLY: Final = 0.015
 """Share by which a size may be off: it is not known better."""
 EXPANDED_FROM: Final = 40
 """Recordings of a study from which on p is computed by expansions of both tests: in simulated
