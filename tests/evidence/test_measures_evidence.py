@@ -36,7 +36,7 @@ def test_the_table_has_every_measure_with_its_evidence() -> None:
     assert tuple(table.columns) == COLUMNS
     assert table["figure"].tolist() == [
         "encounters_detected", "encounters_detected_by_unit", "mean_similarity", "share_low",
-        "lost_s_per_min", "severity_s_per_encounter", "saliency", "false_alert_episodes_per_hour",
+        "lost_s_per_min", "saliency", "severity_s_per_encounter", "false_alert_episodes_per_hour",
     ]  # fmt: skip
     assert (table["low"] < table["difference"]).all()
     assert (table["difference"] < table["high"]).all()
@@ -107,6 +107,14 @@ def test_skewed_differences_do_not_pass_for_a_difference() -> None:
         n_judged += row.p <= 0.05
     assert n_swapped / n_runs > 0.08  # the exchange alone
     assert n_judged / n_runs < 0.08
+
+
+def test_ten_recordings_for_x_and_one_for_neither_are_evidence() -> None:
+    parts = np.r_[np.ones(10), 0.0]
+    x, y = np.column_stack([parts, np.ones(11)]), np.column_stack([0 * parts, np.ones(11)])
+    measure = UnitMeasure("share", "share", "higher", x, y)
+    row = judge_measure(measure, find_units(result_of(drives(11))))
+    assert row.p <= 0.01
 
 
 def test_p_of_similarity_is_the_sign_flip_test_of_the_recordings_traces() -> None:
