@@ -190,13 +190,21 @@ def saliency_by_recording(events: pd.DataFrame, n_recordings: int, *, aggregate:
 
     Its most salient event ("max") or the sum of all ("sum"); 0 without any.
     """
-    saliency = np.zeros(n_recordings)
-    add = np.maximum if aggregate == "max" else np.add
-    add.at(
-        saliency,
+    return aggregate_events(
         events["recording"].to_numpy(dtype=np.int64),
         events["saliency_s"].to_numpy(dtype=float),
+        n_recordings,
+        aggregate=aggregate,
     )
+
+
+def aggregate_events(
+    recording: np.ndarray, saliency_s: np.ndarray, n_recordings: int, *, aggregate: str
+) -> np.ndarray:
+    """As `saliency_by_recording`, from the recording and the saliency of each event."""
+    saliency = np.zeros(n_recordings)
+    add = np.maximum if aggregate == "max" else np.add
+    add.at(saliency, recording, saliency_s)
     return saliency
 
 

@@ -13,8 +13,15 @@ import pandas as pd
 from nvcore.comparison import Result, compare
 from nvcore.errors import InputError
 from nvcore.evidence.bootstrap import CONFIDENCE, MIN_UNITS, N_RESAMPLES, SEED, count_units
-from nvcore.metrics.saliency import recency_weight, saliency_by_recording
-from nvcore.params import MIDPOINT_SHARE, SPREAD_SHARE, Aggregate, Params
+from nvcore.metrics.saliency import aggregate_events, recency_weight
+from nvcore.params import (
+    MIDPOINT_SHARE,
+    SPREAD_SHARE,
+    Aggregate,
+    Params,
+    SaliencyOf,
+    SaliencyWeight,
+)
 from nvcore.progress import Progress, no_progress
 
 LEAST_RECORDINGS: Final = 5
@@ -25,11 +32,20 @@ height."""
 TOLERANCES: Final = (0.02, 0.05, 0.1, 0.2)
 RECENCY_MIDPOINTS: Final = (0.0, 0.25, 0.5, 0.75)
 RECENCY_SPREADS: Final = (0.05, 0.1, 0.2, 0.4)
+RECENCY_MIDPOINTS_S: Final = (3.75, 7.5, 15.0)
+RECENCY_SPREADS_S: Final = (1.5, 5.0)
 AGGREGATES: Final[tuple[Aggregate, ...]] = ("max", "sum")
+EVENTS_OF: Final[tuple[SaliencyOf, ...]] = ("most_salient", "each")
+WEIGHTS: Final[tuple[SaliencyWeight, ...]] = ("time", "risk")
 FITTED_SETTINGS: Final = (
     "tolerance",
+    "recency_unit",
     "recency_midpoint",
     "recency_spread",
+    "recency_midpoint_s",
+    "recency_spread_s",
+    "saliency_of",
+    "saliency_weight",
     "saliency_aggregate",
     "midpoint",
     "spread",
@@ -87,7 +103,7 @@ def fit_saliency(
     *,
     progress: Progress = no_progress,
 ) -> Fit:
-    """Fit tolerance, recency, aggregate and height sigmoid to the ratings.
+    """Fit tolerance, events, their weight, recency, aggregate and sigmoid to the ratings.
 
     Every combination of the values above is tried. Each pair of clips is judged by the one that
     orders the clips of all other recordings best (leave-pair-out cross-validation, Airola et al.
@@ -100,7 +116,7 @@ def fit_saliency(
     clips
         Of `nvcore.studies.ratings.validation.join_clips`.
     progress
-        Called after each sigmoid and tolerance.
+        Called after each sigmoid, tolerance and kind of events.
 
     Notes
     -----
@@ -125,22 +141,27 @@ def fit_saliency(
     if not order.any():
         raise InputError("all clips have the same mean rank: there is nothing to fit to")
     settings = [result.params]
-    saliency = [_of_clips(_events(result), result.params, clips, result)]
+    rows = _rows_of_clips(clips, result)
+    saliency = [_of_recordings(_events(result, result.params), result.params, result)[rows]]
     steps = list(_front_settings(result))
     for n_done, front in enumerate(steps, 1):
         names = {"x": result.x.name, "y": result.y.name}
-        events = _events(compare(result.dataset, front, **names, previous=result))
-        for setting in _back_settings(front):
-            settings.append(setting)
-            saliency.append(_of_clips(events, setting, clips, result))
+        compared = compare(result.dataset, front, **names, previous=result)
+        for weight in WEIGHTS:
+            weighted = replace(front, saliency_weight=weight)
+            events = _events(compared, weighted)
+            for setting in _back_settings(weighted):
+                settings.append(setting)
+                saliency.append(_of_recordings(events, setting, result)[rows])
         progress(n_done / len(steps), "fitting")
-    agreement = _agreement(np.array(saliency), order)
-    total = agreement.sum(axis=(1, 2))
+    agreement = _agreement(np.array(saliency), order, recording)
+    total = agreement.sum(axis=(1, 2), dtype=np.int64)
     best = int(total.argmax())
     n_pairs = int(np.count_nonzero(order))
-    held_out = _agreement_held_out(agreement, recording)
-    start, counts = (_by_recording(pairs, recording) for pairs in (agreement[0], np.abs(order)))
-    (low, high), (gain_low, gain_high), reason = _intervals(held_out, start, counts)
+    held_out = _agreement_held_out(agreement)
+    counts = _by_recording(np.abs(order), recording)
+    intervals = _intervals(held_out.astype(float), agreement[0].astype(float), counts)
+    (low, high), (gain_low, gain_high), reason = intervals
     changed = {
         name: getattr(settings[best], name)
         for name in FITTED_SETTINGS
@@ -173,50 +194,99 @@ def _front_settings(result: Result) -> Iterator[Params]:
             {"midpoint": share * height, "spread": share * height * SPREAD_SHARE / MIDPOINT_SHARE}
             for share in HEIGHT_SHARES
         ]
-    for sigmoid, tolerance in product(sigmoids, TOLERANCES):
-        yield replace(result.params, tolerance=tolerance, **sigmoid)
+    for sigmoid, tolerance, whose in product(sigmoids, TOLERANCES, EVENTS_OF):
+        # events weighed by risk have their duration, too
+        rule = {"saliency_of": whose, "saliency_weight": "risk"}
+        yield replace(result.params, tolerance=tolerance, **rule, **sigmoid)
 
 
 def _back_settings(front: Params) -> Iterator[Params]:
-    for midpoint, spread, aggregate in product(RECENCY_MIDPOINTS, RECENCY_SPREADS, AGGREGATES):
-        yield replace(
-            front, recency_midpoint=midpoint, recency_spread=spread, saliency_aggregate=aggregate
-        )
-
-
-def _events(result: Result) -> pd.DataFrame:
-    """The saliency events of X and Y; `recording` counts those of Y after those of X."""
-    n = len(result.dataset.recordings)
-    parts = [
-        system.events.assign(recording=system.events["recording"] + n * side)
-        for side, (_, system) in enumerate(result.sides)
+    """Settings that change what the same events weigh; the first of equals is kept."""
+    shares = product(RECENCY_MIDPOINTS, RECENCY_SPREADS)
+    seconds = product(RECENCY_MIDPOINTS_S, RECENCY_SPREADS_S)
+    recencies: list[dict[str, Any]] = [
+        {"recency_unit": "share", "recency_midpoint": midpoint, "recency_spread": spread}
+        for midpoint, spread in shares
     ]
-    return pd.concat(parts, ignore_index=True)
+    recencies += [
+        {"recency_unit": "seconds", "recency_midpoint_s": midpoint, "recency_spread_s": spread}
+        for midpoint, spread in seconds
+    ]
+    for recency, aggregate in product(recencies, AGGREGATES):
+        yield replace(front, saliency_aggregate=aggregate, **recency)
 
 
-def _of_clips(
-    events: pd.DataFrame, params: Params, clips: pd.DataFrame, result: Result
-) -> np.ndarray:
-    """Saliency of the rated clips, seconds, with the recency and the aggregate of `params`."""
-    names = result.dataset.recordings["name"].astype(str).tolist()
-    recency = recency_weight(events["tau"].to_numpy(), events["rest_s"].to_numpy(), params)
-    every = saliency_by_recording(
-        events.assign(saliency_s=events["weight_s"] * recency),
-        2 * len(names),
+@dataclass(frozen=True)
+class _Events:
+    """The saliency events of X and Y as arrays; `recording` counts those of Y after those of X."""
+
+    recording: np.ndarray
+    weight_s: np.ndarray
+    tau: np.ndarray
+    rest_s: np.ndarray
+
+
+def _events(result: Result, params: Params) -> _Events:
+    """The events of a result, weighing as `params` say; one weighed by risk serves both weights."""
+    n = len(result.dataset.recordings)
+    weight = "duration_s" if params.saliency_weight == "time" else "weight_s"
+    tables = [system.events for _, system in result.sides]
+
+    def column(name: str) -> np.ndarray:
+        return np.concatenate([table[name].to_numpy(dtype=float) for table in tables])
+
+    is_of_y = np.repeat([0, 1], [len(table) for table in tables])
+    recording = column("recording").astype(np.int64) + n * is_of_y
+    return _Events(recording, column(weight), column("tau"), column("rest_s"))
+
+
+def _of_recordings(events: _Events, params: Params, result: Result) -> np.ndarray:
+    """Saliency of all recordings with X, then with Y, seconds, as `params` weigh the events."""
+    recency = recency_weight(events.tau, events.rest_s, params)
+    return aggregate_events(
+        events.recording,
+        events.weight_s * recency,
+        2 * len(result.dataset.recordings),
         aggregate=params.saliency_aggregate,
     )
+
+
+def _rows_of_clips(clips: pd.DataFrame, result: Result) -> np.ndarray:
+    """Row of each rated clip in `_of_recordings`; int64."""
+    names = result.dataset.recordings["name"].astype(str).tolist()
     place = {name: i for i, name in enumerate(names)}
-    rows = clips["clip"].map(place).to_numpy()
-    rows = rows + len(names) * (clips["system"] == result.y.name).to_numpy()
-    of_clips: np.ndarray = every[rows]
-    return of_clips
+    first: np.ndarray = clips["clip"].map(place).to_numpy(dtype=np.int64)
+    rows: np.ndarray = first + len(names) * (clips["system"] == result.y.name).to_numpy()
+    return rows
 
 
-def _agreement(saliency: np.ndarray, order: np.ndarray) -> np.ndarray:
-    """1 for pairs in the order of the ratings, -1 in the other, 0 for ties; (settings, n, n)."""
-    agreement = np.empty((len(saliency), *order.shape), dtype=np.int8)
-    for setting, of_clips in zip(agreement, saliency, strict=True):  # at once: gigabytes
-        setting[:] = np.sign(np.subtract.outer(of_clips, of_clips)) * order
+def _agreement(saliency: np.ndarray, order: np.ndarray, recording: np.ndarray) -> np.ndarray:
+    """How far each setting puts the pairs of clips in the order of the ratings.
+
+    Parameters
+    ----------
+    saliency
+        Of each clip at each setting, float64, shape (settings, clips).
+    order
+        Sign of the difference of the ratings, shape (clips, clips).
+    recording
+        Number of each clip's recording, shape (clips,).
+
+    Returns
+    -------
+    Pairs in the order of the ratings less those in the other, summed over the clips of each two
+    recordings; int16, shape (settings, recordings, recordings): with float64, and clip by clip, the
+    settings of 200 recordings would take gigabytes.
+    """
+    by_recording = np.argsort(recording, kind="stable")
+    starts = np.flatnonzero(np.diff(recording[by_recording], prepend=-1))
+    wanted = order[np.ix_(by_recording, by_recording)].astype(np.int8)
+    agreement = np.empty((len(saliency), len(starts), len(starts)), dtype=np.int16)
+    for sums, of_clips in zip(agreement, saliency[:, by_recording], strict=True):
+        is_higher = np.greater.outer(of_clips, of_clips).view(np.int8)
+        pairs = (is_higher - is_higher.T) * wanted
+        rows = np.add.reduceat(pairs, starts, axis=0, dtype=np.int16)
+        sums[:] = np.add.reduceat(rows, starts, axis=1, dtype=np.int16)
     return agreement
 
 
@@ -227,19 +297,20 @@ def _by_recording(pairs: np.ndarray, recording: np.ndarray) -> np.ndarray:
     return sums
 
 
-def _agreement_held_out(agreement: np.ndarray, recording: np.ndarray) -> np.ndarray:
-    """Agreement on every two recordings, by the setting that is best without both."""
-    n = int(recording.max()) + 1
-    blocks = np.array([_by_recording(pairs, recording) for pairs in agreement])
-    total, row = blocks.sum(axis=(1, 2)), blocks.sum(axis=2)
-    within = np.einsum("saa->sa", blocks)
+def _agreement_held_out(agreement: np.ndarray) -> np.ndarray:
+    """Agreement (of `_agreement`) on every two recordings, by the setting best without both."""
+    n = agreement.shape[1]
+    row = agreement.sum(axis=2, dtype=np.int64)
+    total = row.sum(axis=1)
+    within = np.einsum("saa->sa", agreement).astype(np.int64)
     outside = 2 * row - within  # leaves with a recording: its row and column, itself only once
     best = np.empty((n, n), dtype=np.int64)
     for i in range(n):  # over recordings: the whole cube of scores would not fit in memory
-        remaining = total[:, None] - outside[:, [i]] - outside + 2 * blocks[:, i, :]
+        between = agreement[:, i, :].astype(np.int64)
+        remaining = total[:, None] - outside[:, [i]] - outside + 2 * between
         remaining[:, i] = total - outside[:, i]
         best[i] = remaining.argmax(axis=0)
-    held_out: np.ndarray = np.take_along_axis(blocks, best[None], axis=0)[0]
+    held_out: np.ndarray = np.take_along_axis(agreement, best[None], axis=0)[0]
     return held_out
 
 

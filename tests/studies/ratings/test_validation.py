@@ -14,7 +14,7 @@ from nvcore.errors import InputError
 from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
 from nvcore.studies.ratings.agreement import rank_ratings
-from nvcore.studies.ratings.fit import fit_saliency
+from nvcore.studies.ratings.fit import FITTED_SETTINGS, fit_saliency
 from nvcore.studies.ratings.validation import clip_saliency, correlate, join_clips, split_known
 from nvcore.tables.result import recordings_table
 
@@ -122,32 +122,68 @@ def test_a_fit_finds_the_settings_that_the_ratings_were_made_with(result):
     assert tau > 0.9
 
 
-@pytest.fixture(scope="module")
-def chance(result):
-    """Ratings by chance, and fits to them; the shares of progress of all fits."""
-    rng, shares = np.random.default_rng(6), []
-    ratings = [rated(result, rng.random(20)) for _ in range(3)]
+def test_a_fit_tries_whose_events_by_what_weight_and_in_seconds(result):
+    made = replace(
+        result.params, saliency_of="each", saliency_weight="risk", saliency_aggregate="sum",
+        recency_unit="seconds", recency_midpoint_s=3.75, recency_spread_s=5.0,
+    )  # fmt: skip
+    truth = clip_saliency(compare(result.dataset, made))
     with pytest.MonkeyPatch.context() as patch:  # one sigmoid is tried
         patch.setattr("nvcore.studies.ratings.fit.HEIGHT_SHARES", ())
+        fit = fit_saliency(result, rated(result, truth["saliency_s"]))
+    assert fit.share_training > 0.97
+    assert fit.share_default < fit.share_fitted
+    fitted = clip_saliency(compare(result.dataset, fit.params))
+    tau = stats.kendalltau(fitted["saliency_s"], truth["saliency_s"]).statistic
+    assert fit.share_training == pytest.approx((1 + tau) / 2)
+    assert fit.changed == {
+        name: getattr(fit.params, name)
+        for name in FITTED_SETTINGS
+        if getattr(fit.params, name) != getattr(result.params, name)
+    }
+
+
+@pytest.fixture(scope="module")
+def chance(result):
+    """Ratings by chance, fits to them, the shares of progress of all, and saliency by setting."""
+    from nvcore.studies.ratings import fit as module
+
+    rng, shares, tried = np.random.default_rng(6), [], []
+    real = module._agreement
+
+    def agreement(saliency, *more):
+        tried.append(saliency)
+        return real(saliency, *more)
+
+    ratings = [rated(result, rng.random(20)) for _ in range(3)]
+    with pytest.MonkeyPatch.context() as patch:  # one sigmoid is tried
+        patch.setattr(module, "HEIGHT_SHARES", ())
+        patch.setattr(module, "_agreement", agreement)
         fits = [
             fit_saliency(result, clips, progress=lambda share, _what: shares.append(share))
             for clips in ratings
         ]
-    return ratings, fits, shares
+    return ratings, fits, shares, tried[0]
 
 
 def test_a_fit_to_chance_is_worth_chance_though_it_fits_what_it_has_seen(chance):
-    _, fits, shares = chance
-    training, fitted = np.mean([(fit.share_training, fit.share_fitted) for fit in fits], axis=0)
-    assert all(fit.share_training > 0.55 for fit in fits)
-    assert fitted < training
-    assert abs(fitted - 0.5) < 0.12
+    from nvcore.studies.ratings import fit as module
+
+    _, fits, shares, saliency = chance
+    assert all(fit.share_fitted < fit.share_training > 0.55 for fit in fits)
+    rng, recording = np.random.default_rng(7), np.tile(np.arange(10), 2)
+    n_pairs, held_out = 20 * 19, []
+    for _ in range(100):  # three fits alone may all be lucky
+        order = np.sign(np.subtract.outer(rank := rng.random(20), rank))
+        agreement = module._agreement(saliency, order, recording)
+        held_out.append(0.5 + 0.5 * module._agreement_held_out(agreement).sum() / n_pairs)
+    assert abs(np.mean(held_out) - 0.5) < 0.03  # their spread is 0.09
     n = len(shares) // 3
     assert shares == 3 * [i / n for i in range(1, n + 1)]
 
 
 def test_the_share_of_the_settings_in_use_is_counted_by_hand(chance):
-    (ratings, *_), (fit, *_), _ = chance
+    (ratings, *_), (fit, *_), *_ = chance
     s, r = ratings["saliency_s"].to_numpy(), ratings["mean_rank"].to_numpy()
     right = total = 0.0
     for i in range(20):
@@ -166,14 +202,16 @@ def test_each_pair_is_judged_without_its_recordings(result):
     recording = np.array([0, 1, 2, 3, 4, 5, 0, 1, 2, 3])
     saliency = rng.random((30, 10))
     wanted = np.sign(np.subtract.outer(rank := rng.random(10), rank))
-    cube = module._agreement(saliency, wanted)
+    cube = np.sign(saliency[:, :, None] - saliency[:, None, :]) * wanted
+    sums = module._agreement(saliency, wanted, recording)
+    assert (sums == [blocks(recording, pairs) for pairs in cube]).all()
     total = 0.0
     for i in range(10):
         for j in range(10):
             kept = ~np.isin(recording, [recording[i], recording[j]])
             best = cube[:, kept][:, :, kept].sum(axis=(1, 2)).argmax()
             total += cube[best, i, j]
-    assert module._agreement_held_out(cube, recording).sum() == pytest.approx(total)
+    assert module._agreement_held_out(sums).sum() == pytest.approx(total)
 
 
 def test_few_recordings_and_equal_ranks_are_refused(result):
@@ -233,7 +271,7 @@ def test_the_interval_of_the_share_is_that_of_recordings_drawn_one_by_one():
 
 
 def test_a_fit_to_few_recordings_has_no_interval_but_the_reason(result, chance):
-    (ratings, *_), (whole, *_), _ = chance
+    (ratings, *_), (whole, *_), *_ = chance
     few = ratings[ratings["clip"].isin(ratings["clip"].unique()[:6])]
     fit = fit_saliency(result, few)
     assert np.isnan([fit.low, fit.high, fit.gain_low, fit.gain_high]).all()
