@@ -31,7 +31,8 @@ def wait_for_companions(result: Result, evidence: pd.DataFrame) -> Companions | 
         most=4,
     )
     companions, is_missing = computation.draw(is_quick=len(result.dataset.boxes) <= QUICK_BOXES)
-    if is_missing:
+    job = state.workspace().job(computation.kind)
+    if is_missing and (job is None or job.key != computation.key):  # not one that was cancelled
         computation.start()
         computation.draw(is_quick=False)
     return companions

@@ -6,8 +6,10 @@ import pandas as pd
 import pytest
 from streamlit.testing.v1 import AppTest
 
+from nvcore.report.verdict import Verdict, verdict
 from pages import checked, opened, texts
-from ui.overview import venn
+from ui.overview import companions, venn
+from ui.overview import scorecard as scorecard_page
 from ui.overview.moments import window_row
 
 
@@ -120,3 +122,23 @@ def test_a_click_means_the_column_s_system_or_the_worse_one(column: str, row: in
     columns = {"window_similarity_x": [1, 0.2], "window_similarity_y": [1, 0.3]}
     table = pd.DataFrame({**columns, "window_row_x": [0, 3], "window_row_y": [0, 7]})
     assert window_row(table, 1, column) == row
+
+
+def test_the_verdict_waits_for_the_comparison_at_equal_false_alarms(
+    app: AppTest, monkeypatch: pytest.MonkeyPatch
+):
+    known: list[bool] = []
+
+    def noted(*of: object, **more: object) -> Verdict:
+        known.append(more["companions"] is not None)
+        return verdict(*of, **more)
+
+    monkeypatch.setattr(companions, "QUICK_BOXES", 0)  # in the background, as with many boxes
+    monkeypatch.setattr(scorecard_page, "verdict", noted)
+    app.slider(key="alpha").set_value(0.5).run()
+    assert "These data do not show which system detects more encounters" in texts(app)
+    job = app.session_state["workspace"].job("companions")
+    job.join()
+    checked(app.run())
+    assert known[-1]
+    assert app.session_state["workspace"].job("companions") is job
