@@ -128,7 +128,8 @@ def verdict(
     side_by_side = describe_side_by_side(shown, of_shown)
     if side_by_side:
         chance = describe_chance(of_shown, support, short=result.is_short)
-        sentences.append(f"{_after(before, side_by_side)}; {chance}.")
+        again = before.split("(")[0] if "(" in before else before
+        sentences.append(f"{_after(again, side_by_side)}; {chance}.")
     if companions is not None and not is_same:
         sentences.append(describe_strict(shown, companions.strict))
     sentences += [_least_p(of_shown), "" if is_same else plan]
