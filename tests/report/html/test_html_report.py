@@ -183,7 +183,7 @@ def test_subgroups_have_who_detects_more_and_the_other_figures(page):
 
 def test_every_choice_of_settings_has_its_row(page):
     rows = {(row[0], row[1]): row[2:] for row in page.tables["Verdict and settings"][1:]}
-    assert len(rows) == 4 * 3
+    assert len(rows) == 6 * 3
     outcome, share, _ = rows["Both thresholds", "mean similarity"]
     assert outcome.startswith(("X has", "Y has"))
     assert share.endswith("%") or share in ("all", "none")
