@@ -26,7 +26,7 @@ PLANES: Final[dict[Plane, str]] = {
     "edge-weight": "Traffic context",
     "edge-weight-alpha": "Traffic context and alpha",
     "pairing-alpha": "Strict pairing and alpha",
-    "saliency-rule": "What makes a saliency event, and its weight",
+    "saliency-rule": "Rules of saliency",
 }
 CRITERIA: Final[dict[Criterion, str]] = {
     "similarity": "mean similarity",
