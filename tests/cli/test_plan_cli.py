@@ -15,7 +15,7 @@ def test_the_plan_says_how_many_recordings_and_the_power_of_other_sizes():
     assert ran.exit_code == 0, ran.output
     assert ran.stdout.startswith("Audit: nothing found.")
     assert "would show a difference of 0.50 s in 80 % of studies" in ran.stdout
-    assert "difference as found (-0.38 s)\n  recordings  encounters" in ran.stdout
+    assert "difference as found (-0.48 s)\n  recordings  encounters" in ran.stdout
 
 
 def test_a_percentage_of_a_share_is_a_hundredth_and_json_stands_alone():

@@ -10,7 +10,7 @@ from scipy.special import ndtr, ndtri
 from scipy.stats import binomtest
 from scipy.stats import t as student
 
-from nvcore.evidence.bootstrap import CONFIDENCE, MIN_UNITS, ROUNDING, SEED
+from nvcore.evidence.bootstrap import CONFIDENCE, LEAST_SPREAD, ROUNDING, SEED
 from nvcore.evidence.paired_tests import MIN_SWAPPED
 from nvcore.evidence.planning.pilot import Pilot
 from nvcore.progress import Progress, no_progress
@@ -176,7 +176,7 @@ def _reject_by_resampling(
         mean = chosen.mean(axis=2)
         square = np.einsum("swr,swr->sw", chosen, chosen) / n_recordings
         spreads = np.sqrt(np.maximum(square - mean**2, 0))
-        spreads = np.maximum(spreads, 1e-12 * spread[studies, np.newaxis])
+        spreads = np.maximum(spreads, LEAST_SPREAD * spread[studies, np.newaxis])
         is_reached = mean >= observed[studies, np.newaxis] * spreads
         n_reached: np.ndarray = np.count_nonzero(is_reached, axis=1)
         return n_reached
@@ -375,9 +375,3 @@ def guess_length(pilot: Pilot, distance: float, *, level: float, target: float) 
     """Recordings for the power if the mean were normal: ``((z_level + z_power) * sd / d)^2``."""
     quantiles = ndtri(1 - level / 2) + ndtri(target)
     return float((quantiles * pilot.spread / distance) ** 2)
-
-
-LEAST_TESTED: Final = MIN_SWAPPED
-"""Fewest recordings of a study that tests a difference."""
-LEAST_WITH_INTERVAL: Final = MIN_UNITS
-"""Fewest recordings of a study that has an interval."""
