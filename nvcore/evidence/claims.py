@@ -106,7 +106,9 @@ def find_claims(
     if is_unequal:
         assert companions.equal is not None
         basis_result, candidates = companions.equal, _at_all(result, companions.evidence)
-        withheld: dict[str, str] = {}
+        unsure = "it does not hold throughout what may pass for equal false alarms"
+        somewhere = {key for table in companions.evidence for key in _candidates(result, table)}
+        withheld = {key: unsure for key in CLAIMED if key in somewhere and key not in candidates}
     else:
         basis_result, candidates = result, _candidates(result, evidence)
         withheld = _not_confirmed(result, candidates, companions)

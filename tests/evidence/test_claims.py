@@ -185,5 +185,6 @@ def test_kaist_a_weak_system_at_a_low_threshold_is_not_preferred(kaist: Dataset)
     support = find_claims(result, evidence, find_companions(result, evidence))
     assert support.basis is Basis.EQUAL_ALARMS
     assert {claim.winner for claim in support.claims} == {"y"}
-    claimed = {claim.key for claim in support.claims}
-    assert {"encounters_detected_by_unit", "log_average_miss_rate"} <= claimed
+    assert "log_average_miss_rate" in {claim.key for claim in support.claims}
+    # eleven false alarms of each are too few to set them alike closely
+    assert "equal false alarms" in support.withheld["encounters_detected_by_unit"]
