@@ -38,7 +38,7 @@ BEGIN: Final = "<!-- claims: written by `python -m bench.claims --write` -->"
 END: Final = "<!-- end of claims -->"
 
 SIZES: Final = (1, 2, 4, 6, 8, 16, 50)
-POWER_SIZES: Final = (8, 12, 16, 50)
+POWER_SIZES: Final = (8, 16, 50)
 GOAL: Final = 0.05
 """Largest share of verdicts that may claim anything where there is no difference."""
 BOUND_99: Final = 32
