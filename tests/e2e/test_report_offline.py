@@ -68,7 +68,7 @@ def test_every_chart_is_drawn(seen):
 def test_names_with_markup_are_shown_as_text(seen):
     page, _, _ = seen
     assert HOSTILE in page.locator("h1").inner_text()
-    assert page.locator("#similarity td", has_text=HOSTILE).count() == 2  # once in each table
+    assert page.locator("#similarity td", has_text=HOSTILE).count() == 3  # once in each table
     assert page.locator("img[src='x']").count() == 0
     assert page.title() == f"{HOSTILE} (X) and nir (Y) compared"
 
