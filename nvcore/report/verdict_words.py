@@ -66,8 +66,8 @@ def describe_encounters(result: Result, evidence: pd.DataFrame | None, support: 
         n = int(np.count_nonzero(np.diff(result.dataset.frame_columns.first)))
         few = "one recording does" if n == 1 else f"{n} recordings do"
         return (
-            f"In these data {fact if fact is dominance else split}; {few} not show whether others "
-            f"would agree ({MIN_RECORDINGS} are needed)."
+            f"{capitalised(fact)}; {few} not show whether others would agree ({MIN_RECORDINGS} are "
+            "needed)."
         )
     reason = support.withheld.get(ENCOUNTERS)
     if reason is None and np.isfinite(row["p_holm"]):
