@@ -217,6 +217,9 @@ def test_a_plan_says_recordings_encounters_and_time():
     text = " ".join(describe_plan(plan))
     assert "would show a difference of 20.0 pp in 80 % of studies" in text
     assert "These 12 recordings exclude, at 95 %, a difference X - Y below" in text
+    is_clear = plan.evidence.low > 0  # 0 is excluded, by this measure alone
+    assert ("of this measure by itself, not corrected" in text) is is_clear
+    assert is_clear
     assert str(plan) == "\n".join(describe_plan(plan))
     again = plan_study(result, difference=0.2)
     assert again.sizes == plan.sizes  # the seed is fixed

@@ -77,9 +77,12 @@ def describe_excluded(row: Evidence) -> str:
     if math.isnan(row.low):
         return f"No difference can be excluded: {row.note or 'there is no interval'}."
     low, high = (difference_text(end, row.figure) for end in (row.low, row.high))
+    # as if it were the only measure, unlike the verdict's own tests
+    is_clear = row.low * row.high > 0
+    alone = " (of this measure by itself, not corrected for the others)" if is_clear else ""
     return (
         f"These {count_text(row.n, 'recording')} exclude, at 95 %, a difference X - Y below {low} "
-        f"or above {high}."
+        f"or above {high}{alone}."
     )
 
 
