@@ -192,8 +192,7 @@ def units_within(result: Result, units: Units, recordings: np.ndarray) -> Units:
     block_s = np.nan
     if units.kind == BLOCKS and len(recording):
         is_here = recordings[frames.recording]
-        seconds = frames.gap[is_here] / frames.fps[frames.recording[is_here]]
-        block_s = float(seconds.sum()) / len(recording)
+        block_s = float(frames.step_s[is_here].sum()) / len(recording)
     return Units(
         units.kind, number[units.unit_of_frame], recording, len(np.unique(recording)), block_s
     )

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Hashable, Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Final
+from typing import Final, TypeVar
 
 import streamlit as st
 
@@ -14,6 +15,7 @@ from nvcore.inputs.files import find_files
 from nvcore.inputs.load import read_source
 from nvcore.inputs.readers.base import Reading, Role
 from nvcore.inputs.session import Source
+from ui.session import state
 from ui.session.cache import Caching
 from ui.shell.messages import without_paths
 from ui.widgets.text import plain
@@ -24,6 +26,46 @@ MOST_KEPT: Final = 40
 
 
 _RATE: Final[dict[Role, frozenset[str]]] = {"truth": frozenset({"fps"}), "detections": frozenset()}
+
+
+T = TypeVar("T")
+
+
+def read_unless_known(
+    kind: str,
+    file: Path,
+    read: Callable[[], T],
+    refuse: Callable[[str], T],
+    *,
+    expected: str,
+    most_bytes: float = math.inf,
+) -> T:
+    """What a small file says, unless it was read and has not changed.
+
+    Parameters
+    ----------
+    kind
+        Name of what is remembered.
+    refuse
+        What stands for a file that cannot be used, from the reason.
+    expected
+        The reason where it is no file, or larger than `most_bytes`.
+    """
+    try:
+        status = file.stat()
+    except OSError as error:
+        return refuse(f"cannot be opened ({error.strerror})")
+    if not file.is_file() or status.st_size > most_bytes:
+        return refuse(f"expected {expected}")
+
+    def read_or_refuse() -> T:
+        try:
+            return read()
+        except NvcoreError as error:
+            return refuse(without_paths(error))
+
+    key = (str(file), status.st_mtime_ns, status.st_size)
+    return state.workspace().cached(kind, key, read_or_refuse)
 
 
 @dataclass(frozen=True, eq=False)

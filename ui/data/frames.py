@@ -10,10 +10,8 @@ from typing import Final
 import numpy as np
 import streamlit as st
 
-from nvcore.errors import NvcoreError
 from nvcore.inputs.evaluated_frames import parse_frames
-from ui.session import state
-from ui.shell.messages import without_paths
+from ui.data.file_check import read_unless_known
 from ui.widgets.text import plain
 
 FRAMES_LABEL: Final = "Evaluated frames (list, one number a line)"
@@ -44,22 +42,18 @@ class FrameList:
 
 def check_frame_list(path: str, folder: Path) -> FrameList:
     """Read a list that a session in `folder` names, unless it was read and has not changed."""
-    file = folder / path
-    try:
-        status = file.stat()
-    except OSError as error:
-        return FrameList(trouble=f"cannot be opened ({error.strerror})")
-    if not file.is_file() or status.st_size > MOST_BYTES:
-        return FrameList(trouble="expected a text file with one frame number a line")
-    key = (str(file), status.st_mtime_ns, status.st_size)
-    return state.workspace().cached("frame_list", key, lambda: _read_list(path, folder))
+    return read_unless_known(
+        "frame_list",
+        folder / path,
+        lambda: _read_list(path, folder),
+        lambda trouble: FrameList(trouble=trouble),
+        expected="a text file with one frame number a line",
+        most_bytes=MOST_BYTES,
+    )
 
 
 def _read_list(path: str, folder: Path) -> FrameList:
-    try:
-        frames = parse_frames(path, folder)
-    except NvcoreError as error:
-        return FrameList(trouble=without_paths(error))
+    frames = parse_frames(path, folder)
     steps = np.diff(frames)
     summary = f"{len(frames):,} frames, {frames[0]} to {frames[-1]}"
     if len(steps) and steps[0] > 1 and (steps == steps[0]).all():

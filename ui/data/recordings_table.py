@@ -9,12 +9,10 @@ from typing import Final
 
 import streamlit as st
 
-from nvcore.errors import NvcoreError
 from nvcore.inputs.recordings_file import read_recordings_file
 from nvcore.inputs.session import RecordingEntry, RecordingsFile
 from nvcore.wording import count_text, listed
-from ui.session import state
-from ui.shell.messages import without_paths
+from ui.data.file_check import read_unless_known
 from ui.widgets.text import plain
 
 RECORDINGS_LABEL: Final = "Recordings (table, one line each)"
@@ -72,22 +70,18 @@ class RecordingsTable:
 def check_recordings(path: str, folder: Path) -> RecordingsTable:
     """Read a table that a session in `folder` names, unless it was read and has not changed."""
     file = folder / path
-    try:
-        status = file.stat()
-    except OSError as error:
-        return RecordingsTable(trouble=f"cannot be opened ({error.strerror})")
-    if not file.is_file():
-        return RecordingsTable(trouble="expected a CSV file with a line for each recording")
-    key = (str(file), status.st_mtime_ns, status.st_size)
-    return state.workspace().cached("recordings_table", key, lambda: _read(path, file))
 
-
-def _read(path: str, file: Path) -> RecordingsTable:
-    try:
+    def read() -> RecordingsTable:
         rows = read_recordings_file(file, path)
-    except NvcoreError as error:
-        return RecordingsTable(trouble=without_paths(error))
-    return RecordingsTable(path, {name: entry for name, (_, entry) in rows.items()})
+        return RecordingsTable(path, {name: entry for name, (_, entry) in rows.items()})
+
+    return read_unless_known(
+        "recordings_table",
+        file,
+        read,
+        lambda trouble: RecordingsTable(trouble=trouble),
+        expected="a CSV file with a line for each recording",
+    )
 
 
 def draw_recordings(table: RecordingsTable) -> RecordingsTable:
