@@ -1,6 +1,6 @@
 """How often does the verdict claim a difference that is none, and one that is?
 
-    python -m bench.claims [--pairs 400] [--processes 2] [--write]
+    python -m bench.claims [--pairs 400] [--seed 2026] [--processes 2] [--write]
 
 Draws pairs of systems, compares each through the whole library (dataset, comparison, evidence,
 comparison at equal false alarms, strict pairing, verdict) and counts the verdicts that claim
@@ -234,13 +234,13 @@ class Row:
     seconds: float
 
 
-def simulate(task: tuple[int, int, int]) -> Row:
+def simulate(task: tuple[int, int, int], seed: int) -> Row:
     """One row: scenario, recordings, pairs."""
     number, n, n_pairs = task
     scenario = SCENARIOS[number]
     begin, claims = time.perf_counter(), []
     for pair in range(n_pairs):
-        rng = np.random.default_rng([number, n, pair])
+        rng = np.random.default_rng([seed, number, n, pair])
         claims.append(judge(draw_dataset(scenario, n, rng)).claims)
     return Row(
         *(number, n, n_pairs),
@@ -292,6 +292,7 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--pairs", type=int, default=400)
+    parser.add_argument("--seed", type=int, default=2026)
     parser.add_argument("--processes", type=int, default=os.cpu_count())
     parser.add_argument("--only", type=int, nargs="+", help="numbers of scenarios")
     parser.add_argument("--sizes", type=int, nargs="+", help="numbers of recordings")
@@ -312,7 +313,7 @@ def main() -> None:
     done = {(row.scenario, row.n_recordings, row.n_pairs) for row in rows}
     tasks = [task for task in tasks if task not in done]
     with ProcessPoolExecutor(options.processes, get_context("spawn")) as pool:
-        for future in as_completed([pool.submit(simulate, task) for task in tasks]):
+        for future in as_completed([pool.submit(simulate, task, options.seed) for task in tasks]):
             row = future.result()
             rows.append(row)
             if options.keep:
