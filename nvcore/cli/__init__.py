@@ -23,6 +23,7 @@ from nvcore.cli.options import (
     strict_option,
 )
 from nvcore.cli.plan import plan
+from nvcore.cli.program import Program
 from nvcore.cli.report import report
 from nvcore.cli.session_options import session_from
 from nvcore.cli.steps import (
@@ -31,7 +32,7 @@ from nvcore.cli.steps import (
     pasteable_errors,
     refuse_to_replace,
 )
-from nvcore.errors import InputError, NvcoreError
+from nvcore.errors import InputError
 from nvcore.inputs.session import Session
 from nvcore.params.metadata import THRESHOLD
 from nvcore.wording import one_line
@@ -41,23 +42,8 @@ if TYPE_CHECKING:
 
 # The commands import what they need: `nvcore --help` need not wait for numpy, pandas and numba.
 
-EXIT_BAD_INPUT = 2
 MAX_CONVERSION = 160
 """Letters of a conversion's text that `compare` shows: some two lines with the path."""
-
-
-class _BadInput(click.ClickException):
-    exit_code = EXIT_BAD_INPUT
-
-
-class _Group(click.Group):
-    """Shows errors that a user can fix without a traceback, with exit code 2."""
-
-    def invoke(self, ctx: click.Context) -> Any:
-        try:
-            return super().invoke(ctx)
-        except NvcoreError as error:
-            raise _BadInput(one_line(str(error))) from error
 
 
 class _Steps:
@@ -97,7 +83,7 @@ class _Steps:
 
 
 @click.group(
-    cls=_Group,
+    cls=Program,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
 )
 @click.version_option(__version__, prog_name="nvcore")
@@ -172,9 +158,14 @@ def _keep_inputs(session: Session, file: Path | None, out: Path | None) -> None:
         and file.resolve() == (out / "session.toml").resolve()
     ):
         raise click.UsageError("the report would replace the session file; give another --out")
-    from nvcore.report.keep_inputs import files_read
+    from nvcore.report.keep_inputs import files_read, input_folder_around
     from nvcore.tables.columns import REPORT_COLUMNS
 
+    inputs = input_folder_around(out, session)
+    if inputs is not None:
+        raise click.UsageError(
+            one_line(f"{out} lies in the folder of inputs {inputs}; give another --out")
+        )
     refuse_to_replace(
         (out / name for name in (*REPORT_COLUMNS, "summary.json")), files_read(session)
     )

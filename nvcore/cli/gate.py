@@ -17,6 +17,7 @@ from nvcore.cli.options import (
     parameter_options,
     protocol_option,
 )
+from nvcore.cli.program import BadInput
 from nvcore.cli.session_options import session_from
 from nvcore.cli.steps import (
     compare_session,
@@ -25,6 +26,7 @@ from nvcore.cli.steps import (
     refuse_to_replace,
 )
 from nvcore.errors import InputError, NvcoreError
+from nvcore.output_files import write_whole
 from nvcore.wording import one_line
 
 if TYPE_CHECKING:
@@ -32,7 +34,6 @@ if TYPE_CHECKING:
 
 RULES = "Rules"
 EXIT_FAILED = 1
-EXIT_BAD_INPUT = 2
 STANDARD = Path("-")
 """Standard input or output, as a file's name."""
 
@@ -60,10 +61,6 @@ class _GateCommand(GroupedCommand):
         except NvcoreError as error:
             _write_problem(ctx.params["junit"], ctx.params["markdown_file"], str(error))
             raise
-
-
-class _BadRules(click.ClickException):
-    exit_code = EXIT_BAD_INPUT
 
 
 def _file_type() -> click.Path:
@@ -185,7 +182,7 @@ def _read(texts: Iterable[str], file: Path | None) -> list[Rule]:
         lines += [(f"{name}, line {number}", text) for number, text in numbered]
     rules, problems = read_rules(lines, measure_names())
     if problems:
-        raise _BadRules("\n".join(problems))
+        raise BadInput("\n".join(problems))
     return rules
 
 
@@ -206,11 +203,7 @@ def _write(file: Path, content: bytes) -> None:
     if file == STANDARD:
         click.echo(content, nl=False)
         return
-    try:
-        file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_bytes(content)
-    except OSError as error:
-        raise InputError(f"cannot be written ({error.strerror})", file=file) from error
+    write_whole(file, content)
 
 
 def _write_problem(

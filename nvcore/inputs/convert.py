@@ -16,6 +16,7 @@ from nvcore.csv_text import to_csv_bytes
 from nvcore.errors import InputError, UnknownFormatError
 from nvcore.inputs.evaluated_frames import own_frames
 from nvcore.inputs.readers.base import Reading, Role, image_list
+from nvcore.output_files import write_whole
 from nvcore.schema import NO_TRACK, UNKNOWN_OCCLUSION
 
 FORMATS: Final = ("csv", "coco", "mot")
@@ -140,11 +141,7 @@ def _write_files(contents: dict[Path, bytes], inputs: Sequence[Path], force: boo
         if not force:
             raise InputError("exists; give another file to write, or --force", file=target)
     for target, content in contents.items():
-        try:
-            target.parent.mkdir(parents=True, exist_ok=True)
-            target.write_bytes(content)
-        except OSError as error:
-            raise InputError(f"cannot be written ({error.strerror})", file=target) from error
+        write_whole(target, content)
     return list(contents)
 
 

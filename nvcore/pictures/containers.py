@@ -80,7 +80,12 @@ def open_container(path: Path, container_format: str, name: str) -> tuple[Any, A
         If the file is damaged.
     """
     # "file:" and an absolute path: no part of the name is taken for a protocol
-    container = av.open(f"file:{path.absolute()}", format=container_format, options=dict(_OPTIONS))
+    container = av.open(
+        f"file:{path.absolute()}",
+        format=container_format,
+        options=dict(_OPTIONS),
+        metadata_errors="replace",  # a title in another encoding is no damage
+    )
     try:
         streams = [
             stream

@@ -17,7 +17,6 @@ import pandas as pd
 from nvcore import __version__
 from nvcore.comparison import Result
 from nvcore.csv_text import to_csv_bytes
-from nvcore.errors import InputError
 from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.evidence.table import evidence_table
 from nvcore.findings import Finding
@@ -25,8 +24,10 @@ from nvcore.inputs.load import source_hashes
 from nvcore.inputs.readers.table import FORMAT as TABLE
 from nvcore.inputs.session import Session
 from nvcore.inputs.session_toml import write_session
+from nvcore.output_files import MANIFEST, manifest, write_run
 from nvcore.progress import Progress, no_progress
 from nvcore.settings import Settings
+from nvcore.tables.columns import REPORT_COLUMNS
 from nvcore.tables.result import (
     encounters_table,
     events_table,
@@ -39,6 +40,9 @@ from nvcore.tables.summary import summary
 
 ZIP_TIME: Final = (1980, 1, 1, 0, 0, 0)
 """Time of every file in a zip, the earliest possible: the same report gives the same bytes."""
+
+REPORT_FILES: Final = (*REPORT_COLUMNS, "summary.json", "session.toml")
+"""The files that a report may have, and `nvcore.output_files.MANIFEST`."""
 
 
 def export_files(
@@ -104,17 +108,14 @@ def write_report(
 ) -> None:
     """Write all files of a report into a folder, which is created if missing.
 
+    They take the place of an older report's at once; see `nvcore.output_files.write_run`.
+
     Raises
     ------
     InputError
         If the folder cannot be written to.
     """
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        for name, content in _file_contents(result, session, findings, progress):
-            (folder / name).write_bytes(content)
-    except OSError as error:
-        raise InputError(f"cannot be written ({error.strerror})", file=folder) from error
+    write_run(folder, _file_contents(result, session, findings, progress), known=REPORT_FILES)
 
 
 def report_zip(
@@ -126,8 +127,9 @@ def report_zip(
 ) -> bytes:
     """A zip of the files of a report, byte for byte those of `write_report`."""
     content = io.BytesIO()
+    files = list(_file_contents(result, session, findings, progress))
     with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, text in _file_contents(result, session, findings, progress):
+        for name, text in (*files, (MANIFEST, manifest(files))):
             entry = zipfile.ZipInfo(name, ZIP_TIME)
             entry.compress_type = zipfile.ZIP_DEFLATED
             entry.create_system = 3  # the same bytes on every system

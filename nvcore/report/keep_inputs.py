@@ -51,6 +51,20 @@ def files_read(session: Session) -> Iterator[Path]:
             yield session.folder / facts.pictures
 
 
+def input_folder_around(folder: Path, session: Session) -> Path | None:
+    """A folder of inputs in which the folder lies, or which it is; None: there is none.
+
+    What is written there would be read by the next run.
+    """
+    place = folder.resolve()
+    for source, _ in session.sources:
+        for text in source.path:
+            path = session.folder / text
+            if path.is_dir() and place.is_relative_to(path.resolve()):
+                return path
+    return None
+
+
 def _identity(path: Path) -> tuple[int, int] | None:
     try:
         status = path.stat()

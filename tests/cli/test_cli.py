@@ -7,10 +7,11 @@ import tomllib
 from pathlib import Path
 
 import pytest
-from inputs import FACTS, flags, mot_layout, nvcore, write
+from inputs import FACTS, drive, flags, mot_layout, nvcore, write
 from other_params import OTHER
 
 from nvcore.cli.options import flag_of
+from nvcore.output_files import LOCK
 
 
 def session(folder: Path, *more: str) -> Path:
@@ -28,7 +29,7 @@ def session(folder: Path, *more: str) -> Path:
 
 
 def contents(folder: Path) -> dict[str, bytes]:
-    return {path.name: path.read_bytes() for path in folder.iterdir()}
+    return {path.name: path.read_bytes() for path in folder.iterdir() if path.name != LOCK}
 
 
 def written(folder: Path) -> dict:
@@ -50,7 +51,7 @@ def test_json_prints_the_summary_of_the_report_and_nothing_else_on_stdout(
     folder: Path, tmp_path: Path
 ):
     result = nvcore("compare", *flags(folder), "--json", "--out", tmp_path / "a")
-    assert len(contents(tmp_path / "a")) == 10
+    assert len(contents(tmp_path / "a")) == 11
     assert contents(tmp_path / "a")["summary.json"].decode() == result.stdout
     assert "Audit:" in result.stderr
     assert f"written to {tmp_path / 'a'}" in result.stderr
@@ -250,6 +251,18 @@ def test_an_error_of_the_audit_gives_exit_code_1_after_the_scorecard(folder: Pat
 
 
 # check
+
+
+def test_a_report_is_not_written_into_a_folder_of_inputs(tmp_path: Path):
+    drive(tmp_path)
+    (tmp_path / "truth").mkdir()
+    (tmp_path / "truth.csv").rename(tmp_path / "truth" / "urban.csv")
+    systems = ["--x", tmp_path / "fir.csv", "--y", tmp_path / "nir.csv"]
+    inputs = ["--truth", tmp_path / "truth", *systems, *FACTS]
+    result = nvcore("compare", *inputs, "--out", tmp_path / "truth" / "new")
+    assert result.exit_code == 2
+    assert "lies in the folder of inputs" in result.stderr
+    assert [path.name for path in (tmp_path / "truth").iterdir()] == ["urban.csv"]
 
 
 def test_check_audits_without_scoring_and_needs_only_one_system(folder: Path):

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import os
 import re
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import click
 import pytest
-from inputs import FACTS, drive, nvcore
+from inputs import FACTS, drive, flags, nvcore
 from places import ROOT
 
 from nvcore import __version__
@@ -36,6 +38,61 @@ def test_bad_input_to_the_process_gives_no_traceback(tmp_path: Path):
     assert run.returncode == 2
     assert run.stderr.startswith("Error: ")
     assert run.stderr.count("\n") == 1
+
+
+def process(*arguments: str, **options: Any) -> subprocess.CompletedProcess[str]:
+    """The program in a process of its own."""
+    command = [sys.executable, "-m", "nvcore", *arguments]
+    return subprocess.run(command, stderr=subprocess.PIPE, text=True, cwd=ROOT, **options)
+
+
+def test_a_reader_that_went_away_gives_exit_code_141_and_no_word():
+    reading, writing = os.pipe()
+    os.close(reading)
+    with os.fdopen(writing, "w") as output:
+        run = process("--help", stdout=output)
+    assert (run.returncode, run.stderr) == (141, "")
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="Linux only")
+def test_a_full_disk_is_no_fault_of_the_program():
+    with Path("/dev/full").open("w") as output:
+        run = process("--help", stdout=output)
+    assert run.returncode == 2
+    assert run.stderr == "Error: the output cannot be written: no space is left\n"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs a POSIX system")
+def test_a_closed_output_is_said():
+    run = process("--help", preexec_fn=lambda: os.close(1))
+    assert run.returncode == 2
+    assert run.stderr == "Error: there is no standard output to write to\n"
+
+
+@pytest.mark.parametrize(
+    ("error", "exit_code", "words"),
+    [
+        (KeyError("k"), 3, "this is a fault of the program, not of your data"),
+        (MemoryError(), 3, "too little memory"),
+        (KeyboardInterrupt(), 130, "Stopped."),
+    ],
+)
+def test_a_gate_that_ends_early_never_says_that_a_rule_is_broken(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    error: BaseException,
+    exit_code: int,
+    words: str,
+):
+    def fail(*_: object, **__: object) -> None:
+        raise error
+
+    monkeypatch.setattr("nvcore.inputs.load.load", fail)
+    junit = tmp_path / "gate.xml"
+    result = nvcore("gate", *flags(drive(tmp_path)), "--rule", "lamr_y <= 1", "--junit", junit)
+    assert result.exit_code == exit_code
+    assert words in result.stderr
+    assert "<failure" not in junit.read_text()
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no such file names there")

@@ -126,6 +126,14 @@ def remux(path: Path, options: dict[str, str]) -> None:
     copy.replace(path)
 
 
+def test_text_in_another_encoding_does_not_make_a_video_unreadable(tmp_path: Path):
+    path = write_numbered_video(tmp_path / "a.mkv")
+    path.write_bytes(path.read_bytes().replace(b"Lavf", b"La\xdff"))  # the program that wrote it
+    with pytest.raises(UnicodeDecodeError):
+        av.open(str(path))
+    assert number_in(open_pictures(path).read(7)) == 7
+
+
 def test_a_cut_video_says_how_many_pictures_can_be_read(tmp_path: Path):
     path = write_numbered_video(tmp_path / "a.mp4", bf="0")
     remux(path, {"movflags": "+faststart"})

@@ -17,6 +17,7 @@ from nvcore.errors import InputError
 from nvcore.findings import Finding, Severity
 from nvcore.inputs.load import load
 from nvcore.inputs.session import Session
+from nvcore.output_files import LOCK, MANIFEST, manifest
 from nvcore.report.files import export_files, report_zip, summary_json, write_report
 
 FILES = [
@@ -61,10 +62,11 @@ def test_folder_and_zip_hold_the_same_files_and_name_each_as_they_write(
     write_report(result, session, folder, (HOSTILE,), progress=progress)
     packed = report_zip(result, session, (HOSTILE,), progress=progress)
     assert steps == [f"writing {name}" for name in FILES] * 2
-    assert {path.name: path.read_bytes() for path in folder.iterdir()} == contents
+    written = {path.name: path.read_bytes() for path in folder.iterdir() if path.name != LOCK}
+    assert written == contents | {MANIFEST: manifest(contents.items())}
     with zipfile.ZipFile(io.BytesIO(packed)) as archive:
-        assert archive.namelist() == FILES
-        assert {name: archive.read(name) for name in FILES} == contents
+        assert archive.namelist() == [*FILES, MANIFEST]
+        assert {name: archive.read(name) for name in archive.namelist()} == written
         assert {one.date_time for one in archive.infolist()} == {(1980, 1, 1, 0, 0, 0)}
         assert {one.external_attr >> 16 for one in archive.infolist()} == {0o644}
 

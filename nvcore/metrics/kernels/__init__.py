@@ -16,12 +16,13 @@ from itertools import pairwise
 from typing import Any, Final
 
 import numpy as np
-from numba import njit
+
+from nvcore.metrics.kernels.compiling import compiler
 
 ABSORB_SHARE: Final = 0.5
 """Share of a detection's own area inside an ignore region that makes it count for nothing."""
 
-compiled = njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+compiled = compiler()
 """Compile on first use, keep the machine code on disk, run without the interpreter lock."""
 
 MIN_PER_THREAD: Final = 20_000

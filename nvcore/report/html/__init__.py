@@ -19,10 +19,10 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from nvcore.comparison import Result
-from nvcore.errors import InputError
 from nvcore.figures.style import CONFIG
 from nvcore.findings import Finding
 from nvcore.inputs.session import Session
+from nvcore.output_files import write_whole
 from nvcore.pictures.recordings import RecordingPictures, session_pictures
 from nvcore.progress import Progress, no_progress
 from nvcore.report.html.blocks import Chart
@@ -88,11 +88,7 @@ def write_html_report(
             opened.close()
     page = render(content).encode()
     progress(1.0, "done")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(page)
-    except OSError as error:
-        raise InputError(f"cannot be written ({error.strerror})", file=path) from error
+    write_whole(path, page)
 
 
 def _needed_pictures(result: Result, session: Session) -> RecordingPictures:

@@ -1,0 +1,55 @@
+"""How the loops are compiled, and where their machine code is kept.
+
+numba keeps it beside the source or in the user's cache folder, or in ``$NUMBA_CACHE_DIR``. Where
+it may write to none of these (read-only packages and no home), it is kept in a folder of the
+temporary files that only this user can change: machine code that others could write would be
+theirs to choose. Where there is none either, each process compiles anew, for some ten seconds.
+"""
+
+from __future__ import annotations
+
+import os
+import stat
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from numba import config, njit
+
+
+def compiler() -> Callable[[Callable[..., Any]], Any]:
+    """The decorator of compiled loops, which finds a place for their machine code."""
+    with_cache, without = (
+        njit(cache=is_kept, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+        for is_kept in (True, False)
+    )
+
+    def compiled(loop: Callable[..., Any]) -> Any:
+        try:
+            return with_cache(loop)
+        except RuntimeError:  # "no locator available": nowhere to write
+            folder = private_folder()
+        if folder is None:
+            return without(loop)
+        config.CACHE_DIR = str(folder)
+        return with_cache(loop)
+
+    return compiled
+
+
+def private_folder() -> Path | None:
+    """A folder of this user's among the temporary files; None if there cannot be one."""
+    try:
+        folder = Path(tempfile.gettempdir()) / f"nvcore-kernels-{os.getuid()}"
+        folder.mkdir(mode=0o700, exist_ok=True)
+        status = folder.lstat()
+    except (OSError, AttributeError):  # AttributeError: Windows, where the home always exists
+        return None
+    is_private = (
+        stat.S_ISDIR(status.st_mode)
+        and status.st_uid == os.getuid()
+        and not status.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
+        and os.access(folder, os.W_OK)
+    )
+    return folder if is_private else None
