@@ -4,7 +4,12 @@ import gc
 from pathlib import Path
 
 import streamlit as st
+from starlette.middleware import Middleware
 
+from ui.serving.headers import SecureHeaders
+from ui.serving.life import lifespan
+from ui.serving.limits import limits_of_environment
+from ui.serving.visitors import VisitorLimits
 from ui.session.routes import ROUTES
 from ui.shell.messages import error_banner
 
@@ -12,4 +17,13 @@ from ui.shell.messages import error_banner
 # look through all that the imports have left, for a fifth of a second.
 gc.freeze()
 
-app = st.App(Path(__file__).parent / "ui" / "main.py", routes=ROUTES, on_script_error=error_banner)
+app = st.App(
+    Path(__file__).parent / "ui" / "main.py",
+    routes=ROUTES,
+    middleware=[
+        Middleware(SecureHeaders),
+        Middleware(VisitorLimits, limits=limits_of_environment()),
+    ],
+    lifespan=lifespan,
+    on_script_error=error_banner,
+)

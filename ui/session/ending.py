@@ -1,11 +1,12 @@
-"""Closes a workspace some time after its browser has gone.
+"""Ends a session, and closes its workspace, some time after its browser has gone.
 
-Streamlit ends a session whose browser stays away for two minutes, but only when the next
-visitor comes: until then the uploads would stay on disk.
+Streamlit lets a session whose browser stays away end by itself, but only when the next visitor
+comes: until then its uploads would stay, on disk and in memory.
 """
 
 from __future__ import annotations
 
+import asyncio
 import logging
 import threading
 import time
@@ -18,7 +19,11 @@ from streamlit import runtime
 from streamlit.runtime.scriptrunner import get_script_run_ctx
 
 GRACE_S: Final = 150.0
-"""How long a browser may stay away; longer than Streamlit waits for it to come back."""
+"""How long a browser may stay away.
+
+With `INTERVAL_S` less than ``server.disconnectedSessionTTL``: a session that Streamlit has given
+up can no longer be ended.
+"""
 INTERVAL_S: Final = 20.0
 
 
@@ -35,6 +40,7 @@ class _Watched:
 
     what: weakref.ref[Closable]
     is_alive: Callable[[], bool]
+    session_id: str | None = None
     seen_s: float = field(default_factory=time.monotonic)
 
 
@@ -42,6 +48,13 @@ _LOG = logging.getLogger("nvcore.ui")
 _watched: list[_Watched] = []
 _lock = threading.Lock()
 _threads: list[threading.Thread] = []
+_loops: list[asyncio.AbstractEventLoop] = []
+"""The loop on which Streamlit's sessions may be ended, if it is known."""
+
+
+def close_sessions_on(loop: asyncio.AbstractEventLoop) -> None:
+    """End sessions on this loop, which is Streamlit's."""
+    _loops[:] = [loop]
 
 
 def end_with_session(what: Closable) -> None:
@@ -50,17 +63,21 @@ def end_with_session(what: Closable) -> None:
     if context is None or not runtime.exists():
         return
     session_id = context.session_id
-    watch(what, lambda: runtime.exists() and runtime.get_instance().is_active_session(session_id))
+    watch(
+        what,
+        lambda: runtime.exists() and runtime.get_instance().is_active_session(session_id),
+        session_id=session_id,
+    )
     with _lock:
         if not _threads or not _threads[-1].is_alive():
             _threads[:] = [threading.Thread(target=_run, name="session-end", daemon=True)]
             _threads[0].start()
 
 
-def watch(what: Closable, is_alive: Callable[[], bool]) -> None:
-    """Close this when `is_alive` has been false for `GRACE_S`; see `sweep`."""
+def watch(what: Closable, is_alive: Callable[[], bool], *, session_id: str | None = None) -> None:
+    """Close this when `is_alive` has been false for `GRACE_S`, and end the session; see `sweep`."""
     with _lock:
-        _watched.append(_Watched(weakref.ref(what), is_alive))
+        _watched.append(_Watched(weakref.ref(what), is_alive, session_id))
 
 
 def is_in_use(what: Closable) -> bool:
@@ -84,6 +101,8 @@ def sweep(now_s: float) -> None:
                 is_last = not any(other.what() is what for other in _watched)
             if is_last:  # another session may have taken it over
                 _close(what)
+            if not entry.is_alive():
+                _end(entry.session_id)
 
 
 def _close(what: Closable | None) -> None:
@@ -92,6 +111,12 @@ def _close(what: Closable | None) -> None:
             what.close()
     except OSError as error:  # the others are closed all the same
         _LOG.warning("what a session left could not be removed: %s", error)
+
+
+def _end(session_id: str | None) -> None:
+    """Streamlit forgets the session, with the files that it sent."""
+    if session_id is not None and runtime.exists() and _loops and not _loops[0].is_closed():
+        _loops[0].call_soon_threadsafe(runtime.get_instance().close_session, session_id)
 
 
 def _run() -> None:

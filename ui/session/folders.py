@@ -84,6 +84,12 @@ def process_folder(base: Path) -> Path:
     return folder
 
 
+def remove_own() -> None:
+    """Remove the folders of the running process."""
+    for lock in _held:
+        _remove(Path(lock.lock_file).with_suffix(""))
+
+
 def remove_leftovers(base: Path) -> None:
     """Remove the folders of processes that no longer live.
 

@@ -9,6 +9,7 @@ from typing import Any
 from urllib.parse import urlsplit
 
 from starlette.applications import Starlette
+from starlette.types import ASGIApp
 
 from ui.session.routes import ROUTES
 
@@ -31,8 +32,9 @@ def ask(
     headers: dict[str, str] | None = None,
     chunks: Iterable[bytes] = (b"",),
     breaks_off: bool = False,
+    app: ASGIApp | None = None,
 ) -> Answer:
-    """What the routes answer; `breaks_off`: the client is gone after the last chunk."""
+    """What an app answers, by itself the routes; `breaks_off`: the client goes after the chunks."""
     parts = urlsplit(address)
     sent = {"host": "testserver", **(headers or {})}
     scope = {
@@ -55,7 +57,7 @@ def ask(
     async def send(message: Any) -> None:
         answered.append(message)
 
-    asyncio.run(Starlette(routes=ROUTES)(scope, receive, send))
+    asyncio.run((app or Starlette(routes=ROUTES))(scope, receive, send))
     start, *rest = answered
     return Answer(
         start["status"],

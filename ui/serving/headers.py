@@ -1,0 +1,77 @@
+"""What every answer tells the browser to refuse."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import os
+import re
+from pathlib import Path
+from typing import Final
+
+import streamlit
+from starlette.datastructures import MutableHeaders
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+FRAMED_BY: Final = "NVCORE_FRAME_ANCESTORS"
+"""Sites that may show the app in a frame, as in a content security policy; default: itself."""
+
+
+def content_policy(framed_by: str = "'self'") -> str:
+    """The content security policy.
+
+    Scripts and data come from the app alone. Styles stand in the pages, as Streamlit and Plotly
+    write them; the viewer's script and the colour maps come as blobs.
+    """
+    sources = {
+        "default-src": "'self'",
+        "script-src": f"'self' blob: 'wasm-unsafe-eval' {' '.join(_scripts_of_the_page())}",
+        "style-src": "'self' 'unsafe-inline'",
+        "img-src": "'self' data: blob:",
+        "media-src": "'self' data: blob:",
+        "font-src": "'self' data:",
+        "connect-src": "'self' data: blob:",
+        "worker-src": "'self' blob:",
+        "object-src": "'none'",
+        "base-uri": "'self'",
+        "form-action": "'self'",
+        "frame-ancestors": framed_by,
+    }
+    return "; ".join(f"{name} {value}" for name, value in sources.items())
+
+
+def _scripts_of_the_page() -> list[str]:
+    """Hashes of the scripts in the text of Streamlit's own page."""
+    page = (Path(streamlit.__file__).parent / "static" / "index.html").read_text(encoding="utf-8")
+    scripts = re.findall(r"<script>(.*?)</script>", page, re.DOTALL)
+    hashes = (hashlib.sha256(script.encode()).digest() for script in scripts)
+    return [f"'sha256-{base64.b64encode(digest).decode()}'" for digest in hashes]
+
+
+class SecureHeaders:
+    """Adds the headers to answers that do not have them."""
+
+    def __init__(self, app: ASGIApp):
+        self.app = app
+        self._headers = {
+            "Content-Security-Policy": content_policy(os.environ.get(FRAMED_BY) or "'self'"),
+            "X-Content-Type-Options": "nosniff",
+            "Referrer-Policy": "same-origin",
+            "Permissions-Policy": "camera=(), microphone=(), geolocation=()",
+            "Cross-Origin-Opener-Policy": "same-origin",
+        }
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """ASGI."""
+        if scope["type"] != "http":
+            await self.app(scope, receive, send)
+            return
+
+        async def send_with_headers(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                headers = MutableHeaders(scope=message)
+                for name, value in self._headers.items():
+                    headers.setdefault(name, value)
+            await send(message)
+
+        await self.app(scope, receive, send_with_headers)

@@ -1,0 +1,49 @@
+"""How much all visitors, and each of them, may take of the server; set by environment variables."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, fields
+from typing import Final
+
+MEBI: Final = 1 << 20
+PREFIX: Final = "NVCORE_"
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What a server allows.
+
+    Attributes
+    ----------
+    max_visitors
+        Browser tabs at a time.
+    max_upload_mb
+        Annotation files of one tab, MiB: they are held in memory until they are opened.
+    max_uploads_mb
+        Those of all tabs together, MiB.
+    """
+
+    max_visitors: int = 50
+    max_upload_mb: int = 512
+    max_uploads_mb: int = 2048
+
+
+def limits_of_environment() -> Limits:
+    """The limits; a variable such as ``NVCORE_MAX_VISITORS`` takes the place of a default.
+
+    Raises
+    ------
+    ValueError
+        If a variable is no positive integer.
+    """
+    values = {}
+    for field in fields(Limits):
+        variable = f"{PREFIX}{field.name.upper()}"
+        text = os.environ.get(variable, "").strip()
+        if not text:
+            continue
+        if not (text.isascii() and text.isdigit() and 0 < int(text) < 10**9):
+            raise ValueError(f"{variable}: expected a whole number above 0, got {text!r}")
+        values[field.name] = int(text)
+    return Limits(**values)

@@ -1,0 +1,139 @@
+"""Refuses what is more than the server takes: visitors, and annotation files held in memory.
+
+Streamlit keeps annotation files in memory until their form is opened, and limits each by itself
+only (``server.maxUploadSize``). Pictures go through a route of ours, which has limits of its own.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import re
+import secrets
+from collections import Counter
+from http import HTTPStatus
+from typing import Final
+
+from starlette.datastructures import Headers
+from starlette.responses import PlainTextResponse
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+from streamlit import runtime
+
+from ui.serving.limits import MEBI, Limits
+
+METRICS_TOKEN: Final = "NVCORE_METRICS_TOKEN"  # noqa: S105  # its name
+"""Whoever sends it (``Authorization: Bearer``) may read the metrics; without it nobody may."""
+IDLE_S: Final = 60.0
+"""How long an upload may send nothing."""
+TRY_AGAIN_LATER: Final = 1013
+"""Close code of a WebSocket."""
+_STREAM: Final = "/_stcore/stream"
+_METRICS: Final = "/_stcore/metrics"
+_UPLOAD: Final = re.compile(r"/_stcore/upload_file/(?P<session>[^/]+)/[^/]+$")
+
+
+class VisitorLimits:
+    """Counts the open connections and the bytes on their way; refuses what is too much."""
+
+    def __init__(self, app: ASGIApp, limits: Limits):
+        self.app, self.limits = app, limits
+        self._n_visitors = 0
+        self._on_the_way: Counter[str] = Counter()
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """ASGI."""
+        path = str(scope.get("path", ""))
+        if scope["type"] == "websocket" and path.endswith(_STREAM):
+            await self._visit(scope, receive, send)
+            return
+        if scope["type"] == "http":
+            upload = _UPLOAD.search(path)
+            if upload is not None and scope["method"] == "PUT":
+                await self._upload(upload["session"], scope, receive, send)
+                return
+            if scope["method"] == "PUT":
+                receive = _impatient(receive)
+            refusal = self._refusal(path, scope)
+            if refusal is not None:
+                await refusal(scope, receive, send)
+                return
+        await self.app(scope, receive, send)
+
+    async def _visit(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if self._n_visitors >= self.limits.max_visitors:
+            await receive()
+            await send({"type": "websocket.close", "code": TRY_AGAIN_LATER})
+            return
+        self._n_visitors += 1
+        try:
+            await self.app(scope, receive, send)
+        finally:
+            self._n_visitors -= 1
+
+    async def _upload(self, session: str, scope: Scope, receive: Receive, send: Send) -> None:
+        stated = Headers(scope=scope).get("content-length", "")
+        if not (stated.isascii() and stated.isdigit() and len(stated) < 19):
+            await _answer(HTTPStatus.LENGTH_REQUIRED, "state the length")(scope, receive, send)
+            return
+        n_bytes, limits = int(stated), self.limits
+        of_session = _held_bytes(session) + self._on_the_way[session] + n_bytes
+        of_all = _held_bytes() + self._on_the_way.total() + n_bytes
+        if of_session > limits.max_upload_mb * MEBI or of_all > limits.max_uploads_mb * MEBI:
+            text = (
+                f"a visitor may send {limits.max_upload_mb} MB of annotation files at a time"
+                if of_session > limits.max_upload_mb * MEBI
+                else "the server holds as many annotation files as it may; try again later"
+            )
+            await _answer(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, text)(scope, receive, send)
+            return
+        self._on_the_way[session] += n_bytes
+        try:
+            await self.app(scope, _impatient(receive), send)
+        finally:
+            self._on_the_way[session] -= n_bytes
+            if not self._on_the_way[session]:
+                del self._on_the_way[session]
+
+    def _refusal(self, path: str, scope: Scope) -> PlainTextResponse | None:
+        """Why this is not answered; None: it is."""
+        if path.endswith(_METRICS) and not _may_read_metrics(Headers(scope=scope)):
+            return _answer(HTTPStatus.NOT_FOUND, "not found")
+        is_page = "text/html" in Headers(scope=scope).get("accept", "")
+        if is_page and self._n_visitors >= self.limits.max_visitors:
+            most = self.limits.max_visitors
+            return _answer(
+                HTTPStatus.SERVICE_UNAVAILABLE,
+                f"This server takes {most} visitors at a time. Try again later.",
+            )
+        return None
+
+
+def _impatient(receive: Receive) -> Receive:
+    """The same messages; a sender that falls silent counts as gone."""
+
+    async def receive_in_time() -> Message:
+        try:
+            return await asyncio.wait_for(receive(), IDLE_S)
+        except TimeoutError:
+            return {"type": "http.disconnect"}
+
+    return receive_in_time
+
+
+def _answer(status: HTTPStatus, text: str) -> PlainTextResponse:
+    return PlainTextResponse(text, status, {"Cache-Control": "no-store"})
+
+
+def _held_bytes(session: str | None = None) -> int:
+    """Bytes of the annotation files that Streamlit holds, of one session or of all."""
+    if not runtime.exists():
+        return 0
+    held = runtime.get_instance().uploaded_file_mgr.file_storage  # type: ignore[attr-defined]
+    sessions = list(held.values()) if session is None else [held.get(session, {})]
+    return sum(len(file.data) for files in sessions for file in list(files.values()))
+
+
+def _may_read_metrics(headers: Headers) -> bool:
+    token = os.environ.get(METRICS_TOKEN)
+    given = headers.get("authorization", "").removeprefix("Bearer ")
+    return bool(token) and secrets.compare_digest(given.encode(), str(token).encode())
