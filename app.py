@@ -6,9 +6,9 @@ from pathlib import Path
 import streamlit as st
 from starlette.middleware import Middleware
 
+from ui.confined.limits import limits_of_environment
 from ui.serving.headers import SecureHeaders
 from ui.serving.life import lifespan
-from ui.serving.limits import limits_of_environment
 from ui.serving.visitors import VisitorLimits
 from ui.session.routes import ROUTES
 from ui.shell.messages import error_banner

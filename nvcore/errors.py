@@ -14,7 +14,9 @@ Every message says what is wrong, where, what was expected, what was found and w
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 
 class NvcoreError(Exception):
@@ -42,6 +44,13 @@ class InputError(NvcoreError):
         if self.file is not None:
             where = self.file + (f", line {line}" if line is not None else "") + ": "
         super().__init__(where + message)
+
+    def __reduce__(self) -> Any:
+        """For another process: an exception by itself forgets its keywords."""
+        return partial(type(self), self.message, **self._keywords()), ()
+
+    def _keywords(self) -> dict[str, Any]:
+        return {"file": self.file, "line": self.line}
 
 
 class FormatError(InputError):
@@ -77,6 +86,9 @@ class MissingFactError(InputError):
     ):
         self.facts = facts
         super().__init__(message, file=file, line=line)
+
+    def _keywords(self) -> dict[str, Any]:
+        return {**super()._keywords(), "facts": self.facts}
 
 
 class SessionError(InputError):

@@ -18,6 +18,10 @@ from nvcore.inputs.session import is_frame_range
 
 MIN_SAMPLED: Final = 8
 """Annotated frames from which a common step between them is taken for regular sampling."""
+SPARSE: Final = 1000
+"""Frames for each annotated one from which on frame numbers are taken for wrong ..."""
+LONG: Final = 100_000
+"""... in a recording of more frames than these: an hour at 28 Hz."""
 
 
 def parse_frames(text: str, folder: Path) -> np.ndarray:
@@ -87,7 +91,7 @@ def infer_frames(annotated: np.ndarray) -> tuple[np.ndarray, str]:
     Raises
     ------
     MissingFactError
-        If that would be more frames than any recording has.
+        If that would be more frames than any recording has, or hardly one of them is annotated.
     """
     first, last = int(annotated[0]), int(annotated[-1])
     step = int(np.gcd.reduce(np.diff(annotated))) if len(annotated) >= MIN_SAMPLED else 1
@@ -95,6 +99,14 @@ def infer_frames(annotated: np.ndarray) -> tuple[np.ndarray, str]:
         raise MissingFactError(
             f"the truth reaches from frame {first} to {last}, more than {MAX_FRAMES} frames; "
             "correct the frame numbers, or give the evaluated frames with --frames",
+            facts=("frames",),
+        )
+    n_frames = (last - first) // step + 1
+    if n_frames > max(LONG, SPARSE * len(annotated)):
+        raise MissingFactError(
+            f"the truth has boxes in {len(annotated)} frames between frame {first} and {last}; "
+            f"expected at least one in {SPARSE} of so many. Correct the frame numbers (are they "
+            "times?), or give the evaluated frames with --frames",
             facts=("frames",),
         )
     if step > 1:

@@ -17,7 +17,7 @@ from nvcore.dataset import (
     tables_fingerprint,
     what_is_stated,
 )
-from nvcore.errors import MissingFactError
+from nvcore.errors import InputError, MissingFactError
 from nvcore.findings import Finding
 from nvcore.inputs.evaluated_frames import own_frames, parse_frames
 from nvcore.inputs.files import digest, find_files, system_names
@@ -58,6 +58,7 @@ def load(
     session: Session,
     *,
     tables: Mapping[Source, pd.DataFrame] | None = None,
+    max_frames: int | None = None,
     progress: Progress = no_progress,
 ) -> Dataset:
     """Read everything that a session names.
@@ -68,13 +69,15 @@ def load(
         The inputs, and what they lack. The dataset carries it as its settings.
     tables
         Tables in memory, by the sources of the session whose files they replace.
+    max_frames
+        Most evaluated frames of all recordings; None: no limit.
     progress
         Called with the name of the next step.
 
     Raises
     ------
     InputError
-        If a file cannot be used; with file and line.
+        If a file cannot be used; with file and line. If there are more frames than `max_frames`.
     MissingFactError
         If image size, frame rate or truth are needed and unknown; with the flag to give.
     """
@@ -95,7 +98,7 @@ def load(
         system = _read(session, source, name, "detections", truth.reading, table)
         loaded.append(_corrected(system, source))
     progress(len(loaded) / n_steps, "placing boxes in frames")
-    return _place(session, _named_by_session(session, loaded))
+    return _place(session, _named_by_session(session, loaded), max_frames)
 
 
 def read_source(
@@ -229,12 +232,18 @@ def _corrected(system: _Loaded, source: SystemSource) -> _Loaded:
     return replace(system, reading=replace(system.reading, boxes=boxes, conversion=conversion))
 
 
-def _place(session: Session, loaded: list[_Loaded]) -> Dataset:
+def _place(session: Session, loaded: list[_Loaded], max_frames: int | None) -> Dataset:
     """The dataset of all sources, every box in its frame."""
     truth = loaded[0].reading
     check_listed(session, truth)
     recordings = describe_recordings(session, truth)
     frames, notes = _frames(session, truth, recordings)
+    n_frames = sum(map(len, frames))
+    if max_frames is not None and n_frames > max_frames:
+        raise InputError(
+            f"there are {n_frames:,} evaluated frames; expected at most {max_frames:,}. Open fewer "
+            "recordings at a time, or give the frames to evaluate"
+        )
     keep = [i for i, listed in enumerate(frames) if len(listed)]
     recordings = recordings.iloc[keep].reset_index(drop=True)
     frames = [frames[i] for i in keep]

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Final
 
 import numpy as np
@@ -52,7 +53,11 @@ class RecordingPictures:
 
 
 def session_pictures(
-    session: Session, dataset: Dataset, recordings: Collection[int] | None = None
+    session: Session,
+    dataset: Dataset,
+    recordings: Collection[int] | None = None,
+    *,
+    opener: Callable[[Path], Pictures] | None = None,
 ) -> RecordingPictures:
     """Open the pictures that a session names; `notes` says what cannot be opened.
 
@@ -64,6 +69,9 @@ def session_pictures(
         Its recordings and frames.
     recordings
         Rows of the recordings table whose pictures are needed; None: all.
+    opener
+        Opens the pictures of a recording, and raises `MediaError` if it cannot; None:
+        `open_pictures`.
     """
     names = [str(name) for name in dataset.recordings["name"]]
     entries = session.entries(names)
@@ -77,7 +85,7 @@ def session_pictures(
         if entry is None or entry.pictures is None or not is_needed:
             continue
         try:
-            pictures = open_pictures(session.folder / entry.pictures)
+            pictures = (opener or open_pictures)(session.folder / entry.pictures)
         except MediaError as error:
             notes[number] = error.message
             continue

@@ -12,9 +12,9 @@ import streamlit as st
 
 from nvcore.errors import MissingFactError, NvcoreError
 from nvcore.inputs.files import find_files
-from nvcore.inputs.load import read_source
 from nvcore.inputs.readers.base import Reading, Role
 from nvcore.inputs.session import Source
+from ui.confined.reading import read_confined
 from ui.session import state
 from ui.session.cache import Caching
 from ui.shell.messages import without_paths
@@ -121,7 +121,7 @@ def _check(
         name, title = file_format.name, file_format.title
         if role == "detections" and known is None:  # some formats cannot be read without it
             return FileCheck(format=name, summary=title)
-        reading = read_source(
+        reading = read_confined(
             source_files, role=role, folder=folder, size=_size(known), truth=known
         )
     except MissingFactError as error:

@@ -13,8 +13,8 @@ from nvcore.errors import MediaError
 from nvcore.inputs.readers import FORMATS
 from nvcore.inputs.readers.base import Role
 from nvcore.inputs.session import Session
-from nvcore.pictures.open import open_pictures
 from ui.data.opening import MISSING_WORDS, trouble_of
+from ui.session import state
 from ui.session.opening import checked_frames
 
 _CHECKS: Final = "picture_checks"
@@ -265,7 +265,7 @@ def check_pictures(path: Path) -> PictureCheck:
 
 def _check_pictures(path: Path) -> PictureCheck:
     try:
-        pictures = open_pictures(path)
+        pictures = state.workspace().picture_process.open(path)
     except MediaError as error:
         return PictureCheck(trouble=error.message)
     check = PictureCheck((int(pictures.width), int(pictures.height)), pictures.fps)

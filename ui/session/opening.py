@@ -20,7 +20,6 @@ from nvcore.dataset import Dataset
 from nvcore.errors import SessionError
 from nvcore.findings import Finding
 from nvcore.inputs.files import NAME_PARTS
-from nvcore.inputs.load import read_source
 from nvcore.inputs.recordings_file import with_recordings_file
 from nvcore.inputs.session import (
     RecordingEntry,
@@ -33,6 +32,7 @@ from nvcore.inputs.session import (
 from nvcore.inputs.session_toml import read_session
 from nvcore.params import Params
 from nvcore.pictures.open import is_below
+from ui.confined.reading import read_confined
 from ui.session.uploads import ANNOTATION_FOLDERS
 
 SHOWN_FOLDERS: Final = NAME_PARTS - 1
@@ -66,7 +66,7 @@ def recording_names(session: Session) -> list[str]:
     InputError
         If it cannot be used.
     """
-    truth = read_source(
+    truth = read_confined(
         session.truth, role="truth", folder=session.folder, size=session.common_size
     )
     names: list[str] = truth.recordings["name"].tolist()

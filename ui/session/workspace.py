@@ -17,6 +17,7 @@ from nvcore.comparison import Result
 from nvcore.dataset import Dataset
 from nvcore.inputs.session import Session
 from nvcore.pictures.base import Pictures
+from ui.confined.pictures import PictureProcess
 from ui.session.cache import Caching
 from ui.session.ending import end_with_session
 from ui.session.folders import new_folder
@@ -99,6 +100,8 @@ class Workspace(Caching):
         What of `used_bytes` belongs to the annotations of a form, by its folder.
     lock
         Held while those are changed.
+    picture_process
+        Opens the pictures that were sent.
     notes
         What a page remembers of its user, by a name of its own: outlasts `forget`, unlike the
         values of `cached`, and a reload, unlike ``st.session_state``.
@@ -115,6 +118,7 @@ class Workspace(Caching):
         self.picture_rows: Mapping[int, np.ndarray] = {}
         self.picture_notes: Mapping[int, str] = {}
         self.lock = threading.Lock()
+        self.picture_process = PictureProcess()
         self.stored: dict[str, Stored] = {}
         self.used_bytes = 0
         self.upload_bytes: dict[Path, int] = {}
@@ -185,9 +189,20 @@ class Workspace(Caching):
         self.notes.clear()
         self.forget()  # first: nothing should go on to read the pictures
         self.close_pictures()
+        self.picture_process.close()
         self._remove()
 
 
 def workspace_of(token: str) -> Workspace | None:
     """The workspace with that token; None where the session has ended or never was."""
     return _workspaces.get(token)
+
+
+def opened_by_others(space: Workspace) -> list[Opened]:
+    """What other sessions have open; what several share once."""
+    others = {
+        id(other.opened.dataset.frames): other.opened
+        for other in list(_workspaces.values())
+        if other is not space and other.opened is not None
+    }
+    return list(others.values())

@@ -44,7 +44,7 @@ def test_the_boxes_of_a_checked_file_are_not_kept(
         annotated = pd.DataFrame({"recording": "t", "frame": boxes["frame"]})
         return Reading(boxes, found.recordings, "", annotated=annotated)
 
-    monkeypatch.setattr(file_check, "read_source", read)
+    monkeypatch.setattr(file_check, "read_confined", read)
     found = check("mine")
     gc.collect()
     assert found.summary.startswith("plain CSV: 1,000 boxes")

@@ -14,7 +14,7 @@ from places import ROOT
 from nvcore.errors import SessionError
 from nvcore.inputs.session import Session, Source
 from pages import scripted
-from ui.data import missing_inputs
+from ui.confined.pictures import PictureProcess
 from ui.data.missing_inputs import MissingInputs, check_pictures, picture_rate, picture_size
 
 VIDEO = ROOT / "sample_data" / "odd_pose.mp4"
@@ -24,13 +24,13 @@ VIDEO = ROOT / "sample_data" / "odd_pose.mp4"
 def opened(monkeypatch: pytest.MonkeyPatch) -> list[Path]:
     """What was opened, in turn."""
     paths: list[Path] = []
-    real = missing_inputs.open_pictures
+    real = PictureProcess.open
 
-    def counted(path: Path):
+    def counted(process: PictureProcess, path: Path):
         paths.append(path)
-        return real(path)
+        return real(process, path)
 
-    monkeypatch.setattr(missing_inputs, "open_pictures", counted)
+    monkeypatch.setattr(PictureProcess, "open", counted)
     return paths
 
 

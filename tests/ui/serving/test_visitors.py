@@ -10,9 +10,9 @@ from asgi import Answer, ask
 from starlette.responses import PlainTextResponse
 from starlette.types import Receive, Scope, Send
 
+from ui.confined.limits import Limits, limits_of_environment
 from ui.serving import visitors
 from ui.serving.headers import SecureHeaders
-from ui.serving.limits import Limits, limits_of_environment
 from ui.serving.visitors import METRICS_TOKEN, TRY_AGAIN_LATER, VisitorLimits
 
 UPLOAD = "/base/_stcore/upload_file/session/file"
@@ -140,8 +140,10 @@ def test_every_answer_has_the_headers_and_keeps_its_own(monkeypatch: pytest.Monk
 
 
 def test_limits_come_from_the_environment(monkeypatch: pytest.MonkeyPatch):
+    limits_of_environment.cache_clear()
     monkeypatch.setenv("NVCORE_MAX_VISITORS", "3")
     assert limits_of_environment() == Limits(max_visitors=3)
+    limits_of_environment.cache_clear()
     monkeypatch.setenv("NVCORE_MAX_VISITORS", "0")
     with pytest.raises(ValueError, match="NVCORE_MAX_VISITORS: expected a whole number above 0"):
         limits_of_environment()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass, fields
+from functools import cache
 from typing import Final
 
 MEBI: Final = 1 << 20
@@ -22,15 +23,26 @@ class Limits:
         Annotation files of one tab, MiB: they are held in memory until they are opened.
     max_uploads_mb
         Those of all tabs together, MiB.
+    max_frames
+        Evaluated frames of what a tab has open.
+    max_frames_of_all
+        Those of all tabs together.
+    reading_mb, reading_s
+        Memory, MiB, and time for reading annotation files.
     """
 
     max_visitors: int = 50
     max_upload_mb: int = 512
     max_uploads_mb: int = 2048
+    max_frames: int = 2_000_000
+    max_frames_of_all: int = 10_000_000
+    reading_mb: int = 3000
+    reading_s: int = 300
 
 
+@cache
 def limits_of_environment() -> Limits:
-    """The limits; a variable such as ``NVCORE_MAX_VISITORS`` takes the place of a default.
+    """The limits, read once; a variable such as ``NVCORE_MAX_VISITORS`` replaces a default.
 
     Raises
     ------

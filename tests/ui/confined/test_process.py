@@ -1,0 +1,101 @@
+"""What takes too much ends as an error in words, and nothing else with it."""
+
+from __future__ import annotations
+
+import os
+import time
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from inputs import drive, session_of
+from picture_files import number_in, write_numbered_video
+
+from nvcore.errors import InputError, MediaError, MissingFactError
+from nvcore.inputs.load import load
+from ui.confined.pictures import PictureProcess
+from ui.confined.process import Allowance, call
+
+ENOUGH = Allowance(memory_mb=1000, seconds=300)
+
+
+def process_id() -> int:
+    return os.getpid()
+
+
+def take(n_mb: int) -> int:
+    return len(bytearray(n_mb << 20))
+
+
+def end() -> None:
+    os._exit(3)
+
+
+def missing() -> None:
+    raise MissingFactError("no size", file="a.txt", line=3, facts=("size",))
+
+
+def test_a_call_is_answered_by_another_process():
+    assert call(process_id, allowance=ENOUGH, what="asking") != os.getpid()
+
+
+def test_a_dataset_comes_back_as_it_was_read(tmp_path: Path):
+    session = session_of(drive(tmp_path))
+    there = call(load, session, allowance=ENOUGH, what="reading")
+    assert there.fingerprint == load(session).fingerprint
+
+
+@pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="memory is limited on Linux only")
+def test_too_much_memory_is_an_error_in_words():
+    small = Allowance(memory_mb=200, seconds=300)
+    assert call(take, 50, allowance=small, what="reading") == 50 << 20
+    with pytest.raises(InputError, match="reading took more than 200 MB of memory"):
+        call(take, 400, allowance=small, what="reading")
+
+
+def test_too_much_time_and_a_fault_are_errors_in_words():
+    with pytest.raises(InputError, match=r"waiting took more than 0\.1 s"):
+        call(time.sleep, 1000, allowance=Allowance(1000, 0.1), what="waiting")
+    with pytest.raises(InputError, match="reading took too much memory, or ended in a fault"):
+        call(end, allowance=ENOUGH, what="reading")
+
+
+def test_errors_keep_what_they_say():
+    with pytest.raises(MissingFactError) as caught:
+        call(missing, allowance=ENOUGH, what="reading")
+    error = caught.value
+    assert (str(error), error.file, error.line, error.facts) == (
+        "a.txt, line 3: no size", "a.txt", 3, ("size",)
+    )  # fmt: skip
+
+
+def test_pictures_are_those_of_the_video(tmp_path: Path):
+    process = PictureProcess()
+    try:
+        pictures = process.open(write_numbered_video(tmp_path / "a.mp4"))
+        assert (pictures.n, pictures.is_video, pictures.fps) == (100, True, 20.0)
+        assert [number_in(pictures.read(index)) for index in (3, 99, 0)] == [3, 99, 0]
+        with pytest.raises(MediaError, match="there is no picture 100"):
+            pictures.read(100)
+        with pytest.raises(MediaError, match="no such file"):
+            process.open(tmp_path / "b.mp4")
+        process.close()
+        assert number_in(pictures.read(7)) == 7  # by a new process
+        pictures.close()
+    finally:
+        process.close()
+
+
+@pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="memory is limited on Linux only")
+def test_a_picture_that_fills_the_memory_ends_neither_the_server_nor_the_others(tmp_path: Path):
+    cv2.imwrite(str(tmp_path / "large.png"), np.zeros((9000, 9000, 4), np.uint16))
+    cv2.imwrite(str(tmp_path / "small.png"), np.full((20, 30), 9, np.uint8))
+    process = PictureProcess(Allowance(memory_mb=300, seconds=300))
+    try:
+        small = process.open(tmp_path / "small.png")
+        with pytest.raises(MediaError):
+            process.open(tmp_path / "large.png")
+        assert small.read(0).tolist() == np.full((20, 30), 9).tolist()
+    finally:
+        process.close()

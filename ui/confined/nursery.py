@@ -1,0 +1,70 @@
+"""The process that the others are forked from: it has loaded what they need, and has one thread.
+
+``python -m ui.confined.nursery SOCKET``, with the number of an open socket. Each message there
+brings the end of a connection, for which a process is forked: it tells its number, hears how much
+memory it may take, and answers calls until the connection ends. Not by `multiprocessing`: its
+processes begin with the main module of their parent, which in Streamlit is the page.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import resource
+import signal
+import socket
+import sys
+from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import Final
+
+import nvcore.inputs.load
+import nvcore.pictures.open  # noqa: F401  # loaded for the forked processes
+from nvcore.errors import NvcoreError
+
+MEBI: Final = 1 << 20
+
+
+def main(control: socket.socket) -> None:
+    """Fork a process for each connection that is sent, until the server is gone."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # ^C is for the server, which ends us
+    signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # nobody waits for the processes
+    while True:
+        message, descriptors, _, _ = socket.recv_fds(control, 1, 1)
+        if not message:
+            return
+        if os.fork() == 0:
+            control.close()
+            with contextlib.suppress(EOFError, OSError):
+                answer_calls(Connection(descriptors[0]))
+            os._exit(0)
+        os.close(descriptors[0])
+
+
+def answer_calls(theirs: Connection) -> None:
+    """Answer with whether it went well, and what was returned or raised."""
+    theirs.send(os.getpid())
+    _limit_memory(theirs.recv())
+    while True:
+        function, arguments = theirs.recv()
+        try:
+            answer = (True, function(*arguments))
+        except NvcoreError as error:
+            answer = (False, error)
+        except MemoryError:
+            answer = (False, MemoryError())
+        theirs.send(answer)
+        del function, arguments, answer
+
+
+def _limit_memory(n_mb: int) -> None:
+    """Let the process have so much more address space than it has now; Linux only."""
+    statistics = Path("/proc/self/statm")
+    if statistics.exists():
+        taken = int(statistics.read_text().split()[0]) * os.sysconf("SC_PAGE_SIZE")
+        resource.setrlimit(resource.RLIMIT_AS, (taken + n_mb * MEBI,) * 2)
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+
+
+if __name__ == "__main__":
+    main(socket.socket(fileno=int(sys.argv[1])))

@@ -1,0 +1,158 @@
+"""Processes that may take so much memory and time, and calls into them."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import socket
+import subprocess
+import sys
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+from multiprocessing.connection import Connection
+from typing import Any, Final, TypeVar, cast
+
+from nvcore.errors import InputError
+
+T = TypeVar("T")
+
+MOST_JOBS: Final = 2
+"""Calls at a time, each in a process of its own; others wait."""
+
+_jobs = threading.BoundedSemaphore(MOST_JOBS)
+
+
+@dataclass(frozen=True)
+class Allowance:
+    """What a process may take.
+
+    Attributes
+    ----------
+    memory_mb
+        MiB beyond what it has when it starts.
+    seconds
+        For one call.
+    """
+
+    memory_mb: int
+    seconds: float
+
+
+class Process:
+    """A process that answers calls, one after another; not for several threads at once."""
+
+    def __init__(self, allowance: Allowance) -> None:
+        """Start it.
+
+        Raises
+        ------
+        OSError
+            If there is no room for another process.
+        """
+        self._allowance = allowance
+        self._ours = _nursery.connect()
+        self._number: int = self._ours.recv()
+        self._ours.send(allowance.memory_mb)
+
+    def call(self, function: Callable[..., T], *arguments: Any, what: str) -> T:
+        """What a function returns there; after any error but its own the process has ended.
+
+        Parameters
+        ----------
+        function, arguments
+            Of some module, and such as can be sent to another process.
+        what
+            What is done, for errors: ``"reading the files"``.
+
+        Raises
+        ------
+        NvcoreError
+            What the function raises.
+        InputError
+            If it takes more than it may, or ends without an answer.
+        """
+        try:
+            self._ours.send((function, arguments))
+            is_ready = self._ours.poll(self._allowance.seconds)
+            answer: tuple[bool, Any] = self._ours.recv() if is_ready else (False, None)
+        except (EOFError, OSError) as error:
+            self.end()
+            raise InputError(f"{what} took too much memory, or ended in a fault") from error
+        is_fine, value = answer
+        if is_fine:
+            return cast(T, value)
+        if value is not None and not isinstance(value, MemoryError):
+            raise value
+        self.end()
+        taken = f"{self._allowance.seconds:g} s"
+        if is_ready:
+            taken = f"{self._allowance.memory_mb} MB of memory"
+        raise InputError(f"{what} took more than {taken}, and was stopped")
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether calls are no longer answered."""
+        return self._ours.closed
+
+    def end(self) -> None:
+        """Stop it at once."""
+        if not self._ours.closed:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(self._number, signal.SIGKILL)
+            self._ours.close()
+
+
+def call(function: Callable[..., T], *arguments: Any, allowance: Allowance, what: str) -> T:
+    """What a function returns in a process of its own; see `Process.call`."""
+    with _jobs:
+        process = Process(allowance)
+        try:
+            return process.call(function, *arguments, what=what)
+        finally:
+            process.end()
+
+
+def warm_up() -> None:
+    """Start what processes are forked from, so that the first call need not wait for it."""
+    call(os.getpid, allowance=Allowance(memory_mb=100, seconds=300), what="starting")
+
+
+class _Nursery:
+    """`ui.confined.nursery`, started when it is first needed; it ends with this process."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._control: socket.socket | None = None
+        self._process: subprocess.Popen[bytes] | None = None
+
+    def connect(self) -> Connection:
+        """Our end of a connection to a new process."""
+        ours, theirs = socket.socketpair()
+        with theirs, self._lock:
+            try:
+                socket.send_fds(self._started(), [b"+"], [theirs.fileno()])
+            except BrokenPipeError:  # it was killed
+                self._control = None
+                socket.send_fds(self._started(), [b"+"], [theirs.fileno()])
+        return Connection(ours.detach())
+
+    def _started(self) -> socket.socket:
+        if self._control is None:
+            self._control, theirs = socket.socketpair()
+            number = theirs.fileno()
+            with theirs:
+                self._process = subprocess.Popen(  # noqa: S603  # our own module
+                    [sys.executable, "-m", "ui.confined.nursery", str(number)],
+                    pass_fds=[number],
+                    env={
+                        **os.environ,
+                        "PYTHONPATH": os.pathsep.join(filter(None, sys.path)),
+                        "OPENBLAS_NUM_THREADS": "1",
+                    },
+                )
+        return self._control
+
+
+_nursery = _Nursery()
