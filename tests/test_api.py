@@ -15,6 +15,7 @@ from places import SAMPLE
 import nvcore as nv
 from nvcore.api.comparison import Comparison
 from nvcore.findings import Severity
+from nvcore.output_files import LOCK
 from nvcore.params import Params
 from nvcore.protocols import PROTOCOLS
 from nvcore.report.files import summary_json
@@ -39,7 +40,7 @@ def tables(folder: Path) -> dict[str, pd.DataFrame]:
 
 
 def written(folder: Path) -> dict[str, bytes]:
-    return {path.name: path.read_bytes() for path in folder.iterdir()}
+    return {path.name: path.read_bytes() for path in folder.iterdir() if path.name != LOCK}
 
 
 # what a session says is used
