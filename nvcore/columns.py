@@ -98,6 +98,12 @@ class FrameColumns:
         return np.concatenate([[0.0], np.cumsum(self.gap)])
 
     @cached_property
+    def half_width(self) -> np.ndarray:
+        """Half the width of every frame's picture, px; float64, (n_frames,)."""
+        half: np.ndarray = 0.5 * self.width[self.recording]
+        return half
+
+    @cached_property
     def step_s(self) -> np.ndarray:
         """Time step of every frame, seconds; float64, (n_frames,)."""
         steps: np.ndarray = self.gap / self.fps[self.recording]

@@ -134,17 +134,16 @@ class SystemResult:
     @cached_property
     def loss_miss(self) -> np.ndarray:
         """What each frame loses to misses: ``alpha * D(G, S) / (W/2)``; float64, (n_frames,)."""
-        return self._params.alpha * self._in_half_widths(self.distances.d_miss)
+        half_width = self._dataset.frame_columns.half_width
+        lost: np.ndarray = self._params.alpha * self.distances.d_miss / half_width
+        return lost
 
     @cached_property
     def loss_false(self) -> np.ndarray:
         """What each frame loses to false alarms: ``(1 - alpha) * D(S, G) / (W/2)``; (n_frames,)."""
-        return (1 - self._params.alpha) * self._in_half_widths(self.distances.d_false)
-
-    def _in_half_widths(self, distance: np.ndarray) -> np.ndarray:
-        frames = self._dataset.frame_columns
-        shares: np.ndarray = distance / (0.5 * frames.width[frames.recording])
-        return shares
+        half_width = self._dataset.frame_columns.half_width
+        lost: np.ndarray = (1 - self._params.alpha) * self.distances.d_false / half_width
+        return lost
 
     @cached_property
     def lost_s_per_min(self) -> float:
@@ -163,7 +162,7 @@ class SystemResult:
 
     @cached_property
     def worst_window(self) -> Window:
-        """The one with the lowest moving mean of all; undefined without frames."""
+        """The window with the lowest moving mean of all recordings; undefined without frames."""
         windows = [window for window in self.worst_window_of_recordings if window.row >= 0]
         return min(windows, key=lambda window: window.mean, default=NO_WINDOW)
 

@@ -10,6 +10,7 @@ import numpy as np
 from nvcore.columns import BoxColumns, FrameColumns
 from nvcore.errors import ParameterError
 from nvcore.metrics.proximity import in_use, sigmoid
+from nvcore.metrics.similarity import border_at
 from nvcore.params import Params
 from nvcore.wording import count_text
 
@@ -153,12 +154,11 @@ def map_cost(
     centre_px = (np.arange(n_columns) + 0.5) * width / n_columns
     foot_px = (np.arange(n_rows) + 0.5) * height / n_rows
     rho = float(in_use(params, "edge_weight", frames)[recording])
-    sides = np.minimum(centre_px, width - centre_px) / (0.5 * width)
     k, basis, n_boxes, height_px = _weigh_rows(truth, frames, params, recording, foot_px)
     return CostMap(
         centre_px=centre_px,
         foot_px=foot_px,
-        border=rho + (1 - rho) * sides,
+        border=border_at(centre_px, width, rho) / (0.5 * width),
         k=k,
         basis=basis,
         n_boxes=n_boxes,

@@ -102,7 +102,7 @@ def find_encounters(
     is_new_frame = np.ones(len(order), dtype=bool)  # a track id given twice in a frame counts once
     is_new_frame[1:] = np.diff(row_frame) != 0
     is_new_frame[starts] = True
-    half = 0.5 * frames.width[recording[order]]
+    half = frames.half_width[row_frame]
     centre = np.clip(truth.x[order] + 0.5 * truth.w[order], 0, 2 * half)
     signed_offset = (centre - half) / half
     aspect = truth.h[order] / truth.w[order]

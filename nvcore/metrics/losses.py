@@ -14,6 +14,11 @@ def lost_per_minute(similarity: np.ndarray, step_s: np.ndarray) -> float:
     """Lost similarity: the sum of ``(1 - M) * time step``, seconds per minute of recording.
 
     0 is best, 60 a similarity of 0 throughout; NaN without frames.
+
+    Parameters
+    ----------
+    similarity, step_s
+        Of every frame, 0 to 1, and its time step, seconds; float64, shape (n_frames,).
     """
     if not len(similarity):
         return float("nan")
@@ -48,6 +53,8 @@ def find_worst_windows(
 
     Parameters
     ----------
+    similarity
+        Of every frame, 0 to 1; float64, shape (n_frames,).
     moving_mean
         Of `smooth` with the same window; float64, shape (n_frames,).
     """

@@ -33,7 +33,7 @@ def qualify(distances: SetDistances, frames: FrameColumns, *, tolerance: float) 
     The pedestrian that attains D(G, S), if ``D(G, S) > tolerance * W/2``: below that it is
     localisation noise, not a miss.
     """
-    least = tolerance * 0.5 * frames.width[frames.recording]
+    least = tolerance * frames.half_width
     return np.where(distances.d_miss > least, distances.salient_row, -1)
 
 
@@ -56,7 +56,7 @@ def qualify_each(
         Of each truth box (`nvcore.metrics.similarity.miss_terms`), px; float64, (n_truth,).
     """
     rows = encounters.order
-    least = tolerance * 0.5 * frames.width[frames.recording[encounters.frame_index]]
+    least = tolerance * frames.half_width[encounters.frame_index]
     rows = rows[terms[rows] > least]
     encounter, frame_row = encounters.encounter_of[rows], truth.frame_index[rows]
     is_twin = (encounter[1:] == encounter[:-1]) & (frame_row[1:] == frame_row[:-1])
@@ -150,8 +150,7 @@ def find_events(
     whole = passed[end + 1] - passed[start]
     duration_s = (passed[last + 1] - passed[first]) / rate
     if params.saliency_weight == "risk":
-        half_width = 0.5 * frames.width[frames.recording[rows]]
-        weight_s = _sum(effect / half_width * frames.gap[rows], starts) / rate
+        weight_s = _sum(effect / frames.half_width[rows] * frames.gap[rows], starts) / rate
     else:
         weight_s = duration_s
     tau = (passed[last + 1] - passed[start]) / whole
@@ -213,7 +212,7 @@ def mean_saliency(events: pd.DataFrame, frames: FrameColumns, *, aggregate: str)
 
     References
     ----------
-    ``docs/decisions/035-saliency-over-recordings.md``.
+    ``docs/decisions/004-saliency-over-recordings.md``.
     """
     has_frames = np.diff(frames.first) > 0
     if not has_frames.any():

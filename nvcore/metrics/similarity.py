@@ -127,9 +127,18 @@ def border_of(boxes: BoxColumns, frames: FrameColumns, edge_weight: np.ndarray) 
         Of each recording, 0 urban to 1 rural; float64, shape (n_recordings,).
     """
     recording = frames.recording[boxes.frame_index]
-    width, rho = frames.width[recording], edge_weight[recording]
+    width = frames.width[recording]
     centre = np.clip(boxes.x + 0.5 * boxes.w, 0, width)
-    border: np.ndarray = rho * 0.5 * width + (1 - rho) * np.minimum(centre, width - centre)
+    return border_at(centre, width, edge_weight[recording])
+
+
+def border_at(
+    centre: np.ndarray, width: float | np.ndarray, edge_weight: float | np.ndarray
+) -> np.ndarray:
+    """Border of lateral positions, px; float64, the shape of `centre` (see `border_of`)."""
+    border: np.ndarray = edge_weight * 0.5 * width + (1 - edge_weight) * np.minimum(
+        centre, width - centre
+    )
     return border
 
 
@@ -239,11 +248,9 @@ def trace_similarity(
     ----------
     Paper 11-0360, equation 2.
     """
-    half_width = 0.5 * frames.width
-    per_frame = half_width[0] if len(half_width) == 1 else half_width[frames.recording]
     effect = alpha * distances.d_miss
     effect += (1 - alpha) * distances.d_false
-    effect /= per_frame
+    effect /= frames.half_width
     np.subtract(1, effect, out=effect)
     return np.maximum(effect, 0, out=effect)  # alpha and 1 - alpha can add up to just over 1
 

@@ -216,12 +216,10 @@ def _distances(
 
 def _similarity(distances: SetDistances, result: Result) -> Score:
     """Mean similarity, a straight line in alpha: only misses at 1, only false alarms at 0."""
-    frames = result.dataset.frame_columns
-    half_width = 0.5 * frames.width
-    per_frame = half_width[0] if len(half_width) == 1 else half_width[frames.recording]
+    half_width = result.dataset.frame_columns.half_width
     return Score(
-        at_0=1 - float(np.mean(distances.d_false / per_frame)),
-        at_1=1 - float(np.mean(distances.d_miss / per_frame)),
+        at_0=1 - float(np.mean(distances.d_false / half_width)),
+        at_1=1 - float(np.mean(distances.d_miss / half_width)),
     )
 
 

@@ -187,7 +187,7 @@ def _pedestrians(result: Result, row: int) -> pd.DataFrame:
     truth, k = _boxes_of(dataset.truth, rows), result.k_truth.k[rows]
     boxes = gather_boxes(result, row, row + 1).truth
     edge_weight = in_use(result.params, "edge_weight", frames)
-    half_width = 0.5 * frames.width[frames.recording[row]]
+    half_width = frames.half_width[row]
     nearest = {letter: system.nearest.truth[rows] for letter, system in result.sides}
     terms = {
         letter: miss_terms(truth, k, nearest_px, frames, edge_weight) / half_width
@@ -227,7 +227,7 @@ def _table(columns: Mapping[str, np.ndarray], rows: np.ndarray) -> pd.DataFrame:
 def _detections(result: Result, row: int) -> pd.DataFrame:
     frames = result.dataset.frame_columns
     edge_weight = in_use(result.params, "edge_weight", frames)
-    half_width = 0.5 * frames.width[frames.recording[row]]
+    half_width = frames.half_width[row]
     parts = []
     for letter, system in result.sides:
         detections = result.dataset.system(system.name)
@@ -257,7 +257,7 @@ def _system_summary(result: Result, system: SystemResult, row: int) -> SystemSum
     frames, alpha = result.dataset.frame_columns, result.params.alpha
     state = system.matches.state[_rows_of(result.dataset.system(system.name), row)]
     # of this frame alone: `SystemResult.loss_miss` would be that of all
-    half_width = 0.5 * frames.width[frames.recording[row]]
+    half_width = frames.half_width[row]
     return SystemSummary(
         name=system.name,
         similarity=float(system.similarity[row]),

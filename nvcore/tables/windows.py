@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from nvcore.comparison import Result
-from nvcore.metrics.losses import lost_per_minute
+from nvcore.measures.values import lost_per_minute_by_recording
 
 ALL: Final = "all recordings"
 """Name in the row over all recordings."""
@@ -35,12 +35,10 @@ def windows_table(result: Result) -> pd.DataFrame:
         "recording_index": [-1, *with_frames],
     }
     for letter, system in result.sides:
-        lost = [system.lost_s_per_min]
+        of_recordings = lost_per_minute_by_recording(result, system)[with_frames]
+        lost = [system.lost_s_per_min, *of_recordings]
         windows = [system.worst_window]
-        for recording in with_frames:  # a loop over recordings
-            rows = frames.rows_of(recording)
-            lost.append(lost_per_minute(system.similarity[rows], frames.step_s[rows]))
-            windows.append(system.worst_window_of_recordings[recording])
+        windows += [system.worst_window_of_recordings[recording] for recording in with_frames]
         columns |= {
             f"lost_s_per_min_{letter}": lost,
             f"window_similarity_{letter}": [window.mean for window in windows],

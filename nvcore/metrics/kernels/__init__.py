@@ -47,6 +47,12 @@ def centre(x: float, w: float, width: float) -> float:
 
 
 @compiled
+def border(c: float, width: float, rho: float) -> float:
+    """Most that a box at c can be away from an explanation, px, at this edge weight."""
+    return rho * 0.5 * width + (1.0 - rho) * min(c, width - c)
+
+
+@compiled
 def intersection(
     ax: float, ay: float, aw: float, ah: float, bx: float, by: float, bw: float, bh: float
 ) -> float:

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from nvcore.metrics.kernels import ABSORB_SHARE, centre, compiled, intersection
+from nvcore.metrics.kernels import ABSORB_SHARE, border, centre, compiled, intersection
 from nvcore.schema import DetectionState
 
 
@@ -171,8 +171,7 @@ def maximin_frames(
             if not member[i]:
                 continue
             c = centre(x[i], w[i], W)
-            border = rho * 0.5 * W + (1.0 - rho) * min(c, W - c)
-            value = k[i] * min(border, near[i])
+            value = k[i] * min(border(c, W, rho), near[i])
             if (
                 best < 0
                 or value > most
@@ -194,8 +193,7 @@ def maximum_frames(lo, hi, offsets, x, w, k, near, member, edge_weight, recordin
         most = 0.0
         for i in range(offsets[f], offsets[f + 1]):
             c = centre(x[i], w[i], W)
-            border = rho * 0.5 * W + (1.0 - rho) * min(c, W - c)
-            most = max(most, k[i] * min(border, near[i]) if member[i] else 0.0)
+            most = max(most, k[i] * min(border(c, W, rho), near[i]) if member[i] else 0.0)
         d[f] = most
 
 
@@ -206,4 +204,4 @@ def cost_frames(lo, hi, offsets, x, w, k, edge_weight, recording, width, cost):
         W, rho = width[recording[f]], edge_weight[recording[f]]
         for i in range(offsets[f], offsets[f + 1]):
             c = centre(x[i], w[i], W)
-            cost[i] = k[i] * (rho * 0.5 * W + (1.0 - rho) * min(c, W - c)) / (0.5 * W)
+            cost[i] = k[i] * border(c, W, rho) / (0.5 * W)
