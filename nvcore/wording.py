@@ -37,6 +37,25 @@ def count_text(n: int, noun: str, plural: str | None = None) -> str:
     return f"{n:,} {noun if n == 1 else plural or noun + 's'}"
 
 
+def interval_text(low: float, high: float, form: str) -> str:
+    """Ends of an interval of a difference, as `difference`; a dash where there is none."""
+    if math.isnan(low) or math.isnan(high):
+        return UNDEFINED
+    return f"{difference(low, 0, form)} to {difference(high, 0, form)}"
+
+
+def percent(share: float) -> str:
+    """A share in a sentence, such as ``80 %``."""
+    return f"{100 * share:.0f} %"
+
+
+def duration_text(seconds: float) -> str:
+    """A duration in seconds, minutes or hours: "90 s", "55 min", "2.4 h"."""
+    if seconds < 600:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60:.0f} min" if seconds < 6000 else f"{seconds / 3600:,.1f} h"
+
+
 def capitalised(text: str) -> str:
     """The text as the beginning of a sentence; abbreviations keep their capitals."""
     return text[:1].upper() + text[1:]

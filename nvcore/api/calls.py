@@ -19,8 +19,9 @@ from nvcore.inputs.conversion import convert as convert_input
 from nvcore.inputs.readers.base import Role
 from nvcore.inputs.session import Session, Source
 from nvcore.protocols import Protocol
-from nvcore.report.gate import Outcome, measure_names, read_rules, run_gate
+from nvcore.report.gate import Outcome, measure_names, run_gate
 from nvcore.report.gate_results import terminal_lines
+from nvcore.report.rules import read_rules
 
 
 def compare(

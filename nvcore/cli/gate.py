@@ -30,7 +30,7 @@ from nvcore.output_files import write_whole
 from nvcore.wording import one_line
 
 if TYPE_CHECKING:
-    from nvcore.report.gate import Rule
+    from nvcore.report.rules import Rule
 
 RULES = "Rules"
 EXIT_FAILED = 1
@@ -173,7 +173,8 @@ def _takes_standard_output(files: Sequence[Path], lists: bool) -> bool:
 
 def _read(texts: Iterable[str], file: Path | None) -> list[Rule]:
     """The rules of the flags and of the file, or all that is wrong with them."""
-    from nvcore.report.gate import measure_names, read_rules
+    from nvcore.report.gate import measure_names
+    from nvcore.report.rules import read_rules
 
     lines = [("--rule", text) for text in texts]
     if file is not None:

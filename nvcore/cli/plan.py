@@ -67,7 +67,7 @@ STUDY = "Study"
     type=float,
     default=0.8,
     show_default=True,
-    help="Share of studies that shall show it.",
+    help="Share of studies that should show it.",
 )
 @grouped_option(
     STUDY,

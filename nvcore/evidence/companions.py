@@ -17,21 +17,22 @@ import pandas as pd
 from nvcore.comparison import Result, compare
 from nvcore.detection.operating_point import threshold_with_alarms
 from nvcore.evidence.measures import Evidence, significance_table
+from nvcore.evidence.miss_rate import KEY as MISS_RATE
 from nvcore.evidence.paired_tests import SIGNIFICANT
+from nvcore.measures import inference_of
 from nvcore.metrics.venn import MIN_DISCORDANT
 from nvcore.scoring import SystemResult
 
 UNEQUAL: Final = 1.5
 """Numbers of false alarms are unequal if the larger is more than this many times the smaller."""
 LEAST_MORE: Final = MIN_DISCORDANT
-"""A difference of fewer false alarms may be chance, as with encounters that one system detects."""
+"""Least difference of unequal numbers: a smaller one may be chance, as with encounters."""
 
 STRICT_KEYS: Final = ("mean_similarity", "saliency")
 """Measures that strict pairing changes."""
-WIDTH: Final = 1.96
-"""Standard errors by which the systems' false alarms may be apart where they are counted as equal.
-With 0, verdicts claimed a difference in 17 % of pairs of equal systems (16 recordings)."""
-MISS_RATE: Final = "log_average_miss_rate"
+STANDARD_ERRORS: Final = 1.96
+"""By so many, the systems' false alarms may be apart where they are counted as equal. With 0,
+verdicts claimed a difference in 17 % of pairs of equal systems (16 recordings)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,6 +63,16 @@ class Companions:
     evidence: tuple[pd.DataFrame, ...]
     strict: Result
 
+    @property
+    def weaker_evidence(self) -> pd.DataFrame:
+        """The evidence at equal false alarms, with the larger corrected p of both ends.
+
+        NaN where an end has none.
+        """
+        first = self.evidence[0]
+        p_holm = np.maximum.reduce([table["p_holm"].to_numpy() for table in self.evidence])
+        return first.assign(p_holm=p_holm)
+
 
 def count_alarms(system: SystemResult) -> int:
     """False alarms of a system, 0 is best."""
@@ -72,6 +83,21 @@ def are_unequal(result: Result) -> bool:
     """Whether X and Y are set to different operating points, so that neither can be preferred."""
     fewer, more = sorted(count_alarms(system) for _, system in result.sides)
     return more > UNEQUAL * fewer and more - fewer >= LEAST_MORE
+
+
+def describe_alarms(result: Result) -> str:
+    """False alarms of both, such as "X has 0.05 and Y 0.3 false alarms per frame"."""
+    n_frames = max(len(result.dataset.frames), 1)
+    x, y = (f"{count_alarms(system) / n_frames:.3g}" for _, system in result.sides)
+    return f"X has {x} and Y {y} false alarms per frame"
+
+
+def is_undecided(result: Result, key: str) -> bool:
+    """Whether unequal operating points forbid conclusions from a measure of `EVIDENCE_KEYS`.
+
+    Detection curves run over all thresholds, so their measures do not depend on those in use.
+    """
+    return inference_of(key).test != "curve" and are_unequal(result)
 
 
 def has_scores(result: Result, letter: str) -> bool:
@@ -128,14 +154,14 @@ def _ends(result: Result, equal: Result, moved: str) -> list[Result]:
 
     Equal numbers were counted in these recordings; others would count other ones. How far the two
     may be apart follows from the recordings' differences: the number for the system at a
-    disadvantage is lower by `WIDTH` standard errors of the logarithm of their ratio, and its
+    disadvantage is lower by `STANDARD_ERRORS` of the logarithm of their ratio, and its
     threshold is the highest that gives it.
     """
     n_target = count_alarms(equal.y if moved == "x" else equal.x)
     if not n_target:
         return [equal]
     other = "y" if moved == "x" else "x"
-    n_fewer = max(1, int(n_target * np.exp(-WIDTH * _spread_of_alarms(equal) / n_target)))
+    n_fewer = max(1, int(n_target * np.exp(-STANDARD_ERRORS * _spread_of_alarms(equal) / n_target)))
     worst_for_moved = {f"threshold_{moved}": _threshold(result, moved, n_fewer, "highest")}
     if has_scores(result, other):
         worst_for_other = {

@@ -13,8 +13,8 @@ from scipy.stats import binomtest
 from nvcore.evidence.bootstrap import CONFIDENCE, ROUNDING, ROWS_AT_ONCE, SEED, Statistic
 from nvcore.metrics.venn import MIN_DISCORDANT, Venn, measure_exclusivity
 
-MIN_SWAPPED: Final = 6
-"""Fewest units in which X and Y differ for a p-value, for the same reason."""
+MIN_SWAPPED: Final = MIN_DISCORDANT
+"""Fewest units in which X and Y differ for a p-value: of 5 the least p is 2 / 2^5 = 0.0625."""
 MIN_PAIRS: Final = 10
 """Fewest encounters for an interval of the shares' difference; fewer say little."""
 EXACT_UNITS: Final = 16
@@ -278,4 +278,4 @@ def holm(p: np.ndarray) -> np.ndarray:
 
 
 SIGNIFICANT: Final = 0.05
-"""Largest p-value at which a difference in detected encounters counts as a difference."""
+"""Largest p-value, after correction, at which a difference is called more than chance."""

@@ -7,10 +7,11 @@ from typing import Any, Final
 import plotly.graph_objects as go
 
 from nvcore.evidence.planning.study import StudyPlan
-from nvcore.evidence.planning.words import ASSUMPTIONS, difference_text, percent
+from nvcore.evidence.planning.words import ASSUMPTIONS
 from nvcore.figures.style import LOOK, axis, draw, empty_figure
+from nvcore.measures import difference_text
 from nvcore.palette import Theme
-from nvcore.wording import count_text
+from nvcore.wording import count_text, percent
 
 DASHES: Final = ("solid", "dash")
 SYMBOLS: Final = ("circle", "diamond")

@@ -30,6 +30,7 @@ from nvcore.measures.values import (
     ratio_of,
     relevant_share,
 )
+from nvcore.wording import difference
 
 __all__ = [
     "EVIDENCE_KEYS",
@@ -41,6 +42,8 @@ __all__ = [
     "Measure",
     "MeasureTable",
     "Parts",
+    "count_recordings",
+    "difference_text",
     "duration_of_recordings",
     "evidence_form",
     "evidence_label",
@@ -53,6 +56,7 @@ __all__ = [
     "ratio_of",
     "relevant_share",
     "repeated_by",
+    "size_text",
 ]
 
 _BY_KEY: Final = {measure.key: measure for measure in MEASURES}
@@ -85,9 +89,14 @@ def label_words(result: Result, units: str = "") -> dict[str, Any]:
     }
 
 
+def count_recordings(result: Result) -> int:
+    """Recordings that have frames."""
+    return int(np.count_nonzero(np.diff(result.dataset.frame_columns.first)))
+
+
 def has_several_recordings(result: Result) -> bool:
     """Whether two recordings or more have frames."""
-    return int(np.count_nonzero(np.diff(result.dataset.frame_columns.first))) > 1
+    return count_recordings(result) > 1
 
 
 def measures_in(table: MeasureTable) -> tuple[Measure, ...]:
@@ -125,3 +134,13 @@ def evidence_label(key: str, result: Result, units: str) -> str:
     """
     template = inference_of(key).label or _BY_KEY[key].label
     return template.format_map(label_words(result, units))
+
+
+def difference_text(value: float, key: str) -> str:
+    """A difference in a measure of `EVIDENCE_KEYS`, with sign and unit; shares in points."""
+    return difference(value, 0, evidence_form(key)) + inference_of(key).noun_unit
+
+
+def size_text(value: float, key: str) -> str:
+    """The size of such a difference, without sign."""
+    return difference_text(abs(value), key)[1:]

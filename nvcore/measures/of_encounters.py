@@ -32,6 +32,8 @@ from nvcore.measures.values import (
 from nvcore.schema import Category, MissClass
 from nvcore.scoring import SystemResult
 
+_NONE_NEAR: Final = "no encounter is near enough to count"
+
 
 def _miss_class(kind: MissClass) -> Measure:
     def count(result: Result, system: SystemResult) -> int:
@@ -90,6 +92,7 @@ ENCOUNTER_MEASURES: Final[tuple[Measure, ...]] = (
         of=lambda _, system: largest_event(system),
         unit="s",
         meaning="Saliency of the most salient event of all recordings; 0 without any.",
+        empty=NO_FRAMES,
         tables=(MeasureTable.SCORECARD,),
     ),
     Measure(
@@ -174,7 +177,7 @@ ENCOUNTER_MEASURES: Final[tuple[Measure, ...]] = (
         of=lambda result, system: ratio_of(system.failures["severity_s"].sum(), result.venn.n_near),
         unit="s",
         meaning="The same per encounter, distant ones left out.",
-        empty="no encounter is near enough to count",
+        empty=_NONE_NEAR,
         tables=(MeasureTable.SCORECARD,),
         inference=Inference(
             test="units",
@@ -193,12 +196,12 @@ ENCOUNTER_MEASURES: Final[tuple[Measure, ...]] = (
         part="worst encounter (s)",
         form=".2f",
         better=LOWER,
-        of=lambda _, system: (
-            float(system.failures["severity_s"].max()) if len(system.encounters) else nan
+        of=lambda result, system: (
+            float(system.failures["severity_s"].max()) if result.venn.n_near else nan
         ),
         unit="s",
         meaning="Severity of the encounter in which the failures weigh most.",
-        empty="no encounters",
+        empty=_NONE_NEAR,
         tables=(MeasureTable.SCORECARD,),
     ),
     *(_miss_class(kind) for kind in MissClass),

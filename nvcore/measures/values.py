@@ -31,7 +31,9 @@ def ratio_of(numerator: float, denominator: float) -> float:
 
 
 def largest_event(system: SystemResult) -> float:
-    """Saliency of the most salient event, s; 0 without any."""
+    """Saliency of the most salient event, s; 0 without any, NaN without frames."""
+    if not len(system.similarity):
+        return nan
     return float(system.events["saliency_s"].max()) if len(system.events) else 0.0
 
 

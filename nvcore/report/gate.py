@@ -1,61 +1,38 @@
-"""Rules that a comparison has to pass, such as in nightly runs: reading and judging them."""
+"""Rules that a comparison has to pass, such as in nightly runs: measured, judged, explained."""
 
 from __future__ import annotations
 
 import math
-import operator
-import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence, Set
+from collections.abc import Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 from typing import Any, Final
 
 import numpy as np
+import pandas as pd
 
 from nvcore.comparison import Result
 from nvcore.detection.curve_summary import summarise_curve
 from nvcore.detection.curves import detection_curve
-from nvcore.errors import ParameterError
-from nvcore.evidence.companions import find_companions
+from nvcore.evidence.companions import describe_alarms, find_companions, is_undecided
 from nvcore.evidence.planning import PLAN_KEYS, SIDES, Side, judge_key, worse_at_most
+from nvcore.evidence.planning.noninferiority import UNEQUAL_POINTS
 from nvcore.evidence.table import evidence_table
+from nvcore.evidence.units import find_units
 from nvcore.findings import Finding, Severity
 from nvcore.measures import MEASURES, measure_of
 from nvcore.protocols import Protocol
+from nvcore.report.plan import evidence_of
+from nvcore.report.rules import COMPARISONS, Rule, check_name, parse_rule
 from nvcore.report.verdict import verdict
 from nvcore.schema import Category
 from nvcore.tables.column import Column, Kind
 from nvcore.tables.summary import SUMMARY_KEYS, SYSTEM_KEYS, summary, system_summary
-from nvcore.wording import one_line
 
-COMPARISONS: Final[dict[str, Callable[[float, float], bool]]] = {
-    "<=": operator.le,
-    ">=": operator.ge,
-    "==": operator.eq,
-    "!=": operator.ne,
-    "<": operator.lt,
-    ">": operator.gt,
-}
 _OF_CURVE: Final = {
     measure.rule: measure.of_curve for measure in MEASURES if measure.rule and measure.of_curve
 }
 """Measures of the detection curve, by their names in rules."""
-_CORRECTIONS: Final = {
-    "=": "==",
-    "===": "==",
-    "=<": "<=",
-    "=>": ">=",
-    "<>": "!=",
-    "≤": "<=",
-    "≥": ">=",
-    "≠": "!=",
-}
-"""What was probably meant by a comparison that does not exist."""
-_RULE: Final = re.compile(
-    r"\s*([A-Za-z][A-Za-z0-9_.]*)\s*([<>=!≤≥≠]+)\s*([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?)\s*(%?)"
-    r"\s*(\bor\s+undefined)?\s*"
-)
 _WORSE: Final = {
     f"{measure_of(key).rule or name}_worse_{letter}": (key, letter)
     for name, key in PLAN_KEYS.items()
@@ -111,23 +88,6 @@ def value_text(value: float) -> str:
 
 
 @dataclass(frozen=True)
-class Rule:
-    """A measure, a comparison and a limit, such as ``lamr_y <= 0.10``.
-
-    Attributes
-    ----------
-    allows_undefined
-        Whether the rule also holds where the measure is undefined (``or undefined``).
-    """
-
-    name: str
-    comparison: str
-    limit: float
-    text: str
-    allows_undefined: bool = False
-
-
-@dataclass(frozen=True)
 class Outcome:
     """What became of a rule.
 
@@ -136,7 +96,8 @@ class Outcome:
     value
         Of the measure; NaN undefined: the rule fails unless it allows this.
     details
-        What a failed rule counts: encounters or findings, one line each, named as in the inputs.
+        What a failed rule counts: encounters or findings, one line each, named as in the inputs; or
+        why the measure is undefined at unequal operating points.
     """
 
     rule: Rule
@@ -153,75 +114,6 @@ class Outcome:
         if self.is_passed:
             return f"{text}, which the rule allows"
         return f"{text}; add 'or undefined' to the rule if that is fine"
-
-
-def parse_rule(text: str) -> Rule:
-    """A rule: a measure, one of ``<= >= == != < >``, a number (10% is 0.1), and ``or undefined``.
-
-    Raises
-    ------
-    ParameterError
-        If the text is not a rule.
-    """
-    match = _RULE.fullmatch(text)
-    try:
-        if match is None:
-            raise ValueError
-        limit = float(match[3]) / (100 if match[4] else 1)
-    except ValueError as error:
-        raise ParameterError(
-            f"{one_line(text)!r}: expected a measure, a comparison and a number, such as "
-            "'lamr_y <= 0.10' or 'new_misses == 0'"
-        ) from error
-    rule_text = " ".join(text.split())
-    if match[2] not in COMPARISONS:
-        correction = _CORRECTIONS.get(match[2])
-        hint = (
-            f"did you mean {rule_text.replace(match[2], correction, 1)!r}?"
-            if correction
-            else f"there are {' '.join(COMPARISONS)}"
-        )
-        raise ParameterError(f"{rule_text!r}: there is no comparison {match[2]!r}; {hint}")
-    return Rule(match[1], match[2], limit, rule_text, allows_undefined=match[5] is not None)
-
-
-def read_rules(
-    lines: Iterable[tuple[str, str]], names: Sequence[str]
-) -> tuple[list[Rule], list[str]]:
-    """Rules from lines, and what is wrong with invalid lines.
-
-    Parameters
-    ----------
-    lines
-        The place of each, such as ``rules.txt, line 3``, and its text. Empty lines, and whatever
-        follows a ``#``, are skipped.
-    names
-        Names of the existing measures.
-    """
-    rules, problems = [], []
-    for where, line in lines:
-        text = line.split("#", 1)[0].strip()
-        if not text:
-            continue
-        try:
-            rule = parse_rule(text)
-            _check_name(rule, names)
-        except ParameterError as error:
-            problems.append(f"{where}: {error}")
-        else:
-            rules.append(rule)
-    return rules, problems
-
-
-def _check_name(rule: Rule, names: Iterable[str]) -> None:
-    existing = list(names)
-    if rule.name in existing:
-        return
-    close = get_close_matches(rule.name, existing, n=3, cutoff=0.5)
-    hint = f"; did you mean {', '.join(close)}?" if close else ""
-    raise ParameterError(
-        f"{rule.text!r}: there is no measure {rule.name!r}{hint} (nvcore gate --list shows all)"
-    )
 
 
 def run_gate(
@@ -264,7 +156,9 @@ def gate_measures(
 
     ``new_misses`` are the encounters that X detects and Y does not, ``mended_misses`` the other
     way round: X is the release in use, Y the candidate. ``mean_similarity_worse_y`` and the like
-    are the ends of 95 % intervals against a system (`nvcore.evidence.planning.worse_at_most`).
+    are the ends of 95 % intervals against a system (`nvcore.evidence.planning.worse_at_most`),
+    undefined where X and Y are set to different operating points: as in the verdict, nothing is
+    claimed from these.
 
     Parameters
     ----------
@@ -280,23 +174,17 @@ def gate_measures(
         for name, value in _numbers(system_summary(result, system)):
             values[f"{name}_{letter}"] = value
     if any(name.rsplit("_", 1)[0] in _OF_CURVE for name in needed):
-        for letter, system in result.sides:
-            curve = detection_curve(result.dataset, system.name, result.params, protocol)
-            of_curve = summarise_curve(curve, system.threshold)
-            for name, value_of in _OF_CURVE.items():
-                values[f"{name}_{letter}"] = float(value_of(of_curve))
+        values |= _of_curves(result, protocol)
     for name in [key.removesuffix("_x") for key in values if key.endswith("_x")]:
         values[f"{name}_difference"] = values[f"{name}_x"] - values[f"{name}_y"]
     if not needed.isdisjoint(SUMMARY_NAMES):
         of_all = dict(_numbers(summary(result)))
         values |= {name: of_all[name] for name in SUMMARY_NAMES}
-    values |= _may_be_worse(result, protocol, needed)
+    evidence = None
     if not needed.isdisjoint(COUNTED_CLAIMS):
         evidence = evidence_table(result, protocol)
-        companions = find_companions(result, evidence)
-        text = verdict(result, findings, evidence=evidence, companions=companions)
-        for name, letter in COUNTED_CLAIMS.items():
-            values[name] = float(sum(claim.winner == letter for claim in text.claims))
+        values |= _count_claims(result, findings, evidence)
+    values |= _may_be_worse(result, protocol, needed, evidence)
     count = Counter(finding.severity for finding in findings)
     venn = result.venn
     # without encounters nothing can be missed: undefined, so that no rule passes because of that
@@ -312,16 +200,52 @@ def gate_measures(
     }
 
 
-def _may_be_worse(result: Result, protocol: Protocol, names: Set[str]) -> dict[str, float]:
-    """Those of `_WORSE` that are needed."""
+def _of_curves(result: Result, protocol: Protocol) -> dict[str, float]:
+    """Measures of the detection curves of both systems."""
+    values = {}
+    for letter, system in result.sides:
+        curve = detection_curve(result.dataset, system.name, result.params, protocol)
+        of_curve = summarise_curve(curve, system.threshold)
+        for name, value_of in _OF_CURVE.items():
+            values[f"{name}_{letter}"] = float(value_of(of_curve))
+    return values
+
+
+def _count_claims(
+    result: Result, findings: Sequence[Finding], evidence: pd.DataFrame
+) -> dict[str, float]:
+    """How many differences the verdict claims for each system."""
+    companions = find_companions(result, evidence)
+    claims = verdict(result, findings, evidence=evidence, companions=companions).claims
+    return {
+        name: float(sum(claim.winner == letter for claim in claims))
+        for name, letter in COUNTED_CLAIMS.items()
+    }
+
+
+def _may_be_worse(
+    result: Result, protocol: Protocol, names: Set[str], evidence: pd.DataFrame | None
+) -> dict[str, float]:
+    """Those of `_WORSE` that are needed; NaN without an interval, or at unequal operating points.
+
+    Parameters
+    ----------
+    evidence
+        `nvcore.evidence.table.evidence_table` of the result, if already computed.
+    """
     sides_of: dict[str, dict[str, Side]] = {}
-    for name in names & _WORSE.keys():
+    for name in sorted(names & _WORSE.keys()):
         key, side = _WORSE[name]
         sides_of.setdefault(key, {})[name] = side
+    units = find_units(result) if sides_of and evidence is None else None
     values: dict[str, float] = {}
     for key, sides in sides_of.items():
-        evidence = judge_key(result, key, protocol=protocol)
-        values |= {name: worse_at_most(evidence, side) for name, side in sides.items()}
+        if is_undecided(result, key):
+            values |= dict.fromkeys(sides, math.nan)
+            continue
+        row = None if evidence is None else evidence_of(evidence, key)
+        row = judge_key(result, key, protocol=protocol, units=units) if row is None else row
+        values |= {name: worse_at_most(row, side) for name, side in sides.items()}
     return values
 
 
@@ -344,7 +268,7 @@ def judge(rules: Iterable[Rule], values: Mapping[str, float]) -> list[Outcome]:
     """
     outcomes = []
     for rule in rules:
-        _check_name(rule, values)
+        check_name(rule, values)
         value = values[rule.name]
         holds = (
             rule.allows_undefined
@@ -358,21 +282,26 @@ def judge(rules: Iterable[Rule], values: Mapping[str, float]) -> list[Outcome]:
 def explain(
     outcomes: Iterable[Outcome], result: Result, findings: Sequence[Finding]
 ) -> list[Outcome]:
-    """The outcomes, failed ones with the encounters or findings that they count."""
-    with_details = []
-    for outcome in outcomes:
-        details: list[str] = []
-        if not outcome.is_passed and outcome.rule.name in COUNTED_ENCOUNTERS:
-            details = encounters_of(result, COUNTED_ENCOUNTERS[outcome.rule.name])
-        elif not outcome.is_passed and outcome.rule.name in COUNTED_FINDINGS:
-            severity = COUNTED_FINDINGS[outcome.rule.name]
-            details = [
-                f"{finding.subject}: {finding.message}"
-                for finding in findings
-                if finding.severity is severity
-            ]
-        with_details.append(replace(outcome, details=tuple(details)))
-    return with_details
+    """The outcomes with what explains them (`Outcome.details`)."""
+    return [replace(outcome, details=_details(outcome, result, findings)) for outcome in outcomes]
+
+
+def _details(outcome: Outcome, result: Result, findings: Sequence[Finding]) -> tuple[str, ...]:
+    name = outcome.rule.name
+    if name in _WORSE and is_undecided(result, _WORSE[name][0]):
+        return (
+            f"{UNEQUAL_POINTS} ({describe_alarms(result)}), from which nothing is claimed: set "
+            "thresholds that give equally many",
+        )
+    if outcome.is_passed:
+        return ()
+    if name in COUNTED_ENCOUNTERS:
+        return tuple(encounters_of(result, COUNTED_ENCOUNTERS[name]))
+    return tuple(
+        f"{finding.subject}: {finding.message}"
+        for finding in findings
+        if finding.severity is COUNTED_FINDINGS.get(name)
+    )
 
 
 def encounters_of(result: Result, category: Category) -> list[str]:

@@ -16,17 +16,17 @@ MARKDOWN_HEAD: Final = b"## Gate: "
 
 
 def terminal_lines(outcomes: Sequence[Outcome]) -> list[str]:
-    """A line for each rule; below a failed one, the encounters that it counts."""
+    """A line for each rule, and below it what explains the outcome."""
     lines = []
     for outcome in outcomes:
         mark = "passed" if outcome.is_passed else "FAILED"
         lines.append(f"{mark}  {outcome.rule.text}  ({outcome.message})")
-        lines += [f"        {one_line(detail)}" for detail in _encounters(outcome)]
+        lines += [f"        {one_line(detail)}" for detail in _details(outcome)]
     return lines
 
 
-def _encounters(outcome: Outcome) -> tuple[str, ...]:
-    """Encounters that a failed rule counts; findings are shown with the audit."""
+def _details(outcome: Outcome) -> tuple[str, ...]:
+    """What explains an outcome; findings are shown with the audit."""
     return () if outcome.rule.name in COUNTED_FINDINGS else outcome.details
 
 
@@ -45,7 +45,8 @@ def junit_xml(outcomes: Sequence[Outcome], title: str, findings: Sequence[Findin
             suite, "testcase", {"classname": "nvcore.gate", "name": outcome.rule.text}
         )
         if outcome.is_passed:
-            ElementTree.SubElement(case, "system-out").text = outcome.message
+            lines = [outcome.message, *map(one_line, outcome.details)]
+            ElementTree.SubElement(case, "system-out").text = "\n".join(lines)
             continue
         message = f"{outcome.message}; wanted {outcome.rule.text}"
         failure = ElementTree.SubElement(case, "failure", {"message": message})
@@ -105,9 +106,10 @@ def markdown(outcomes: Sequence[Outcome], title: str, findings: Sequence[Finding
         for outcome in rows
     ]
     for outcome in rows:
-        if encounters := _encounters(outcome):
-            lines += ["", f"`{outcome.rule.text}` failed:", ""]
-            lines += [f"- {markdown_text(detail)}" for detail in encounters]
+        if details := _details(outcome):
+            word = "passed" if outcome.is_passed else "failed"
+            lines += ["", f"`{outcome.rule.text}` {word}:", ""]
+            lines += [f"- {markdown_text(detail)}" for detail in details]
     lines += ["", *_audit(findings)]
     return "\n".join(lines) + "\n"
 

@@ -19,11 +19,10 @@ from nvcore.evidence.planning.words import (
     ASSUMPTIONS,
     QUESTION,
     describe_plan,
-    difference_text,
-    duration_text,
-    percent,
     plan_sentence,
 )
+from nvcore.measures import difference_text
+from nvcore.wording import duration_text, percent
 
 
 def verdict_plan(

@@ -9,6 +9,8 @@ import pytest
 from inputs import flags, nvcore
 from places import SAMPLE
 
+from nvcore.evidence.planning import PLAN_KEYS
+
 
 def test_the_plan_says_how_many_recordings_and_the_power_of_other_sizes():
     ran = nvcore("plan", SAMPLE, "--measure", "saliency", "--difference", "0.5")
@@ -37,6 +39,11 @@ def test_two_recordings_are_no_pilot_and_that_is_no_error(folder: Path):
     (size,) = json.loads(ran.stdout)["sizes"]
     assert size["n_recordings"] is None
     assert size["reason"].startswith("a plan needs a pilot of 6 recordings or more, here are 2")
+
+
+def test_the_help_names_every_measure_that_can_be_planned_for():
+    text = nvcore("plan", "--help").output
+    assert [name for name in PLAN_KEYS if name not in " ".join(text.split())] == []
 
 
 @pytest.mark.parametrize(

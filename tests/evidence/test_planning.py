@@ -184,6 +184,23 @@ def test_blocks_of_time_and_few_recordings_show_no_noninferiority():
     assert (answer.is_shown, answer.reason) == (None, few.note)
 
 
+def test_unequal_operating_points_show_no_noninferiority():
+    answer = judge_noninferiority(evidence(), "y", 0.06, is_undecided=True)
+    assert (answer.is_shown, answer.reason) == (
+        None,
+        "X and Y are set to different operating points",
+    )
+    assert math.isnan(answer.worse_at_most)
+    truth = [at(f, 50, track=1, recording=r) for r in range(8) for f in range(6)]
+    x = [box for box in truth if box.frame or box.recording % 3]
+    y = truth + [at(f, 5, recording=r) for r in range(8) for f in range(6)]
+    result = result_of(make_dataset(truth, x, y, places=[Place(range(6))] * 8))
+    plan = plan_study(result, "mean_similarity", margin=0.5)
+    text = " ".join(describe_plan(plan))
+    assert "nothing is claimed from these settings" in text
+    assert "It cannot be said that Y is at most 0.5000 worse than X: X and Y are set to" in text
+
+
 def test_the_pilot_is_what_each_recording_adds_to_the_measure():
     result = result_of(drives(12))
     rows = by_figure(result)
@@ -249,10 +266,16 @@ def test_a_plan_for_noninferiority_takes_both_for_equal_and_for_different_as_fou
 
 
 def test_the_miss_rate_can_be_planned_for():
-    plan = plan_study(result_of(drives(12)), "log_average_miss_rate")
+    dataset = drives(12)
+    score = np.random.default_rng(3).random(len(dataset.boxes))
+    scored = replace(dataset, boxes=dataset.boxes.assign(score=score))
+    plan = plan_study(result_of(scored), "log_average_miss_rate")
     (size,) = plan.sizes
-    assert size.n_recordings is None or size.n_recordings >= 6
-    assert size.n_recordings is not None or size.reason
+    assert plan.evidence.difference < 0  # X misses less
+    assert size.difference == pytest.approx(plan.evidence.difference)
+    assert size.n_recordings >= 6
+    assert size.n_encounters == 5 * size.n_recordings
+    assert 0.75 < size.power < 0.85 or size.n_recordings == 6
 
 
 def equal_drives(n: int = 8):

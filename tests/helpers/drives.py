@@ -12,8 +12,8 @@ from nvcore.evidence.measures import significance_table
 
 
 def drives(n: int) -> Dataset:
-    """n recordings of 5 pedestrians, 4 frames each; X detects more of them than Y."""
-    rng = np.random.default_rng(0)
+    """n recordings of 5 pedestrians, 4 frames each; X detects more, at about equal false alarms."""
+    rng, alarms = np.random.default_rng(0), np.random.default_rng(1)
     truth, x, y = [], [], []
     for number in range(n):
         for track in range(5):
@@ -25,9 +25,29 @@ def drives(n: int) -> Dataset:
                     x.append(at(frame, centre + 0.3 * rng.random(), recording=number))
                 if hard + 0.1 * rng.normal() < 0.6:
                     y.append(at(frame, centre + 0.3 * rng.random(), recording=number))
+                if alarms.random() < 0.05:
+                    x.append(at(frame, 80, recording=number))
                 if rng.random() < 0.05:
                     y.append(at(frame, 20, recording=number))
     return make_dataset(truth, x, y, places=[Place(range(20)) for _ in range(n)])
+
+
+def turned_by_strict_pairing(n: int = 12) -> Dataset:
+    """n recordings in which Y's false alarms stand beside the pedestrians that it misses.
+
+    Y misses half of the frames, and has a false alarm 10 px beside the pedestrian there; X misses a
+    quarter, and has as many false alarms at the picture's edge.
+    """
+    truth, x, y = [], [], []
+    for number in range(n):
+        for frame in range(20):
+            truth.append(at(frame, 50, track=1, recording=number, w=10))
+            if frame % 4:
+                x.append(at(frame, 50, recording=number, w=10))
+            if frame % 2:
+                x.append(at(frame, 5, recording=number, w=10))
+            y.append(at(frame, 50 if frame % 4 > 1 else 60, recording=number, w=10))
+    return make_dataset(truth, x, y, places=[Place(range(20))] * n)
 
 
 def by_figure(result: Result) -> pd.DataFrame:

@@ -17,15 +17,13 @@ from nvcore.protocols import PROTOCOLS
 from nvcore.report.gate import (
     SUMMARY_NAMES,
     Outcome,
-    Rule,
     audit_rules,
     encounters_of,
     explain,
     gate_measures,
     judge,
     measure_names,
-    parse_rule,
-    read_rules,
+    run_gate,
 )
 from nvcore.report.gate_results import (
     is_gate_result,
@@ -35,6 +33,7 @@ from nvcore.report.gate_results import (
     markdown_error,
     terminal_lines,
 )
+from nvcore.report.rules import Rule, parse_rule, read_rules
 from nvcore.schema import Category
 
 HOSTILE = "</failure>|<b>`x`\n# [a](http://b)\x1b[31m"
@@ -260,6 +259,38 @@ def test_how_much_worse_a_system_may_be_is_the_end_of_the_interval_over_recordin
     few = gate_measures(result_of(drives(3)), [], PROTOCOLS["all"], names)
     assert np.isnan([few[name] for name in names]).all()
     assert "share_low_worse_y" not in gate_measures(result, [], PROTOCOLS["all"], ["frames"])
+
+
+def test_how_much_worse_a_system_may_be_is_undefined_at_unequal_operating_points():
+    # Y has an alarm in every frame, X none
+    truth = [at(f, 50, track=1, recording=r) for r in range(8) for f in range(4)]
+    x = [box for box in truth if box.frame or box.recording % 3]
+    y = truth + [at(f, 5, recording=r) for r in range(8) for f in range(4)]
+    result = result_of(make_dataset(truth, x, y, places=[Place(range(4))] * 8))
+    rules = [
+        parse_rule("mean_similarity_worse_y <= 3%"),
+        parse_rule("mean_similarity_worse_y <= 3% or undefined"),
+    ]
+    outcomes, values = run_gate(rules, result, [], strict=False)
+    assert np.isnan(values["mean_similarity_worse_y"])
+    assert [outcome.is_passed for outcome in outcomes[:2]] == [False, True]
+    lines = terminal_lines(outcomes)
+    why = (
+        "        X and Y are set to different operating points (X has 0 and Y 1 false alarms per "
+        "frame), from which nothing is claimed: set thresholds that give equally many"
+    )
+    assert (lines[1], lines[3]) == (why, why)
+    assert why.strip() in junit_xml(outcomes, "X").decode().replace("&gt;", ">")
+    assert "or undefined` passed:" in markdown(outcomes, "X")
+
+
+def test_evidence_is_computed_once_for_claims_and_for_how_much_worse(monkeypatch):
+    result = result_of(drives(12))
+    monkeypatch.setattr("nvcore.report.gate.judge_key", None)  # not called
+    names = ["claims_x", "encounters_detected_worse_x"]
+    values = gate_measures(result, [], PROTOCOLS["all"], names)
+    row = by_figure(result).loc["encounters_detected_by_unit"]
+    assert values["encounters_detected_worse_x"] == -row["low"]
 
 
 def test_claims_of_the_verdict_can_be_limited():

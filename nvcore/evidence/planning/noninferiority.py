@@ -12,6 +12,8 @@ from nvcore.measures import Better
 
 Side = Literal["x", "y"]
 SIDES: Final[tuple[Side, ...]] = ("x", "y")
+UNEQUAL_POINTS: Final = "X and Y are set to different operating points"
+"""Why nothing can be said from numbers of false alarms that are unequal."""
 
 
 @dataclass(frozen=True)
@@ -21,7 +23,7 @@ class NonInferiority:
     Attributes
     ----------
     candidate
-        The system that would be taken, because it costs less say: ``x`` or ``y``.
+        The system that would be taken, say because it costs less: ``x`` or ``y``.
     margin
         By how much it may be worse, in the unit of the measure (shares: 0 to 1).
     worse
@@ -56,11 +58,19 @@ def worse_at_most(evidence: Evidence, candidate: Side) -> float:
     return -sign * (evidence.low if sign > 0 else evidence.high)
 
 
-def judge_noninferiority(evidence: Evidence, candidate: Side, margin: float) -> NonInferiority:
+def judge_noninferiority(
+    evidence: Evidence, candidate: Side, margin: float, *, is_undecided: bool = False
+) -> NonInferiority:
     """Non-inferiority of the candidate by the interval of the difference over recordings.
 
     It is shown where the whole 95 % interval of the difference is on the better side of the margin:
     a one-sided test at 2.5 %. Blocks of time say nothing of other recordings and show nothing.
+
+    Parameters
+    ----------
+    is_undecided
+        `nvcore.evidence.companions.is_undecided` of the comparison and the measure: nothing is
+        shown from unequal operating points.
 
     Examples
     --------
@@ -71,9 +81,11 @@ def judge_noninferiority(evidence: Evidence, candidate: Side, margin: float) -> 
     >>> judge_noninferiority(row, "y", 0.015).is_shown
     False
     """
-    end = worse_at_most(evidence, candidate)
+    end = math.nan if is_undecided else worse_at_most(evidence, candidate)
     reason = ""
-    if evidence.unit != RECORDINGS:
+    if is_undecided:
+        reason = UNEQUAL_POINTS
+    elif evidence.unit != RECORDINGS:
         reason = "stretches of time say nothing of other recordings"
     elif math.isnan(end):
         reason = evidence.note or "the difference has no interval"

@@ -15,7 +15,7 @@ from scipy.stats import chi2
 from nvcore.comparison import Result
 from nvcore.errors import ParameterError
 from nvcore.evidence.bootstrap import MIN_UNITS
-from nvcore.evidence.companions import are_unequal
+from nvcore.evidence.companions import is_undecided
 from nvcore.evidence.measures import Evidence
 from nvcore.evidence.paired_tests import MIN_SWAPPED, SIGNIFICANT
 from nvcore.evidence.planning.noninferiority import (
@@ -40,7 +40,7 @@ from nvcore.progress import Progress, no_progress, part_of
 from nvcore.protocols import PROTOCOLS, Protocol
 
 POWER: Final = 0.8
-"""Share of studies that shall show what they look for."""
+"""Share of studies that should show what they look for."""
 ONE_SIDED: Final = 0.025
 """Level at which the 95 % interval shows non-inferiority."""
 SPREAD_SHARE: Final = 0.8
@@ -96,9 +96,9 @@ class StudyPlan:
     evidence
         Difference X - Y in these recordings, with interval and p; p is of this measure by itself.
     n_encounters, duration_s
-        Encounters that count and time of these recordings.
+        Encounters that count and time of these recordings; with a pilot, of those in it.
     power
-        Share of studies that shall show it.
+        Share of studies that should show it.
     n_tests
         Measures that the study's p is corrected for.
     sizes
@@ -106,7 +106,7 @@ class StudyPlan:
     n_differing
         Recordings in which X and Y differ; None without a pilot.
     is_unequal
-        Whether X and Y are set to different operating points.
+        Whether X and Y are set to different operating points, on which the measure depends.
     noninferiority
         Whether the candidate is shown to be at most the margin worse; None: not asked.
     """
@@ -185,7 +185,7 @@ def plan_study(
     measure
         A name of `PLAN_KEYS`, such as ``encounters_detected``.
     power
-        Share of studies that shall show it, 0.5 to 0.99.
+        Share of studies that should show it, 0.5 to 0.99.
     difference
         Size of the difference to be shown, in the unit of the measure, shares from 0 to 1: the
         smallest one that would matter. None: as in these recordings.
@@ -218,6 +218,7 @@ def plan_study(
     if evidence is None:
         evidence = judge_key(result, key, protocol=protocol, units=units)
     pilot, why_not = make_pilot(result, key, protocol=protocol, units=units)
+    is_unequal = is_undecided(result, key)
     plan = StudyPlan(
         evidence=evidence,
         n_encounters=result.venn.n_near,
@@ -225,10 +226,10 @@ def plan_study(
         power=power,
         n_tests=n_tests,
         sizes=(),
-        is_unequal=inference_of(key).test != "curve" and are_unequal(result),
+        is_unequal=is_unequal,
         noninferiority=None
         if margin is None
-        else judge_noninferiority(evidence, candidate, margin),
+        else judge_noninferiority(evidence, candidate, margin, is_undecided=is_unequal),
     )
     assumed: list[tuple[Assumption, float]]
     if margin is not None:
@@ -253,8 +254,13 @@ def plan_study(
         )
         for index, size in enumerate(assumed)
     ]
-    n_differing = int(np.count_nonzero(pilot.differs))
-    return replace(plan, sizes=tuple(sizes), n_differing=n_differing)
+    return replace(
+        plan,
+        sizes=tuple(sizes),
+        n_differing=int(np.count_nonzero(pilot.differs)),
+        n_encounters=round(pilot.n_encounters * len(pilot)),
+        duration_s=pilot.duration_s * len(pilot),
+    )
 
 
 def _check(

@@ -6,12 +6,12 @@ import math
 from typing import Final
 
 from nvcore.evidence.measures import Evidence
-from nvcore.evidence.planning.noninferiority import NonInferiority
+from nvcore.evidence.planning.noninferiority import UNEQUAL_POINTS, NonInferiority
 from nvcore.evidence.planning.pilot import MIN_PILOT
 from nvcore.evidence.planning.study import Assumption, StudyPlan, StudySize
 from nvcore.evidence.units import RECORDINGS
-from nvcore.measures import evidence_form, inference_of
-from nvcore.wording import capitalised, count_text, difference, number
+from nvcore.measures import difference_text, evidence_form, size_text
+from nvcore.wording import capitalised, count_text, difference, duration_text, number, percent
 
 QUESTION: Final = "How much more would it take?"
 ASSUMPTIONS: Final[dict[Assumption, str]] = {
@@ -25,8 +25,8 @@ OPTIMISTIC: Final = (
     "the study planned for it too small: name the smallest difference that would matter instead."
 )
 UNEQUAL: Final = (
-    "X and Y are set to different operating points: what follows is of these settings, and would "
-    "come out otherwise with equally many false alarms. Set thresholds that give these first."
+    f"{UNEQUAL_POINTS}: nothing is claimed from these settings, and equally many false alarms "
+    "would give other numbers. Set thresholds that give these first."
 )
 FRESH: Final = (
     "This is the size of a study of its own, whose end is set before it begins: recordings added "
@@ -64,7 +64,7 @@ def plan_sentence(plan: StudyPlan) -> str:
         f"({difference_text(size.difference, row.figure)}), tested by itself, in "
         f"{percent(plan.power)} of studies"
     )
-    return f"{sentence}; {excluded[:1].lower()}{excluded[1:]}" if excluded else f"{sentence}."
+    return f"{sentence}. {excluded}".rstrip()
 
 
 def describe_excluded(row: Evidence) -> str:
@@ -102,21 +102,6 @@ def describe_noninferiority(answer: NonInferiority, row: Evidence) -> str:
     )
     outcome = "shown" if answer.is_shown else "not shown"
     return f"It is {outcome} {question}: by the 95 % interval, {candidate} is {limit}."
-
-
-def size_text(value: float, key: str) -> str:
-    """The size of a difference in this measure, without sign; shares in percentage points."""
-    return difference(abs(value), 0, evidence_form(key))[1:] + inference_of(key).noun_unit
-
-
-def difference_text(value: float, key: str) -> str:
-    """A difference in this measure with its sign; shares in percentage points."""
-    return difference(value, 0, evidence_form(key)) + inference_of(key).noun_unit
-
-
-def percent(share: float) -> str:
-    """A share in a sentence, such as ``80 %``."""
-    return f"{100 * share:.0f} %"
 
 
 def _state(plan: StudyPlan) -> str:
@@ -171,13 +156,6 @@ def _extent(size: StudySize) -> str:
         f"{count_text(size.n_recordings, 'recording')} like these "
         f"({count_text(size.n_encounters, 'encounter')}, {duration_text(size.duration_s)})"
     )
-
-
-def duration_text(seconds: float) -> str:
-    """A duration in seconds, minutes or hours."""
-    if seconds < 600:
-        return f"{seconds:.0f} s"
-    return f"{seconds / 60:.0f} min" if seconds < 6000 else f"{seconds / 3600:,.1f} h"
 
 
 def _level(plan: StudyPlan) -> str:

@@ -10,13 +10,12 @@ from nvcore.comparison import Result
 from nvcore.evidence.companions import are_unequal
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.planning.pilot import MIN_PILOT, PLAN_KEYS
-from nvcore.evidence.planning.study import StudyPlan, StudySize, plan_study
+from nvcore.evidence.planning.study import POWER, StudyPlan, StudySize, plan_study
 from nvcore.evidence.planning.words import (
     FRESH,
     OPTIMISTIC,
     QUESTION,
     UNEQUAL,
-    duration_text,
 )
 from nvcore.evidence.units import RECORDINGS
 from nvcore.measures import evidence_form, repeated_by
@@ -25,7 +24,7 @@ from nvcore.protocols import Protocol
 from nvcore.report.html import words
 from nvcore.report.html.blocks import Block, Section, Sentences, table
 from nvcore.report.plan import evidence_of
-from nvcore.wording import UNDEFINED, capitalised, difference
+from nvcore.wording import UNDEFINED, capitalised, difference, duration_text, percent
 
 HEAD: Final = (
     "Measure",
@@ -63,7 +62,9 @@ def plan_section(
         why_not = f"There is no plan: it needs a pilot of {MIN_PILOT} recordings or more."
         blocks = [Sentences((why_not,))]
     elif not not_shown:
-        blocks = [Sentences(("Every difference is shown to be more than chance.",))]
+        blocks = [
+            Sentences((f"No p is above {SIGNIFICANT:g} after correction: nothing to plan for.",))
+        ]
     else:
         plans = [
             plan_study(
@@ -74,7 +75,9 @@ def plan_section(
             )
             for index, (name, row) in enumerate(not_shown)
         ]
-        caption = "Recordings that would show a difference as found, in 80 % of studies"
+        caption = (
+            f"Recordings that would show a difference as found, in {percent(POWER)} of studies"
+        )
         reasons = _reasons(plans)
         sentences = [OPTIMISTIC, FRESH, *([UNEQUAL] if are_unequal(result) else [])]
         blocks = [

@@ -51,4 +51,4 @@ def test_blocks_of_time_and_what_is_shown_have_words_instead():
     assert verdict_plan(clear, evidence, None) == ""
     evidence["p_holm"] = 0.001
     section = plan_section(clear, evidence, PROTOCOLS["all"], progress=no_progress)
-    assert section.blocks[0].texts == ("Every difference is shown to be more than chance.",)
+    assert section.blocks[0].texts == ("No p is above 0.05 after correction: nothing to plan for.",)
