@@ -18,7 +18,6 @@ RECORDINGS: Final = "recordings"
 BLOCKS: Final = "blocks"
 MIN_RECORDINGS: Final = 6
 """Fewest recordings that may speak of others: of 5 the least p is 2 / 2^5 = 0.0625."""
-
 OTHER_RECORDINGS: Final = "other recordings"
 THESE_RECORDINGS: Final = "these recordings"
 STRETCH: Final = 2
@@ -26,12 +25,6 @@ STRETCH: Final = 2
 rejected 8 to 10 % of equal traces with that length, 6 to 8 % with twice the length."""
 MAX_BLOCKS: Final = 1000
 """Most blocks of all recordings: more do not improve an interval, and longer ones are safer."""
-
-UNIT_WORDS: Final = {
-    "recordings": "recordings",
-    "blocks": "blocks of time within these recordings",
-}
-"""Kinds of units in a sentence."""
 
 
 @dataclass(frozen=True)
@@ -83,8 +76,8 @@ class Units:
         n = self.n_recordings
         few = "one recording only" if n == 1 else f"{n} recordings only"
         return (
-            f"{few}: intervals over blocks of time hold within these recordings; of others they "
-            f"say nothing, and there is no p ({MIN_RECORDINGS} recordings are needed)"
+            f"{few}: intervals over blocks of time hold within these recordings, say nothing of "
+            f"others, and have no p ({MIN_RECORDINGS} recordings are needed)"
         )
 
 

@@ -12,12 +12,11 @@ import numpy as np
 import pandas as pd
 
 from nvcore.evidence.paired_tests import SIGNIFICANT
-from nvcore.evidence.units import UNIT_WORDS
 from nvcore.stability.axes import Axis, Plane
 from nvcore.stability.flips import Flip, Interval, Winner, winners
 from nvcore.stability.map import StabilityMap
 from nvcore.stability.scores import Criterion
-from nvcore.wording import capitalised, listed
+from nvcore.wording import capitalised, count_text, listed
 
 PLANES: Final[dict[Plane, str]] = {
     "alpha-midpoint": "Alpha and what counts as near",
@@ -59,12 +58,12 @@ BECOMES: Final[dict[Winner, str]] = {
     "even": "becomes a tie",
     "undefined": "becomes undefined",
 }
-TESTED: Final[dict[Criterion, tuple[str, ...]]] = {
-    "similarity": ("mean_similarity",),
-    "encounters": ("encounters_detected", "encounters_detected_by_unit"),
-    "saliency": ("saliency",),
+TESTED: Final[dict[Criterion, str]] = {
+    "similarity": "mean_similarity",
+    "encounters": "encounters_detected_by_unit",
+    "saliency": "saliency",
 }
-"""Rows of the table of evidence that test a criterion."""
+"""Row of the table of evidence that tests a criterion."""
 ALL: Final = 1e-9
 """A share this close to 1 or 0 counts as all or none: shares are sums of rounded parts."""
 
@@ -183,36 +182,35 @@ def describe_equal_alarms(stability: StabilityMap) -> str:
 
 
 def describe_chance(stability: StabilityMap, evidence: pd.DataFrame) -> str:
-    """Whether the difference as analysed is more than chance; empty if there is no difference.
+    """What p says of the difference as analysed; empty if there is no difference.
+
+    Whether the difference may be claimed, at equal false alarms as well, is up to the verdict.
 
     Parameters
     ----------
     evidence
-        `evidence_table` of the same result. Of several tests of the criterion, the one with the
-        largest p-value counts.
+        `nvcore.evidence.table.evidence_table` of the same result.
     """
-    rows = evidence[evidence["figure"].isin(TESTED[stability.criterion])]
-    if stability.verdict in ("even", "undefined") or rows.empty:
+    rows = evidence[evidence["figure"] == TESTED[stability.criterion]].to_dict("records")
+    if stability.verdict in ("even", "undefined") or not rows:
         return ""
-    subject = "this difference"
-    if stability.criterion == "saliency":
-        subject = "the difference in the mean saliency of the recordings"
-        if rows["difference"].iloc[0] * stability.present_difference > 0:  # less is better
-            subject += f", which speaks for {'Y' if stability.verdict == 'x' else 'X'},"
-    tested = rows[np.isfinite(rows["p_holm"])]
+    (row,) = rows
     no_evidence = "a verdict that holds at other settings is no evidence against chance"
-    if tested.empty:
-        why = rows["note"].iloc[-1].split("; ")[0]
+    if np.isnan(row["p_holm"]):
+        why = row["note"].split("; ")[0]
         because = f" ({why})" if why else ""
         return (
-            f"Whether {subject} is more than chance cannot be tested here{because}: {no_evidence}."
+            "Whether this difference is more than chance cannot be tested here"
+            f"{because}: {no_evidence}."
         )
-    worst = tested.loc[tested["p_holm"].idxmax()]
-    by = f"by {int(worst['n']):,} {UNIT_WORDS.get(worst['unit'], worst['unit'])}"
-    p = f"p = {worst['p_holm']:.2g} after correction for all measures tested; {by}"
-    if worst["p_holm"] <= SIGNIFICANT:
-        return f"{capitalised(subject)} is more than chance ({p})."
-    return f"{capitalised(subject)} is not shown to be more than chance ({p}): {no_evidence}."
+    by = count_text(int(row["n"]), "recording")
+    p = f"by {by}, p = {row['p_holm']:.2g} after correction for all measures tested"
+    if row["p_holm"] <= SIGNIFICANT:
+        return (
+            f"This difference is unlikely to be chance ({p}); whether it may be claimed is up to "
+            "the verdict."
+        )
+    return f"This difference is not shown to be more than chance ({p}): {no_evidence}."
 
 
 def share_text(share: float) -> str:

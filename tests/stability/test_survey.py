@@ -115,42 +115,40 @@ def test_progress_runs_over_all_maps() -> None:
     assert (shares[0], shares[-1]) == (0, 1)
 
 
-def evidence(**of_figures: tuple[float, float]) -> pd.DataFrame:
-    """Difference and corrected p by figure."""
-    return pd.DataFrame([
-        {"figure": figure, "difference": difference, "p_holm": p, "n": 12, "note": "too few; x",
-         "unit": "encounters" if figure == "encounters_detected" else "blocks"}
-        for figure, (difference, p) in of_figures.items()
-    ])  # fmt: skip
-
-
-SAME_ENCOUNTERS = {"encounters_detected": (1, 0.01), "encounters_detected_by_unit": (1, 0.3)}
+def evidence(**p_of_figures: float) -> pd.DataFrame:
+    """Corrected p by figure."""
+    rows = [
+        {"figure": figure, "p_holm": p, "n": 12, "note": "too few; x"}
+        for figure, p in p_of_figures.items()
+    ]
+    return pd.DataFrame(rows)
 
 
 @pytest.mark.parametrize(
-    ("criterion", "of_figures", "text"),
+    ("criterion", "p_of_figures", "text"),
     [
-        ("similarity", {"mean_similarity": (0.1, 0.58)},
-         "This difference is not shown to be more than chance (p = 0.58 after correction for "
-         "all measures tested; by 12 blocks of time within these recordings): a "
-         "verdict that holds at other settings is no evidence against chance."),
-        ("saliency", {"saliency": (-0.1, 0.04)},
-         "the mean saliency of the recordings is more than chance (p = 0.04 after "),
-        ("saliency", {"saliency": (0.1, 0.04)}, "which speaks for Y, is more than chance"),
-        # encounters are alike within recordings: the larger p counts
-        ("encounters", SAME_ENCOUNTERS, "not shown to be more than chance (p = 0.3 after "),
-        ("similarity", {"mean_similarity": (0.1, np.nan)},
+        ("similarity", {"mean_similarity": 0.58},
+         "This difference is not shown to be more than chance (by 12 recordings, p = 0.58 after "
+         "correction for all measures tested): a verdict that holds at other settings is no "
+         "evidence against chance."),
+        ("saliency", {"saliency": 0.04},
+         "This difference is unlikely to be chance (by 12 recordings, p = 0.04 after correction "
+         "for all measures tested); whether it may be claimed is up to the verdict."),
+        # encounters are alike within recordings: McNemar's test of them one by one says nothing
+        ("encounters", {"encounters_detected": 0.01, "encounters_detected_by_unit": 0.3},
+         "not shown to be more than chance (by 12 recordings, p = 0.3 after "),
+        ("similarity", {"mean_similarity": np.nan},
          "Whether this difference is more than chance cannot be tested here (too few): a verdict"),
     ],
 )  # fmt: skip
-def test_whether_a_difference_is_more_than_chance_is_told(
-    criterion: Criterion, of_figures: dict[str, tuple[float, float]], text: str
+def test_what_p_says_of_the_difference_stands_with_the_map(
+    criterion: Criterion, p_of_figures: dict[str, float], text: str
 ) -> None:
-    found = map_stability(CASES["no scores"], "edge-weight", criterion)  # X is better
-    assert text in describe_chance(found, evidence(**of_figures))
+    stability = map_stability(CASES["no scores"], "edge-weight", criterion)  # X is better
+    assert text in describe_chance(stability, evidence(**p_of_figures))
 
 
 def test_a_tie_has_no_evidence() -> None:
-    found = map_stability(CASES["one frame"], "edge-weight", "similarity")
-    assert found.verdict == "even"
-    assert describe_chance(found, evidence(mean_similarity=(0.0, 1.0))) == ""
+    stability = map_stability(CASES["one frame"], "edge-weight", "similarity")
+    assert stability.verdict == "even"
+    assert describe_chance(stability, evidence(mean_similarity=1.0)) == ""
