@@ -145,15 +145,18 @@ def test_a_fit_tries_whose_events_by_what_weight_and_in_seconds(result):
 
 @pytest.fixture(scope="module")
 def chance(result):
-    """Ratings by chance, fits to them, the shares of progress of all, and saliency by setting."""
+    """Ratings by chance, fits to them, the shares of progress of all, and what was tried.
+
+    The last is the saliency of the clips at each setting, and the recordings of the clips.
+    """
     from nvcore.studies.ratings import fit as module
 
     rng, shares, tried = np.random.default_rng(6), [], []
     real = module._agreement
 
-    def agreement(saliency, *more):
-        tried.append(saliency)
-        return real(saliency, *more)
+    def agreement(saliency, order, recording):
+        tried.append((saliency, recording))
+        return real(saliency, order, recording)
 
     ratings = [rated(result, rng.random(20)) for _ in range(3)]
     with pytest.MonkeyPatch.context() as patch:  # one sigmoid is tried
@@ -169,15 +172,22 @@ def chance(result):
 def test_a_fit_to_chance_is_worth_chance_though_it_fits_what_it_has_seen(chance):
     from nvcore.studies.ratings import fit as module
 
-    _, fits, shares, saliency = chance
+    _, fits, _, (saliency, recording) = chance
     assert all(fit.share_fitted < fit.share_training > 0.55 for fit in fits)
-    rng, recording = np.random.default_rng(7), np.tile(np.arange(10), 2)
-    n_pairs, held_out = 20 * 19, []
-    for _ in range(100):  # three fits alone may all be lucky
+    # three fits may all be lucky: the same with many ratings, without the comparisons made again
+    rng, training, held_out = np.random.default_rng(7), [], []
+    for _ in range(100):
         order = np.sign(np.subtract.outer(rank := rng.random(20), rank))
         agreement = module._agreement(saliency, order, recording)
-        held_out.append(0.5 + 0.5 * module._agreement_held_out(agreement).sum() / n_pairs)
+        n_pairs = np.count_nonzero(order)
+        training.append(module._share(agreement.sum(axis=(1, 2)).max(), n_pairs))
+        held_out.append(module._share(module._agreement_held_out(agreement).sum(), n_pairs))
+    assert np.mean(training) > 0.55
     assert abs(np.mean(held_out) - 0.5) < 0.03  # their spread is 0.09
+
+
+def test_the_progress_of_a_fit_rises_evenly_to_its_end(chance):
+    _, _, shares, _ = chance
     n = len(shares) // 3
     assert shares == 3 * [i / n for i in range(1, n + 1)]
 
