@@ -165,7 +165,7 @@ class Comparison:
         return self._evidence.copy()
 
     def verdict(self) -> tuple[str, ...]:
-        """What the comparison supports, in sentences."""
+        """What the comparison supports, in sentences; the first says what is claimed."""
         return self._verdict.sentences
 
     @property

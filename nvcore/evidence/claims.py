@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 import pandas as pd
@@ -16,15 +16,14 @@ from nvcore.evidence.companions import (
     Companions,
     are_unequal,
     count_alarms,
+    has_scores,
 )
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.units import RECORDINGS
-from nvcore.measures import EVIDENCE_KEYS, inference_of
+from nvcore.measures import EVIDENCE_KEYS, inference_of, measure_of
 
 CLAIMED: Final = tuple(key for key in EVIDENCE_KEYS if inference_of(key).noun)
 """Keys of the measures of which the verdict may claim a difference."""
-
-
 FALSE_ALERTS: Final = "false_alert_episodes_per_hour"
 
 
@@ -100,9 +99,11 @@ def find_claims(
     basis = Basis.EQUAL_ALARMS if is_unequal else Basis.AS_SET
     if evidence is None:
         return Support(basis)
+    doubts = _doubts(evidence)
     if companions is None:
         pending = "whether it holds at equal false alarms is not known yet"
-        return Support(basis, withheld=dict.fromkeys(_candidates(result, evidence), pending))
+        withheld = dict.fromkeys(_candidates(result, evidence), pending)
+        return Support(basis, withheld=withheld | doubts)
     if is_unequal:
         assert companions.equal is not None
         basis_result, candidates = companions.equal, _at_all(result, companions.evidence)
@@ -113,25 +114,35 @@ def find_claims(
         basis_result, candidates = result, _candidates(result, evidence)
         withheld = _not_confirmed(result, candidates, companions)
     for key in STRICT_KEYS:
-        if key in candidates and _is_turned(key, basis_result, companions.strict):
+        if key in candidates and is_turned(key, basis_result, companions.strict):
             withheld[key] = "paired strictly it is the other way round"
     claims = tuple(claim for key, claim in candidates.items() if key not in withheld)
-    return Support(basis, claims, withheld)
+    return Support(basis, claims, withheld | doubts)
 
 
 def _candidates(result: Result, evidence: pd.DataFrame) -> dict[str, Claim]:
-    """Differences over recordings that are more than chance, by key."""
+    """Differences over recordings that are more than chance and not in doubt, by key."""
     claims = {}
-    for row in evidence.to_dict("records"):
+    for row in _significant_rows(evidence):
         key = str(row["figure"])
-        is_real = row["unit"] == RECORDINGS and row["p_holm"] <= SIGNIFICANT and not row["doubt"]
-        if key not in CLAIMED or not is_real:
-            continue
-        if result.is_short and inference_of(key).needs_tracks:
+        if row["doubt"] or (result.is_short and inference_of(key).needs_tracks):
             continue
         winner = winner_of(row["difference"], row["better"])
         claims[key] = Claim(key, winner, float(row["p_holm"]), int(row["n"]))
     return claims
+
+
+def _doubts(evidence: pd.DataFrame) -> dict[str, str]:
+    """Why differences are in doubt that would be more than chance, by key."""
+    return {
+        str(row["figure"]): str(row["doubt"]) for row in _significant_rows(evidence) if row["doubt"]
+    }
+
+
+def _significant_rows(evidence: pd.DataFrame) -> list[dict[Hashable, Any]]:
+    """Rows over recordings with a corrected p that is small enough."""
+    is_small = (evidence["unit"] == RECORDINGS) & (evidence["p_holm"] <= SIGNIFICANT)
+    return evidence[is_small & evidence["figure"].isin(CLAIMED)].to_dict("records")
 
 
 def winner_of(difference: float, better: str) -> str:
@@ -168,10 +179,12 @@ def _not_confirmed(
 
 
 def _not_dominant(result: Result, candidates: Mapping[str, Claim]) -> dict[str, str]:
-    """Without scores to set the systems alike: what the winner may owe to its operating point."""
+    """Where nothing sets the systems alike: what the winner may owe to its operating point."""
     reasons = {}
     n_alarms = {letter: count_alarms(system) for letter, system in result.sides}
     n_matched = {letter: int(system.matched.sum()) for letter, system in result.sides}
+    can_move = any(has_scores(result, letter) for letter in n_alarms)
+    why = "no threshold sets them alike" if can_move else "without scores nothing sets them alike"
     for key, claim in candidates.items():
         other = "y" if claim.winner == "x" else "x"
         is_of_alarms = key == FALSE_ALERTS
@@ -181,27 +194,21 @@ def _not_dominant(result: Result, candidates: Mapping[str, Claim]) -> dict[str, 
             more = "also has more false alarms"
         else:
             continue
-        reasons[key] = (
-            f"{claim.winner.upper()} {more}, and without scores the two cannot be set alike"
-        )
+        reasons[key] = f"{claim.winner.upper()} {more}, and {why}"
     return reasons
 
 
-def _is_turned(key: str, basis: Result, strict: Result) -> bool:
+def is_turned(key: str, basis: Result, strict: Result) -> bool:
     """Whether strict pairing turns the sign of a measure's difference."""
-    return values_turn(*values_of(key, basis), *values_of(key, strict))
+    differences = (np.subtract(*values_of(key, result)) for result in (basis, strict))
+    return bool(np.prod(np.sign([*differences])) < 0)
 
 
 def values_of(key: str, result: Result) -> tuple[float, float]:
-    """A measure of `STRICT_KEYS`, of X and Y."""
-    if key == "saliency":
-        return result.x.saliency_s, result.y.saliency_s
-    return result.x.summary.mean, result.y.summary.mean
-
-
-def values_turn(x: float, y: float, strict_x: float, strict_y: float) -> bool:
-    """Whether the order of X and Y is another one by the strict values."""
-    return bool(np.sign(x - y) * np.sign(strict_x - strict_y) < 0)
+    """A measure of `nvcore.measures.MEASURES` of X and Y; NaN undefined."""
+    value_of = measure_of(key).of
+    assert value_of is not None, key
+    return float(value_of(result, result.x)), float(value_of(result, result.y))
 
 
 def least_corrected_p(evidence: pd.DataFrame) -> float:

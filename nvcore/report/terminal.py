@@ -14,7 +14,7 @@ from nvcore.evidence.table import evidence_table
 from nvcore.findings import Finding, Severity
 from nvcore.protocols import PROTOCOLS, Protocol
 from nvcore.report.plan import verdict_plan
-from nvcore.report.verdict import verdict
+from nvcore.report.verdict import Verdict, verdict
 from nvcore.report.words import count_leads, saliency_caveat, scorecard_cells
 from nvcore.schema import Category
 from nvcore.scoring import SystemResult
@@ -52,7 +52,7 @@ def render_scorecard(
     evidence = evidence_table(result, protocol) if evidence is None else evidence
     companions = find_companions(result, evidence) if companions is None else companions
     plan = verdict_plan(result, evidence, companions) if plan is None else plan
-    in_short = verdict(result, findings, evidence=evidence, companions=companions, plan=plan)
+    conclusion = verdict(result, findings, evidence=evidence, companions=companions, plan=plan)
     caveat = saliency_caveat(result.params)
     parts = [
         _heading(result),
@@ -61,9 +61,18 @@ def render_scorecard(
         _fusion(result),
         *([f"saliency: {caveat[0].lower()}{caveat[1:-1]}"] if caveat else []),
         *(_worst(result, letter, system) for letter, system in result.sides),
-        "In short: " + " ".join(in_short.sentences),
+        render_verdict(conclusion),
     ]
     return "\n\n".join(parts)
+
+
+def render_verdict(conclusion: Verdict) -> str:
+    """The headline, a line for each topic, and what it all depends on."""
+    lines = [f"In short: {conclusion.headline}"]
+    lines += [f"  {point.topic}: {point.text}" for point in conclusion.points]
+    if conclusion.caveat:
+        lines.append(f"  Audit: {conclusion.caveat}")
+    return _text(lines)
 
 
 def render_findings(findings: Sequence[Finding]) -> str:

@@ -1,104 +1,232 @@
-"""Sentences of the verdict: encounters, what failures weigh, the other measures, strict pairing."""
+"""Sentences of the verdict by topic, and its headline."""
 
 from __future__ import annotations
 
-from typing import Final
+from collections.abc import Hashable, Mapping, Sequence
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 import pandas as pd
 
 from nvcore.comparison import Result
-from nvcore.evidence.claims import CLAIMED, Support, values_of, values_turn
-from nvcore.evidence.companions import MISS_RATE, STRICT_KEYS
+from nvcore.evidence.claims import (
+    CLAIMED,
+    Claim,
+    Support,
+    is_turned,
+    least_corrected_p,
+    values_of,
+)
+from nvcore.evidence.companions import (
+    STRICT_KEYS,
+    Companions,
+    are_unequal,
+    count_alarms,
+    describe_alarms,
+    has_scores,
+)
+from nvcore.evidence.miss_rate import KEY as MISS_RATE
+from nvcore.evidence.paired_tests import SIGNIFICANT
+from nvcore.evidence.planning.noninferiority import UNEQUAL_POINTS
 from nvcore.evidence.units import MIN_RECORDINGS, RECORDINGS
-from nvcore.measures import has_several_recordings, inference_of, ratio_of
+from nvcore.measures import (
+    count_recordings,
+    evidence_form,
+    has_several_recordings,
+    inference_of,
+    measure_of,
+)
 from nvcore.schema import Category
-from nvcore.wording import capitalised, count_text, listed, one_line, shortened
+from nvcore.wording import (
+    capitalised,
+    count_text,
+    duration_text,
+    interval_text,
+    listed,
+    one_line,
+    shortened,
+)
 
 ENCOUNTERS: Final = "encounters_detected_by_unit"
-SIDE_BY_SIDE: Final = tuple(key for key in CLAIMED if key != ENCOUNTERS)
-"""Keys of the measures that the verdict puts side by side."""
 NAME_WIDTH: Final = 40
 """Longest name of a recording."""
-NOT_TESTED: Final = "whether that is more than chance is not tested"
 
 
-def describe_encounters(result: Result, evidence: pd.DataFrame | None, support: Support) -> str:
-    """Who detects more encounters, and whether other recordings would show it too."""
-    venn = result.venn
-    if not venn.n_near:
-        return (
-            "There is no encounter near enough to count: these data do not show which system "
-            "detects more."
-        )
-    n_split = venn.x_only + venn.y_only
-    if not n_split:
-        return (
-            f"X and Y detect the same {venn.both} of {venn.n_near} encounters: these data do not "
-            "tell them apart by whom they detect."
-        )
-    winner, loser = ("X", "Y") if venn.x_only > venn.y_only else ("Y", "X")
-    if n_split == 1:
-        split = f"only one encounter is detected by a single system, by {winner}"
+class Quality(NamedTuple):
+    """A measure that the verdict puts side by side.
+
+    Attributes
+    ----------
+    key
+        Of `nvcore.measures.MEASURES`.
+    comparative
+        What the better system has of it.
+    noun
+        What it is called there.
+    form, unit
+        Format specification of the values, and what follows them.
+    """
+
+    key: str
+    comparative: str
+    noun: str
+    form: str
+    unit: str = ""
+
+
+QUALITIES: Final = (
+    Quality("mean_similarity", "the higher", "mean similarity", ".3f"),
+    Quality("severity_s_per_encounter", "the lower", "severity per encounter", ".2f", " s"),
+    Quality("saliency", "the lower", "saliency", ".2f", " s"),
+    Quality("false_alert_episodes", "fewer", "false-alert episodes", "d"),
+    Quality(MISS_RATE, "the lower", "log-average miss rate", ".1%"),
+)
+
+
+def headline(
+    result: Result,
+    evidence: pd.DataFrame | None,
+    companions: Companions | None,
+    support: Support,
+) -> str:
+    """What is claimed, or that nothing is, and why.
+
+    Parameters
+    ----------
+    evidence
+        Of the comparison that claims are about; None where it supports none.
+    """
+    conclusion = _conclusion(result, evidence, companions, support)
+    if not are_unequal(result):
+        return capitalised(conclusion)
+    if companions is None:
+        why = "nothing is claimed before they are compared at equal false alarms"
+    elif companions.equal is not None:
+        why = f"at equal false alarms, {conclusion.rstrip('.')}"
+    elif any(has_scores(result, letter) for letter in "xy"):
+        why = "nothing is claimed, as no threshold sets them alike"
     else:
-        split = (
-            f"of the {n_split} encounters that only one system detects, X detects {venn.x_only} "
-            f"and Y {venn.y_only}"
-        )
-    dominance = (
-        f"{winner} detects every encounter that {loser} detects, and "
-        f"{max(venn.x_only, venn.y_only)} more of {venn.n_near}"
-    )
-    fact = split if venn.dominant is None else dominance
-    claim = next((claim for claim in support.claims if claim.key == ENCOUNTERS), None)
-    if claim is not None:
-        test = f"(by {claim.n:,} recordings, p = {claim.p:.2g})"
-        if venn.dominant is not None:
-            return f"{dominance} {test}."
-        first, second = ("X", "Y") if claim.winner == "x" else ("Y", "X")
-        return (
-            f"{first} detects more encounters, but not all that {second} detects: {split} {test}."
-        )
+        why = "nothing is claimed, as without scores they cannot be set alike"
+    return f"{UNEQUAL_POINTS}: {why}."
+
+
+def _conclusion(
+    result: Result,
+    evidence: pd.DataFrame | None,
+    companions: Companions | None,
+    support: Support,
+) -> str:
+    """The headline without the operating points and without a capital."""
+    if support.claims:
+        return _claimed(support.claims)
     if evidence is None:
-        return f"{capitalised(fact)}; {NOT_TESTED}."
-    row = evidence[evidence["figure"] == ENCOUNTERS].iloc[0]
-    if row["unit"] != RECORDINGS:
-        n = int(np.count_nonzero(np.diff(result.dataset.frame_columns.first)))
+        return "nothing is claimed: the differences are not tested."
+    if companions is None and support.withheld:
+        return "nothing is claimed before X and Y are compared at equal false alarms."
+    if (evidence["unit"] != RECORDINGS).all():
+        n = count_recordings(result)
         few = "one recording does" if n == 1 else f"{n} recordings do"
         return (
-            f"{capitalised(fact)}; {few} not show whether others would agree ({MIN_RECORDINGS} are "
-            "needed)."
+            f"nothing is claimed: {few} not show what others would ({MIN_RECORDINGS} are needed)."
         )
-    reason = support.withheld.get(ENCOUNTERS)
-    if reason is None and np.isfinite(row["p_holm"]):
-        reason = f"by {int(row['n']):,} recordings, p = {row['p_holm']:.2g}"
-    reason = reason or "too few recordings tell the two apart to test it"
+    tested = evidence[np.isfinite(evidence["p_holm"])]
+    if tested.empty:
+        return "nothing is claimed: there are too few data to test a difference."
+    by = f"by {count_text(int(tested['n'].max()), 'recording')}"
+    least_p = least_corrected_p(evidence)
+    if least_p > SIGNIFICANT:
+        return (
+            f"nothing is claimed: {by} and in {len(tested)} measures no difference can be shown to "
+            f"be more than chance, however large (the least p is {least_p:.2g} after correction)."
+        )
+    if support.withheld:
+        return "nothing is claimed: each difference that is more than chance fails another check."
+    return f"nothing is claimed: {by}, no difference is shown to be more than chance."
+
+
+def _claimed(claims: Sequence[Claim]) -> str:
+    """Who is better in what."""
+    parts: list[str] = []
+    for letter in ("x", "y"):
+        nouns = [inference_of(claim.key).noun for claim in claims if claim.winner == letter]
+        if nouns:
+            better = "" if parts else "is better "
+            parts.append(f"{letter.upper()} {better}in {listed(nouns)}")
+    by = count_text(max(claim.n for claim in claims), "recording")
+    return f"{', '.join(parts)}: more than chance, by {by}."
+
+
+def describe_operating_points(result: Result, companions: Companions | None) -> tuple[str, ...]:
+    """How X and Y are set, where that is unequal, and what the verdict compares instead."""
+    if not are_unequal(result):
+        return ()
+    as_set = f"As set, {describe_alarms(result)}."
+    if companions is None or companions.equal is None:
+        return as_set, "What follows is as set."
+    equal, moved = companions.equal, companions.moved
+    per_frame = count_alarms(equal.x) / len(equal.dataset.frames)
+    threshold = equal.system(moved).threshold
+    at = "with all detections" if threshold is None else f"with scores of {threshold:g} or more"
+    return (
+        as_set,
+        f"What follows is at equal false alarms ({moved.upper()} {at}, {per_frame:.3g} per frame): "
+        "nothing is claimed from the comparison as set.",
+    )
+
+
+def describe_encounters(result: Result, evidence: pd.DataFrame | None) -> tuple[str, ...]:
+    """Who detects more encounters, and p of that by recordings."""
+    venn = result.venn
+    n_split = venn.x_only + venn.y_only
+    if not venn.n_near:
+        return ("There is no encounter near enough to count.",)
+    if not n_split:
+        return (f"X and Y detect the same {venn.both} of {venn.n_near} encounters.",)
     if venn.dominant is not None:
-        return f"{dominance}; that is not shown to be more than chance ({reason})."
-    return f"These data do not show which system detects more encounters: {split} ({reason})."
+        winner, loser = ("X", "Y") if venn.dominant == "x" else ("Y", "X")
+        text = (
+            f"{winner} detects every encounter that {loser} detects, and {n_split} more of "
+            f"{venn.n_near}"
+        )
+    else:
+        text = (
+            f"Of the {n_split} encounters that only one system detects, X detects {venn.x_only} "
+            f"and Y {venn.y_only}"
+        )
+    return (f"{text}{_p_of_encounters(evidence)}.",)
 
 
-def describe_weights(result: Result) -> str:
+def _p_of_encounters(evidence: pd.DataFrame | None) -> str:
+    if evidence is None:
+        return ""
+    row = evidence[evidence["figure"] == ENCOUNTERS].iloc[0]
+    if row["unit"] != RECORDINGS:
+        return ""
+    if np.isfinite(row["p_holm"]):
+        return f" (by {count_text(int(row['n']), 'recording')}, p = {row['p_holm']:.2g})"
+    return " (too few recordings tell the two apart to test it)"
+
+
+def describe_weights(result: Result) -> tuple[str, ...]:
     """What the encounters weigh that only one system detects, and the worst failure."""
     venn = result.venn
     of_x, of_y = (result.severity_of(system) for _, system in result.sides)
-    weights = [
-        (f"the {n} that only {letter} detects", f"{weight:.1f} s")
-        for letter, n, weight in (
+    sides = [
+        (letter, n, weight_s)
+        for letter, n, weight_s in (
             ("X", venn.x_only, of_y[Category.X_ONLY]),
             ("Y", venn.y_only, of_x[Category.Y_ONLY]),
         )
         if n
     ]
-    parts = [f"{who} {weight}" for who, weight in weights]
-    if weights:
-        verb = "weighs" if weights[0][0].startswith("the 1 ") else "weigh"
-        parts[0] = f"{weights[0][0]} {verb} {weights[0][1]} of missed pedestrian"
-    text = ", ".join(parts)
+    parts: list[str] = []
+    for letter, n, weight_s in sides:
+        verb = "" if parts else " weighs" if n == 1 else " weigh"
+        what = "" if parts else " of missed pedestrian"
+        parts.append(f"the {n} that only {letter} detects{verb} {weight_s:.1f} s{what}")
+    sentences = [f"{capitalised(', '.join(parts))}."] if parts else []
     worst = _worst_failure(result)
-    if worst:
-        text = f"{text}; {worst}" if text else worst
-    return f"{capitalised(text)}." if text else ""
+    return (*sentences, worst) if worst else tuple(sentences)
 
 
 def _worst_failure(result: Result) -> str:
@@ -110,150 +238,116 @@ def _worst_failure(result: Result) -> str:
     encounters = result.encounters
     name = str(result.dataset.recordings["name"].iloc[encounters.recording[row]])
     return (
-        f"the worst single failure is {'XY'[letter]}'s: pedestrian {encounters.track[row]} in "
-        f"{shortened(one_line(name), NAME_WIDTH)}, {severity_s[letter][row]:.1f} s"
+        f"The worst single failure is {'XY'[letter]}'s: pedestrian {encounters.track[row]} in "
+        f"{shortened(one_line(name), NAME_WIDTH)}, {severity_s[letter][row]:.1f} s."
     )
 
 
-def describe_side_by_side(result: Result, evidence: pd.DataFrame | None) -> str:
-    """Who is better in each of the other measures, without the full stop; empty without any."""
-    x, y = result.x, result.y
-    n_near = result.venn.n_near
-    severity = [ratio_of(system.failures["severity_s"].sum(), n_near) for system in (x, y)]
-    is_timed = bool(result.duration_s)
-    episodes = [system.false_alarm_summary.episodes if is_timed else np.nan for system in (x, y)]
-    saliency = "the lower saliency"
-    if has_several_recordings(result):
-        saliency += " in the mean over recordings"
-    parts = [
-        _better(
-            "the higher mean similarity",
-            x.summary.mean,
-            y.summary.mean,
-            ".3f",
-            is_high_better=True,
-        ),
-        _better("the lower severity per encounter", severity[0], severity[1], ".2f", unit=" s"),
-        _better(saliency, x.saliency_s, y.saliency_s, ".2f", unit=" s"),
-        _better(
-            "fewer false-alert episodes",
-            episodes[0],
-            episodes[1],
-            "d",
-            unit=f" in {_duration(result.duration_s)}",
-        ),
-        _better("the lower log-average miss rate", *_miss_rates(evidence), ".1%"),
-    ]
-    defined = [part for part in parts if part]
-    if not defined:
-        return ""
-    text = defined[0] if len(defined) == 1 else ", ".join(defined[:-1]) + ", and " + defined[-1]
-    return capitalised(text)
+def describe_measures(result: Result, evidence: pd.DataFrame | None) -> tuple[str, ...]:
+    """In which of the other measures X is better, in which Y, and which are the same."""
+    better: dict[str, list[str]] = {"X": [], "Y": [], "": []}
+    for quality in QUALITIES:
+        x, y = _values(quality.key, result, evidence)
+        if np.isnan(x) or np.isnan(y):
+            continue
+        shown_x, shown_y = (_shown(value, quality.form) for value in (x, y))
+        unit = quality.unit
+        if quality.key == "false_alert_episodes":
+            unit = f" in {duration_text(result.duration_s)}"
+        if shown_x == shown_y:
+            better[""].append(f"the same {quality.noun} ({shown_x}{unit})")
+            continue
+        noun = quality.noun
+        if quality.key == "saliency" and has_several_recordings(result):
+            noun += " in the mean over recordings"
+        is_x = (x > y) == (measure_of(quality.key).better == "higher")
+        values = f"{shown_x} to {shown_y}" if is_x else f"{shown_y} to {shown_x}"
+        better["X" if is_x else "Y"].append(f"{quality.comparative} {noun} ({values}{unit})")
+    return tuple(
+        f"{f'{who} has' if who else 'Both have'} {listed(texts)}."
+        for who, texts in better.items()
+        if texts
+    )
 
 
-def _miss_rates(evidence: pd.DataFrame | None) -> tuple[float, float]:
-    """Of X and Y; NaN where undefined."""
-    if evidence is None:
-        return np.nan, np.nan
-    rows = evidence[evidence["figure"] == MISS_RATE].to_dict("records")
+def _shown(value: float, form: str) -> str:
+    return format(int(value) if form == "d" else value, form)
+
+
+def _values(key: str, result: Result, evidence: pd.DataFrame | None) -> tuple[float, float]:
+    """A measure of X and Y; NaN where undefined."""
+    if key != MISS_RATE:
+        is_defined = key != "false_alert_episodes" or bool(result.duration_s)
+        return values_of(key, result) if is_defined else (np.nan, np.nan)
+    rows = [] if evidence is None else evidence[evidence["figure"] == key].to_dict("records")
     return (float(rows[0]["x"]), float(rows[0]["y"])) if rows else (np.nan, np.nan)
 
 
-def describe_chance(evidence: pd.DataFrame | None, support: Support, *, short: bool) -> str:
-    """Which of these differences are more than chance, without the full stop."""
+def describe_chance(
+    evidence: pd.DataFrame | None, support: Support, *, is_short: bool
+) -> tuple[str, ...]:
+    """Which differences are more than chance, and why others that seem so are not claimed.
+
+    Parameters
+    ----------
+    is_short
+        Whether most encounters are one frame long, so that measures of time mean little.
+    """
     if evidence is None:
-        return "whether these differences are more than chance is not tested"
-    keys = [key for key in SIDE_BY_SIDE if not (short and inference_of(key).needs_tracks)]
-    text = _beyond_chance(evidence[evidence["figure"].isin(keys)], support)
-    if short:
-        text += "; saliency, severity and episodes mean little here and are not judged"
-    return text
-
-
-def _beyond_chance(rows: pd.DataFrame, support: Support) -> str:
-    if not rows.empty and (rows["unit"] != RECORDINGS).all():
-        return (
-            "so few recordings do not show whether these differences are more than chance "
-            f"({MIN_RECORDINGS} are needed)"
+        return ()
+    of_key = {row["figure"]: row for row in evidence.to_dict("records")}
+    sentences = []
+    if support.claims:
+        parts = [_claim_text(claim, of_key[claim.key]) for claim in support.claims]
+        sentences.append(f"More than chance: {listed(parts)}.")
+        settled = {*support.withheld, *(claim.key for claim in support.claims)}
+        others = [row for key, row in of_key.items() if key in CLAIMED and key not in settled]
+        if any(np.isfinite(row["p_holm"]) for row in others):
+            sentences.append("The other differences are not shown to be.")
+    for reason in dict.fromkeys(support.withheld.values()):
+        nouns = [inference_of(key).noun for key in CLAIMED if support.withheld.get(key) == reason]
+        sentences.append(f"Not claimed: {listed(nouns)} ({reason}).")
+    if is_short:
+        sentences.append(
+            "Most encounters are one frame long: saliency, severity and episodes mean little here "
+            "and are not judged."
         )
-    tested = rows[np.isfinite(rows["p_holm"])]
-    if tested.empty:
-        return "there are too few data to test these differences for chance"
-    by = f"by these {count_text(int(tested['n'].iloc[0]), 'recording')}"
-    of_key = {row["figure"]: row for row in rows.to_dict("records")}
-    claims = [claim for claim in support.claims if claim.key in of_key]
-    withheld = {key: reason for key, reason in support.withheld.items() if key in of_key}
-    doubts = [
-        f"that in {inference_of(key).noun} is none: {reason}" for key, reason in withheld.items()
-    ]
-    if not claims:
-        text = f"{by}, none of these differences is shown to be more than chance"
-        if len(rows) == 1:
-            noun = inference_of(rows["figure"].iloc[0]).noun
-            text = f"{by}, the difference in {noun} is not shown to be more than chance"
-        if withheld:
-            nouns = listed([inference_of(key).noun for key in withheld])
-            reasons = "; ".join(dict.fromkeys(withheld.values()))
-            text = f"{by}, none of these differences is claimed; as for {nouns}, {reasons}"
-        return text
-    parts = [
-        f"{inference_of(claim.key).noun} (for {claim.winner.upper()}, "
-        f"{_interval(claim.key, of_key[claim.key]['low'], of_key[claim.key]['high'])}"
-        f"p = {claim.p:.2g})"
-        for claim in claims
-    ]
-    is_one = len(parts) == 1
-    noun, verb = ("difference", "is") if is_one else ("differences", "are")
-    text = f"{by}, the {noun} in {listed(parts)} {verb} more than chance"
-    if doubts:
-        return f"{text}; {'; '.join(doubts)}"
-    return text + ("" if len(parts) == len(rows) else "; the others are not shown to be")
+    return tuple(sentences)
 
 
-def describe_strict(result: Result, strict: Result) -> str:
+def _claim_text(claim: Claim, row: Mapping[Hashable, Any]) -> str:
+    """For whom a difference speaks, with interval and p."""
+    key, low, high = claim.key, row["low"], row["high"]
+    interval = ""
+    if np.isfinite(low):
+        ends = interval_text(low, high, evidence_form(key))
+        interval = f"X - Y 95 % interval {ends}{inference_of(key).noun_unit}, "
+    noun = inference_of(key).noun
+    return f"{noun} (for {claim.winner.upper()}, {interval}p = {claim.p:.2g})"
+
+
+def describe_strict(result: Result, strict: Result) -> tuple[str, ...]:
     """Where strict pairing puts the other system first; empty where it agrees."""
-    turned = []
-    for key, form, unit in zip(STRICT_KEYS, (".3f", ".2f"), ("", " s"), strict=True):
-        as_set, strictly = values_of(key, result), values_of(key, strict)
-        if values_turn(*as_set, *strictly):
-            x, y = (format(value, form) for value in strictly)
-            turned.append(f"{inference_of(key).noun} (X {x}, Y {y}{unit})")
-    if not turned:
-        return ""
+    parts = []
+    for quality in QUALITIES:
+        if quality.key in STRICT_KEYS and is_turned(quality.key, result, strict):
+            x, y = (format(value, quality.form) for value in values_of(quality.key, strict))
+            parts.append(f"{inference_of(quality.key).noun} (X {x}, Y {y}{quality.unit})")
+    if not parts:
+        return ()
     return (
-        f"Paired strictly, so that false alarms cannot stand in for matches, the other system is "
-        f"better in {listed(turned)}."
+        "Paired strictly, so that false alarms cannot stand in for matches, the other system is "
+        f"better in {listed(parts)}.",
     )
 
 
-def _interval(key: str, low: float, high: float) -> str:
-    if not np.isfinite(low):
-        return ""
-    ends = f"{_with_sign(low)} to {_with_sign(high)}"
-    return f"X - Y 95 % interval {ends}{inference_of(key).noun_unit}, "
-
-
-def _with_sign(value: float) -> str:
-    """With sign and at least three digits, without exponent."""
-    return f"{value:+,.0f}" if abs(value) >= 100 else f"{value:+.3g}"
-
-
-def _duration(seconds: float) -> str:
-    return f"{seconds:.0f} s" if seconds < 600 else f"{seconds / 3600:.1f} h"
-
-
-def _better(
-    quality: str, x: float, y: float, form: str, *, unit: str = "", is_high_better: bool = False
-) -> str:
-    """Who has the quality, with both values, the better one first; empty where undefined."""
-    if np.isnan(x) or np.isnan(y):
-        return ""
-    shown_x, shown_y = format(x, form), format(y, form)
-    if shown_x == shown_y:
-        noun = (
-            quality.split(" ", 2)[-1] if quality.startswith("the ") else quality.split(" ", 1)[-1]
-        )
-        return f"both have the same {noun} ({shown_x}{unit})"
-    is_x = (x > y) == is_high_better
-    winner, first, second = ("X", shown_x, shown_y) if is_x else ("Y", shown_y, shown_x)
-    return f"{winner} has {quality} ({first} to {second}{unit})"
+def describe_thresholds(result: Result) -> tuple[str, ...]:
+    """Which systems have scores but no threshold."""
+    letters = [
+        letter.upper()
+        for letter, system in result.sides
+        if system.threshold is None and has_scores(result, letter)
+    ]
+    if not letters:
+        return ()
+    return (f"Every detection of {listed(letters)} counts, however low its score.",)

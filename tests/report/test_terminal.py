@@ -13,7 +13,13 @@ from nvcore.comparison import Result
 from nvcore.evidence.companions import find_companions
 from nvcore.evidence.table import evidence_table
 from nvcore.findings import Finding, Severity
-from nvcore.report.terminal import render_dataset, render_findings, render_inputs, render_scorecard
+from nvcore.report.terminal import (
+    render_dataset,
+    render_findings,
+    render_inputs,
+    render_scorecard,
+    render_verdict,
+)
 from nvcore.report.verdict import verdict
 from nvcore.tables.summary import summary
 from nvcore.wording import number, one_line
@@ -51,11 +57,12 @@ def test_the_scorecard_line_by_line(result: Result, scorecard: list[str]):
     ]
     assert scorecard[table].split() == ["X:", "x", "Y:", "y", "X", "-", "Y", "better"]
     end = scorecard.index("", table)
+    begin = next(i for i, line in enumerate(scorecard) if line.startswith("In short: "))
     rows = [line for line in scorecard[table + 1 : end] if not line.endswith(":")]
     assert rows[0].startswith("mean similarity ")
     assert rows[-1].startswith("  no failure ")
     assert {line.split()[-1] for line in rows} == {"higher", "lower", "–"}
-    assert scorecard[end + 1 : -1] == [
+    assert scorecard[end + 1 : begin] == [
         "encounters detected by: both 1, only X 1, only Y 0, neither 0 (0 distant, not counted)",
         "severity (1 s: a pedestrian straight ahead and near is missed for 1 s): detected by both, "
         "X misses 0.00 s and Y 0.00 s; by X only, Y misses 1.20 s; by Y only, X misses 0.00 s; by "
@@ -86,7 +93,11 @@ def test_the_scorecard_line_by_line(result: Result, scorecard: list[str]):
     evidence = evidence_table(result)
     companions = find_companions(result, evidence)
     text = verdict(result, evidence=evidence, companions=companions)
-    assert scorecard[-1] == "In short: " + " ".join(text.sentences)
+    assert scorecard[begin:] == [
+        f"In short: {text.headline}",
+        *(f"  {point.topic}: {point.text}" for point in text.points),
+    ]
+    assert render_verdict(replace(text, caveat="Look.")).splitlines()[-1] == "  Audit: Look."
 
 
 def test_mcnemar_s_p_is_withheld_where_it_means_nothing():

@@ -16,7 +16,7 @@ from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.evidence.units import BLOCKS
 from nvcore.figures.forest import subgroup_forest
 from nvcore.measures import EVIDENCE_KEYS, evidence_form, inference_of
-from nvcore.wording import ARROWS, capitalised, difference, number
+from nvcore.wording import ARROWS, capitalised, difference, interval_text, number
 from ui.session import state
 from ui.widgets.charts import draw_chart
 from ui.widgets.choices import draw_measures
@@ -49,7 +49,8 @@ def draw(result: Result, evidence: pd.DataFrame) -> None:
         "Both systems saw the same pedestrians, so differences are judged in pairs: how far they "
         f"would vary with other {units} (interval), and how often they would be as large if X and "
         "Y could be exchanged (p, from six recordings on). p (Holm) allows for all the rows being "
-        f"looked at together: at most {SIGNIFICANT} is more than chance. Within these recordings: "
+        f"looked at together: the verdict claims no difference with more than {SIGNIFICANT}, nor "
+        "one that does not hold at equal false alarms. Within these recordings: "
         "McNemar's test, which says nothing of others. effect: size of the difference, "
         "Cohen's d_z or, with ×, the odds ratio "
         f"({docs_link('Significance', 'significance', doc='significance')})."
@@ -110,14 +111,13 @@ def shown_evidence(evidence: pd.DataFrame) -> pd.DataFrame:
     rows = []
     for row in evidence.to_dict("records"):
         form = evidence_form(row["figure"])
-        low, high = (difference(row[end], 0, form) for end in ("low", "high"))
         rows.append(
             (
                 row["label"] + ARROWS[row["better"]],
                 number(row["x"], form),
                 number(row["y"], form),
                 difference(row["x"], row["y"], form),
-                f"{low} to {high}" if np.isfinite(row["low"]) else UNDEFINED,
+                interval_text(row["low"], row["high"], form),
                 number(row["p"], ".2g"),
                 number(row["p_holm"], ".2g"),
                 number(row["effect"], ".2f") + (TIMES if _has_odds_ratio(row) else ""),

@@ -16,7 +16,7 @@ from nvcore.evidence.planning.pilot import MIN_PILOT
 from nvcore.evidence.planning.words import QUESTION, describe_plan
 from nvcore.evidence.units import RECORDINGS
 from nvcore.figures.power import power_plot
-from nvcore.measures import inference_of
+from nvcore.measures import count_recordings, inference_of
 from nvcore.progress import Progress, part_of
 from nvcore.protocols import Protocol
 from nvcore.report.plan import verdict_plan
@@ -63,7 +63,7 @@ def draw(result: Result, evidence: pd.DataFrame, companions: Companions | None) 
     """The question, the button that computes the answer, and the answer."""
     with st.expander(QUESTION):
         if not (evidence["unit"] == RECORDINGS).any():
-            n = int(np.count_nonzero(np.diff(result.dataset.frame_columns.first)))
+            n = count_recordings(result)
             st.markdown(
                 f"A plan needs a pilot of {MIN_PILOT} recordings or more, here "
                 f"{'is' if n == 1 else 'are'} {n}: stretches of time say nothing of other "

@@ -36,13 +36,13 @@ def verdict_box(
     plan: str,
 ) -> None:
     """What the measures support, how much more it would take, and what it depends on."""
-    text = verdict(result, findings, evidence=evidence, companions=companions, plan=plan)
-    sentences = [sentence for sentence in text.sentences if sentence != text.caveat]
+    conclusion = verdict(result, findings, evidence=evidence, companions=companions, plan=plan)
+    points = (f"- **{plain(point.topic)}:** {plain(point.text)}" for point in conclusion.points)
     with st.container(border=True, key="verdict"):
-        st.markdown(f"## {plain(sentences[0])}")
-        st.markdown(plain(" ".join(sentences[1:])))
-        if text.caveat:
-            st.warning(plain(text.caveat), icon=":material/warning:")
+        st.markdown(f"## {plain(conclusion.headline)}")
+        st.markdown("\n".join(points))
+        if conclusion.caveat:
+            st.warning(plain(conclusion.caveat), icon=":material/warning:")
             if st.button("See the findings on the Data page"):
                 open_page("data")
     st.caption(_extent(result))

@@ -55,6 +55,14 @@ class Sentences:
 
 
 @dataclass(frozen=True)
+class Points:
+    """Topics, each with what is to be said on it."""
+
+    kind: ClassVar[str] = "points"
+    points: tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True)
 class Table:
     """A table of texts; use `table` to make one.
 
@@ -140,7 +148,7 @@ class Photos:
     photos: tuple[Photo, ...]
 
 
-Block = Sentences | Table | Chart | Photos
+Block = Sentences | Points | Table | Chart | Photos
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from plotly.offline import get_plotlyjs
 from nvcore.figures.style import LOOK, axis, empty_figure, layout, plain
 from nvcore.measures import evidence_form, inference_of
 from nvcore.palette import Theme
-from nvcore.wording import difference
+from nvcore.wording import difference, interval_text
 
 THEME: Final[Theme] = "light"
 INTERVAL_PX: Final = 82
@@ -71,11 +71,12 @@ def interval_plot(evidence: pd.DataFrame) -> go.Figure:
     ):
         form = evidence_form(row["figure"])
         text = (
-            f"{plain(row['label'], max_length=80)}: <b>{_signed_text(row['difference'], form)}</b>"
+            f"{plain(row['label'], max_length=80)}: "
+            f"<b>{_with_minus(difference(row['difference'], 0, form))}</b>"
         )
         if has_ends:
-            span = f"{_signed_text(row['low'], form)} to {_signed_text(row['high'], form)}"
-            text += f"   (95 % interval {span})"
+            span = interval_text(row["low"], row["high"], form)
+            text += f"   (95 % interval {_with_minus(span)})"
             _add_axis(figure, row, form, [1 - (top + edge) / total for edge in STRIP_PX[::-1]])
         else:
             text += "   (no interval can be given)"
@@ -110,8 +111,8 @@ def interval_plot(evidence: pd.DataFrame) -> go.Figure:
     return figure
 
 
-def _signed_text(value: float, form: str) -> str:
-    return difference(value, 0, form).replace("-", "−")
+def _with_minus(text: str) -> str:
+    return text.replace("-", "−")
 
 
 def _add_axis(

@@ -25,7 +25,17 @@ from nvcore.measures import evidence_form, inference_of
 from nvcore.progress import Progress, no_progress
 from nvcore.protocols import Protocol
 from nvcore.report.html import words
-from nvcore.report.html.blocks import Block, Chart, Photo, Photos, Section, Sentences, Table, table
+from nvcore.report.html.blocks import (
+    Block,
+    Chart,
+    Photo,
+    Photos,
+    Points,
+    Section,
+    Sentences,
+    Table,
+    table,
+)
 from nvcore.report.html.charts import THEME, interval_plot
 from nvcore.report.html.result_sections import MEASURES_HEAD, PART
 from nvcore.report.plan import verdict_plan
@@ -40,7 +50,15 @@ from nvcore.stability.words import (
     describe_stability,
 )
 from nvcore.tables.scorecard import curve_rows
-from nvcore.wording import UNDEFINED, capitalised, count_text, difference, number, one_line
+from nvcore.wording import (
+    UNDEFINED,
+    capitalised,
+    count_text,
+    difference,
+    interval_text,
+    number,
+    one_line,
+)
 
 CURVES: Final[dict[CurveKind, tuple[str, str]]] = {
     "miss_rate": ("Miss rate against false positives per image", "lower is better"),
@@ -55,9 +73,12 @@ def verdict_section(result: Result, findings: Sequence[Any], evidence: pd.DataFr
     """What the comparison supports."""
     companions = find_companions(result, evidence)
     plan = verdict_plan(result, evidence, companions)
-    text = verdict(result, findings, evidence=evidence, companions=companions, plan=plan)
-    sentences = text.sentences
-    return Section("verdict", "Verdict", words.VERDICT, (Sentences(sentences, is_strong=True),))
+    conclusion = verdict(result, findings, evidence=evidence, companions=companions, plan=plan)
+    points = [(point.topic, point.text) for point in conclusion.points]
+    if conclusion.caveat:
+        points.append(("Audit", conclusion.caveat))
+    blocks = (Sentences((conclusion.headline,), is_strong=True), Points(tuple(points)))
+    return Section("verdict", "Verdict", words.VERDICT, blocks)
 
 
 def significance_section(evidence: pd.DataFrame) -> Section:
@@ -160,9 +181,7 @@ def _group_of(row: Mapping[Hashable, Any]) -> tuple[str, str]:
 def _evidence_of(row: Mapping[Hashable, Any]) -> tuple[str, str, str, str]:
     """Difference, interval, p and corrected p of a row."""
     form = evidence_form(row["figure"])
-    span = UNDEFINED
-    if np.isfinite(row["low"]):
-        span = f"{difference(row['low'], 0, form)} to {difference(row['high'], 0, form)}"
+    span = interval_text(row["low"], row["high"], form)
     p, p_holm = number(row["p"], ".2g"), number(row["p_holm"], ".2g")
     return difference(row["x"], row["y"], form), span, p, p_holm
 

@@ -39,12 +39,11 @@ def reading(params: Params) -> tuple[str, ...]:
 
 VERDICT = Intro(
     what="What the measures of this report support, in sentences that go no further than they do.",
-    how="If X and Y are set to different operating points, the verdict begins with that and "
-    "compares them at equal false alarms. It counts the encounters that only one of the systems "
-    "detects, and what they weigh; the next sentence names who is better in which measure. More "
-    "than chance is what other recordings like these would show: by six recordings or more, "
-    "corrected for all measures, at equal false alarms as well, and not turned round by strict "
-    "pairing. Last comes what the audit of the inputs says about it.",
+    how="The first sentence says what is claimed. If X and Y are set to different operating "
+    "points, it says so, and they are compared at equal false alarms. More than chance is what "
+    "other recordings like these would show: by six recordings or more, corrected for all "
+    "measures, at equal false alarms as well, and not turned round by strict pairing. Below it, "
+    "topic by topic, is what that rests on.",
     limits="It says nothing about conditions that were not recorded and is no proof of safety.",
 )
 

@@ -26,7 +26,7 @@ def scorecard(app: AppTest) -> dict[str, tuple[str, str, str]]:
 
 def test_the_app_opens_on_verdict_and_scorecard_which_follow_the_parameters(app: AppTest):
     assert app.title[0].value == "Overview"
-    assert "These data do not show which system detects more encounters" in texts(app)
+    assert "Of the 13 encounters that only one system detects, X detects 8 and Y 5" in texts(app)
     before = scorecard(app)
     assert before["mean similarity ↑"] == ("0.9152", "0.8963", "+0.0189")
     assert before["encounters detected, of 38 ↑"] == ("30", "27", "+3")
@@ -136,7 +136,7 @@ def test_the_verdict_waits_for_the_comparison_at_equal_false_alarms(
     monkeypatch.setattr(companions, "QUICK_BOXES", 0)  # in the background, as with many boxes
     monkeypatch.setattr(scorecard_page, "verdict", noted)
     app.slider(key="alpha").set_value(0.5).run()
-    assert "These data do not show which system detects more encounters" in texts(app)
+    assert "Of the 13 encounters that only one system detects, X detects 8 and Y 5" in texts(app)
     job = app.session_state["workspace"].job("companions")
     job.join()
     checked(app.run())
