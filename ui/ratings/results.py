@@ -18,6 +18,7 @@ from nvcore.studies.ratings.validation import (
     clip_saliency,
     correlate,
     join_clips,
+    mean_delay,
     split_known,
 )
 from nvcore.wording import count_text
@@ -56,7 +57,7 @@ def draw(result: Result) -> None:
     if ranks.empty:
         st.info("Nobody is left." if left_out else "No clip of this comparison is rated.")
         return
-    clips = join_clips(ranks, saliency)
+    clips = join_clips(ranks, clip_saliency(result, mean_delay(included)))
     rating_source = replace(rating_source, ratings=included)
     fit_in_use = applied_fit.in_use(result, rating_source)
     st.header("Does saliency say what people say?")

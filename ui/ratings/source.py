@@ -12,7 +12,7 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.errors import InputError
-from nvcore.studies.ratings.reading import RATINGS_FILE, parse_ratings, read_ratings
+from nvcore.studies.ratings.reading import DELAY, RATINGS_FILE, parse_ratings, read_ratings
 from ui.ratings import links, typed
 from ui.session import state
 from ui.widgets.choices import choose_side_by_side
@@ -44,8 +44,9 @@ class RatingSource:
         return pd.util.hash_pandas_object(table.astype(str), index=False).to_numpy()
 
     def digest(self) -> int:
-        """A number that differs where the ratings do."""
-        return hash(self.rows().tobytes())
+        """A number that differs where the ratings do, or how long after the clips they came."""
+        delays = self.ratings.get(DELAY, pd.Series(dtype=float)).to_numpy(dtype=float)
+        return hash((self.rows().tobytes(), delays.tobytes()))
 
 
 def choose(result: Result) -> RatingSource | None:

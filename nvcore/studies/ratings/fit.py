@@ -23,6 +23,7 @@ from nvcore.params import (
     SaliencyWeight,
 )
 from nvcore.progress import Progress, no_progress
+from nvcore.studies.ratings.reading import DELAY
 
 LEAST_RECORDINGS: Final = 5
 """Fewest recordings: two are left out at a time, and the rest must suffice for a fit."""
@@ -142,7 +143,9 @@ def fit_saliency(
         raise InputError("all clips have the same mean rank: there is nothing to fit to")
     settings = [result.params]
     rows = _rows_of_clips(clips, result)
-    saliency = [_of_recordings(_events(result, result.params), result.params, result)[rows]]
+    delay_s = np.zeros(2 * len(result.dataset.recordings))
+    delay_s[rows] = clips[DELAY]
+    saliency = [_of_recordings(_events(result, result.params), result.params, delay_s)[rows]]
     steps = list(_front_settings(result))
     for n_done, front in enumerate(steps, 1):
         names = {"x": result.x.name, "y": result.y.name}
@@ -152,7 +155,7 @@ def fit_saliency(
             events = _events(compared, weighted)
             for setting in _back_settings(weighted):
                 settings.append(setting)
-                saliency.append(_of_recordings(events, setting, result)[rows])
+                saliency.append(_of_recordings(events, setting, delay_s)[rows])
         progress(n_done / len(steps), "fitting")
     agreement = _agreement(np.array(saliency), order, recording)
     total = agreement.sum(axis=(1, 2), dtype=np.int64)
@@ -240,13 +243,19 @@ def _events(result: Result, params: Params) -> _Events:
     return _Events(recording, column(weight), column("tau"), column("rest_s"))
 
 
-def _of_recordings(events: _Events, params: Params, result: Result) -> np.ndarray:
-    """Saliency of all recordings with X, then with Y, seconds, as `params` weigh the events."""
-    recency = recency_weight(events.tau, events.rest_s, params)
+def _of_recordings(events: _Events, params: Params, delay_s: np.ndarray) -> np.ndarray:
+    """Saliency of all recordings with X, then with Y, seconds, as `params` weigh the events.
+
+    Parameters
+    ----------
+    delay_s
+        Seconds from the end of each to its rating, in the same order; float64.
+    """
+    recency = recency_weight(events.tau, events.rest_s + delay_s[events.recording], params)
     return aggregate_events(
         events.recording,
         events.weight_s * recency,
-        2 * len(result.dataset.recordings),
+        len(delay_s),
         aggregate=params.saliency_aggregate,
     )
 

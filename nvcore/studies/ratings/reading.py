@@ -15,6 +15,8 @@ from nvcore.errors import FormatError
 
 REQUIRED: Final = ("participant", "clip", "rating")
 SYSTEM: Final = "system"
+DELAY: Final = "delay_s"
+"""Column with the seconds from a clip's end to its rating."""
 MOST_ROWS: Final = 1_000_000
 SEPARATORS: Final = ",;\t"
 MISSING: Final = frozenset({"", "na", "nan", "-", "\u2013"})
@@ -26,7 +28,7 @@ def read_ratings(path: Path) -> pd.DataFrame:
 
 
 def parse_ratings(content: bytes, *, name: str) -> pd.DataFrame:
-    """Ratings from CSV text with the columns participant, clip, rating, and perhaps system.
+    """Ratings from CSV text with the columns participant, clip, rating, perhaps system and delay_s.
 
     Fields are separated by comma, semicolon or tab, whichever is commonest in the first line. With
     semicolons, ratings may have a decimal comma.
@@ -35,21 +37,23 @@ def parse_ratings(content: bytes, *, name: str) -> pd.DataFrame:
     ----------
     content
         ``clip`` is the name of a recording; ``system`` the one whose boxes were shown. A higher
-        rating means more annoying. An empty rating is a missing one.
+        rating means more annoying. An empty rating is a missing one. ``delay_s`` is the time from
+        the clip's end to the rating, seconds; empty: not known.
     name
         Name of the file, for messages.
 
     Returns
     -------
     Columns ``participant``, ``clip``, ``system`` (str; empty: unknown) and ``rating`` (float64;
-    NaN: missing), in the file's order. Participants whose names differ in capitals or spaces only
+    NaN: missing), in the file's order; ``delay_s`` (float64, NaN: not known) if the file has it.
+    Participants whose names differ in capitals or spaces only
     are one, by the first spelling.
 
     Raises
     ------
     FormatError
-        If a column or a field is missing, a rating is no number, the system is given for some clips
-        only, or a participant rates a clip twice.
+        If a column or a field is missing, a rating is no number, a delay is none or below 0, the
+        system is given for some clips only, or a participant rates a clip twice.
     """
     try:
         text = content.decode("utf-8-sig")
@@ -115,7 +119,8 @@ def check_ratings(
             file=name,
             line=1,
         )
-    if twice := [column for column in (*REQUIRED, SYSTEM) if (table.columns == column).sum() > 1]:
+    known = (*REQUIRED, SYSTEM, DELAY)
+    if twice := [column for column in known if (table.columns == column).sum() > 1]:
         raise FormatError(f"there are several columns {twice[0]}", file=name, line=1)
     line = np.arange(1, len(table) + 1) if lines is None else lines
     texts = [*REQUIRED[:2], *([SYSTEM] if SYSTEM in table else [])]
@@ -124,10 +129,11 @@ def check_ratings(
     ).astype(str)
     ratings[SYSTEM] = ratings.get(SYSTEM, pd.Series("", index=ratings.index, dtype=str))
     ratings["participant"] = _one_spelling(ratings["participant"])
-    rating = table["rating"].astype(str).str.strip()
-    if has_decimal_comma:
-        rating = rating.str.replace(",", ".")
-    ratings["rating"] = _numbers(rating, name, line)
+    for column, what in (("rating", "a rating"), (DELAY, "a delay, in seconds,")):
+        if column in table:
+            text = table[column].astype(str).str.strip()
+            text = text.str.replace(",", ".") if has_decimal_comma else text
+            ratings[column] = _numbers(text, name, line, what=what)
     _check(ratings, name, line)
     return ratings
 
@@ -149,13 +155,13 @@ def _one_spelling(names: pd.Series) -> pd.Series:
     return first.where(names != "", names)
 
 
-def _numbers(text: pd.Series, file: str, line: np.ndarray) -> np.ndarray:
+def _numbers(text: pd.Series, file: str, line: np.ndarray, *, what: str) -> np.ndarray:
     is_missing = text.str.lower().isin(MISSING)
     numbers = pd.to_numeric(text.where(~is_missing), errors="coerce").to_numpy(dtype=float)
     wrong = np.flatnonzero(~is_missing.to_numpy() & ~np.isfinite(numbers))
     if len(wrong):
         raise FormatError(
-            f"a rating is a number, or empty where it is missing; found {text.iloc[wrong[0]]!r}",
+            f"{what} is a number, or empty where it is missing; found {text.iloc[wrong[0]]!r}",
             file=file,
             line=int(line[wrong[0]]),
         )
@@ -167,6 +173,15 @@ def _check(ratings: pd.DataFrame, file: str, line: np.ndarray) -> None:
         empty = np.flatnonzero((ratings[name] == "").to_numpy())
         if len(empty):
             raise FormatError(f"the {name} is empty", file=file, line=int(line[empty[0]]))
+    if DELAY in ratings:
+        early = np.flatnonzero((ratings[DELAY] < 0).to_numpy())
+        if len(early):
+            raise FormatError(
+                f"a rating comes after the clip's end: {DELAY} is "
+                f"{ratings[DELAY].iloc[early[0]]:g}, expected 0 or more",
+                file=file,
+                line=int(line[early[0]]),
+            )
     is_silent = (ratings[SYSTEM] == "").to_numpy()
     if is_silent.any() and not is_silent.all():
         raise FormatError(

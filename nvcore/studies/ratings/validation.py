@@ -13,6 +13,8 @@ from scipy import stats
 
 from nvcore.comparison import Result
 from nvcore.errors import InputError
+from nvcore.metrics.saliency import saliency_after
+from nvcore.studies.ratings.reading import DELAY
 
 LEAST_CLIPS: Final = 5
 """Fewest clips for a meaningful correlation."""
@@ -51,19 +53,45 @@ class Correlation:
     note: str = ""
 
 
-def clip_saliency(result: Result) -> pd.DataFrame:
+def clip_saliency(result: Result, delay_s: pd.Series | None = None) -> pd.DataFrame:
     """Saliency of every recording with the boxes of X and with those of Y, seconds, 0 is best.
+
+    Parameters
+    ----------
+    delay_s
+        Of `mean_delay`: with recency in seconds the time from a clip's end to its rating counts as
+        well. None: clips are rated as they end.
 
     Returns
     -------
-    Columns ``clip`` (the recording), ``system`` and ``saliency_s``: first all of X, then of Y.
+    Columns ``clip`` (the recording), ``system``, ``saliency_s`` and ``delay_s`` (seconds, 0 where
+    it is not known): first all of X, then of Y.
     """
     names = result.dataset.recordings["name"].astype(str).tolist()
     parts = []
     for _, system in result.sides:
-        values = result.saliency_of_recordings(system)
-        parts.append(pd.DataFrame({"clip": names, "system": system.name, "saliency_s": values}))
+        clips = pd.MultiIndex.from_product([names, [system.name]])
+        delays = np.zeros(len(names))
+        if delay_s is not None:
+            delays = delay_s.reindex(clips).fillna(0.0).to_numpy(dtype=float)
+        values = saliency_after(system.events, delays, result.params)
+        columns = {"clip": names, "system": system.name, "saliency_s": values, DELAY: delays}
+        parts.append(pd.DataFrame(columns))
     return pd.concat(parts, ignore_index=True)
+
+
+def mean_delay(ratings: pd.DataFrame) -> pd.Series:
+    """Mean seconds from a clip's end to its ratings, by clip and system; NaN: not known.
+
+    Parameters
+    ----------
+    ratings
+        Of `nvcore.studies.ratings.reading.read_ratings`; without ``delay_s`` there is no row.
+    """
+    if DELAY not in ratings:
+        return pd.Series(dtype=float, index=pd.MultiIndex.from_arrays([[], []]))
+    given: pd.Series = ratings[ratings["rating"].notna()].groupby(["clip", "system"])[DELAY].mean()
+    return given
 
 
 def split_known(
@@ -115,7 +143,7 @@ def join_clips(ranks: pd.DataFrame, saliency: pd.DataFrame) -> pd.DataFrame:
     Returns
     -------
     Columns ``clip``, ``system``, ``mean_rank`` (1 is least annoying), ``n_ratings``,
-    ``saliency_s``.
+    ``saliency_s``, ``delay_s``.
 
     Raises
     ------
@@ -127,7 +155,7 @@ def join_clips(ranks: pd.DataFrame, saliency: pd.DataFrame) -> pd.DataFrame:
     clips: pd.DataFrame = rank_of_clip.merge(saliency, on=["clip", "system"], how="inner")
     if clips.empty:
         raise _none_known(rank_of_clip["clip"])
-    return clips[["clip", "system", "mean_rank", "n_ratings", "saliency_s"]]
+    return clips[["clip", "system", "mean_rank", "n_ratings", "saliency_s", DELAY]]
 
 
 def _pearson(x: np.ndarray, y: np.ndarray) -> np.ndarray:

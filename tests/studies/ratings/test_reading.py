@@ -24,12 +24,22 @@ def test_reads_the_system_and_any_order_of_columns(tmp_path):
     assert (row["participant"], row["clip"], row["system"], row["rating"]) == ("P1", "A", "FIR", 7)
 
 
+def test_reads_the_time_to_the_rating_where_the_file_has_it(tmp_path):
+    lines = ("participant;clip;rating;delay_s", "P1;A;3;2,5", "P1;B;4;")
+    delay_s = read_ratings(write(tmp_path / "r.csv", *lines))["delay_s"]
+    np.testing.assert_array_equal(delay_s, [2.5, np.nan])
+    without = read_ratings(write(tmp_path / "q.csv", "participant,clip,rating", "P1,A,3"))
+    assert "delay_s" not in without
+
+
 @pytest.mark.parametrize(
     ("lines", "line", "words"),
     [
         (["participant,clip,rating", "P1,A,3", "P1,A,4"], 3, "a second time"),
         (["participant,clip,rating", "P1,A,3", "P1,B,much"], 3, "'much'"),
         (["participant,clip,rating", "P1,A,inf"], 2, "'inf'"),
+        (["participant,clip,rating,delay_s", "P1,A,3,2", "P1,B,3,soon"], 3, "'soon'"),
+        (["participant,clip,rating,delay_s", "P1,A,3,-2"], 2, "comes after the clip's end"),
         (["participant,clip,rating", ",A,3"], 2, "the participant is empty"),
         (["person,clip,rating", "P1,A,3"], 1, "participant is missing"),
         (["person:clip:rating", "P1:A:3"], 1, "separated by commas, semicolons or tabs"),

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
+from builders import at, make_dataset, result_of
 from places import SAMPLE
 from rating_tables import table
 from scipy import stats
@@ -15,7 +16,13 @@ from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
 from nvcore.studies.ratings.agreement import rank_ratings
 from nvcore.studies.ratings.fit import FITTED_SETTINGS, fit_saliency
-from nvcore.studies.ratings.validation import clip_saliency, correlate, join_clips, split_known
+from nvcore.studies.ratings.validation import (
+    clip_saliency,
+    correlate,
+    join_clips,
+    mean_delay,
+    split_known,
+)
 from nvcore.tables.result import recordings_table
 
 
@@ -40,11 +47,44 @@ def test_saliency_of_clips_is_that_of_the_recordings_report(result):
     np.testing.assert_array_equal(clips["saliency_s"], expected)
 
 
+def test_the_time_to_the_rating_counts_in_recency_in_seconds_alone():
+    # 2 s; X misses the pedestrian in the first one: 1 s weighed by the time since
+    truth = [at(f, 50, track=1) for f in range(20)]
+    dataset = make_dataset(truth, truth[10:], truth)
+    ratings = pd.DataFrame(
+        {"participant": list("abc"), "clip": "r0", "system": "x", "rating": [3.0, 5.0, np.nan],
+         "delay_s": [4.0, 8.0, 99.0]}
+    )  # fmt: skip
+    delay_s = mean_delay(ratings)
+    assert delay_s.loc[("r0", "x")] == 6.0  # who gave no rating gave none late
+    in_seconds = result_of(dataset, recency_unit="seconds")
+    at_once, later = (clip_saliency(in_seconds, delay) for delay in (None, delay_s))
+    assert at_once["saliency_s"].tolist() == pytest.approx([1 / (1 + np.exp((1 - 7.5) / 1.5)), 0])
+    assert later["saliency_s"].tolist() == pytest.approx([1 / (1 + np.exp((7 - 7.5) / 1.5)), 0])
+    assert later["delay_s"].tolist() == [6.0, 0.0]
+    by_share = result_of(dataset)
+    assert clip_saliency(by_share, delay_s)["saliency_s"].equals(
+        clip_saliency(by_share)["saliency_s"]
+    )
+    assert mean_delay(ratings.drop(columns="delay_s")).empty
+
+
+def test_a_fit_counts_the_time_to_the_ratings_as_the_plot_does(result):
+    in_seconds = compare(result.dataset, replace(result.params, recency_unit="seconds"))
+    delay_s = clip_saliency(result).set_index(["clip", "system"])["delay_s"]
+    late = clip_saliency(in_seconds, delay_s + np.arange(20.0))
+    clips = late.assign(mean_rank=stats.rankdata(late["saliency_s"]), n_ratings=1)
+    with pytest.MonkeyPatch.context() as patch:  # one sigmoid is tried
+        patch.setattr("nvcore.studies.ratings.fit.HEIGHT_SHARES", ())
+        assert fit_saliency(in_seconds, clips).share_default == 1
+        assert fit_saliency(in_seconds, clips.assign(delay_s=0.0)).share_default < 1
+
+
 def test_ratings_without_system_are_joined_to_the_one_that_was_shown():
     ratings = table([[1, 2, 3], [2, 1, 3]])
     saliency = pd.DataFrame(
         {"clip": ["C000", "C002"] * 2, "system": ["X"] * 2 + ["Y"] * 2, "saliency_s": range(4)}
-    )
+    ).assign(delay_s=0.0)
     known, _ = split_known(ratings, saliency, system="Y")
     joined = join_clips(rank_ratings(known), saliency)
     assert joined["clip"].tolist() == ["C000", "C002"]
