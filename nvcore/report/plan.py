@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Mapping
 from dataclasses import asdict, fields
 from typing import Any
 
@@ -26,7 +27,11 @@ from nvcore.wording import duration_text, percent
 
 
 def verdict_plan(
-    result: Result, evidence: pd.DataFrame | None, companions: Companions | None
+    result: Result,
+    evidence: pd.DataFrame | None,
+    companions: Companions | None,
+    *,
+    plans: Mapping[str, StudyPlan] | None = None,
 ) -> str:
     """How many encounters and recordings more would take, where none detects more beyond chance.
 
@@ -39,6 +44,8 @@ def verdict_plan(
         `nvcore.evidence.table.evidence_table` of the result.
     companions
         `nvcore.evidence.companions.find_companions` of the result.
+    plans
+        Plans of the result for differences as found, by key, if already computed.
     """
     key, basis = plan_key(DEFAULT_KEY), result
     tables: tuple[pd.DataFrame, ...] = () if evidence is None else (evidence,)
@@ -49,8 +56,11 @@ def verdict_plan(
     rows = [row for table in tables if (row := evidence_of(table, key)) is not None]
     if not rows or all(row.p_holm <= SIGNIFICANT for row in rows):
         return ""
-    # the companions have no intervals
-    return plan_sentence(plan_study(basis, evidence=rows[0] if basis is result else None))
+    if basis is result:
+        study = (plans or {}).get(key) or plan_study(result, evidence=rows[0])
+    else:  # the companions have no intervals
+        study = plan_study(basis)
+    return plan_sentence(study)
 
 
 def evidence_of(evidence: pd.DataFrame, key: str) -> Evidence | None:

@@ -26,7 +26,7 @@ from nvcore.report.html.evidence_sections import (
 )
 from nvcore.report.html.frames import decisive_moments, photo
 from nvcore.report.html.input_sections import audit_section, inputs_section, parameters_section
-from nvcore.report.html.plan_section import plan_section
+from nvcore.report.html.plan_section import plan_measures, plan_section
 from nvcore.report.html.result_sections import (
     false_alerts_section,
     saliency_section,
@@ -86,10 +86,10 @@ def report_content(
     subgroups = subgroup_table(result, protocol=protocol)
     progress(0.15, "detection curves")
     detection = detection_section(result, protocol)
-    plan = plan_section(result, evidence, protocol, progress=part_of(progress, 0.2, 0.3))
+    plans = plan_measures(result, evidence, protocol, progress=part_of(progress, 0.2, 0.3))
     progress(0.3, "tables")
     sections = [
-        verdict_section(result, findings, evidence),
+        verdict_section(result, findings, evidence, plans),
         Section(
             "reading", "How to read this report", None, (Sentences(words.reading(result.params)),)
         ),
@@ -99,7 +99,7 @@ def report_content(
         saliency_section(result),
         false_alerts_section(result),
         significance_section(evidence),
-        plan,
+        plan_section(result, evidence, plans),
         subgroups_section(subgroups),
         detection,
     ]

@@ -17,6 +17,7 @@ from nvcore.detection.filtered_truth import filter_truth
 from nvcore.detection.miss_rate import explain_few
 from nvcore.errors import InputError
 from nvcore.evidence.companions import find_companions
+from nvcore.evidence.planning.study import StudyPlan
 from nvcore.evidence.subgroups import ALL
 from nvcore.figures.detection import CurveKind, curve_plot, legend_text
 from nvcore.figures.forest import subgroup_forest
@@ -69,10 +70,21 @@ AT_ONCE: Final = 20_000
 """Most frames for which the stability maps are computed by default."""
 
 
-def verdict_section(result: Result, findings: Sequence[Any], evidence: pd.DataFrame) -> Section:
-    """What the comparison supports."""
+def verdict_section(
+    result: Result,
+    findings: Sequence[Any],
+    evidence: pd.DataFrame,
+    plans: Mapping[str, StudyPlan],
+) -> Section:
+    """What the comparison supports.
+
+    Parameters
+    ----------
+    plans
+        Of `nvcore.report.html.plan_section.plan_measures`: the verdict's own may be among them.
+    """
     companions = find_companions(result, evidence)
-    plan = verdict_plan(result, evidence, companions)
+    plan = verdict_plan(result, evidence, companions, plans=plans)
     conclusion = verdict(result, findings, evidence=evidence, companions=companions, plan=plan)
     points = [(point.topic, point.text) for point in conclusion.points]
     if conclusion.caveat:

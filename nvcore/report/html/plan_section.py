@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from typing import Final
 
 import pandas as pd
@@ -38,10 +39,10 @@ HEAD: Final = (
 )
 
 
-def plan_section(
+def plan_measures(
     result: Result, evidence: pd.DataFrame, protocol: Protocol, *, progress: Progress
-) -> Section:
-    """A row for each measure of which no difference is shown; or why there is none.
+) -> dict[str, StudyPlan]:
+    """A plan for each measure of which no difference is shown, by key; empty without a pilot.
 
     Parameters
     ----------
@@ -50,38 +51,55 @@ def plan_section(
     protocol
         Which pedestrians count in the log-average miss rate.
     """
+    if not _has_pilot(evidence):
+        return {}
     not_shown = [
-        (name, row)
+        (name, key, row)
         for name, key in PLAN_KEYS.items()
         if (row := evidence_of(evidence, key)) is not None
         and not repeated_by(key)
         and not row.p_holm <= SIGNIFICANT
     ]
+    n = len(not_shown)
+    return {
+        key: plan_study(
+            *(result, name),
+            protocol=protocol,
+            evidence=row,
+            progress=part_of(progress, index / n, (index + 1) / n),
+        )
+        for index, (name, key, row) in enumerate(not_shown)
+    }
+
+
+def _has_pilot(evidence: pd.DataFrame) -> bool:
+    return bool((evidence["unit"] == RECORDINGS).any())
+
+
+def plan_section(result: Result, evidence: pd.DataFrame, plans: Mapping[str, StudyPlan]) -> Section:
+    """A row for each plan, or why there is none.
+
+    Parameters
+    ----------
+    evidence
+        `nvcore.evidence.table.evidence_table` of the result.
+    plans
+        Of `plan_measures`.
+    """
     blocks: list[Block]
-    if not (evidence["unit"] == RECORDINGS).any():
+    if not _has_pilot(evidence):
         why_not = f"There is no plan: it needs a pilot of {MIN_PILOT} recordings or more."
         blocks = [Sentences((why_not,))]
-    elif not not_shown:
-        blocks = [
-            Sentences((f"No p is above {SIGNIFICANT:g} after correction: nothing to plan for.",))
-        ]
+    elif not plans:
+        none_left = f"No p is above {SIGNIFICANT:g} after correction: nothing to plan for."
+        blocks = [Sentences((none_left,))]
     else:
-        plans = [
-            plan_study(
-                *(result, name),
-                protocol=protocol,
-                evidence=row,
-                progress=part_of(progress, index / len(not_shown), (index + 1) / len(not_shown)),
-            )
-            for index, (name, row) in enumerate(not_shown)
-        ]
-        caption = (
-            f"Recordings that would show a difference as found, in {percent(POWER)} of studies"
-        )
-        reasons = _reasons(plans)
+        share = percent(POWER)
+        caption = f"Recordings that would show a difference as found, in {share} of studies"
+        rows, reasons = [_row(plan) for plan in plans.values()], _reasons(plans.values())
         sentences = [OPTIMISTIC, FRESH, *([UNEQUAL] if are_unequal(result) else [])]
         blocks = [
-            table(caption, HEAD, [_row(plan) for plan in plans], right=range(1, 8), note=reasons),
+            table(caption, HEAD, rows, right=range(1, 8), note=reasons),
             Sentences(tuple(sentences)),
         ]
     return Section("plan", QUESTION.rstrip("?"), words.PLAN, tuple(blocks))
@@ -106,7 +124,7 @@ def _size(size: StudySize) -> tuple[str, ...]:
     )
 
 
-def _reasons(plans: list[StudyPlan]) -> str:
+def _reasons(plans: Iterable[StudyPlan]) -> str:
     """Why measures have no size."""
     return " ".join(
         f"{capitalised(plan.evidence.label)}: {plan.sizes[0].reason}."

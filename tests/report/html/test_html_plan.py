@@ -14,7 +14,7 @@ from nvcore.inputs.session_toml import read_session
 from nvcore.progress import no_progress
 from nvcore.protocols import PROTOCOLS
 from nvcore.report.html.blocks import Sentences, Table
-from nvcore.report.html.plan_section import plan_section
+from nvcore.report.html.plan_section import plan_measures, plan_section
 from nvcore.report.plan import verdict_plan
 
 
@@ -25,8 +25,8 @@ def sample() -> Result:
 
 def test_each_difference_that_is_not_shown_has_its_size_and_what_is_excluded(sample: Result):
     evidence = evidence_table(sample)
-    section = plan_section(sample, evidence, PROTOCOLS["all"], progress=no_progress)
-    plan, sentences = section.blocks
+    plans = plan_measures(sample, evidence, PROTOCOLS["all"], progress=no_progress)
+    plan, sentences = plan_section(sample, evidence, plans).blocks
     assert isinstance(plan, Table)
     assert isinstance(sentences, Sentences)
     rows = {row[0]: [cell.replace("\xa0", " ") for cell in row[1:]] for row in plan.rows}
@@ -38,17 +38,20 @@ def test_each_difference_that_is_not_shown_has_its_size_and_what_is_excluded(sam
     assert 150 < int(n) < 300
     assert int(n_encounters.replace(",", "")) == pytest.approx(3.8 * int(n), abs=1)
     assert " to " in span
-    assert f"About {n} recordings like these" in verdict_plan(sample, evidence, None)
+    sentence = verdict_plan(sample, evidence, None)
+    assert f"About {n} recordings like these" in sentence
+    assert verdict_plan(sample, evidence, None, plans=plans) == sentence
 
 
 def test_blocks_of_time_and_what_is_shown_have_words_instead():
     few = result_of(drives(4))
-    section = plan_section(few, evidence_table(few), PROTOCOLS["all"], progress=no_progress)
+    section = plan_section(few, evidence_table(few), {})
     assert "a pilot of 6 recordings or more" in section.blocks[0].texts[0]
     assert verdict_plan(few, evidence_table(few), None) == ""
     clear = result_of(drives(30))
     evidence = evidence_table(clear)
     assert verdict_plan(clear, evidence, None) == ""
     evidence["p_holm"] = 0.001
-    section = plan_section(clear, evidence, PROTOCOLS["all"], progress=no_progress)
+    plans = plan_measures(clear, evidence, PROTOCOLS["all"], progress=no_progress)
+    section = plan_section(clear, evidence, plans)
     assert section.blocks[0].texts == ("No p is above 0.05 after correction: nothing to plan for.",)
