@@ -101,13 +101,13 @@ def find_claims(
         return Support(basis)
     doubts = _doubts(evidence)
     if companions is None:
-        pending = "whether it holds at equal false alarms is not known yet"
+        pending = "not yet compared at equal false alarms"
         withheld = dict.fromkeys(_candidates(result, evidence), pending)
         return Support(basis, withheld=withheld | doubts)
     if is_unequal:
         assert companions.equal is not None
         basis_result, candidates = companions.equal, _at_all(result, companions.evidence)
-        unsure = "it does not hold throughout what may pass for equal false alarms"
+        unsure = "not shown throughout what may pass for equal false alarms"
         somewhere = {key for table in companions.evidence for key in _candidates(result, table)}
         withheld = {key: unsure for key in CLAIMED if key in somewhere and key not in candidates}
     else:
@@ -115,7 +115,7 @@ def find_claims(
         withheld = _not_confirmed(result, candidates, companions)
     for key in STRICT_KEYS:
         if key in candidates and is_turned(key, basis_result, companions.strict):
-            withheld[key] = "paired strictly it is the other way round"
+            withheld[key] = "the other way round if paired strictly"
     claims = tuple(claim for key, claim in candidates.items() if key not in withheld)
     return Support(basis, claims, withheld | doubts)
 
@@ -170,7 +170,7 @@ def _not_confirmed(
     if companions.equal is None:
         return _not_dominant(result, candidates)
     confirmed = _at_all(result, companions.evidence)
-    reason = "at equal false alarms it is not shown"
+    reason = "not shown at equal false alarms"
     return {
         key: reason
         for key, claim in candidates.items()

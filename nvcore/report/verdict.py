@@ -148,7 +148,7 @@ def verdict(
     shown, of_shown = _comparison_shown(result, evidence, companions)
     points = (
         Point("Operating points", describe_operating_points(result, companions)),
-        Point("Encounters", describe_encounters(shown, of_shown)),
+        Point("Encounters", describe_encounters(shown, of_shown, support)),
         Point("Severity", describe_weights(shown)),
         Point("Other measures", describe_measures(shown, of_shown)),
         Point("Chance", describe_chance(of_shown, support, is_short=result.is_short)),

@@ -102,7 +102,7 @@ def headline(
     if companions is None:
         why = "nothing is claimed before they are compared at equal false alarms"
     elif companions.equal is not None:
-        why = f"at equal false alarms, {conclusion.rstrip('.')}"
+        return f"{UNEQUAL_POINTS}; at equal false alarms, {conclusion}"
     elif any(has_scores(result, letter) for letter in "xy"):
         why = "nothing is claimed, as no threshold sets them alike"
     else:
@@ -174,8 +174,10 @@ def describe_operating_points(result: Result, companions: Companions | None) -> 
     )
 
 
-def describe_encounters(result: Result, evidence: pd.DataFrame | None) -> tuple[str, ...]:
-    """Who detects more encounters, and p of that by recordings."""
+def describe_encounters(
+    result: Result, evidence: pd.DataFrame | None, support: Support
+) -> tuple[str, ...]:
+    """Who detects more encounters, and p of that by recordings, unless it is withheld."""
     venn = result.venn
     n_split = venn.x_only + venn.y_only
     if not venn.n_near:
@@ -193,7 +195,8 @@ def describe_encounters(result: Result, evidence: pd.DataFrame | None) -> tuple[
             f"Of the {n_split} encounters that only one system detects, X detects {venn.x_only} "
             f"and Y {venn.y_only}"
         )
-    return (f"{text}{_p_of_encounters(evidence)}.",)
+    p = "" if ENCOUNTERS in support.withheld else _p_of_encounters(evidence)
+    return (f"{text}{p}.",)
 
 
 def _p_of_encounters(evidence: pd.DataFrame | None) -> str:
@@ -300,13 +303,13 @@ def describe_chance(
     if support.claims:
         parts = [_claim_text(claim, of_key[claim.key]) for claim in support.claims]
         sentences.append(f"More than chance: {listed(parts)}.")
-        settled = {*support.withheld, *(claim.key for claim in support.claims)}
-        others = [row for key, row in of_key.items() if key in CLAIMED and key not in settled]
-        if any(np.isfinite(row["p_holm"]) for row in others):
-            sentences.append("The other differences are not shown to be.")
     for reason in dict.fromkeys(support.withheld.values()):
         nouns = [inference_of(key).noun for key in CLAIMED if support.withheld.get(key) == reason]
         sentences.append(f"Not claimed: {listed(nouns)} ({reason}).")
+    settled = {*support.withheld, *(claim.key for claim in support.claims)}
+    others = [row for key, row in of_key.items() if key in CLAIMED and key not in settled]
+    if settled and any(np.isfinite(row["p_holm"]) for row in others):
+        sentences.append("The other differences are not shown to be more than chance.")
     if is_short:
         sentences.append(
             "Most encounters are one frame long: saliency, severity and episodes mean little here "

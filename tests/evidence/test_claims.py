@@ -150,7 +150,7 @@ def test_where_strict_pairing_turns_it_round_it_is_no_claim():
     assert result.x.summary.mean < result.y.summary.mean
     assert strict.x.summary.mean > strict.y.summary.mean
     support = support_of(result)
-    assert support.withheld["mean_similarity"] == "paired strictly it is the other way round"
+    assert support.withheld["mean_similarity"] == "the other way round if paired strictly"
     assert "mean_similarity" not in {claim.key for claim in support.claims}
 
 

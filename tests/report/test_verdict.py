@@ -147,9 +147,10 @@ def test_nothing_is_claimed_before_the_companions_are_known(better_x: Result):
         "Nothing is claimed before X and Y are compared at equal false alarms."
     )
     assert topic(text, "Chance") == (
-        "Not claimed: encounters detected and mean similarity (whether it holds at equal false "
-        "alarms is not known yet)."
+        "Not claimed: encounters detected and mean similarity (not yet compared at equal false "
+        "alarms)."
     )
+    assert "p =" not in topic(text, "Encounters")  # it is withheld
 
 
 def test_what_failures_weigh_and_the_worst_of_them(better_x: Result):
@@ -194,7 +195,7 @@ def test_measures_that_look_the_same_are_not_called_better_and_undefined_ones_le
             [row_of("mean_similarity", 0.012, 0.012, 0.043), row_of("saliency", 0.6, -1.0, 0.5)],
             "X is better in mean similarity: more than chance, by 12 recordings.",
             "More than chance: mean similarity (for X, X - Y 95 % interval +0.0120 to +0.0430, "
-            "p = 0.012). The other differences are not shown to be.",
+            "p = 0.012). The other differences are not shown to be more than chance.",
         ),
         (
             [row_of("mean_similarity", 0.01, 0.1, 0.2), row_of("saliency", 0.02, better="lower")],
@@ -208,7 +209,8 @@ def test_measures_that_look_the_same_are_not_called_better_and_undefined_ones_le
         (
             [row_of("log_average_miss_rate", 0.01, doubt="X ends early"), row_of("saliency", 0.5)],
             "Nothing is claimed: each difference that is more than chance fails another check.",
-            "Not claimed: log-average miss rate (X ends early).",
+            "Not claimed: log-average miss rate (X ends early). The other differences are not "
+            "shown to be more than chance.",
         ),
     ],
     ids=["one", "two", "none", "too few", "doubtful"],
@@ -297,7 +299,9 @@ def test_unequal_operating_points_lead_and_the_comparison_is_at_equal_false_alar
     result = at_thresholds()
     assert result.venn.x_only > result.venn.y_only
     text = whole_verdict(result)
-    assert text.headline.startswith(f"{UNEQUAL}at equal false alarms, nothing is claimed: ")
+    assert text.headline.startswith(
+        "X and Y are set to different operating points; at equal false alarms, nothing is claimed: "
+    )
     as_set, at_equal = text.points[0].sentences
     assert as_set.startswith("As set, X has 0.")
     # X at Y's operating point is Y
