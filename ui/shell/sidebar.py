@@ -272,6 +272,8 @@ def _number_slider(
         setting.label_with_unit,
         min_value=ends[0],
         max_value=ends[1],
+        # where it starts: what one run sets is lost to a browser that the next run overtakes
+        value=given,
         step=float(step),
         key=name,
         **_quietness(setting, help_text),

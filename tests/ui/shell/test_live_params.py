@@ -82,6 +82,13 @@ def test_the_sigmoid_is_that_of_each_recording_until_it_is_moved():
     assert live(page).midpoint == 60.0
 
 
+def test_sliders_start_at_their_values_in_every_run():
+    """A browser may miss the run that sets them, where the next one overtakes it."""
+    page = checked(app(alpha="0.4").run())
+    for name, value in (("alpha", 0.4), ("midpoint", 48.0), ("threshold_x", 0.5)):
+        assert list(page.slider(key=name).proto.default) == [value]
+
+
 def test_presets_and_resets_are_in_use_in_the_same_run():
     page = app(low="0.8", alpha="0.3")
     checked(page.button(key="preset_Rural").click().run())
