@@ -30,11 +30,11 @@ _TERM: Final = (
     "is D(G, S), and alpha times it is what {letter} loses to misses here."
 )
 _NEAREST: Final = (
-    "Distance to the nearest detection of {letter}, px; strict pairing: to the match. –: there is "
-    "none."
+    "Distance to the nearest detection of {letter}; strict pairing: to the match. –: there is none."
 )
 PEDESTRIAN_WORDS: Final[dict[str, Words]] = {
     "track": Words("ped.", "Track of the pedestrian."),
+    "missed_by": Words("missed by", "Who misses this pedestrian; empty: nobody."),
     "term_x": Words("term X", _TERM.format(letter="X")),
     "term_y": Words("term Y", _TERM.format(letter="Y")),
     "cost": Words(
@@ -42,32 +42,31 @@ PEDESTRIAN_WORDS: Final[dict[str, Words]] = {
         "What missing this pedestrian costs, k × border as a share of half the width; 1: straight "
         "ahead and near. Counts where the pedestrian is missed and k is at least 0.5.",
     ),
-    "missed_by": Words("by", "Who misses this pedestrian; empty: nobody."),
     "k": Words(
         "k", "Proximity weight, 0 far to 1 near; from 0.5 on a miss counts in the encounter."
     ),
     "border_px": Words(
-        "border",
-        "The most that missing this pedestrian can count for, px: by traffic context between the "
+        "border (px)",
+        "The most that missing this pedestrian can count for: by traffic context between the "
         "distance to the picture's nearer side and half the width.",
     ),
-    "nearest_px_x": Words("near X", _NEAREST.format(letter="X")),
-    "nearest_px_y": Words("near Y", _NEAREST.format(letter="Y")),
-    "height_px": Words("px", "Height of the box, px."),
+    "nearest_px_x": Words("near X (px)", _NEAREST.format(letter="X")),
+    "nearest_px_y": Words("near Y (px)", _NEAREST.format(letter="Y")),
+    "height_px": Words("height (px)", "Height of the box."),
 }
 """Columns of `FrameSummary.pedestrians` that are shown, in their order."""
 
 DETECTION_WORDS: Final[dict[str, Words]] = {
-    "system": Words("by", "Which system's detection it is."),
-    "outcome": Words("is", "Whether it matches a pedestrian or is a false alarm."),
+    "system": Words("of", "Which system's detection it is."),
+    "outcome": Words("outcome", "Whether it matches a pedestrian or is a false alarm."),
     "term": Words(
         "term",
         "k × the smaller of border and nearest, as a share of half the width. The largest of a "
         "system is D(S, G), and (1 − alpha) times it is what the frame loses to false alarms.",
     ),
     "k": Words("k", "Proximity weight of the detection, 0 far to 1 near."),
-    "border_px": Words("border", "The most that this detection can count for, px."),
-    "nearest_px": Words("near", "Distance to the nearest pedestrian, px. –: nobody is there."),
+    "border_px": Words("border (px)", "The most that this detection can count for."),
+    "nearest_px": Words("near (px)", "Distance to the nearest pedestrian. –: nobody is there."),
     "score": Words("score", "Score of the detection. –: it has none."),
 }
 """Columns of `FrameSummary.detections`, in their order."""
@@ -126,7 +125,7 @@ class FrameSummary:
         The two systems.
     pedestrians
         The largest term first, columns track, height_px, distance_m (NaN unknown), proximity
-        weight k, is_relevant (``k >= 0.5``), found_x and found_y (matched by X, by Y), missed_by
+        weight k, is_relevant (``k >= 0.5``), is_matched_x and is_matched_y, missed_by
         (``X and Y``, ``X``, ``Y`` or empty), is_salient_x and is_salient_y (the most salient
         miss), border_px, nearest_px_x and nearest_px_y (infinite: no detection), term_x and term_y
         (own term of D(G, S) as a share of W/2, 0 is best), cost (of missing him, 0 to 1).
@@ -193,7 +192,9 @@ def _pedestrians(result: Result, row: int) -> pd.DataFrame:
         letter: miss_terms(truth, k, nearest_px, frames, edge_weight) / half_width
         for letter, nearest_px in nearest.items()
     }
-    found_x, found_y = (state == TruthState.MATCHED for state in (boxes.state_x, boxes.state_y))
+    is_matched_x, is_matched_y = (
+        state == TruthState.MATCHED for state in (boxes.state_x, boxes.state_y)
+    )
     worse = np.maximum(terms["x"], terms["y"])
     rows_by_term = np.lexsort([-k, -worse])
     return _table(
@@ -203,9 +204,9 @@ def _pedestrians(result: Result, row: int) -> pd.DataFrame:
             "distance_m": truth.distance_m,
             "k": k,
             "is_relevant": boxes.is_relevant,
-            "found_x": found_x,
-            "found_y": found_y,
-            "missed_by": MISSED_BY[2 * ~found_x + ~found_y],
+            "is_matched_x": is_matched_x,
+            "is_matched_y": is_matched_y,
+            "missed_by": MISSED_BY[2 * ~is_matched_x + ~is_matched_y],
             "is_salient_x": boxes.is_salient_x,
             "is_salient_y": boxes.is_salient_y,
             "border_px": border_of(truth, frames, edge_weight),

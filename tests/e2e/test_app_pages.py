@@ -65,7 +65,7 @@ def test_a_click_on_a_mark_of_the_venn_diagram_opens_the_frame_that_costs_most(o
 def test_a_worst_moment_opens_its_frame(overview):
     overview.page.get_by_role("button", name="Open frame").first.click()
     expect(overview.heading("Timeline", level=1)).to_be_visible()
-    expect(overview.page.get_by_text("Pedestrians, the largest term first")).to_be_visible()
+    expect(overview.page.get_by_text("Pedestrians by term")).to_be_visible()
     overview.wait_until_drawn()
     overview.shows(int(overview.page.evaluate(ADDRESSED_FRAME)))
 

@@ -92,7 +92,7 @@ def test_keys_work_after_a_click_on_the_page(timeline, misses):
     timeline.page.keyboard.press("n")
     timeline.shows(misses[0])
     timeline.panel_shows(misses[0])
-    expect(timeline.page.get_by_text("Pedestrians, the largest term first")).to_be_visible()
+    expect(timeline.page.get_by_text("Pedestrians by term")).to_be_visible()
     alpha = timeline.slider("alpha").input_value()
     timeline.slider("alpha").press("n")
     timeline.shows(misses[1])

@@ -40,8 +40,9 @@ def test_pedestrians_are_listed_by_their_larger_term_with_who_misses_them(result
     # track 1 is 20 px from the edge, 30 px from Y's nearest detection; of half a width of 50 px
     assert table["term_y"].tolist() == [0.4, 0]
     assert table["term_x"].tolist() == [0, 0]
-    assert table[["track", "height_px", "found_x", "found_y"]].to_numpy().tolist() == [
-        [1, 30, True, False], [2, 50, True, True],
+    assert table[["track", "height_px"]].to_numpy().tolist() == [[1, 30], [2, 50]]
+    assert table[["is_matched_x", "is_matched_y"]].to_numpy().tolist() == [
+        [True, False], [True, True],
     ]  # fmt: skip
     assert table["missed_by"].tolist() == ["Y", ""]
     assert table["is_salient_y"].tolist() == [True, False]

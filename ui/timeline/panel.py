@@ -17,16 +17,18 @@ from nvcore.tables.frame import (
     Words,
     frame_summary,
 )
+from nvcore.wording import count_text
 from ui.session import state
 from ui.widgets.text import UNDEFINED, number
 
-ROW_PX: Final = 28
-MAX_ROWS: Final = 8
-"""Rows in sight; the table scrolls to the others."""
-WIDTHS: Final = {"track": 40, "cost": 48, "missed_by": 66, "system": 34, "outcome": 60, "k": 46}
-NARROW: Final = 54
-"""Width of the other columns, px."""
-WHOLE: Final = ("track", "height_px", "border_px", "nearest_px")
+MOST_BOXES: Final = 40
+"""Boxes of a table; those with smaller terms are counted."""
+LABEL_PX: Final = 80
+BOX_PX: Final = 46
+ROW_PX: Final = 26
+HEAD_PX: Final = 36
+FORMS: Final = {"term": ".2f", "cost": ".2f", "k": ".2f", "score": ".2f"}
+"""Format of a column by the first part of its name; other numbers are whole."""
 
 
 def draw(result: Result, row_in_all: int) -> None:
@@ -37,8 +39,8 @@ def draw(result: Result, row_in_all: int) -> None:
     for column, letter, system in ((left, "X", facts.x), (right, "Y", facts.y)):
         column.metric(f"similarity {letter}", number(system.similarity, ".3f"))
         column.caption(
-            f"{system.matched} of {facts.n_truth} pedestrians matched, {system.false_alarms} "
-            f"false alarm{'s' if system.false_alarms != 1 else ''}; lost to misses "
+            f"{system.matched} of {facts.n_truth} pedestrians matched, "
+            f"{count_text(system.false_alarms, 'false alarm')}; lost to misses "
             f"{number(system.loss_miss, '.3f')}, to false alarms {number(system.loss_false, '.3f')}"
         )
     _boxes(facts)
@@ -60,35 +62,44 @@ def _boxes(facts: FrameSummary) -> None:
     if not facts.n_truth:
         st.caption("Nobody is annotated in this frame.")
     else:
-        st.markdown("Pedestrians, the largest term first")
         _table(facts.pedestrians, PEDESTRIAN_WORDS, "pedestrians")
     if facts.detections.empty:
         st.caption("Neither system has a detection that counts in this frame.")
     else:
-        st.markdown("Detections, the largest term first")
         _table(facts.detections, DETECTION_WORDS, "detections")
 
 
-def _table(table: pd.DataFrame, words: Mapping[str, Words], key: str) -> None:
-    shown = table[list(words)].replace([np.inf, -np.inf], np.nan)
-    n_rows = min(len(shown), MAX_ROWS)
+def _table(boxes: pd.DataFrame, words: Mapping[str, Words], kind: str) -> None:
+    """A column for each box, the largest term first: a narrow window shows all of the first ones.
+
+    The first of `words` is the heading of a column, the others are the rows.
+    """
+    heading, *names = words
+    meanings = "  \n".join(f"*{label}*: {meaning}" for label, meaning in words.values())
+    st.markdown(f"{kind.capitalize()} by term", help=meanings)
+    shown = boxes.head(MOST_BOXES).to_dict("records")
+    columns = {str(i): [_text(name, box[name]) for name in names] for i, box in enumerate(shown)}
+    labels = [words[name].label for name in names]
+    config: dict[str, Any] = {
+        str(i): st.column_config.TextColumn(
+            _text(heading, box[heading]), width=BOX_PX, alignment="right"
+        )
+        for i, box in enumerate(shown)
+    }
+    config["_index"] = st.column_config.TextColumn(words[heading].label, width=LABEL_PX)
     st.dataframe(
-        shown,
-        hide_index=True,
-        height=ROW_PX * n_rows + 38,
+        pd.DataFrame(columns, index=labels),
+        height=HEAD_PX + ROW_PX * len(names),
         row_height=ROW_PX,
-        key=key,
-        placeholder=UNDEFINED,
-        column_config={name: _column(name, *words[name]) for name in words},
+        key=kind,
+        column_config=config,
     )
+    if n_left := len(boxes) - len(shown):
+        st.caption(f"{count_text(n_left, 'box', 'boxes')} with smaller terms left out.")
 
 
-def _column(name: str, label: str, meaning: str) -> Any:
-    width = WIDTHS.get(name, NARROW)
-    if name in ("missed_by", "outcome", "system"):
-        return st.column_config.TextColumn(label, width=width, help=meaning)
-    form = "%.0f" if name.removesuffix("_x").removesuffix("_y") in WHOLE else "%.2f"
-    pinned = name == "track"
-    return st.column_config.NumberColumn(
-        label, width=width, help=meaning, format=form, pinned=pinned
-    )
+def _text(name: str, value: Any) -> str:
+    if isinstance(value, str):
+        return value.replace(" and ", ", ")
+    form = FORMS.get(name.partition("_")[0], ".0f")
+    return number(value, form) if np.isfinite(value) else UNDEFINED

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 from pages import checked, opened
 
 
@@ -20,12 +22,14 @@ def test_the_page_opens_at_the_frame_of_the_address_which_stays_while_parameters
 def test_another_recording_starts_at_its_first_frame_with_those_missed_in_it():
     app = checked(opened("timeline", recording="rural_child", frame="57"))
     pedestrians, detections = (table.value for table in app.dataframe)
-    for terms in (pedestrians[["term_x", "term_y"]].max(axis=1), detections["term"]):
-        assert terms.is_monotonic_decreasing
+    for terms in (pedestrians.loc[["term X", "term Y"]], detections.loc[["term"]]):
+        assert terms.astype(float).max().is_monotonic_decreasing
+    assert set(pedestrians.loc["border (px)"]) == {"320"}  # on a rural road
     (choice,) = [box for box in app.selectbox if box.label == "Recording"]
     checked(choice.set_value(0).run())
     assert app.query_params["recording"] == "urban_crossing"
     assert any("**Frame 0**" in text.value for text in app.markdown)
-    (pedestrians,) = (table.value for table in app.dataframe)  # nothing is detected
-    assert sorted(pedestrians["track"]) == [1, 2, 5]
-    assert set(pedestrians["missed_by"]) == {"X and Y"}
+    (table,) = app.dataframe  # nothing is detected
+    headings = [column["label"] for column in json.loads(table.proto.columns).values()]
+    assert sorted(headings) == ["1", "2", "5", "ped."]
+    assert set(table.value.loc["missed by"]) == {"X, Y"}
