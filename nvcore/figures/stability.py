@@ -36,6 +36,8 @@ INSIDE_PX: Final = (620, 300)
 """About the width and height of the map itself."""
 NAME_PX: Final = (74, 26)
 """About the width and height of a region's name."""
+ROOMY_PX: Final = 3 * NAME_PX[1]
+"""Height of a cell in which a name has room above a mark."""
 EQUAL_ALARMS: Final = "equal false alarms per frame"
 SYMBOLS: Final = {"as analysed": "circle", "nearest that overturns it": "x"}
 ROOM: Final = 0.08
@@ -251,6 +253,8 @@ def _name_regions(figure: go.Figure, stability: StabilityMap, theme: Theme) -> N
         2 * round(name * n / inside / 2) + 1
         for name, inside, n in zip(NAME_PX, INSIDE_PX, shape, strict=True)
     ]
+    marked = {_cell_at(stability, point) for point in chain(*_marked(stability).values())}
+    is_roomy = INSIDE_PX[1] / shape[1] >= ROOMY_PX
     for obstacle, weight in _obstacles(stability):
         awkward = awkward + weight * binary_dilation(obstacle, np.ones(size))
     for winner, words in (("x", "X better"), ("y", "Y better"), ("even", "even")):
@@ -263,10 +267,11 @@ def _name_regions(figure: go.Figure, stability: StabilityMap, theme: Theme) -> N
         depth = distance_transform_edt(np.pad(is_inside, 1))[1:-1, 1:-1]
         is_deep = has_room if has_room.any() else depth >= DEEP * depth.max()
         widest = np.where(is_deep, awkward - depth / max(shape), np.inf)
-        i, j = np.unravel_index(int(np.argmin(widest)), depth.shape)
+        i, j = (int(place) for place in np.unravel_index(int(np.argmin(widest)), depth.shape))
         x, y = float(across.values[i]), float(up.values[j])
         back = faded(look.surface, 0.75)
-        write(figure, words, size=13, color=look.ink, x=x, y=y, bgcolor=back)
+        shift = NAME_PX[1] if is_roomy and (i, j) in marked else 0
+        write(figure, words, size=13, color=look.ink, x=x, y=y, yshift=shift, bgcolor=back)
 
 
 def _obstacles(stability: StabilityMap) -> list[tuple[np.ndarray, float]]:

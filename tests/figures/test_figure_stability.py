@@ -86,6 +86,19 @@ def test_regions_are_named_where_they_are(found: StabilityMap) -> None:
         assert found.winner[i, j] == names[one.text]
 
 
+def test_a_name_stands_above_the_mark_of_the_only_cell_that_it_could_stand_in() -> None:
+    result = compare(draw_scene(44).dataset(), Params())
+    rules = map_stability(result, "saliency-rule", "saliency")
+    present = rules.axes[0].present_index, rules.axes[1].present_index
+    alone = np.full((2, 2), "y", dtype=object)
+    alone[present] = "x"
+    figure = stability_map(replace(rules, winner=alone), theme="light")
+    names = {name.text: name for name in figure.layout.annotations}
+    assert (names["X better"].x, names["X better"].y) == present
+    assert names["X better"].yshift > 13 + 6  # half the name and half the mark
+    assert names["Y better"].yshift == 0
+
+
 def test_equal_false_alarms_are_a_dashed_line_over_both_thresholds() -> None:
     # the same boxes with other scores: equal false alarms are equal shares of each system's scores
     boxes = [at(f, c) for f in range(40) for c in (50, 10)]
