@@ -52,7 +52,7 @@ def recordings_plot(
 ) -> go.Figure:
     """X and Y joined by a line for each recording; `customdata` is the recording's row.
 
-    The more X is better, the higher a recording stands; the subtitle says in how many it is.
+    The more X is better, the higher a recording stands; the subtitle says in how many it is better.
 
     Parameters
     ----------
@@ -95,11 +95,13 @@ def recordings_plot(
     middle = (x[largest] + y[largest]) / 2
     traces.append(click_markers(middle, place, text, customdata=rows, name="recordings"))
     extent = count_text(len(defined), "recording")
-    if len(defined) > len(largest):
-        extent += f", the {len(largest)} with the largest differences drawn"
+    has_all = len(defined) == len(largest)
+    if not has_all:
+        extent += f", the {len(largest)} that differ most drawn"
     if len(defined) > 1:
         n_x, n_y = int((gain[defined] > 0).sum()), int((gain[defined] < 0).sum())
-        extent += f"; X is better in {n_x:,}, Y in {n_y:,}; the better X, the higher up"
+        extent += f"; X is better in {n_x:,}, Y in {n_y:,}"
+        extent += "; the better X, the higher up" if has_all else ""  # no room for both
     return draw(
         traces,
         theme,

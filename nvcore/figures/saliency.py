@@ -39,12 +39,17 @@ MANY_RECORDINGS: Final = 100
 NO_EVENTS: Final = "No saliency events: no pedestrian is missed by more than the tolerance."
 
 
-def _events(result: Result, letter: str, recording: int | None, most: int) -> pd.DataFrame:
-    """Events of one system, the most salient first, with a text for each."""
-    system = result.system(letter)
-    events = system.events
+def _events_in(result: Result, letter: str, recording: int | None) -> pd.DataFrame:
+    """Events of one system in a recording; None: in all."""
+    events: pd.DataFrame = result.system(letter).events
     if recording is not None:
         events = events[events["recording"].to_numpy() == recording]
+    return events
+
+
+def _most_salient(result: Result, letter: str, recording: int | None, most: int) -> pd.DataFrame:
+    """The most salient events of one system, in their order, with a text for each."""
+    events = _events_in(result, letter, recording)
     events = events.sort_values("saliency_s", ascending=False, kind="stable").head(most)
     names = result.dataset.recordings["name"].to_numpy()[events["recording"].to_numpy()]
     start_s = result.dataset.frames["time_s"].to_numpy()[events["first_row"].to_numpy()]
@@ -87,8 +92,10 @@ def recency_plot(result: Result, *, theme: Theme, recording: int | None = None) 
     traces = [still_line(place, recency_weight(place, place, params), "recency", line=line)]
     counts = []
     for letter, system in result.sides:
-        events = _events(result, letter, recording, MAX_EVENTS)
-        counts.append(f"{letter.upper()} {count_text(len(events), 'event')}")
+        events = _most_salient(result, letter, recording, MAX_EVENTS)
+        n_events = len(_events_in(result, letter, recording))
+        drawn = f" ({len(events):,} drawn)" if len(events) < n_events else ""
+        counts.append(f"{letter.upper()} {count_text(n_events, 'event')}{drawn}")
         area = events["weight_s"].to_numpy()
         # X's marks stand above the curve and Y's below: many events of both end at one time
         shift = SHIFT if letter == "x" else -SHIFT
@@ -130,8 +137,8 @@ def _reach_s(result: Result, recording: int | None) -> float:
     """Longest time left after an event, or where recency has faded, seconds."""
     params = result.params
     faded_s = params.recency_midpoint_s + 5 * params.recency_spread_s
-    rests = (_events(result, letter, recording, MAX_EVENTS)["rest_s"].max() for letter in "xy")
-    return max(faded_s, *(float(rest) for rest in rests if rest == rest))
+    rests_s = (_events_in(result, letter, recording)["rest_s"] for letter in "xy")
+    return max(faded_s, *(float(rest_s.max()) for rest_s in rests_s if len(rest_s)))
 
 
 def parts_plot(
@@ -152,7 +159,7 @@ def parts_plot(
     traces: list[go.Bar] = []
     labels: list[str] = []
     for letter, system in result.sides:
-        events = _events(result, letter, recording, n)
+        events = _most_salient(result, letter, recording, n)
         place = len(labels) + np.arange(len(events), dtype=float)
         for name, track, start in zip(
             events["name"], events["track"], events["start_s"], strict=True
@@ -180,7 +187,7 @@ def parts_plot(
     if not labels:
         return empty_figure(NO_EVENTS, theme=theme)
     is_risk = result.params.saliency_weight == "risk"
-    kind = "its largest event" if result.params.saliency_aggregate == "max" else "the sum of events"
+    kind = "largest event" if result.params.saliency_aggregate == "max" else "sum of events"
     return draw(
         traces,
         theme,
@@ -189,7 +196,7 @@ def parts_plot(
         f"{'weighted distance' if is_risk else 'duration'}, solid: × recency",
         height=150 + 24 * len(labels),
         barmode="overlay",
-        xaxis=axis(theme, f"seconds (of a recording counts {kind})", rangemode="tozero"),
+        xaxis=axis(theme, f"seconds; the {kind} counts", rangemode="tozero"),
         yaxis=rows_axis(theme, labels, fixedrange=True, showgrid=False, automargin=True),
     )
 
@@ -201,65 +208,34 @@ def plane_plot(result: Result, *, theme: Theme) -> go.Figure:
     first frame of the system's most salient event of the recording, else the recording's first.
     """
     recordings = recordings_table(result)
-    first = result.dataset.frame_columns.first[:-1]
-    similarity, saliency_s = (
-        {letter: recordings[f"{name}_{letter}"].to_numpy(dtype=float) for letter in "xy"}
-        for name in ("mean_similarity", "saliency")
-    )
-    defined = np.flatnonzero(np.isfinite(similarity["x"]) & np.isfinite(similarity["y"]))
-    if not len(defined):
+    recordings = recordings[recordings["n_frames"] > 0]
+    if recordings.empty:
         return empty_figure("There is no recording to compare.", theme=theme)
-    x, y = (
-        {letter: values[letter][defined] for letter in "xy"} for values in (similarity, saliency_s)
-    )
-    is_many = len(defined) > MANY_RECORDINGS
-    look = LOOK[theme]
+    is_many = len(recordings) > MANY_RECORDINGS
+    place = {letter: _place(recordings, letter) for letter in "xy"}
     joined = still_line(
-        with_gaps(x["x"], x["y"]),
-        with_gaps(y["x"], y["y"]),
+        with_gaps(place["x"][0], place["y"][0]),
+        with_gaps(place["x"][1], place["y"][1]),
         "the same recording",
-        line={"width": 0.75 if is_many else 2, "color": look.pale},
+        line={"width": 0.75 if is_many else 2, "color": LOOK[theme].pale},
     )
     traces = [joined]
-    names = [plain(name) for name in recordings["recording"].to_numpy()[defined]]
-    for letter, system in result.sides:
-        rows = first.copy()
-        events = system.events.sort_values("saliency_s", kind="stable")
-        rows[events["recording"].to_numpy()] = events["first_row"].to_numpy()
-        text = [
-            f"{name}: {letter.upper()}<br>mean similarity {value:.3f}<br>saliency {seconds:.2f} s"
-            for name, value, seconds in zip(names, x[letter], y[letter], strict=True)
-        ]
-        traces.append(
-            marks(
-                x[letter],
-                y[letter],
-                text,
-                cliponaxis=False,
-                customdata=rows[defined],
-                name=system_label(letter, system.name),
-                **steady_marker(
-                    opacity=0.6 if is_many else 1,
-                    color=look.of(letter),
-                    symbol=SYMBOL[letter],
-                    size=5 if is_many else 10,
-                    line={"width": 0 if is_many else 1, "color": look.surface},
-                ),
-            )
-        )
-    if len(defined) > 1:
-        means = {letter: (x[letter].mean(), y[letter].mean()) for letter in "xy"}
-        traces += [_mean_mark(letter, *means[letter], theme=theme) for letter in "xy"]
-    lowest = min(float(values.min()) for values in x.values())
+    for letter in "xy":
+        traces.append(_recording_marks(result, recordings, letter, is_small=is_many, theme=theme))
+    if len(recordings) > 1:
+        for letter in "xy":
+            traces.append(_mean_mark(letter, *place[letter].mean(axis=1), theme=theme))
     n_better = [
-        np.count_nonzero((x[own] > x[other]) & (y[own] < y[other])) for own, other in ("xy", "yx")
+        np.count_nonzero((place[own][0] > place[other][0]) & (place[own][1] < place[other][1]))
+        for own, other in ("xy", "yx")
     ]
+    lowest = min(float(similarity.min()) for similarity, _ in place.values())
     return draw(
         traces,
         theme,
         title="Similarity and saliency of the recordings",
-        subtitle=f"{count_text(len(defined), 'recording')}; best is bottom right; better in both: "
-        f"X in {n_better[0]:,}, Y in {n_better[1]:,}",
+        subtitle=f"{count_text(len(recordings), 'recording')}; best is bottom right; better in "
+        f"both: X in {n_better[0]:,}, Y in {n_better[1]:,}",
         height=420,
         xaxis=axis(
             theme,
@@ -268,6 +244,47 @@ def plane_plot(result: Result, *, theme: Theme) -> go.Figure:
             fixedrange=True,
         ),
         yaxis=axis(theme, "saliency (s, 0 = nothing to notice)", rangemode="tozero"),
+    )
+
+
+def _place(recordings: pd.DataFrame, letter: str) -> np.ndarray:
+    """Mean similarity and saliency (s) of a system in the recordings; shape (2, n_recordings)."""
+    place: np.ndarray = recordings[[f"mean_similarity_{letter}", f"saliency_{letter}"]].to_numpy(
+        dtype=float
+    )
+    return place.T
+
+
+def _recording_marks(
+    result: Result, recordings: pd.DataFrame, letter: str, *, is_small: bool, theme: Theme
+) -> go.Scatter:
+    """A mark for each recording, which opens the system's most salient event in it."""
+    look = LOOK[theme]
+    similarity, saliency_s = _place(recordings, letter)
+    rows = result.dataset.frame_columns.first[:-1].copy()
+    events = result.system(letter).events.sort_values("saliency_s", kind="stable")
+    rows[events["recording"].to_numpy()] = events["first_row"].to_numpy()  # the last one stays
+    text = [
+        f"{plain(name)}: {letter.upper()}<br>mean similarity {value:.3f}<br>"
+        f"saliency {seconds:.2f} s"
+        for name, value, seconds in zip(
+            recordings["recording"], similarity, saliency_s, strict=True
+        )
+    ]
+    return marks(
+        similarity,
+        saliency_s,
+        text,
+        cliponaxis=False,
+        customdata=rows[recordings.index.to_numpy()],
+        name=system_label(letter, result.system(letter).name),
+        **steady_marker(
+            opacity=0.6 if is_small else 1,
+            color=look.of(letter),
+            symbol=SYMBOL[letter],
+            size=5 if is_small else 10,
+            line={"width": 0 if is_small else 1, "color": look.surface},
+        ),
     )
 
 

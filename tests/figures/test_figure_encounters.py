@@ -187,7 +187,7 @@ def test_of_many_recordings_those_with_the_largest_differences_are_drawn(
     pairs = recordings((0.8, 0.9), (0.9, 0.4), (0.5, 0.5))
     figure = recordings_plot(pairs, NAMES, theme="light")
     assert trace(figure, "X: FIR").customdata.tolist() == [1, 0]
-    assert "3 recordings, the 2 with the largest differences drawn" in words(figure)
+    assert "3 recordings, the 2 that differ most drawn" in words(figure)
 
 
 def test_fusion_shows_encounters_against_false_alerts() -> None:

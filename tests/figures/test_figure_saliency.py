@@ -49,7 +49,7 @@ def test_an_event_is_taken_apart_into_duration_and_what_recency_leaves() -> None
     assert solid.x == pytest.approx([0.2 * 0.99331, 0.2 * 0.26894], abs=1e-5)
     assert solid.customdata.tolist() == [18, 12]
     assert figure.layout.yaxis.ticktext[0] == "r1, ped 3, 0.8 s"
-    assert "largest event" in figure.layout.xaxis.title.text
+    assert "the largest event counts" in figure.layout.xaxis.title.text
 
 
 def test_the_axes_say_how_the_number_of_a_recording_is_made() -> None:
