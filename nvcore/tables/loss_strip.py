@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from nvcore.comparison import Result
-from nvcore.metrics.losses import lost_per_minute
+from nvcore.measures.values import lost_per_minute_by_recording
 
 N_BINS: Final = 240
 MOST_RECORDINGS: Final = 60
@@ -61,15 +61,10 @@ def loss_strip(result: Result, *, n_bins: int = N_BINS, most: int = MOST_RECORDI
     frames = result.dataset.frame_columns
     similarity = np.minimum(result.x.similarity, result.y.similarity)
     with_frames = np.flatnonzero(np.diff(frames.first))
-    step_s, time_s = frames.step_s, result.dataset.frames["time_s"].to_numpy()
-    lost = np.empty(len(with_frames))
-    end_s = np.empty(len(with_frames))
-    for place, recording in enumerate(with_frames.tolist()):  # a loop over recordings
-        rows = frames.rows_of(recording)
-        lost[place] = max(
-            lost_per_minute(system.similarity[rows], step_s[rows]) for _, system in result.sides
-        )
-        end_s[place] = time_s[rows.stop - 1] + step_s[rows.stop - 1]
+    lost_x, lost_y = (lost_per_minute_by_recording(result, system) for _, system in result.sides)
+    lost = np.maximum(lost_x, lost_y)[with_frames]
+    time_s, last = result.dataset.frames["time_s"].to_numpy(), frames.first[with_frames + 1] - 1
+    end_s = time_s[last] + frames.step_s[last]
     order = np.argsort(-lost, kind="stable")[:most]
     bin_s = float(end_s[order].max(initial=0) / n_bins) or 1.0
     loss = np.full((len(order), n_bins), np.nan)

@@ -19,47 +19,44 @@ def windows_table(result: Result) -> pd.DataFrame:
 
     Returns
     -------
-    The row over all recordings first, then those with frames, most lost per minute by either
-    system on top: recording (``all recordings`` in the first), recording_index (-1 in the first);
-    for each system lost_s_per_min (seconds per minute, 0 is best), window_similarity (mean of the
-    worst window, 1 is best), window_lost_s (what it loses, seconds), window_row (the frame in its
-    middle, a row of the frames table), window_recording (name) and window_time_s of that frame.
-    Empty without frames.
+    The row over all recordings first, if there are several, then those with frames, most lost per
+    minute by either system on top: recording (``all recordings`` in the first), recording_index (-1
+    in the first); for each system lost_s_per_min (seconds per minute, 0 is best), window_similarity
+    (mean of the worst window, 1 is best), window_lost_s (what it loses, seconds), window_row (the
+    frame in its middle, a row of the frames table), window_recording (name) and window_time_s of
+    that frame. Empty without frames.
     """
     frames = result.dataset.frame_columns
     names = result.dataset.recordings["name"].to_numpy(dtype=object)
     time_s = result.dataset.frames["time_s"].to_numpy()
     with_frames = np.flatnonzero(np.diff(frames.first)).tolist()
+    n_all = int(len(with_frames) > 1)  # rows over all recordings
     columns: dict[str, Any] = {
-        "recording": [ALL, *names[with_frames]],
-        "recording_index": [-1, *with_frames],
+        "recording": n_all * [ALL] + names[with_frames].tolist(),
+        "recording_index": n_all * [-1] + with_frames,
     }
     for letter, system in result.sides:
-        of_recordings = lost_per_minute_by_recording(result, system)[with_frames]
-        lost = [system.lost_s_per_min, *of_recordings]
-        windows = [system.worst_window]
+        lost = lost_per_minute_by_recording(result, system)[with_frames]
+        windows = n_all * [system.worst_window]
         windows += [system.worst_window_of_recordings[recording] for recording in with_frames]
+        middle = np.array([window.row for window in windows], dtype=np.int64)
         columns |= {
-            f"lost_s_per_min_{letter}": lost,
+            f"lost_s_per_min_{letter}": n_all * [system.lost_s_per_min] + lost.tolist(),
             f"window_similarity_{letter}": [window.mean for window in windows],
             f"window_lost_s_{letter}": [window.lost_s for window in windows],
-            f"window_row_{letter}": [window.row for window in windows],
+            f"window_row_{letter}": middle,
+            f"window_recording_{letter}": names[frames.recording[middle]],
+            f"window_time_s_{letter}": time_s[middle],
         }
     table = pd.DataFrame(columns)
-    if not with_frames:
-        table = table.iloc[:0]
-    for letter, _ in result.sides:
-        middle = table[f"window_row_{letter}"].to_numpy(dtype=np.int64)
-        table[f"window_recording_{letter}"] = names[frames.recording[middle]]
-        table[f"window_time_s_{letter}"] = time_s[middle]
     worse = table[["lost_s_per_min_x", "lost_s_per_min_y"]].max(axis=1).to_numpy()
-    order = np.argsort(-worse[1:], kind="stable") + 1
-    by_loss: pd.DataFrame = table.iloc[[*range(len(table))[:1], *order]].reset_index(drop=True)
+    order = np.argsort(-worse[n_all:], kind="stable") + n_all
+    by_loss: pd.DataFrame = table.iloc[[*range(n_all), *order]].reset_index(drop=True)
     return by_loss
 
 
 def worst_windows_text(table: pd.DataFrame) -> str:
-    """Where over all recordings each system has its worst window, in a sentence; names as they are.
+    """Where each system has its worst window of all, in a sentence; names as they are.
 
     Parameters
     ----------
@@ -71,4 +68,4 @@ def worst_windows_text(table: pd.DataFrame) -> str:
         f"{of_all[f'window_recording_{letter}']} at {of_all[f'window_time_s_{letter}']:.2f} s"
         for letter in "xy"
     )
-    return f"Over all recordings the worst window of X is in {x}, that of Y in {y}."
+    return f"The worst window of X is in {x}, that of Y in {y}."

@@ -27,10 +27,16 @@ def test_the_recording_that_loses_most_follows_the_row_over_all():
     assert table["window_recording_y"].tolist() == ["r2", "r2", "r0"]
     assert table["window_time_s_y"].to_numpy() == pytest.approx([0.2, 0.2, 0])
     assert worst_windows_text(table) == (
-        "Over all recordings the worst window of X is in r0 at 0.30 s, that of Y in r2 at 0.20 s."
+        "The worst window of X is in r0 at 0.30 s, that of Y in r2 at 0.20 s."
     )
     # the missed frame is the last of the first window that holds it
     assert table["window_row_x"].tolist() == [3, 10, 3]
+
+
+def test_of_a_single_recording_there_is_one_row():
+    truth = [at(i, 50, track=1) for i in range(4)]
+    table = windows_table(result_of(make_dataset(truth, truth, truth[:2])))
+    assert table["recording"].tolist() == ["r0"]
 
 
 def test_without_frames_the_table_is_empty():
