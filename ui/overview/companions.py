@@ -11,6 +11,7 @@ from nvcore.evidence.companions import Companions, find_companions
 from nvcore.progress import Progress
 from ui.jobs.computed import Computation
 from ui.session import state
+from ui.session.evidence import comparison_key
 
 QUICK_BOXES: Final = 50_000
 """Up to so many boxes it takes a fraction of a second and is done at once."""
@@ -24,7 +25,7 @@ def wait_for_companions(result: Result, evidence: pd.DataFrame) -> Companions | 
 
     computation = Computation(
         kind="companions",
-        key=(result.params, result.x.name, result.y.name, state.protocol()),
+        key=comparison_key(result),
         compute=compute,
         thing="the comparison at equal false alarms",
         doing="comparing",

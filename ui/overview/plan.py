@@ -10,7 +10,7 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.evidence.companions import Companions
+from nvcore.evidence.companions import Companions, are_unequal
 from nvcore.evidence.planning import DEFAULT_KEY, PLAN_KEYS, Side, StudyPlan, plan_study
 from nvcore.evidence.planning.pilot import MIN_PILOT
 from nvcore.evidence.planning.words import QUESTION, describe_plan
@@ -23,6 +23,7 @@ from nvcore.report.plan import verdict_plan
 from nvcore.wording import capitalised, count_text
 from ui.jobs.computed import Computation
 from ui.session import state
+from ui.session.evidence import comparison_key
 from ui.widgets.charts import draw_chart
 from ui.widgets.choices import choose_side_by_side
 from ui.widgets.text import docs_link, plain
@@ -55,7 +56,7 @@ class _Answer(NamedTuple):
 
 def known_sentence(result: Result) -> str:
     """What the verdict says of more recordings, once any plan was computed; else empty."""
-    sentence: str | None = state.workspace().peek("verdict_plan", _comparison(result))
+    sentence: str | None = state.workspace().peek("verdict_plan", comparison_key(result))
     return sentence or ""
 
 
@@ -71,7 +72,9 @@ def draw(result: Result, evidence: pd.DataFrame, companions: Companions | None) 
             )
             return
         asked = _ask(evidence)
-        if asked is not None:
+        if companions is None and are_unequal(result):
+            st.markdown("Possible once the comparison at equal false alarms is known.")
+        elif asked is not None:
             _draw_answer(result, evidence, companions, asked)
         st.caption(
             "Studies are simulated from these recordings, each drawn as a whole, and tested as in "
@@ -112,7 +115,7 @@ def _ask(evidence: pd.DataFrame) -> _Asked | None:
         persist_state="session",
         help="Else p of this measure by itself, as if the study tested no other.",
     )
-    size = (amount or None) if amount is None or not scale.is_share else amount / 100 or None
+    size = amount / (100 if scale.is_share else 1) if amount else None
     if is_margin and size is None:
         st.markdown("Give the margin: by how much it may be worse and still be taken.")
         return None
@@ -131,7 +134,7 @@ def _draw_answer(
 ) -> None:
     work = Computation(
         kind=JOB,
-        key=(*_comparison(result), asked),
+        key=(*comparison_key(result), asked),
         compute=partial(_answer, result, evidence, companions, asked),
         thing="plan",
         doing="Simulating studies",
@@ -143,17 +146,13 @@ def _draw_answer(
         st.button("Simulate studies", key=f"{JOB}_start", icon=icon, on_click=work.start)
     if answer is None:
         return
-    space, key = state.workspace(), _comparison(result)
+    space, key = state.workspace(), comparison_key(result)
     if space.peek("verdict_plan", key) is None:
         space.cached("verdict_plan", key, lambda: answer.sentence)
         st.rerun()  # the verdict, which is above, says it
     st.markdown("\n".join(f"- {plain(sentence)}" for sentence in describe_plan(answer.plan)))
     if any(size.points for size in answer.plan.sizes):
         draw_chart(power_plot(answer.plan, theme=state.theme()), "power")
-
-
-def _comparison(result: Result) -> tuple[object, ...]:
-    return (state.workspace().version, result.params, result.x.name, result.y.name)
 
 
 def _answer(

@@ -13,6 +13,11 @@ from nvcore.params.metadata import MATCH
 from ui.session import state
 
 
+def comparison_key(result: Result) -> tuple[object, ...]:
+    """What the evidence of a comparison depends on, while the same data are open."""
+    return (result.params, result.x.name, result.y.name, state.protocol())
+
+
 def measure_evidence(result: Result) -> pd.DataFrame:
     """The measures of X and Y with their evidence."""
     protocol = state.protocol()
@@ -23,8 +28,7 @@ def measure_evidence(result: Result) -> pd.DataFrame:
             result, protocol, units=units, miss_rate=_cached_miss_rate(result, units)
         )
 
-    key = (result.params, result.x.name, result.y.name, protocol)
-    return state.cached("evidence", key, make)
+    return state.cached("evidence", comparison_key(result), make)
 
 
 def miss_rate_evidence(result: Result) -> Evidence:
