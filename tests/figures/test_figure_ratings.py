@@ -8,6 +8,7 @@ from figure_parts import trace, words
 
 from nvcore.figures.ratings import participants_plot, rating_plot
 from nvcore.studies.ratings.agreement import Agreement
+from nvcore.studies.ratings.trend import fit_trend
 from nvcore.studies.ratings.validation import correlate
 
 
@@ -41,24 +42,25 @@ def test_the_plot_has_the_trend_with_its_interval_and_names_the_clip_far_from_it
     table["saliency_s"] = 2 * table["mean_rank"] + noise
     table.loc[3, "saliency_s"] = 30.0
     figure = rating_plot(table, [], ("FIR", "NIR"), theme="light")
-    (line,) = [one for one in figure.data if one.name.startswith("trend: ")]
+    (line,) = [part for part in figure.data if part.name.startswith("trend: ")]
     band = trace(figure, "interval of the trend")
     assert "s per rank (95 %:" in line.name
     half = len(line.x)
     assert (np.array(band.y[:half]) >= np.array(line.y)).all()
     assert (np.array(band.y[half:])[::-1] <= np.array(line.y)).all()
-    (named,) = [one for one in figure.layout.annotations if one.name == "outlier"]
+    (named,) = [part for part in figure.layout.annotations if part.name == "outlier"]
     assert named.text == "&lt;b&gt;drive 3, Y"
     assert (named.x, named.y) == (4.0, 30.0)
 
 
 def test_five_outliers_are_named_at_most_and_few_clips_have_no_trend() -> None:
-    table = clips(40)
-    table["saliency_s"] = np.where(np.arange(40) % 5 == 0, 90.0, table["mean_rank"])
+    table = clips(64)
+    table["saliency_s"] = np.where(np.arange(64) % 8 == 0, 200.0, table["mean_rank"])
+    assert np.count_nonzero(fit_trend(table).is_outlier) == 8
     figure = rating_plot(table, [], ("FIR", "NIR"), theme="light")
-    assert len([one for one in figure.layout.annotations if one.name == "outlier"]) <= 5
+    assert len([part for part in figure.layout.annotations if part.name == "outlier"]) == 5
     few = rating_plot(clips(4), [], ("FIR", "NIR"), theme="light")
-    assert [one.name for one in few.data] == ["X: FIR", "Y: NIR"]
+    assert [part.name for part in few.data] == ["X: FIR", "Y: NIR"]
 
 
 def test_no_clips_say_so() -> None:

@@ -29,8 +29,8 @@ def area(figure: object, letter: str) -> float:
 
 def label(figure: object, name: str) -> str:
     """The text of that name, without markup."""
-    found = [one.text for one in figure.layout.annotations if one.name == name]
-    return re.sub("<br>|<[^>]*>", lambda tag: " " * (tag[0] == "<br>"), found[0]) if found else ""
+    texts = [part.text for part in figure.layout.annotations if part.name == name]
+    return re.sub("<br>|<[^>]*>", lambda tag: " " * (tag[0] == "<br>"), texts[0]) if texts else ""
 
 
 def test_the_paper_s_figure_1_has_circles_of_7_and_7_with_5_shared() -> None:
@@ -70,7 +70,7 @@ def test_circles_apart_one_inside_the_other_and_one_on_the_other() -> None:
 
 def test_a_system_that_detects_nobody_has_no_circle() -> None:
     figure = venn_figure(Venn(0, 0, 7, 2, 0), NAMES, theme="dark")
-    assert [one.name for one in figure.layout.shapes] == ["all encounters", "circle y"]
+    assert [part.name for part in figure.layout.shapes] == ["all encounters", "circle y"]
     assert label(figure, "system x") == "X: FIR 0 of 9"
 
 
@@ -155,7 +155,7 @@ def test_every_encounter_has_a_mark_in_its_region_and_none_touches_another(count
     x_axis, y_axis = figure.layout.xaxis.range, figure.layout.yaxis.range
     # in a plot of 355 x 285 px
     scale = min(355 / (x_axis[1] - x_axis[0]), 285 / (y_axis[1] - y_axis[0]))
-    circles = {one.name[-1]: one for one in figure.layout.shapes if one.type == "circle"}
+    circles = {part.name[-1]: part for part in figure.layout.shapes if part.type == "circle"}
     for kind, x, y, size, _ in marks:
         assert x_axis[0] < x < x_axis[1]
         assert y_axis[0] < y < y_axis[1]
@@ -195,7 +195,7 @@ def test_above_a_number_of_encounters_there_are_counts_and_weights_only() -> Non
     venn = Venn(MOST_MARKS, 1, 0, 0, 0)
     table = encounters_of(venn)
     figure = venn_figure(venn, NAMES, theme="light", encounters=table)
-    assert [one.name for one in figure.data] == ["regions"]
+    assert [part.name for part in figure.data] == ["regions"]
     weight = table["severity_s_y"].sum()
     assert label(figure, "x_only") == f"1 only X Y {weight:.2f} s"
     assert label(figure, "both") == f"{MOST_MARKS} both X 0.00 s Y 0.00 s"

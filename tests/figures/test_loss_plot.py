@@ -34,7 +34,7 @@ def test_losses_to_misses_and_to_false_alarms_are_stacked_to_one_minus_similarit
     for letter, system in result.sides:
         pair = [trace(figure, f"{letter.upper()}, {kind}") for kind in ("misses", "false alarms")]
         assert pair[0].y + pair[1].y == pytest.approx(1 - system.similarity)
-        assert {one.stackgroup for one in pair} == {letter}
+        assert {part.stackgroup for part in pair} == {letter}
         assert pair[0].x == pytest.approx(np.arange(10) / 10)
     assert shape(figure, "cursor").x0 == pytest.approx(0.4)
 
@@ -51,9 +51,9 @@ def test_a_click_in_either_panel_gives_the_row_of_the_frame():
     truth = [at(i, 50, track=1, recording=1) for i in range(4)]
     result = result_of(make_dataset(truth, truth, [], places=places))
     figure = loss_plot(result, 1, theme="light")
-    clicks = [one for one in figure.data if one.name == "frames"]
-    assert [one.customdata.tolist() for one in clicks] == [[3, 4, 5, 6]] * 2
-    assert {one.yaxis for one in clicks} == {"y", "y2"}
+    clicks = [part for part in figure.data if part.name == "frames"]
+    assert [part.customdata.tolist() for part in clicks] == [[3, 4, 5, 6]] * 2
+    assert {part.yaxis for part in clicks} == {"y", "y2"}
     assert "Y loses 0.900 to misses" in clicks[0].text[0]
 
 
@@ -67,7 +67,7 @@ def test_a_single_lost_frame_of_a_long_recording_is_drawn():
     truth = [at(i, 50, track=3) for i in range(9000)]
     y = [at(i, 50) for i in range(9000) if i != 4321]
     figure = loss_plot(result_of(make_dataset(truth, [*truth, at(77, 25)], y)), 0, theme="light")
-    assert max(len(one.x) for one in figure.data) <= 4000
+    assert max(len(part.x) for part in figure.data) <= 4000
     misses, alarms = trace(figure, "Y, misses"), trace(figure, "X, false alarms")
     assert misses.x[misses.y > 0] == pytest.approx([432.1])
     assert alarms.x[alarms.y > 0] == pytest.approx([7.7])
