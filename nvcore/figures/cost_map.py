@@ -22,7 +22,7 @@ def cost_plot(cost_map: CostMap, *, theme: Theme) -> go.Figure:
     As the picture is seen: the lower, the nearer. Empty where nobody can stand.
     """
     look = LOOK[theme]
-    size = {"width": 0.6, "color": look.surface}
+    line = {"width": 0.6, "color": look.surface}
     font = {"size": 11, "color": look.muted}
     costs = go.Contour(
         x=cost_map.centre_px,
@@ -31,22 +31,24 @@ def cost_plot(cost_map: CostMap, *, theme: Theme) -> go.Figure:
         zmin=0,
         zmax=1,
         contours={"start": STEP, "end": 1 - STEP, "size": STEP},
-        line=size,
+        line=line,
         colorscale=loss_scale(theme),
         colorbar={"tickvals": [0, 0.5, 1], "tickfont": font, "thickness": 8, "outlinewidth": 0},
         hovertemplate="feet at x %{x:.0f}, row %{y:.0f}: cost %{z:.2f}<extra></extra>",
         name="cost",
     )
-    ends = [
-        [centres[0] - half, centres[-1] + half]
-        for centres in (cost_map.centre_px, cost_map.foot_px)
-        for half in (0.5 * float(centres[1] - centres[0]),)
-    ]
+    across, down = (_span(centres) for centres in (cost_map.centre_px, cost_map.foot_px))
     return draw(
         costs,
         theme,
         height=SMALL_PX,
         margin={"l": 40, "r": 4, "t": 8, "b": 38},
-        xaxis=axis(theme, "lateral position (px)", range=ends[0], fixedrange=True, showgrid=False),
-        yaxis=axis(theme, "feet (row)", range=ends[1][::-1], fixedrange=True, showgrid=False),
+        xaxis=axis(theme, "lateral position (px)", range=across, fixedrange=True, showgrid=False),
+        yaxis=axis(theme, "feet (row)", range=down[::-1], fixedrange=True, showgrid=False),
     )
+
+
+def _span(centres: np.ndarray) -> list[float]:
+    """From the first cell's outer edge to the last one's, by their centres at one distance."""
+    half = 0.5 * float(centres[1] - centres[0])
+    return [float(centres[0]) - half, float(centres[-1]) + half]

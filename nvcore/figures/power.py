@@ -15,8 +15,8 @@ from nvcore.wording import count_text, percent
 
 DASHES: Final = ("solid", "dash")
 SYMBOLS: Final = ("circle", "diamond")
-NARROW: Final = 8
-"""Recordings are on a logarithmic axis where the sizes differ by more than this factor."""
+LOG_FACTOR: Final = 8
+"""The axis is logarithmic where the numbers of recordings differ by more than this factor."""
 
 
 def power_plot(plan: StudyPlan, *, theme: Theme) -> go.Figure:
@@ -61,8 +61,8 @@ def power_plot(plan: StudyPlan, *, theme: Theme) -> go.Figure:
                 showlegend=True,
             )
         )
-    every = [point.n_recordings for size in sizes for point in size.points]
-    is_wide = max(every) > NARROW * min(every)
+    numbers = [point.n_recordings for size in sizes for point in size.points]
+    is_log = max(numbers) > LOG_FACTOR * min(numbers)
     figure = draw(
         traces,
         theme,
@@ -72,8 +72,8 @@ def power_plot(plan: StudyPlan, *, theme: Theme) -> go.Figure:
         height=340,
         xaxis=axis(
             theme,
-            "recordings" + (", logarithmic" if is_wide else ""),
-            **(_log_ticks(every) if is_wide else {"rangemode": "tozero"}),
+            "recordings" + (", logarithmic" if is_log else ""),
+            **(_log_ticks(numbers) if is_log else {"rangemode": "tozero"}),
         ),
         yaxis=axis(theme, "power: share of studies that show it", range=[0, 1], tickformat=".0%"),
     )

@@ -49,7 +49,7 @@ def contradicted_facts(truth: Reading, recordings: pd.DataFrame) -> list[Finding
 
 
 def check_listed(session: Session, truth: Reading) -> None:
-    """Refuse a table of recordings that names one of which nothing else is known.
+    """Refuse a table of recordings with one that has neither ground truth nor evaluated frames.
 
     Raises
     ------

@@ -3,9 +3,9 @@
     recording,width,height,fps,context,tags,pictures
     night_01,640,480,20,rural,night;rain,night_01.mp4
 
-Every column but the first may be missing, in any order, and every cell but the first empty. Between
-tags stands a semicolon. Paths of pictures start from the file. Columns are separated by commas,
-semicolons (with tags in quotes; a comma may then be the decimal sign) or tabs.
+Columns may stand in any order; all but `recording` may be missing, and their cells empty. Tags are
+separated by semicolons. Paths of pictures start from the folder of the file. Columns are separated
+by commas, semicolons (with tags in quotes; a comma may then be the decimal sign) or tabs.
 """
 
 from __future__ import annotations

@@ -52,8 +52,8 @@ def draw() -> None:
             placeholder="urban, rural, or a number",
             help="From 0 (urban) to 1 (rural): type a number for one in between.",
         )
-        is_wanted = st.form_submit_button("State this context")
-    if is_wanted:
+        is_submitted = st.form_submit_button("State this context")
+    if is_submitted:
         _state_context(chosen or names, text)
 
 

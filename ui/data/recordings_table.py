@@ -19,7 +19,7 @@ RECORDINGS_LABEL: Final = "Recordings (table, one line each)"
 RECORDINGS_HELP: Final = (
     "A CSV file with the columns recording, width, height, fps, context, tags and pictures; all "
     "but the first may be missing. Context is that of the traffic: urban, rural, or a number from "
-    "0 to 1. Between tags stands a semicolon; pictures are named as the files sent."
+    "0 to 1. Tags are separated by semicolons; pictures are names of files or folders."
 )
 _PARTS: Final = {
     "width": "sizes",
@@ -60,11 +60,11 @@ class RecordingsTable:
         rows = [self.entries.get(name, RecordingEntry(name)) for name in names]
         if len(names) == len(self.entries) == 1:  # whatever it is called
             rows = list(self.entries.values())
-        said = {
+        is_known = {
             "size": all(row.width is not None and row.height is not None for row in rows),
             "fps": all(row.fps is not None for row in rows),
         }
-        return {fact for fact, is_known in said.items() if is_known and rows}
+        return {fact for fact in is_known if is_known[fact] and rows}
 
 
 def check_recordings(path: str, folder: Path) -> RecordingsTable:
@@ -89,11 +89,11 @@ def draw_recordings(table: RecordingsTable) -> RecordingsTable:
     if table.trouble:
         st.error(plain(table.trouble), icon=":material/error:")
     elif table.path is not None:
-        said = [
+        parts = [
             words
             for column, words in _PARTS.items()
             if any(getattr(entry, column) not in (None, ()) for entry in table.entries.values())
         ]
-        of = f": {listed(said)}" if said else ""
-        st.caption(f"Read as {count_text(len(table.entries), 'recording')}{of}.")
+        content = f": {listed(parts)}" if parts else ""
+        st.caption(f"Read as {count_text(len(table.entries), 'recording')}{content}.")
     return table

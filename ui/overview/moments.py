@@ -38,10 +38,10 @@ _OF_WINDOW: Final = {
     "window_similarity": (
         "worst window",
         "%.3f",
-        "The lowest mean similarity of {letter} over {window}; 1 is best.",
+        "The lowest mean similarity of {letter} in any {window}; 1 is best.",
     ),
     "window_lost_s": (
-        "lost in it (s)",
+        "lost there (s)",
         "%.2f",
         "What {letter} loses in that window, in seconds.",
     ),

@@ -47,9 +47,9 @@ def draw(result: Result) -> None:
         f"{docs_link('Severity', 'severity')}: what failures weigh, in seconds of a pedestrian "
         "missed straight ahead and near. "
         + (
-            "Each mark is an encounter, larger the more its failure weighs; its colour is the "
-            "system that fails, a square where both do. Click a mark to see its moment, or a "
-            "region to see its encounters."
+            "Each mark is an encounter, the larger the heavier its failure; its colour is the "
+            "system whose failure is heavier, a square stands for both. Click a mark to see its "
+            "moment, or a region to see its encounters."
             if has_marks
             else "Click a region to see its encounters."
         )
@@ -67,7 +67,7 @@ def _draw_worst(encounters: pd.DataFrame) -> None:
     worst = encounters[encounters["severity_s"] > 0].head(N_WORST)
     if worst.empty:
         return
-    st.markdown("**Encounters that weigh most**")
+    st.markdown("**Heaviest failures**")
     key = f"overview_worst_{hash(tuple(worst['shown_row']))}"
     st.dataframe(
         as_shown(worst[list(WORST_COLUMNS)]),

@@ -201,8 +201,8 @@ def _against_saliency(result: Result, clips: pd.DataFrame) -> None:
     )
     st.caption(
         "Dotted: the straight line through the clips; the band is its 95 % interval, by resampling "
-        "the recordings. Clips are named that lie more than three robust standard deviations "
-        "(1.4826 times the median distance) from it, five at most.  \n"
+        "the recordings. Named: the clips more than three robust standard deviations (1.4826 times "
+        "the median distance) from it, five at most.  \n"
         "1: the more annoying people find a clip, the higher its saliency; 0: no connection. "
         "Intervals are from resampling the clips. Intervals and p take the clips as independent; "
         "two clips of one recording are not, so the intervals are somewhat too narrow and p "

@@ -32,13 +32,14 @@ def what_it_is(params: Params) -> str:
     is_each, is_risk = params.saliency_of == "each", params.saliency_weight == "risk"
     who = "is missed by more than the tolerance" if is_each else "is the most salient miss"
     weight = "weighted distance, summed over time," if is_risk else "*duration*"
-    passed = "seconds left" if params.recency_unit == "seconds" else "share that has passed"
+    passed = "the seconds left" if params.recency_unit == "seconds" else "the share that has passed"
     scope = "encounter" if params.saliency_scope == "encounter" else "recording"
     return (
         f"{docs_link('Saliency', 'saliency')}, in seconds, 0 is best: how much the misses will be "
         f"noticed. A *saliency event* is a run of frames in which one pedestrian {who}. It counts "
-        f"by its {weight} times its *recency*, a weight of 0 to 1 by the {passed} of the {scope} "
-        "when it ends: late misses are remembered best. Pedestrians far away can have events, too. "
+        f"by its {weight} times its *recency*, a weight of 0 to 1 that follows from {passed} of "
+        f"the {scope} when it ends: late misses are remembered best. Pedestrians far away can have "
+        "events, too. "
         f"{saliency_caveat(params)}"
     )
 

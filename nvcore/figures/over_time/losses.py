@@ -144,13 +144,13 @@ def _clicks(
     inside = evenly(rows.stop - rows.start, n_points=MAX_CLICKS)
     frames = result.dataset.frames
     columns = (frames["frame"].to_numpy()[rows], frames["time_s"].to_numpy()[rows])
-    number, time_s = (column[inside] for column in columns)
+    frame_numbers, time_s = (column[inside] for column in columns)
     parts = [of_system[inside] for of_both in losses.values() for of_system in of_both]
     text = [
         f"frame {frame}, {second:.2f} s<br>X loses {miss_x:.3f} to misses, {false_x:.3f} to false "
         f"alarms<br>Y loses {miss_y:.3f} to misses, {false_y:.3f} to false alarms"
         for frame, second, miss_x, false_x, miss_y, false_y in zip(
-            number, time_s, *parts, strict=True
+            frame_numbers, time_s, *parts, strict=True
         )
     ]
     place = {"x": time_s, "y": np.full(len(inside), middle), "xaxis": "x"}

@@ -179,8 +179,8 @@ def similarity_plot(
 ) -> go.Figure:
     """Similarity of X and Y over time: frame by frame, moving mean, low intervals, events.
 
-    The area between the low limit and a trace below it is the severity of that interval. A click
-    gives the frame: `customdata` is its row in ``dataset.frames``.
+    The area between the low limit and a trace below it is the depth of that interval. A click gives
+    the frame: `customdata` is its row in ``dataset.frames``.
 
     Parameters
     ----------

@@ -289,11 +289,11 @@ def _agreement(saliency: np.ndarray, order: np.ndarray, recording: np.ndarray) -
     """
     by_recording = np.argsort(recording, kind="stable")
     starts = np.flatnonzero(np.diff(recording[by_recording], prepend=-1))
-    wanted = order[np.ix_(by_recording, by_recording)].astype(np.int8)
+    by_rating = order[np.ix_(by_recording, by_recording)].astype(np.int8)
     agreement = np.empty((len(saliency), len(starts), len(starts)), dtype=np.int16)
     for sums, of_clips in zip(agreement, saliency[:, by_recording], strict=True):
         is_higher = np.greater.outer(of_clips, of_clips).view(np.int8)
-        pairs = (is_higher - is_higher.T) * wanted
+        pairs = (is_higher - is_higher.T) * by_rating
         rows = np.add.reduceat(pairs, starts, axis=0, dtype=np.int16)
         sums[:] = np.add.reduceat(rows, starts, axis=1, dtype=np.int16)
     return agreement
