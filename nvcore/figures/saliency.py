@@ -12,6 +12,7 @@ from nvcore.comparison import Result
 from nvcore.figures.marks import marks, steady_marker, still_line, with_gaps
 from nvcore.figures.style import (
     CLEAR,
+    LEGEND,
     LOOK,
     SYMBOL,
     axis,
@@ -29,6 +30,8 @@ from nvcore.wording import count_text
 
 MAX_EVENTS: Final = 1000
 """Events of each system on the curve, the most salient first."""
+MANY_EVENTS: Final = 200
+"""Events of a system above which the marks on the curve are small."""
 N_PARTS: Final = 6
 """Events of each system that are taken apart."""
 CURVE_POINTS: Final = 201
@@ -91,19 +94,22 @@ def recency_plot(result: Result, *, theme: Theme, recording: int | None = None) 
     line = {"color": look.muted, "width": 1.5}
     traces = [still_line(place, recency_weight(place, place, params), "recency", line=line)]
     counts = []
+    weights_s = {letter: _events_in(result, letter, recording)["weight_s"] for letter in "xy"}
+    most_s = np.concatenate(list(weights_s.values())).max(initial=1e-9)
+    is_many = max(map(len, weights_s.values())) > MANY_EVENTS
     for letter, system in result.sides:
         events = _most_salient(result, letter, recording, MAX_EVENTS)
-        n_events = len(_events_in(result, letter, recording))
+        n_events = len(weights_s[letter])
         drawn = f" ({len(events):,} drawn)" if len(events) < n_events else ""
         counts.append(f"{letter.upper()} {count_text(n_events, 'event')}{drawn}")
-        area = events["weight_s"].to_numpy()
         # X's marks stand above the curve and Y's below: many events of both end at one time
         shift = SHIFT if letter == "x" else -SHIFT
         marker = steady_marker(
             color=faded(look.of(letter), 0.35),
             symbol=SYMBOL[letter],
-            size=5 + 15 * np.sqrt(area / max(area.max(initial=0), 1e-9)),
-            line={"width": 1.2, "color": look.of(letter)},
+            size=(3 if is_many else 5)
+            + (8 if is_many else 15) * np.sqrt(events["weight_s"].to_numpy() / most_s),
+            line={"width": 0.5 if is_many else 1.2, "color": look.of(letter)},
         )
         traces.append(
             marks(
@@ -196,6 +202,7 @@ def parts_plot(
         f"{'weighted distance' if is_risk else 'duration'}, solid: × recency",
         height=150 + 24 * len(labels),
         barmode="overlay",
+        legend=LEGEND | {"xref": "container", "x": 0.01},  # the plot is narrow: long labels
         xaxis=axis(theme, f"seconds; the {kind} counts", rangemode="tozero"),
         yaxis=rows_axis(theme, labels, fixedrange=True, showgrid=False, automargin=True),
     )

@@ -33,6 +33,16 @@ def test_events_stand_at_their_end_near_the_curve_of_recency() -> None:
     assert (curve.x[0], curve.x[-1]) == (0, 1)
 
 
+def test_marks_of_both_systems_have_one_scale() -> None:
+    """X misses a pedestrian for 0.4 s, Y for 0.1 s."""
+    truth = [at(i, 50, track=3) for i in range(10)]
+    x = [box for box in truth if box.frame < 6]
+    y = [box for box in truth if box.frame < 9]
+    figure = recency_plot(result_of(make_dataset(truth, x, y)), theme="light")
+    assert trace(figure, "X: x").marker.size[0] == pytest.approx(5 + 15)
+    assert trace(figure, "Y: y").marker.size[0] == pytest.approx(5 + 15 / 2)
+
+
 def test_events_of_one_recording_alone_can_be_shown() -> None:
     result = missed()
     assert len(trace(recency_plot(result, theme="light", recording=0), "X: x").x) == 0

@@ -93,9 +93,9 @@ def worst_windows(result: Result) -> None:
         on_select=partial(_ask_for_window, table),
     )
     st.caption(
-        f"{plain(worst_windows_text(table))} Most lost on top. Click a value of X or Y to "
-        f"open the middle of that system's worst window of {result.params.window:g} s in the "
-        "Timeline, or a recording's name for that of the worse system "
+        f"{plain(worst_windows_text(table))} Click a value of X or Y to open the middle of that "
+        f"system's worst window of {result.params.window:g} s in the Timeline, or a recording's "
+        "name for that of the worse system "
         f"({docs_link('Metrics', 'similarity')})."
     )
     row = st.session_state.pop(WINDOW, None)

@@ -20,7 +20,8 @@ from ui.widgets.text import UNDEFINED, docs_link
 
 WORDS: Final = {"both": "Both", "x_only": "Only X", "y_only": "Only Y", "neither": "Neither"}
 N_WORST: Final = 5
-WORST_COLUMNS: Final = ("recording", "track", "severity_s_x", "severity_s_y")
+WORST_COLUMNS: Final = {"recording": 110, "track": 66, "severity_s_x": 86, "severity_s_y": 86}
+"""Columns of the heaviest failures and their widths, px: in all, that of half a small window."""
 OPEN: Final = "overview_open"
 """Frame row of the encounter that was clicked in the list."""
 
@@ -68,11 +69,15 @@ def _draw_worst(encounters: pd.DataFrame) -> None:
     if worst.empty:
         return
     st.markdown("**Heaviest failures**")
+    config = {
+        name: column_config("encounters.csv")[name] | {"width": width}
+        for name, width in WORST_COLUMNS.items()
+    }
     key = f"overview_worst_{hash(tuple(worst['shown_row']))}"
     st.dataframe(
         as_shown(worst[list(WORST_COLUMNS)]),
         hide_index=True,
-        column_config=column_config("encounters.csv"),
+        column_config=config,
         key=key,
         placeholder=UNDEFINED,
         selection_mode=("single-row", "single-cell"),

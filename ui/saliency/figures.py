@@ -91,9 +91,10 @@ def draw_recordings(result: Result) -> None:
         st.caption("Click a recording to see only its events below.")
     with right:
         _chart(plane_plot(result, theme=theme), "saliency_plane")
+        means = "Large open marks: means. " if has_several_recordings(result) else ""
         st.caption(
-            "Large open marks: means over the recordings. Click one of the others to see the "
-            "system's most salient event of that recording in the Timeline."
+            f"{means}Click the mark of a recording to see the system's most salient event in it in "
+            "the Timeline."
         )
 
 

@@ -15,6 +15,11 @@ from nvcore.tables.loss_strip import LossStrip
 from nvcore.wording import count_text
 
 ROW_PX: Final = 22
+NARROW_ROW_PX: Final = 15
+FEW: Final = 20
+"""Recordings up to which rows are not narrow."""
+BAR_PX: Final = (80, 220)
+"""Least and largest length of the colour bar."""
 MAX_CLICKS: Final = 1500
 """Places that can be clicked, over all strips; the browser draws a marker for each."""
 LEAST_TOP: Final = 0.2
@@ -37,7 +42,10 @@ def loss_strip_plot(result: Result, strip: LossStrip, *, theme: Theme) -> go.Fig
         return empty_figure("There is no evaluated frame.", theme=theme)
     font = {"size": 12, "color": LOOK[theme].muted}
     bar = {"title": {"text": "loss", "side": "top", "font": font}, "tickfont": font}
-    bar |= {"outlinewidth": 0, "thickness": 12, "len": 1, "nticks": 4}
+    strips_px = n_strips * (ROW_PX if n_strips <= FEW else NARROW_ROW_PX)
+    length_px = float(np.clip(strips_px, *BAR_PX))
+    bar |= {"outlinewidth": 0, "thickness": 12, "nticks": 4}
+    bar |= {"lenmode": "pixels", "len": length_px, "y": 1, "yanchor": "top"}
     top = max(LEAST_TOP, float(np.ceil(np.nanmax(strip.loss) * 5 - 1e-9) / 5))
     heat = go.Heatmap(
         x0=0.5 * strip.bin_s,
@@ -49,7 +57,7 @@ def loss_strip_plot(result: Result, strip: LossStrip, *, theme: Theme) -> go.Fig
         colorscale=loss_scale(theme),
         colorbar=bar,
         xgap=0,
-        ygap=3,
+        ygap=3 if n_strips <= FEW else 2,
         hoverinfo="skip",
         hoverongaps=False,
         name="loss",
@@ -65,7 +73,7 @@ def loss_strip_plot(result: Result, strip: LossStrip, *, theme: Theme) -> go.Fig
         title="Where to look first",
         subtitle=f"{extent}, most lost per minute on top; colour: the worse system's largest loss "
         f"in each {strip.bin_s:.2g} s",
-        height=132 + ROW_PX * n_strips,
+        height=132 + strips_px,
         hoverdistance=-1,
         showlegend=False,
         margin={"l": 130, "r": 16, "t": 64, "b": 48},
