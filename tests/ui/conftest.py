@@ -1,4 +1,4 @@
-"""Surroundings of the pages' tests: a folder for uploads of their own, and no local folder."""
+"""Surroundings of the pages' tests: uploads in a folder of their own, no other start or folder."""
 
 from __future__ import annotations
 
@@ -22,6 +22,7 @@ scan_once = cache(manifest_scanner.scan_component_manifests)
 def surroundings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("NVCORE_UPLOAD_DIR", str(tmp_path / "uploads"))
     monkeypatch.delenv("NVCORE_LOCAL_ROOT", raising=False)
+    monkeypatch.delenv("NVCORE_SESSION", raising=False)
     monkeypatch.setattr(recordings, "open_pictures", open_sample_once)
     monkeypatch.setattr(manifest_scanner, "scan_component_manifests", scan_once)
 

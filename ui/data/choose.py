@@ -18,6 +18,7 @@ from ui.data.opening import draw_trouble, try_to_open
 from ui.session import state
 from ui.session.local_files import LocalRoot, local_root
 from ui.session.opening import uploaded_session
+from ui.session.start import start_file
 from ui.session.uploads import SentFile, new_upload, store_annotations
 from ui.session.workspace import PICTURES
 from ui.widgets.text import plain
@@ -33,19 +34,16 @@ def draw() -> None:
     """The tabs."""
     st.header("Open another comparison")
     root, trouble = _root()
-    titles = ["Sample", "Upload", "Session file", *(["Local folder"] if root else [])]
+    tabs = {"Sample": _draw_sample, "Upload": upload.draw, "Session file": draw_session_form}
+    if start_file() is not None:
+        tabs = {"Start": _draw_start, **tabs}
+    if root is not None:
+        tabs["Local folder"] = partial(local.draw, root)
     if trouble:
         st.warning(plain(trouble), icon=":material/warning:")
-    tabs = st.tabs(titles)
-    with tabs[0]:
-        _draw_sample()
-    with tabs[1]:
-        upload.draw()
-    with tabs[2]:
-        draw_session_form()
-    if root is not None:
-        with tabs[3]:
-            local.draw(root)
+    for tab, draw_tab in zip(st.tabs(list(tabs)), tabs.values(), strict=True):
+        with tab:
+            draw_tab()
 
 
 def _root() -> tuple[LocalRoot | None, str]:
@@ -53,6 +51,14 @@ def _root() -> tuple[LocalRoot | None, str]:
         return local_root(), ""
     except NvcoreError as error:
         return None, str(error)
+
+
+def _draw_start() -> None:
+    start = state.shared_start().opened
+    st.markdown(f"The comparison that this app was started with: **{plain(start.label)}**.")
+    draw_trouble("start")
+    if st.button("Open it again", key="open_start"):
+        try_to_open(start.session, label=start.label, place="start")
 
 
 def _draw_sample() -> None:

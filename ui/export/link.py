@@ -9,19 +9,20 @@ from urllib.parse import urlencode
 import streamlit as st
 
 from ui.session import state
+from ui.session.workspace import Opened
+from ui.widgets.text import plain
 
 PLACES: Final = {"timeline": "Timeline, at the current frame", "": "Overview"}
 PAGE: Final = "export"
 NO_STATE: Final = ("doc", "category")
 """Entries of the address that are of no use on other pages."""
 
-COMPLETE: Final = (
-    "It opens the sample recordings with these parameters, for everybody who can open this app."
-)
+COMPLETE: Final = "It opens {} with these parameters, for everybody who can open this app."
+SAMPLE: Final = "the sample recordings"
 INCOMPLETE: Final = (
     "It keeps parameters, recording and frame, but not the files that are open now: they belong to "
-    "this browser tab alone, and a new tab starts with the sample recordings. To let somebody else "
-    "see this comparison, send `session.toml` with its input files."
+    "this browser tab alone, and a new tab starts with {}. To let somebody else see this "
+    "comparison, send `session.toml` with its input files."
 )
 
 
@@ -38,7 +39,9 @@ def draw() -> None:
     )
     params = state.link_to(state.recording(), state.row()) if place else dict(st.query_params)
     st.code(link(st.context.url or "", place, params), language=None, wrap_lines=True)
-    st.caption(COMPLETE if _is_sample() else INCOMPLETE)
+    start = state.shared_start().opened
+    name = SAMPLE if start.label == state.SAMPLE_LABEL else plain(start.label)
+    st.caption((COMPLETE if _is_as_it_starts(start) else INCOMPLETE).format(name))
 
 
 def link(address: str, page: str, params: dict[str, str]) -> str:
@@ -54,6 +57,6 @@ def link(address: str, page: str, params: dict[str, str]) -> str:
     return f"{start}/{page}" + (f"?{urlencode(state_params)}" if state_params else "")
 
 
-def _is_sample() -> bool:
-    """Whether the sample is open as it comes: systems and corrections are in no address."""
-    return state.opened().session == replace(state.sample_session(), protocol=state.protocol())
+def _is_as_it_starts(start: Opened) -> bool:
+    """Whether what the app starts with is open as it comes: corrections are in no address."""
+    return state.opened().session == replace(start.session, protocol=state.protocol())

@@ -16,7 +16,7 @@ from nvcore.tables.columns import REPORT_COLUMNS
 from ui.export.session import inputs_beside, portable_session, public_findings
 from ui.session import state
 from ui.session.opening import live_session
-from ui.shell.messages import without_paths
+from ui.shell.messages import shown_root, without_paths
 from ui.widgets.text import UNDEFINED, docs_link, plain
 
 CONTENTS: Final = {
@@ -79,7 +79,12 @@ def _report(result: Result) -> _Report:
     x, y = state.systems()
     session = live_session(state.opened().session, result.dataset, result.params, x=x, y=y)
     is_upload = session.folder.is_relative_to(state.workspace().folder)
-    portable = portable_session(session, is_upload=is_upload, recordings=state.recording_names())
+    portable = portable_session(
+        session,
+        is_upload=is_upload,
+        recordings=state.recording_names(),
+        root=shown_root(),
+    )
     return _Report(portable, public_findings(state.findings(), without_paths))
 
 

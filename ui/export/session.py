@@ -1,12 +1,14 @@
 """The session and the findings as they may leave the machine: without its paths.
 
 A session is written with paths that start beside the file. Where the inputs lie in folders of
-their owner (the sample, the local root) those are kept. Uploads lie in a temporary folder: they
-are written as bare file names, as their sender knows them.
+their owner (the sample, the local root) those are kept. What the app was started with may name
+files anywhere: these keep as much of their paths as tells them apart. Uploads lie in a temporary
+folder: they are written as bare file names, as their sender knows them.
 """
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterable, Mapping, Set
 from dataclasses import replace
 from pathlib import Path, PurePosixPath
@@ -26,7 +28,11 @@ OWN_FOLDER: Final = "data"
 
 
 def portable_session(
-    session: Session, *, is_upload: bool, recordings: Iterable[str] = ()
+    session: Session,
+    *,
+    is_upload: bool,
+    recordings: Iterable[str] = (),
+    root: Path | None = None,
 ) -> Session:
     """The session with paths relative to its own place.
 
@@ -38,10 +44,12 @@ def portable_session(
     recordings
         Names of the recordings in the data. One that is named after its file, ``gt``, would be
         named after the surrounding folder elsewhere: the folder ``data`` keeps its name.
+    root
+        Folder that the visitor may look into, links followed: what is below it keeps its folders.
     """
     if not is_upload:
-        start = session.folder
-        return session.with_paths(lambda path: relative_path(start / path, start), folder=BESIDE)
+        names_here = _names_of_files(session, root)
+        return session.with_paths(names_here.__getitem__, folder=BESIDE)
     names = _names_of_uploads(session, set(recordings))
     return session.with_paths(names.__getitem__, folder=BESIDE)
 
@@ -66,6 +74,29 @@ def public_findings(
         )
         for finding in findings
     )
+
+
+def _names_of_files(session: Session, root: Path | None) -> dict[str, str]:
+    """Name of each path: from the session's folder, where that tells no other of the machine.
+
+    An absolute path outside, and outside the local root, is named by its last parts.
+    """
+    start = session.folder
+    names = {path: relative_path(start / path, start) for path in session.paths()}
+    outside = {
+        path: Path(path).parts[1:]
+        for path in names
+        if Path(path).is_absolute()
+        and not Path(path).is_relative_to(start)
+        and not (root is not None and Path(os.path.realpath(path)).is_relative_to(root))
+    }
+    shown = {name.casefold() for path, name in names.items() if path not in outside}
+    for n_parts in range(1, 1 + max(map(len, outside.values()), default=0)):
+        tails = {path: "/".join(parts[-n_parts:]) for path, parts in outside.items()}
+        folded = {tail.casefold() for tail in tails.values()}
+        if len(folded) == len(tails) and not folded & shown:
+            break
+    return names | (tails if outside else {})
 
 
 def _names_of_uploads(session: Session, recordings: Set[str]) -> Mapping[str, str]:

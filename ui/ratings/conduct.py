@@ -95,7 +95,8 @@ def _conduct(study: Study) -> None:
         )
     st.markdown("With this one **you** come back to progress and results. Keep it to yourself:")
     st.code(for_conductor, language=None, wrap_lines=True)
-    if state.opened().label != state.SAMPLE_LABEL:
+    start = state.shared_start().opened
+    if state.opened().dataset.fingerprint != start.dataset.fingerprint:
         st.caption(
             "A participant's browser must have the same files open: open them there on the Data "
             "page first, or let them rate on this screen."

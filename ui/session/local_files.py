@@ -1,12 +1,12 @@
 """Files of the machine that the app runs on: only below one folder, and only if enabled.
 
-Either ``streamlit run app.py -- --local-root DIR`` or ``NVCORE_LOCAL_ROOT=DIR`` names it.
+Either ``nvcore app --local-root DIR`` (``streamlit run app.py -- --local-root DIR``) or
+``NVCORE_LOCAL_ROOT=DIR`` names it.
 """
 
 from __future__ import annotations
 
 import os
-import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +14,7 @@ from typing import Final
 
 from nvcore.errors import InputError
 from nvcore.wording import one_line
+from ui.session.start import argument
 
 ENVIRONMENT: Final = "NVCORE_LOCAL_ROOT"
 FLAG: Final = "--local-root"
@@ -100,11 +101,5 @@ def local_root(
     InputError
         If there is no such folder.
     """
-    arguments = sys.argv[1:] if arguments is None else arguments
-    environment = os.environ if environment is None else environment
-    variable = environment.get(ENVIRONMENT, "")
-    for index, argument in enumerate(arguments):
-        name, equals, value = argument.partition("=")
-        if name == FLAG:
-            variable = value if equals else "".join(arguments[index + 1 : index + 2])
-    return LocalRoot(Path(variable)) if variable else None
+    folder = argument(FLAG, ENVIRONMENT, arguments, environment)
+    return LocalRoot(Path(folder)) if folder else None

@@ -1,8 +1,9 @@
-"""The sample recordings, and what is computed of them as they open: made once for all visitors.
+"""What all visitors may open (sample, start), and what is computed of it as it opens: made once.
 
-Most visits begin with them. Nothing of a visitor's own gets in here: a session takes part only
-while it has the very object `SharedSample.opened` open, which is never changed but replaced, with
-the settings that it opens with. Pictures stay with each session: their files have a position.
+The sample recordings, and the session that the app was started with. Nothing of a visitor's own
+gets in here: a session takes part only while it has the very object `SharedSample.opened` open,
+which is never changed but replaced, with the settings that it opens with. Pictures stay with each
+session: their files have a position.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from pathlib import Path
 from typing import Final
 
 from nvcore.inputs.load import load
+from nvcore.inputs.session import Session
 from nvcore.inputs.session_toml import read_session
 from ui.session.cache import Caching
 from ui.session.workspace import Opened
@@ -53,6 +55,15 @@ def shared_sample(path: Path, *, label: str) -> SharedSample:
         while len(_samples) > MOST_SAMPLES:
             _samples.popitem(last=False)
         return _samples[path]
+
+
+def shared_opening(session: Session, label: str) -> Opened | None:
+    """The sample of that very session, called so on the pages; None: it is a visitor's own."""
+    with _lock:
+        for sample in _samples.values():
+            if sample.opened.session is session and sample.opened.label == label:
+                return sample.opened
+    return None
 
 
 def sample_of(opened: Opened) -> SharedSample | None:

@@ -26,7 +26,8 @@ from ui.confined.limits import limits_of_environment
 from ui.confined.reading import load_confined
 from ui.session.address import changed_parameters, read_parameters, read_place
 from ui.session.ending import end_with_session, is_in_use
-from ui.session.sample import sample_of, shared_sample
+from ui.session.sample import SharedSample, sample_of, shared_opening, shared_sample
+from ui.session.start import start_file
 from ui.session.workspace import Compared, Opened, Workspace, opened_by_others, workspace_of
 
 ROOT: Final = Path(__file__).resolve().parents[2]
@@ -39,12 +40,12 @@ MOST_THUMBNAILS: Final = 64
 
 
 def workspace() -> Workspace:
-    """The workspace of this browser session; the first call opens the sample recordings."""
+    """The workspace of this browser session; the first call opens what the app starts with."""
     return _workspace_and_opened()[0]
 
 
 def opened() -> Opened:
-    """What is open in it; the first call opens the sample recordings."""
+    """What is open in it; the first call opens what the app starts with."""
     return _workspace_and_opened()[1]
 
 
@@ -54,8 +55,8 @@ def _workspace_and_opened() -> tuple[Workspace, Opened]:
         space = st.session_state["workspace"] = Workspace()
     if space.opened is not None:
         return space, space.opened
-    with st.spinner("Opening the sample recordings"):
-        return space, _open(space, shared_sample(SAMPLE, label=SAMPLE_LABEL).opened)
+    with st.spinner("Opening the recordings"):
+        return space, _open(space, shared_start().opened)
 
 
 def open_session(session: Session, *, label: str) -> None:
@@ -68,9 +69,8 @@ def open_session(session: Session, *, label: str) -> None:
     """
     space = workspace()
     with st.spinner("Reading the files"):
-        sample = shared_sample(SAMPLE, label=SAMPLE_LABEL).opened
-        is_sample = session is sample.session and label == sample.label
-        _open(space, sample if is_sample else Opened(session, _load(space, session), label))
+        shared = shared_opening(session, label)
+        _open(space, shared or Opened(session, _load(space, session), label))
     st.rerun()  # the widgets of this run are drawn: they take their new values in the next one
 
 
@@ -96,6 +96,20 @@ def _load(space: Workspace, session: Session) -> Dataset:
 def sample_session() -> Session:
     """The session of the sample recordings: to open it costs little."""
     return shared_sample(SAMPLE, label=SAMPLE_LABEL).opened.session
+
+
+def shared_start() -> SharedSample:
+    """What every visitor starts with: the session that the app was given, else the sample.
+
+    Raises
+    ------
+    NvcoreError
+        If it cannot be read.
+    """
+    path = start_file()
+    if path is None:
+        return shared_sample(SAMPLE, label=SAMPLE_LABEL)
+    return shared_sample(path, label=path.name)
 
 
 def restore(token: str) -> None:

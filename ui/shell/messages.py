@@ -18,6 +18,7 @@ from nvcore.report.html.words import SHORT_ENCOUNTERS
 from nvcore.report.verdict import CAVEATS
 from ui.session import local_files, state
 from ui.session.opening import public_text
+from ui.session.start import start_file
 from ui.session.workspace import Workspace
 from ui.shell.navigate import open_page
 from ui.widgets.text import plain
@@ -92,19 +93,30 @@ def shown_error(error: BaseException) -> str:
     return plain(without_paths(error))
 
 
-def _folders() -> list[Path]:
-    folders = [state.ROOT]
+def shown_root() -> Path | None:
+    """The folder that visitors may look into; None: there is none, or it is not there."""
     try:
         root = local_files.local_root()
     except NvcoreError:  # reported where files are chosen
-        root = None
+        return None
+    return None if root is None else root.folder
+
+
+def _folders() -> list[Path]:
+    folders = [state.ROOT]
+    start = start_file()
+    if start is not None:
+        folders.append(start.parent)
+    root = shown_root()
     if root is not None:
-        folders.append(root.folder)
+        folders.append(root)
     space: Workspace | None = st.session_state.get("workspace")
     if space is not None:
         folders += [space.folder, *space.folder.glob("upload-*")]
         if space.opened is not None:
-            folders.append(space.opened.session.folder)
+            session = space.opened.session
+            outside = (Path(path) for path in session.paths())
+            folders += [session.folder, *(path.parent for path in outside if path.is_absolute())]
     return folders
 
 

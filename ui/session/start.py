@@ -1,0 +1,56 @@
+"""What the app was started with: flags after ``--`` of ``streamlit run``, or the environment.
+
+``nvcore app night/session.toml`` gives ``--session night/session.toml``: what every visitor starts
+with, instead of the sample recordings. Whoever starts the app may name any file, and what the
+session names is opened wherever it lies: everybody who can open the app sees it.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Final
+
+SESSION_FLAG: Final = "--session"
+SESSION_VARIABLE: Final = "NVCORE_SESSION"
+
+
+def start_file(
+    arguments: Sequence[str] | None = None, environment: Mapping[str, str] | None = None
+) -> Path | None:
+    """The session file that every visitor starts with; None: the sample."""
+    path = argument(SESSION_FLAG, SESSION_VARIABLE, arguments, environment)
+    return Path(path).absolute() if path else None
+
+
+def argument(
+    flag: str,
+    variable: str,
+    arguments: Sequence[str] | None = None,
+    environment: Mapping[str, str] | None = None,
+) -> str:
+    """Value of a flag, or of the environment where there is no flag; empty: neither is given.
+
+    Parameters
+    ----------
+    flag, variable
+        Their names: ``--local-root``, ``NVCORE_LOCAL_ROOT``.
+    arguments, environment
+        None: those of the process.
+
+    Examples
+    --------
+    >>> argument("--local-root", "ROOT", ["--local-root", "drives"], {"ROOT": "elsewhere"})
+    'drives'
+    >>> argument("--local-root", "ROOT", ["--local-root=drives"], {})
+    'drives'
+    """
+    arguments = sys.argv[1:] if arguments is None else arguments
+    value = (os.environ if environment is None else environment).get(variable, "")
+    for index, text in enumerate(arguments):
+        name, equals, rest = text.partition("=")
+        if name == flag:
+            value = rest if equals else "".join(arguments[index + 1 : index + 2])
+    return value
