@@ -1,4 +1,4 @@
-"""An interval of a recording as an annotated video (MP4 with H.264)."""
+"""An interval of a recording as an annotated video (MP4 with VP9)."""
 
 from __future__ import annotations
 
@@ -21,7 +21,16 @@ from nvcore.pictures.index import picture_index
 from nvcore.progress import Progress, no_progress
 from nvcore.wording import one_line
 
-_QUALITY: Final = "23"
+_CODEC: Final = "libvpx-vp9"
+"""Not libx264, whose licence is the GPL (docs/decisions/038)."""
+_OPTIONS: Final = {
+    "crf": "33",
+    "b": "0",  # quality alone decides
+    "deadline": "realtime",
+    "cpu-used": "8",
+    "row-mt": "1",
+    "threads": "2",
+}
 _KEY_EVERY: Final = 40
 FPS_RANGE: Final = (0.1, 240.0)
 """Frames per second that a video may have."""
@@ -105,10 +114,10 @@ def write_video(
                 f"{result.x.name} and {result.y.name}, nvcore {__version__}"
             )
             container.metadata["comment"] = provenance(result)
-            stream = container.add_stream("libx264", rate=Fraction(fps).limit_denominator(1001))
+            stream = container.add_stream(_CODEC, rate=Fraction(fps).limit_denominator(1001))
             stream.pix_fmt = "yuv420p"
             stream.codec_context.gop_size = _KEY_EVERY
-            stream.options = {"crf": _QUALITY, "preset": "veryfast", "threads": "2"}
+            stream.options = dict(_OPTIONS)
             # long numbers may need one line more in the caption
             height, width = np.maximum(draw(row_start).shape, draw(row_stop - 1).shape)[:2].tolist()
             stream.width, stream.height = width, height
