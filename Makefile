@@ -5,6 +5,9 @@
 # make coverage  which lines of the library its tests run: at least 95 %, kernels as plain Python
 # make lint  lint, types and import contracts alone
 # make docs  the help texts and tables of docs/ that the code says, written anew
+# make pins  the versions and hashes of all that is installed, chosen anew within pyproject.toml
+#            (PINS=--upgrade: the newest ones)
+# make sbom  sbom.json: what the dashboard is made of, with the libraries inside the packages
 # make bench benchmarks against other tools, written to docs/benchmarks.md
 #            (make bench BENCH=--quick: a minute, nothing written)
 # make mutants  small mistakes put into the library: which do the tests not notice?
@@ -12,16 +15,20 @@
 
 PYTHON ?= python3
 BIN := .venv/bin
+INSTALL := -m pip install --quiet --disable-pip-version-check
+PINNED := $(INSTALL) --require-hashes
 LIBRARY := $(BIN)/.installed
 DEVELOP := $(BIN)/.installed-dev
-TOOLS := .venv-bench/tools/.installed
+TOOLS := .venv-tools/.installed
+PRODUCT := .venv-tools/product/.installed
+RIVALS := .venv-bench/tools/.installed
 MOTMETRICS := .venv-bench/motmetrics/.installed
 
 # Compiled modules are kept, also where the environment asks for none: else every process that a
 # test starts compiles them anew, and each of pytest's workers rewrites all assertions.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: run check test coverage bench mutants lint docs chromium clean
+.PHONY: run check test coverage bench mutants lint docs pins sbom chromium clean
 
 run: $(LIBRARY)
 	$(BIN)/streamlit run app.py $(if $(LOCAL_ROOT),-- --local-root "$(LOCAL_ROOT)")
@@ -59,36 +66,62 @@ chromium:
 	    echo "The browser tests need Chromium: install the package chromium-headless-shell, or set NVCORE_CHROMIUM to the program."; \
 	fi
 
-bench: $(DEVELOP) chromium $(TOOLS) $(MOTMETRICS)
+bench: $(DEVELOP) chromium $(RIVALS) $(MOTMETRICS)
 	$(BIN)/python -m bench.run $(BENCH)
+
+# uv writes the hashes of the files of every platform, and takes the versions that are there
+# unless told otherwise.
+COMPILE = .venv-tools/bin/uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-header $(PINS) pyproject.toml
+
+pins: $(TOOLS)
+	$(COMPILE) --extra app --output-file requirements.txt
+	$(COMPILE) --extra dev --constraint requirements.txt --output-file requirements-dev.txt
+	$(COMPILE:pyproject.toml=) --group pyproject.toml:build --constraint requirements.txt --output-file requirements-build.txt
+	$(COMPILE:pyproject.toml=) --group pyproject.toml:tools --output-file scripts/requirements-tools.txt
+
+sbom: $(TOOLS) $(PRODUCT)
+	.venv-tools/bin/cyclonedx-py environment --output-reproducible --pyproject pyproject.toml --output-file sbom.json .venv-tools/product/bin/python
+	.venv-tools/bin/python -m scripts.sbom sbom.json .venv-tools/product
 
 mutants: $(DEVELOP)
 	$(BIN)/python -m scripts.mutants map
 	$(BIN)/python -m scripts.mutants run --fresh
 
 # The virtual environment is made and filled once, and again only when a pinned version changes.
-$(LIBRARY): requirements.txt pyproject.toml
+$(LIBRARY): requirements.txt requirements-build.txt pyproject.toml
 	@echo "Installing into .venv: about a minute, once."
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements.txt
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --config-settings editable_mode=compat -e .
+	$(BIN)/python $(PINNED) -r requirements.txt -r requirements-build.txt
+	$(BIN)/python $(INSTALL) --no-deps --no-build-isolation -e .
 	touch $@
 
 $(DEVELOP): $(LIBRARY) requirements-dev.txt
 	@echo "Installing what the tests need: about a minute, once."
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements-dev.txt
+	$(BIN)/python $(PINNED) -r requirements-dev.txt
+	touch $@
+
+$(TOOLS): scripts/requirements-tools.txt
+	test -x .venv-tools/bin/python || $(PYTHON) -m venv .venv-tools
+	.venv-tools/bin/python $(PINNED) -r $<
+	touch $@
+
+# The environment that the SBOM describes: the pins and nothing else, not even pip.
+$(PRODUCT): requirements.txt $(TOOLS)
+	rm -rf .venv-tools/product
+	$(PYTHON) -m venv --without-pip .venv-tools/product
+	.venv-tools/bin/python -m pip --python .venv-tools/product/bin/python install --quiet --disable-pip-version-check --require-hashes -r $<
 	touch $@
 
 # The other tools live in environments of their own; motmetrics needs numpy 1, which not every
 # Python has: its row of the table then says so.
-$(TOOLS): bench/requirements-bench.txt
+$(RIVALS): bench/requirements-bench.txt
 	$(PYTHON) -m venv .venv-bench/tools
-	.venv-bench/tools/bin/python -m pip install --quiet --disable-pip-version-check -r $<
+	.venv-bench/tools/bin/python $(INSTALL) -r $<
 	touch $@
 
 $(MOTMETRICS): bench/requirements-motmetrics.txt
 	$(PYTHON) -m venv .venv-bench/motmetrics
-	.venv-bench/motmetrics/bin/python -m pip install --quiet --disable-pip-version-check -r $< && touch $@ || true
+	.venv-bench/motmetrics/bin/python $(INSTALL) -r $< && touch $@ || true
 
 clean:
-	rm -rf .venv .venv-bench* .mutants .coverage .pytest_cache .mypy_cache .ruff_cache build *.egg-info
+	rm -rf .venv .venv-bench* .venv-tools .mutants sbom.json .coverage .pytest_cache .mypy_cache .ruff_cache build *.egg-info

@@ -7,7 +7,8 @@
     │   ├── MediaError              pictures, a video or an archive cannot be used
     │   ├── MissingFactError        image size, frame rate, ... are needed and not in the files
     │   └── SessionError            a session file says something that cannot be done
-    └── ParameterError              a live parameter is outside its range
+    ├── ParameterError              a live parameter is outside its range
+    └── MissingExtraError           packages of an extra are not installed
 
 Every message says what is wrong, where, what was expected, what was found and what to do.
 """
@@ -97,3 +98,7 @@ class SessionError(InputError):
 
 class ParameterError(NvcoreError):
     """A live parameter is outside its range."""
+
+
+class MissingExtraError(NvcoreError, ImportError):
+    """Packages are not installed that this part of the program needs: those of an extra."""

@@ -1,8 +1,11 @@
-"""The kind of a binary file, from its first bytes."""
+"""The kind of a file: a binary one from its first bytes, a picture from its name."""
 
 from __future__ import annotations
 
 from typing import Final
+
+IMAGE_SUFFIXES: Final = frozenset({".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp"})
+"""Endings by which pictures are picked from a folder or an archive."""
 
 _MAGIC: Final[tuple[tuple[int, bytes, str], ...]] = (
     (0, b"\x89PNG", "a PNG picture"),

@@ -8,12 +8,11 @@ from dataclasses import dataclass
 from functools import cached_property
 from html import escape
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
 
-from nvcore.api.figures import Figures
 from nvcore.auditing import audit
 from nvcore.comparison import Result
 from nvcore.dataset import Dataset
@@ -22,6 +21,7 @@ from nvcore.evidence.claims import Claim
 from nvcore.evidence.companions import Companions, find_companions
 from nvcore.evidence.planning import DEFAULT_KEY, POWER, Side, StudyPlan, plan_study
 from nvcore.evidence.table import evidence_table
+from nvcore.extras import needs
 from nvcore.findings import Finding
 from nvcore.inputs.session import Session
 from nvcore.measures import MeasureTable
@@ -29,7 +29,6 @@ from nvcore.metrics.venn import BoxVenn, Exclusivity, Venn
 from nvcore.params import Params
 from nvcore.protocols import Protocol
 from nvcore.report.files import write_report
-from nvcore.report.html import write_html_report
 from nvcore.report.keep_inputs import files_read, replaced_input
 from nvcore.report.plan import verdict_plan
 from nvcore.report.terminal import render_scorecard
@@ -46,6 +45,9 @@ from nvcore.tables.result import (
 from nvcore.tables.scorecard import score_rows
 from nvcore.tables.summary import summary
 from nvcore.wording import ARROWS, count_text, difference, number, one_line
+
+if TYPE_CHECKING:
+    from nvcore.api.figures import Figures
 
 SESSION_FILE = "session.toml"
 
@@ -157,7 +159,10 @@ class Comparison:
 
     @cached_property
     def figures(self) -> Figures:
-        """Plotly figures, such as ``figures.venn()``."""
+        """Plotly figures, such as ``figures.venn()``; they need the extra ``report``."""
+        with needs("report", "figures need"):
+            from nvcore.api.figures import Figures
+
         return Figures(self.result)
 
     def evidence(self) -> pd.DataFrame:
@@ -221,7 +226,7 @@ class Comparison:
         write_report(self.result, self.dataset.settings, folder, self.findings)
 
     def write_html(self, path: str | Path, *, stability: bool | None = None) -> None:
-        """Write the comparison as one HTML file that explains itself.
+        """Write the comparison as one HTML file that explains itself; needs the extra ``report``.
 
         Parameters
         ----------
@@ -232,7 +237,12 @@ class Comparison:
         ------
         InputError
             If the file cannot be written, or is an input.
+        MissingExtraError
+            If the extra is not installed.
         """
+        with needs("report", "the HTML report needs"):
+            from nvcore.report.html import write_html_report
+
         path = Path(path)
         self._keep_inputs([path])
         write_html_report(

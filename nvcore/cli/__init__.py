@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from nvcore import __version__
+from nvcore.cli.app import app
 from nvcore.cli.convert import convert
 from nvcore.cli.gate import gate
 from nvcore.cli.options import (
@@ -33,6 +34,7 @@ from nvcore.cli.steps import (
     refuse_to_replace,
 )
 from nvcore.errors import InputError
+from nvcore.extras import needs
 from nvcore.inputs.session import Session
 from nvcore.params.metadata import THRESHOLD
 from nvcore.wording import one_line
@@ -204,13 +206,15 @@ main.add_command(convert)
 main.add_command(gate)
 main.add_command(plan)
 main.add_command(report)
+main.add_command(app)
 
 
 @main.command(short_help="Generate the sample recordings again.")
 @click.argument("folder", default="sample_data", type=click.Path(file_okay=False, path_type=Path))
 def sample(folder: Path) -> None:
     """Generate the sample recordings again, into FOLDER (default: sample_data)."""
-    from nvcore.sample import generate
+    with needs("report", "drawing the sample recordings needs"):
+        from nvcore.sample import generate
 
     def tell(share: float, name: str) -> None:
         if name:

@@ -25,6 +25,7 @@ from nvcore.cli.steps import (
     pasteable_errors,
     refuse_to_replace,
 )
+from nvcore.extras import needs
 from nvcore.progress import Progress
 from nvcore.wording import one_line
 
@@ -60,9 +61,11 @@ def report(stability: bool | None, out: Path, strict: bool, **options: Any) -> N
     Exit code 0: fine, 1: the audit found errors (with --strict: or warnings), 2: bad input.
     """
     from nvcore.inputs.files import paths_to_show
-    from nvcore.report.html import write_html_report
     from nvcore.report.keep_inputs import files_read
     from nvcore.report.terminal import render_findings
+
+    with needs("report", "the HTML report needs"):
+        from nvcore.report.html import write_html_report
 
     if out.suffix.lower() not in (".html", ".htm"):  # an input named by mistake stays as it is
         raise click.UsageError(

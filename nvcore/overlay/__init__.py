@@ -1,8 +1,11 @@
 """Boxes of a result drawn on pictures: one frame, or a video."""
 
-from nvcore.overlay.annotate import annotate, frame_png
-from nvcore.overlay.draw import DrawnDetections, DrawnTruth, TruthMark, draw_boxes
-from nvcore.overlay.video import FPS_RANGE, write_video
+from nvcore.extras import needs
+
+with needs("report", "drawn pictures need"):
+    from nvcore.overlay.annotate import annotate, frame_png
+    from nvcore.overlay.draw import DrawnDetections, DrawnTruth, TruthMark, draw_boxes
+    from nvcore.overlay.video import FPS_RANGE, write_video
 
 __all__ = [
     "FPS_RANGE",

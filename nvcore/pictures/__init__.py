@@ -7,13 +7,16 @@
 Whatever comes from files is checked before it is decoded: sizes, archives, container formats.
 """
 
-from nvcore.pictures.archive import Archive, ArchiveLimits
-from nvcore.pictures.base import Picture, Pictures
-from nvcore.pictures.header import IMAGE_SUFFIXES
-from nvcore.pictures.index import picture_index, size_note
-from nvcore.pictures.open import is_below, open_pictures
-from nvcore.pictures.recordings import RecordingPictures, session_pictures
-from nvcore.pictures.stretch import jpeg, png, stretch
+from nvcore.extras import needs
+from nvcore.file_kinds import IMAGE_SUFFIXES
+
+with needs("report", "pictures need"):
+    from nvcore.pictures.archive import Archive, ArchiveLimits
+    from nvcore.pictures.base import Picture, Pictures
+    from nvcore.pictures.index import picture_index, size_note
+    from nvcore.pictures.open import is_below, open_pictures
+    from nvcore.pictures.recordings import RecordingPictures, session_pictures
+    from nvcore.pictures.stretch import jpeg, png, stretch
 
 __all__ = [
     "IMAGE_SUFFIXES",

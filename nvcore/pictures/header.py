@@ -17,9 +17,6 @@ from nvcore.errors import MediaError
 MAX_PIXELS: Final = 100_000_000
 """Pictures of more pixels are refused: no camera of these drives makes them."""
 
-IMAGE_SUFFIXES: Final = frozenset({".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp"})
-"""Endings by which pictures are picked from a folder or an archive."""
-
 _BITMAP_HEADERS: Final = frozenset(struct.pack("<L", n) for n in (12, 40, 52, 56, 108, 124))
 """Lengths of the headers that bitmaps have."""
 

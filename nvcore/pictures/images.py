@@ -13,10 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nvcore.errors import MediaError
+from nvcore.file_kinds import IMAGE_SUFFIXES
 from nvcore.inputs.readers.meaning.names import recording_and_frame_of
 from nvcore.pictures.archive import Archive
 from nvcore.pictures.base import Picture, RecentPictures, check_index
-from nvcore.pictures.header import IMAGE_SUFFIXES, image_size
+from nvcore.pictures.header import image_size
 from nvcore.wording import one_line
 
 _MAX_BYTES: Final = 1 << 29

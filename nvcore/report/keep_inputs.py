@@ -7,9 +7,9 @@ from contextlib import suppress
 from pathlib import Path
 
 from nvcore.errors import InputError
+from nvcore.file_kinds import IMAGE_SUFFIXES
 from nvcore.inputs.files import find_files
 from nvcore.inputs.session import Session, is_frame_range
-from nvcore.pictures import IMAGE_SUFFIXES
 
 
 def replaced_input(outputs: Iterable[Path], inputs: Iterable[Path]) -> Path | None:

@@ -51,20 +51,38 @@ def serve(script: Path, *, base: str = "") -> Iterator[str]:
     base
         Path below which the app is served (``server.baseUrlPath``).
     """
+    command = [sys.executable, "-m", "streamlit", "run", str(script), "--server.headless=true"]
+    command += ["--browser.gatherUsageStats=false", "--server.address=127.0.0.1"]
+    command += ["--server.fileWatcherType=none"]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    command += [f"--server.baseUrlPath={base}"] if base else []
+    command += ["--server.port"]
+    with serving(command, cwd=ROOT, environment=environment, base=base) as (url, _):
+        yield url
+
+
+@contextmanager
+def serving(
+    command: list[str], *, cwd: Path, environment: dict[str, str], base: str = ""
+) -> Iterator[tuple[str, subprocess.Popen[bytes]]]:
+    """Address and process of a server, once it answers.
+
+    Parameters
+    ----------
+    command
+        Starts it; a free port is put at its end.
+    """
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
-    command = [sys.executable, "-m", "streamlit", "run", str(script), "--server.headless=true"]
-    command += [f"--server.port={port}", "--browser.gatherUsageStats=false"]
-    command += ["--server.address=127.0.0.1", "--server.fileWatcherType=none"]
-    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    command += [f"--server.baseUrlPath={base}"] if base else []
     # what the server logs as an error is shown with the test that failed
-    server = subprocess.Popen(command, cwd=ROOT, env=environment, stdout=subprocess.DEVNULL)
+    server = subprocess.Popen(
+        [*command, str(port)], cwd=cwd, env=environment, stdout=subprocess.DEVNULL
+    )
     url = f"http://127.0.0.1:{port}{'/' + base if base else ''}"
     try:
         _wait_for(url, server)
-        yield url
+        yield url, server
     finally:
         server.terminate()
         try:

@@ -1,0 +1,99 @@
+"""``nvcore app``: the dashboard, served on this computer."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from importlib import import_module
+from pathlib import Path
+
+import click
+
+from nvcore.errors import InputError
+from nvcore.extras import PACKAGES, needs
+from nvcore.inputs.session_toml import read_session
+
+PACKAGE = Path(__file__).resolve().parents[1]
+
+
+@click.command(short_help="Start the dashboard.")
+@click.argument(
+    "session", required=False, type=click.Path(dir_okay=False, path_type=Path), metavar="[SESSION]"
+)
+@click.option(
+    "--local-root",
+    type=click.Path(exists=True, file_okay=False, path_type=Path),
+    metavar="DIR",
+    help="Visitors may open what lies below this folder.",
+)
+@click.option(
+    "--address",
+    metavar="HOST",
+    help="Where to listen. Default: localhost, this computer alone; 0.0.0.0 is every network.",
+)
+@click.option("--port", type=click.IntRange(1, 65535), help="Default: 8501, or the next free one.")
+@click.option("--no-browser", is_flag=True, help="Start without opening a browser.")
+def app(
+    session: Path | None,
+    local_root: Path | None,
+    address: str | None,
+    port: int | None,
+    no_browser: bool,
+) -> None:
+    """Start the dashboard; Ctrl+C ends it.
+
+    It opens on the sample recordings, or for every visitor on the comparison of the session file
+    SESSION (TOML). Other settings of the server are Streamlit's environment variables, such as
+    STREAMLIT_SERVER_BASE_URL_PATH. Exit code 0: ended, 2: bad input.
+    """
+    with needs("app", "the dashboard needs"):
+        for package in PACKAGES["app"]:
+            import_module(package)
+        from streamlit.web.cli import main as streamlit
+
+    # Streamlit takes packages outside a folder "site-packages" for its own checkout, and watches
+    # scripts for changes
+    flags = ["--global.developmentMode=false", "--server.fileWatcherType=none"]
+    flags += [] if address is None else [f"--server.address={address}"]
+    flags += [] if port is None else [f"--server.port={port}"]
+    flags += ["--server.headless=true"] if no_browser else []
+    given = [] if session is None else [f"--session={_checked(session)}"]
+    given += [] if local_root is None else [f"--local-root={local_root.absolute()}"]
+    with suppress(KeyboardInterrupt, click.Abort):  # the way to end it
+        streamlit(
+            ["run", str(dashboard() / "app.py"), *flags, "--", *given],
+            prog_name="nvcore app",
+            standalone_mode=False,
+        )
+
+
+def dashboard() -> Path:
+    """The folder of the dashboard: the package's own, or in a checkout the checkout.
+
+    Raises
+    ------
+    InputError
+        If it is not installed.
+    """
+    for folder in (PACKAGE / "dashboard", PACKAGE.parent):
+        if (folder / "app.py").is_file() and (folder / "ui" / "main.py").is_file():
+            return folder
+    raise InputError(
+        "the dashboard is not in this installation; install the wheel of nvcore, or start it from "
+        "a checkout"
+    )
+
+
+def _checked(path: Path) -> Path:
+    """The session file's whole path, if it and its files are there.
+
+    Raises
+    ------
+    InputError
+        If they are not: to be known before the first visitor comes.
+    """
+    from nvcore.inputs.files import find_files
+
+    session = read_session(path)
+    for source, role in session.sources:
+        find_files(source, session.folder, role)
+    return path.absolute()

@@ -1,0 +1,115 @@
+"""The wheel outside the checkout: a light core, and with its extra the whole dashboard."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+
+import pytest
+from app_server import serving
+from installed import Installed, install
+from places import ROOT
+
+MISSING = "more packages: pip install 'nvcore"
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Installed:
+    return install(tmp_path_factory.mktemp("wheel"))
+
+
+def test_nothing_but_the_package_is_at_the_top(wheel: Installed):
+    names = {path.name for path in wheel.site.iterdir()}
+    assert names - {"__pycache__"} == {"nvcore", "nvcore-0.1.0.dist-info"}
+
+
+def test_the_wheel_has_the_whole_dashboard(wheel: Installed):
+    for part in ("app.py", "pages", "ui", "sample_data", ".streamlit"):
+        source, copy = ROOT / part, wheel.dashboard / part
+        pairs = [(source, copy)] if source.is_file() else [
+            (path, copy / path.relative_to(source))
+            for path in source.rglob("*")
+            if path.is_file() and path.suffix != ".pyc"
+        ]  # fmt: skip
+        assert pairs
+        for path, installed in pairs:
+            assert installed.read_bytes() == path.read_bytes(), installed
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("compare", "{}/session.toml", "--out", "report"),
+        ("check", "{}/session.toml"),
+        ("gate", "{}/session.toml", "--rule", "encounters == 38"),
+        ("plan", "{}/session.toml", "--measure", "mean_similarity"),
+        ("convert", "{}/truth.csv", "truth.json", "--to", "coco", "--size", "640x480"),
+    ],
+    ids=lambda arguments: arguments[0],
+)
+def test_the_light_core_is_enough_for(arguments: tuple[str, ...], wheel: Installed):
+    done = wheel.run(*(text.format(wheel.sample.parent) for text in arguments))
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (("report", "{}/session.toml"), f"the HTML report needs {MISSING}[report]'"),
+        (("sample", "drawn"), f"drawing the sample recordings needs {MISSING}[report]'"),
+        (("app",), f"the dashboard needs {MISSING}[app]'"),
+    ],
+    ids=["report", "sample", "app"],
+)
+def test_the_light_core_names_the_extra_for(
+    arguments: tuple[str, ...], told: str, wheel: Installed
+):
+    done = wheel.run(*(text.format(wheel.sample.parent) for text in arguments))
+    assert (done.returncode, done.stdout, done.stderr) == (2, "", f"Error: {told}\n")
+
+
+def test_from_python_the_light_core_compares_and_names_the_extra_of_figures(wheel: Installed):
+    done = wheel.python(
+        "import nvcore as nv\n"
+        f"result = nv.compare({str(wheel.sample)!r})\n"
+        "assert result.venn.n_near == 38 and 'In short' in str(result)\n"
+        "for need in (lambda: result.figures, lambda: result.write_html('a.html'),\n"
+        "             lambda: nv.figures, lambda: nv.pictures):\n"
+        "    try:\n"
+        "        need()\n"
+        "    except nv.NvcoreError as error:\n"
+        "        print(error)\n"
+    )
+    assert done.stdout.splitlines() == [
+        f"figures need {MISSING}[report]'",
+        f"the HTML report needs {MISSING}[report]'",
+        f"figures need {MISSING}[report]'",
+        f"pictures need {MISSING}[report]'",
+    ], done.stderr
+
+
+def test_the_extra_for_reports_is_enough_for_a_report(wheel: Installed):
+    options = ("--no-stability", "--out", "night.html")
+    done = wheel.run("report", wheel.sample, *options, extras=("report",))
+    assert done.returncode == 0, done.stderr
+    assert "encounters detected, of 38" in (wheel.folder / "night.html").read_text()
+
+
+def test_the_dashboard_starts_and_ends_with_control_c(wheel: Installed):
+    command = wheel.command("app", "--no-browser", "--port")
+    environment = wheel.environment("app")
+    with serving(command, cwd=wheel.folder, environment=environment) as (_, server):
+        server.send_signal(signal.SIGINT)
+        assert server.wait(60) == 0
+
+
+def test_a_session_that_names_no_file_ends_before_the_server_starts(wheel: Installed):
+    session = wheel.folder / "gone.toml"
+    session.write_text('[truth]\npath = "gone.csv"\n[[system]]\npath = "gone.csv"\n')
+    command, environment = wheel.command("app", session), wheel.environment("app")
+    done = subprocess.run(
+        command, capture_output=True, text=True, cwd=wheel.folder, env=environment, timeout=300
+    )
+    assert done.returncode == 2
+    assert "gone.csv" in done.stderr
+    assert done.stderr.count("\n") == 1
