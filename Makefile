@@ -44,7 +44,7 @@ test: $(DEVELOP) chromium lint
 
 coverage: $(DEVELOP)
 	$(BIN)/coverage erase
-	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q --cov --cov-report= --cov-fail-under=0 tests/metrics/test_kernels.py tests/metrics/test_link_kernel.py
+	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q --cov --cov-report= --cov-fail-under=0 tests/metrics/kernels
 	$(BIN)/python -m pytest -q -n auto --dist loadfile --cov --cov-append --ignore=tests/e2e
 
 lint: $(DEVELOP)

@@ -6,11 +6,11 @@ from pathlib import Path
 import streamlit as st
 from starlette.middleware import Middleware
 
-from ui.confined.limits import limits_of_environment
 from ui.serving.headers import SecureHeaders
 from ui.serving.life import lifespan
 from ui.serving.visitors import VisitorLimits
 from ui.session.routes import ROUTES
+from ui.settings.limits import limits_of_environment
 from ui.shell.messages import error_banner
 
 # Streamlit collects garbage after every run, of a fragment too: without this, each time it would

@@ -15,7 +15,7 @@ from places import SAMPLE
 import nvcore as nv
 from nvcore.api.comparison import Comparison
 from nvcore.findings import Severity
-from nvcore.output_files import LOCK
+from nvcore.output.files import LOCK
 from nvcore.params import Params
 from nvcore.protocols import PROTOCOLS
 from nvcore.report.files import summary_json

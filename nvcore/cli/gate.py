@@ -26,7 +26,7 @@ from nvcore.cli.steps import (
     refuse_to_replace,
 )
 from nvcore.errors import InputError, NvcoreError
-from nvcore.output_files import write_whole
+from nvcore.output.files import write_whole
 from nvcore.wording import one_line
 
 if TYPE_CHECKING:

@@ -12,11 +12,11 @@ import numpy as np
 import pandas as pd
 import tomli_w
 
-from nvcore.csv_text import to_csv_bytes
 from nvcore.errors import InputError, UnknownFormatError
 from nvcore.inputs.evaluated_frames import own_frames
 from nvcore.inputs.readers.base import Reading, Role, image_list
-from nvcore.output_files import write_whole
+from nvcore.output.csv_text import to_csv_bytes
+from nvcore.output.files import write_whole
 from nvcore.schema import NO_TRACK, UNKNOWN_OCCLUSION
 
 FORMATS: Final = ("csv", "coco", "mot")

@@ -16,7 +16,6 @@ import pandas as pd
 
 from nvcore import __version__
 from nvcore.comparison import Result
-from nvcore.csv_text import to_csv_bytes
 from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.evidence.table import evidence_table
 from nvcore.findings import Finding
@@ -24,7 +23,8 @@ from nvcore.inputs.load import source_hashes
 from nvcore.inputs.readers.table import FORMAT as TABLE
 from nvcore.inputs.session import Session
 from nvcore.inputs.session_toml import write_session
-from nvcore.output_files import MANIFEST, manifest, write_run
+from nvcore.output.csv_text import to_csv_bytes
+from nvcore.output.files import MANIFEST, manifest, write_run
 from nvcore.progress import Progress, no_progress
 from nvcore.settings import Settings
 from nvcore.tables.columns import REPORT_COLUMNS
@@ -42,7 +42,7 @@ ZIP_TIME: Final = (1980, 1, 1, 0, 0, 0)
 """Time of every file in a zip, the earliest possible: the same report gives the same bytes."""
 
 REPORT_FILES: Final = (*REPORT_COLUMNS, "summary.json", "session.toml")
-"""The files that a report may have, and `nvcore.output_files.MANIFEST`."""
+"""The files that a report may have, and `nvcore.output.files.MANIFEST`."""
 
 
 def export_files(
@@ -108,7 +108,7 @@ def write_report(
 ) -> None:
     """Write all files of a report into a folder, which is created if missing.
 
-    They take the place of an older report's at once; see `nvcore.output_files.write_run`.
+    They take the place of an older report's at once; see `nvcore.output.files.write_run`.
 
     Raises
     ------

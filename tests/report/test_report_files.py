@@ -17,7 +17,7 @@ from nvcore.errors import InputError
 from nvcore.findings import Finding, Severity
 from nvcore.inputs.load import load
 from nvcore.inputs.session import Session
-from nvcore.output_files import LOCK, MANIFEST, manifest
+from nvcore.output.files import LOCK, MANIFEST, manifest
 from nvcore.report.files import export_files, report_zip, summary_json, write_report
 
 FILES = [

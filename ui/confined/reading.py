@@ -9,8 +9,8 @@ from nvcore.dataset import Dataset
 from nvcore.inputs.load import load, read_source
 from nvcore.inputs.readers.base import Reading
 from nvcore.inputs.session import Session, Source
-from ui.confined.limits import limits_of_environment
 from ui.confined.process import Allowance, call
+from ui.settings.limits import limits_of_environment
 
 WHAT = "reading the files"
 

@@ -18,9 +18,9 @@ from ui.data.opening import draw_trouble, try_to_open
 from ui.session import state
 from ui.session.local_files import LocalRoot, local_root
 from ui.session.opening import uploaded_session
-from ui.session.start import start_file
 from ui.session.uploads import SentFile, new_upload, store_annotations
 from ui.session.workspace import PICTURES
+from ui.settings.start import start_file
 from ui.widgets.text import plain
 
 SAMPLE_TEXT = (

@@ -19,7 +19,7 @@ from starlette.responses import PlainTextResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from streamlit import runtime
 
-from ui.confined.limits import MEBI, Limits
+from ui.settings.limits import MEBI, Limits
 
 METRICS_TOKEN: Final = "NVCORE_METRICS_TOKEN"  # noqa: S105  # its name
 """Whoever sends it (``Authorization: Bearer``) may read the metrics; without it nobody may."""

@@ -14,7 +14,7 @@ from typing import Final
 
 from nvcore.errors import InputError
 from nvcore.wording import one_line
-from ui.session.start import argument
+from ui.settings.start import argument
 
 ENVIRONMENT: Final = "NVCORE_LOCAL_ROOT"
 FLAG: Final = "--local-root"

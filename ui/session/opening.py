@@ -17,7 +17,7 @@ from pathlib import Path, PurePosixPath
 from typing import Final, TypeVar
 
 from nvcore.dataset import Dataset
-from nvcore.errors import SessionError
+from nvcore.errors import InputError, SessionError
 from nvcore.findings import Finding
 from nvcore.inputs.files import NAME_PARTS
 from nvcore.inputs.recordings_file import with_recordings_file
@@ -32,8 +32,10 @@ from nvcore.inputs.session import (
 from nvcore.inputs.session_toml import read_session
 from nvcore.params import Params
 from nvcore.pictures.open import is_below
-from ui.confined.reading import read_confined
+from ui.confined.reading import load_confined, read_confined
 from ui.session.uploads import ANNOTATION_FOLDERS
+from ui.session.workspace import Workspace, opened_by_others
+from ui.settings.limits import limits_of_environment
 
 SHOWN_FOLDERS: Final = NAME_PARTS - 1
 """Folders before a file's name that readers show at the most."""
@@ -71,6 +73,25 @@ def recording_names(session: Session) -> list[str]:
     )
     names: list[str] = truth.recordings["name"].tolist()
     return names
+
+
+def load_for(space: Workspace, session: Session) -> Dataset:
+    """What the session names, within what the server may hold.
+
+    Raises
+    ------
+    NvcoreError
+        If it cannot be read, or is too much.
+    """
+    dataset = load_confined(session)
+    most = limits_of_environment().max_frames_of_all
+    n_others = sum(len(other.dataset.frames) for other in opened_by_others(space))
+    if n_others + len(dataset.frames) > most:
+        raise InputError(
+            f"all visitors together may have {most:,} frames open; close what you do not need in "
+            "other tabs, or try again later"
+        )
+    return dataset
 
 
 def uploaded_session(content: bytes, folder: Path, files: Sequence[str], pictures: Path) -> Session:

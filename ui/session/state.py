@@ -15,27 +15,24 @@ import streamlit as st
 from nvcore.auditing import audit_inputs, audit_pair, audit_system, role_of
 from nvcore.comparison import Result, compare
 from nvcore.dataset import Dataset
-from nvcore.errors import InputError
 from nvcore.findings import Finding, worst_first
 from nvcore.inputs.session import Session
 from nvcore.params import SETTINGS, Params
 from nvcore.params.metadata import MATCH, PROXIMITY, SALIENT, THRESHOLD
 from nvcore.pictures.recordings import STRETCH, session_pictures
 from nvcore.protocols import Protocol
-from ui.confined.limits import limits_of_environment
-from ui.confined.reading import load_confined
 from ui.session.address import changed_parameters, read_parameters, read_place
 from ui.session.ending import end_with_session, is_in_use
+from ui.session.opening import load_for
 from ui.session.sample import SharedSample, sample_of, shared_opening, shared_sample
-from ui.session.start import start_file
-from ui.session.workspace import Compared, Opened, Workspace, opened_by_others, workspace_of
+from ui.session.workspace import Compared, Opened, Workspace, workspace_of
+from ui.settings.start import start_file
 
 ROOT: Final = Path(__file__).resolve().parents[2]
 SAMPLE: Final = ROOT / "sample_data" / "session.toml"
 SAMPLE_LABEL: Final = "Sample recordings"
 Theme = Literal["light", "dark"]
 T = TypeVar("T")
-
 MOST_THUMBNAILS: Final = 64
 
 
@@ -70,27 +67,8 @@ def open_session(session: Session, *, label: str) -> None:
     space = workspace()
     with st.spinner("Reading the files"):
         shared = shared_opening(session, label)
-        _open(space, shared or Opened(session, _load(space, session), label))
+        _open(space, shared or Opened(session, load_for(space, session), label))
     st.rerun()  # the widgets of this run are drawn: they take their new values in the next one
-
-
-def _load(space: Workspace, session: Session) -> Dataset:
-    """What the session names, within what the server may hold.
-
-    Raises
-    ------
-    NvcoreError
-        If it cannot be read, or is too much.
-    """
-    dataset = load_confined(session)
-    most = limits_of_environment().max_frames_of_all
-    n_others = sum(len(other.dataset.frames) for other in opened_by_others(space))
-    if n_others + len(dataset.frames) > most:
-        raise InputError(
-            f"all visitors together may have {most:,} frames open; close what you do not need in "
-            "other tabs, or try again later"
-        )
-    return dataset
 
 
 def sample_session() -> Session:
@@ -388,14 +366,7 @@ def frame_numbers(recording_index: int) -> np.ndarray:
 
 def _open(space: Workspace, opened: Opened) -> Opened:
     opener = None if sample_of(opened) else space.picture_process.open
-    pictures = session_pictures(opened.session, opened.dataset, opener=opener)
-    space.forget()  # first: nothing should go on to read the pictures
-    space.close_pictures()
-    space.opened = opened
-    space.pictures, space.picture_rows = pictures.sources, pictures.indices
-    space.picture_notes = pictures.notes
-    space.n_opened += 1
-    return opened
+    return space.show(opened, session_pictures(opened.session, opened.dataset, opener=opener))
 
 
 def _forget_widgets() -> None:

@@ -17,6 +17,7 @@ from nvcore.comparison import Result
 from nvcore.dataset import Dataset
 from nvcore.inputs.session import Session
 from nvcore.pictures.base import Pictures
+from nvcore.pictures.recordings import RecordingPictures
 from ui.confined.pictures import PictureProcess
 from ui.session.cache import Caching
 from ui.session.ending import end_with_session
@@ -173,6 +174,16 @@ class Workspace(Caching):
         if pictures is None or indices is None:
             return None, -1
         return pictures, int(indices[row])
+
+    def show(self, opened: Opened, pictures: RecordingPictures) -> Opened:
+        """Go on with another comparison and its pictures; returns the comparison."""
+        self.forget()  # first: nothing should go on to read the pictures
+        self.close_pictures()
+        self.opened = opened
+        self.pictures, self.picture_rows = pictures.sources, pictures.indices
+        self.picture_notes = pictures.notes
+        self.n_opened += 1
+        return opened
 
     def close_pictures(self) -> None:
         """Close the picture files; no recording has pictures until new ones are set."""

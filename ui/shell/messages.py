@@ -18,8 +18,8 @@ from nvcore.report.html.words import SHORT_ENCOUNTERS
 from nvcore.report.verdict import CAVEATS
 from ui.session import local_files, state
 from ui.session.opening import public_text
-from ui.session.start import start_file
 from ui.session.workspace import Workspace
+from ui.settings.start import start_file
 from ui.shell.navigate import open_page
 from ui.widgets.text import plain
 

@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 import pandas as pd
 import streamlit as st
 
-from nvcore.csv_text import to_csv_bytes
+from nvcore.output.csv_text import to_csv_bytes
 
 Option = TypeVar("Option")
 

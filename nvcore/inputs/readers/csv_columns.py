@@ -15,10 +15,10 @@ import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.csv
 
-from nvcore.csv_text import without_safeguard
 from nvcore.errors import FormatError
 from nvcore.inputs.readers.base import Role, SourceFile
 from nvcore.inputs.readers.parse.text import MAX_INTEGER, read_text
+from nvcore.output.csv_text import without_safeguard
 from nvcore.wording import shortened
 
 SYNONYMS: Final[dict[str, tuple[str, ...]]] = {

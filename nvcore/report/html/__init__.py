@@ -22,7 +22,7 @@ from nvcore.comparison import Result
 from nvcore.figures.style import CONFIG
 from nvcore.findings import Finding
 from nvcore.inputs.session import Session
-from nvcore.output_files import write_whole
+from nvcore.output.files import write_whole
 from nvcore.pictures.recordings import RecordingPictures, session_pictures
 from nvcore.progress import Progress, no_progress
 from nvcore.report.html.blocks import Chart

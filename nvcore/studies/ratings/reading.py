@@ -10,8 +10,8 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from nvcore.csv_text import without_safeguard
 from nvcore.errors import FormatError
+from nvcore.output.csv_text import without_safeguard
 
 REQUIRED: Final = ("participant", "clip", "rating")
 SYSTEM: Final = "system"

@@ -11,8 +11,8 @@ from itertools import pairwise
 
 import pytest
 
-from nvcore.csv_text import to_csv_bytes
 from nvcore.errors import InputError
+from nvcore.output.csv_text import to_csv_bytes
 from nvcore.studies.ratings.reading import read_ratings
 from nvcore.studies.ratings.store import RatingStore, counterbalanced_order
 

@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 from ratings_page import SIMULATED, from_file, metrics, opened, table, words
 
-from nvcore.csv_text import to_csv_bytes
+from nvcore.output.csv_text import to_csv_bytes
 from nvcore.studies.ratings.agreement import rank_ratings
 from nvcore.studies.ratings.reading import read_ratings
 from pages import TIMEOUT_S, checked, press

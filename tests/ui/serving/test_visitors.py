@@ -10,10 +10,10 @@ from asgi import Answer, ask
 from starlette.responses import PlainTextResponse
 from starlette.types import Receive, Scope, Send
 
-from ui.confined.limits import Limits, limits_of_environment
 from ui.serving import visitors
 from ui.serving.headers import SecureHeaders
 from ui.serving.visitors import METRICS_TOKEN, TRY_AGAIN_LATER, VisitorLimits
+from ui.settings.limits import Limits, limits_of_environment
 
 UPLOAD = "/base/_stcore/upload_file/session/file"
 STREAM = {"type": "websocket", "path": "/base/_stcore/stream"}

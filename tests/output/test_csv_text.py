@@ -8,7 +8,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from nvcore.csv_text import round_significant, spreadsheet_safe, to_csv_bytes, without_safeguard
+from nvcore.output.csv_text import (
+    round_significant,
+    spreadsheet_safe,
+    to_csv_bytes,
+    without_safeguard,
+)
 
 
 @pytest.mark.parametrize("text", ["=1+1", "+1", "-1", "@sum", "\tx", "\rx", "'=1"])

@@ -12,7 +12,7 @@ from nvcore.inputs.session import Session, Source, SystemSource
 from nvcore.inputs.session_toml import read_session
 from pages import checked, opened, press, texts, to_page
 from ui.export.session import inputs_beside, portable_session
-from ui.session.start import start_file
+from ui.settings.start import start_file
 
 
 @pytest.fixture

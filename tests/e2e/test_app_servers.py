@@ -1,9 +1,12 @@
-"""The app below a path of its own (``server.baseUrlPath``), as behind a shared address."""
+"""Servers of the app that are set up in another way: below a path, with room for one visitor."""
 
 from __future__ import annotations
 
 import re
+import urllib.error
+import urllib.request
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from app_files import write_files
@@ -80,3 +83,22 @@ def test_the_overview_opens_by_its_name_and_by_the_path_alone(one):
     one.page.goto(one.address)
     one.wait_until_drawn()
     expect(one.heading("Overview", level=1)).to_be_visible()
+
+
+def test_a_full_server_says_so_and_uploads_go_with_it(
+    person: BrowserContext, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setenv("NVCORE_UPLOAD_DIR", str(tmp_path))
+    monkeypatch.setenv("NVCORE_MAX_VISITORS", "1")
+    with serve(ROOT / "app.py") as address:
+        visit = Visit(person, address)
+        visit.go("data")
+        (folder,) = tmp_path.glob("*/*/*")
+        (folder / "sent.mp4").write_bytes(bytes(1000))
+        page = urllib.request.Request(f"{address}/overview", headers={"Accept": "text/html"})
+        with pytest.raises(urllib.error.HTTPError, match="503"):
+            urllib.request.urlopen(page)
+        complaints = list(visit.complaints)
+        visit.close()
+    assert complaints == []
+    assert [path for path in tmp_path.rglob("*") if path.is_file()] == []
