@@ -37,8 +37,8 @@ def detector(
             alarm, score = rng.random() < 0.5, 0.9 * rng.random()
             if alarm:
                 boxes.append(at(frame, 5, recording=number, score=score))
-    kept = [box for box in boxes if box.score >= cut]
-    return kept if has_scores else [box._replace(score=NAN) for box in kept]
+    boxes = [box for box in boxes if box.score >= cut]
+    return boxes if has_scores else [box._replace(score=NAN) for box in boxes]
 
 
 def scene(x: list[Box], y: list[Box], n: int = 12, **params: float) -> Result:

@@ -281,8 +281,8 @@ def test_the_miss_rate_can_be_planned_for():
 def equal_drives(n: int = 8):
     """Both systems detect the pedestrian of every recording."""
     truth = [at(frame, 50, track=1, recording=r) for r in range(n) for frame in range(6)]
-    found = [at(frame, 50, recording=r) for r in range(n) for frame in range(6)]
-    return result_of(make_dataset(truth, found, found, places=[Place(range(6))] * n))
+    boxes = [at(frame, 50, recording=r) for r in range(n) for frame in range(6)]
+    return result_of(make_dataset(truth, boxes, boxes, places=[Place(range(6))] * n))
 
 
 def test_without_recordings_variation_or_difference_there_is_a_reason_and_no_size():
