@@ -79,6 +79,7 @@ def rating_plot(
                 **system_marker(letter, 10, theme),
             )
         )
+    highest_s = [clips["saliency_s"].max(), *([] if trend is None else [trend.most_s.max()])]
     first = next(
         (f"; {told_in_words(correlation)}" for correlation in correlations if not correlation.note),
         "",
@@ -90,7 +91,8 @@ def rating_plot(
         subtitle=f"{count_text(len(clips), 'clip')}{first}",
         height=420,
         xaxis=axis(theme, "mean rank (1 = least annoying)"),
-        yaxis=axis(theme, "saliency (s)", rangemode="tozero"),
+        # from 0, however far down the interval reaches: there is no saliency below
+        yaxis=axis(theme, "saliency (s)", range=[0, 1.06 * max(highest_s) or 1]),
     )
     if trend is not None:
         _name_outliers(figure, clips, trend, names, theme)
@@ -135,7 +137,7 @@ def _name_outliers(
             y=clip["saliency_s"],
             xanchor="left" if is_left else "right",
             xshift=6 if is_left else -6,
-            yshift=11,
+            yshift=11 if trend.residual_s[index] > 0 else -11,  # away from the line and its clips
         )
 
 

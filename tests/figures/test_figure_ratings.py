@@ -51,6 +51,10 @@ def test_the_plot_has_the_trend_with_its_interval_and_names_the_clip_far_from_it
     (named,) = [part for part in figure.layout.annotations if part.name == "outlier"]
     assert named.text == "&lt;b&gt;drive 3, Y"
     assert (named.x, named.y) == (4.0, 30.0)
+    assert named.yshift > 0  # away from the line
+    low, high = figure.layout.yaxis.range
+    assert low == 0
+    assert high > max(30.0, max(band.y))
 
 
 def test_five_outliers_are_named_at_most_and_few_clips_have_no_trend() -> None:

@@ -44,8 +44,9 @@ def draw(
     """
     st.header("Fit saliency to these ratings")
     st.caption(
-        "Tries tolerance, recency, height sigmoid and aggregate in many combinations, and takes "
-        "those settings that put most pairs of clips in the order in which people put them "
+        "Tries tolerance, whose misses make events, what an event weighs, recency, aggregate and "
+        "height sigmoid in many combinations, and takes those settings that put most pairs of "
+        "clips in the order in which people put them "
         f"({docs_link('how it is judged', 'the-fit', doc='ratings')})."
     )
     start = result.params if fit_in_use is None else fit_in_use.settings_before(result.params)
