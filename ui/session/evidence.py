@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import pandas as pd
 
 from nvcore.comparison import Result
@@ -10,35 +13,44 @@ from nvcore.evidence.miss_rate import judge_miss_rate
 from nvcore.evidence.table import evidence_table
 from nvcore.evidence.units import Units, find_units
 from nvcore.params.metadata import MATCH
+from nvcore.protocols import Protocol
 from ui.session import state
 
+Cached = Callable[..., Any]
+"""`ui.session.cache.Caching.cached`."""
 
-def comparison_key(result: Result) -> tuple[object, ...]:
+
+def comparison_key(result: Result, protocol: Protocol | None = None) -> tuple[object, ...]:
     """What the evidence of a comparison depends on, while the same data are open."""
-    return (result.params, result.x.name, result.y.name, state.protocol())
+    return (result.params, result.x.name, result.y.name, protocol or state.protocol())
 
 
 def measure_evidence(result: Result) -> pd.DataFrame:
     """The measures of X and Y with their evidence."""
-    protocol = state.protocol()
+    return evidence_kept_by(state.cached, result, state.protocol())
+
+
+def evidence_kept_by(cached: Cached, result: Result, protocol: Protocol) -> pd.DataFrame:
+    """The same, kept as `cached` keeps values: `state.cached`, or of what all visitors share."""
 
     def make() -> pd.DataFrame:
         units = find_units(result)
-        return evidence_table(
-            result, protocol, units=units, miss_rate=_cached_miss_rate(result, units)
-        )
+        miss_rate = _miss_rate_kept_by(cached, result, units, protocol)
+        return evidence_table(result, protocol, units=units, miss_rate=miss_rate)
 
-    return state.cached("evidence", comparison_key(result), make)
+    kept: pd.DataFrame = cached("evidence", comparison_key(result, protocol), make)
+    return kept
 
 
 def miss_rate_evidence(result: Result) -> Evidence:
     """Difference of the log-average miss rate under the protocol in use."""
-    return _cached_miss_rate(result, find_units(result))
+    return _miss_rate_kept_by(state.cached, result, find_units(result), state.protocol())
 
 
-def _cached_miss_rate(result: Result, units: Units) -> Evidence:
+def _miss_rate_kept_by(
+    cached: Cached, result: Result, units: Units, protocol: Protocol
+) -> Evidence:
     """Depends on the settings of matching alone, and on the blocks of time."""
-    protocol = state.protocol()
     key = (
         result.x.name,
         result.y.name,
@@ -46,6 +58,7 @@ def _cached_miss_rate(result: Result, units: Units) -> Evidence:
         protocol,
         units.unit_of_frame.tobytes(),
     )
-    return state.cached(
+    evidence: Evidence = cached(
         "miss_rate_evidence", key, lambda: judge_miss_rate(result, units, protocol), most=4
     )
+    return evidence

@@ -9,9 +9,10 @@ session: their files have a position.
 from __future__ import annotations
 
 import threading
-from collections import OrderedDict
+from collections import OrderedDict, defaultdict
+from collections.abc import Callable, Hashable
 from pathlib import Path
-from typing import Final
+from typing import Final, TypeVar
 
 from nvcore.inputs.load import load
 from nvcore.inputs.session import Session
@@ -20,6 +21,7 @@ from ui.session.cache import Caching
 from ui.session.workspace import Opened
 
 MOST_SAMPLES: Final = 2
+T = TypeVar("T")
 
 
 class SharedSample(Caching):
@@ -27,8 +29,14 @@ class SharedSample(Caching):
 
     def __init__(self, path: Path, label: str) -> None:
         super().__init__()
+        self._turns: defaultdict[str, threading.RLock] = defaultdict(threading.RLock)
         session = read_session(path)
         self.opened: Final = Opened(session, load(session), label)
+
+    def cached(self, kind: str, key: Hashable, make: Callable[[], T], *, most: int = 1) -> T:
+        """As `Caching.cached`; of several visitors at once one makes it, the others wait."""
+        with self._turns[kind]:
+            return super().cached(kind, key, make, most=most)
 
 
 _samples: OrderedDict[Path, SharedSample] = OrderedDict()

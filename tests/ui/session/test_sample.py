@@ -99,15 +99,22 @@ def test_what_a_visitor_opens_never_gets_into_the_store(tmp_path: Path):
     assert made(page)[2] == b"drawn"
 
 
-def test_the_store_is_bounded_and_gives_all_threads_the_same():
+def test_the_store_is_bounded_and_makes_for_all_threads_at_once_one_value():
     sample = SharedSample(SAMPLE, "sample")
     at_once = Barrier(4, timeout=600)
+    made: list[object] = []
 
-    def make(_: int) -> object:
-        return sample.cached("kind", 0, lambda: (at_once.wait(), object()))
+    def make() -> object:
+        made.append(object())
+        return made[-1]
+
+    def ask(_: int) -> object:
+        at_once.wait()
+        return sample.cached("kind", 0, make)
 
     with ThreadPoolExecutor(4) as pool:
-        assert len({id(value) for value in pool.map(make, range(4))}) == 1
+        assert list(pool.map(ask, range(4))) == made * 4
+    assert len(made) == 1
     first = sample.cached("kind", 1, object, most=2)
     sample.cached("kind", 2, object, most=2)
     assert sample.cached("kind", 1, object, most=2) is first

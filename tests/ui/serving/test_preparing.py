@@ -1,0 +1,22 @@
+"""The first visitor finds what every visitor starts with compared, and judged."""
+
+from __future__ import annotations
+
+import pytest
+
+from pages import alone, checked
+from ui.serving.preparing import prepare_start
+from ui.session import evidence, sample, state
+
+
+def test_the_first_visitor_need_not_wait_for_the_comparison(monkeypatch: pytest.MonkeyPatch):
+    def refuse(*_: object, **__: object) -> None:
+        raise AssertionError("it was not prepared")
+
+    monkeypatch.setattr(sample, "_samples", type(sample._samples)())
+    prepare_start()
+    monkeypatch.setattr(state, "compare", refuse)
+    monkeypatch.setattr(evidence, "evidence_table", refuse)
+    monkeypatch.setattr(evidence, "judge_miss_rate", refuse)
+    page = checked(alone("overview").run())
+    assert not page.error
