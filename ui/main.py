@@ -7,7 +7,7 @@ import streamlit as st
 from nvcore.errors import NvcoreError
 from ui.ratings import links
 from ui.session import state
-from ui.shell import live_params, sidebar, tab_restore
+from ui.shell import back, live_params, sidebar, tab_restore
 from ui.shell.messages import error_banner, shown_error
 from ui.shell.navigate import follow_wish
 from ui.shell.pages import all_pages, draw_bar, shown_on
@@ -46,3 +46,4 @@ if wrong_params is not None and not links.is_participant():  # something is open
     sidebar.draw(wrong_params, shown_on(page))
     with st.sidebar:
         tab_restore.draw()
+        back.draw()

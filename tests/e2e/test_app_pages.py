@@ -98,3 +98,28 @@ def test_the_dark_theme_reaches_page_plots_and_viewer(shared):
     expect(one.viewer).to_have_attribute("data-theme", "dark")
     title = one.page.locator("[class*=st-key-time_plot_] .gtitle")
     expect(title).to_have_css("fill", "rgb(230, 234, 240)")
+
+
+def test_as_many_pages_back_as_were_visited(visit):
+    one = visit("")
+    pages = ["Timeline", "Encounters", "Saliency", "Stability"]
+    length = one.page.evaluate("history.length")
+    for title in pages:
+        one.switch_to(title)
+        one.wait_until_drawn()
+    assert one.page.evaluate("history.length") == length + len(pages)
+    for title in ["Saliency", "Encounters", "Timeline", "Overview"]:
+        one.page.go_back()
+        expect(one.heading(title, level=1)).to_be_visible()
+        one.wait_until_drawn()
+    one.page.go_forward()
+    expect(one.heading("Timeline", level=1)).to_be_visible()
+
+
+def test_whoever_follows_the_link_after_a_swap_sees_the_same_comparison(visit):
+    one = visit("data")
+    one.page.get_by_role("button", name="Swap").click()
+    expect(one.page).to_have_url(re.compile("x=NIR&y=FIR"))
+    one.wait_until_drawn()
+    other = visit(f"overview{one.page.url[one.page.url.index('?') :]}")
+    expect(other.page.get_by_text("X: NIR").first).to_be_visible()

@@ -10,7 +10,7 @@ import streamlit as st
 from nvcore.comparison import Result
 from nvcore.overlay.annotate import LAYERS, annotate
 from nvcore.tables.moments import encounter_box
-from ui.session import state
+from ui.session import drawing, state
 
 HEIGHTS: Final = 2.2
 """Height of the cut-out in heights of the pedestrian."""
@@ -24,14 +24,17 @@ def draw(result: Result, encounter: int, row: int) -> None:
     """The part of a frame around the pedestrian; without pictures, the boxes on a blank."""
     recording, in_recording = state.place_of(row)
     pictures, picture = state.workspace().picture_of(recording, in_recording)
-    lo, hi = state.stretch()
-    drawing = annotate(
+    lo, hi = drawing.stretch()
+    annotated = annotate(
         result, pictures, picture, row, lo=lo, hi=hi, layers=LAYERS, labels=True, caption=False
     )
     frames = result.dataset.frame_columns
-    scale = drawing.shape[1] / frames.width[recording], drawing.shape[0] / frames.height[recording]
+    scale = (
+        annotated.shape[1] / frames.width[recording],
+        annotated.shape[0] / frames.height[recording],
+    )
     st.image(
-        cut_out(drawing, encounter_box(result, encounter, row) * np.tile(scale, 2)),
+        cut_out(annotated, encounter_box(result, encounter, row) * np.tile(scale, 2)),
         width="stretch",
         alt="The pedestrian with the boxes of truth, X and Y",
     )

@@ -10,7 +10,7 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.overlay.annotate import annotate, frame_png
-from ui.session import state
+from ui.session import drawing, state
 from ui.widgets.recording import recording_choice
 
 LAYERS: Final = {"truth": "Truth", "x": "X", "y": "Y"}
@@ -57,7 +57,7 @@ def draw(result: Result) -> None:
         )
         labels = st.toggle("Track ids and scores", key="export_labels")
         caption = st.toggle("Numbers below the picture", value=True, key="export_caption")
-    lo, hi = state.stretch()
+    lo, hi = drawing.stretch()
     pictures, index = state.workspace().picture_of(recording, state.row())
     picture = annotate(
         result, pictures, index, row, lo=lo, hi=hi, layers=layers, labels=labels, caption=caption

@@ -20,7 +20,7 @@ from nvcore.report.html.evidence_sections import AT_ONCE
 from ui.export.session import public_findings
 from ui.jobs.background import FileJob, JobState, new_path, while_open
 from ui.jobs.progress import draw_file, draw_job, start_as_made
-from ui.session import state
+from ui.session import drawing, state
 from ui.session.workspace import Workspace
 from ui.shell.messages import without_paths
 from ui.widgets.text import plain
@@ -95,7 +95,7 @@ def _ask_for_map(result: Result, job: FileJob | None) -> bool | None:
 def _start(result: Result, key: ReportKey) -> None:
     space = state.workspace()
     space.drop_job(JOB)
-    pictures = RecordingPictures(dict(space.pictures), dict(space.picture_rows), state.stretch())
+    pictures = RecordingPictures(dict(space.pictures), dict(space.picture_rows), drawing.stretch())
     findings = public_findings(state.findings(), without_paths)
     path = new_path(space, ".html")
     job = start_job(

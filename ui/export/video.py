@@ -15,7 +15,7 @@ from nvcore.progress import Progress
 from ui.export.frame import file_stem
 from ui.jobs.background import FileJob, JobState, new_path, while_open
 from ui.jobs.progress import draw_file, draw_job
-from ui.session import state
+from ui.session import drawing, state
 from ui.session.workspace import Workspace
 from ui.widgets.text import plain
 
@@ -135,7 +135,7 @@ def _start(result: Result, recording: int, interval: Interval, *, labels: bool) 
         interval,
         new_path(space, ".mp4"),
         name,
-        stretch=state.stretch(),
+        stretch=drawing.stretch(),
         labels=labels,
     )
     space.put_job(JOB, job)

@@ -15,7 +15,7 @@ from nvcore.overlay.annotate import LAYERS, annotate
 from nvcore.pictures import Pictures, jpeg
 from nvcore.tables.moments import worst_moments
 from nvcore.tables.windows import windows_table, worst_windows_text
-from ui.session import state
+from ui.session import drawing, state
 from ui.shell.navigate import open_row
 from ui.widgets.choices import choose_side_by_side
 from ui.widgets.clicks import clicked_cell, clicked_row
@@ -152,16 +152,16 @@ def _thumbnail(result: Result, recording: int, in_recording: int, row: int) -> b
     pictures, index = state.workspace().picture_of(recording, in_recording)
     if pictures is None or index < 0:
         return None
-    return state.thumbnail(row, lambda: _draw(result, pictures, row, index))
+    return drawing.thumbnail(row, lambda: _draw(result, pictures, row, index))
 
 
 def _draw(result: Result, pictures: Pictures, row: int, index: int) -> bytes:
-    lo, hi = state.stretch()
-    drawing = annotate(
+    lo, hi = drawing.stretch()
+    annotated = annotate(
         result, pictures, index, row, lo=lo, hi=hi, layers=LAYERS, labels=False, caption=False
     )
-    scale = THUMBNAIL_PX / drawing.shape[1]
-    small = cv2.resize(drawing, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
+    scale = THUMBNAIL_PX / annotated.shape[1]
+    small = cv2.resize(annotated, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
     return jpeg(small)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from typing import Final
 
 import numpy as np
 
@@ -11,6 +12,8 @@ from nvcore.errors import ParameterError
 from nvcore.params import SETTINGS, Params
 from nvcore.params.metadata import Setting
 
+PLACE: Final = ("x", "y", "recording", "frame")
+"""What an address says besides the parameters: systems, if not as the app starts, and the frame."""
 MAX_DIGITS = 18
 NO_VALUE = "none"
 """In place of the value of a parameter that may have none, and has a switch for it."""
@@ -39,6 +42,17 @@ def read_place(
     if numbers[nearest] != int(frame):
         wrong.append("its frame is not an evaluated one, the nearest is shown")
     return (recording, nearest), wrong
+
+
+def read_systems(
+    x: str | None, y: str | None, names: Sequence[str]
+) -> tuple[tuple[str, str] | None, list[str]]:
+    """X and Y by their names, None: as they are open; and what could not be followed, in words."""
+    if x is None and y is None:
+        return None, []
+    if x is None or y is None or x == y or not {x, y} <= {*names}:
+        return None, ["its systems are not those of what is open, X and Y are as they were opened"]
+    return (x, y), []
 
 
 def read_parameters(query: Mapping[str, str]) -> tuple[dict[str, float | str | None], list[str]]:

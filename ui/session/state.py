@@ -19,11 +19,11 @@ from nvcore.findings import Finding, worst_first
 from nvcore.inputs.session import Session
 from nvcore.params import SETTINGS, Params
 from nvcore.params.metadata import MATCH, PROXIMITY, SALIENT, THRESHOLD
-from nvcore.pictures.recordings import STRETCH, session_pictures
+from nvcore.pictures.recordings import session_pictures
 from nvcore.protocols import Protocol
-from ui.session.address import changed_parameters, read_parameters, read_place
+from ui.session.address import PLACE, changed_parameters, read_parameters, read_place, read_systems
 from ui.session.ending import end_with_session, is_in_use
-from ui.session.opening import load_for
+from ui.session.opening import load_for, with_systems
 from ui.session.sample import SharedSample, sample_of, shared_opening, shared_sample
 from ui.session.workspace import Compared, Opened, Workspace, workspace_of
 from ui.settings.start import start_file
@@ -33,7 +33,6 @@ SAMPLE: Final = ROOT / "sample_data" / "session.toml"
 SAMPLE_LABEL: Final = "Sample recordings"
 Theme = Literal["light", "dark"]
 T = TypeVar("T")
-MOST_THUMBNAILS: Final = 64
 
 
 def workspace() -> Workspace:
@@ -305,13 +304,12 @@ def settle(recording_index: int, row_in_recording: int) -> None:
 
 
 def write_address() -> None:
-    """Put the current frame and the parameters that were changed into the page's address."""
-    link = link_to(*_place())
-    for name in [*SETTINGS, "recording", "frame"]:
-        if name not in link:
-            st.query_params.pop(name, None)
-        elif st.query_params.get(name) != link[name]:
-            st.query_params[name] = link[name]
+    """Put systems, frame and the parameters that were changed into the page's address, at once."""
+    now = st.query_params.to_dict()
+    others = {name: text for name, text in now.items() if name not in (*SETTINGS, *PLACE)}
+    wanted = others | link_to(*_place())
+    if wanted != now:
+        st.query_params.from_dict(wanted)
 
 
 def seek() -> int:
@@ -338,7 +336,10 @@ def link_to(recording_index: int, row_in_recording: int) -> dict[str, str]:
     place = {"recording": recording_names()[recording_index]}
     if len(numbers):
         place["frame"] = str(int(numbers[row_in_recording]))
-    return place | changed_parameters(params(), session_params())
+    pair = systems()
+    is_as_started = pair == shared_start().opened.dataset.compared()
+    named = {} if is_as_started or pair[1] is None else {"x": pair[0], "y": pair[1]}
+    return place | named | changed_parameters(params(), session_params())
 
 
 def bad_link() -> str:
@@ -348,12 +349,17 @@ def bad_link() -> str:
 
 
 def _follow_link() -> None:
-    """Take recording and frame from the address that the session was opened by."""
+    """Take systems, recording and frame from the address that the session was opened by."""
     get = st.query_params.get
+    pair, wrong_systems = read_systems(get("x"), get("y"), opened().dataset.systems)
+    if pair is not None and pair != systems():
+        x, y = pair
+        session, _ = with_systems(opened().session, opened().dataset, params(), x=x, y=y)
+        compare_as(session)
     place, wrong = read_place(get("recording"), get("frame"), recording_names(), frame_numbers)
     values, impossible = read_parameters(st.query_params.to_dict())
     st.session_state["new_params"] = values
-    wrong += impossible
+    wrong += wrong_systems + impossible
     st.session_state["place"] = place
     st.session_state["bad_link"] = "; ".join(wrong)
 
@@ -381,20 +387,3 @@ def _forget_widgets() -> None:
 def choose_category(category: str) -> None:
     """Show the encounters of one Venn category when the Encounters page is next drawn."""
     st.session_state["category"] = category
-
-
-def thumbnail(row_of_all: int, draw: Callable[[], bytes]) -> bytes:
-    """A drawn picture, cached while nothing that shows in it changes."""
-    key = (workspace().version, stretch(), row_of_all)  # other pictures forget all
-    return cached("thumbnails", key, draw, most=MOST_THUMBNAILS)
-
-
-LEAST_STRETCH: Final = 0.1
-"""Least distance of the two."""
-
-
-def stretch() -> tuple[float, float]:
-    """Percentiles of the display stretch."""
-    lo, hi = st.session_state.get("stretch", STRETCH)
-    lo = min(float(lo), 100 - LEAST_STRETCH)
-    return lo, max(float(hi), lo + LEAST_STRETCH)

@@ -9,7 +9,7 @@ from nvcore.figures.cost_map import cost_plot
 from nvcore.figures.style import CONFIG
 from nvcore.wording import capitalised
 from ui.session import state
-from ui.session.cost import cost_map_of
+from ui.session.drawing import cost_map_of
 from ui.widgets.text import plain
 
 

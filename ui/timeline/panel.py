@@ -18,7 +18,7 @@ from nvcore.tables.frame import (
     frame_summary,
 )
 from nvcore.wording import count_text
-from ui.session import state
+from ui.session import drawing
 from ui.widgets.text import UNDEFINED, number
 
 MOST_BOXES: Final = 40
@@ -49,7 +49,7 @@ def draw(result: Result, row_in_all: int) -> None:
             "Stretch (percentiles of the grey values)",
             0.0,
             100.0,
-            state.stretch(),
+            drawing.stretch(),
             0.1,
             key="stretch",
             persist_state="session",

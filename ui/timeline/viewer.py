@@ -7,8 +7,8 @@ import pandas as pd
 
 from nvcore.comparison import Result
 from nvcore.tables.moments import next_misses
-from ui.session import state
-from ui.session.cost import cost_map_of
+from ui.session import drawing, state
+from ui.session.drawing import cost_map_of
 from ui.session.viewer_arguments import viewer_arguments
 from ui.widgets.viewer import settled_in, viewer
 
@@ -29,7 +29,7 @@ def draw(result: Result) -> None:
     """The viewer."""
     recording = state.recording()
     rows = result.dataset.frame_columns.rows_of(recording)
-    lo, hi = state.stretch()
+    lo, hi = drawing.stretch()
     viewer(
         **viewer_arguments(result, recording),
         traces={letter: system.similarity[rows] for letter, system in result.sides},

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from nvcore.params import Params
-from ui.session.address import changed_parameters, read_parameters, read_place
+from ui.session.address import changed_parameters, read_parameters, read_place, read_systems
 
 NAMES = ["a", "b"]
 NUMBERS = {0: np.array([0, 1, 2]), 1: np.array([10, 30, 50])}
@@ -32,6 +32,23 @@ def test_a_link_names_recording_and_frame_and_what_is_wrong_with_them_is_told(
     assert place == where
     assert why in "".join(wrong)
     assert bool(wrong) == bool(why)
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "pair", "is_wrong"),
+    [
+        (None, None, None, False),
+        ("b", "a", ("b", "a"), False),
+        ("a", None, None, True),
+        ("a", "a", None, True),
+        ("a", "<b>", None, True),
+    ],
+)
+def test_a_link_names_both_systems_or_none(
+    x: str | None, y: str | None, pair: tuple[str, str] | None, is_wrong: bool
+):
+    read, wrong = read_systems(x, y, NAMES)
+    assert (read, bool(wrong)) == (pair, is_wrong)
 
 
 def test_parameters_of_the_address_are_numbers_and_choices():

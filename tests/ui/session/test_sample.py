@@ -19,7 +19,7 @@ from ui.session.sample import SharedSample, sample_of, shared_sample
 
 SCRIPT = """
 import streamlit as st
-from ui.session import state
+from ui.session import drawing, state
 from ui.session.evidence import measure_evidence
 from ui.shell import live_params
 state.begin_run()
@@ -33,7 +33,7 @@ if "protocol" in st.session_state:
     state.set_protocol(st.session_state["protocol"])
 st.session_state["opened"] = state.opened()
 result = state.result()
-st.session_state["made"] = (result, measure_evidence(result), state.thumbnail(3, lambda: MINE))
+st.session_state["made"] = (result, measure_evidence(result), drawing.thumbnail(3, lambda: MINE))
 """
 
 
