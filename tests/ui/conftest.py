@@ -7,6 +7,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+import streamlit as st
 from places import SAMPLE
 from streamlit.components.v2 import manifest_scanner
 
@@ -19,12 +20,17 @@ scan_once = cache(manifest_scanner.scan_component_manifests)
 
 
 @pytest.fixture(autouse=True)
-def surroundings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def surroundings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     monkeypatch.setenv("NVCORE_UPLOAD_DIR", str(tmp_path / "uploads"))
     monkeypatch.delenv("NVCORE_LOCAL_ROOT", raising=False)
     monkeypatch.delenv("NVCORE_SESSION", raising=False)
     monkeypatch.setattr(recordings, "open_pictures", open_sample_once)
     monkeypatch.setattr(manifest_scanner, "scan_component_manifests", scan_once)
+    yield
+    # tests without a session of their own share one
+    space = st.session_state.pop("workspace", None)
+    if space is not None:
+        space.close()
 
 
 def open_sample_once(path: Path) -> Pictures:
