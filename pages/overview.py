@@ -3,6 +3,7 @@
 import streamlit as st
 
 from nvcore.comparison import Result
+from nvcore.report.equal_alarms import equal_alarms_of
 from ui.overview import companions, evidence, moments, plan, scorecard, strip, venn
 from ui.session import state
 from ui.session.evidence import measure_evidence
@@ -15,7 +16,8 @@ def draw(result: Result) -> None:
     verdict = st.container()  # filled last: it waits for the audit
     left, right = st.columns([1.15, 1], gap="large")
     with left:
-        scorecard.scorecard(result)
+        known = companions.known_companions(result)
+        scorecard.scorecard(result, known)
     with right:
         venn.draw(result)
     strip.draw(result)
@@ -26,6 +28,8 @@ def draw(result: Result) -> None:
     evidence.draw(result, table)
     with verdict:
         of_both = companions.wait_for_companions(result, table)
+    if known is None and equal_alarms_of(result, of_both) is not None:
+        st.rerun()  # the scorecard, which is above, shows it
     plan.draw(result, table, of_both)
     with verdict:
         more = plan.known_sentence(result)

@@ -18,7 +18,7 @@ from nvcore.comparison import Result
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError
 from nvcore.evidence.claims import Claim
-from nvcore.evidence.companions import Companions, find_companions
+from nvcore.evidence.companions import Companions, are_unequal, find_companions
 from nvcore.evidence.planning import DEFAULT_KEY, POWER, Side, StudyPlan, plan_study
 from nvcore.evidence.table import evidence_table
 from nvcore.extras import needs
@@ -28,6 +28,7 @@ from nvcore.measures import MeasureTable
 from nvcore.metrics.venn import BoxVenn, Exclusivity, Venn
 from nvcore.params import Params
 from nvcore.protocols import Protocol
+from nvcore.report.equal_alarms import at_equal_alarms
 from nvcore.report.files import write_report
 from nvcore.report.keep_inputs import files_read, replaced_input
 from nvcore.report.plan import verdict_plan
@@ -150,7 +151,8 @@ class Comparison:
     @cached_property
     def summary(self) -> dict[str, Any]:
         """All aggregates, as in ``summary.json``; None is undefined."""
-        return summary(self.result)
+        companions = self._companions if are_unequal(self.result) else None
+        return summary(self.result, at_equal_alarms(companions))
 
     @cached_property
     def findings(self) -> tuple[Finding, ...]:

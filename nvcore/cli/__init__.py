@@ -133,7 +133,7 @@ def compare(out: Path | None, as_json: bool, strict: bool, **options: Any) -> No
         result = compare(dataset)
         steps.begin("what fusion would do")
         text = (
-            summary_json(result)
+            summary_json(result, session.protocol)
             if as_json
             else render_scorecard(result, findings, session.protocol)
         )

@@ -22,11 +22,15 @@ from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.measures import inference_of
 from nvcore.metrics.venn import MIN_DISCORDANT
 from nvcore.scoring import SystemResult
+from nvcore.wording import capitalised
 
 UNEQUAL: Final = 1.5
 """Numbers of false alarms are unequal if the larger is more than this many times the smaller."""
 LEAST_MORE: Final = MIN_DISCORDANT
 """Least difference of unequal numbers: a smaller one may be chance, as with encounters."""
+
+AS_SET: Final = "as set: at unequal operating points"
+"""What marks numbers of X and Y that nothing is claimed from."""
 
 STRICT_KEYS: Final = ("mean_similarity", "saliency")
 """Measures that strict pairing changes."""
@@ -65,13 +69,25 @@ class Companions:
 
     @property
     def weaker_evidence(self) -> pd.DataFrame:
-        """The evidence at equal false alarms, with the larger corrected p of both ends.
+        """The evidence at equal false alarms, with the larger p and corrected p of both ends.
 
         NaN where an end has none.
         """
-        first = self.evidence[0]
-        p_holm = np.maximum.reduce([table["p_holm"].to_numpy() for table in self.evidence])
-        return first.assign(p_holm=p_holm)
+        return self.evidence[0].assign(
+            **{
+                name: np.maximum.reduce([table[name].to_numpy() for table in self.evidence])
+                for name in ("p", "p_holm")
+            }
+        )
+
+    @property
+    def setting(self) -> str:
+        """How X and Y are set in `equal`: "X with scores of 0.6 or more, 0.05 per frame"."""
+        assert self.equal is not None
+        per_frame = count_alarms(self.equal.x) / max(len(self.equal.dataset.frames), 1)
+        threshold = self.equal.system(self.moved).threshold
+        at = "with all detections" if threshold is None else f"with scores of {threshold:g} or more"
+        return f"{self.moved.upper()} {at}, {per_frame:.3g} per frame"
 
 
 def count_alarms(system: SystemResult) -> int:
@@ -90,6 +106,13 @@ def describe_alarms(result: Result) -> str:
     n_frames = max(len(result.dataset.frames), 1)
     x, y = (f"{count_alarms(system) / n_frames:.3g}" for _, system in result.sides)
     return f"X has {x} and Y {y} false alarms per frame"
+
+
+def as_set_note(result: Result) -> str:
+    """What stands above numbers of X and Y at unequal operating points; empty: they are equal."""
+    if not are_unequal(result):
+        return ""
+    return f"{capitalised(AS_SET)} ({describe_alarms(result)}). Nothing is claimed from these."
 
 
 def is_undecided(result: Result, key: str) -> bool:

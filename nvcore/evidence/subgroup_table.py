@@ -23,6 +23,7 @@ from nvcore.evidence.measures import (
 from nvcore.evidence.miss_rate import judge_miss_rate
 from nvcore.evidence.paired_tests import mcnemar
 from nvcore.evidence.subgroups import ALL, Subgroup, everyone, find_subgroups
+from nvcore.evidence.table import mark_undecided
 from nvcore.evidence.units import Units, find_units, units_within
 from nvcore.measures import EVIDENCE_KEYS, inference_of
 from nvcore.metrics.venn import count_categories
@@ -96,7 +97,7 @@ def subgroup_table(
     is_group = (whole["factor"] != ALL).to_numpy()
     whole["p_holm"] = np.nan
     whole.loc[is_group, "p_holm"] = corrected(whole[is_group])
-    return whole[list(COLUMNS)]
+    return mark_undecided(result, whole[list(COLUMNS)])
 
 
 def _row(result: Result, part: Subgroup, evidence: Evidence) -> dict[str, Any]:

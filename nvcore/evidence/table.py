@@ -5,6 +5,7 @@ from __future__ import annotations
 import pandas as pd
 
 from nvcore.comparison import Result
+from nvcore.evidence.companions import AS_SET, is_undecided
 from nvcore.evidence.measures import Evidence, significance_table
 from nvcore.evidence.miss_rate import judge_miss_rate
 from nvcore.evidence.units import Units, find_units
@@ -20,6 +21,8 @@ def evidence_table(
     has_intervals: bool = True,
 ) -> pd.DataFrame:
     """`nvcore.evidence.measures.significance_table` with the log-average miss rate as its last row.
+
+    The note of each measure that depends on unequal operating points says so.
 
     Parameters
     ----------
@@ -37,4 +40,20 @@ def evidence_table(
     units = find_units(result) if units is None else units
     if miss_rate is None:
         miss_rate = judge_miss_rate(result, units, protocol, has_interval=has_intervals)
-    return significance_table(result, [miss_rate], units=units, has_intervals=has_intervals)
+    table = significance_table(result, [miss_rate], units=units, has_intervals=has_intervals)
+    return mark_undecided(result, table)
+
+
+def mark_undecided(result: Result, table: pd.DataFrame) -> pd.DataFrame:
+    """The table of evidence, the notes of what is undecided at unequal operating points extended.
+
+    Parameters
+    ----------
+    table
+        With columns figure and note.
+    """
+    notes = [
+        "; ".join(filter(None, (note, AS_SET if is_undecided(result, key) else "")))
+        for key, note in zip(table["figure"], table["note"], strict=True)
+    ]
+    return table.assign(note=notes)

@@ -7,7 +7,7 @@ import json
 import zipfile
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import Final
 
@@ -16,6 +16,7 @@ import pandas as pd
 
 from nvcore import __version__
 from nvcore.comparison import Result
+from nvcore.evidence.companions import Companions, are_unequal, find_companions
 from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.evidence.table import evidence_table
 from nvcore.findings import Finding
@@ -26,6 +27,8 @@ from nvcore.inputs.session_toml import write_session
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.output.files import MANIFEST, manifest, write_run
 from nvcore.progress import Progress, no_progress
+from nvcore.protocols import PROTOCOLS, Protocol
+from nvcore.report.equal_alarms import at_equal_alarms, unequal_companions
 from nvcore.settings import Settings
 from nvcore.tables.columns import REPORT_COLUMNS
 from nvcore.tables.result import (
@@ -52,16 +55,23 @@ def export_files(
 
     There is a ``session.toml`` only if the session names files; tables in memory have none.
     """
+
+    @cache
+    def evidence() -> pd.DataFrame:
+        return evidence_table(result, session.protocol)
+
     files = {
         "frames.csv": lambda: to_csv_bytes(frames_table(result)),
         "encounters.csv": lambda: to_csv_bytes(encounters_table(result)),
         "events.csv": lambda: to_csv_bytes(events_table(result)),
         "intervals.csv": lambda: to_csv_bytes(intervals_table(result)),
         "recordings.csv": lambda: to_csv_bytes(recordings_table(result)),
-        "significance.csv": lambda: _finite_csv(evidence_table(result, session.protocol)),
+        "significance.csv": lambda: _finite_csv(evidence()),
         "subgroups.csv": lambda: _finite_csv(subgroup_table(result, protocol=session.protocol)),
         "findings.csv": lambda: to_csv_bytes(findings_table(findings)),
-        "summary.json": lambda: summary_json(result).encode(),
+        "summary.json": lambda: _summary_text(
+            result, find_companions(result, evidence()) if are_unequal(result) else None
+        ).encode(),
     }
     if isinstance(session, Session) and TABLE.name not in set(result.dataset.inputs["format"]):
         files["session.toml"] = partial(_session_toml, result, session)
@@ -83,9 +93,20 @@ def _finite_csv(table: pd.DataFrame) -> bytes:
     return to_csv_bytes(table.replace([np.inf, -np.inf], np.nan))
 
 
-def summary_json(result: Result) -> str:
-    """The summary as JSON text."""
-    return json.dumps(summary(result), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+def summary_json(result: Result, protocol: Protocol = PROTOCOLS["all"]) -> str:
+    """The summary as JSON text.
+
+    Parameters
+    ----------
+    protocol
+        Which pedestrians count in the log-average miss rate.
+    """
+    return _summary_text(result, unequal_companions(result, protocol))
+
+
+def _summary_text(result: Result, companions: Companions | None) -> str:
+    content = summary(result, at_equal_alarms(companions))
+    return json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def _file_contents(

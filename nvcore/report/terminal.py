@@ -9,14 +9,20 @@ import pandas as pd
 
 from nvcore.comparison import Result
 from nvcore.dataset import Dataset
-from nvcore.evidence.companions import Companions, find_companions
+from nvcore.evidence.companions import Companions, are_unequal, as_set_note, find_companions
 from nvcore.evidence.table import evidence_table
 from nvcore.findings import Finding, Severity
 from nvcore.protocols import PROTOCOLS, Protocol
+from nvcore.report.equal_alarms import (
+    detected_text,
+    equal_alarms_of,
+    equal_alarms_title,
+    short_rows,
+    weights_text,
+)
 from nvcore.report.plan import verdict_plan
 from nvcore.report.verdict import Verdict, verdict
-from nvcore.report.words import count_leads, saliency_caveat, scorecard_cells
-from nvcore.schema import Category
+from nvcore.report.words import count_leads, saliency_caveat, score_cells, scorecard_cells
 from nvcore.scoring import SystemResult
 from nvcore.tables.inputs import inputs_table
 from nvcore.tables.result import worst_intervals
@@ -56,9 +62,10 @@ def render_scorecard(
     caveat = saliency_caveat(result.params)
     parts = [
         _heading(result),
-        _table(result),
-        _venn(result),
-        _fusion(result),
+        _marked(result, _table(result)),
+        *_at_equal_alarms(result, companions),
+        _marked(result, _venn(result)),
+        _marked(result, _fusion(result)),
         *([f"saliency: {caveat[0].lower()}{caveat[1:-1]}"] if caveat else []),
         *(_worst(result, letter, system) for letter, system in result.sides),
         render_verdict(conclusion),
@@ -140,9 +147,30 @@ def _heading(result: Result) -> str:
     return _text(lines)
 
 
-def _table(result: Result) -> str:
+def _marked(result: Result, block: str) -> str:
+    """The block, below a line that says so if nothing is claimed from its numbers."""
+    note = as_set_note(result)
+    return f"{note}\n{block}" if note else block
+
+
+def _at_equal_alarms(result: Result, companions: Companions) -> list[str]:
+    """The comparison that the verdict is about instead, in short; empty: there is none."""
+    equal = equal_alarms_of(result, companions)
+    if equal is None:
+        return []
+    lines = [
+        f"{equal_alarms_title(companions)}, as in the verdict:",
+        _table(equal, score_cells(short_rows(equal), indent="  ")),
+        f"encounters detected by: {detected_text(equal)}",
+        f"severity, of encounters detected by {weights_text(equal)}",
+    ]
+    return ["\n".join(lines)]
+
+
+def _table(result: Result, cells: Sequence[tuple[str, ...]] | None = None) -> str:
     heads = [_head(letter, system) for letter, system in result.sides]
-    rows = [("", *heads, "X - Y", "better"), *scorecard_cells(result, indent="  ")]
+    cells = scorecard_cells(result, indent="  ") if cells is None else cells
+    rows = [("", *heads, "X - Y", "better"), *cells]
     widths = [max(len(row[i]) for row in rows) for i in range(4)]
     lines = [
         "  ".join([row[0].ljust(widths[0]), *(row[i].rjust(max(widths[i], 9)) for i in (1, 2, 3))])
@@ -157,21 +185,11 @@ def _head(letter: str, system: SystemResult) -> str:
 
 
 def _venn(result: Result) -> str:
-    venn = result.venn
-    counts = venn.counts()
     lines = [
-        "encounters detected by: "
-        + ", ".join(
-            f"{name} {counts[category]}"
-            for name, category in (
-                ("both", Category.BOTH),
-                ("only X", Category.X_ONLY),
-                ("only Y", Category.Y_ONLY),
-                ("neither", Category.NEITHER),
-            )
-        )
-        + f" ({venn.distant} distant, not counted)",
-        _weights(result),
+        f"encounters detected by: {detected_text(result)} "
+        f"({result.venn.distant} distant, not counted)",
+        "severity (1 s: a pedestrian straight ahead and near is missed for 1 s), of encounters "
+        f"detected by {weights_text(result)}",
     ]
     lines.append(describe_exclusivity(result))
     lines.append(_lead(result))
@@ -190,18 +208,6 @@ def _venn(result: Result) -> str:
     return _text(lines)
 
 
-def _weights(result: Result) -> str:
-    """What the failures weigh, by who detects the encounter."""
-    x, y = (result.severity_of(system) for _, system in result.sides)
-    both, neither = Category.BOTH, Category.NEITHER
-    return (
-        "severity (1 s: a pedestrian straight ahead and near is missed for 1 s): "
-        f"detected by both, X misses {x[both]:.2f} s and Y {y[both]:.2f} s; by X only, Y misses "
-        f"{y[Category.X_ONLY]:.2f} s; by Y only, X misses {x[Category.Y_ONLY]:.2f} s; by neither, "
-        f"X misses {x[neither]:.2f} s and Y {y[neither]:.2f} s"
-    )
-
-
 def describe_exclusivity(result: Result) -> str:
     """How exclusive the misses are, in words that claim no more than the numbers show."""
     e, x_only, y_only = result.exclusivity, result.venn.x_only, result.venn.y_only
@@ -215,7 +221,8 @@ def describe_exclusivity(result: Result) -> str:
     text += f"; X alone detects {x_only}, Y alone {y_only}"
     if np.isnan(result.mcnemar_p):
         return text
-    return f"{text} (McNemar's exact p within these drives = {result.mcnemar_p:.2g})"
+    where = "as set, at unequal operating points: " if are_unequal(result) else ""
+    return f"{text} ({where}McNemar's exact p within these drives = {result.mcnemar_p:.2g})"
 
 
 def _lead(result: Result) -> str:

@@ -21,7 +21,6 @@ from nvcore.evidence.companions import (
     STRICT_KEYS,
     Companions,
     are_unequal,
-    count_alarms,
     describe_alarms,
     has_scores,
 )
@@ -163,14 +162,10 @@ def describe_operating_points(result: Result, companions: Companions | None) -> 
     as_set = f"As set, {describe_alarms(result)}."
     if companions is None or companions.equal is None:
         return as_set, "What follows is as set."
-    equal, moved = companions.equal, companions.moved
-    per_frame = count_alarms(equal.x) / len(equal.dataset.frames)
-    threshold = equal.system(moved).threshold
-    at = "with all detections" if threshold is None else f"with scores of {threshold:g} or more"
     return (
         as_set,
-        f"What follows is at equal false alarms ({moved.upper()} {at}, {per_frame:.3g} per frame): "
-        "nothing is claimed from the comparison as set.",
+        f"What follows is at equal false alarms ({companions.setting}): nothing is claimed from "
+        "the comparison as set.",
     )
 
 

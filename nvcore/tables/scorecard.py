@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import NamedTuple
 
 from nvcore.comparison import Result
@@ -34,16 +35,30 @@ class ScoreRow(NamedTuple):
     level: int = 0
 
 
-def score_rows(result: Result, table: MeasureTable = MeasureTable.SCORECARD) -> list[ScoreRow]:
-    """The measures of a table: the scorecard, miss classes of near encounters, false alerts."""
+def score_rows(
+    result: Result,
+    table: MeasureTable = MeasureTable.SCORECARD,
+    *,
+    keys: Collection[str] | None = None,
+) -> list[ScoreRow]:
+    """The measures of a table: the scorecard, miss classes of near encounters, false alerts.
+
+    Parameters
+    ----------
+    keys
+        Only these, each by its full name; None: all.
+    """
     words = label_words(result)
     is_several = has_several_recordings(result)
     rows = []
     for measure in measures_in(table):
         if measure.of is None or (measure.of_several and not is_several):
             continue
+        if keys is not None and measure.key not in keys:
+            continue
         # no row is a part of another in the table of false alerts
-        part = "" if table is MeasureTable.FALSE_ALERTS else measure.part
+        is_whole = table is MeasureTable.FALSE_ALERTS or keys is not None
+        part = "" if is_whole else measure.part
         x, y = (measure.of(result, system) for _, system in result.sides)
         label = (part or measure.label).format_map(words)
         rows.append(ScoreRow(label, x, y, measure.form, measure.better, 1 if part else 0))

@@ -237,15 +237,33 @@ _ENTRIES: Final[tuple[_Entry, ...]] = (
         Column("fusion.x_and_y", Kind.TABLE, "", "What `X and Y` would do; the same keys."),
         lambda result: system_summary(result.fusion, result.fusion.y),
     ),
+    _Entry(
+        Column(
+            "at_equal_false_alarms",
+            Kind.TABLE,
+            "",
+            "The comparison that the verdict is about where X and Y are set to different operating "
+            "points, below.",
+            empty="the operating points are equal, or no threshold makes them so",
+        ),
+        lambda _: None,
+    ),
 )
 
 SUMMARY_KEYS: Final[tuple[Column, ...]] = tuple(entry.column for entry in _ENTRIES)
 """Keys of ``summary.json`` in order, nested ones with dots; those of a system are `SYSTEM_KEYS`."""
 
 
-def summary(result: Result) -> dict[str, Any]:
-    """All aggregates, ready for JSON; None is undefined."""
+def summary(result: Result, at_equal: Mapping[str, Any] | None = None) -> dict[str, Any]:
+    """All aggregates, ready for JSON; None is undefined.
+
+    Parameters
+    ----------
+    at_equal
+        `nvcore.report.equal_alarms.at_equal_alarms`; None: not known, or there is none.
+    """
     content = _nest({entry.column.name: entry.value(result) for entry in _ENTRIES})
+    content["at_equal_false_alarms"] = None if at_equal is None else dict(at_equal)
     aggregates: dict[str, Any] = _without_nan(content)
     return aggregates
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pandas as pd
-from builders import Place, at, make_dataset
+from builders import NAN, Place, at, make_dataset, result_of
 
 from nvcore.comparison import Result
 from nvcore.dataset import Dataset
@@ -48,6 +48,24 @@ def turned_by_strict_pairing(n: int = 12) -> Dataset:
                 x.append(at(frame, 5, recording=number, w=10))
             y.append(at(frame, 50 if frame % 4 > 1 else 60, recording=number, w=10))
     return make_dataset(truth, x, y, places=[Place(range(20))] * n)
+
+
+def at_thresholds(scores: bool = True, n: int = 8) -> Result:
+    """One detector twice: X with all its boxes, Y with those of a score of 0.5 or more."""
+    rng = np.random.default_rng(5)
+    truth, boxes = [], []
+    for number in range(n):
+        for frame in range(20):
+            for track, centre in enumerate((20, 40, 60, 80)):
+                truth.append(at(frame, centre, track=track, recording=number))
+                if rng.random() < 0.9:
+                    boxes.append(at(frame, centre, recording=number, score=rng.random()))
+            if rng.random() < 0.5:
+                boxes.append(at(frame, 5, recording=number, score=0.6 * rng.random()))
+    strict = [box for box in boxes if box.score >= 0.5]
+    if not scores:
+        boxes, strict = ([box._replace(score=NAN) for box in some] for some in (boxes, strict))
+    return result_of(make_dataset(truth, boxes, strict, places=[Place(range(20))] * n))
 
 
 def by_figure(result: Result) -> pd.DataFrame:

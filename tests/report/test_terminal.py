@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 import pytest
 from builders import NAN, Place, at, make_dataset, result_of
+from drives import at_thresholds
 
 from nvcore.comparison import Result
 from nvcore.evidence.companions import find_companions
@@ -64,9 +66,9 @@ def test_the_scorecard_line_by_line(result: Result, scorecard: list[str]):
     assert {line.split()[-1] for line in rows} == {"higher", "lower", "–"}
     assert scorecard[end + 1 : begin] == [
         "encounters detected by: both 1, only X 1, only Y 0, neither 0 (0 distant, not counted)",
-        "severity (1 s: a pedestrian straight ahead and near is missed for 1 s): detected by both, "
-        "X misses 0.00 s and Y 0.00 s; by X only, Y misses 1.20 s; by Y only, X misses 0.00 s; by "
-        "neither, X misses 0.00 s and Y 0.00 s",
+        "severity (1 s: a pedestrian straight ahead and near is missed for 1 s), of encounters "
+        "detected by both: X misses 0.00 s and Y 0.00 s; only X: X misses 0.00 s and Y 1.20 s; "
+        "only Y: X misses 0.00 s and Y 0.00 s; neither: X misses 0.00 s and Y 0.00 s",
         "encounters not detected: 0 by X, 1 by Y, of these 0 by both (Jaccard 0.00, phi –); "
         "X alone detects 1, Y alone 0",
         "lead time, in the 1 encounters that both match: X is first in 0, Y in 0, at once in 1; X "
@@ -246,3 +248,44 @@ def test_a_name_cannot_steer_the_terminal_or_forge_a_line():
 def test_a_number_is_a_dash_where_it_is_undefined_and_letters_of_any_language_stay():
     assert (number(NAN, ".2f"), number(0.5, ".2f")) == ("–", "0.50")
     assert one_line("Fußgänger 夜 640×480 – ok") == "Fußgänger 夜 640×480 – ok"
+
+
+UNEQUAL = "As set: at unequal operating points (X has "
+
+
+def test_at_unequal_operating_points_every_block_as_set_is_marked_and_the_verdicts_stands_beside():
+    result = at_thresholds()
+    text = render_scorecard(result)
+    marked = [block for block in text.split("\n\n") if block.startswith(UNEQUAL)]
+    contents = ("mean similarity", "severity (1 s", "fusion")
+    assert all(text in block for text, block in zip(contents, marked, strict=True))
+    assert "Nothing is claimed from these." in marked[0]
+    (equal,) = [block for block in text.split("\n\n") if block.startswith("At equal false alarms")]
+    assert equal.startswith("At equal false alarms (X with scores of 0.")
+    assert len(equal.splitlines()) < 15
+    assert "encounters detected by: both " in equal
+    companions = find_companions(result, evidence_table(result))
+    assert companions.equal is not None
+    assert cells(equal.splitlines(), "mean similarity")[0] == number(
+        companions.equal.x.summary.mean, ".4f"
+    )
+
+
+def test_mcnemars_p_is_marked_at_unequal_operating_points():
+    result = at_thresholds()
+    assert np.isfinite(result.mcnemar_p)
+    assert "(as set, at unequal operating points: McNemar's exact p" in render_scorecard(result)
+
+
+def test_nothing_is_marked_at_equal_operating_points(result: Result):
+    assert "unequal" not in render_scorecard(result)
+
+
+def test_severities_of_the_four_groups_add_up_to_the_scorecards():
+    result = at_thresholds()
+    (line,) = re.findall(r"^severity \(1 s.*$", render_scorecard(result), re.MULTILINE)
+    weights_s = re.findall(r"X misses ([\d.]+) s and Y ([\d.]+) s", line)
+    assert len(weights_s) == 4
+    for of_system, (_, system) in zip(zip(*weights_s, strict=True), result.sides, strict=True):
+        total_s = sum(map(float, of_system))
+        assert total_s == pytest.approx(system.failures["severity_s"].sum(), abs=0.02)

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
 import pandas as pd
 import pytest
-from builders import NAN, Box, Place, at, make_dataset, result_of
-from drives import turned_by_strict_pairing
+from builders import NAN, Box, at, make_dataset, result_of
+from drives import at_thresholds, turned_by_strict_pairing
 from places import ROOT
 
 from nvcore.comparison import Result
@@ -267,24 +266,6 @@ def test_sentences_are_headline_points_and_caveat_in_order(better_x: Result):
 
 
 # operating points
-
-
-def at_thresholds(scores: bool = True, n: int = 8) -> Result:
-    """One detector twice: X with all its boxes, Y with those of a score of 0.5 or more."""
-    rng = np.random.default_rng(5)
-    truth, boxes = [], []
-    for number in range(n):
-        for frame in range(20):
-            for track, centre in enumerate((20, 40, 60, 80)):
-                truth.append(at(frame, centre, track=track, recording=number))
-                if rng.random() < 0.9:
-                    boxes.append(at(frame, centre, recording=number, score=rng.random()))
-            if rng.random() < 0.5:
-                boxes.append(at(frame, 5, recording=number, score=0.6 * rng.random()))
-    strict = [box for box in boxes if box.score >= 0.5]
-    if not scores:
-        boxes, strict = ([box._replace(score=NAN) for box in some] for some in (boxes, strict))
-    return result_of(make_dataset(truth, boxes, strict, places=[Place(range(20))] * n))
 
 
 def whole_verdict(result: Result) -> Verdict:

@@ -13,8 +13,15 @@ from ui.jobs.computed import Computation
 from ui.session import state
 from ui.session.evidence import comparison_key
 
+KIND: Final = "companions"
 QUICK_BOXES: Final = 50_000
 """Up to so many boxes it takes a fraction of a second and is done at once."""
+
+
+def known_companions(result: Result) -> Companions | None:
+    """The companions of the comparison, if they are computed already."""
+    companions: Companions | None = state.workspace().peek(KIND, comparison_key(result))
+    return companions
 
 
 def wait_for_companions(result: Result, evidence: pd.DataFrame) -> Companions | None:
@@ -24,7 +31,7 @@ def wait_for_companions(result: Result, evidence: pd.DataFrame) -> Companions | 
         return find_companions(result, evidence)
 
     computation = Computation(
-        kind="companions",
+        kind=KIND,
         key=comparison_key(result),
         compute=compute,
         thing="the comparison at equal false alarms",

@@ -10,6 +10,7 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.comparison import Result
+from nvcore.evidence.companions import AS_SET, are_unequal, is_undecided
 from nvcore.evidence.measures import ODDS_RATIO
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.subgroup_table import subgroup_table
@@ -17,12 +18,14 @@ from nvcore.evidence.units import BLOCKS
 from nvcore.figures.forest import subgroup_forest
 from nvcore.measures import EVIDENCE_KEYS, evidence_form, inference_of
 from nvcore.wording import ARROWS, capitalised, difference, interval_text, number
+from ui.overview.scorecard import draw_as_set_note
 from ui.session import state
 from ui.widgets.charts import draw_chart
 from ui.widgets.choices import draw_measures
 from ui.widgets.text import UNDEFINED, docs_link, plain
 
 TIMES: Final = " ×"
+SETTING: Final = "thresholds"
 WIDTHS: Final = {
     "measure": 310,
     "X": 70,
@@ -39,8 +42,15 @@ WIDTHS: Final = {
 def draw(result: Result, evidence: pd.DataFrame) -> None:
     """The table of evidence, and the same by groups of encounters."""
     st.header("Is the difference real?")
-    draw_measures(shown_evidence(evidence), "evidence", WIDTHS)
+    draw_as_set_note(result)
+    shown, widths = shown_evidence(evidence), WIDTHS
+    if are_unequal(result):
+        undecided = [is_undecided(result, key) for key in evidence["figure"]]
+        shown[SETTING] = np.where(undecided, "as set: unequal", "all")
+        widths = WIDTHS | {SETTING: 120}
+    draw_measures(shown, "evidence", widths)
     notes = dict.fromkeys(note for row in evidence["note"] if row for note in row.split("; "))
+    notes.pop(AS_SET, None)  # it stands above
     has_blocks = (evidence["unit"] == BLOCKS).any()
     units = "stretches of these recordings" if has_blocks else "recordings"
     for note in notes:
@@ -65,6 +75,7 @@ def draw(result: Result, evidence: pd.DataFrame) -> None:
 @st.fragment
 def _draw_subgroups(result: Result, evidence: pd.DataFrame) -> None:
     """One measure for groups of encounters; which one is chosen here."""
+    draw_as_set_note(result)
     labels = dict(zip(evidence["figure"], evidence["label"], strict=True))
     keys = [key for key in EVIDENCE_KEYS if key in labels]
     # where encounters are single frames, a test of single encounters says nothing

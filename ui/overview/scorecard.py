@@ -9,10 +9,17 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.evidence.companions import Companions
+from nvcore.evidence.claims import Basis
+from nvcore.evidence.companions import Companions, as_set_note
 from nvcore.figures.paired import recordings_plot
 from nvcore.findings import Finding
 from nvcore.measures import MeasureTable
+from nvcore.report.equal_alarms import (
+    detected_text,
+    equal_alarms_of,
+    equal_alarms_title,
+    weights_text,
+)
 from nvcore.report.verdict import verdict
 from nvcore.tables.result import recordings_table
 from nvcore.tables.scorecard import score_rows
@@ -21,10 +28,11 @@ from ui.session import state
 from ui.shell.messages import sampling_note
 from ui.shell.navigate import open_frame, open_page
 from ui.widgets.charts import clicked_chart
-from ui.widgets.choices import draw_measures
+from ui.widgets.choices import choose_side_by_side, draw_measures
 from ui.widgets.table_columns import measures_as_text
 from ui.widgets.text import docs_link, plain
 
+BASES: Final = {Basis.AS_SET: "As set", Basis.EQUAL_ALARMS: "At equal false alarms"}
 WIDTHS: Final = {"measure": 250, "X": 70, "Y": 70, "X - Y": 70}
 
 
@@ -64,9 +72,61 @@ def _extent(result: Result) -> str:
     )
 
 
-def scorecard(result: Result) -> None:
-    """Every measure of X beside that of Y, the difference, and which way is better."""
+def scorecard(result: Result, companions: Companions | None) -> None:
+    """Every measure of X beside that of Y, the difference, and which way is better.
+
+    At unequal operating points as set, and where the verdict is about another comparison, of that.
+
+    Parameters
+    ----------
+    companions
+        Of the comparison; None: not known yet, or not needed.
+    """
     st.header("Scorecard")
+    equal = equal_alarms_of(result, companions)
+    if equal is None:
+        draw_as_set_note(result)
+        _draw_scorecard(result)
+        return
+    assert companions is not None
+    basis = choose_side_by_side(
+        "What is compared",
+        BASES,
+        "scorecard_basis",
+        default=Basis.EQUAL_ALARMS,
+        label_visibility="collapsed",
+    )
+    if basis is Basis.AS_SET:
+        draw_as_set_note(result)
+        _draw_scorecard(result)
+        return
+    text, button = st.columns([3, 1], vertical_alignment="center")
+    text.markdown(plain(f"{equal_alarms_title(companions)}, as in the verdict."))
+    moved = companions.moved
+    button.button(
+        "Set this threshold",
+        key="set_equal_alarms",
+        on_click=state.set_threshold,
+        args=(moved, equal.system(moved).threshold),
+        width="stretch",
+        help="The whole page, and every other, is then at equal false alarms.",
+    )
+    _draw_scorecard(equal)
+    st.caption(
+        plain(
+            f"Encounters detected by: {detected_text(equal)}. Severity, of encounters detected by "
+            f"{weights_text(equal)}."
+        )
+    )
+
+
+def draw_as_set_note(result: Result) -> None:
+    """Above numbers of X and Y as set: that nothing is claimed from these, if that is so."""
+    if note := as_set_note(result):
+        st.markdown(f":material/balance: {plain(note)}")
+
+
+def _draw_scorecard(result: Result) -> None:
     draw_measures(measures_as_text(score_rows(result)), "scorecard", WIDTHS)
     st.caption(
         "↑ higher is better, ↓ lower is better. Similarity, per frame, 1 is best: how well "
@@ -96,6 +156,7 @@ def _rule(result: Result) -> str:
 def by_recording(result: Result) -> None:
     """Mean similarity of each recording as paired points; a click opens it."""
     st.header("By recording")
+    draw_as_set_note(result)
     names = (result.x.name, result.y.name)
     recording = clicked_chart(
         recordings_plot(recordings_table(result), names, theme=state.theme()), "by_recording"

@@ -11,6 +11,7 @@ import streamlit as st
 from nvcore.comparison import Result
 from nvcore.figures.venn import MOST_MARKS, venn_figure
 from nvcore.tables.severity import weighed_encounters
+from ui.overview.scorecard import draw_as_set_note
 from ui.session import state
 from ui.shell.navigate import open_page, open_row
 from ui.widgets.charts import clicked_chart
@@ -29,6 +30,7 @@ OPEN: Final = "overview_open"
 def draw(result: Result) -> None:
     """The diagram, the same by buttons for those who do not click in pictures, and a list."""
     st.header("Who detects whom")
+    draw_as_set_note(result)
     row = st.session_state.pop(OPEN, None)
     if row is not None:
         open_row(row)

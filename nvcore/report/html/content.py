@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 from nvcore import __version__
 from nvcore.comparison import Result
+from nvcore.evidence.companions import as_set_note, find_companions
 from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.evidence.table import evidence_table
 from nvcore.findings import Finding
@@ -43,6 +44,12 @@ CAUTION = {
     "subgroups": words.SHORT_TESTS,
 }
 """First sentences of these sections, by their anchors."""
+
+AS_SET_SECTIONS = (
+    *("scorecard", "encounters", "similarity", "saliency", "false-alerts"),
+    *("significance", "subgroups", "only-one"),
+)
+"""Sections with numbers of X and Y as set, by their anchors."""
 
 
 @dataclass(frozen=True)
@@ -83,17 +90,18 @@ def report_content(
     """Gather the report."""
     progress(0.0, "testing the differences")
     evidence = evidence_table(result, protocol)
+    companions = find_companions(result, evidence)
     subgroups = subgroup_table(result, protocol=protocol)
     progress(0.15, "detection curves")
     detection = detection_section(result, protocol)
     plans = plan_measures(result, evidence, protocol, progress=part_of(progress, 0.2, 0.3))
     progress(0.3, "tables")
     sections = [
-        verdict_section(result, findings, evidence, plans),
+        verdict_section(result, findings, evidence, companions, plans),
         Section(
             "reading", "How to read this report", None, (Sentences(words.reading(result.params)),)
         ),
-        scorecard_section(result),
+        scorecard_section(result, companions),
         encounters_section(result),
         similarity_section(result),
         saliency_section(result),
@@ -128,7 +136,7 @@ def report_content(
         title=f"{one_line(result.x.name)} (X) and {one_line(result.y.name)} (Y) compared",
         names=(one_line(result.x.name), one_line(result.y.name)),
         facts=_facts(result, protocol),
-        sections=tuple(_with_caution(sections) if result.is_short else sections),
+        sections=tuple(_as_set(_with_caution(sections) if result.is_short else sections, result)),
         version=__version__,
         fingerprint=result.dataset.fingerprint,
     )
@@ -139,6 +147,17 @@ def _with_caution(sections: Sequence[Section]) -> list[Section]:
     return [
         replace(section, blocks=(Sentences((CAUTION[section.anchor],)), *section.blocks))
         if section.anchor in CAUTION
+        else section
+        for section in sections
+    ]
+
+
+def _as_set(sections: Sequence[Section], result: Result) -> list[Section]:
+    """The sections, those marked that compare X and Y as set, if nothing is claimed from that."""
+    note = as_set_note(result)
+    return [
+        replace(section, blocks=(Sentences((note,)), *section.blocks))
+        if note and section.anchor in AS_SET_SECTIONS
         else section
         for section in sections
     ]

@@ -16,7 +16,7 @@ from nvcore.detection.curves import DetectionCurve, detection_curve
 from nvcore.detection.filtered_truth import filter_truth
 from nvcore.detection.miss_rate import explain_few
 from nvcore.errors import InputError
-from nvcore.evidence.companions import find_companions
+from nvcore.evidence.companions import Companions
 from nvcore.evidence.planning.study import StudyPlan
 from nvcore.evidence.subgroups import ALL
 from nvcore.figures.detection import CurveKind, curve_plot, legend_text
@@ -74,16 +74,18 @@ def verdict_section(
     result: Result,
     findings: Sequence[Any],
     evidence: pd.DataFrame,
+    companions: Companions,
     plans: Mapping[str, StudyPlan],
 ) -> Section:
     """What the comparison supports.
 
     Parameters
     ----------
+    companions
+        `nvcore.evidence.companions.find_companions` of the result.
     plans
         Of `nvcore.report.html.plan_section.plan_measures`: the verdict's own may be among them.
     """
-    companions = find_companions(result, evidence)
     plan = verdict_plan(result, evidence, companions, plans=plans)
     conclusion = verdict(result, findings, evidence=evidence, companions=companions, plan=plan)
     points = [(point.topic, point.text) for point in conclusion.points]

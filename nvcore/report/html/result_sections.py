@@ -7,10 +7,17 @@ from typing import Any
 import pandas as pd
 
 from nvcore.comparison import Result
+from nvcore.evidence.companions import Companions
 from nvcore.figures.over_time.strip import loss_strip_plot
 from nvcore.figures.paired import recordings_plot
 from nvcore.figures.saliency import plane_plot
 from nvcore.measures import MeasureTable
+from nvcore.report.equal_alarms import (
+    detected_text,
+    equal_alarms_of,
+    equal_alarms_title,
+    weights_text,
+)
 from nvcore.report.html import words
 from nvcore.report.html.blocks import MAX_ROWS, Chart, Section, Sentences, Table, table
 from nvcore.report.html.charts import THEME
@@ -42,15 +49,20 @@ def names_of(result: Result) -> tuple[str, str]:
     return result.x.name, result.y.name
 
 
-def scorecard_section(result: Result) -> Section:
-    """All measures side by side."""
+def scorecard_section(result: Result, companions: Companions) -> Section:
+    """All measures side by side, and those at equal false alarms if the verdict is about these."""
     rows = scorecard_cells(result, indent=PART)
-    return Section(
-        "scorecard",
-        "Scorecard",
-        words.scorecard(result.params),
-        (table("Measures of X and Y", MEASURES_HEAD, rows, right=(1, 2, 3)),),
-    )
+    blocks = [table("Measures of X and Y", MEASURES_HEAD, rows, right=(1, 2, 3))]
+    equal = equal_alarms_of(result, companions)
+    if equal is not None:
+        note = (
+            f"As in the verdict. Encounters detected by: {detected_text(equal)}. Severity, of "
+            f"encounters detected by {weights_text(equal)}."
+        )
+        rows = scorecard_cells(equal, indent=PART)
+        title = equal_alarms_title(companions)
+        blocks.append(table(title, MEASURES_HEAD, rows, right=(1, 2, 3), note=note))
+    return Section("scorecard", "Scorecard", words.scorecard(result.params), tuple(blocks))
 
 
 def similarity_section(result: Result) -> Section:

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 from builders import Place, at, make_dataset, result_of
+from drives import at_thresholds
 from inputs import drive, session_of
 
 from nvcore import __version__
@@ -23,6 +24,7 @@ from nvcore.params import Params
 from nvcore.protocols import PROTOCOLS
 from nvcore.report.html import css_text, encounter_sections, result_sections, write_html_report
 from nvcore.report.html.blocks import MAX_CELL, MAX_NOTE, MAX_ROWS, table
+from nvcore.settings import Settings
 
 HOSTILE = "</script><img src=x onerror=alert(1)>{{ 7*7 }}"
 
@@ -368,3 +370,16 @@ def test_a_folder_that_cannot_be_written_is_told(result, session, tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match="cannot be written"):
         write_html_report(result, session, (), tmp_path / "file" / "r.html", stability=False)
+
+
+def test_at_unequal_operating_points_sections_are_marked_and_the_verdicts_numbers_beside(tmp_path):
+    path = tmp_path / "report.html"
+    write_html_report(at_thresholds(), Settings(), (), path, stability=False)
+    page = Page(path.read_text(encoding="utf-8"))
+    notes = [text for text in page.words if text.startswith("As set: at unequal operating points")]
+    assert len(notes) == 8
+    (title,) = [title for title in page.tables if title.startswith("At equal false alarms (X with")]
+    rows = {row[0]: row[1:] for row in page.tables[title][1:]}
+    as_set = {row[0]: row[1:] for row in page.tables["Measures of X and Y"][1:]}
+    assert list(rows) == list(as_set)
+    assert rows["mean similarity"] != as_set["mean similarity"]

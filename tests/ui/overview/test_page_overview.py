@@ -142,3 +142,22 @@ def test_the_verdict_waits_for_the_comparison_at_equal_false_alarms(
     checked(app.run())
     assert known[-1]
     assert app.session_state["workspace"].job("companions") is job
+
+
+def test_at_unequal_operating_points_the_scorecard_can_be_that_of_the_verdict(app: AppTest):
+    mark = "As set: at unequal operating points"
+    assert mark not in texts(app)
+    assert "scorecard_basis" not in {control.key for control in app.button_group}
+    checked(app.slider(key="threshold_x").set_value(0.1).run())
+    at_equal = scorecard(app)
+    assert "At equal false alarms (X with scores of " in texts(app)
+    assert texts(app).count(mark) == 4  # Venn, recordings, evidence, groups
+    app.session_state["scorecard_basis"] = "as set"
+    checked(app.run())
+    assert texts(app).count(mark) == 5
+    assert scorecard(app)["false alarms per frame ↓"] != at_equal["false alarms per frame ↓"]
+    app.session_state["scorecard_basis"] = "equal false alarms"
+    checked(app.run())
+    checked(app.button(key="set_equal_alarms").click().run())
+    assert mark not in texts(app)
+    assert scorecard(app) == at_equal
