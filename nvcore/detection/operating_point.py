@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, Literal
 
@@ -146,6 +147,32 @@ def same_operating_point(dataset: Dataset, params: Params, x: str, y: str) -> Sa
     at_x = operating_point(dataset, x, params, threshold=params.threshold_x)
     threshold = threshold_with_alarms(dataset, y, params, at_x.n_false_alarms)
     return SameOperatingPoint(at_x, operating_point(dataset, y, params, threshold=threshold))
+
+
+def choose_moved(
+    has_scores: Sequence[bool], n_alarms: Sequence[int], n_kept: Sequence[int]
+) -> int | None:
+    """Which system gets another threshold so that all have equally many false alarms.
+
+    Of those with scores, the one with more false alarms (of equals, the one with more detections):
+    to raise a threshold is always possible, to lower it leads no further than the scores do.
+
+    Parameters
+    ----------
+    has_scores, n_alarms, n_kept
+        Of each system: whether a threshold could move it, its false alarms, its detections.
+
+    Returns
+    -------
+    Its index, the first of several; None: no system has scores.
+
+    Examples
+    --------
+    >>> choose_moved([True, True], [3, 5], [100, 90])
+    1
+    """
+    movable = [index for index, has in enumerate(has_scores) if has]
+    return max(movable, key=lambda index: (n_alarms[index], n_kept[index]), default=None)
 
 
 def threshold_with_alarms(

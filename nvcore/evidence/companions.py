@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 
 from nvcore.comparison import Result, compare
-from nvcore.detection.operating_point import threshold_with_alarms
+from nvcore.detection.operating_point import choose_moved, threshold_with_alarms
 from nvcore.evidence.measures import Evidence, significance_table
 from nvcore.evidence.miss_rate import KEY as MISS_RATE
 from nvcore.evidence.paired_tests import SIGNIFICANT
@@ -159,17 +159,14 @@ def find_companions(result: Result, evidence: pd.DataFrame) -> Companions:
 
 
 def which_moves(result: Result) -> str:
-    """System whose threshold is moved: of those with scores, the one with more false alarms.
-
-    To raise a threshold is always possible; to lower it leads no further than the scores do.
-    """
-    movable = [letter for letter in "xy" if has_scores(result, letter)]
-
-    def size(letter: str) -> tuple[int, int]:
-        system = result.system(letter)
-        return count_alarms(system), int(system.n_det.sum())
-
-    return max(movable, key=size, default="")
+    """The system whose threshold is moved; empty: none can be."""
+    systems = [system for _, system in result.sides]
+    index = choose_moved(
+        [has_scores(result, letter) for letter, _ in result.sides],
+        [count_alarms(system) for system in systems],
+        [int(system.n_det.sum()) for system in systems],
+    )
+    return "" if index is None else "xy"[index]
 
 
 def _ends(result: Result, equal: Result, moved: str) -> list[Result]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any, Final
 
 import pandas as pd
@@ -12,10 +11,11 @@ import streamlit as st
 from nvcore.dataset import Dataset
 from nvcore.detection.operating_point import (
     OperatingPoint,
+    choose_moved,
     false_alarm_curve,
     operating_point,
-    same_operating_point,
     score_histogram,
+    threshold_with_alarms,
 )
 from nvcore.figures.inputs import false_alarm_plot, score_plot
 from nvcore.params import Params
@@ -28,6 +28,8 @@ from ui.widgets.text import docs_link, number, plain
 
 MOVED: Final = "same_point_moved"
 """Which system was moved by the button just now."""
+LOWEST: Final = "threshold_at_lowest"
+"""System and threshold typed just now, if that is its lowest score or less."""
 MOST_KEPT: Final = 32
 """Curves and points that are kept for all sessions."""
 
@@ -117,6 +119,7 @@ def _draw_system(letter: str, name: str) -> None:
             args=(letter,),
             help="Detections with a lower score are left out. Empty: every detection counts.",
         )
+        _draw_lowest(letter)
     point = _point(dataset, name, params, threshold)
     n_all = len(dataset.system(name))
     kept, alarms = st.columns(2)
@@ -137,6 +140,17 @@ def _draw_system(letter: str, name: str) -> None:
         draw_chart(alarms_left, f"alarms_{letter}")
 
 
+def _draw_lowest(letter: str) -> None:
+    """Why the field is empty, if what was just typed leaves no detection out."""
+    typed_letter, threshold = st.session_state.get(LOWEST, ("", 0.0))
+    if typed_letter == letter:
+        del st.session_state[LOWEST]
+        st.caption(
+            f"No detection of {letter.upper()} has a score below {threshold:g}: every detection "
+            "counts, which an empty field stands for."
+        )
+
+
 def _plots(letter: str, name: str, threshold: float | None) -> tuple[go.Figure, go.Figure]:
     """Scores of a system, and the false alarms that each threshold leaves."""
     dataset, matching, theme = state.opened().dataset, state.params().only_for(MATCH), state.theme()
@@ -153,48 +167,64 @@ def _plots(letter: str, name: str, threshold: float | None) -> tuple[go.Figure, 
 
 
 def _take_threshold(letter: str) -> None:
-    state.set_threshold(letter, st.session_state[f"data_threshold_{letter}"])
+    threshold: float | None = st.session_state[f"data_threshold_{letter}"]
+    state.set_threshold(letter, threshold)
+    name = state.systems()["xy".index(letter)]
+    span = None if name is None else state.score_span(name)
+    if threshold is not None and span is not None and threshold <= span[0]:
+        st.session_state[LOWEST] = letter, threshold
 
 
 def _draw_same_point(x: str, y: str) -> None:
-    """The button that moves one system to the other's false alarms: Y, or X where Y cannot be."""
-    can_move = {"x": state.score_span(x) is not None, "y": state.score_span(y) is not None}
-    moved, fixed = ("y", "x") if can_move["y"] or not can_move["x"] else ("x", "y")
-    needs_threshold = can_move[fixed] and getattr(state.params(), f"threshold_{fixed}") is None
+    """The button that sets both systems alike, as the verdict does."""
+    index = _which_moves(x, y)
+    moved, fixed = ("xy"[index], "yx"[index]) if index is not None else ("y", "x")
     st.button(
         "Same operating point",
-        disabled=needs_threshold or not can_move[moved],
+        disabled=index is None,
         key="same_point",
         icon=":material/balance:",
         on_click=_take_same_point,
-        args=(x, y, moved),
+        args=(x, y),
         help=f"Sets the threshold of {moved.upper()} so that it has as many false alarms per frame "
-        f"as {fixed.upper()} has now. Without it a system that reports more of everything "
-        "looks better.",
+        f"as {fixed.upper()} has now, as the verdict does. Without it a system that reports more "
+        "of everything looks better.",
     )
-    if not can_move[moved]:
+    if index is None:
         st.caption("Neither system has scores that differ: there is no threshold to move.")
-    elif needs_threshold:
-        st.caption(
-            f"First set a score threshold of {fixed.upper()}: the one at which it would be used. "
-            "As long as every detection counts, its false alarms say nothing."
-        )
-    elif moved == "x":
-        st.caption(
-            "Y has no scores that differ, so its threshold cannot be moved: X is moved to Y's "
-            "false alarms instead."
-        )
+    elif not _has_scores(x, y)[1 - index]:
+        st.caption(f"{fixed.upper()} has no scores that differ: only {moved.upper()} can be moved.")
     if (just_moved := st.session_state.pop(MOVED, None)) is not None:
         st.caption(plain(_same_point_text(x, y, just_moved)))
 
 
+def _has_scores(*systems: str) -> list[bool]:
+    """Whether a threshold could move each of these systems."""
+    return [state.score_span(name) is not None for name in systems]
+
+
+def _which_moves(x: str, y: str) -> int | None:
+    """Which of X and Y moves, as in the verdict; None: neither can."""
+    points = _points(x, y)
+    return choose_moved(
+        _has_scores(x, y),
+        [point.n_false_alarms for point in points],
+        [point.n_kept for point in points],
+    )
+
+
+def _points(x: str, y: str) -> tuple[OperatingPoint, OperatingPoint]:
+    """What the thresholds in use leave of X and of Y."""
+    dataset, params = state.opened().dataset, state.params()
+    return (
+        _point(dataset, x, params, params.threshold_x),
+        _point(dataset, y, params, params.threshold_y),
+    )
+
+
 def _same_point_text(x: str, y: str, moved: str) -> str:
     """What the thresholds in use now result in."""
-    dataset, params = state.opened().dataset, state.params()
-    points = {
-        "X": _point(dataset, x, params, params.threshold_x),
-        "Y": _point(dataset, y, params, params.threshold_y),
-    }
+    points = dict(zip("XY", _points(x, y), strict=True))
     letter, other = ("X", "Y") if moved == "x" else ("Y", "X")
     limit = (
         f"every detection of {letter} counts"
@@ -209,16 +239,15 @@ def _same_point_text(x: str, y: str, moved: str) -> str:
     )
 
 
-def _take_same_point(x: str, y: str, moved: str) -> None:
+def _take_same_point(x: str, y: str) -> None:
+    index = _which_moves(x, y)
+    if index is None:
+        return
+    n_alarms = _points(x, y)[1 - index].n_false_alarms
     dataset, params = state.opened().dataset, state.params()
-    if moved == "y":
-        matched = same_operating_point(dataset, params, x, y)
-    else:  # the library moves the second of the two
-        matched = same_operating_point(
-            dataset, replace(params, threshold_x=params.threshold_y, threshold_y=None), y, x
-        )
-    state.set_threshold(moved, matched.threshold_y)
-    st.session_state[MOVED] = moved
+    threshold = threshold_with_alarms(dataset, (x, y)[index], params, n_alarms)
+    state.set_threshold("xy"[index], threshold)
+    st.session_state[MOVED] = "xy"[index]
 
 
 def _point(

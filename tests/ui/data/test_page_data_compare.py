@@ -10,7 +10,10 @@ import pytest
 from data_page import open_files, opened, opened_drive, press, sent, space_of
 from inputs import drive
 
+from nvcore.comparison import compare
 from nvcore.dataset import dataset_from_tables
+from nvcore.evidence.companions import find_companions
+from nvcore.evidence.table import evidence_table
 from pages import checked, texts, to_page
 from pages import opened as opened_app
 from ui.shell.messages import sampling_note
@@ -61,7 +64,7 @@ def test_where_y_has_no_scores_x_is_moved_to_its_operating_point(tmp_path: Path)
     alarms = "".join(f"urban,{frame},500,200,40,100,0.{frame}\n" for frame in range(10, 20))
     x = fir + alarms.encode()
     page = open_files(sent(truth, ("x.csv", x), ("y.csv", without_scores(nir))))
-    assert "X is moved to Y's false alarms instead" in texts(page)
+    assert "Y has no scores that differ: only X can be moved." in texts(page)
     press(page, "same_point")
     assert page.session_state["params"].threshold_x == pytest.approx(0.19)
     assert page.session_state["params"].threshold_y is None
@@ -78,6 +81,34 @@ def test_where_x_has_no_scores_y_is_moved_and_where_neither_has_nothing_is(tmp_p
     assert "Neither system has scores that differ" in texts(page)
 
 
+def test_the_same_operating_point_is_that_of_the_verdict(tmp_path: Path):
+    """Every detection of both counts; the one with more false alarms moves, here X."""
+    truth, fir, nir = drive_files(tmp_path)
+    alarms = "".join(f"urban,{frame},500,200,40,100,0.{frame}\n" for frame in range(10, 20))
+    page = open_files(sent(truth, ("x.csv", fir + alarms.encode()), ("y.csv", nir)))
+    result = compare(space_of(page).opened.dataset)
+    companions = find_companions(result, evidence_table(result))
+    assert companions.moved == "x"
+    assert companions.equal is not None
+    press(page, "same_point")
+    params = page.session_state["params"]
+    assert params.threshold_x == pytest.approx(companions.equal.x.threshold)
+    assert params.threshold_y is None
+
+
+def test_a_threshold_at_the_lowest_score_says_that_every_detection_counts(tmp_path: Path):
+    page = opened_drive(tmp_path, "fir.csv", "nir.csv")
+    checked(page.number_input(key="data_threshold_x").set_value(0.8).run())
+    said = "of X has a score below"
+    assert said not in texts(page)
+    dataset = space_of(page).opened.dataset
+    lowest = float(dataset.system(dataset.systems[0]).score.min())
+    checked(page.number_input(key="data_threshold_x").set_value(lowest).run())
+    assert page.number_input(key="data_threshold_x").value is None
+    assert f"{said} {lowest:g}: every detection counts" in texts(page)
+    assert said not in texts(checked(page.run()))
+
+
 def test_after_opening_the_next_step_stands_first_and_thresholds_are_asked_for(tmp_path: Path):
     page = opened_drive(tmp_path, "fir.csv", "nir.csv")
     banner, button = (page.main.children[1].children[at] for at in range(2))
@@ -85,11 +116,8 @@ def test_after_opening_the_next_step_stands_first_and_thresholds_are_asked_for(t
     assert banner.value.startswith("**Opened: Uploaded files.**")
     assert button.label == "Next: see the comparison"
     assert "until thresholds are set under “Compare”" in texts(page)
-    assert page.button(key="same_point").disabled
-    assert "First set a score threshold of X" in texts(page)
-    checked(page.number_input(key="data_threshold_x").set_value(0.8).run())
     assert not page.button(key="same_point").disabled
-    assert "First set a score threshold of X" not in texts(page)
+    checked(page.number_input(key="data_threshold_x").set_value(0.8).run())
     assert "Opened: Uploaded files" in texts(page)  # it stays while one works on the page
     press(page, "see_opened")
     assert page.session_state["wanted_page"] == "overview"
