@@ -44,6 +44,13 @@ def interval_text(low: float, high: float, form: str) -> str:
     return f"{difference(low, 0, form)} to {difference(high, 0, form)}"
 
 
+def p_text(p: float, p_corrected: float, n_tests: int) -> str:
+    """A p by itself and corrected for several tests: "p = 0.18; 1 after correction for 7 tests"."""
+    if n_tests < 2:
+        return f"p = {p_corrected:.2g}"
+    return f"p = {p:.2g}; {p_corrected:.2g} after correction for {n_tests} tests"
+
+
 def percent(share: float) -> str:
     """A share in a sentence, such as ``80 %``."""
     return f"{100 * share:.0f} %"

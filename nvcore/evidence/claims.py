@@ -220,3 +220,8 @@ def least_corrected_p(evidence: pd.DataFrame) -> float:
     if tested.empty:
         return np.nan
     return float(tested["least_p"].min() * len(tested))
+
+
+def count_tests(evidence: pd.DataFrame) -> int:
+    """Number of hypotheses that p is corrected for."""
+    return int(np.isfinite(evidence["p_holm"]).sum())

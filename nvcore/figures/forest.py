@@ -112,9 +112,12 @@ def _range(
 
 
 def _corrected(row: dict[Hashable, Any]) -> str:
-    """The p-value that allows for all groups; of all encounters the only one."""
-    p = float(row["p"] if row["factor"] == ALL else row["p_holm"])
-    return f"; p {p:.2g}" if np.isfinite(p) else ""
+    """p, and of groups the one that allows for all of them."""
+    p, p_holm = float(row["p"]), float(row["p_holm"])
+    if not np.isfinite(p):
+        return ""
+    is_group = row["factor"] != ALL and np.isfinite(p_holm)
+    return f"; p {p:.2g}" + (f", {p_holm:.2g} for all" if is_group else "")
 
 
 def _text(row: dict[Hashable, Any]) -> str:

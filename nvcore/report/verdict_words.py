@@ -13,6 +13,7 @@ from nvcore.evidence.claims import (
     CLAIMED,
     Claim,
     Support,
+    count_tests,
     is_turned,
     least_corrected_p,
     values_of,
@@ -43,6 +44,7 @@ from nvcore.wording import (
     interval_text,
     listed,
     one_line,
+    p_text,
     shortened,
 )
 
@@ -136,7 +138,8 @@ def _conclusion(
     if least_p > SIGNIFICANT:
         return (
             f"nothing is claimed: {by} and in {len(tested)} measures no difference can be shown to "
-            f"be more than chance, however large (the least p is {least_p:.2g} after correction)."
+            "be more than chance, however large (the least possible "
+            f"{p_text(least_p / len(tested), least_p, len(tested))})."
         )
     if support.withheld:
         return "nothing is claimed: each difference that is more than chance fails another check."
@@ -201,7 +204,8 @@ def _p_of_encounters(evidence: pd.DataFrame | None) -> str:
     if row["unit"] != RECORDINGS:
         return ""
     if np.isfinite(row["p_holm"]):
-        return f" (by {count_text(int(row['n']), 'recording')}, p = {row['p_holm']:.2g})"
+        p = p_text(row["p"], row["p_holm"], count_tests(evidence))
+        return f" (by {count_text(int(row['n']), 'recording')}, {p})"
     return " (too few recordings tell the two apart to test it)"
 
 
@@ -296,7 +300,8 @@ def describe_chance(
     of_key = {row["figure"]: row for row in evidence.to_dict("records")}
     sentences = []
     if support.claims:
-        parts = [_claim_text(claim, of_key[claim.key]) for claim in support.claims]
+        n_tests = count_tests(evidence)
+        parts = [_claim_text(claim, of_key[claim.key], n_tests) for claim in support.claims]
         sentences.append(f"More than chance: {listed(parts)}.")
     for reason in dict.fromkeys(support.withheld.values()):
         nouns = [inference_of(key).noun for key in CLAIMED if support.withheld.get(key) == reason]
@@ -313,7 +318,7 @@ def describe_chance(
     return tuple(sentences)
 
 
-def _claim_text(claim: Claim, row: Mapping[Hashable, Any]) -> str:
+def _claim_text(claim: Claim, row: Mapping[Hashable, Any], n_tests: int) -> str:
     """For whom a difference speaks, with interval and p."""
     key, low, high = claim.key, row["low"], row["high"]
     interval = ""
@@ -321,7 +326,8 @@ def _claim_text(claim: Claim, row: Mapping[Hashable, Any]) -> str:
         ends = interval_text(low, high, evidence_form(key))
         interval = f"X - Y 95 % interval {ends}{inference_of(key).noun_unit}, "
     noun = inference_of(key).noun
-    return f"{noun} (for {claim.winner.upper()}, {interval}p = {claim.p:.2g})"
+    p = p_text(row["p"], claim.p, n_tests)
+    return f"{noun} (for {claim.winner.upper()}, {interval}{p})"
 
 
 def describe_strict(result: Result, strict: Result) -> tuple[str, ...]:

@@ -11,12 +11,13 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
+from nvcore.evidence.claims import count_tests
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.stability.axes import Axis, Plane
 from nvcore.stability.flips import Flip, Interval, Winner, winners
 from nvcore.stability.map import StabilityMap
 from nvcore.stability.scores import Criterion
-from nvcore.wording import capitalised, count_text, listed
+from nvcore.wording import capitalised, count_text, listed, p_text
 
 PLANES: Final[dict[Plane, str]] = {
     "alpha-midpoint": "Alpha and what counts as near",
@@ -204,7 +205,7 @@ def describe_chance(stability: StabilityMap, evidence: pd.DataFrame) -> str:
             f"{because}: {no_evidence}."
         )
     by = count_text(int(row["n"]), "recording")
-    p = f"by {by}, p = {row['p_holm']:.2g} after correction for all measures tested"
+    p = f"by {by}, {p_text(row['p'], row['p_holm'], count_tests(evidence))}"
     if row["p_holm"] <= SIGNIFICANT:
         return (
             f"This difference is unlikely to be chance ({p}); whether it may be claimed is up to "

@@ -62,7 +62,8 @@ def row_of(
 ) -> dict[str, object]:
     """A row of the table of evidence."""
     return {
-        "figure": figure, "p_holm": p_holm, "low": low, "high": high, "x": 1.0, "y": 2.0,
+        "figure": figure, "p": p_holm / 2, "p_holm": p_holm, "low": low, "high": high,
+        "x": 1.0, "y": 2.0,
         "difference": difference, "better": better, "unit": unit, "n": n, "doubt": doubt,
         "least_p": 2 / 2**n,
     }  # fmt: skip
@@ -117,6 +118,13 @@ def test_who_detects_more_encounters(
     assert text.headline == headline
     assert topic(text, "Encounters") == sentence
     assert [claim.key for claim in text.claims] == ([BY_UNIT] if p <= 0.05 else [])
+
+
+def test_p_stands_by_itself_and_corrected(better_x: Result):
+    text = judged(better_x, row_of(BY_UNIT, 1.0) | {"p": 0.18}, row_of("mean_similarity", 1.0))
+    assert topic(text, "Encounters").endswith(
+        "(by 12 recordings, p = 0.18; 1 after correction for 2 tests)."
+    )
 
 
 @pytest.mark.parametrize("scene", [(12, range(11), range(10, 12)), (9, range(9), range(3))])
@@ -194,14 +202,16 @@ def test_measures_that_look_the_same_are_not_called_better_and_undefined_ones_le
             [row_of("mean_similarity", 0.012, 0.012, 0.043), row_of("saliency", 0.6, -1.0, 0.5)],
             "X is better in mean similarity: more than chance, by 12 recordings.",
             "More than chance: mean similarity (for X, X - Y 95 % interval +0.0120 to +0.0430, "
-            "p = 0.012). The other differences are not shown to be more than chance.",
+            "p = 0.006; 0.012 after correction for 2 tests). The other differences are "
+            "not shown to be more than chance.",
         ),
         (
             [row_of("mean_similarity", 0.01, 0.1, 0.2), row_of("saliency", 0.02, better="lower")],
             "X is better in mean similarity, Y in saliency per recording: more than chance, by 12 "
             "recordings.",
             "More than chance: mean similarity (for X, X - Y 95 % interval +0.1000 to +0.2000, "
-            "p = 0.01) and saliency per recording (for Y, p = 0.02).",
+            "p = 0.005; 0.01 after correction for 2 tests) and saliency per recording (for Y, p = "
+            "0.01; 0.02 after correction for 2 tests).",
         ),
         ([row_of("mean_similarity", 0.5), row_of("saliency", 0.5)], NO_DIFFERENCE, ""),
         ([row_of("mean_similarity", NAN)], TOO_FEW, ""),
@@ -224,9 +234,13 @@ def test_a_difference_says_for_whom_it_speaks_with_its_unit_and_no_exponent(bett
     saliency = row_of("saliency", 0.01, 0.5, 2.0, better="lower")
     miss_rate = row_of("log_average_miss_rate", 0.01, -0.12, -0.02, difference=-1.0, better="lower")
     chance = topic(judged(better_x, episodes | {"difference": -1.0}, saliency, miss_rate), "Chance")
-    assert "(for X, X - Y 95 % interval -358.2 to -12000.0 per hour, p = 0.01)" in chance
+    assert (
+        "(for X, X - Y 95 % interval -358.2 to -12000.0 per hour, p = 0.005; 0.01 after" in chance
+    )
     assert "saliency per recording (for Y, X - Y 95 % interval +0.50 to +2.00 s, p =" in chance
-    assert "miss rate (for X, X - Y 95 % interval -12.0 pp to -2.0 pp, p = 0.01)" in chance
+    assert (
+        "miss rate (for X, X - Y 95 % interval -12.0 pp to -2.0 pp, p = 0.005; 0.01 after" in chance
+    )
 
 
 @pytest.mark.parametrize(("p", "keys"), [(0.01, {"mean_similarity"}), (0.4, set())])
@@ -239,7 +253,7 @@ def test_measures_of_time_are_not_judged_where_encounters_are_single_frames(
     assert topic(text, "Chance").endswith(
         "saliency, severity and episodes mean little here and are not judged."
     )
-    assert "p = 0.001" not in " ".join(text.sentences)
+    assert "p = 0.0005" not in " ".join(text.sentences)
     assert {claim.key for claim in text.claims} == keys
 
 
@@ -249,7 +263,8 @@ def test_too_few_recordings_for_any_claim_say_so(better_x: Result):
     eight = judged(better_x, *(row_of(key, 0.055, n=8) for key in keys))
     assert eight.headline == (
         "Nothing is claimed: by 8 recordings and in 7 measures no difference can be shown to be "
-        "more than chance, however large (the least p is 0.055 after correction)."
+        "more than chance, however large (the least possible p = 0.0078; 0.055 after "
+        "correction for 7 tests)."
     )
     nine = judged(better_x, *(row_of(key, 0.055, n=9) for key in keys))
     assert nine.headline == NO_DIFFERENCE.replace("12", "9")

@@ -67,7 +67,7 @@ def _extent(result: Result) -> str:
         f"frame; {venn.n_near:,} came near enough to count, {venn.distant:,} stayed distant. A "
         f"system detects it by matching it in at least {result.params.coverage:.0%} of the frames "
         "in which it is near. p, where given: how often recordings in which X and Y could be "
-        "exchanged would differ as much, corrected for all measures "
+        "exchanged would differ as much, by itself and corrected for all measures "
         f"({docs_link('Significance', 'other-measures', doc='significance')})."
     )
 

@@ -6,6 +6,7 @@ import math
 from typing import Final
 
 from nvcore.evidence.measures import Evidence
+from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.planning.noninferiority import UNEQUAL_POINTS, NonInferiority
 from nvcore.evidence.planning.pilot import MIN_PILOT
 from nvcore.evidence.planning.study import Assumption, StudyPlan, StudySize
@@ -61,7 +62,7 @@ def plan_sentence(plan: StudyPlan) -> str:
     noun = row.label.partition(", by ")[0]
     sentence = (
         f"About {_extent(size)} would show a difference in the {noun} as large as here "
-        f"({difference_text(size.difference, row.figure)}), tested by itself, in "
+        f"({difference_text(size.difference, row.figure)}; p at most {SIGNIFICANT:g} by itself) in "
         f"{percent(plan.power)} of studies"
     )
     return f"{sentence}. {excluded}".rstrip()
