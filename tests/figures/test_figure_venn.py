@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from builders import at, make_dataset, result_of
+from drives import at_thresholds
 from figure_parts import shape, trace, words
 
 from nvcore.figures.venn import MOST_MARKS, WORDS, overlap_area, place_circles, venn_figure
@@ -222,3 +223,16 @@ def test_no_place_for_clicks_on_a_region_lies_on_a_mark() -> None:
         apart_px = np.hypot(np.array(places.x) - x, np.array(places.y) - y) * 355 / width
         assert apart_px.min() > size / 2
     assert set(places.customdata) == {"both", "x_only", "y_only", "neither", "distant"}
+
+
+def test_the_weights_of_the_regions_add_up_to_the_severities():
+    result = at_thresholds()
+    encounters = weighed_encounters(result)
+    figure = venn_figure(result.venn, NAMES, theme="light", encounters=encounters)
+    labels = [note.text for note in figure.layout.annotations if note.name in set(REGIONS)]
+    for letter, system in result.sides:
+        texts = re.findall(rf"{letter.upper()} ([\d.]+) s", str(labels))
+        weights_s = [float(text) for text in texts]
+        total_s = system.failures["severity_s"].sum()
+        assert sum(weights_s) == pytest.approx(total_s, abs=0.03)
+        assert len(weights_s) > 1

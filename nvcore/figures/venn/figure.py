@@ -47,11 +47,11 @@ AREAS: Final = {"circle": 1.0, "diamond": 0.96, "square": 0.886, "circle-open": 
 """Sizes with which symbols have the same area."""
 FAILING: Final = {
     Category.BOTH: "xy",
-    Category.X_ONLY: "y",
-    Category.Y_ONLY: "x",
+    Category.X_ONLY: "yx",
+    Category.Y_ONLY: "xy",
     Category.NEITHER: "xy",
 }
-"""Whose failures a region's severity is of."""
+"""Whose failures a region's severity is of, first whose detection fails."""
 
 
 def venn_figure(
@@ -147,14 +147,20 @@ def _labels(
 
 
 def _weights(encounters: pd.DataFrame | None, kind: Category) -> list[Line]:
-    """What the failures in a region weigh, a line for each system that fails there."""
+    """What the failures in a region weigh, a line for each system that fails there.
+
+    A system may fail in some frames of an encounter that it detects: over all regions the weights
+    add up to its severity.
+    """
     if encounters is None:
         return []
     part = encounters[encounters["category"].to_numpy() == kind.value]
+    is_only = kind in (Category.X_ONLY, Category.Y_ONLY)
+    weights_s = {letter: part[f"severity_s_{letter}"].sum() for letter in FAILING[kind]}
     return [
-        Line(f"{letter.upper()} {part[f'severity_s_{letter}'].sum():.2f} s", 12)
-        for letter in FAILING[kind]
-        if len(part)
+        Line(f"{letter.upper()} {weight_s:.2f} s", 12)
+        for place, (letter, weight_s) in enumerate(weights_s.items())
+        if len(part) and (weight_s > 0 or not (is_only and place))
     ]
 
 
