@@ -22,7 +22,13 @@ from nvcore.report.equal_alarms import (
 )
 from nvcore.report.plan import verdict_plan
 from nvcore.report.verdict import Verdict, verdict
-from nvcore.report.words import count_leads, saliency_caveat, score_cells, scorecard_cells
+from nvcore.report.words import (
+    FUSION_RULE,
+    count_leads,
+    saliency_caveat,
+    score_cells,
+    scorecard_cells,
+)
 from nvcore.scoring import SystemResult
 from nvcore.tables.inputs import inputs_table
 from nvcore.tables.result import worst_intervals
@@ -248,6 +254,7 @@ def _fusion(result: Result) -> str:
             f"{number(alerts, '.1f')} false-alert episodes/h, "
             f"mean similarity {number(system.summary.mean, '.4f')}"
         )
+    lines.append(f"fusion: {FUSION_RULE[0].lower()}{FUSION_RULE[1:-1]}")
     return "\n".join(lines)
 
 

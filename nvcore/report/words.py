@@ -23,6 +23,16 @@ FEW_MISSES: Final = 5
 """Fewest misses of a system for an explanation of phi."""
 
 
+FUSION_RULE: Final = (
+    "A fusion is of boxes, frame by frame (a pair counts once, by X's box), and an encounter then "
+    "needs its share of matched frames like any other: so \u201cX or Y\u201d can detect one that "
+    "neither system does, or not detect one that Y does; \u201cX and Y\u201d can lose one that "
+    "both detect, in different frames; and as runs of false alarms break up, \u201cX and Y\u201d "
+    "can have more episodes than either system."
+)
+"""Why the counts of fused systems are not those of the Venn diagram."""
+
+
 def score_cells(rows: Iterable[ScoreRow], *, indent: str) -> list[tuple[str, ...]]:
     """Measures as text: label, X, Y, X - Y, and which is better; `indent` marks parts."""
     return [

@@ -87,3 +87,31 @@ def test_empty_systems_fuse_to_empty_ones() -> None:
     result: Result = result_of(make_dataset([at(0, 50, track=1)]))
     assert lefts(result.fusion.dataset) == ([], [])
     assert result.fusion.venn.neither == 1
+
+
+def detected(result: Result) -> list[int]:
+    """Encounters detected by X, Y, `X or Y` and `X and Y`."""
+    systems = (result.x, result.y, result.fusion.x, result.fusion.y)
+    return [int(system.encounters["is_detected"].sum()) for system in systems]
+
+
+def test_an_encounter_may_be_detected_by_a_fusion_and_by_neither_system_or_the_other_way() -> None:
+    truth = [at(frame, 50, track=1) for frame in range(8)]
+    # a quarter each: half together
+    assert detected(result_of(make_dataset(truth, truth[:2], truth[2:4]))) == [0, 0, 1, 0]
+    # half each, in different frames
+    assert detected(result_of(make_dataset(truth, truth[:4], truth[4:]))) == [1, 1, 1, 0]
+    # X's box, which stands for the pair, is too far off
+    off = [at(frame, 54, w=10) for frame in range(8)]
+    between = [at(frame, 52, w=10) for frame in range(8)]
+    wide = [at(frame, 50, track=1, w=10) for frame in range(8)]
+    assert detected(result_of(make_dataset(wide, off, between))) == [0, 1, 0, 0]
+
+
+def test_false_alarms_of_both_may_be_more_episodes_than_those_of_either() -> None:
+    y = [at(frame, 50) for frame in range(100)]
+    x = y[:5] + [at(frame, 20) for frame in range(5, 95)] + y[95:]
+    x = [box for box in x if box.centre == 50] + [box for box in x if box.centre == 20]
+    result = result_of(make_dataset([], sorted(x), y, places=[Place(range(100))]))
+    assert result.y.false_alarm_summary.episodes == 1
+    assert result.fusion.y.false_alarm_summary.episodes == 2

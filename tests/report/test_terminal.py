@@ -23,6 +23,7 @@ from nvcore.report.terminal import (
     render_verdict,
 )
 from nvcore.report.verdict import verdict
+from nvcore.report.words import FUSION_RULE
 from nvcore.tables.summary import summary
 from nvcore.wording import number, one_line
 
@@ -80,6 +81,7 @@ def test_the_scorecard_line_by_line(result: Result, scorecard: list[str]):
         f"{result.fusion.x.summary.mean:.4f}",
         "fusion X and Y: 1 of 2 encounters, 0.0 false-alert episodes/h, mean similarity "
         f"{result.fusion.y.summary.mean:.4f}",
+        f"fusion: a{FUSION_RULE[1:-1]}",
         "",
         "saliency: only the most salient miss of a frame makes an event: two people missed side by "
         "side cut each other's events short, so that missing both can come out below missing one",

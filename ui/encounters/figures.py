@@ -10,14 +10,14 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.figures.encounters import LABELS, fusion_plot, lead_time_plot, miss_classes_plot
-from nvcore.report.words import describe_fusion, describe_misses
+from nvcore.report.words import FUSION_RULE, describe_fusion, describe_misses
 from nvcore.tables.miss_classes import ALL_CLASSES, fusion_table, miss_class_totals
 from ui.encounters.filters import set_classes
 from ui.session import state
 from ui.widgets.charts import draw_chart
 from ui.widgets.clicks import clicked_cell, clicked_point
 from ui.widgets.table_columns import class_words
-from ui.widgets.text import UNDEFINED, docs_link
+from ui.widgets.text import UNDEFINED, docs_link, plain
 
 TABLE_PX: Final = 800
 MANY_BOXES: Final = 300_000
@@ -115,6 +115,7 @@ def draw_fusion(result: Result) -> None:
         draw_chart(fusion_plot(fusion, theme=state.theme()), "encounters_fusion")
     with right:
         st.markdown("\n".join(f"- {sentence}" for sentence in describe_fusion(fusion)))
+        st.caption(plain(FUSION_RULE))
         st.dataframe(
             _fusion_shown(fusion),
             hide_index=True,
