@@ -35,6 +35,7 @@ from nvcore.measures import (
     has_several_recordings,
     inference_of,
     measure_of,
+    relevant_share,
 )
 from nvcore.schema import Category
 from nvcore.wording import (
@@ -49,6 +50,8 @@ from nvcore.wording import (
 )
 
 ENCOUNTERS: Final = "encounters_detected_by_unit"
+HALF: Final = 0.5
+"""With less of the events' time of pedestrians that count, saliency is mostly of others."""
 NAME_WIDTH: Final = 40
 """Longest name of a recording."""
 
@@ -265,10 +268,27 @@ def describe_measures(result: Result, evidence: pd.DataFrame | None) -> tuple[st
         is_x = (x > y) == (measure_of(quality.key).better == "higher")
         values = f"{shown_x} to {shown_y}" if is_x else f"{shown_y} to {shown_x}"
         better["X" if is_x else "Y"].append(f"{quality.comparative} {noun} ({values}{unit})")
-    return tuple(
+    sentences = [
         f"{f'{who} has' if who else 'Both have'} {listed(texts)}."
         for who, texts in better.items()
         if texts
+    ]
+    return tuple(filter(None, (*sentences, _far_away(result))))
+
+
+def _far_away(result: Result) -> str:
+    """How little of the saliency is of pedestrians that count; empty: half or more of both's."""
+    shares = [relevant_share(system) for _, system in result.sides]
+    if not any(share < HALF for share in shares):
+        return ""
+    known = [
+        f"{share:.0%} of {letter.upper()}'s"
+        for (letter, _), share in zip(result.sides, shares, strict=True)
+        if np.isfinite(share)
+    ]
+    return (
+        f"Of the time of the saliency events, {listed(known)} is of pedestrians that count; the "
+        "rest is of people too far away."
     )
 
 

@@ -186,6 +186,18 @@ def test_the_measures_stand_side_by_side(better_x: Result):
     )
 
 
+@pytest.mark.parametrize(("n_far", "words"), [(30, "0% of X's and 45% of Y's"), (5, "")])
+def test_saliency_of_people_too_far_away_is_called_that(n_far: int, words: str):
+    """X misses somebody far away, Y somebody who comes near as well."""
+    truth = [at(f, 50, track=1, h=9 if f < n_far else 50) for f in range(n_far + 25)]
+    x = truth[n_far:] if words else []
+    result = result_of(make_dataset(truth, x, [], n_frames=len(truth)), proximity="height")
+    text = topic(judged(result), "Other measures")
+    said = f"Of the time of the saliency events, {words} is of pedestrians that count; the rest is"
+    assert (said in text) == bool(words)
+    assert ("too far away" in text) == bool(words)
+
+
 def test_measures_that_look_the_same_are_not_called_better_and_undefined_ones_left_out(
     alike: Result,
 ):
