@@ -136,3 +136,16 @@ def test_intervals_hold_the_true_difference_about_as_often_as_they_say(
         found = bootstrap_difference(rates(shared + differences), rates(shared), n_resamples=599)
         held += found.low <= 0 <= found.high
     assert least <= held / len(draws) <= 0.98
+
+
+def test_an_interval_reaches_further_to_the_side_of_the_units_that_differ_most():
+    """The sample's encounters: Y alone detects three in one recording, X alone two in others."""
+    n = np.array([4, 4, 3, 2, 4, 4, 4, 5, 4, 4])
+    ahead = np.array([0, 2, 0, 0, 2, -3, 1, 1, 1, -1])
+    x, y = (np.stack([10 + sign * ahead.clip(0), n], axis=1) for sign in (1, 0))
+    y = y + np.stack([(-ahead).clip(0), 0 * n], axis=1)
+    interval = bootstrap_difference(x, y)
+    assert interval.difference == pytest.approx(3 / 38)
+    assert interval.difference - interval.low > 1.5 * (interval.high - interval.difference)
+    mirrored = bootstrap_difference(y, x)
+    assert (mirrored.low, mirrored.high) == pytest.approx((-interval.high, -interval.low), abs=0.02)

@@ -10,6 +10,7 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.comparison import Result
+from nvcore.evidence.bootstrap import INTERVAL_RULE
 from nvcore.evidence.companions import AS_SET, are_unequal, is_undecided
 from nvcore.evidence.measures import ODDS_RATIO
 from nvcore.evidence.paired_tests import SIGNIFICANT
@@ -69,6 +70,8 @@ def draw(result: Result, evidence: pd.DataFrame) -> None:
         for label, method in zip(evidence["label"], evidence["method"], strict=True):
             if method:
                 st.markdown(f"- {plain(label)}: {plain(method)}")
+        if np.isfinite(evidence["low"]).any():
+            st.caption(INTERVAL_RULE)
     _draw_subgroups(result, evidence)
 
 

@@ -16,6 +16,7 @@ from nvcore.detection.curves import DetectionCurve, detection_curve
 from nvcore.detection.filtered_truth import filter_truth
 from nvcore.detection.miss_rate import explain_few
 from nvcore.errors import InputError
+from nvcore.evidence.bootstrap import INTERVAL_RULE
 from nvcore.evidence.companions import Companions
 from nvcore.evidence.planning.study import StudyPlan
 from nvcore.evidence.subgroups import ALL
@@ -113,7 +114,12 @@ def significance_section(evidence: pd.DataFrame) -> Section:
         (
             table("Differences and tests", head, rows, right=range(1, 7)),
             Chart("intervals", interval_plot(evidence), "Differences with their 95 % intervals"),
-            table("How they were made", ("Measure", "From", "Method", "Note"), ways),
+            table(
+                "How they were made",
+                ("Measure", "From", "Method", "Note"),
+                ways,
+                note=INTERVAL_RULE if np.isfinite(evidence["low"]).any() else "",
+            ),
         ),
     )
 
