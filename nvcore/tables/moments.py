@@ -25,7 +25,8 @@ def encounter_moments(result: Result) -> pd.DataFrame:
     One row per encounter, columns int64: first_row, the first relevant frame (of a distant
     encounter the first annotated one); missed_row_x and missed_row_y, the first relevant frame in
     which that system misses the pedestrian, -1 if it never does; shown_row, where the failure that
-    weighs more, X's or Y's, costs most, else first_row.
+    weighs more, X's or Y's, costs most, of the frames in which the other system detects the
+    pedestrian, if there are any; without any failure first_row.
     """
     encounters = result.encounters
     n, rows = len(encounters), encounters.order
@@ -37,6 +38,7 @@ def encounter_moments(result: Result) -> pd.DataFrame:
     moments = {"first_row": first}
     # a track that occurs twice in a frame is one pedestrian, matched if either box is
     key = of * (len(result.dataset.frames) + 1) + frame_row
+    is_missed_by, is_detected_by = {}, {}
     for letter, system in result.sides:
         is_matched = system.matches.is_matched[rows]
         is_missed = is_relevant & ~is_matched
@@ -44,9 +46,20 @@ def encounter_moments(result: Result) -> pd.DataFrame:
         moments[f"missed_row_{letter}"] = _earliest(
             n, of[is_missed][~has_matched_twin], frame_row[is_missed][~has_matched_twin]
         )
+        is_missed[is_missed] = ~has_matched_twin
+        is_missed_by[letter] = is_missed
+        is_detected_by[letter] = np.isin(key, key[is_matched])
     x, y = result.x.failures, result.y.failures
-    peak_row = np.where(y["severity_s"] > x["severity_s"], y["peak_row"], x["peak_row"])
-    moments["shown_row"] = np.where(peak_row == NEVER, first, peak_row)
+    is_of_y = (y["severity_s"] > x["severity_s"]).to_numpy()
+    peak_row = np.where(is_of_y, y["peak_row"], x["peak_row"])
+    shown_row = np.where(peak_row == NEVER, first, peak_row)
+    is_alone = np.where(
+        is_of_y[of],
+        is_missed_by["y"] & is_detected_by["x"],
+        is_missed_by["x"] & is_detected_by["y"],
+    )
+    alone = _costliest(encounters.offsets, result.cost[rows], is_alone, frame_row)
+    moments["shown_row"] = np.where((peak_row == NEVER) | (alone == NEVER), shown_row, alone)
     return pd.DataFrame(moments).astype("int64")
 
 
@@ -79,6 +92,18 @@ def _twice(candidates: np.ndarray, keys: np.ndarray) -> np.ndarray:
     """Those of `candidates` that occur more than once in the sorted `keys`."""
     several = keys[1:][keys[1:] == keys[:-1]]
     return candidates[np.isin(candidates, several)] if len(several) else several
+
+
+def _costliest(
+    offsets: np.ndarray, cost: np.ndarray, is_candidate: np.ndarray, frame_row: np.ndarray
+) -> np.ndarray:
+    """First frame row of the largest cost among each encounter's candidates; `NEVER` for none."""
+    n = len(offsets) - 1
+    of = np.repeat(np.arange(n), np.diff(offsets))[is_candidate]
+    largest = np.full(n, -np.inf)
+    np.maximum.at(largest, of, cost[is_candidate])
+    is_largest = cost[is_candidate] == largest[of]
+    return _earliest(n, of[is_largest], frame_row[is_candidate][is_largest])
 
 
 def _earliest(n: int, of: np.ndarray, values: np.ndarray) -> np.ndarray:

@@ -192,6 +192,16 @@ def test_an_encounter_opens_where_the_heavier_failure_costs_most():
     assert row["shown_row"] == 0
 
 
+def test_an_encounter_opens_where_the_other_system_detects_the_pedestrian():
+    # X misses all, Y two frames: the one that costs most, and another
+    place = {0: 5, 1: 30, 2: 50, 3: 40, 4: 20, 5: 10}
+    truth = [at(f, place[f], track=1) for f in range(6)]
+    (row,) = moments(truth, [], [*truth[:2], *truth[3:5]])
+    assert row["shown_row"] == 3  # in frame 2, which costs more, both miss
+    (row,) = moments(truth, [], [])
+    assert row["shown_row"] == 2
+
+
 def test_an_encounter_without_a_miss_opens_where_it_begins_to_count():
     truth = [at(f, 50, track=1, h=3 if f < 4 else 50) for f in range(10)]
     assert moments(truth, truth, truth) == [

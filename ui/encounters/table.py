@@ -181,7 +181,7 @@ def _draw_ways(result: Result, row: pd.Series[Any], moments: pd.Series[Any]) -> 
         open_row(shown_row)
     st.caption(
         f"Frame {frames['frame'].iloc[shown_row]} at {frames['time_s'].iloc[shown_row]:.2f} s, "
-        f"{_why(row, any(place >= 0 for place in missed.values()))}."
+        f"{_why(result, row, shown_row, any(place >= 0 for place in missed.values()))}."
     )
     for letter, place in missed.items():
         if place not in (shown_row, NEVER) and st.button(
@@ -192,11 +192,13 @@ def _draw_ways(result: Result, row: pd.Series[Any], moments: pd.Series[Any]) -> 
             open_row(place)
 
 
-def _why(row: pd.Series[Any], is_missed: bool) -> str:
+def _why(result: Result, row: pd.Series[Any], shown_row: int, is_missed: bool) -> str:
     """Why that frame is shown."""
     if not is_missed:
         return "where the encounter begins to count"
     x, y = row["severity_s_x"], row["severity_s_y"]
-    if x == y:
-        return "where missing the pedestrian costs most"
-    return f"where {'X' if x > y else 'Y'}'s failure, the heavier, costs most"
+    heavier, other = ("y", "x") if y > x else ("x", "y")
+    what = "missing the pedestrian" if x == y else f"{heavier.upper()}'s failure, the heavier,"
+    is_peak = shown_row == result.system(heavier).failures["peak_row"].iloc[int(str(row.name))]
+    while_seen = "" if is_peak else f" while {other.upper()} detects the pedestrian"
+    return f"where {what} costs most{while_seen}"

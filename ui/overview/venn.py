@@ -85,7 +85,10 @@ def _draw_worst(encounters: pd.DataFrame) -> None:
         selection_mode=("single-row", "single-cell"),
         on_select=partial(_ask_for_row, key, worst["shown_row"].tolist()),
     )
-    st.caption("Click an encounter to see the frame in which its failure costs most.")
+    st.caption(
+        "Click an encounter to see the frame in which its failure costs most, of those in which "
+        "the other system detects the pedestrian, if there are any."
+    )
 
 
 def _ask_for_row(key: str, rows: list[int]) -> None:

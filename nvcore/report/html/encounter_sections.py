@@ -16,6 +16,7 @@ from nvcore.report.html.blocks import MAX_ROWS, Chart, Section, Sentences, Table
 from nvcore.report.html.charts import THEME
 from nvcore.report.html.result_sections import names_of
 from nvcore.report.words import (
+    FUSION_RULE,
     describe_fusion,
     describe_lead,
     describe_misses,
@@ -112,7 +113,10 @@ def _heaviest(result: Result, encounters: pd.DataFrame) -> Table:
         *("Failure of X", "Failure of Y"),
     )
     title = "The encounters whose failures weigh most"
-    note = "Sorted by the larger severity of the two; the time is that of its largest cost."
+    note = (
+        "Sorted by the larger severity of the two; the time is that of its largest cost, of the "
+        "frames in which the other system detects the pedestrian, if there are any."
+    )
     return table(title, head, rows, right=range(3, 8), note=note)
 
 
@@ -149,7 +153,7 @@ def _fusion(fusion: pd.DataFrame) -> Table:
     head = ("System", "Encounters detected", "False-alert episodes", "Per hour", "Mean similarity")
     note = (
         "What if both were one system: \u201cX or Y\u201d shows what either shows (a pair of boxes "
-        "that overlap once), \u201cX and Y\u201d only what both show."
+        f"that overlap once), \u201cX and Y\u201d only what both show. {FUSION_RULE}"
     )
     return table("X and Y as one system", head, rows, right=range(1, 5), note=note)
 

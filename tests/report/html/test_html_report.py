@@ -17,6 +17,7 @@ from inputs import drive, session_of
 from nvcore import __version__
 from nvcore.comparison import Result, compare
 from nvcore.errors import InputError
+from nvcore.evidence.bootstrap import INTERVAL_RULE
 from nvcore.findings import Finding, Severity
 from nvcore.inputs.load import load
 from nvcore.inputs.session import Session
@@ -24,6 +25,7 @@ from nvcore.params import Params
 from nvcore.protocols import PROTOCOLS
 from nvcore.report.html import css_text, encounter_sections, result_sections, write_html_report
 from nvcore.report.html.blocks import MAX_CELL, MAX_NOTE, MAX_ROWS, table
+from nvcore.report.words import FUSION_RULE
 from nvcore.settings import Settings
 
 HOSTILE = "</script><img src=x onerror=alert(1)>{{ 7*7 }}"
@@ -383,3 +385,5 @@ def test_at_unequal_operating_points_sections_are_marked_and_the_verdicts_number
     as_set = {row[0]: row[1:] for row in page.tables["Measures of X and Y"][1:]}
     assert list(rows) == list(as_set)
     assert rows["mean similarity"] != as_set["mean similarity"]
+    assert INTERVAL_RULE in " ".join(page.words)
+    assert FUSION_RULE in " ".join(page.words)
