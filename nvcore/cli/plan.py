@@ -98,9 +98,12 @@ def plan(
     Inputs as for compare. Studies are simulated by drawing whole recordings from these, of which 6
     or more are needed. With --margin: how many would show that the candidate is at most that much
     worse, and whether these do. Exit code 0: fine, 1: the audit found errors (with --strict: or
-    warnings), 2: bad input.
+    warnings), 2: bad input, or fewer than 6 recordings.
     """
+    from nvcore.errors import InputError
     from nvcore.evidence.planning import plan_key, plan_study
+    from nvcore.evidence.planning.pilot import MIN_PILOT
+    from nvcore.evidence.units import RECORDINGS
     from nvcore.inputs.files import paths_to_show
     from nvcore.report.plan import plan_json, render_plan
     from nvcore.report.terminal import render_findings
@@ -119,6 +122,9 @@ def plan(
         n_tests=n_tests,
         protocol=session.protocol,
     )
+    row = study.evidence
+    if row.unit != RECORDINGS or row.n < MIN_PILOT:
+        raise InputError(study.sizes[0].reason)
     paths = paths_to_show(session.folder, session.sources)
     click.echo(render_findings(findings_at_paths(findings, paths)) + "\n", err=as_json)
     click.echo(plan_json(study) if as_json else render_plan(study), nl=not as_json)

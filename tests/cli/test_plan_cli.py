@@ -33,12 +33,12 @@ def test_a_percentage_of_a_share_is_a_hundredth_and_json_stands_alone():
     assert plan["sentences"][1].startswith("It is shown that Y is at most 30.0 pp worse")
 
 
-def test_two_recordings_are_no_pilot_and_that_is_no_error(folder: Path):
-    ran = nvcore("plan", *flags(folder), "--json")
-    assert ran.exit_code == 0, ran.output
-    (size,) = json.loads(ran.stdout)["sizes"]
-    assert size["n_recordings"] is None
-    assert size["reason"].startswith("a plan needs a pilot of 6 recordings or more, here are 2")
+@pytest.mark.parametrize("more", [[], ["--json"], ["--margin", "5%"]])
+def test_two_recordings_are_no_pilot(folder: Path, more: list[str]):
+    ran = nvcore("plan", *flags(folder), *more)
+    assert ran.exit_code == 2
+    assert "a plan needs a pilot of 6 recordings or more, here are 2" in ran.output
+    assert ran.stdout == ""
 
 
 def test_the_help_names_every_measure_that_can_be_planned_for():

@@ -123,6 +123,19 @@ def test_the_size_has_the_power_and_is_near_the_formula_s():
     assert point.low <= 0.8 <= point.high
 
 
+@pytest.mark.parametrize("seed", range(8))
+def test_the_size_is_the_first_of_the_curve_that_has_the_power(seed: int):
+    rng = np.random.default_rng(seed)
+
+    def count(n: int, n_studies: int) -> int:
+        return int(rng.binomial(n_studies, min(0.8 * np.sqrt(n / 60), 1)))
+
+    length = find_length(count, guess=60, least=6, target=0.8)
+    reaching = [point.n_recordings for point in length.points if point.power >= 0.8]
+    assert length.n_recordings == min(reaching)
+    assert length.n_recordings == pytest.approx(60, rel=0.2)
+
+
 def test_what_no_study_shows_has_no_size():
     length = find_length(lambda *_: 0, guess=100, least=6, target=0.8)
     assert length.n_recordings is None

@@ -308,7 +308,8 @@ def find_length(
 
     Studies of several sizes about the guess are simulated; a line through the normal quantiles of
     their power over the square root of the size, which is what the power of a mean follows,
-    smooths them. The size at which it reaches the target is simulated again, with more studies.
+    smooths them. The size at which it reaches the target is simulated again, with more studies, and
+    is the first of those simulated whose own power does.
 
     Parameters
     ----------
@@ -341,6 +342,17 @@ def find_length(
     if abs(better - n_recordings) > ROUGHLY * n_recordings:
         n_recordings = better
         simulate(n_recordings, N_STUDIES_LAST)
+    while points[n_recordings].power < target and n_recordings < MOST_RECORDINGS:
+        n_recordings = min(n_recordings + max(1, round(ROUGHLY * n_recordings)), MOST_RECORDINGS)
+        simulate(n_recordings, N_STUDIES_LAST)
+    if points[n_recordings].power < target:
+        return StudyLength(None, _in_order(points))
+    # one of the sizes on the way may reach it with its fewer studies: by luck, or in earnest
+    while (first := min(n for n in points if points[n].power >= target)) < n_recordings:
+        if points[first].n_studies == N_STUDIES_LAST:
+            n_recordings = first
+        else:
+            simulate(first, N_STUDIES_LAST)
     return StudyLength(n_recordings, _in_order(points))
 
 
