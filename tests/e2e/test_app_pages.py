@@ -79,6 +79,17 @@ def test_a_click_in_the_strip_of_all_recordings_opens_the_frame(overview):
     overview.shows(frame)
 
 
+# How far the right edges of the navigation's bar and of the page below it are apart, px.
+BAR_ENDS_SHORT = """() => {
+  const right = of => of.getBoundingClientRect().right;
+  const bar = document.querySelector(".st-key-navigation").parentElement;
+  return right(document.querySelector("[data-testid=stMainBlockContainer]")) - right(bar); }"""
+
+
+def test_the_navigation_covers_what_scrolls_below_it_up_to_the_right_edge(overview):
+    assert abs(overview.page.evaluate(BAR_ENDS_SHORT)) < 1
+
+
 @pytest.mark.parametrize("title", TITLES)
 @pytest.mark.parametrize("theme", THEMES)
 def test_a_page_has_no_accessibility_fault(shared, theme, title):
