@@ -34,6 +34,8 @@ MANY_EVENTS: Final = 200
 """Events of a system above which the marks on the curve are small."""
 N_PARTS: Final = 6
 """Events of each system that are taken apart."""
+LEGEND_PX: Final = 54
+"""How far below the top of the figure the legend of the parts begins."""
 CURVE_POINTS: Final = 201
 SHIFT: Final = 0.03
 """How far from the curve the marks of X and Y stand apart from each other."""
@@ -193,17 +195,21 @@ def parts_plot(
     if not labels:
         return empty_figure(NO_EVENTS, theme=theme)
     is_risk = result.params.saliency_weight == "risk"
-    kind = "largest event" if result.params.saliency_aggregate == "max" else "sum of events"
+    what = "the largest counts" if result.params.saliency_aggregate == "max" else "their sum counts"
+    height = 150 + 24 * len(labels)
+    # placed by the container in both directions: beside long labels there is no room in the plot,
+    # and a legend that is held by one side of it takes more of it away
+    legend = {"xref": "container", "x": 0.01, "yref": "container", "y": 1 - LEGEND_PX / height}
     return draw(
         traces,
         theme,
         title="The number taken apart",
         subtitle=f"{count_text(len(labels), 'largest event')}; pale: "
         f"{'weighted distance' if is_risk else 'duration'}, solid: × recency",
-        height=150 + 24 * len(labels),
+        height=height,
         barmode="overlay",
-        legend=LEGEND | {"xref": "container", "x": 0.01},  # the plot is narrow: long labels
-        xaxis=axis(theme, f"seconds; the {kind} counts", rangemode="tozero"),
+        legend=LEGEND | legend | {"yanchor": "top"},
+        xaxis=axis(theme, f"seconds; {what}", rangemode="tozero"),
         yaxis=rows_axis(theme, labels, fixedrange=True, showgrid=False, automargin=True),
     )
 

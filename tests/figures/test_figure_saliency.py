@@ -59,12 +59,12 @@ def test_an_event_is_taken_apart_into_duration_and_what_recency_leaves() -> None
     assert solid.x == pytest.approx([0.2 * 0.99331, 0.2 * 0.26894], abs=1e-5)
     assert solid.customdata.tolist() == [18, 12]
     assert figure.layout.yaxis.ticktext[0] == "r1, ped 3, 0.8 s"
-    assert "the largest event counts" in figure.layout.xaxis.title.text
+    assert "the largest counts" in figure.layout.xaxis.title.text
 
 
 def test_the_axes_say_how_the_number_of_a_recording_is_made() -> None:
     result = missed(saliency_aggregate="sum", saliency_scope="encounter")
-    assert "sum of events" in parts_plot(result, theme="light").layout.xaxis.title.text
+    assert "their sum counts" in parts_plot(result, theme="light").layout.xaxis.title.text
     assert "in its encounter" in recency_plot(result, theme="light").layout.xaxis.title.text
 
 
@@ -116,3 +116,10 @@ def test_with_risk_and_seconds_marks_axes_and_texts_are_of_these() -> None:
     assert "end of the event to the end of its recording (s)" in figure.layout.xaxis.title.text
     assert "for 0.20 s, weight 0.20 s<br>0.20 s × recency" in events.text[0]
     assert "pale: weighted distance" in words(parts_plot(result, theme="light"))
+
+
+def test_the_legend_of_the_parts_takes_no_room_from_them_beside_long_labels() -> None:
+    """A legend that one side of the plot holds makes Plotly push the plot away from it."""
+    legend = parts_plot(missed(), theme="light").layout.legend
+    assert (legend.xref, legend.yref) == ("container", "container")
+    assert "seconds; the largest counts" in words(parts_plot(missed(), theme="light"))

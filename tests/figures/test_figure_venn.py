@@ -81,8 +81,8 @@ def test_counts_stand_in_their_regions() -> None:
     assert label(figure, "x_only") == "20 only X"
     assert label(figure, "y_only") == "21 only Y"
     assert label(figure, "neither") == "4 neither"
-    assert label(figure, "distant") == "6 distant, not counted"
-    assert "95 near encounters; areas in proportion" in words(figure)
+    assert label(figure, "distant") == "6 too far to count"
+    assert "95 encounters near enough to count; areas to scale" in words(figure)
 
 
 def test_a_click_in_a_region_gives_its_category() -> None:

@@ -21,8 +21,10 @@ from ui.widgets.text import UNDEFINED, docs_link
 
 WORDS: Final = {"both": "Both", "x_only": "Only X", "y_only": "Only Y", "neither": "Neither"}
 N_WORST: Final = 5
-WORST_COLUMNS: Final = {"recording": 110, "track": 66, "severity_s_x": 86, "severity_s_y": 86}
+WORST_COLUMNS: Final = {"recording": 104, "track": 80, "severity_s_x": 66, "severity_s_y": 66}
 """Columns of the heaviest failures and their widths, px: in all, that of half a small window."""
+SEVERITIES: Final = {"severity_s_x": "X (s)", "severity_s_y": "Y (s)"}
+"""Headings where the table's title says what is listed."""
 OPEN: Final = "overview_open"
 """Frame row of the encounter that was clicked in the list."""
 
@@ -47,14 +49,15 @@ def draw(result: Result) -> None:
         open_row(int(clicked))
     has_marks = len(encounters) <= MOST_MARKS
     st.caption(
-        f"{docs_link('Severity', 'severity')}: what failures weigh, in seconds of a pedestrian "
-        "missed straight ahead and near. "
+        f"The seconds are {docs_link('severity', 'severity')}: what failures weigh, 1 s for each "
+        "second that a pedestrian straight ahead and near is missed. "
         + (
             "Each mark is an encounter, the larger the heavier its failure; its colour is the "
             "system whose failure is heavier, a square stands for both. Click a mark to see its "
             "moment, or a region to see its encounters."
             if has_marks
-            else "Click a region to see its encounters."
+            else f"Encounters have marks of their own only up to {MOST_MARKS} of them. Click a region "
+            "to see its encounters."
         )
     )
     counts = result.venn.counts()
@@ -70,9 +73,10 @@ def _draw_worst(encounters: pd.DataFrame) -> None:
     worst = encounters[encounters["severity_s"] > 0].head(N_WORST)
     if worst.empty:
         return
-    st.markdown("**Heaviest failures**")
+    st.markdown("**Heaviest failures**, by severity")
+    configs = column_config("encounters.csv")
     config = {
-        name: column_config("encounters.csv")[name] | {"width": width}
+        name: configs[name] | {"width": width, "label": SEVERITIES.get(name, configs[name]["label"])}
         for name, width in WORST_COLUMNS.items()
     }
     key = f"overview_worst_{hash(tuple(worst['shown_row']))}"

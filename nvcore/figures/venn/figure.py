@@ -96,13 +96,12 @@ def venn_figure(
         else plan_counts(venn, labels)
     )
     frame = plan.frame
-    areas = "areas in proportion" if plan.is_exact else "areas roughly in proportion"
+    areas = "areas to scale" if plan.is_exact else "areas roughly to scale"
     figure = draw(
         [_clicks(venn, plan)],
         theme,
         title="Encounters detected",
-        subtitle=f"{count_text(venn.n_near, 'near encounter')}; {areas}"
-        + ("" if encounters is None else "; seconds: severity"),
+        subtitle=f"{count_text(venn.n_near, 'encounter')} near enough to count; {areas}",
         height=HEIGHT_PX,
         hoverdistance=24,
         margin={"l": 8, "r": 8, "t": 60, "b": 30},
@@ -232,7 +231,7 @@ def _write_labels(figure: go.Figure, venn: Venn, plan: Plan, labels: Labels, loo
         name = f"system {letter}"
         _write(figure, label.html, name, look.ink, place, anchor.xanchor, anchor.yanchor)
     place = {"x": frame.right, "y": frame.bottom, "yshift": -4}
-    text = f'<span style="font-size:12px">{venn.distant:,} distant, not counted</span>'
+    text = f'<span style="font-size:12px">{venn.distant:,} too far to count</span>'
     _write(figure, text, Category.DISTANT.value, look.muted, place, "right", "top")
 
 

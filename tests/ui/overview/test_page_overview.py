@@ -68,11 +68,29 @@ def test_the_encounters_that_weigh_most_are_listed_and_open_by_a_click(
     assert shown == [123]
 
 
+NARROWEST_PX = 380
+"""Room for a table beside the scorecard in a window of 1280, with the page's scroll bar."""
+
+
+def test_the_list_of_heaviest_failures_fits_a_small_window():
+    """With 34 px for the marks that choose a row."""
+    assert 34 + sum(venn.WORST_COLUMNS.values()) <= NARROWEST_PX - 15
+
+
 def test_every_kind_of_moment_can_be_looked_at(app: AppTest):
     for kind in ("x", "y", "x_better", "y_better"):
         app.session_state["moments"] = kind
         checked(app.run())
         assert [button for button in app.button if button.label == "Open frame"]
+
+
+def test_the_page_says_why_many_encounters_have_no_marks(
+    app: AppTest, monkeypatch: pytest.MonkeyPatch
+):
+    assert "Each mark is an encounter" in texts(app)
+    monkeypatch.setattr(venn, "MOST_MARKS", 20)
+    shown = texts(checked(app.run()))
+    assert "Encounters have marks of their own only up to 20 of them" in shown
 
 
 def test_a_page_that_was_asked_for_is_opened(app: AppTest):
