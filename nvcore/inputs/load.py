@@ -37,6 +37,7 @@ from nvcore.inputs.recordings import (
     check_listed,
     contradicted_facts,
     describe_recordings,
+    missing_pictures,
 )
 from nvcore.inputs.recordings_file import with_recordings_file
 from nvcore.inputs.session import Session, Source, SystemSource
@@ -270,6 +271,7 @@ def _place(session: Session, loaded: list[_Loaded], max_frames: int | None) -> D
     findings = [finding for source in loaded for finding in source.reading.findings]
     findings += _changed_inputs(session, loaded)
     findings += contradicted_facts(truth, recordings)
+    findings += missing_pictures(session, recordings["name"].tolist())
     return dataset_from_tables(
         recordings,
         frames,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
@@ -11,7 +12,7 @@ from nvcore.errors import InputError, MissingFactError
 from nvcore.findings import Finding
 from nvcore.inputs.readers.base import Reading, warning
 from nvcore.inputs.session import Session
-from nvcore.wording import did_you_mean
+from nvcore.wording import count_text, did_you_mean
 
 MOST_NAMED: Final = 5
 """Recordings that are named in an error."""
@@ -46,6 +47,32 @@ def contradicted_facts(truth: Reading, recordings: pd.DataFrame) -> list[Finding
         )
         findings.append(finding)
     return findings
+
+
+def missing_pictures(session: Session, names: Sequence[str]) -> list[Finding]:
+    """Pictures that the session names for a recording and that are not there."""
+    entries = session.entries(list(names))
+    missing = [
+        (name, entry.pictures)
+        for name, entry in entries.items()
+        if entry.pictures is not None and not (session.folder / entry.pictures).exists()
+    ]
+    if not missing:
+        return []
+    name, path = missing[0]
+    return [
+        warning(
+            "missing-pictures",
+            len(missing),
+            f"{count_text(len(missing), 'recording has', 'recordings have')} pictures named that "
+            "are not there: no file or folder has that path.",
+            "Correct the path, which starts from the folder of the file that names it. The numbers "
+            "need no pictures.",
+            role="truth",
+            file=path,
+            example=f"recording {name}",
+        )
+    ]
 
 
 def check_listed(session: Session, truth: Reading) -> None:

@@ -278,6 +278,17 @@ def test_a_given_size_and_rate_that_contradict_the_data_are_reported(tmp_path: P
     assert "contradicted-fact" not in {one.code for one in findings}
 
 
+def test_pictures_that_are_not_there_are_reported(tmp_path: Path):
+    one_box(tmp_path)
+    entry = RecordingEntry("truth", pictures="frames/night")
+    session = replace(session_of(tmp_path, "truth.csv", "fir.csv"), recordings=(entry,))
+    (finding,) = [one for one in load(session).findings if one.code == "missing-pictures"]
+    assert (finding.severity, finding.count, finding.file) == ("warning", 1, "frames/night")
+    assert "pictures named that are not there" in finding.message
+    (tmp_path / "frames" / "night").mkdir(parents=True)
+    assert "missing-pictures" not in {one.code for one in load(session).findings}
+
+
 def test_frame_numbers_are_moved_by_the_offset(tmp_path: Path):
     system = SystemSource(("fir.csv",), offset_frames=-2)
     dataset = load(session_of(one_box(tmp_path, "5,1,1,5,10,0.5"), "truth.csv", system))
