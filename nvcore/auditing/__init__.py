@@ -22,7 +22,12 @@ from nvcore.auditing.comparability import (
 from nvcore.auditing.coverage import audit_system_coverage, audit_truth_coverage
 from nvcore.auditing.offsets import find_offsets
 from nvcore.auditing.overlaps import above_threshold
-from nvcore.auditing.recordings import audit_fps, audit_frame_list, audit_size
+from nvcore.auditing.recordings import (
+    audit_fps,
+    audit_frame_list,
+    audit_kitti_size,
+    audit_size,
+)
 from nvcore.auditing.rows import audit_left_out
 from nvcore.auditing.scores import audit_scores, audit_threshold
 from nvcore.dataset import Dataset
@@ -86,7 +91,8 @@ def audit_inputs(dataset: Dataset) -> tuple[Finding, ...]:
     truth = truth_source(dataset)
     findings = [*dataset.findings, *audit_left_out(dataset)]
     findings += [*audit_truth_coverage(dataset), *_audit_boxes(truth), *audit_tracks(truth)]
-    findings += [*audit_size(dataset), *audit_fps(dataset), *audit_frame_list(dataset)]
+    findings += [*audit_size(dataset), *audit_kitti_size(dataset), *audit_fps(dataset)]
+    findings += audit_frame_list(dataset)
     for system in (system_source(dataset, name) for name in dataset.systems):
         findings += [*audit_system_coverage(system), *_audit_boxes(system), *audit_scores(system)]
         findings += audit_same_as_truth(system)

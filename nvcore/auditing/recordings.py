@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from nvcore.auditing.cases import TRUTH_NAME, recording_findings
-from nvcore.auditing.scales import SIZES
+from nvcore.auditing.scales import KITTI_SIZES, SIZES
 from nvcore.dataset import Dataset
 from nvcore.findings import Finding, Severity
 
@@ -17,6 +17,10 @@ REACHED_SHARE: Final = 0.6
 """Boxes that end before this share of both width and height are of a smaller picture."""
 EDGE_SLACK: Final = 1.03
 """Boxes at the edge reach beyond the picture by a little: by this factor at most."""
+KITTI_SLACK_PX: Final = 1.5
+"""Right edges as near as this to one another are the same."""
+MIN_AT_EDGE: Final = 5
+"""Boxes that have to end there before it is taken for the edge of the picture."""
 FPS_RANGE: Final = (0.1, 240.0)
 """Frame rates outside of this range are mistakes rather than cameras."""
 MIN_EMPTY: Final = 20
@@ -68,6 +72,46 @@ def audit_size(dataset: Dataset) -> list[Finding]:
             )
         )
     return findings
+
+
+def audit_kitti_size(dataset: Dataset) -> list[Finding]:
+    """Recordings of KITTI given another size than that at whose right edge its boxes end.
+
+    KITTI's files hold no size, its recordings differ, and boxes of the truth are cut off at the
+    edge of the picture.
+    """
+    is_truth = dataset.inputs["subject"] == TRUTH_NAME
+    if not any(str(name).startswith("kitti") for name in dataset.inputs["format"][is_truth]):
+        return []
+    recordings, truth = dataset.recordings, dataset.truth
+    recording = dataset.frame_columns.recording[truth.frame_index]
+    right = truth.x + truth.w
+    own = np.zeros((len(recordings), 2))
+    for row in range(len(recordings)):
+        rights = right[recording == row]
+        reach = rights.max(initial=0.0)
+        if np.count_nonzero(rights >= reach - KITTI_SLACK_PX) < MIN_AT_EDGE:
+            continue
+        for size in KITTI_SIZES:
+            if abs(reach - size[0]) <= KITTI_SLACK_PX:
+                own[row] = size
+                break
+    given = recordings[["width", "height"]].to_numpy(dtype=float)
+    odd = np.flatnonzero((own[:, 0] > 0) & (np.abs(given - own)[:, 0] > KITTI_SLACK_PX))
+    if not len(odd):
+        return []
+    (W, H), (width, height) = given[odd[0]], own[odd[0]]
+    return recording_findings(
+        dataset,
+        Severity.WARNING,
+        "kitti-size",
+        TRUTH_NAME,
+        odd,
+        f"a picture size that the truth contradicts (first: given {W:g}x{H:g}, its boxes end at the "
+        f"edge of {width:g}x{height:g})",
+        "Recordings of KITTI differ in size: look at the pictures, and give --size, or a size for "
+        "each recording in a table (--recordings).",
+    )
 
 
 def _fitting(reach: np.ndarray, size: np.ndarray) -> str:

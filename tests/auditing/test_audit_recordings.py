@@ -1,7 +1,9 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
+import pandas as pd
 import pytest
 from audit_comparison import N, codes, dataset, find, truth_walk, walk
 from builders import Box, Place
@@ -53,6 +55,22 @@ def test_the_size_that_would_fit_is_named(
 def test_boxes_fit_their_picture(right: float, bottom: float, n: int) -> None:
     boxes = crowd(right, bottom)[:n]
     assert "size-too-large" not in codes(dataset(boxes, boxes, boxes, width=1280, height=960))
+
+
+def test_a_size_that_is_not_that_of_a_kitti_recording_is_a_warning() -> None:
+    """Its files hold no size; boxes of the truth are cut off at the right edge."""
+    boxes = crowd(1224, 369)
+    kitti = {"subject": ["truth"], "file": "0016.txt", "sha256": "", "conversion": ""}
+    inputs = pd.DataFrame(kitti | {"format": "kitti-tracking"})
+    wrong = replace(dataset(boxes, boxes, boxes, width=1242, height=375), inputs=inputs)
+    finding = find(wrong, "kitti-size")
+    assert (finding.severity, finding.count) == (Severity.WARNING, 1)
+    assert "given 1242x375, its boxes end at the edge of 1224x370" in finding.message
+    right = replace(dataset(boxes, boxes, boxes, width=1224, height=370), inputs=inputs)
+    assert "kitti-size" not in codes(right)
+    assert "kitti-size" not in codes(replace(wrong, inputs=inputs.assign(format="csv")))
+    few = replace(dataset(boxes[:8], boxes, boxes, width=1242, height=375), inputs=inputs)
+    assert "kitti-size" not in codes(few)
 
 
 def test_recordings_of_one_size_are_looked_at_together() -> None:

@@ -9,6 +9,7 @@ from typing import Any, Final
 
 import streamlit as st
 
+from nvcore.auditing.scales import KITTI_SIZES
 from nvcore.errors import MediaError
 from nvcore.inputs.readers import FORMATS
 from nvcore.inputs.readers.base import Role
@@ -83,10 +84,11 @@ class UsualInputs:
     others: str
 
 
-_OF_KITTI: Final = ("KITTI", "1224 × 370, 1238 × 374 or 1241 × 376")
+_USUAL, *_OTHERS = KITTI_SIZES
+_OF_KITTI: Final = ("KITTI", " or ".join(f"{w} × {h}" for w, h in sorted(_OTHERS)))
 USUAL_INPUTS: Final = {
-    "kitti-tracking": UsualInputs((1242, 375), 10.0, *_OF_KITTI),
-    "kitti-object": UsualInputs((1242, 375), None, *_OF_KITTI),
+    "kitti-tracking": UsualInputs(_USUAL, 10.0, *_OF_KITTI),
+    "kitti-object": UsualInputs(_USUAL, None, *_OF_KITTI),
 }
 """By the name of the format."""
 
