@@ -90,15 +90,18 @@ def check_listed(session: Session, truth: Reading) -> None:
     entries = session.entries(names)
     for name, line in table.line_of.items():
         if name in entries and name not in names and entries[name].frames is None:
-            known = f"its recordings are {', '.join(names[:MOST_NAMED])}"
-            more = f" and {len(names) - MOST_NAMED:,} more" if len(names) > MOST_NAMED else ""
-            hint = did_you_mean(name, names, known + more)
-            raise InputError(
-                f"there is no recording {name!r} in the ground truth; {hint}. One without "
-                "pedestrians needs its evaluated frames, as frames in a session file",
-                file=table.path,
-                line=line,
-            )
+            raise InputError(no_such_recording(name, names), file=table.path, line=line)
+
+
+def no_such_recording(name: str, names: Sequence[str]) -> str:
+    """Why a table of recordings cannot be used that has one which the ground truth lacks."""
+    known = f"its recordings are {', '.join(names[:MOST_NAMED])}"
+    more = f" and {len(names) - MOST_NAMED:,} more" if len(names) > MOST_NAMED else ""
+    return (
+        f"there is no recording {name!r} in the ground truth; "
+        f"{did_you_mean(name, names, known + more)}. One without pedestrians needs its evaluated "
+        "frames, as frames in a session file"
+    )
 
 
 def describe_recordings(session: Session, truth: Reading) -> pd.DataFrame:

@@ -88,7 +88,8 @@ def _draw_form(root: LocalRoot, entries: list[Entry]) -> tuple[dict[str, list[st
         name_fields.append(left)
         checks.append(check)
     recordings = [] if checks[0] is None else checks[0].recordings
-    table = _draw_table(root, entries)
+    frames_are_listed = bool(st.session_state.get("local_frames"))
+    table = _draw_table(root, entries, [] if frames_are_listed else recordings)
     frames = _draw_frame_list(root, entries, recordings)
     paths_of["local_pictures"] = _draw_role("local_pictures", entries)
     places, missing = _find(root, paths_of["local_pictures"])
@@ -108,7 +109,9 @@ def _draw_form(root: LocalRoot, entries: list[Entry]) -> tuple[dict[str, list[st
     return paths_of, finish_form(PLACE, names, recording, frames, table, pictures, checks_by_title)
 
 
-def _draw_table(root: LocalRoot, entries: list[Entry]) -> RecordingsTable:
+def _draw_table(
+    root: LocalRoot, entries: list[Entry], recordings: Sequence[str]
+) -> RecordingsTable:
     files = [entry for entry in entries if not entry.is_folder]
     paths = _draw_role("local_recordings", files, most=1, help_text=RECORDINGS_HELP)
     if not paths:
@@ -117,7 +120,7 @@ def _draw_table(root: LocalRoot, entries: list[Entry]) -> RecordingsTable:
         root.find(paths[0])
     except InputError as error:
         return draw_recordings(RecordingsTable(trouble=str(error)))
-    return draw_recordings(check_recordings(paths[0], root.folder))
+    return draw_recordings(check_recordings(paths[0], root.folder), recordings)
 
 
 def _draw_frame_list(root: LocalRoot, entries: list[Entry], recordings: Sequence[str]) -> FrameList:

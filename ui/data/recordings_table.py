@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Final
 
 import streamlit as st
 
+from nvcore.inputs.recordings import MOST_NAMED, no_such_recording
 from nvcore.inputs.recordings_file import read_recordings_file
 from nvcore.inputs.session import RecordingEntry, RecordingsFile
 from nvcore.wording import count_text, listed
@@ -41,6 +42,7 @@ class RecordingsTable:
     path: str | None = None
     entries: Mapping[str, RecordingEntry] = field(default_factory=dict)
     trouble: str = ""
+    line_of: Mapping[str, int] = field(default_factory=dict)
 
     @property
     def stops(self) -> str:
@@ -73,7 +75,8 @@ def check_recordings(path: str, folder: Path) -> RecordingsTable:
 
     def read() -> RecordingsTable:
         rows = read_recordings_file(file, path)
-        return RecordingsTable(path, {name: entry for name, (_, entry) in rows.items()})
+        entries = {name: entry for name, (_, entry) in rows.items()}
+        return RecordingsTable(path, entries, line_of={name: n for name, (n, _) in rows.items()})
 
     return read_unless_known(
         "recordings_table",
@@ -84,8 +87,23 @@ def check_recordings(path: str, folder: Path) -> RecordingsTable:
     )
 
 
-def draw_recordings(table: RecordingsTable) -> RecordingsTable:
-    """What the table says, or why it cannot be used."""
+def draw_recordings(
+    table: RecordingsTable, recordings: Sequence[str] = (), pictures: Iterable[str] | None = None
+) -> RecordingsTable:
+    """What the table says, or why it cannot be used.
+
+    Parameters
+    ----------
+    recordings
+        Of the ground truth, if it is known: the table may have no others.
+    pictures
+        Names of the pictures that were sent: the table may name others in vain; None: any.
+    """
+    others = [name for name in table.line_of if recordings and name not in recordings]
+    if others and not table.trouble:
+        reason = no_such_recording(others[0], recordings)
+        where = f"{Path(table.path or '').name}, line {table.line_of[others[0]]}"
+        table = RecordingsTable(trouble=f"{where}: {reason}")
     if table.trouble:
         st.error(plain(table.trouble), icon=":material/error:")
     elif table.path is not None:
@@ -96,4 +114,23 @@ def draw_recordings(table: RecordingsTable) -> RecordingsTable:
         ]
         content = f": {listed(parts)}" if parts else ""
         st.caption(f"Read as {count_text(len(table.entries), 'recording')}{content}.")
+        _draw_missing(table, pictures)
     return table
+
+
+def _draw_missing(table: RecordingsTable, pictures: Iterable[str] | None) -> None:
+    """Which pictures of the table were not sent."""
+    if pictures is None:
+        return
+    names = {
+        PurePosixPath(entry.pictures).name for entry in table.entries.values() if entry.pictures
+    }
+    missing = sorted(names - {*pictures})
+    if missing:
+        more = f" and {len(missing) - MOST_NAMED:,} more" if len(missing) > MOST_NAMED else ""
+        st.warning(
+            "The table names pictures that were not sent: "
+            f"{plain(', '.join(missing[:MOST_NAMED]))}{more}. Send them under “Pictures”; the "
+            "numbers need none.",
+            icon=":material/warning:",
+        )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -119,7 +120,7 @@ def draw() -> None:
         with system.below:
             draw_file_check(check, truth_check)
     with table.below:
-        rows = _check_table(stored, table)
+        rows = _check_table(space, stored, table, [] if listed.files else recordings)
     with listed.below:
         frames = _check_list(stored, listed, recordings)
     pictures = _draw_pictures(space, recordings)
@@ -176,13 +177,16 @@ def _draw_single(title: str, slot: str, label: str, help_text: str) -> _Field:
     return _Field(title, slot, files, {}, right.container(), right)
 
 
-def _check_table(stored: _Stored, table: _Field) -> RecordingsTable:
+def _check_table(
+    space: Workspace, stored: _Stored, table: _Field, recordings: Sequence[str]
+) -> RecordingsTable:
     if not table.files:
         return RecordingsTable()
     if table.slot in stored.troubles:
         return draw_recordings(RecordingsTable(trouble=stored.troubles[table.slot]))
     (path,) = stored.paths[table.slot]
-    return draw_recordings(check_recordings(path, stored.folder))
+    sent = [file.place.relative_to(PICTURES).parts[0] for file in space.stored.values()]
+    return draw_recordings(check_recordings(path, stored.folder), recordings, sent)
 
 
 def _check_list(stored: _Stored, listed: _Field, recordings: Sequence[str]) -> FrameList:
@@ -255,11 +259,24 @@ def _store(space: Workspace, fields: Sequence[_Field]) -> _Stored:
             if not field.files:
                 continue
             try:
+                _refuse_equal_names(field.files)
                 paths[field.slot] = store_annotations(space, folder, field.slot, field.files)
             except NvcoreError as error:
                 troubles[field.slot] = without_paths(error)
     stored = st.session_state[_STORED] = _Stored(ids, folder, paths, troubles)
     return stored
+
+
+def _refuse_equal_names(files: Sequence[UploadedFile]) -> None:
+    """Raise InputError for files of one field that have the same name: browsers send no folders."""
+    counts = Counter(file.name for file in files)
+    name, n = counts.most_common(1)[0]
+    if n > 1:
+        raise InputError(
+            f"{n} files are called {name}, and cannot be told apart: the recordings are named after "
+            "the folders, which are not sent along. Send a ZIP archive with the folders, such as "
+            f"TUD-Campus/gt/{name}"
+        )
 
 
 def _check(stored: _Stored, field: _Field, truth: FileCheck | None) -> FileCheck | None:

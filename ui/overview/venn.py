@@ -56,8 +56,8 @@ def draw(result: Result) -> None:
             "system whose failure is heavier, a square stands for both. Click a mark to see its "
             "moment, or a region to see its encounters."
             if has_marks
-            else f"Encounters have marks of their own only up to {MOST_MARKS} of them. Click a region "
-            "to see its encounters."
+            else f"Encounters have marks of their own only up to {MOST_MARKS} of them. "
+            "Click a region to see its encounters."
         )
     )
     counts = result.venn.counts()
@@ -76,7 +76,8 @@ def _draw_worst(encounters: pd.DataFrame) -> None:
     st.markdown("**Heaviest failures**, by severity")
     configs = column_config("encounters.csv")
     config = {
-        name: configs[name] | {"width": width, "label": SEVERITIES.get(name, configs[name]["label"])}
+        name: configs[name]
+        | {"width": width, "label": SEVERITIES.get(name, configs[name]["label"])}
         for name, width in WORST_COLUMNS.items()
     }
     key = f"overview_worst_{hash(tuple(worst['shown_row']))}"

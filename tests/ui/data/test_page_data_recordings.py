@@ -63,10 +63,18 @@ def test_a_table_that_cannot_be_used_stops_the_opening(tmp_path: Path, content: 
     assert "The table of recordings cannot be used: the reason stands at its field" in texts(page)
 
 
-def test_a_table_of_other_recordings_is_refused_with_its_line(tmp_path: Path):
+def test_a_table_of_other_recordings_is_refused_at_its_field(tmp_path: Path):
     page = with_table(tmp_path, b"recording,context\nurban,0\nrurl,1\n")
+    shown = texts(page)
+    assert "recordings.csv, line 3: there is no recording 'rurl'" in shown.replace("\\", "")
+    assert "Read as 2 recordings" not in shown
     open_files(page)
-    assert "recordings.csv, line 3: there is no recording 'rurl'" in texts(page)
+    assert "The table of recordings cannot be used: the reason stands at its field" in texts(page)
+
+
+def test_a_table_says_which_of_its_pictures_were_not_sent(tmp_path: Path):
+    page = with_table(tmp_path, b"recording,pictures\nurban,night/frames\nrural,\n")
+    assert "The table names pictures that were not sent: frames." in texts(page)
 
 
 def test_a_table_sent_names_no_pictures_of_the_machine(tmp_path: Path):

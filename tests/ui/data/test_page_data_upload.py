@@ -50,6 +50,21 @@ def test_an_upload_asks_for_what_the_files_do_not_say_and_opens_with_it(tmp_path
     assert space_of(page).token != space_of(other).token
 
 
+def test_files_of_one_name_in_a_field_are_refused_there(tmp_path: Path):
+    """Browsers send no folders, so all recordings of MOTChallenge come as gt.txt."""
+    mot_layout(tmp_path)
+    page = opened()
+    for key, name in (("truth", "gt"), ("system_0", "det")):
+        files = [(path.name, path.read_bytes()) for path in tmp_path.glob(f"*/{name}/{name}.txt")]
+        send(page, f"upload_{key}", *files)
+    checked(page.run())
+    shown = texts(page).replace("\\", "")
+    for name in ("gt.txt", "det.txt"):
+        assert f"2 files are called {name}, and cannot be told apart" in shown
+    assert "Send a ZIP archive with the folders" in shown
+    assert "Read as MOTChallenge" not in shown
+
+
 def test_a_fact_that_the_files_hold_is_not_asked_for(tmp_path: Path):
     mot_layout(tmp_path)
     content = io.BytesIO()
