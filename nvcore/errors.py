@@ -35,7 +35,14 @@ class InputError(NvcoreError):
         Name of the file as the user gave it, if one is to blame.
     line
         1-based line in that file, if one is to blame.
+
+    Attributes
+    ----------
+    path
+        Where that file lies, once it is known: files of two inputs may have one name.
     """
+
+    path: Path | None = None
 
     def __init__(self, message: str, *, file: str | Path | None = None, line: int | None = None):
         self.message = message

@@ -74,9 +74,11 @@ def pasteable_errors(folder: Path, sources: Iterable[tuple[Source, Role]]) -> It
     try:
         yield
     except InputError as error:
-        from nvcore.inputs.files import paths_to_show
+        from nvcore.inputs.files import path_to_show, paths_to_show
 
         path = None if error.file is None else paths_to_show(folder, sources).get(error.file)
+        if path is None and error.path is not None:  # two inputs have files of this name
+            path = path_to_show(error.path)
         if path is None:
             raise
         raise InputError(error.message, file=path, line=error.line) from error

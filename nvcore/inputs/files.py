@@ -127,6 +127,8 @@ def _in_folder(path: Path, text: str, role: Role, declared: Format | None) -> li
     matches = sorted(path.glob(pattern)) or sorted(path.glob(pattern.partition("/")[2]))
     if matches and (declared is None or declared.name == "mot"):
         return [SourceFile(match, _shown(match)) for match in matches]
+    if role == "detections" and (declared is None or declared.name == "mot"):
+        _refuse_truth_alone(path, text)
     files = [
         SourceFile(match, match.relative_to(path).as_posix())
         for match in sorted(path.rglob("*"))
@@ -144,6 +146,21 @@ def _in_folder(path: Path, text: str, role: Role, declared: Format | None) -> li
             file=text,
         )
     return files
+
+
+def _refuse_truth_alone(path: Path, text: str) -> None:
+    """Raise InputError for a folder in MOTChallenge's layout with ground truth alone."""
+    if not any(path.glob("*/gt/gt.txt")):
+        return
+    others = [file for file in sorted(path.glob("*/*/*.txt")) if file.parent.name != "gt"]
+    parts = others[0].relative_to(path).parts[1:] if others else ("det", "det.txt")
+    pattern = "/".join((text.rstrip("/"), "*", *parts))
+    there = "a pattern that matches files here" if others else "for example"
+    raise InputError(
+        "holds ground truth (*/gt/gt.txt) and no detections (*/det/det.txt); name the detections "
+        f"by a quoted pattern ({there}: '{pattern}')",
+        file=text,
+    )
 
 
 def _shown(path: Path) -> str:
@@ -174,6 +191,13 @@ def paths_to_show(folder: Path, sources: Iterable[tuple[Source, Role]]) -> dict[
                 near = os.path.relpath(path, working_folder) if is_near else str(path)
                 shown.setdefault(file.name, set()).add(Path(near).as_posix())
     return {name: paths.pop() for name, paths in shown.items() if len(paths) == 1}
+
+
+def path_to_show(path: Path) -> str:
+    """The path of one file, relative to the current folder for a file below it."""
+    path = Path(os.path.abspath(path))  # noqa: PTH100  # as in _shown
+    is_near = path.is_relative_to(Path.cwd())
+    return (path.relative_to(Path.cwd()) if is_near else path).as_posix()
 
 
 def _check_name(path: Path) -> None:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -149,7 +150,8 @@ def _read(
     options = read_options(source, role, session.common_size or _common_size(truth), truth)
     if table is None:
         files, file_format = find_files(source, session.folder, role)
-        reading, digests = file_format.read(files, options), digest(files)
+        with _located(files):
+            reading, digests = file_format.read(files, options), digest(files)
     else:
         files, file_format = [table_as_file(source.path[0])], TABLE
         reading = read_table(table, files[0], options)
@@ -161,6 +163,16 @@ def _read(
         findings=joined_findings(replace(finding, subject=subject) for finding in reading.findings),
     )
     return _Loaded(subject, files, digests, file_format, reading)
+
+
+@contextmanager
+def _located(files: Sequence[SourceFile]) -> Iterator[None]:
+    """Within it, errors about one of the files know where it lies."""
+    try:
+        yield
+    except InputError as error:
+        error.path = next((file.path for file in files if file.name == error.file), None)
+        raise
 
 
 def _common_size(truth: Reading | None) -> tuple[int, int] | None:

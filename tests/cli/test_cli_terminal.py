@@ -69,6 +69,28 @@ def test_a_name_that_two_files_have_and_a_source_that_is_not_there_have_no_path(
     assert paths_to_show(tmp_path, sources) == {}
 
 
+def test_an_error_names_the_input_where_two_have_files_of_one_name(tmp_path: Path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name, more in (("truth", ""), ("x", "oops\n")):
+        (tmp_path / name).mkdir()
+        lines = "frame,x,y,w,h\n1,5,5,10,20\n2,5,5,10,20\n" + more
+        (tmp_path / name / "0015.csv").write_text(lines)
+    result = nvcore("check", "--truth", "truth", "--x", "x", *FACTS)
+    assert result.exit_code == 2
+    assert "Error: x/0015.csv, line 4: " in result.stderr
+
+
+def test_a_mot_folder_without_det_names_the_pattern_for_its_detections(tmp_path: Path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    mot_layout(tmp_path / "in")
+    for name in ("A", "B"):
+        (tmp_path / "in" / name / "det").rename(tmp_path / "in" / name / "det_frcnn")
+    result = nvcore("check", "--truth", "in", "--x", "in")
+    assert result.exit_code == 2
+    assert "holds ground truth (*/gt/gt.txt) and no detections" in result.stderr
+    assert "'in/*/det_frcnn/det.txt'" in result.stderr
+
+
 def test_compare_cuts_a_long_conversion_between_facts_and_check_shows_all(tmp_path: Path):
     truth, x = DATA / "coco" / "kaist.json", DATA / "coco" / "results.json"
     arguments = ("--truth", truth, "--x", x, *FACTS)
