@@ -107,8 +107,8 @@ def audit_kitti_size(dataset: Dataset) -> list[Finding]:
         "kitti-size",
         TRUTH_NAME,
         odd,
-        f"a picture size that the truth contradicts (first: given {W:g}x{H:g}, its boxes end at the "
-        f"edge of {width:g}x{height:g})",
+        f"a picture size that the truth contradicts (first: given {W:g}x{H:g}, its boxes end at "
+        f"the edge of {width:g}x{height:g})",
         "Recordings of KITTI differ in size: look at the pictures, and give --size, or a size for "
         "each recording in a table (--recordings).",
     )

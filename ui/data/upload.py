@@ -273,8 +273,8 @@ def _refuse_equal_names(files: Sequence[UploadedFile]) -> None:
     name, n = counts.most_common(1)[0]
     if n > 1:
         raise InputError(
-            f"{n} files are called {name}, and cannot be told apart: the recordings are named after "
-            "the folders, which are not sent along. Send a ZIP archive with the folders, such as "
+            f"{n} files are called {name}, and cannot be told apart: recordings are named after "
+            "their folders, which are not sent along. Send a ZIP archive with the folders, such as "
             f"TUD-Campus/gt/{name}"
         )
 
