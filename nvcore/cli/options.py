@@ -189,7 +189,11 @@ def input_options(command: Callable[..., Any]) -> Callable[..., Any]:
         grouped_option(READING, "--format-y", metavar="FORMAT", help="Format of Y, likewise."),
         *reading_options,
         grouped_option(
-            FACTS, "--fps", type=float, help="Frames per second. Default: as in the data."
+            FACTS,
+            "--fps",
+            type=float,
+            help="Frames per second of the camera, also where only every n-th frame is annotated. "
+            "Default: as in the data.",
         ),
         grouped_option(
             FACTS,

@@ -173,7 +173,7 @@ def _draw_rate(place: str, of_pictures: float | None, usual: UsualInputs | None)
     if _is_typed(f"fps_{place}", None):
         proposed = None
     rate = st.number_input(
-        "Frames per second",
+        "Frames per second of the camera",
         0.01,
         MAX_FPS,
         value=proposed,
@@ -181,13 +181,15 @@ def _draw_rate(place: str, of_pictures: float | None, usual: UsualInputs | None)
         key=f"fps_{place}_{proposed}",
         placeholder="such as 20",
         format="%.6g",
-        help="How many frame numbers make a second: of the numbering in the files, even if only "
-        "every tenth frame is annotated. A video is proposed with the rate at which it plays, "
+        help="How many frame numbers of the files make a second, even if only every tenth of them "
+        "is annotated. A video is proposed with the rate at which it plays, "
         "which may differ from that of the camera.",
     )
     if proposed is not None and of_pictures is None and usual is not None:
         st.caption(f"The usual rate in {usual.name}.")
-    elif proposed is not None:
+    elif proposed is None:
+        st.caption("The camera's frame rate, also where only every n-th frame is annotated.")
+    else:
         st.caption(
             "The rate at which the video plays; change it if the camera took the frames at "
             "another one. Times, lead times and rates per minute depend on it."
