@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Sequence
+from decimal import Decimal
 from difflib import get_close_matches
 from typing import Final
 
@@ -25,11 +26,25 @@ def number(value: float | None, form: str) -> str:
 
 
 def difference(x: float, y: float, form: str) -> str:
-    """X - Y with its sign, shares in percentage points, a dash where either is undefined."""
+    """X - Y with its sign, shares in percentage points, a dash where either is undefined.
+
+    It is that of the values as shown, so that a reader who subtracts gets the same.
+
+    Examples
+    --------
+    >>> difference(0.0184, 0.0156, ".3f")
+    '+0.002'
+    >>> difference(0.0046, 0.0068, ".1%")
+    '-0.2 pp'
+    """
     if math.isnan(x) or math.isnan(y):
         return UNDEFINED
-    sign = "+" if form == "d" else "+z"  # z: no negative zero
-    return format(x - y, sign + form).replace("%", " pp")
+    if form == "d":
+        return format(x - y, "+d")
+    shown_x, shown_y = (Decimal(format(value, form).replace("%", "")) for value in (x, y))
+    unit = " pp" if form.endswith("%") else ""
+    # z: no negative zero
+    return format(float(shown_x - shown_y), "+z" + form.replace("%", "f")) + unit
 
 
 def count_text(n: int, noun: str, plural: str | None = None) -> str:

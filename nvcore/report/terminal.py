@@ -26,6 +26,7 @@ from nvcore.report.words import (
     FUSION_RULE,
     count_leads,
     saliency_caveat,
+    sampling_note,
     score_cells,
     scorecard_cells,
 )
@@ -34,6 +35,8 @@ from nvcore.tables.inputs import inputs_table
 from nvcore.tables.result import worst_intervals
 from nvcore.wording import number, one_line, shortened
 
+SHORT_ROWS = "* means little here: most encounters are one frame long"
+"""What the mark in the scorecard says."""
 NAME_WIDTH = 16
 """Longest name of a system in the head of a column; the full name is above the table."""
 
@@ -175,7 +178,8 @@ def _at_equal_alarms(result: Result, companions: Companions) -> list[str]:
 
 def _table(result: Result, cells: Sequence[tuple[str, ...]] | None = None) -> str:
     heads = [_head(letter, system) for letter, system in result.sides]
-    cells = scorecard_cells(result, indent="  ") if cells is None else cells
+    mark = " *" if result.is_short else ""
+    cells = scorecard_cells(result, indent="  ", mark=mark) if cells is None else cells
     rows = [("", *heads, "X - Y", "better"), *cells]
     widths = [max(len(row[i]) for row in rows) for i in range(4)]
     lines = [
@@ -183,7 +187,15 @@ def _table(result: Result, cells: Sequence[tuple[str, ...]] | None = None) -> st
         + f"  {row[4]}"
         for row in rows
     ]
+    lines += _notes(result)
     return _text([line.rstrip() for line in lines])
+
+
+def _notes(result: Result) -> list[str]:
+    """What to know of the rates, and of measures that need encounters of several frames."""
+    notes = [SHORT_ROWS] if result.is_short else []
+    sampling = sampling_note(result.dataset.frame_columns)
+    return [*notes, sampling] if sampling else notes
 
 
 def _head(letter: str, system: SystemResult) -> str:
@@ -263,11 +275,11 @@ def _worst(result: Result, letter: str, system: SystemResult) -> str:
     name = f"worst intervals of {letter.upper()} ({system.name})"
     if table.empty:
         return one_line(f"{name}: none below {result.params.low:g}")
-    lines = [f"{name}:"]
+    lines = [f"{name}, weighed by what similarity lacks to {result.params.low:g}:"]
     lines += [
         f"  {row['recording']}  {row['start_s']:.2f} s to "
         f"{row['start_s'] + row['duration_s']:.2f} s  "
-        f"(frames {row['first_frame']} to {row['last_frame']}): depth {row['depth_s']:.3f} "
+        f"(frames {row['first_frame']} to {row['last_frame']}): weighs {row['depth_s']:.2f} "
         f"s, lowest {row['min_similarity']:.3f} at frame {row['worst_frame']}"
         for row in table.to_dict("records")
     ]

@@ -11,8 +11,10 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
+from nvcore.columns import FrameColumns
 from nvcore.comparison import Result
 from nvcore.evidence.paired_tests import SIGNIFICANT
+from nvcore.inputs.evaluated_frames import nth
 from nvcore.measures import MeasureTable, has_several_recordings, relevant_share
 from nvcore.params import Params
 from nvcore.scoring import SystemResult
@@ -33,11 +35,14 @@ FUSION_RULE: Final = (
 """Why the counts of fused systems are not those of the Venn diagram."""
 
 
-def score_cells(rows: Iterable[ScoreRow], *, indent: str) -> list[tuple[str, ...]]:
-    """Measures as text: label, X, Y, X - Y, and which is better; `indent` marks parts."""
+def score_cells(rows: Iterable[ScoreRow], *, indent: str, mark: str = "") -> list[tuple[str, ...]]:
+    """Measures as text: label, X, Y, X - Y, and which is better; `indent` marks parts.
+
+    Labels of measures that need encounters of several frames end with `mark`.
+    """
     return [
         (
-            indent * row.level + row.label,
+            indent * row.level + row.label + (mark if row.needs_tracks else ""),
             *(number(value, row.form) for value in (row.x, row.y)),
             difference(row.x, row.y, row.form),
             row.better,
@@ -46,13 +51,30 @@ def score_cells(rows: Iterable[ScoreRow], *, indent: str) -> list[tuple[str, ...
     ]
 
 
-def scorecard_cells(result: Result, *, indent: str) -> list[tuple[str, ...]]:
+def scorecard_cells(result: Result, *, indent: str, mark: str = "") -> list[tuple[str, ...]]:
     """The scorecard, then how the encounters went, as `score_cells`."""
     return [
-        *score_cells(score_rows(result), indent=indent),
+        *score_cells(score_rows(result), indent=indent, mark=mark),
         (f"how the {result.venn.n_near} encounters went:", "", "", "", ""),
-        *score_cells(score_rows(result, MeasureTable.MISS_CLASSES), indent=indent),
+        *score_cells(score_rows(result, MeasureTable.MISS_CLASSES), indent=indent, mark=mark),
     ]
+
+
+def sampling_note(frames: FrameColumns) -> str:
+    """A sentence for beside a rate per minute or hour; empty where every frame is evaluated."""
+    steps = [round(float(step)) for step in frames.sampling_step]
+    sampled = sorted({step for step in steps if step > 1})
+    if not sampled:
+        return ""
+    which = nth(sampled[0])
+    if len(sampled) > 1:
+        which += f" to {nth(sampled[-1])}"
+    n_sampled = sum(step > 1 for step in steps)
+    where = "" if n_sampled == len(steps) else f" of {n_sampled:,} of {len(steps):,} recordings"
+    return (
+        f"Only every {which} frame{where} is evaluated: per minute and per hour count those frames "
+        "alone."
+    )
 
 
 def count_leads(result: Result) -> tuple[np.ndarray, int, int]:
@@ -253,7 +275,7 @@ def _largest(result: Result, events: pd.DataFrame) -> str:
         end = f"ends when {worst['tau']:.0%} of the {scope} has passed"
     weight = ""
     if result.params.saliency_weight == "risk":
-        weight = f", weighs {worst['weight_s']:.2f} s by its distance"
+        weight = f", weighs {worst['weight_s']:.2f} s (weighted distance summed over time)"
     return (
         f"lasts {worst['duration_s']:.2f} s{weight} and {end}, which gives it the recency "
         f"{worst['recency']:.2f}: {worst['weight_s']:.2f} s × {worst['recency']:.2f} = "

@@ -7,7 +7,14 @@ from typing import NamedTuple
 
 from nvcore.comparison import Result
 from nvcore.detection.curve_summary import CurveSummary
-from nvcore.measures import Better, MeasureTable, has_several_recordings, label_words, measures_in
+from nvcore.measures import (
+    Better,
+    Measure,
+    MeasureTable,
+    has_several_recordings,
+    label_words,
+    measures_in,
+)
 
 
 class ScoreRow(NamedTuple):
@@ -25,6 +32,8 @@ class ScoreRow(NamedTuple):
         ``higher`` or ``lower``; empty: neither.
     level
         0, or 1 for a part of the row above.
+    needs_tracks
+        Whether it means little where most encounters are one frame long; so do the parts of a row.
     """
 
     label: str
@@ -33,6 +42,7 @@ class ScoreRow(NamedTuple):
     form: str
     better: Better
     level: int = 0
+    needs_tracks: bool = False
 
 
 def score_rows(
@@ -50,7 +60,9 @@ def score_rows(
     """
     words = label_words(result)
     is_several = has_several_recordings(result)
-    rows = []
+    rows: list[ScoreRow] = []
+    tracked: set[int] = set()  # rows that need tracks, by the row that they are a part of
+    whole = 0
     for measure in measures_in(table):
         if measure.of is None or (measure.of_several and not is_several):
             continue
@@ -61,8 +73,19 @@ def score_rows(
         part = "" if is_whole else measure.part
         x, y = (measure.of(result, system) for _, system in result.sides)
         label = (part or measure.label).format_map(words)
+        whole = whole if part else len(rows)
+        if table is not MeasureTable.SCORECARD or _needs_tracks(measure):
+            tracked.add(whole)
         rows.append(ScoreRow(label, x, y, measure.form, measure.better, 1 if part else 0))
+    whole = 0
+    for i, row in enumerate(rows):
+        whole = whole if row.level else i
+        rows[i] = row._replace(needs_tracks=whole in tracked)
     return rows
+
+
+def _needs_tracks(measure: Measure) -> bool:
+    return measure.inference is not None and measure.inference.needs_tracks
 
 
 def curve_rows(x: CurveSummary, y: CurveSummary) -> list[ScoreRow]:

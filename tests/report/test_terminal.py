@@ -25,7 +25,7 @@ from nvcore.report.terminal import (
 from nvcore.report.verdict import verdict
 from nvcore.report.words import FUSION_RULE
 from nvcore.tables.summary import summary
-from nvcore.wording import number, one_line
+from nvcore.wording import difference, number, one_line
 
 
 @pytest.fixture(scope="module")
@@ -88,9 +88,9 @@ def test_the_scorecard_line_by_line(result: Result, scorecard: list[str]):
         "",
         "worst intervals of X (x): none below 0.9",
         "",
-        "worst intervals of Y (y):",
-        "  r0  0.00 s to 2.00 s  (frames 0 to 19): depth "
-        f"{result.y.intervals['depth_s'].iloc[0]:.3f} s, lowest "
+        "worst intervals of Y (y), weighed by what similarity lacks to 0.9:",
+        "  r0  0.00 s to 2.00 s  (frames 0 to 19): weighs "
+        f"{result.y.intervals['depth_s'].iloc[0]:.2f} s, lowest "
         f"{result.y.similarity.min():.3f} at frame {result.y.similarity.argmin()}",
         "",
     ]
@@ -116,6 +116,27 @@ def test_mcnemar_s_p_is_withheld_where_it_means_nothing():
         result = result_of(make_dataset(persons, persons, persons[: 2 * n_seen], n_frames=18))
         assert ("McNemar's exact p within these drives" in render_scorecard(result)) == is_given
         assert (summary(result)["exclusivity"]["mcnemar_p"] is not None) == is_given
+
+
+def test_measures_that_mean_little_and_rates_of_sampled_frames_are_marked():
+    truth = [at(20 * f, 50, track=f) for f in range(12)]
+    place = Place(range(0, 240, 20))
+    short = render_scorecard(result_of(make_dataset(truth, truth, truth[:6], places=[place])))
+    lines = short.splitlines()
+    marked = {line.split("  ")[0 if line[0] != " " else 1] for line in lines if " *  " in line}
+    assert {"false-alert episodes *", "per hour *", "late *"} <= marked
+    assert "severity of missed pedestrians (s) *" in marked
+    assert not any("similarity" in label or "alarms per frame" in label for label in marked)
+    assert "* means little here: most encounters are one frame long" in lines
+    assert any(line.startswith("Only every 20th frame is evaluated: per minute") for line in lines)
+
+
+def test_a_difference_agrees_with_the_values_beside_it():
+    assert difference(0.0184, 0.0156, ".3f") == "+0.002"
+    assert difference(2.106, 4.224, ".2f") == "-2.11"
+    assert difference(0.0046, 0.0068, ".1%") == "-0.2 pp"
+    assert difference(0.01, 0.0100001, ".3f") == "+0.000"
+    assert difference(7, 9, "d") == "-2"
 
 
 def test_counts_and_shares_stand_side_by_side_with_their_difference(scorecard: list[str]):

@@ -49,6 +49,8 @@ def draw_numbers(result: Result) -> None:
     kind = "largest event" if result.params.saliency_aggregate == "max" else "sum of all events"
     if has_several_recordings(result):
         kind = f"{kind}, mean over recordings"
+    if result.is_short:
+        kind += " (means little here: see above)"
     for column, (letter, system), description in zip(
         st.columns(2, gap="medium"), result.sides, describe_saliency(result), strict=True
     ):

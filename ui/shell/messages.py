@@ -9,13 +9,12 @@ from pathlib import Path
 
 import streamlit as st
 
-from nvcore.columns import FrameColumns
 from nvcore.comparison import Result
 from nvcore.errors import NvcoreError
 from nvcore.findings import Severity
-from nvcore.inputs.evaluated_frames import nth
 from nvcore.report.html.words import SHORT_ENCOUNTERS
 from nvcore.report.verdict import CAVEATS
+from nvcore.report.words import sampling_note as sampling_note  # beside the other messages
 from ui.session import local_files, state
 from ui.session.opening import public_text
 from ui.session.workspace import Workspace
@@ -41,23 +40,6 @@ def draw_warnings(result: Result, *, is_of_encounters: bool = True) -> None:
             f"The audit found: {plain(text)}. Details and remedies are on the page Data.",
             icon=":material/warning:",
         )
-
-
-def sampling_note(frames: FrameColumns) -> str:
-    """A sentence for beside a rate per minute or hour; empty where every frame is evaluated."""
-    steps = [round(float(step)) for step in frames.sampling_step]
-    sampled = sorted({step for step in steps if step > 1})
-    if not sampled:
-        return ""
-    which = nth(sampled[0])
-    if len(sampled) > 1:
-        which += f" to {nth(sampled[-1])}"
-    n_sampled = sum(step > 1 for step in steps)
-    where = "" if n_sampled == len(steps) else f" of {n_sampled:,} of {len(steps):,} recordings"
-    return (
-        f"Only every {which} frame{where} is evaluated: per minute and per hour count those frames "
-        "alone."
-    )
 
 
 def needs_comparison(draw: Callable[[Result], None]) -> Callable[[], None]:
