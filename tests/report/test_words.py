@@ -160,7 +160,7 @@ def test_the_mean_over_recordings_stands_before_the_largest_event_of_all():
 def test_with_risk_the_sentence_says_what_the_event_weighs():
     text, _ = describe_saliency(missed(saliency_weight="risk", proximity="none"))
     # the pedestrian stands in the middle: weighted distance over half the width is 1
-    assert "lasts 0.20 s, weighs 0.20 s (weighted distance summed over time) and ends when 100%" in text
+    assert "weighs 0.20 s (weighted distance summed over time) and ends when 100%" in text
     text, _ = describe_saliency(
         missed(saliency_weight="risk", saliency_aggregate="sum", proximity="none")
     )
