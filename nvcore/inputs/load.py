@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -19,9 +19,9 @@ from nvcore.dataset import (
     what_is_stated,
 )
 from nvcore.errors import InputError, MissingFactError
-from nvcore.findings import Finding
 from nvcore.inputs.evaluated_frames import own_frames, parse_frames
 from nvcore.inputs.files import digest, find_files, system_names
+from nvcore.inputs.hashes import changed_input
 from nvcore.inputs.readers.base import (
     Format,
     Reading,
@@ -29,7 +29,6 @@ from nvcore.inputs.readers.base import (
     Role,
     SourceFile,
     joined_findings,
-    warning,
 )
 from nvcore.inputs.readers.table import FORMAT as TABLE
 from nvcore.inputs.readers.table import read_table, table_as_file
@@ -281,7 +280,9 @@ def _place(session: Session, loaded: list[_Loaded], max_frames: int | None) -> D
         n_files += len(source.files)
     all_inputs = pd.concat(inputs, ignore_index=True)
     findings = [finding for source in loaded for finding in source.reading.findings]
-    findings += _changed_inputs(session, loaded)
+    for source in loaded:
+        first = source.files[0].name
+        findings += changed_input(source.subject, first, source.digests, session.hashes)
     findings += contradicted_facts(truth, recordings)
     findings += missing_pictures(session, recordings["name"].tolist())
     return dataset_from_tables(
@@ -296,38 +297,6 @@ def _place(session: Session, loaded: list[_Loaded], max_frames: int | None) -> D
         notes=tuple(notes),
         settings=session,
     )
-
-
-def source_hashes(dataset: Dataset) -> dict[str, str]:
-    """sha256 of each source (truth or system): over the hashes of its files, in their order."""
-    return {
-        str(subject): _source_hash(group)
-        for subject, group in dataset.inputs.groupby("subject", sort=False)["sha256"]
-    }
-
-
-def _source_hash(digests: Iterable[str]) -> str:
-    """sha256 over the hashes of files."""
-    return hashlib.sha256("\n".join(digests).encode()).hexdigest()
-
-
-def _changed_inputs(session: Session, loaded: list[_Loaded]) -> list[Finding]:
-    """Inputs that are not those of the time when the session was written."""
-    findings = []
-    for source in loaded:
-        now = _source_hash(source.digests)
-        before = session.hashes.get(source.subject)
-        if before is not None and before != now:
-            finding = warning(
-                "input-changed",
-                len(source.files),
-                "The input has changed since the session file was written.",
-                "The results will differ from those of then; find out which files are meant.",
-                role=source.subject,
-                file=source.files[0].name,
-            )
-            findings.append(finding)
-    return findings
 
 
 def _frames(

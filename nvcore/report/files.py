@@ -20,7 +20,7 @@ from nvcore.evidence.companions import Companions, are_unequal, find_companions
 from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.evidence.table import evidence_table
 from nvcore.findings import Finding
-from nvcore.inputs.load import source_hashes
+from nvcore.inputs.hashes import source_hashes
 from nvcore.inputs.readers.table import FORMAT as TABLE
 from nvcore.inputs.session import Session
 from nvcore.inputs.session_toml import write_session

@@ -13,7 +13,7 @@ from nvcore.evidence.bootstrap import N_RESAMPLES, SEED
 from nvcore.evidence.units import MIN_RECORDINGS
 from nvcore.findings import Finding
 from nvcore.inputs.evaluated_frames import MIN_SAMPLED
-from nvcore.inputs.load import source_hashes
+from nvcore.inputs.hashes import source_hashes
 from nvcore.metrics.encounters import RELEVANT_K
 from nvcore.metrics.kernels import ABSORB_SHARE
 from nvcore.metrics.linking import LINK_GAP, LINK_IOU

@@ -1,0 +1,51 @@
+"""What tells inputs from those of another time: hashes of their bytes."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable, Mapping
+
+from nvcore.dataset import Dataset
+from nvcore.findings import Finding
+from nvcore.inputs.readers.base import warning
+
+
+def source_hashes(dataset: Dataset) -> dict[str, str]:
+    """sha256 of each source (truth or system): over the hashes of its files, in their order."""
+    return {
+        str(subject): source_hash(group)
+        for subject, group in dataset.inputs.groupby("subject", sort=False)["sha256"]
+    }
+
+
+def source_hash(digests: Iterable[str]) -> str:
+    """sha256 over the hashes of files."""
+    return hashlib.sha256("\n".join(digests).encode()).hexdigest()
+
+
+def changed_input(
+    subject: str, file: str, digests: list[str], hashes: Mapping[str, str]
+) -> list[Finding]:
+    """That a source is not what it was when the session was written, if so.
+
+    Parameters
+    ----------
+    file
+        Its first file.
+    digests
+        Hashes of its files.
+    hashes
+        Those of the sources at that time, by subject; see `source_hashes`.
+    """
+    before = hashes.get(subject)
+    if before is None or before == source_hash(digests):
+        return []
+    finding = warning(
+        "input-changed",
+        len(digests),
+        "The input has changed since the session file was written.",
+        "The results will differ from those of then; find out which files are meant.",
+        role=subject,
+        file=file,
+    )
+    return [finding]
