@@ -81,10 +81,10 @@ def subgroup_forest(subgroups: pd.DataFrame, *, theme: Theme) -> go.Figure:
         theme,
         title=f"{title}: X less Y, by group",
         subtitle=f"{n_most}{near}; larger squares: more {unit}; open: no interval; "
-        "p: for all groups together",
+        "in brackets: p corrected for all groups",
         height=130 + ROW_PX * len(table),
         showlegend=False,
-        margin={"l": 190, "r": 230, "t": 64, "b": 48},
+        margin={"l": 190, "r": 260, "t": 64, "b": 48},
         xaxis=axis(theme, f"difference{_in_unit(scale)} ({side}: X is better)", range=ends),
         yaxis=rows_axis(theme, labels, room=0.5, **fixed),
     )
@@ -112,12 +112,11 @@ def _range(
 
 
 def _corrected(row: dict[Hashable, Any]) -> str:
-    """p, and of groups the one that allows for all of them."""
+    """The p of all encounters; of a group with the p that allows for all groups, or none."""
     p, p_holm = float(row["p"]), float(row["p_holm"])
-    if not np.isfinite(p):
-        return ""
-    is_group = row["factor"] != ALL and np.isfinite(p_holm)
-    return f"; p {p:.2g}" + (f", {p_holm:.2g} for all" if is_group else "")
+    if row["factor"] == ALL:
+        return f"; p {p:.2g}" if np.isfinite(p) else ""
+    return f"; p {p:.2g} ({p_holm:.2g})" if np.isfinite(p_holm) else ""
 
 
 def _text(row: dict[Hashable, Any]) -> str:

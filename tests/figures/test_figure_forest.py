@@ -80,3 +80,12 @@ def test_every_measure_can_be_drawn_for_the_groups_in_which_it_is_defined(
 def test_a_protocol_s_name_in_the_label_is_text(detected: pd.DataFrame) -> None:
     rows = detected.assign(label="log-average miss rate, <b>mine</b>")
     assert "miss rate, &lt;b&gt;mine" in words(subgroup_forest(rows, theme="light"))
+
+
+def test_p_of_a_group_stands_beside_the_corrected_one_and_not_without_it(
+    detected: pd.DataFrame,
+) -> None:
+    rows = detected.assign(p=0.02, p_holm=np.nan)
+    assert words(subgroup_forest(rows, theme="light")).count("; p 0.02") == 1  # of all
+    rows.loc[1, "p_holm"] = 0.08
+    assert "; p 0.02 (0.08)" in words(subgroup_forest(rows, theme="light"))

@@ -47,8 +47,8 @@ def draw(result: Result, evidence: pd.DataFrame) -> None:
     shown, widths = shown_evidence(evidence), WIDTHS
     if are_unequal(result):
         undecided = [is_undecided(result, key) for key in evidence["figure"]]
-        shown[SETTING] = np.where(undecided, "as set: unequal", "all")
-        widths = WIDTHS | {SETTING: 120}
+        shown.insert(1, SETTING, np.where(undecided, "as set", "all"))
+        widths = {"measure": WIDTHS["measure"], SETTING: 85, **WIDTHS}
     draw_measures(shown, "evidence", widths)
     notes = dict.fromkeys(note for row in evidence["note"] if row for note in row.split("; "))
     notes.pop(AS_SET, None)  # it stands above

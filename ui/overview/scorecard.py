@@ -100,7 +100,7 @@ def scorecard(result: Result, companions: Companions | None) -> None:
         draw_as_set_note(result)
         _draw_scorecard(result)
         return
-    text, button = st.columns([3, 1], vertical_alignment="center")
+    text, button = st.columns([3, 2], vertical_alignment="center")
     text.markdown(plain(f"{equal_alarms_title(companions)}, as in the verdict."))
     moved = companions.moved
     button.button(

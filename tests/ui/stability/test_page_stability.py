@@ -42,9 +42,8 @@ def test_the_map_of_the_sample_is_told_for_each_choice_and_setting():
     assert not page.warning
     assert "As analysed, X has the higher mean similarity, by 0.0189." in words(page)
     assert "range: misses against false alarms (alpha) 0.5 to 1" in words(page)
-    assert "This difference is not shown to be more than chance (by 10 recordings, p = 1" in words(
-        page
-    )
+    p = "p = 0.47; 1 after correction for 7 tests"
+    assert f"not shown to be more than chance (by 10 recordings, {p})" in words(page)
     for plane, criterion, who in (
         ("thresholds", "encounters", "X detects more encounters"),
         ("matching", "encounters", "X detects more encounters"),
