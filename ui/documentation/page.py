@@ -22,6 +22,10 @@ PAGES: Final = {
     "python": "Python",
 }
 _HEADING: Final = re.compile(r"(#{1,6}) +(.*)")
+_ASIDE: Final = re.compile(
+    r"(?:\s*\(|[:,;] )\[(?:why|where|how|which)\b[^\]]*\]\((?!https?:)decisions/[^)\s]+\)(\))?"
+)
+"""A pointer to a decision, which the app has no page for: without its link it says nothing."""
 _LINK: Final = re.compile(r"\[((?:[^\]\[]|\[[^\]]*\])*)\]\(([^)\s]+)\)")
 _CODE: Final = re.compile(r"(`+)(?:.*?[^`])?\1(?!`)", re.DOTALL)
 _FENCE: Final = "```"
@@ -139,7 +143,13 @@ def anchor_of(title: str) -> str:
 
 
 def in_app_links(text: str, name: str) -> str:
-    """The text with links to the app's own pages; links to other files become plain text."""
+    """The text with links to the app's own pages; links to other files become plain text.
+
+    Examples
+    --------
+    >>> in_app_links("It is so ([why](decisions/012.md)), see [it](formats.md#csv).", "metrics")
+    'It is so, see [it](?doc=formats#csv).'
+    """
     parts: list[str] = []
     end_of_last = 0
     for code in _CODE.finditer(text):  # brackets in code are no links
@@ -148,6 +158,7 @@ def in_app_links(text: str, name: str) -> str:
     parts.append(text[end_of_last:])
     part_of = {f"\0{i}\0": part for i, part in enumerate(parts) if i % 2}
     joined = "".join(f"\0{i}\0" if i % 2 else part for i, part in enumerate(parts))
+    joined = _ASIDE.sub("", joined)
     linked = _LINK.sub(lambda link: _linked(link[1], link[2], name), joined)
     return re.sub("\0\\d+\0", lambda place: part_of[place[0]], linked)
 

@@ -32,6 +32,12 @@ def test_every_link_within_the_app_leads_to_a_heading_and_none_to_a_file(name: s
     assert re.findall(r"\]\([^)]*\.md[^)]*\)", text) == []
 
 
+@pytest.mark.parametrize("name", PAGES)
+def test_no_word_is_left_of_a_link_that_the_page_cannot_follow(name: str):
+    text = "\n".join(section.body for section in sections_of(name))
+    assert re.findall(r"\((?:why|where|how|which)\b[^)]{0,20}\)|: which\b", text) == []
+
+
 def test_every_link_of_a_page_to_the_documentation_leads_to_a_heading():
     paths = [path for folder in ("ui", "pages") for path in (ROOT / folder).rglob("*.py")]
     sources = "\n".join(path.read_text(encoding="utf-8") for path in paths)
