@@ -49,6 +49,7 @@ SHORT_GROUPS: Final = {MATCH.group: "Matching"}
 
 
 _SHOWN: Final = "sidebar_shown"
+GREY: Final = "Settings in grey act on nothing on this page."
 
 
 def draw(wrong: str, shown: Sequence[Stage]) -> None:
@@ -60,8 +61,8 @@ def draw(wrong: str, shown: Sequence[Stage]) -> None:
     with st.sidebar:
         legend()
         _presets()
-        if not all(setting.moves(shown) for setting in SETTINGS.values()):
-            st.caption("Settings in grey act on nothing on this page.")
+        if any(not setting.is_advanced for setting in _quiet_settings()):
+            st.caption(GREY)
         for name, setting in SETTINGS.items():
             if setting.stage is THRESHOLD:
                 _threshold(name)
@@ -73,6 +74,13 @@ def draw(wrong: str, shown: Sequence[Stage]) -> None:
         st.button("Reset all parameters", width="stretch", on_click=state.reset_params)
         if wrong:
             st.error(f"{plain(wrong)}. The last settings that worked stay in use.")
+
+
+def _quiet_settings() -> list[Setting]:
+    """Settings in use that act on nothing on this page."""
+    shown = st.session_state[_SHOWN]
+    used = (setting for setting in SETTINGS.values() if live_params.is_used(setting))
+    return [setting for setting in used if not setting.moves(shown)]
 
 
 def _quietness(setting: Setting, text: str = "") -> dict[str, Any]:
@@ -177,6 +185,9 @@ def _advanced() -> None:
     for name, setting in SETTINGS.items():
         if setting.is_advanced:
             names_of.setdefault(setting.stage.group, []).append(name)
+    quiet = _quiet_settings()
+    if place.open and quiet and all(setting.is_advanced for setting in quiet):
+        place.caption(GREY)
     for group, names in names_of.items():
         if place.open:
             with place:

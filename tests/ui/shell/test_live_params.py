@@ -9,7 +9,7 @@ from streamlit.testing.v1 import AppTest
 
 from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
-from nvcore.params import Params
+from nvcore.params import SETTINGS, Params
 from nvcore.params.metadata import MATCH, PROXIMITY, RESULTS
 from pages import FRAMES, begin_with, checked, opened, rows, texts, write
 from ui.session import state
@@ -229,6 +229,16 @@ def test_settings_are_grey_where_they_act_on_nothing(monkeypatch: pytest.MonkeyP
     assert "Grey, as it acts on nothing on this page." in page.slider(key="alpha").help
     assert "Acts on: matches and false alarms, similarity" in page.slider(key="iou").help
     assert "grey act on nothing" in texts(page)
+
+
+def test_grey_settings_are_spoken_of_only_where_some_are_in_sight(monkeypatch: pytest.MonkeyPatch):
+    main = tuple({setting.stage for setting in SETTINGS.values() if not setting.is_advanced})
+    assert any(not setting.moves(main) for setting in SETTINGS.values())  # advanced ones
+    monkeypatch.setitem(pages.SHOWN, "metrics", main)
+    page = app()
+    assert "grey act on nothing" not in texts(page)
+    page.session_state["advanced"] = True
+    assert "grey act on nothing" in texts(checked(page.run()))
 
 
 def test_every_page_but_the_documentation_has_settings_that_act():
