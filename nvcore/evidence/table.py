@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pandas as pd
 
 from nvcore.comparison import Result
@@ -50,10 +51,11 @@ def mark_undecided(result: Result, table: pd.DataFrame) -> pd.DataFrame:
     Parameters
     ----------
     table
-        With columns figure and note.
+        With columns figure, difference and note.
     """
+    is_defined = np.isfinite(table["difference"].to_numpy(dtype=float))
     notes = [
-        "; ".join(filter(None, (note, AS_SET if is_undecided(result, key) else "")))
-        for key, note in zip(table["figure"], table["note"], strict=True)
+        "; ".join(filter(None, (note, AS_SET if has and is_undecided(result, key) else "")))
+        for key, has, note in zip(table["figure"], is_defined, table["note"], strict=True)
     ]
     return table.assign(note=notes)
