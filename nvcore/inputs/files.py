@@ -6,7 +6,8 @@ import glob
 import hashlib
 import os
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Final
 
@@ -191,6 +192,16 @@ def paths_to_show(folder: Path, sources: Iterable[tuple[Source, Role]]) -> dict[
                 near = os.path.relpath(path, working_folder) if is_near else str(path)
                 shown.setdefault(file.name, set()).add(Path(near).as_posix())
     return {name: paths.pop() for name, paths in shown.items() if len(paths) == 1}
+
+
+@contextmanager
+def located(files: Sequence[SourceFile]) -> Iterator[None]:
+    """Within it, errors about one of the files know where it lies."""
+    try:
+        yield
+    except InputError as error:
+        error.path = next((file.path for file in files if file.name == error.file), None)
+        raise
 
 
 def path_to_show(path: Path) -> str:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -20,7 +19,7 @@ from nvcore.dataset import (
 )
 from nvcore.errors import InputError, MissingFactError
 from nvcore.inputs.evaluated_frames import own_frames, parse_frames
-from nvcore.inputs.files import digest, find_files, system_names
+from nvcore.inputs.files import digest, find_files, located, system_names
 from nvcore.inputs.hashes import changed_input
 from nvcore.inputs.readers.base import (
     Format,
@@ -149,7 +148,7 @@ def _read(
     options = read_options(source, role, session.common_size or _common_size(truth), truth)
     if table is None:
         files, file_format = find_files(source, session.folder, role)
-        with _located(files):
+        with located(files):
             reading, digests = file_format.read(files, options), digest(files)
     else:
         files, file_format = [table_as_file(source.path[0])], TABLE
@@ -162,16 +161,6 @@ def _read(
         findings=joined_findings(replace(finding, subject=subject) for finding in reading.findings),
     )
     return _Loaded(subject, files, digests, file_format, reading)
-
-
-@contextmanager
-def _located(files: Sequence[SourceFile]) -> Iterator[None]:
-    """Within it, errors about one of the files know where it lies."""
-    try:
-        yield
-    except InputError as error:
-        error.path = next((file.path for file in files if file.name == error.file), None)
-        raise
 
 
 def _common_size(truth: Reading | None) -> tuple[int, int] | None:
