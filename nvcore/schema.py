@@ -108,11 +108,11 @@ class MissClass(StrEnum):
 
 
 MISS_CLASS_TEXT: Final[dict[MissClass, str]] = {
-    MissClass.NEVER: "Not detected in any relevant frame.",
-    MissClass.LATE: "First matched too long after the pedestrian became relevant.",
+    MissClass.NEVER: "Not detected in any frame that counts.",
+    MissClass.LATE: "First matched too long after the pedestrian came near enough to count.",
     MissClass.DROPOUT: "Detected, lost for too long, detected again.",
-    MissClass.LOST_EARLY: "Lost too long before the pedestrian stopped being relevant.",
-    MissClass.BRIEF: "Detected in too few relevant frames, in none of the other ways.",
+    MissClass.LOST_EARLY: "Lost too long before the pedestrian was too far to count again.",
+    MissClass.BRIEF: "Detected in too few frames that count, in none of the other ways.",
     MissClass.NONE: "Detected without a failure worth naming.",
 }
 

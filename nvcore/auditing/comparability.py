@@ -57,7 +57,8 @@ def audit_encounter_lengths(dataset: Dataset, params: Params) -> list[Finding]:
             subject=TRUTH_NAME,
             count=n_short,
             message=(
-                f"{n_short:,} of {len(near):,} near encounters are one evaluated frame long{why}."
+                f"{n_short:,} of {len(near):,} encounters that count are one evaluated "
+                f"frame long{why}."
             ),
             advice=(
                 "Saliency, lag, gap, lead time, dropout and rates per hour mean little here, and "

@@ -50,7 +50,7 @@ def _miss_class(kind: MissClass) -> Measure:
         better=HIGHER if kind is MissClass.NONE else LOWER,
         of=count,
         unit="encounters",
-        meaning=f"Encounters with the miss class `{kind.value}`, distant ones left out.",
+        meaning=f"Encounters with the miss class `{kind.value}`, those too far to count left out.",
         tables=(MeasureTable.MISS_CLASSES,),
     )
 
@@ -147,9 +147,9 @@ ENCOUNTER_MEASURES: Final[tuple[Measure, ...]] = (
         better=LOWER,
         of=lambda _, system: float(system.failures["severity_s"].sum()),
         unit="s",
-        meaning="What the failures weigh: the sum of cost * time step over the relevant frames in "
-        "which a pedestrian was not matched, of all encounters. 1 s is one second of a full-weight "
-        "miss.",
+        meaning="What the failures weigh: the sum of cost * time step over the frames that count "
+        "in which a pedestrian was not matched, of all encounters. 1 s is one second of a "
+        "full-weight miss.",
         by_recording=severity_by_recording,
         tables=(MeasureTable.SCORECARD,),
     ),
@@ -176,7 +176,7 @@ ENCOUNTER_MEASURES: Final[tuple[Measure, ...]] = (
         better=LOWER,
         of=lambda result, system: ratio_of(system.failures["severity_s"].sum(), result.venn.n_near),
         unit="s",
-        meaning="The same per encounter, distant ones left out.",
+        meaning="The same per encounter, those too far to count left out.",
         empty=_NONE_NEAR,
         tables=(MeasureTable.SCORECARD,),
         inference=Inference(
@@ -212,7 +212,7 @@ ENCOUNTER_MEASURES: Final[tuple[Measure, ...]] = (
         better=HIGHER,
         of=lambda _, system: int(system.matched.sum()),
         unit="boxes",
-        meaning="Annotated pedestrian boxes matched, those of distant encounters too.",
+        meaning="Annotated pedestrian boxes matched, those too far to count as well.",
         tables=(MeasureTable.SCORECARD,),
     ),
 )

@@ -58,7 +58,7 @@ class JudgingSettings:
         ENCOUNTERS,
         0.5,
         label="Detected if matched in (share)",
-        meaning="Share of its relevant frames in which an encounter must be matched to count as "
+        meaning="Share of its frames that count in which an encounter must be matched to count as "
         "detected.",
         is_advanced=True,
     )
@@ -71,7 +71,8 @@ class JudgingSettings:
         step=0.1,
         unit="s",
         label="Late after",
-        meaning="A first match later than this after the pedestrian became relevant is late.",
+        meaning="A first match later than this after the pedestrian came near enough to count is "
+        "late.",
         is_advanced=True,
     )
     gap_s: float = setting(

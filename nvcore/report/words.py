@@ -261,7 +261,7 @@ def _saliency(result: Result, letter: str, system: SystemResult) -> str:
         return f"{text} The missed pedestrians count (k >= 0.5) throughout."
     return (
         f"{text} In {share:.0%} of the events' time the missed pedestrian counts (k >= 0.5); in "
-        "the rest they are too far away."
+        "the rest they are too far to count."
     )
 
 

@@ -39,8 +39,8 @@ _SHARE = "0 to 1"
 
 _RECORDING = Column("recording", _TEXT, "", "Name of the recording.")
 _SYSTEM = Column("system", _TEXT, "", "Which system it is about: `x` or `y`.")
-_DISTANT = "distant encounter"
-_UNMATCHED = "distant encounter, or no relevant frame matched"
+_DISTANT = "too far to count"
+_UNMATCHED = "too far to count, or matched in no frame that counts"
 
 _FRAMES = (
     _RECORDING,
@@ -121,7 +121,7 @@ _ENCOUNTERS = (
     ),
     Column("first_frame", _INTEGER, "", "First evaluated frame in which it is annotated."),
     Column("last_frame", _INTEGER, "", "Last evaluated frame in which it is annotated."),
-    Column("n_relevant", _INTEGER, "frames", "Relevant frames, in which it is near: k >= 0.5."),
+    Column("n_relevant", _INTEGER, "frames", "Frames that count: it is near enough, k >= 0.5."),
     Column(
         "category",
         _TEXT,
@@ -129,14 +129,14 @@ _ENCOUNTERS = (
         "Who detected it: `both`, `x_only`, `y_only`, `neither`, `distant`.",
     ),
     *_of_both(
-        Column("matched", _INTEGER, "frames", "Relevant frames in which it was matched.", "high"),
+        Column("matched", _INTEGER, "frames", "Frames that count in which it was matched.", "high"),
         Column("coverage", _NUMBER, _SHARE, "`matched` / `n_relevant`.", "high", empty=_DISTANT),
         Column(
             "detected",
             Kind.TRUTH_VALUE,
             "",
             "Whether the system detected it: coverage is at least the parameter `coverage`, and "
-            "a relevant frame is matched.",
+            "a frame that counts is matched.",
             "high",
             _DISTANT,
         ),
@@ -152,7 +152,7 @@ _ENCOUNTERS = (
             "lag_s",
             _NUMBER,
             "s",
-            "Time from the first relevant frame to the first matched relevant one.",
+            "Time from the first frame that counts to the first of them that is matched.",
             "low",
             _UNMATCHED,
         ),
@@ -160,7 +160,7 @@ _ENCOUNTERS = (
             "gap_s",
             _NUMBER,
             "s",
-            "Longest time of unmatched relevant frames between two matched ones.",
+            "Longest time of unmatched frames that count between two matched ones.",
             "low",
             _UNMATCHED,
         ),
@@ -168,7 +168,7 @@ _ENCOUNTERS = (
             "tail_s",
             _NUMBER,
             "s",
-            "Time of the unmatched relevant frames after the last matched one.",
+            "Time of the unmatched frames that count after the last matched one.",
             "low",
             _UNMATCHED,
         ),
@@ -176,8 +176,8 @@ _ENCOUNTERS = (
             "severity_s",
             _NUMBER,
             "s",
-            "What its failures weigh: sum of cost * time step over the relevant frames in which it "
-            "was not matched; 1 s is one second of a full-weight miss.",
+            "What its failures weigh: sum of cost * time step over the frames that count in which "
+            "it was not matched; 1 s is one second of a full-weight miss.",
             "low",
             _DISTANT,
         ),
@@ -195,7 +195,7 @@ _ENCOUNTERS = (
         _NUMBER,
         "s",
         "`lag_s_y` - `lag_s_x`: how much earlier X matched it; negative: Y was first.",
-        empty="X or Y matched it in no relevant frame",
+        empty="X or Y matched it in no frame that counts",
     ),
     Column("n_frames", _INTEGER, "frames", "Evaluated frames in which it is annotated."),
     Column(
@@ -211,7 +211,7 @@ _ENCOUNTERS = (
         "Mean position: -1 left edge, 0 middle, 1 right edge.",
     ),
     Column("peak_height", _NUMBER, "px", "Largest height of its boxes."),
-    Column("peak_k", _NUMBER, _SHARE, "Largest proximity weight k; below 0.5 it is distant."),
+    Column("peak_k", _NUMBER, _SHARE, "Largest proximity weight k; below 0.5: too far to count."),
     Column("aspect_ratio", _NUMBER, "", "Mean height over width of its boxes."),
     Column(
         "aspect_z",

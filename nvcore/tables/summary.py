@@ -100,7 +100,12 @@ _ENTRIES: Final[tuple[_Entry, ...]] = (
         lambda result: int(np.count_nonzero(result.dataset.truth.ignore)),
     ),
     _Entry(
-        Column("truth.encounters", _INTEGER, "encounters", "Encounters, distant ones included."),
+        Column(
+            "truth.encounters",
+            _INTEGER,
+            "encounters",
+            "Encounters, those too far to count as well.",
+        ),
         lambda result: len(result.encounters),
     ),
     _Entry(
@@ -211,7 +216,7 @@ _ENTRIES: Final[tuple[_Entry, ...]] = (
             "lead_time_s.encounters",
             _INTEGER,
             "encounters",
-            "Encounters that both systems matched in a relevant frame.",
+            "Encounters that both systems matched in a frame that counts.",
         ),
         lambda result: len(_lead_s(result)),
     ),

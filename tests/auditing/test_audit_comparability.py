@@ -141,7 +141,7 @@ def people(n_short: int, n_long: int, *, step: int = 1, h: float = 100) -> Datas
 def test_mostly_short_encounters_are_a_warning() -> None:
     finding = find(people(11, 9), "short-encounters")
     assert (finding.severity, finding.subject, finding.count) == (Severity.WARNING, "truth", 11)
-    assert "11 of 20 near encounters are one evaluated frame long." in finding.message
+    assert "11 of 20 encounters that count are one evaluated frame long." in finding.message
 
 
 @pytest.mark.parametrize(

@@ -39,7 +39,7 @@ def draw_classes(result: Result, encounters: pd.DataFrame) -> None:
         draw_chart(lead_time_plot(encounters, theme=theme), "encounters_lead")
         st.caption(
             f"{docs_link('Lead time', 'lead-time')}: how much earlier X matches a pedestrian than "
-            "Y, counted from the moment it is near enough to matter."
+            "Y, counted from the moment it is near enough to count."
         )
 
 

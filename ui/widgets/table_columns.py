@@ -17,7 +17,7 @@ from nvcore.wording import ARROWS, difference, number
 
 HEADINGS: Final = {
     "track": "Pedestrian",
-    "n_relevant": "Relevant frames",
+    "n_relevant": "Frames that count",
     "n_frames": "Annotated frames",
     "miss_class": "miss class",
     "lag_s": "lag (s)",
@@ -34,7 +34,7 @@ HEADINGS: Final = {
     "start_s": "Start (s)",
     "duration_s": "Duration (s)",
     "tau": "Ends at",
-    "relevant_s": "Relevant (s)",
+    "relevant_s": "Counts (s)",
     "weight_s": "Weight (s)",
     "rest_s": "Rest (s)",
     "saliency_s": "Saliency (s)",

@@ -246,7 +246,7 @@ def _coverage_text(
     failure = "" if kind is MissClass.NONE else f" ({kind.value.replace('_', ' ')})"
     return (
         f"Pedestrian {result.encounters.track[encounter]}: {winner} matches {coverage[0]:.0%} of "
-        f"the relevant frames, {loser} {coverage[1]:.0%}{failure}."
+        f"the frames that count, {loser} {coverage[1]:.0%}{failure}."
     )
 
 

@@ -170,7 +170,7 @@ def parameters_section(result: Result) -> Section:
         )
     head = ("Parameter", "Value", "Unit", "Changed", "Default", "Range", "Meaning")
     constants = (
-        ("weight of nearness from which a frame is relevant", f"{RELEVANT_K:g}"),
+        ("weight of nearness from which a frame counts", f"{RELEVANT_K:g}"),
         ("share of a detection on an ignored region that absorbs it", f"{ABSORB_SHARE:g}"),
         ("smallest overlap of linked boxes", f"{LINK_IOU:g}"),
         ("largest gap of linked boxes, evaluated frames", f"{LINK_GAP}"),

@@ -29,9 +29,9 @@ def reading(params: Params) -> tuple[str, ...]:
         "first. One that matches nobody is a false alarm, a pedestrian whom nothing matches is "
         "missed. Regions that the ground truth marks as ignored count neither way.",
         "An encounter is one pedestrian, from the first to the last frame in which they are "
-        "annotated. Frames in which they are near enough to matter (weight of nearness of "
-        f"{RELEVANT_K:g} or more, see Similarity) are called relevant; an encounter without any is "
-        "distant and not counted.",
+        "annotated. Frames count in which they are near enough (weight of nearness of "
+        f"{RELEVANT_K:g} or more, see Similarity); an encounter without any is too far to count, "
+        "in short: distant.",
         "In the charts X is blue, solid and a circle, Y is orange, dashed and a diamond. A dash in "
         "a table means not defined, never zero.",
     )
@@ -74,8 +74,8 @@ def scorecard(params: Params) -> Intro:
         what="All measures side by side. X - Y is the difference; of shares it is given in "
         "percentage points (pp).",
         how="Each measure is explained in its own section below. An encounter is detected if at "
-        f"least {_percent(params.coverage)} of its relevant frames are matched. How the encounters "
-        "went counts, for each system, the way in which it failed (or did not).",
+        f"least {_percent(params.coverage)} of its frames that count are matched. How the "
+        "encounters went counts, for each system, the way in which it failed (or did not).",
         best="The last column says whether higher or lower is better.",
         limits="Whether a difference is more than chance: see Is the difference real.",
     )
@@ -86,14 +86,14 @@ def who(params: Params) -> Intro:
     return Intro(
         what="Which pedestrians were detected by both systems, by one only, by neither.",
         how="A system detects an encounter if it matches the pedestrian in at least "
-        f"{_percent(params.coverage)} of the relevant frames, and in one at least. A first match "
+        f"{_percent(params.coverage)} of the frames that count, and in one at least. A first match "
         f"more than {params.lag_s:g} s late makes the encounter late, a gap of more than "
         f"{params.gap_s:g} s a dropout, the same after the last match an early loss; the first of "
         "these that holds is counted. Severity is what a system's failure weighs: the cost of each "
-        "relevant frame in which it misses the pedestrian (weight of nearness times distance from "
-        "the border over half the picture's width, 0 to 1; see Similarity), summed over time. 1 s "
-        "is a pedestrian straight ahead and near, missed for 1 s; peak cost is the largest of a "
-        "frame. Lead time is Y's delay of the first match less X's. Jaccard index: "
+        "frame that counts in which it misses the pedestrian (weight of nearness times distance "
+        "from the border over half the picture's width, 0 to 1; see Similarity), summed over time. "
+        "1 s is a pedestrian straight ahead and near, missed for 1 s; peak cost is the largest of "
+        "a frame. Lead time is Y's delay of the first match less X's. Jaccard index: "
         "shared misses over all misses. Phi: correlation of the two systems' misses.",
         best="Many in the middle of the diagram, few outside the circles, and little severity. A "
         "system dominates the other if it detects all that the other detects, and more. In the "
@@ -176,7 +176,7 @@ def saliency(params: Params) -> Intro:
         best="0 s; in the plane of similarity and saliency bottom right (large open marks: means "
         "over the recordings).",
         limits="It is a model of what drivers remember, not a measurement of it. Part of the "
-        "events' time may be of pedestrians too far away to count: the share is below. "
+        "events' time may be of pedestrians too far to count: the share is below. "
         + saliency_caveat(params),
     )
 
@@ -308,8 +308,8 @@ ONLY_ONE = Intro(
     what="Every encounter that one system detects and the other does not: what tells the two "
     "apart. The heaviest failures come first.",
     how="Sorted by the severity for the other system, which misses the pedestrian (see Who detects "
-    "whom). Coverage is the share of relevant frames in which the pedestrian is matched. Missed "
-    "from is the time of the first relevant frame in which the other system misses them.",
+    "whom). Coverage is the share of frames that count in which the pedestrian is matched. Missed "
+    "from is the time of the first frame that counts in which the other system misses them.",
 )
 
 AUDIT = Intro(

@@ -46,7 +46,7 @@ def test_of_an_encounter_that_one_detects_the_frame_that_costs_most_is_shown(los
     first = decisive_moments(missed_by_one(loser, [10, 25, 40, 30, 5]))[0]
     assert (first.row, first.title, first.encounter) == (2, f"Only {winner} detects", 0)
     assert first.text == (
-        f"Pedestrian 7: {winner} matches 100% of the relevant frames, {loser.upper()} 0% (never)."
+        f"Pedestrian 7: {winner} matches 100% of the frames that count, {loser.upper()} 0% (never)."
     )
 
 

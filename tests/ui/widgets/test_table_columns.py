@@ -36,7 +36,7 @@ def test_every_column_has_its_own_heading_and_a_help_text(file: str):
 def test_a_help_text_says_which_way_is_better_and_when_a_cell_is_empty():
     text = column_config("encounters.csv")["lag_s_x"]["help"]
     assert "Lower is better" in text
-    assert "Empty: distant encounter, or no relevant frame matched" in text
+    assert "Empty: too far to count, or matched in no frame that counts" in text
 
 
 def test_shares_are_shown_in_percent_and_classes_in_words():

@@ -46,7 +46,7 @@ const SAMPLES = [
   [{ source: "truth", state: 8 | 4 }, "missed by X"],
   [{ source: "truth", state: 8 | 16 | 32 }, "missed by both; ▼ the most salient pedestrian for a system"],
   [{ source: "y", state: 2 }, "false alarm (crossed out)"],
-  [{ source: "truth", state: 0 }, "not relevant for the driver, or ignored (dotted)"],
+  [{ source: "truth", state: 0 }, "too far to count, or ignored (dotted)"],
 ];
 
 function make(tag, attributes = {}, children = []) {

@@ -25,7 +25,7 @@ function showCounts(parts, counts) {
     set(parts[system], `${missed} near missed, ${counts[`false_${system}`]} false`);
     parts[system].classList.toggle("misses", missed > 0);
   }
-  set(parts.truth, `${counts.truth}, ${counts.relevant} relevant`);
+  set(parts.truth, `${counts.truth}, ${counts.relevant} near enough`);
 }
 
 function describeFrame({ counts, recording, row, shown }) {
