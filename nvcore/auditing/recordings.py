@@ -80,8 +80,9 @@ def audit_kitti_size(dataset: Dataset) -> list[Finding]:
     KITTI's files hold no size, its recordings differ, and boxes of the truth are cut off at the
     edge of the picture.
     """
-    is_truth = dataset.inputs["subject"] == TRUTH_NAME
-    if not any(str(name).startswith("kitti") for name in dataset.inputs["format"][is_truth]):
+    inputs = dataset.inputs
+    formats = inputs["format"][inputs["subject"] == TRUTH_NAME] if "format" in inputs else ()
+    if not any(str(name).startswith("kitti") for name in formats):
         return []
     recordings, truth = dataset.recordings, dataset.truth
     recording = dataset.frame_columns.recording[truth.frame_index]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from typing import Final
 
@@ -52,10 +53,11 @@ def contradicted_facts(truth: Reading, recordings: pd.DataFrame) -> list[Finding
 def missing_pictures(session: Session, names: Sequence[str]) -> list[Finding]:
     """Pictures that the session names for a recording and that are not there."""
     entries = session.entries(list(names))
+    # os.path: Path.exists raises for names that no file can have
     missing = [
         (name, entry.pictures)
         for name, entry in entries.items()
-        if entry.pictures is not None and not (session.folder / entry.pictures).exists()
+        if entry.pictures is not None and not os.path.exists(session.folder / entry.pictures)  # noqa: PTH110
     ]
     if not missing:
         return []

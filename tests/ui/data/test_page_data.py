@@ -75,7 +75,7 @@ def test_a_video_proposes_size_and_rate_finds_its_recording_and_can_be_shifted(t
     assert asked(page) == {
         "Width of the pictures (px)": 640,
         "Height of the pictures (px)": 480,
-        "Frames per second": 20.0,
+        "Frames per second of the camera": 20.0,
     }
     press(page, "open_upload")
     recordings = page.table[1].value

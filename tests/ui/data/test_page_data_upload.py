@@ -144,7 +144,7 @@ def test_a_frame_rate_that_was_typed_stays_when_a_video_arrives(tmp_path: Path):
     page = late_page(tmp_path)
     answer(page, fps=7.0)
     send_video(checked(page.run()), "drive.mp4")
-    assert asked(page)["Frames per second"] == 7.0
+    assert asked(page)["Frames per second of the camera"] == 7.0
 
 
 def kitti_page() -> AppTest:
