@@ -157,7 +157,7 @@ def verdict(
             () if companions is None else describe_strict(shown, companions.strict),
         ),
         Point("More recordings", (plan,) if plan else ()),
-        Point("Thresholds", describe_thresholds(result)),
+        Point("Thresholds", describe_thresholds(result) if shown is result else ()),
     )
     return Verdict(
         headline(result, of_shown, companions, support),
