@@ -15,13 +15,14 @@ import os
 import re
 import secrets
 import shutil
-import stat
 import tempfile
 from functools import cache
 from pathlib import Path
 from typing import Final
 
 from filelock import FileLock, Timeout
+
+from nvcore.output.private import make_private
 
 ENVIRONMENT: Final = "NVCORE_UPLOAD_DIR"
 """Where uploads are kept while their session lasts; default: the system's temporary folder.
@@ -56,14 +57,7 @@ def base_folder() -> Path:
         folder.mkdir(exist_ok=True)
         return folder
     folder = parent / f"nvcore-uploads-{os.getuid()}"
-    try:
-        folder.mkdir(mode=0o700, exist_ok=True)
-        status = folder.lstat()
-        is_ours = stat.S_ISDIR(status.st_mode) and status.st_uid == os.getuid()
-        is_private = not status.st_mode & 0o077
-    except FileExistsError:  # a file, or a link that leads nowhere
-        is_ours = is_private = False
-    if not is_ours or not is_private:
+    if not make_private(folder):
         # made by someone else, who could read the files in it
         return Path(tempfile.mkdtemp(prefix="nvcore-uploads-", dir=parent))
     return folder

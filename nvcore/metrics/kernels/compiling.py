@@ -9,13 +9,14 @@ theirs to choose. Where there is none either, each process compiles anew, for so
 from __future__ import annotations
 
 import os
-import stat
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from numba import config, njit
+
+from nvcore.output.private import make_private
 
 
 def compiler() -> Callable[[Callable[..., Any]], Any]:
@@ -42,14 +43,7 @@ def private_folder() -> Path | None:
     """A folder of this user's among the temporary files; None if there cannot be one."""
     try:
         folder = Path(tempfile.gettempdir()) / f"nvcore-kernels-{os.getuid()}"
-        folder.mkdir(mode=0o700, exist_ok=True)
-        status = folder.lstat()
+        is_usable = make_private(folder) and os.access(folder, os.W_OK)
     except (OSError, AttributeError):  # AttributeError: Windows, where the home always exists
         return None
-    is_private = (
-        stat.S_ISDIR(status.st_mode)
-        and status.st_uid == os.getuid()
-        and not status.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
-        and os.access(folder, os.W_OK)
-    )
-    return folder if is_private else None
+    return folder if is_usable else None
