@@ -16,13 +16,11 @@ import socket
 import sys
 from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import Final
 
 import nvcore.inputs.load
 import nvcore.pictures.open  # noqa: F401  # loaded for the forked processes
 from nvcore.errors import NvcoreError
-
-MEBI: Final = 1 << 20
+from ui.settings.limits import MEBI
 
 
 def main(control: socket.socket) -> None:

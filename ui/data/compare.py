@@ -20,9 +20,9 @@ from nvcore.detection.operating_point import (
 from nvcore.figures.inputs import false_alarm_plot, score_plot
 from nvcore.params import Params
 from nvcore.params.metadata import MATCH
+from nvcore.report.words import sampling_note
 from ui.session import state
 from ui.session.opening import with_systems
-from ui.shell.messages import sampling_note
 from ui.widgets.charts import draw_chart
 from ui.widgets.text import docs_link, number, plain
 

@@ -21,11 +21,11 @@ from nvcore.report.equal_alarms import (
     weights_text,
 )
 from nvcore.report.verdict import verdict
+from nvcore.report.words import sampling_note
 from nvcore.tables.result import recordings_table
 from nvcore.tables.scorecard import score_rows
 from nvcore.wording import count_text
 from ui.session import state
-from ui.shell.messages import sampling_note
 from ui.shell.navigate import open_frame, open_page
 from ui.widgets.charts import clicked_chart
 from ui.widgets.choices import choose_side_by_side, draw_measures

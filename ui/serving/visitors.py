@@ -98,9 +98,8 @@ class VisitorLimits:
         """Why this is not answered; None: it is."""
         if path.endswith(_METRICS) and not _may_read_metrics(Headers(scope=scope)):
             return _answer(HTTPStatus.NOT_FOUND, "not found")
-        is_page = "text/html" in Headers(scope=scope).get("accept", "")
-        if is_page and self._n_visitors >= self.limits.max_visitors:
-            most = self.limits.max_visitors
+        most = self.limits.max_visitors
+        if self._n_visitors >= most and "text/html" in Headers(scope=scope).get("accept", ""):
             return _answer(
                 HTTPStatus.SERVICE_UNAVAILABLE,
                 f"This server takes {most} visitors at a time. Try again later.",

@@ -14,7 +14,6 @@ from nvcore.errors import NvcoreError
 from nvcore.findings import Severity
 from nvcore.report.html.words import SHORT_ENCOUNTERS
 from nvcore.report.verdict import CAVEATS
-from nvcore.report.words import sampling_note as sampling_note  # beside the other messages
 from ui.session import local_files, state
 from ui.session.opening import public_text
 from ui.session.workspace import Workspace

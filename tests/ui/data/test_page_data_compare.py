@@ -14,9 +14,9 @@ from nvcore.comparison import compare
 from nvcore.dataset import dataset_from_tables
 from nvcore.evidence.companions import find_companions
 from nvcore.evidence.table import evidence_table
+from nvcore.report.words import sampling_note
 from pages import checked, texts, to_page
 from pages import opened as opened_app
-from ui.shell.messages import sampling_note
 
 
 def n_kept(page) -> int:
