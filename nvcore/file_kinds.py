@@ -1,7 +1,9 @@
-"""The kind of a file: a binary one from its first bytes, a picture from its name."""
+"""The kind of a file: a binary or packed one from its first bytes, a picture from its name."""
 
 from __future__ import annotations
 
+import re
+from pathlib import PurePath
 from typing import Final
 
 IMAGE_SUFFIXES: Final = frozenset({".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp"})
@@ -19,12 +21,15 @@ _MAGIC: Final[tuple[tuple[int, bytes, str], ...]] = (
     (0, b"\x1aE\xdf\xa3", "a Matroska or WebM video"),
     (0, b"#ROSBAG", "a ROS bag"),
     (0, b"PK\x03\x04", "a ZIP archive (or a spreadsheet): unpack it, or save it as CSV"),
-    (0, b"\x1f\x8b", "a gzip archive: unpack it"),
+    (0, b"\x1f\x8b", "a file packed by gzip: unpack it"),
+    (0, b"\xfd7zXZ\x00", "a file packed by xz: unpack it"),
+    (0, b"\x28\xb5\x2f\xfd", "a file packed by Zstandard: unpack it"),
     (0, b"7z\xbc\xaf", "a 7-Zip archive: unpack it"),
+    (257, b"ustar", "a tar archive: unpack it"),
     (0, b"%PDF", "a PDF document"),
     (0, b"\x89HDF", "an HDF5 file: export it as CSV"),
     (0, b"MATLAB ", "a MATLAB file: export it as CSV"),
-    (0, b"PAR1", "a Parquet table: export it as CSV"),
+    (0, b"PAR1", "a Parquet table"),
     (0, b"\x93NUMPY", "a NumPy array: export it as CSV"),
     (0, b"SQLite format 3", "an SQLite database: export it as CSV"),
     (0, b"\xff\xfe", "UTF-16 text: save it as UTF-8"),
@@ -33,6 +38,53 @@ _MAGIC: Final[tuple[tuple[int, bytes, str], ...]] = (
 """Offset, the bytes there, and the kind of such a file."""
 
 _BYTES_CHECKED: Final = 4096
+
+PACKED_ENDINGS: Final = (".gz", ".bz2", ".xz", ".zst")
+"""Endings of packed files, behind that of their content: ``truth.csv.gz``."""
+
+_PACKED: Final[dict[str, re.Pattern[bytes]]] = {
+    "gzip": re.compile(rb"\x1f\x8b\x08"),
+    "bz2": re.compile(rb"BZh[1-9](?:1AY&SY|\x17rE8P\x90)"),
+    "xz": re.compile(rb"\xfd7zXZ\x00"),
+    "zstd": re.compile(rb"\x28\xb5\x2f\xfd|[\x50-\x5f]\x2a\x4d\x18"),
+}
+PACKED_HEAD_BYTES: Final = 10
+
+
+def packed_by(head: bytes) -> str | None:
+    r"""How a file is packed, by its first bytes; None: it is not.
+
+    Examples
+    --------
+    >>> packed_by(b"\x1f\x8b\x08\x00")
+    'gzip'
+    >>> packed_by(b"frame,x,y,w,h") is None
+    True
+    """
+    return next((kind for kind, magic in _PACKED.items() if magic.match(head)), None)
+
+
+def unpacked_name(name: str) -> str:
+    """The name of a file without the ending that says how it is packed.
+
+    Examples
+    --------
+    >>> unpacked_name("night/truth.csv.gz"), unpacked_name("truth.csv")
+    ('night/truth.csv', 'truth.csv')
+    """
+    ending = next((end for end in PACKED_ENDINGS if name.lower().endswith(end)), "")
+    return name[: len(name) - len(ending)]
+
+
+def suffix_of(path: PurePath) -> str:
+    """Ending of a file's content, in lower case; empty if it has none.
+
+    Examples
+    --------
+    >>> suffix_of(PurePath("night/truth.CSV.gz"))
+    '.csv'
+    """
+    return PurePath(unpacked_name(path.name)).suffix.lower()
 
 
 def binary_kind(content: bytes) -> str | None:

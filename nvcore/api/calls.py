@@ -16,6 +16,7 @@ from nvcore.errors import InputError, ParameterError
 from nvcore.findings import Finding
 from nvcore.inputs.conversion import Conversion
 from nvcore.inputs.conversion import convert as convert_input
+from nvcore.inputs.pipes import pipes_kept
 from nvcore.inputs.readers.base import Role
 from nvcore.inputs.session import Session, Source
 from nvcore.protocols import Protocol
@@ -195,6 +196,7 @@ def gate(result: Comparison, rules: Iterable[str], *, strict: bool = False) -> G
     return GateOutcome(tuple(outcomes))
 
 
+@pipes_kept()
 def convert(
     source: PathLike | Source,
     target: PathLike,

@@ -12,6 +12,7 @@ import pandas as pd
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError, MissingFactError
 from nvcore.inputs.load import load as load_session
+from nvcore.inputs.pipes import pipes_kept
 from nvcore.inputs.recordings_file import with_recordings_file
 from nvcore.inputs.session import (
     RecordingsFile,
@@ -40,6 +41,7 @@ KEYWORDS: Final = {
 AnySettings = TypeVar("AnySettings", bound=Settings)
 
 
+@pipes_kept()
 def load(
     source: PathLike | Session | None = None,
     /,

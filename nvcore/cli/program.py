@@ -21,6 +21,7 @@ from typing import Any, Final
 import click
 
 from nvcore.errors import NvcoreError
+from nvcore.inputs.pipes import pipes_kept
 from nvcore.wording import one_line
 
 EXIT_BAD_INPUT: Final = 2
@@ -70,7 +71,7 @@ class Program(click.Group):
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run a command."""
-        with _shown_errors():
+        with _shown_errors(), pipes_kept():
             super().invoke(ctx)
 
 

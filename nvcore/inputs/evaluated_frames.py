@@ -11,8 +11,8 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from nvcore.errors import FormatError, InputError, MissingFactError
-from nvcore.inputs.readers.base import Reading
+from nvcore.errors import InputError, MissingFactError
+from nvcore.inputs.readers.base import Reading, SourceFile
 from nvcore.inputs.readers.meaning.seqinfo import MAX_FRAMES
 from nvcore.inputs.session import is_frame_range
 
@@ -47,11 +47,12 @@ def parse_frames(text: str, folder: Path) -> np.ndarray:
         if (last - first) // step >= MAX_FRAMES:
             raise InputError(f"frames {text!r}: expected at most {MAX_FRAMES} frames")
         return np.arange(first, last + 1, step)
-    path = folder / text
+    file = SourceFile(folder / text, (folder / text).name)
     try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except (OSError, ValueError) as error:  # ValueError: not UTF-8, or a name that cannot be
-        reason = getattr(error, "strerror", None) or "not UTF-8 text"
+        with file.open() as stream:
+            lines = stream.read().decode("utf-8-sig").splitlines()
+    except (InputError, ValueError) as error:  # ValueError: not UTF-8, or a name that cannot be
+        reason = error.message if isinstance(error, InputError) else "not UTF-8 text"
         raise InputError(
             "cannot be read as a frame list; expected first:last[:step], or a text file with one "
             f"frame number a line ({reason})",
@@ -62,9 +63,7 @@ def parse_frames(text: str, folder: Path) -> np.ndarray:
         if not line.strip():
             continue
         if re.fullmatch(r"\s*-?\d{1,15}\s*", line) is None:
-            raise FormatError(
-                f"expected a frame number, found {line[:40]!r}", file=path.name, line=number
-            )
+            raise file.fault(f"expected a frame number, found {line[:40]!r}", number)
         numbers.append(int(line))
     if not numbers:
         raise InputError("holds no frame number", file=text)

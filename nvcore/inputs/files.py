@@ -8,10 +8,12 @@ import os
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from itertools import takewhile
 from pathlib import Path
 from typing import Final
 
 from nvcore.errors import InputError
+from nvcore.file_kinds import PACKED_ENDINGS, suffix_of, unpacked_name
 from nvcore.inputs.readers import NOTHING, detect_format, format_named, holds_nothing
 from nvcore.inputs.readers.base import Format, Role, SourceFile
 from nvcore.inputs.readers.meaning.names import NEUTRAL
@@ -39,10 +41,10 @@ HEAD_BYTES: Final = 4096
 def find_files(source: Source, folder: Path, role: Role) -> tuple[list[SourceFile], Format]:
     """Files of a source and their format.
 
-    A path is a file, a glob, or a folder. In a folder with MOTChallenge's layout those are
-    ``*/gt/gt.txt`` (truth) or ``*/det/det.txt`` (detections); in any other all files below it
-    whose ending belongs to the format. Detection files that are all empty are read by `NOTHING`,
-    whatever format is named: the system detected nothing.
+    A path is a file or a pipe, a glob, or a folder. In a folder with MOTChallenge's layout those
+    are ``*/gt/gt.txt`` (truth) or ``*/det/det.txt`` (detections), packed or not; in any other all
+    files below it whose ending belongs to the format. Detection files that are all empty are read
+    by `NOTHING`, whatever format is named: the system detected nothing.
 
     Raises
     ------
@@ -65,7 +67,7 @@ def find_files(source: Source, folder: Path, role: Role) -> tuple[list[SourceFil
     if holds_nothing(files):
         if role == "truth":
             raise InputError(EMPTY_TRUTH, file=files[0].name)
-        if files[0].path.suffix.lower() in (".json", ".xml"):
+        if suffix_of(files[0].path) in (".json", ".xml"):
             raise InputError(EMPTY_DOCUMENT, file=files[0].name)
         return files, NOTHING
     if declared is None and _is_frame_list(files):
@@ -77,7 +79,7 @@ def find_files(source: Source, folder: Path, role: Role) -> tuple[list[SourceFil
     readable = [
         file
         for file in files
-        if file.path in stated or file.path.suffix.lower() in file_format.suffixes
+        if file.path in stated or suffix_of(file.path) in file_format.suffixes
     ]
     # a seqinfo.ini sent along is read as what it is: facts about the recording beside it
     readable = [file for file in readable if file.path.name.lower() != "seqinfo.ini"] or readable
@@ -101,16 +103,20 @@ def _is_frame_list(files: Sequence[SourceFile]) -> bool:
 
 
 def _expand(text: str, folder: Path, role: Role, declared: Format | None) -> list[SourceFile]:
-    """Files of one path of a source: a file, a glob or a folder."""
+    """Files of one path of a source: a file or a pipe, a glob or a folder."""
     path = folder / text
     try:
-        is_folder, is_file = path.is_dir(), path.is_file()
+        is_folder, is_file = path.is_dir(), path.is_file() or path.is_fifo()
+        is_other = not is_folder and not is_file and path.exists()
     except OSError as error:  # a name that is too long, a folder that may not be looked into
         raise InputError(f"cannot be opened ({error.strerror})", file=text) from error
     if is_folder:
-        return _in_folder(path, text, role, declared)
+        with _folders_opened(path, text):
+            return _in_folder(path, text, role, declared)
     if is_file:
         return [SourceFile(path, _shown(path))]
+    if is_other:
+        raise InputError("is a device or a socket; expected a file or a folder", file=text)
     if glob.has_magic(text):
         # Path.glob takes no absolute pattern
         names = glob.glob(text, root_dir=folder, recursive=True)  # noqa: PTH207
@@ -118,29 +124,30 @@ def _expand(text: str, folder: Path, role: Role, declared: Format | None) -> lis
         files = [SourceFile(match, _shown(match)) for match in matches if match.is_file()]
         if files:
             return files
+        start = Path(*takewhile(lambda part: not glob.has_magic(part), Path(text).parts))
+        if (folder / start).is_dir():  # glob passes over what it may not look into
+            with _folders_opened(folder / start, start.as_posix()):
+                _ = [*(folder / start).iterdir()]
         raise InputError("no file matches this pattern", file=text)
     raise InputError("there is no such file or folder", file=text)
 
 
 def _in_folder(path: Path, text: str, role: Role, declared: Format | None) -> list[SourceFile]:
     """Files of a folder, see `find_files`."""
-    pattern = "*/gt/gt.txt" if role == "truth" else "*/det/det.txt"
-    matches = sorted(path.glob(pattern)) or sorted(path.glob(pattern.partition("/")[2]))
+    parts = ("gt", "gt.txt") if role == "truth" else ("det", "det.txt")
+    matches = _mot_files(path, *parts)
     if matches and (declared is None or declared.name == "mot"):
         return [SourceFile(match, _shown(match)) for match in matches]
     if role == "detections" and (declared is None or declared.name == "mot"):
         _refuse_truth_alone(path, text)
     files = [
-        SourceFile(match, match.relative_to(path).as_posix())
-        for match in sorted(path.rglob("*"))
-        if match.is_file()
-        and not any(part.startswith(".") for part in match.relative_to(path).parts)
+        SourceFile(file, file.relative_to(path).as_posix()) for file in sorted(_files_below(path))
     ]
-    readable = (".txt", ".csv", ".json", ".xml", ".tsv")
+    readable = (".txt", ".csv", ".json", ".xml", ".tsv", ".parquet")
     endings = declared.suffixes if declared is not None else readable
-    files = [file for file in files if file.path.suffix.lower() in endings]
+    files = [file for file in files if suffix_of(file.path) in endings]
     notes = ("readme", "license", "classes", "index")
-    files = [f for f in files if f.path.stem.lower() not in notes] or files
+    files = [file for file in files if _stem(file.path).lower() not in notes] or files
     if not files:
         raise InputError(
             f"the folder holds no file that could be {role} (endings: {', '.join(endings)})",
@@ -149,9 +156,57 @@ def _in_folder(path: Path, text: str, role: Role, declared: Format | None) -> li
     return files
 
 
+def _stem(path: Path) -> str:
+    """Name of a file without its endings of content and packing."""
+    return Path(unpacked_name(path.name)).stem
+
+
+def _mot_files(path: Path, folder: str, name: str) -> list[Path]:
+    """Files in MOTChallenge's layout: of the recordings in a folder, else of the folder itself."""
+    for places in (sorted(path.iterdir()), [path]):
+        files = [_plain_or_packed(place / folder, name) for place in places]
+        if any(files):
+            return [file for file in files if file is not None]
+    return []
+
+
+def _plain_or_packed(folder: Path, name: str) -> Path | None:
+    if not folder.is_dir():
+        return None
+    files = (folder / (name + ending) for ending in ("", *PACKED_ENDINGS))
+    return next((file for file in files if file.is_file()), None)
+
+
+def _files_below(folder: Path) -> Iterator[Path]:
+    """Files in a folder and the folders in it; hidden ones are passed over."""
+
+    def refuse(error: OSError) -> None:
+        raise error
+
+    for place, folders, names in os.walk(folder, onerror=refuse):
+        folders[:] = [name for name in folders if not name.startswith(".")]
+        for name in names:
+            file = Path(place, name)
+            if not name.startswith(".") and file.is_file():
+                yield file
+
+
+@contextmanager
+def _folders_opened(path: Path, text: str) -> Iterator[None]:
+    """Within it, a folder that may not be looked into is an InputError that names it."""
+    try:
+        yield
+    except OSError as error:
+        place = Path(error.filename or path)
+        below = place.relative_to(path) if place.is_relative_to(path) else ""
+        raise InputError(
+            f"cannot be opened ({error.strerror})", file=(Path(text) / below).as_posix()
+        ) from error
+
+
 def _refuse_truth_alone(path: Path, text: str) -> None:
     """Raise InputError for a folder in MOTChallenge's layout with ground truth alone."""
-    if not any(path.glob("*/gt/gt.txt")):
+    if not any(path.glob("*/gt/gt.txt*")):
         return
     others = [file for file in sorted(path.glob("*/*/*.txt")) if file.parent.name != "gt"]
     parts = others[0].relative_to(path).parts[1:] if others else ("det", "det.txt")
@@ -227,7 +282,7 @@ def system_name(source: Source, recordings: Sequence[str]) -> str:
     The part nearest to the file that is neither a neutral word (``det``) nor a recording.
     """
     parts = _telling_parts(source, recordings)
-    return parts[0] if parts else Path(source.path[0]).stem
+    return parts[0] if parts else _stem(Path(source.path[0]))
 
 
 def system_names(sources: Sequence[Source], recordings: Sequence[str]) -> list[str]:
@@ -259,7 +314,7 @@ def _telling_parts(source: Source, recordings: Sequence[str]) -> list[str]:
     path = Path(source.path[0])
     return [
         part
-        for part in (path.stem, *reversed(path.parts[:-1]))
+        for part in (_stem(path), *reversed(path.parts[:-1]))
         if part.lower() not in NEUTRAL
         and part not in recordings
         and part not in ("", "/", ".", "..")
@@ -268,7 +323,7 @@ def _telling_parts(source: Source, recordings: Sequence[str]) -> list[str]:
 
 
 def digest(files: Sequence[SourceFile]) -> list[str]:
-    """sha256 of every file.
+    """sha256 of every file as it is stored, packed or not.
 
     Raises
     ------
@@ -277,6 +332,6 @@ def digest(files: Sequence[SourceFile]) -> list[str]:
     """
     digests = []
     for file in files:
-        with file.open() as stream:
+        with file.open_stored() as stream:
             digests.append(hashlib.file_digest(stream, "sha256").hexdigest())
     return digests

@@ -178,3 +178,50 @@ def test_a_list_of_frames_says_where_it_belongs(tmp_path: Path, role: str, n: in
     write(tmp_path / "frames.txt", *(str(frame) for frame in range(n)))
     with pytest.raises(InputError, match=r"list of evaluated frames.*--frames"):
         names(tmp_path, "frames.txt", role=role)
+
+
+def refused(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Make a folder one that may not be looked into, also for root."""
+    scandir = os.scandir
+
+    def deny(path: str) -> object:
+        if Path(os.fsdecode(path)) == folder:
+            raise PermissionError(13, "Permission denied", str(folder))
+        return scandir(path)
+
+    monkeypatch.setattr(os, "scandir", deny)
+    listdir = os.listdir
+
+    def deny_list(path: str) -> list[str]:
+        if Path(path) == folder:
+            raise PermissionError(13, "Permission denied", str(folder))
+        return listdir(path)
+
+    monkeypatch.setattr(os, "listdir", deny_list)
+
+
+@pytest.mark.parametrize(
+    ("denied", "path", "named"),
+    [("drives/A", "drives", "drives/A"), ("drives", "drives", "drives"),
+     ("drives", "drives/*.csv", "drives")],
+    ids=["a folder in it", "the folder itself", "the folder of a pattern"],
+)  # fmt: skip
+def test_a_folder_that_may_not_be_looked_into_is_said(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, denied: str, path: str, named: str
+):
+    write(tmp_path / "drives" / "A" / "a.csv", DETECTION)
+    refused(tmp_path / denied, monkeypatch)
+    monkeypatch.setattr("glob.glob", lambda *_, **__: [])
+    with pytest.raises(InputError, match=rf"^{named}: cannot be opened \(Permission denied\)"):
+        names(tmp_path, path, role="detections")
+
+
+@pytest.mark.skipif(sys.platform == "win32" or os.getuid() == 0, reason="root may read everything")
+def test_a_recording_that_may_not_be_read_is_not_passed_over(tmp_path: Path):
+    folder = mot_layout(tmp_path / "drives")
+    (folder / "A").chmod(0)
+    try:
+        with pytest.raises(InputError, match=r"drives/A.*\(Permission denied\)"):
+            names(tmp_path, "drives")
+    finally:
+        (folder / "A").chmod(0o700)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
@@ -13,11 +14,15 @@ import numpy as np
 import pandas as pd
 
 from nvcore.errors import FormatError, InputError
+from nvcore.file_kinds import PACKED_HEAD_BYTES, packed_by
 from nvcore.findings import Finding, Severity
+from nvcore.inputs.packed import Unpacking
+from nvcore.inputs.pipes import open_stored
 from nvcore.schema import READING_DTYPES, conform
 
 Role = Literal["truth", "detections"]
 BOTH_ROLES: Final[tuple[Role, ...]] = ("truth", "detections")
+_CHUNK: Final = 1 << 20
 
 
 @dataclass(frozen=True)
@@ -39,12 +44,30 @@ class SourceFile:
 
     @contextmanager
     def open(self) -> Iterator[BufferedReader]:
-        """The content as bytes, from its beginning; InputError if it cannot be read."""
+        """The content as bytes, from its beginning, unpacked; InputError if it cannot be read."""
+        with self.open_stored() as stored:
+            kind = packed_by(stored.peek(PACKED_HEAD_BYTES))
+            if kind is None:
+                yield stored
+            else:
+                n_bytes = os.fstat(stored.fileno()).st_size
+                yield BufferedReader(Unpacking(stored, kind, n_bytes=n_bytes, fault=self.fault))
+
+    @contextmanager
+    def open_stored(self) -> Iterator[BufferedReader]:
+        """The file as it is stored, packed or not; InputError if it cannot be read."""
         try:
-            with self.path.open("rb") as stream:
+            with open_stored(self.path) as stream:
                 yield stream
         except OSError as error:
             raise InputError(f"cannot be opened ({error.strerror})", file=self.name) from error
+
+    def is_larger_than(self, n_bytes: int) -> bool:
+        """Whether the content, unpacked, has more bytes; InputError if it cannot be read."""
+        with self.open() as stream:
+            while n_bytes >= 0 and (part := stream.read(_CHUNK)):
+                n_bytes -= len(part)
+        return n_bytes < 0
 
     def fault(self, message: str, line: int | None = None) -> FormatError:
         """The error that refuses the content, as a whole or at a 1-based line; to be raised."""

@@ -11,6 +11,7 @@ from typing import Final
 import numpy as np
 
 from nvcore.errors import InputError, MissingFactError
+from nvcore.file_kinds import unpacked_name
 from nvcore.findings import Finding
 from nvcore.inputs.readers.base import (
     BOTH_ROLES,
@@ -54,7 +55,7 @@ def recognise(name: str, head: str, role: Role) -> bool:
     """
     del role
     if _is_extra(name):
-        return _NAMES.fullmatch(PurePosixPath(name).name.casefold()) is not None
+        return _NAMES.fullmatch(_last(name)) is not None
     return LAYOUT.fits(head) and all(
         row[0].isdecimal() and all(0 <= (number_of(share) or 0) <= 1.1 for share in row[1:5])
         for row in rows_of_text(head, delimiter=" ")[:20]
@@ -144,8 +145,13 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
 
 def _is_extra(name: str) -> bool:
     """Whether the file is no picture's: names of classes, lists of files, settings."""
-    last = PurePosixPath(name).name.casefold()
+    last = _last(name)
     return _NAMES.fullmatch(last) is not None or _OTHER_FILES.fullmatch(last) is not None
+
+
+def _last(name: str) -> str:
+    """The last part of a file's name, as its unpacked file would be called."""
+    return unpacked_name(PurePosixPath(name).name.casefold())
 
 
 @dataclass(frozen=True)
@@ -163,7 +169,7 @@ def _class_names(files: Sequence[SourceFile], frames: Sequence[SourceFile]) -> _
         SourceFile(path=place / "classes.txt", name="classes.txt")
         for place in (folder, folder.parent)
     ]
-    among = [file for file in files if _NAMES.fullmatch(PurePosixPath(file.name).name.casefold())]
+    among = [file for file in files if _NAMES.fullmatch(_last(file.name))]
     for file in [*among, *(neighbour for neighbour in beside if neighbour.path.is_file())]:
         lines = [line.strip() for line in read_text(file).strip().splitlines()]
         return _Names(tuple(lines), PurePosixPath(file.name).name)

@@ -13,6 +13,7 @@ import numpy as np
 import pandas as pd
 
 from nvcore.errors import InputError, MissingFactError
+from nvcore.file_kinds import unpacked_name
 from nvcore.findings import Finding, Severity
 from nvcore.inputs.readers.base import (
     Format,
@@ -129,7 +130,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
 
 def _sequence_of(name: str, known: tuple[str, ...]) -> str | None:
     """Recording that a file is named by; None for a file that holds all images."""
-    path = PurePosixPath(name)
+    path = PurePosixPath(unpacked_name(name))
     parts = (*path.parts[:-1], path.stem)
     # the file's own name must be part of it: a folder is often called by the data set
     for start in range(len(parts)):

@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 
 from nvcore.errors import InputError
+from nvcore.file_kinds import unpacked_name
 from nvcore.inputs.readers.base import ReadOptions, SourceFile
 
 
@@ -94,7 +95,7 @@ def recording_of(name: str, known: tuple[str, ...] = ()) -> str:
     >>> recording_of("MBNet/set06/V000.txt", known=("set06/V000", "set07/V000"))
     'set06/V000'
     """
-    path = PurePosixPath(name)
+    path = PurePosixPath(unpacked_name(name))
     parts = (*path.parts[:-1], path.stem)
     recording = known_recording(parts, known)
     if recording is not None:
@@ -189,7 +190,7 @@ def recording_and_frame_of(name: str, known: tuple[str, ...] = ()) -> tuple[str,
     >>> recording_and_frame_of("out/yolo/set06_V000_I00019.txt", known=("set06/V000",))
     ('set06/V000', 19)
     """
-    path = PurePosixPath(name)
+    path = PurePosixPath(unpacked_name(name))
     match = _FRAME.match(path.stem)
     if match is None or len(match["digits"].lstrip("0")) > _MAX_DIGITS:
         return None

@@ -8,6 +8,7 @@ from typing import Final
 
 from nvcore.inputs.readers.base import Role, SourceFile
 from nvcore.inputs.readers.parse.json import read_json
+from nvcore.inputs.readers.parse.xml import DECLARES
 
 _MAX_KEYS: Final = 8
 """How many keys of a JSON file are named."""
@@ -47,15 +48,23 @@ def describe_foreign(file: SourceFile, head: str, role: Role) -> str | None:
     text = head.lstrip("\ufeff \t\r\n")
     as_json, as_xml = _EXPECTED[role]
     if text.startswith(("{", "[")):
-        if file.path.stat().st_size > _MAX_JSON_BYTES:
+        if file.is_larger_than(_MAX_JSON_BYTES):
             return f"JSON of another kind; expected {as_json}"
         return f"{_json_kind(read_json(file))}; expected {as_json}"
     if text.startswith("<"):
-        # the root element comes behind the declaration and comments
-        root = _ROOT.search(re.sub(r"<!--.*?-->|<[?!][^>]*>", "", text, flags=re.DOTALL))
-        kind = f"XML with the root <{root[1]}>" if root else "XML"
-        return f"{kind}; expected {as_xml}"
+        return _xml_kind(text, as_xml)
     return None
+
+
+def _xml_kind(text: str, expected: str) -> str:
+    if "<!DOCTYPE" in text:
+        return f"XML that {DECLARES}"
+    # the root element comes behind the declaration and comments
+    root = _ROOT.search(re.sub(r"<!--.*?-->|<[?!][^>]*>", "", text, flags=re.DOTALL))
+    if root is not None and root[1] == "annotations":  # a single annotation is always recognised
+        return "XML with the root <annotations>, without the <track> or <image> of CVAT"
+    kind = f"XML with the root <{root[1]}>" if root else "XML"
+    return f"{kind}; expected {expected}"
 
 
 def _json_kind(document: object) -> str:

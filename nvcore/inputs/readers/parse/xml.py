@@ -14,6 +14,10 @@ from defusedxml.ElementTree import DefusedXMLParser
 from nvcore.inputs.readers.base import SourceFile
 from nvcore.inputs.readers.parse.text import MAX_INTEGER
 
+DECLARES: Final = (
+    "declares a DTD or entities, which annotations do not need and which are not read: remove the "
+    "DOCTYPE"
+)
 MAX_DEPTH: Final = 32
 """Deepest nesting that is read; no annotation format comes near it."""
 _CHUNK: Final = 1 << 16
@@ -127,8 +131,7 @@ def read_elements(file: SourceFile, *, root: str) -> Iterator[Element]:
             ) from error
         except DefusedXmlException as error:
             raise file.fault(
-                "declares a DTD or entities, which annotations do not need and which are not "
-                "read: remove the DOCTYPE",
+                DECLARES,
                 collector.expat.CurrentLineNumber,
             ) from error
         except (LookupError, ValueError) as error:  # encodings that expat cannot have

@@ -78,6 +78,23 @@ def test_xml_of_another_kind_is_told_by_its_root(tmp_path):
     assert "it is XML with the root <svg>; expected <annotations> (CVAT)" in said
 
 
+ENTITIES = '<!DOCTYPE lolz [<!ENTITY lol "lol"><!ENTITY lol1 "&lol;&lol;">]>'
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (f'<?xml version="1.0"?>\n{ENTITIES}<annotations>&lol1;</annotations>', "DTD or entities"),
+        ("<annotations>" + "<a>" * 9000, "root <annotations>, without the <track> or <image> of"),
+    ],
+    ids=["billion laughs", "deep"],
+)
+def test_an_xml_bomb_is_not_told_that_it_should_be_what_it_is(tmp_path, content, words):
+    said = refusal(tmp_path, content)
+    assert words in said
+    assert "expected <annotations>" not in said
+
+
 def test_results_given_as_ground_truth_are_called_so(tmp_path):
     said = refusal(tmp_path, COCO_RESULTS)
     assert "expected ground truth, found COCO results, which holds the detections of" in said

@@ -1,0 +1,136 @@
+"""Files packed by gzip, bzip2, xz or Zstandard: unpacked as they are read, within limits."""
+
+from __future__ import annotations
+
+import io
+import lzma
+from collections.abc import Callable
+from typing import Final, Protocol
+
+import pyarrow as pa
+
+MAX_UNPACKED_BYTES: Final = 1 << 31
+"""Largest content of one packed file."""
+MAX_RATIO: Final = 200
+"""Most that a content of more than `RATIO_FROM_BYTES` may be larger than the packed file."""
+RATIO_FROM_BYTES: Final = 1 << 26
+_MAX_XZ_MEMORY: Final = 1 << 28
+"""What unpacking may take; the strongest setting of xz needs 65 MiB."""
+_CHUNK: Final = 1 << 20
+
+_PADDING: Final = b"\x00\x00\x00\x00"
+"""May stand between the parts of an xz file, and at its end."""
+
+
+class _Source(Protocol):
+    def read(self, size: int, /) -> bytes: ...
+
+
+class Unpacking(io.RawIOBase):
+    """The content of a packed file, to be read once from its beginning.
+
+    Reading raises what `fault` makes of a sentence, if the file is damaged or holds too much.
+    """
+
+    def __init__(
+        self,
+        packed: io.BufferedReader,
+        kind: str,
+        *,
+        n_bytes: int,
+        fault: Callable[[str], Exception],
+    ):
+        """Begin.
+
+        Parameters
+        ----------
+        packed
+            The file, at its beginning.
+        kind
+            See `nvcore.file_kinds.packed_by`.
+        n_bytes
+            Its size.
+        """
+        super().__init__()
+        self._source: _Source
+        if kind == "xz":
+            self._source = _Xz(packed)
+        else:
+            self._source = pa.CompressedInputStream(packed, kind)
+        self._kind, self._n_packed, self._fault = kind, n_bytes, fault
+        self._n_unpacked = 0
+
+    def readable(self) -> bool:
+        """It is."""
+        return True
+
+    def readinto(self, buffer: bytearray | memoryview) -> int:  # type: ignore[override]
+        """Fill the buffer, or as much of it as is left."""
+        part = self._next(len(buffer))
+        buffer[: len(part)] = part
+        return len(part)
+
+    def readall(self) -> bytes:
+        """All that is left."""
+        parts = []
+        while part := self._next(_CHUNK):
+            parts.append(part)
+        return b"".join(parts)
+
+    def _next(self, size: int) -> bytes:
+        try:
+            part = self._source.read(size)
+        except (OSError, EOFError, lzma.LZMAError) as error:
+            raise self._fault(
+                f"expected a whole file packed by {self._kind}, found damaged or missing data "
+                f"({error}); pack it anew, or give the unpacked file"
+            ) from error
+        self._n_unpacked += len(part)
+        self._check_size()
+        return part
+
+    def _check_size(self) -> None:
+        n_bytes = self._n_unpacked
+        if n_bytes > RATIO_FROM_BYTES and n_bytes > MAX_RATIO * self._n_packed:
+            raise self._fault(
+                f"unpacks to more than {MAX_RATIO} times its size, as annotations never do; "
+                "expected text"
+            )
+        if n_bytes > MAX_UNPACKED_BYTES:
+            raise self._fault(
+                f"unpacks to more than {MAX_UNPACKED_BYTES >> 30} GiB; give the unpacked file, or "
+                "several smaller ones"
+            )
+
+
+class _Xz:
+    """The content of an xz file of one or more parts; memory is limited, unlike `lzma.open`."""
+
+    def __init__(self, packed: io.BufferedReader):
+        self._packed, self._decoder = packed, self._new()
+
+    @staticmethod
+    def _new() -> lzma.LZMADecompressor:
+        return lzma.LZMADecompressor(lzma.FORMAT_XZ, memlimit=_MAX_XZ_MEMORY)
+
+    def read(self, size: int, /) -> bytes:
+        while True:
+            rest = b""
+            if self._decoder.eof:
+                rest = self._next_part()
+                if not rest:
+                    return b""
+                self._decoder = self._new()
+            elif self._decoder.needs_input:
+                rest = self._packed.read(_CHUNK)
+                if not rest:
+                    raise EOFError("the end is missing")
+            if part := self._decoder.decompress(rest, max_length=size):
+                return part
+
+    def _next_part(self) -> bytes:
+        """What follows the end of a part; empty at the end of the file."""
+        rest = self._decoder.unused_data or self._packed.read(_CHUNK)
+        while rest.startswith(_PADDING):
+            rest = rest[len(_PADDING) :] or self._packed.read(_CHUNK)
+        return rest

@@ -1,0 +1,87 @@
+"""Pipes as inputs: named ones, and those of a shell's ``<(zcat truth.csv.gz)``.
+
+Files are read more than once: to recognise the format, for their hashes, by the reader. What comes
+through a pipe is kept for that, as long as `pipes_kept` says.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from contextvars import ContextVar
+from io import BufferedReader
+from pathlib import Path
+from typing import Final
+
+from nvcore.errors import InputError
+
+MAX_PIPE_BYTES: Final = 1 << 32
+"""Largest content of one pipe."""
+_CHUNK: Final = 1 << 20
+
+
+class _Kept:
+    """Contents of pipes in temporary files, by the identity of the pipe."""
+
+    def __init__(self, files: ExitStack):
+        self._files = files
+        self._paths: dict[tuple[int, int], Path] = {}
+
+    def file_of(self, pipe: Path) -> Path:
+        status = pipe.stat()
+        identity = status.st_dev, status.st_ino
+        if identity not in self._paths:
+            self._paths[identity] = self._read(pipe)
+        return self._paths[identity]
+
+    def _read(self, pipe: Path) -> Path:
+        content = tempfile.NamedTemporaryFile(prefix="nvcore-pipe-")  # noqa: SIM115  # closed later
+        self._files.enter_context(content)
+        n_bytes = 0
+        with pipe.open("rb") as stream:
+            while part := stream.read(_CHUNK):
+                n_bytes += len(part)
+                if n_bytes > MAX_PIPE_BYTES:
+                    raise InputError(
+                        f"more than {MAX_PIPE_BYTES >> 30} GiB come through this pipe; give a file",
+                        file=pipe,
+                    )
+                content.write(part)
+        content.flush()
+        return Path(content.name)
+
+
+_kept: ContextVar[_Kept | None] = ContextVar("pipes", default=None)
+
+
+@contextmanager
+def pipes_kept() -> Iterator[None]:
+    """Within it, a pipe is read once, and then is like a file; inner ones change nothing."""
+    if _kept.get() is not None:
+        yield
+        return
+    with ExitStack() as files:
+        token = _kept.set(_Kept(files))
+        try:
+            yield
+        finally:
+            _kept.reset(token)
+
+
+def open_stored(path: Path) -> BufferedReader:
+    """A file as it is, or what came through a pipe, from its beginning.
+
+    Raises
+    ------
+    OSError
+        If it cannot be opened.
+    InputError
+        If it is a pipe, and not within `pipes_kept`; or if too much comes through it.
+    """
+    if not path.is_fifo():
+        return path.open("rb")
+    kept = _kept.get()
+    if kept is None:
+        raise InputError("is a pipe; expected a file", file=path.name)
+    return kept.file_of(path).open("rb")
