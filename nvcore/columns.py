@@ -49,6 +49,8 @@ class BoxColumns:
     def only(self, is_kept: np.ndarray) -> BoxColumns:
         """The boxes for which `is_kept` is true; bool, shape (n,)."""
         columns = {name: getattr(self, name)[is_kept] for name in BOX_COLUMNS}
+        for column in columns.values():  # as a dataset's own: kernels are compiled for one kind
+            column.flags.writeable = False
         n_before = np.concatenate([[0], np.cumsum(is_kept)])
         return replace(self, **columns, offsets=n_before[self.offsets])
 

@@ -12,9 +12,9 @@ import numpy as np
 
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError
-from nvcore.metrics.encounters import Encounters, find_encounters, mostly_one_frame
+from nvcore.metrics.encounters import Encounters, encounters_of, mostly_one_frame
 from nvcore.metrics.fusion import fuse
-from nvcore.metrics.linking import TruthTracks, track_truth
+from nvcore.metrics.linking import TruthTracks
 from nvcore.metrics.matching import count_per_frame
 from nvcore.metrics.proximity import Weights, in_use, weigh_proximity
 from nvcore.metrics.saliency import saliency_by_recording
@@ -181,11 +181,7 @@ def compare(
     previous_stages = previous.stages if previous and previous.dataset is dataset else {}
     memo = Memo(params, previous_stages)
     truth, frames = dataset.truth, dataset.frame_columns
-    occlusion = dataset.boxes["occlusion"].to_numpy()[: len(truth)]
-    tracks = memo.get("tracks", lambda: track_truth(truth, frames))
-    encounters = memo.get(
-        "encounters", lambda: find_encounters(truth, tracks.track, occlusion, frames)
-    )
+    tracks, encounters = encounters_of(dataset)
     n_truth = memo.get("n_truth", lambda: count_per_frame(truth, ~truth.ignore))
     k_truth = memo.get(
         "k_truth", lambda: weigh_proximity(truth, ~truth.ignore, frames, params), PROXIMITY

@@ -7,6 +7,7 @@ import hashlib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -86,6 +87,11 @@ class Dataset:
         return FrameColumns(recording, frame, gap, first.astype(np.int64), **numbers)
 
     @cached_property
+    def derived(self) -> dict[str, Any]:
+        """What was computed from the data alone and is needed again, by name."""
+        return {}
+
+    @cached_property
     def source_starts(self) -> np.ndarray:
         """First box row of every source, shape (n_systems + 2,)."""
         return np.searchsorted(
@@ -102,6 +108,11 @@ class Dataset:
         """Boxes of the ground truth, ignored ones included."""
         return self._by_source[TRUTH]
 
+    @property
+    def sources(self) -> tuple[BoxColumns, ...]:
+        """Boxes of the ground truth and of every system, in the order of `systems`."""
+        return self._by_source
+
     def system(self, name: str) -> BoxColumns:
         """Detections of one system, all scores.
 
@@ -116,6 +127,7 @@ class Dataset:
 
     def with_settings(self, settings: Settings) -> Dataset:
         """The same data, to be compared in another way; its columns are shared, not copied."""
+        assert self.derived is not None  # made now, it is shared too
         other = copy.copy(self)
         object.__setattr__(other, "settings", settings)
         return other

@@ -9,7 +9,7 @@ import pandas as pd
 
 from nvcore.auditing.cases import BoxSource
 from nvcore.findings import Finding, Severity
-from nvcore.metrics.kernels.encounters import group_rows
+from nvcore.metrics.encounters import encounters_of
 from nvcore.schema import NO_TRACK
 from nvcore.wording import count_text
 
@@ -21,6 +21,10 @@ MANY_OUTSIDE: Final = 0.1
 """Share of boxes wholly or mostly outside the picture that points to a wrong picture size."""
 FRACTION_EXTENT: Final = 1.5
 """Boxes whose edges all stay below this are fractions of the picture, not pixels."""
+HAIR_PX: Final = 1e-3
+"""Narrower boxes may lose their width in rounding."""
+MOST_NEAR: Final = 40
+"""Boxes of a frame up to which trying all pairs beats sorting."""
 HASH_FACTOR: Final = np.uint64(0x9E3779B97F4A7C15)
 """2**64 divided by the golden ratio: spreads neighbouring values over all 64 bits."""
 
@@ -30,10 +34,11 @@ def audit_geometry(source: BoxSource) -> list[Finding]:
     boxes = source.boxes
     if not len(boxes):
         return []
-    frames = source.dataset.frame_columns
-    W, H = frames.width[source.recording], frames.height[source.recording]
+    frames, starts = source.dataset.frame_columns, source.starts
+    has_box = starts[1:] > starts[:-1]
+    widths, heights = frames.width[has_box], frames.height[has_box]
     right, bottom = boxes.x + boxes.w, boxes.y + boxes.h
-    if min(W.min(), H.min()) > 10 and max(right.max(), bottom.max()) <= FRACTION_EXTENT:
+    if min(widths.min(), heights.min()) > 10 and max(right.max(), bottom.max()) <= FRACTION_EXTENT:
         return source.findings(
             Severity.ERROR,
             "boxes-in-fractions",
@@ -43,16 +48,34 @@ def audit_geometry(source: BoxSource) -> list[Finding]:
             "Multiply x and w by the width and y and h by the height of the picture, or read "
             "the file as YOLO text.",
         )
-    across = np.minimum(right, W) - np.maximum(boxes.x, 0)
-    down = np.minimum(bottom, H) - np.maximum(boxes.y, 0)
+    # most boxes lie inside: only the others are looked at in full
+    rows = np.flatnonzero(
+        (boxes.x < 0)
+        | (boxes.y < 0)
+        | (right > _of_boxes(frames.width, starts))
+        | (bottom > _of_boxes(frames.height, starts))
+        | (np.minimum(boxes.w, boxes.h) < HAIR_PX)
+    )
+    x, y, w, h = boxes.x[rows], boxes.y[rows], boxes.w[rows], boxes.h[rows]
+    recording = frames.recording[boxes.frame_index[rows]]
+    across = np.minimum(right[rows], frames.width[recording]) - np.maximum(x, 0)
+    down = np.minimum(bottom[rows], frames.height[recording]) - np.maximum(y, 0)
     is_outside = (across <= 0) | (down <= 0)
-    inside_share = np.where(is_outside, 0, across * down) / (boxes.w * boxes.h)
+    inside_share = np.where(is_outside, 0, across * down) / (w * h)
     is_off = inside_share < 0.5
     are_many = int(np.count_nonzero(is_off)) > MANY_OUTSIDE * len(boxes)
     return [
-        *_outside(source, np.flatnonzero(is_outside), are_many=are_many),
-        *_mostly_outside(source, np.flatnonzero(~is_outside & is_off), are_many=are_many),
+        *_outside(source, rows[is_outside], are_many=are_many),
+        *_mostly_outside(source, rows[~is_outside & is_off], are_many=are_many),
     ]
+
+
+def _of_boxes(values: np.ndarray, starts: np.ndarray) -> np.ndarray | float:
+    """The value of each box's recording; a single number where all recordings have the same."""
+    if not np.ptp(values):
+        return float(values[0])
+    of_box: np.ndarray = np.repeat(values, np.diff(starts))
+    return of_box
 
 
 def _outside(source: BoxSource, rows: np.ndarray, *, are_many: bool) -> list[Finding]:
@@ -81,9 +104,11 @@ def _mostly_outside(source: BoxSource, rows: np.ndarray, *, are_many: bool) -> l
 def audit_doubles(source: BoxSource) -> list[Finding]:
     """The same box twice in one frame (of the truth, pedestrians only)."""
     boxes = source.boxes
-    rows = np.flatnonzero(~boxes.ignore) if source.is_truth else np.arange(len(boxes))
-    columns = (boxes.frame_index, boxes.x, boxes.y, boxes.w, boxes.h)
-    doubles = repeated_rows(rows, tuple(column[rows] for column in columns))
+    rows, columns = np.arange(len(boxes)), (boxes.frame_index, boxes.x, boxes.y, boxes.w, boxes.h)
+    if source.is_truth and boxes.ignore.any():
+        rows = np.flatnonzero(~boxes.ignore)
+        columns = tuple(column[rows] for column in columns)
+    doubles = repeated_rows(rows, columns)
     what = count_text(len(doubles), "box repeats", "boxes repeat")
     message = f"{what} another one of the same frame exactly."
     if source.is_truth:
@@ -96,12 +121,18 @@ def audit_doubles(source: BoxSource) -> list[Finding]:
 def audit_tracks(source: BoxSource) -> list[Finding]:
     """Track ids of the truth: twice in one frame, or used again after a long gap."""
     boxes = source.boxes
-    rows = np.flatnonzero(~boxes.ignore & (boxes.track != NO_TRACK))
+    _, encounters = encounters_of(source.dataset)
+    # the boxes of each track by frame, without tracks that were made by linking
+    rows = encounters.order
+    has_track = boxes.track[rows] != NO_TRACK
+    if not has_track.all():
+        rows = rows[has_track]
     if not len(rows):
         return []
+    frame_index, code = boxes.frame_index[rows], encounters.encounter_of[rows]
     findings: list[Finding] = []
-    frame_index, track = boxes.frame_index[rows], boxes.track[rows]
-    doubles = repeated_rows(rows, (frame_index, track))
+    is_same = code[1:] == code[:-1]
+    doubles = np.sort(rows[1:][is_same & (frame_index[1:] == frame_index[:-1])])
     if len(doubles):
         first = int(boxes.track[doubles[0]])
         findings += source.findings(
@@ -113,31 +144,23 @@ def audit_tracks(source: BoxSource) -> list[Finding]:
             "Give every pedestrian of a recording an id of its own: two people under one id "
             "count as one encounter.",
         )
-    return findings + _reused(source, rows)
+    return findings + _reused(source, rows, code)
 
 
-def _reused(source: BoxSource, rows: np.ndarray) -> list[Finding]:
-    boxes, frames = source.boxes, source.dataset.frame_columns
-    time_s = source.dataset.frames["time_s"].to_numpy()
-    track = boxes.track[rows]
-    lowest, span = int(track.min()), int(track.max()) - int(track.min()) + 1
-    key = frames.recording[boxes.frame_index[rows]].astype(np.int64) * span + (track - lowest)
-    code = pd.factorize(key)[0].astype(np.int64)
-    order = group_rows(code, np.bincount(code).astype(np.int64))
-    frame_of = boxes.frame_index[rows[order]]
-    code = code[order]
-    is_reused = (
-        (code[1:] == code[:-1])
-        & (frame_of[1:] - frame_of[:-1] - 1 > REUSE_FRAMES)
-        & (time_s[frame_of[1:]] - time_s[frame_of[:-1]] > REUSE_S)
+def _reused(source: BoxSource, rows: np.ndarray, code: np.ndarray) -> list[Finding]:
+    """Tracks that go on after a long gap, from their rows by track and frame."""
+    boxes, time_s = source.boxes, source.dataset.frames["time_s"].to_numpy()
+    frame_of = boxes.frame_index[rows]
+    again = 1 + np.flatnonzero(
+        (code[1:] == code[:-1]) & (frame_of[1:] - frame_of[:-1] - 1 > REUSE_FRAMES)
     )
-    again = np.flatnonzero(is_reused) + 1
+    again = again[time_s[frame_of[again]] - time_s[frame_of[again - 1]] > REUSE_S]
     if not len(again):
         return []
     n_tracks = len(np.unique(code[again]))
-    again = again[np.argsort(order[again])]
+    again = again[np.argsort(rows[again])]
     gap = float(time_s[frame_of[again[0]]] - time_s[frame_of[again[0] - 1]])
-    first = rows[order[again]]
+    first = rows[again]
     return source.findings(
         Severity.WARNING,
         "track-reused",
@@ -153,6 +176,9 @@ def _reused(source: BoxSource, rows: np.ndarray) -> list[Finding]:
 def repeated_rows(rows: np.ndarray, columns: tuple[np.ndarray, ...]) -> np.ndarray:
     """Those rows that agree in every column with an earlier one, in their order.
 
+    Where the first column is sorted and none of its values occurs often, as with the frames of
+    boxes, each row is only held against the few after it.
+
     Parameters
     ----------
     rows
@@ -160,6 +186,25 @@ def repeated_rows(rows: np.ndarray, columns: tuple[np.ndarray, ...]) -> np.ndarr
     columns
         int64 or float64, each of shape (n,).
     """
+    if not len(rows):
+        return rows
+    ends = np.append(np.flatnonzero(columns[0][1:] != columns[0][:-1]) + 1, len(rows))
+    longest = int(np.diff(ends, prepend=0).max())
+    if longest > MOST_NEAR or np.any(columns[0][ends[1:] - 1] < columns[0][ends[:-1] - 1]):
+        return _repeated_anywhere(rows, columns)
+    frame, first, *others = *columns, columns[0]
+    is_repeat = np.zeros(len(rows), np.bool_)
+    for ahead in range(1, longest):  # a loop over the boxes of one frame: a handful
+        near = np.flatnonzero(first[ahead:] == first[:-ahead])
+        for column in (frame, *others):
+            near = near[column[near + ahead] == column[near]]
+        is_repeat[near + ahead] = True
+    repeats: np.ndarray = rows[is_repeat]
+    return repeats
+
+
+def _repeated_anywhere(rows: np.ndarray, columns: tuple[np.ndarray, ...]) -> np.ndarray:
+    """`repeated_rows` of rows in any order."""
     # sorting one 64-bit hash a row is several times faster than sorting the rows themselves;
     # only rows whose hash occurs twice are compared in full
     hashed = np.zeros(len(rows), np.uint64)

@@ -42,10 +42,10 @@ class BoxSource:
     boxes: BoxColumns
 
     @property
-    def recording(self) -> np.ndarray:
-        """Recording of every box, shape (n,)."""
-        of_box: np.ndarray = self.dataset.frame_columns.recording[self.boxes.frame_index]
-        return of_box
+    def starts(self) -> np.ndarray:
+        """First box of every recording, and the number of boxes; shape (n_recordings + 1,)."""
+        starts: np.ndarray = self.boxes.offsets[self.dataset.frame_columns.first]
+        return starts
 
     def findings(
         self,

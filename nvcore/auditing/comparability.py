@@ -11,8 +11,7 @@ from nvcore.dataset import Dataset
 from nvcore.detection.operating_point import threshold_for
 from nvcore.findings import Finding, Severity
 from nvcore.inputs.evaluated_frames import nth
-from nvcore.metrics.encounters import find_encounters, mostly_one_frame
-from nvcore.metrics.linking import track_truth
+from nvcore.metrics.encounters import encounters_of, mostly_one_frame
 from nvcore.metrics.matching import Matches
 from nvcore.metrics.proximity import weigh_proximity
 from nvcore.params import Params
@@ -34,9 +33,7 @@ def audit_encounter_lengths(dataset: Dataset, params: Params) -> list[Finding]:
     truth, frames = dataset.truth, dataset.frame_columns
     if params.proximity == "horizon" and params.horizon is None and np.isnan(frames.horizon).any():
         return []
-    tracks = track_truth(truth, frames)
-    occlusion = dataset.boxes["occlusion"].to_numpy()[: len(truth)]
-    encounters = find_encounters(truth, tracks.track, occlusion, frames)
+    tracks, encounters = encounters_of(dataset)
     k = weigh_proximity(truth, ~truth.ignore, frames, params).k
     near = np.unique(encounters.encounter_of[~truth.ignore & (k >= RELEVANT)])
     n_frames = encounters.n_frames[near]

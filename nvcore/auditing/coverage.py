@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from nvcore.auditing.cases import TRUTH_NAME, BoxSource, recording_findings
-from nvcore.columns import offsets_of
+from nvcore.columns import BoxColumns
 from nvcore.dataset import Dataset
 from nvcore.findings import Finding, Severity
 from nvcore.inputs.evaluated_frames import nth
@@ -41,9 +41,9 @@ def audit_truth_coverage(dataset: Dataset) -> list[Finding]:
                 ),
             )
         ]
-    has_truth = frames_with(truth.frame_index[counts], dataset)
+    has_truth = frames_with(truth, counts)
     # a frame with an ignore region only has been annotated, too
-    steps = regular_steps(frames_with(truth.frame_index, dataset), frames.first)
+    steps = regular_steps(frames_with(truth), frames.first)
     return [
         *_about_recordings(
             dataset,
@@ -72,8 +72,7 @@ def audit_system_coverage(source: BoxSource) -> list[Finding]:
     """Recordings and frames without detections of a system although there is truth."""
     dataset, frames = source.dataset, source.dataset.frame_columns
     truth = dataset.truth
-    has_truth = frames_with(truth.frame_index[~truth.ignore], dataset)
-    has_box = frames_with(source.boxes.frame_index, dataset)
+    has_truth, has_box = frames_with(truth, ~truth.ignore), frames_with(source.boxes)
     truth_in = _any_per_recording(has_truth, frames.first)
     box_in = _any_per_recording(has_box, frames.first)
     if not len(source.boxes):
@@ -161,9 +160,13 @@ def _silent_ends(source: BoxSource, has_box: np.ndarray) -> list[Finding]:
     )
 
 
-def frames_with(frame_index: np.ndarray, dataset: Dataset) -> np.ndarray:
-    """Whether each frame has one of the boxes; bool, shape (n_frames,)."""
-    has: np.ndarray = np.diff(offsets_of(frame_index, len(dataset.frames))) > 0
+def frames_with(boxes: BoxColumns, is_member: np.ndarray | None = None) -> np.ndarray:
+    """Whether each frame has a box, or one that is a member; bool, shape (n_frames,)."""
+    if is_member is None or is_member.all():
+        has: np.ndarray = np.diff(boxes.offsets) > 0
+    else:
+        has = np.zeros(len(boxes.offsets) - 1, np.bool_)
+        has[boxes.frame_index[is_member]] = True
     return has
 
 

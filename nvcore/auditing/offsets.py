@@ -196,7 +196,7 @@ def _find_pixel(sample: Sample, correction: Correction) -> _Step | None:
 
 def _offset_by_order(sample: Sample, correction: Correction) -> tuple[float, float]:
     """Median difference of centres of pedestrians and detections in the same order; 0 if none."""
-    g, d = sample.pairs_by_order()
+    g, d = sample.pairs_by_order
     if not len(g):
         return 0.0, 0.0
     truth, det = sample.dataset.truth, sample.detections

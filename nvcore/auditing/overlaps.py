@@ -6,12 +6,14 @@ Only samples are compared: a correction that holds for the whole recording shows
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final
 
 import numpy as np
 
 from nvcore.columns import BoxColumns
 from nvcore.dataset import Dataset
+from nvcore.metrics.kernels.checks import best_overlaps
 
 MAX_PAIRS: Final = 100_000
 """Pairs of a pedestrian and a detection that one look at the overlaps may cost."""
@@ -111,34 +113,21 @@ class Sample:
 
     def overlaps(self, correction: Correction) -> Overlaps:
         """The best overlaps after a correction of the detections."""
-        truth, det = self.dataset.truth, self.detections
-        rows = self.rows
-        frame = self._frames_at(truth.frame_index[rows], -correction.offset_frames)
-        has_frame = frame >= 0
-        start = np.where(has_frame, det.offsets[frame], 0)
-        n = np.where(has_frame, det.offsets[frame + 1] - start, 0)
-        pair_truth, pair_det = rows_in_ranges(start, n)
-        (sx, sy), (ox, oy) = correction.scale, correction.offset_px
-        g = rows[pair_truth]
-        gx, gy, gw, gh = truth.x[g], truth.y[g], truth.w[g], truth.h[g]
-        left, top = det.x[pair_det] * sx + ox, det.y[pair_det] * sy + oy
-        dw, dh = det.w[pair_det] * sx, det.h[pair_det] * sy
-        iou = iou_of_pairs((gx, gy, gw, gh), (left, top, dw, dh))
-        best = np.zeros(len(rows))
-        np.maximum.at(best, pair_truth, iou)
-        best_pairs = np.flatnonzero((iou > 0) & (iou == best[pair_truth]))
-        columns = np.full((4, len(rows)), np.nan)
-        columns[:, pair_truth[best_pairs]] = np.stack(
-            [
-                (gx + gw / 2 - left - dw / 2)[best_pairs],
-                (gy + gh / 2 - top - dh / 2)[best_pairs],
-                (gw / dw)[best_pairs],
-                (gh / dh)[best_pairs],
-            ]
+        truth, det, frames = self.dataset.truth, self.detections, self.dataset.frame_columns
+        n = len(self.rows)
+        best, dx, dy, ratio_w, ratio_h = np.empty((5, n))
+        has_frame = np.empty(n, np.bool_)
+        best_overlaps(
+            *(self.rows, truth.frame_index, truth.x, truth.y, truth.w, truth.h),
+            *(frames.recording, frames.frame, frames.first),
+            *(det.offsets, det.x, det.y, det.w, det.h),
+            *map(float, (*correction.scale, *correction.offset_px)),
+            -correction.offset_frames,
+            *(best, dx, dy, ratio_w, ratio_h, has_frame),
         )
-        dx, dy, ratio_w, ratio_h = columns
         return Overlaps(best, dx, dy, ratio_w, ratio_h, has_frame)
 
+    @cached_property
     def pairs_by_order(self) -> tuple[np.ndarray, np.ndarray]:
         """Truth rows and detections that have the same place in the order from left to right.
 
@@ -146,10 +135,11 @@ class Sample:
         overlap, so it works for boxes far off.
         """
         truth, det, rows = self.dataset.truth, self.detections, self.rows
-        n_truth = np.bincount(truth.frame_index[rows], minlength=len(self.dataset.frames))
-        is_equal = (n_truth > 0) & (n_truth == np.diff(det.offsets))
-        g = rows[is_equal[truth.frame_index[rows]]]
-        d = np.flatnonzero(is_equal[det.frame_index])
+        in_frame, n_truth = np.unique(truth.frame_index[rows], return_counts=True)
+        n_det = det.offsets[in_frame + 1] - det.offsets[in_frame]
+        is_equal = n_truth == n_det
+        g = rows[np.repeat(is_equal, n_truth)]
+        d = rows_in_ranges(det.offsets[in_frame[is_equal]], n_det[is_equal])[1]
         return (
             g[np.lexsort((truth.x[g] + truth.w[g] / 2, truth.frame_index[g]))],
             d[np.lexsort((det.x[d] + det.w[d] / 2, det.frame_index[d]))],
@@ -161,19 +151,6 @@ class Sample:
         lengths = np.diff(frames.first)
         last = frames.first[1:][lengths > 1] - 1  # a last frame's gap is its recording's median
         return max(1, round(float(frames.gap[last].min()))) if len(last) else 1
-
-    def _frames_at(self, frame_index: np.ndarray, offset: int) -> np.ndarray:
-        """Frames that many frame numbers later, -1 where that one is not listed."""
-        if offset == 0:
-            return frame_index
-        frames = self.dataset.frame_columns
-        lowest = int(frames.frame.min()) - abs(offset)
-        span = int(frames.frame.max()) + abs(offset) - lowest + 1
-        key = frames.recording.astype(np.int64) * span + (frames.frame - lowest)
-        target = key[frame_index] + offset
-        position = np.minimum(np.searchsorted(key, target), len(key) - 1)
-        row: np.ndarray = np.where(key[position] == target, position, -1)
-        return row
 
 
 def take_sample(dataset: Dataset, detections: BoxColumns) -> Sample:

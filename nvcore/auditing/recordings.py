@@ -35,18 +35,20 @@ def audit_size(dataset: Dataset) -> list[Finding]:
     Boxes of the truth and of all systems count; recordings of the same size are checked together,
     so that a recording whose people keep to one corner is no finding.
     """
-    frames, boxes = dataset.frame_columns, dataset.boxes
-    recording = frames.recording[boxes["frame_index"].to_numpy()]
-    right = (boxes["x"] + boxes["w"]).to_numpy()
-    bottom = (boxes["y"] + boxes["h"]).to_numpy()
+    frames = dataset.frame_columns
     sizes, size_of = np.unique(
         np.column_stack([frames.width, frames.height]), axis=0, return_inverse=True
     )
-    group = size_of.reshape(-1)[recording]
-    n_boxes = np.bincount(group, minlength=len(sizes))
-    reach = np.zeros((len(sizes), 2))
-    np.maximum.at(reach[:, 0], group, right)
-    np.maximum.at(reach[:, 1], group, bottom)
+    n_boxes, reach = np.zeros(len(sizes), np.int64), np.zeros((len(sizes), 2))
+    for source in dataset.sources:
+        starts = source.offsets[frames.first]
+        has_box = starts[1:] > starts[:-1]
+        group = size_of.reshape(-1)[has_box]
+        np.add.at(n_boxes, group, np.diff(starts)[has_box])
+        for axis, ends in enumerate((source.x + source.w, source.y + source.h)):
+            # no segment is empty, and none has a gap before the next
+            furthest = np.maximum.reduceat(ends, starts[:-1][has_box]) if len(group) else ends
+            np.maximum.at(reach[:, axis], group, furthest)
     # coordinates in fractions of the picture have a finding of their own
     is_odd = (n_boxes >= MIN_BOXES) & (reach <= REACHED_SHARE * sizes).all(axis=1)
     is_odd &= reach.max(axis=1) > 2
@@ -149,7 +151,7 @@ def audit_frame_list(dataset: Dataset) -> list[Finding]:
     """Frames before the first or after the last box of anybody: of truth and all systems."""
     frames = dataset.frame_columns
     start, stop = frames.first[:-1], frames.first[1:]
-    boxed_frames = np.unique(dataset.boxes["frame_index"].to_numpy())
+    boxed_frames = np.flatnonzero(sum(np.diff(source.offsets) for source in dataset.sources))
     lo, hi = np.searchsorted(boxed_frames, start), np.searchsorted(boxed_frames, stop)
     # recordings without any box have a finding of their own
     annotated = np.flatnonzero(hi > lo)

@@ -50,7 +50,7 @@ def scale_candidates(sample: Sample) -> list[tuple[float, float]]:
 def _measure_scale(sample: Sample) -> tuple[float, float] | None:
     """Median ratio of the centres of pedestrians and detections in the same order."""
     truth, det = sample.dataset.truth, sample.detections
-    g, d = sample.pairs_by_order()
+    g, d = sample.pairs_by_order
     centres = np.stack(
         [
             truth.x[g] + truth.w[g] / 2,

@@ -25,8 +25,8 @@ def audit_scores(source: BoxSource) -> list[Finding]:
             "threshold has no effect.",
         )
     low, high = float(np.nanmin(score)), float(np.nanmax(score))
-    without, with_score = np.flatnonzero(is_missing), np.flatnonzero(~is_missing)
-    is_constant = low == high and len(with_score) > 1
+    without = np.flatnonzero(is_missing)
+    is_constant = low == high and len(score) - len(without) > 1
     return [
         *source.findings(
             Severity.WARNING,
@@ -39,14 +39,14 @@ def audit_scores(source: BoxSource) -> list[Finding]:
         *source.findings(
             Severity.NOTE,
             "constant-score",
-            with_score if is_constant else with_score[:0],
+            np.flatnonzero(~is_missing) if is_constant else without[:0],
             f"Every score is {low:g}.",
             "Nothing to do if the system decides by itself; a threshold keeps all or nothing.",
         ),
         *source.findings(
             Severity.NOTE,
             "unusual-scores",
-            np.flatnonzero((score < 0) | (score > 1)),
+            np.flatnonzero((score < 0) | (score > 1)) if low < 0 or high > 1 else without[:0],
             f"The scores go from {low:g} to {high:g}, not from 0 to 1.",
             "That is allowed; give a threshold on this scale, and check that the score was read "
             "from the right column.",

@@ -9,8 +9,10 @@ import numpy as np
 import pandas as pd
 
 from nvcore.columns import BoxColumns, FrameColumns
+from nvcore.dataset import Dataset
 from nvcore.metrics.kernels import over_ranges
 from nvcore.metrics.kernels.encounters import encounter_frames, group_rows
+from nvcore.metrics.linking import TruthTracks, track_truth
 from nvcore.params import Params
 from nvcore.schema import UNKNOWN_OCCLUSION, MissClass
 
@@ -77,6 +79,18 @@ class Encounters:
 
     def __len__(self) -> int:
         return len(self.track)
+
+
+def encounters_of(dataset: Dataset) -> tuple[TruthTracks, Encounters]:
+    """Tracks and encounters of a dataset's ground truth; kept, since no setting moves them."""
+    if "encounters" not in dataset.derived:
+        truth, frames = dataset.truth, dataset.frame_columns
+        occlusion = dataset.boxes["occlusion"].to_numpy()[: len(truth)]
+        tracks = track_truth(truth, frames)
+        encounters = find_encounters(truth, tracks.track, occlusion, frames)
+        dataset.derived["encounters"] = tracks, encounters
+    pair: tuple[TruthTracks, Encounters] = dataset.derived["encounters"]
+    return pair
 
 
 def find_encounters(

@@ -1,0 +1,87 @@
+"""Opening a set of CSV files: reading, placing, auditing and analysing, beside reading alone.
+
+    python -m bench.opening FOLDER [--repeat 3] [--profile]
+
+FOLDER is what `bench.csv_files` wrote. Reading alone is pyarrow reading the three files with its
+defaults, which may use all cores; it is timed before each opening, in the same process, so that
+the ratio of the two says something on a busy machine as well. Timed after a run on a small set,
+which loads the compiled functions.
+"""
+
+from __future__ import annotations
+
+import argparse
+import cProfile
+import pstats
+import tempfile
+from pathlib import Path
+from statistics import median
+from time import perf_counter
+
+import pyarrow.csv
+
+from bench.csv_files import write_csv
+from bench.measure import report, versions
+from bench.sets import make_set
+from nvcore.auditing import audit
+from nvcore.comparison import compare
+from nvcore.inputs.load import load
+from nvcore.inputs.session_toml import read_session
+
+WARM_FRAMES = 1_000
+FILES = ("truth.csv", "x.csv", "y.csv")
+STEPS = ("load", "audit", "analyse")
+
+
+def read_alone(folder: Path) -> float:
+    """Seconds that pyarrow needs to read the three files."""
+    start = perf_counter()
+    for name in FILES:
+        pyarrow.csv.read_csv(folder / name)
+    return perf_counter() - start
+
+
+def open_all(folder: Path) -> dict[str, float]:
+    """Seconds of each step from the session file to the result."""
+    times = [perf_counter()]
+    dataset = load(read_session(folder / "session.toml"))
+    times.append(perf_counter())
+    audit(dataset)
+    times.append(perf_counter())
+    compare(dataset)
+    times.append(perf_counter())
+    return {
+        step: after - before for step, before, after in zip(STEPS, times, times[1:], strict=False)
+    }
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--repeat", type=int, default=3)
+    parser.add_argument("--profile", action="store_true", help="print where the time goes")
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory() as small:
+        write_csv(make_set(WARM_FRAMES), Path(small))
+        open_all(Path(small))
+    if options.profile:
+        profile = cProfile.Profile()
+        profile.runcall(open_all, options.folder)
+        pstats.Stats(profile).sort_stats("tottime").print_stats(40)
+        return
+    runs = []
+    for _ in range(options.repeat):
+        alone = read_alone(options.folder)
+        steps = open_all(options.folder)
+        runs.append({"pyarrow": alone, **steps, "ratio": sum(steps.values()) / alone})
+    report(
+        **{name: median(run[name] for run in runs) for name in runs[0]},
+        runs=runs,
+        versions=versions("numpy", "numba", "pandas", "pyarrow"),
+    )
+
+
+if __name__ == "__main__":
+    main()

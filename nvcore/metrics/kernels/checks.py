@@ -1,0 +1,88 @@
+"""Loops of the audit: how well the truth is overlapped by detections that were moved."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from nvcore.metrics.kernels import compiled
+
+
+@compiled
+def frame_at(f, number, frame, lo, hi):
+    """Row of a frame number among rows lo..hi of a recording, -1 if it has no such frame.
+
+    Looked for from row f on, since most often all frame numbers are listed.
+    """
+    row = f + (number - frame[f])
+    if lo <= row < hi and frame[row] == number:
+        return row
+    stop = hi
+    while lo < stop:
+        row = (lo + stop) // 2
+        if frame[row] < number:
+            lo = row + 1
+        else:
+            stop = row
+    return lo if lo < hi and frame[lo] == number else -1
+
+
+@compiled
+def best_overlaps(
+    rows,
+    frame_index,
+    gx,
+    gy,
+    gw,
+    gh,
+    recording,
+    frame,
+    first,
+    offsets,
+    x,
+    y,
+    w,
+    h,
+    sx,
+    sy,
+    ox,
+    oy,
+    later,
+    best,
+    dx,
+    dy,
+    ratio_w,
+    ratio_h,
+    has_frame,
+):
+    """Best detection of each of some pedestrians after a correction of the detections.
+
+    Writes the columns of `nvcore.auditing.overlaps.Overlaps`. The detections are scaled by sx and
+    sy, then moved by ox and oy; they are taken from the frame `later` frame numbers after the
+    pedestrian's own. Of equal overlaps the last one counts.
+    """
+    for i in range(rows.size):
+        g = rows[i]
+        f = frame_index[g]
+        if later != 0:
+            r = recording[f]
+            f = frame_at(f, frame[f] + later, frame, first[r], first[r + 1])
+        best[i] = 0.0
+        dx[i] = dy[i] = ratio_w[i] = ratio_h[i] = np.nan
+        has_frame[i] = f >= 0
+        if f < 0:
+            continue
+        for d in range(offsets[f], offsets[f + 1]):
+            left, top = x[d] * sx + ox, y[d] * sy + oy
+            width, height = w[d] * sx, h[d] * sy
+            across = min(gx[g] + gw[g], left + width) - max(gx[g], left)
+            down = min(gy[g] + gh[g], top + height) - max(gy[g], top)
+            if across <= 0.0 or down <= 0.0:
+                continue
+            shared = across * down
+            iou = shared / (gw[g] * gh[g] + width * height - shared)
+            if iou > 0.0 and iou >= best[i]:
+                best[i] = iou
+                dx[i] = gx[g] + gw[g] / 2 - left - width / 2
+                dy[i] = gy[g] + gh[g] / 2 - top - height / 2
+                ratio_w[i] = gw[g] / width
+                ratio_h[i] = gh[g] / height
