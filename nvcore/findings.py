@@ -7,8 +7,11 @@ and the dashboard show a single list, worst first.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
+from typing import Literal
+
+import numpy as np
 
 
 class Severity(StrEnum):
@@ -20,6 +23,27 @@ class Severity(StrEnum):
 
 
 _ORDER = {Severity.ERROR: 0, Severity.WARNING: 1, Severity.NOTE: 2}
+
+
+@dataclass(frozen=True, eq=False)
+class Cases:
+    """Every place that a finding concerns, as rows of a table of the audited dataset.
+
+    `nvcore.tables.finding_entries` says recording, frame and box of each.
+
+    Attributes
+    ----------
+    table
+        Which table: ``boxes``, ``frames`` or ``left_out``.
+    rows
+        Rows of it; int, shape (n,).
+    """
+
+    table: Literal["boxes", "frames", "left_out"]
+    rows: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.rows)
 
 
 @dataclass(frozen=True)
@@ -48,6 +72,8 @@ class Finding:
     suggestion
         Corrections, each with its key in the session file, such as
         ``(("offset_frames", -2.0),)``, for a page that offers to apply them; empty: none.
+    cases
+        All places that it concerns; None: an input as a whole, or not known.
     """
 
     severity: Severity
@@ -59,6 +85,7 @@ class Finding:
     file: str = ""
     example: str = ""
     suggestion: tuple[tuple[str, float], ...] = ()
+    cases: Cases | None = field(default=None, compare=False, repr=False)
 
 
 def worst_first(findings: Iterable[Finding]) -> tuple[Finding, ...]:

@@ -2,7 +2,8 @@
 
 import streamlit as st
 
-from ui.data import choose, compare, findings, inputs
+from ui.data import choose, compare, inputs
+from ui.data.audit import findings
 from ui.data.opening import draw_outcome
 
 st.title("Data")

@@ -11,7 +11,7 @@ from nvcore.auditing.cases import BoxSource, place_of_frame, truth_source
 from nvcore.auditing.overlaps import iou_of_pairs, rows_in_ranges
 from nvcore.columns import BoxColumns
 from nvcore.dataset import Dataset
-from nvcore.findings import Finding, Severity
+from nvcore.findings import Cases, Finding, Severity
 from nvcore.metrics.kernels import over_ranges
 from nvcore.metrics.kernels.pairs import pair_frames
 from nvcore.metrics.matching import Matches, match_system
@@ -92,6 +92,7 @@ def audit_same_systems(
         f"{x.name} and {y.name} have exactly the same {len(of_x):,} boxes.",
         "Check whether the same file was given twice: the comparison cannot tell the two apart.",
         count=len(of_x),
+        is_of_all=True,
     )
 
 
@@ -220,5 +221,6 @@ def _missing(
             advice="Look at them: a pedestrian may be missing from the annotation, and each counts "
             "as a false alarm of both. If many are weak detections, give thresholds.",
             example=place_of_frame(dataset, int(frames[0])),
+            cases=Cases("boxes", boxes.first_row + rows),
         )
     ]

@@ -47,6 +47,7 @@ def audit_geometry(source: BoxSource) -> list[Finding]:
             "are fractions of the picture, not pixels.",
             "Multiply x and w by the width and y and h by the height of the picture, or read "
             "the file as YOLO text.",
+            is_of_all=True,
         )
     # most boxes lie inside: only the others are looked at in full
     rows = np.flatnonzero(

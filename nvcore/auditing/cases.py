@@ -10,7 +10,7 @@ import numpy as np
 
 from nvcore.columns import BoxColumns
 from nvcore.dataset import Dataset
-from nvcore.findings import Finding, Severity
+from nvcore.findings import Cases, Finding, Severity
 from nvcore.schema import TABLE_ENDING
 from nvcore.wording import count_text
 
@@ -56,6 +56,7 @@ class BoxSource:
         advice: str,
         *,
         count: int | None = None,
+        is_of_all: bool = False,
     ) -> list[Finding]:
         """A finding about some boxes, the first of which is the example; none without boxes.
 
@@ -65,6 +66,8 @@ class BoxSource:
             Rows of `boxes`.
         count
             What to count; None: the rows.
+        is_of_all
+            Whether it concerns the source as a whole: its boxes are then no cases to look at.
         """
         if not len(rows):
             return []
@@ -75,7 +78,8 @@ class BoxSource:
         frame_index = int(self.boxes.frame_index[first])
         n = len(rows) if count is None else count
         example = place_of_frame(self.dataset, frame_index, line=line, file=name)
-        return [Finding(severity, code, self.name, n, message, advice, name, example)]
+        cases = None if is_of_all else Cases("boxes", self.boxes.first_row + rows)
+        return [Finding(severity, code, self.name, n, message, advice, name, example, cases=cases)]
 
 
 def truth_source(dataset: Dataset) -> BoxSource:
@@ -123,6 +127,7 @@ def recording_findings(
     advice: str,
     *,
     frame_index: int | None = None,
+    frame_rows: np.ndarray | None = None,
 ) -> list[Finding]:
     """A finding about some recordings, the first of which is the example; none without any.
 
@@ -134,6 +139,8 @@ def recording_findings(
         What they have.
     frame_index
         Row of the frame that is the example; None: the recording.
+    frame_rows
+        Row of the frame to look at in each of them; None: its first.
     """
     if not len(recordings):
         return []
@@ -143,7 +150,21 @@ def recording_findings(
     if frame_index is not None:
         example = place_of_frame(dataset, frame_index)
     message = f"{having} {what}: {spelled(names)}."
-    return [Finding(severity, code, subject, len(recordings), message, advice, example=example)]
+    if frame_rows is None:
+        first = dataset.frame_columns.first
+        frame_rows = first[recordings][first[recordings] < first[recordings + 1]]
+    return [
+        Finding(
+            severity=severity,
+            code=code,
+            subject=subject,
+            count=len(recordings),
+            message=message,
+            advice=advice,
+            example=example,
+            cases=Cases("frames", frame_rows),
+        )
+    ]
 
 
 def spelled(names: Iterable[object]) -> str:

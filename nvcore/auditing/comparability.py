@@ -9,7 +9,7 @@ import numpy as np
 from nvcore.auditing.cases import TRUTH_NAME, BoxSource
 from nvcore.dataset import Dataset
 from nvcore.detection.operating_point import threshold_for
-from nvcore.findings import Finding, Severity
+from nvcore.findings import Cases, Finding, Severity
 from nvcore.inputs.evaluated_frames import nth
 from nvcore.metrics.encounters import encounters_of, mostly_one_frame
 from nvcore.metrics.matching import Matches
@@ -39,7 +39,8 @@ def audit_encounter_lengths(dataset: Dataset, params: Params) -> list[Finding]:
     n_frames = encounters.n_frames[near]
     if len(near) < MIN_ENCOUNTERS or not mostly_one_frame(n_frames):
         return []
-    n_short = int(np.count_nonzero(n_frames == 1))
+    short = near[n_frames == 1]
+    n_short = len(short)
     reasons = []
     step = int(np.median(frames.gap))
     if step > 1:
@@ -62,6 +63,7 @@ def audit_encounter_lengths(dataset: Dataset, params: Params) -> list[Finding]:
                 "McNemar's test counts frames rather than persons. Give ground truth with track "
                 "ids in every frame, or read the measures per frame only."
             ),
+            cases=Cases("boxes", np.flatnonzero(np.isin(encounters.encounter_of, short))),
         )
     ]
 

@@ -281,5 +281,6 @@ def _finding(
         f"{message} (mean IoU {step.after:.2f} instead of {step.before:.2f}{looked_at}).",
         advice,
         count=len(source.boxes),
+        is_of_all=True,
     )
     return replace(finding, example="", suggestion=suggestion)

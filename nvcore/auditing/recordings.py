@@ -169,7 +169,7 @@ def audit_frame_list(dataset: Dataset) -> list[Finding]:
         where.append(f"before frame {frames.frame[first[example]]}")
     if is_after[example]:
         where.append(f"after frame {frames.frame[last[example]]}")
-    empty_row = int(start[recording] if is_before[example] else last[example] + 1)
+    empty_rows = np.where(is_before, start[annotated], last + 1)[odd]
     return recording_findings(
         dataset,
         Severity.WARNING,
@@ -181,5 +181,6 @@ def audit_frame_list(dataset: Dataset) -> list[Finding]:
         f"{frames.frame[stop[recording] - 1]})",
         "Check the frame list (--frames first:last): frames without anybody count as perfect, and "
         "as recording time. Nothing to do if nobody was there.",
-        frame_index=empty_row,
+        frame_index=int(empty_rows[0]),
+        frame_rows=empty_rows,
     )

@@ -13,7 +13,7 @@ from nvcore.auditing.cases import (
     without_doubles,
 )
 from nvcore.dataset import Dataset
-from nvcore.findings import Finding, Severity
+from nvcore.findings import Cases, Finding, Severity
 from nvcore.wording import count_text
 
 
@@ -23,7 +23,7 @@ def audit_left_out(dataset: Dataset) -> list[Finding]:
     A system that ran on every frame of a sampled recording is no fault: its rows between listed
     frames give a note.
     """
-    lost = dataset.left_out
+    lost = dataset.left_out.reset_index(drop=True)
     findings: list[Finding] = []
     for subject, group in lost.groupby("subject", sort=False):
         name = str(subject)
@@ -184,4 +184,5 @@ def _finding(
         advice=advice,
         file=name,
         example=place(first["recording"], int(first["frame"]), line=line, file=name),
+        cases=Cases("left_out", rows.index.to_numpy()),
     )

@@ -23,6 +23,7 @@ def audit_scores(source: BoxSource) -> list[Finding]:
             "No detection has a score.",
             "Nothing to do if the system decides by itself: every detection counts, and a "
             "threshold has no effect.",
+            is_of_all=True,
         )
     low, high = float(np.nanmin(score)), float(np.nanmax(score))
     without = np.flatnonzero(is_missing)
@@ -42,6 +43,7 @@ def audit_scores(source: BoxSource) -> list[Finding]:
             np.flatnonzero(~is_missing) if is_constant else without[:0],
             f"Every score is {low:g}.",
             "Nothing to do if the system decides by itself; a threshold keeps all or nothing.",
+            is_of_all=True,
         ),
         *source.findings(
             Severity.NOTE,
@@ -50,6 +52,7 @@ def audit_scores(source: BoxSource) -> list[Finding]:
             f"The scores go from {low:g} to {high:g}, not from 0 to 1.",
             "That is allowed; give a threshold on this scale, and check that the score was read "
             "from the right column.",
+            is_of_all=True,
         ),
     ]
 
@@ -74,6 +77,7 @@ def audit_threshold(source: BoxSource, threshold: float | None, *, flag: str) ->
             rows,
             f"{subject} has no effect: no detection has a score.",
             f"Leave out {flag}, or give a file with scores.",
+            is_of_all=True,
         )
     span = f"the scores go from {np.nanmin(score):g} to {np.nanmax(score):g}"
     n_below = int(np.count_nonzero(score < threshold))
@@ -84,6 +88,7 @@ def audit_threshold(source: BoxSource, threshold: float | None, *, flag: str) ->
             rows,
             f"{subject} leaves no detection: {span}.",
             f"Give {flag} a value within that range.",
+            is_of_all=True,
         )
     if n_below == 0:
         return source.findings(
@@ -93,5 +98,6 @@ def audit_threshold(source: BoxSource, threshold: float | None, *, flag: str) ->
             f"{subject} removes no detection: {span}.",
             "Nothing to do if the file was made at that threshold or a higher one; else check it "
             "against the range of the scores.",
+            is_of_all=True,
         )
     return []

@@ -31,6 +31,7 @@ from nvcore.protocols import PROTOCOLS, Protocol
 from nvcore.report.equal_alarms import at_equal_alarms, unequal_companions
 from nvcore.settings import Settings
 from nvcore.tables.columns import REPORT_COLUMNS
+from nvcore.tables.inputs import finding_entries
 from nvcore.tables.result import (
     encounters_table,
     events_table,
@@ -69,6 +70,7 @@ def export_files(
         "significance.csv": lambda: _finite_csv(evidence()),
         "subgroups.csv": lambda: _finite_csv(subgroup_table(result, protocol=session.protocol)),
         "findings.csv": lambda: to_csv_bytes(findings_table(findings)),
+        "finding_entries.csv": lambda: to_csv_bytes(finding_entries(result.dataset, findings)),
         "summary.json": lambda: _summary_text(
             result, find_companions(result, evidence()) if are_unequal(result) else None
         ).encode(),

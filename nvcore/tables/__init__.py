@@ -3,7 +3,13 @@
 from nvcore.tables.box_states import FrameBoxes, gather_boxes
 from nvcore.tables.columns import REPORT_COLUMNS, column_names
 from nvcore.tables.frame import FrameSummary, frame_summary
-from nvcore.tables.inputs import inputs_table, left_out_table
+from nvcore.tables.inputs import (
+    entries_as_cvat,
+    entry_frames,
+    finding_entries,
+    inputs_table,
+    left_out_table,
+)
 from nvcore.tables.lanes import lanes_table
 from nvcore.tables.loss_strip import LossStrip, loss_strip
 from nvcore.tables.miss_classes import fusion_table, miss_class_counts, miss_class_totals
@@ -31,7 +37,10 @@ __all__ = [
     "column_names",
     "encounter_moments",
     "encounters_table",
+    "entries_as_cvat",
+    "entry_frames",
     "events_table",
+    "finding_entries",
     "findings_table",
     "frame_summary",
     "frames_table",

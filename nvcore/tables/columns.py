@@ -327,6 +327,24 @@ _FINDINGS = (
     Column("advice", _TEXT, "", "What to do about it."),
 )
 
+_NO_BOX = "the case is a frame or a row without a box"
+_NO_LINE = "it stands in no file"
+_FINDING_ENTRIES = (
+    Column("finding", _INTEGER, "", "Which row of `findings.csv` it belongs to, from 1."),
+    Column("code", _TEXT, "", "That of the finding."),
+    Column("subject", _TEXT, "", "That of the finding."),
+    _RECORDING,
+    Column("frame", _INTEGER, "", "Frame number, as in `frames.csv`."),
+    Column("x", _NUMBER, "px", "Left edge of the box.", empty=_NO_BOX),
+    Column("y", _NUMBER, "px", "Upper edge of the box.", empty=_NO_BOX),
+    Column("w", _NUMBER, "px", "Width of the box.", empty=_NO_BOX),
+    Column("h", _NUMBER, "px", "Height of the box.", empty=_NO_BOX),
+    Column("score", _NUMBER, "", "Score of the detection.", empty="it has none"),
+    Column("track", _INTEGER, "", "Track id.", empty="it has none"),
+    Column("file", _TEXT, "", "File that it stands in.", empty=_NO_LINE),
+    Column("line", _INTEGER, "", "Line of that file; JSON counts records.", empty=_NO_LINE),
+)
+
 REPORT_COLUMNS: Final[dict[str, tuple[Column, ...]]] = {
     "frames.csv": _FRAMES,
     "encounters.csv": _ENCOUNTERS,
@@ -336,5 +354,6 @@ REPORT_COLUMNS: Final[dict[str, tuple[Column, ...]]] = {
     "significance.csv": SIGNIFICANCE_COLUMNS,
     "subgroups.csv": SUBGROUP_COLUMNS,
     "findings.csv": _FINDINGS,
+    "finding_entries.csv": _FINDING_ENTRIES,
 }
 """Columns of every CSV file of a report, in order."""

@@ -1,11 +1,20 @@
-"""Tables of the inputs: one row per source, and the rows that could not be placed."""
+"""Tables of the inputs: sources, rows that could not be placed, what each finding concerns."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 import pandas as pd
 
 from nvcore.dataset import Dataset
+from nvcore.findings import Cases, Finding
+from nvcore.output.cvat import cvat_bytes
+from nvcore.schema import NO_TRACK
+from nvcore.tables.columns import column_names
+
+NO_ROW = -1
+"""In place of the row of a frame that is not evaluated."""
 
 
 def inputs_table(dataset: Dataset) -> pd.DataFrame:
@@ -36,3 +45,128 @@ def left_out_table(dataset: Dataset) -> pd.DataFrame:
     """How many rows of which source could not be placed: columns subject, reason, n_rows."""
     counts = dataset.left_out.groupby(["subject", "reason"], sort=False).size()
     return counts.rename("n_rows").reset_index()
+
+
+def finding_entries(dataset: Dataset, findings: Sequence[Finding]) -> pd.DataFrame:
+    """Every place that the findings concern, one row each.
+
+    Parameters
+    ----------
+    dataset
+        The audited one.
+    findings
+        Of its audit. Those about an input as a whole have no rows.
+
+    Returns
+    -------
+    The columns of ``finding_entries.csv``: finding (number of the row in ``findings.csv``, from 1),
+    code, subject, recording, frame, x, y, w, h (px), score, track, file, line. What does not apply
+    is missing; rows of one finding stay in the order of its cases.
+    """
+    tables = [
+        _entries(dataset, finding.cases).assign(
+            finding=number, code=finding.code, subject=finding.subject
+        )
+        for number, finding in enumerate(findings, start=1)
+        if finding.cases is not None
+    ]
+    if not tables:
+        tables = [_entries(dataset, NO_CASES).assign(finding=1, code="", subject="")]
+    return pd.concat(tables, ignore_index=True)[column_names("finding_entries.csv")]
+
+
+NO_CASES = Cases("frames", np.empty(0, np.int64))
+
+
+def entry_frames(dataset: Dataset, cases: Cases) -> np.ndarray:
+    """Row of the frames table of each case; `NO_ROW` where the frame is not evaluated."""
+    if cases.table == "frames":
+        return cases.rows.astype(np.int64)
+    if cases.table == "boxes":
+        of_box: np.ndarray = dataset.boxes["frame_index"].to_numpy()[cases.rows]
+        return of_box.astype(np.int64)
+    lost = dataset.left_out.iloc[cases.rows]
+    codes = pd.Index(dataset.recordings["name"]).get_indexer(pd.Index(lost["recording"]))
+    places = pd.MultiIndex.from_frame(dataset.frames[["recording", "frame"]])
+    wanted = pd.MultiIndex.from_arrays([codes, lost["frame"].to_numpy()])
+    return places.get_indexer(wanted)
+
+
+def entries_as_cvat(
+    dataset: Dataset, findings: Sequence[Finding], *, label: str | None = None
+) -> bytes:
+    """The frames of the findings with their boxes, as CVAT for images XML 1.1.
+
+    Pictures are called ``recording/000012.png``, as `nvcore convert` calls them in COCO. Cases that
+    are no box, such as a recording without detections, are pictures without boxes; rows that could
+    not be placed are left out.
+
+    Parameters
+    ----------
+    label
+        Of all boxes; None: the code of the finding.
+    """
+    placed = [(one, one.cases) for one in findings if one.cases is not None]
+    placed = [(one, cases) for one, cases in placed if cases.table != "left_out"]
+    rows = np.concatenate(
+        [np.empty(0, np.int64), *(entry_frames(dataset, cases) for _, cases in placed)]
+    )
+    frames, picture = np.unique(rows, return_inverse=True)
+    recording = dataset.frames["recording"].to_numpy()[frames]
+    known = dataset.recordings[["name", "width", "height"]].iloc[recording]
+    names = [
+        f"{name}/{number:06d}.png"
+        for name, number in zip(
+            known["name"], dataset.frames["frame"].to_numpy()[frames], strict=True
+        )
+    ]
+    boxes = pd.concat(
+        [
+            _entries(dataset, NO_CASES).assign(label=""),
+            *(
+                _entries(dataset, cases).assign(label=one.code if label is None else label)
+                for one, cases in placed
+            ),
+        ],
+        ignore_index=True,
+    ).assign(picture=picture.reshape(-1))
+    return cvat_bytes(known.assign(name=names), boxes[boxes["x"].notna()])
+
+
+def _entries(dataset: Dataset, cases: Cases) -> pd.DataFrame:
+    """Place, box and line of each case."""
+    if cases.table == "left_out":
+        table = dataset.left_out.iloc[cases.rows][["recording", "frame", "file", "line"]]
+        table = table.reset_index(drop=True)
+    else:
+        rows = entry_frames(dataset, cases)
+        recording = dataset.frames["recording"].to_numpy()[rows]
+        table = pd.DataFrame(
+            {
+                "recording": dataset.recordings["name"].to_numpy()[recording],
+                "frame": dataset.frames["frame"].to_numpy()[rows],
+            }
+        )
+    if cases.table == "boxes":
+        names = ["x", "y", "w", "h", "score", "track", "file", "line"]
+        boxes = dataset.boxes.iloc[cases.rows][names].reset_index(drop=True)
+        table = pd.concat([table, boxes], axis=1)
+    for name in ("x", "y", "w", "h", "score", "track", "file", "line"):
+        if name not in table:
+            table[name] = np.nan
+    track, line = (table[name].astype("Int64") for name in ("track", "line"))
+    has_line = (line >= 1).fillna(value=False).to_numpy(dtype=bool)
+    return table.assign(
+        track=track.mask(track == NO_TRACK),
+        line=line.mask(~has_line),
+        file=_file_names(dataset, table["file"].to_numpy(), has_line),
+    )
+
+
+def _file_names(dataset: Dataset, files: np.ndarray, has_line: np.ndarray) -> np.ndarray:
+    """Name of each row's input file; None for rows that come from none."""
+    names = np.append(dataset.inputs["file"].to_numpy(dtype=object), None)
+    number = np.where(has_line, np.nan_to_num(files.astype(float), nan=-1), -1).astype(np.int64)
+    is_known = (number >= 0) & (number < len(names) - 1)
+    of_row: np.ndarray = names[np.where(is_known, number, -1)]
+    return of_row

@@ -22,7 +22,8 @@ from nvcore.report.files import export_files, report_zip, summary_json, write_re
 
 FILES = [
     "frames.csv", "encounters.csv", "events.csv", "intervals.csv", "recordings.csv",
-    "significance.csv", "subgroups.csv", "findings.csv", "summary.json", "session.toml",
+    "significance.csv", "subgroups.csv", "findings.csv", "finding_entries.csv", "summary.json",
+    "session.toml",
 ]  # fmt: skip
 HOSTILE = Finding(Severity.NOTE, "odd", "=cmd", 1, "@SUM(A1)", "Look.", "-a.csv")
 

@@ -10,13 +10,14 @@ import json
 import re
 from typing import Any
 
+import numpy as np
 import pandas as pd
 import pytest
 from inputs import drive, session_of
 from places import ROOT
 
 from nvcore.comparison import compare
-from nvcore.findings import Finding, Severity
+from nvcore.findings import Cases, Finding, Severity
 from nvcore.inputs.load import load
 from nvcore.report.files import export_files
 from nvcore.schema import CATEGORY_TEXT, MISS_CLASS_TEXT
@@ -31,7 +32,17 @@ COLUMNS = {**REPORT_COLUMNS, "summary.json": SUMMARY_KEYS, "Each system": SYSTEM
 VALUES = {"The column category": CATEGORY_TEXT, "The column miss_class": MISS_CLASS_TEXT}
 SYSTEMS = ("x", "y", "fusion.x_or_y", "fusion.x_and_y")
 FINDINGS = (
-    Finding(Severity.ERROR, "no-area", "truth", 3, "What.", "Do.", "gt.txt", "line 4"),
+    Finding(
+        Severity.ERROR,
+        "no-area",
+        "truth",
+        3,
+        "What.",
+        "Do.",
+        "gt.txt",
+        "line 4",
+        cases=Cases("boxes", np.arange(3)),
+    ),
     Finding(Severity.NOTE, "constant-score", "fir", 1, "What.", "Do."),
 )
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import streamlit as st
@@ -28,6 +28,7 @@ CONTENTS: Final = {
     "significance.csv": "measures with interval and p of their difference",
     "subgroups.csv": "groups of encounters, such as near and far",
     "findings.csv": "findings of the audit of the inputs",
+    "finding_entries.csv": "All boxes, frames and rows that the findings concern",
     "summary.json": "All aggregates over all recordings, parameters and version",
     "session.toml": "The session: what to run to get the same report again",
 }
@@ -52,7 +53,7 @@ class _Report:
 
 def draw(result: Result) -> None:
     """Downloads of everything, of single files, and what their columns mean."""
-    report = _report(result)
+    report, result = _report(result), _with_public_names(result)
     st.header("Report")
     st.markdown(
         "The files that `nvcore compare --out` writes, with the parameters in the sidebar. "
@@ -73,6 +74,13 @@ def draw(result: Result) -> None:
     with st.expander("What the columns mean"):
         _draw_columns()
     _draw_session_note(report.session)
+
+
+def _with_public_names(result: Result) -> Result:
+    """The result with names of its input files that show nothing of the machine."""
+    inputs = result.dataset.inputs
+    names = [without_paths(name) for name in inputs["file"]]
+    return replace(result, dataset=replace(result.dataset, inputs=inputs.assign(file=names)))
 
 
 def _report(result: Result) -> _Report:

@@ -32,7 +32,8 @@ def test_the_reports_files_are_told_and_can_be_downloaded():
     assert downloads(page) == [
         "All files (ZIP)",
         *("frames.csv", "encounters.csv", "events.csv", "intervals.csv", "recordings.csv"),
-        *("significance.csv", "subgroups.csv", "findings.csv", "summary.json", "session.toml"),
+        *("significance.csv", "subgroups.csv", "findings.csv", "finding_entries.csv"),
+        *("summary.json", "session.toml"),
         "Picture (PNG)",
     ]
     assert "3,000 evaluated frames" in texts(page)

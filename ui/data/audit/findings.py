@@ -9,6 +9,7 @@ from typing import Final
 import streamlit as st
 
 from nvcore.findings import Finding, Severity, worst_first
+from ui.data.audit import entries
 from ui.data.opening import try_to_open
 from ui.session import state
 from ui.session.opening import corrected, corrections_up_to
@@ -51,7 +52,8 @@ def draw() -> None:
     ]
     if further:
         title = f"{'And ' if urgent else ''}{_counts(further)}"
-        with st.expander(title, expanded=not urgent):
+        has_open_list = any(entries.is_open(finding) for finding in further)
+        with st.expander(title, expanded=not urgent or has_open_list):
             for number, finding in enumerate(further, start=MOST_SHOWN):
                 _draw_one(findings, finding, number)
 
@@ -78,6 +80,7 @@ def _draw_one(findings: Sequence[Finding], finding: Finding, number: int) -> Non
         st.markdown(f"*What to do:* {plain(without_paths(finding.advice))}")
         if finding.suggestion and finding.subject in state.opened().dataset.systems:
             _draw_correction(findings, finding, number)
+        entries.draw(finding, number)
 
 
 def _subject(subject: str) -> str:

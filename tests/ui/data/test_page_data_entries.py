@@ -1,0 +1,71 @@
+"""The Data page: all that a finding concerns, each entry one click from its frame."""
+
+from __future__ import annotations
+
+import pytest
+from data_page import open_files, sent
+from streamlit.testing.v1 import AppTest
+
+from pages import press, texts
+from ui.data.audit import entries
+
+TRUTH = b"frame,x,y,w,h\n0,9,9,40,90\n1,9,9,40,90\n2,9,9,40,90\n"
+BOTH = b"frame,x,y,w,h,score\n0,9,9,40,90,0.9\n1,300,100,40,90,0.5\n2,300,100,40,90,0.5\n"
+THIRD = b"2,10,9,40,90,0.9\n"
+CODE = "agreed-by-both-not-in-truth"
+
+
+@pytest.fixture
+def page() -> AppTest:
+    page = open_files(sent(TRUTH, ("a.csv", BOTH), ("b.csv", BOTH + THIRD)))
+    (button,) = [button for button in page.button if button.label == "Show all 2 boxes"]
+    return press(page, button.key)
+
+
+def listed(page: AppTest):
+    (table,) = [one.value for one in page.dataframe if "seen" in one.value]
+    return table
+
+
+def test_a_finding_opens_the_list_of_all_boxes_that_it_counts(page: AppTest):
+    table = listed(page)
+    assert table["frame"].tolist() == [1, 2]
+    assert table["x"].tolist() == [300, 300]
+    assert table["seen"].isna().all()
+    (button,) = [button for button in page.button if button.label == "Hide the list"]
+    press(page, button.key)
+    assert not any("seen" in one.value for one in page.dataframe)
+
+
+def test_an_entry_leads_to_its_frame_and_is_then_seen(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(entries, "clicked_row", lambda _: 1)
+    wishes: list[str] = []
+    monkeypatch.setattr(entries, "ask_for_page", wishes.append)
+    draw = entries.draw
+
+    def draw_and_click(finding, number):
+        draw(finding, number)
+        if finding.code == CODE and not wishes:
+            entries._go("table", finding, finding.cases)
+
+    monkeypatch.setattr(entries, "draw", draw_and_click)
+    page = open_files(sent(TRUTH, ("a.csv", BOTH), ("b.csv", BOTH + THIRD)))
+    assert wishes == ["timeline"]
+    assert page.session_state["place"] == (0, 2)
+    (button,) = [button for button in page.button if button.label == "Show all 2 boxes"]
+    assert listed(press(page, button.key))["seen"].tolist() == [None, "✓"]
+
+
+def test_the_list_is_offered_as_csv_and_for_annotators(page: AppTest):
+    labels = [button.label for button in page.get("download_button")]
+    assert {"List (CSV)", "For annotators (CVAT)"} <= {*labels}
+
+
+def test_rows_without_a_frame_say_so():
+    lost = BOTH + b"77,10,9,40,90,0.9\n"
+    page = open_files(sent(TRUTH, ("a.csv", lost), ("b.csv", BOTH + THIRD)))
+    (button,) = [button for button in page.button if button.label == "Show the row"]
+    page = press(page, button.key)
+    assert listed(page)["frame"].tolist() == [77]
+    page.session_state["entries_no_frame"] = True
+    assert "not evaluated" in texts(page.run())

@@ -1,0 +1,1 @@
+"""Data page: what the audit found, and all that each finding concerns."""
