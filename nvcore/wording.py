@@ -47,6 +47,24 @@ def difference(x: float, y: float, form: str) -> str:
     return format(float(shown_x - shown_y), "+z" + form.replace("%", "f")) + unit
 
 
+def rounded_form(form: str, width: float) -> str:
+    """The format with no more decimals than an interval of this width leaves: two of its half.
+
+    Examples
+    --------
+    >>> rounded_form(".4f", 0.06)
+    '.3f'
+    >>> rounded_form(".1%", 0.4)
+    '.0%'
+    """
+    decimals, kind = form[1:-1], form[-1]
+    half = width / 2 * (100 if kind == "%" else 1)
+    if form[:1] != "." or not decimals.isdigit() or not half > 0 or not math.isfinite(half):
+        return form
+    kept = max(0, 1 - math.floor(math.log10(half)))
+    return f".{min(int(decimals), kept)}{kind}"
+
+
 def count_text(n: int, noun: str, plural: str | None = None) -> str:
     """A count with its noun: "1 frame", "3,000 frames"; `plural`: `noun` + s."""
     return f"{n:,} {noun if n == 1 else plural or noun + 's'}"

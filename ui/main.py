@@ -19,7 +19,8 @@ st.set_page_config(
     initial_sidebar_state="auto",
 )
 st.logo(str(state.ROOT / "ui" / "assets" / "logo.svg"), size="large")
-st.html(state.ROOT / "ui" / "assets" / "style.css")
+for name in ("style", "measures"):
+    st.html(state.ROOT / "ui" / "assets" / f"{name}.css")
 
 pages = all_pages()
 page = st.navigation(pages, position="hidden")
@@ -30,6 +31,9 @@ wrong_params = None
 try:
     follow_wish()
     state.begin_run()
+    if not links.is_participant():
+        with st.sidebar:  # before the page, so that its room is kept from the start
+            sidebar.legend()
     wrong_params = live_params.read()
     if links.is_participant():
         live_params.keep_all_hidden()

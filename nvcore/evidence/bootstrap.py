@@ -87,6 +87,7 @@ def bootstrap_difference(
     *,
     n_resamples: int = N_RESAMPLES,
     seed: int = SEED,
+    units: str = "units",
 ) -> BootstrapDifference:
     """Interval for the difference X - Y of a measure, by resampling units (recordings) in pairs.
 
@@ -106,6 +107,8 @@ def bootstrap_difference(
 
     n_resamples
         0: no interval.
+    units
+        What the reason calls the units, such as ``recordings``.
 
     Returns
     -------
@@ -142,9 +145,9 @@ def bootstrap_difference(
     if not n_resamples:
         return without("")
     if n < MIN_UNITS:
-        return without(f"too few to resample: {n}, at least {MIN_UNITS} are needed")
+        return without(f"too few {units} for an interval: {n}, at least {MIN_UNITS} are needed")
     if np.array_equal(x, y):
-        return without("X and Y are the same in every unit")
+        return without(f"X and Y are the same in all {units}")
     sums_of_units = np.concatenate([x.reshape(n, -1), y.reshape(n, -1)], axis=1).astype(float)
     n_columns = sums_of_units.shape[1] // 2
 
@@ -177,7 +180,7 @@ def bootstrap_difference(
             "the measure is undefined in some resamples: too few units have a part in it"
         )
     if np.ptp(differences) <= ROUNDING * max(abs(value_x), abs(value_y)):
-        return without("X and Y differ by the same in every unit: there is nothing to resample")
+        return without(f"X and Y differ by the same in all {units}: there is nothing to resample")
     interval, method = samples.confidence_interval, "BCa bootstrap"
     if not np.isfinite([interval.low, interval.high]).all():
         method = "percentile bootstrap"

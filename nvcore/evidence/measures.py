@@ -259,7 +259,7 @@ def judge_measure(measure: UnitMeasure, units: Units, *, has_interval: bool = Tr
     """
     x, y, statistic = measure.x, measure.y, measure.statistic
     n_resamples = N_RESAMPLES if has_interval else 0
-    interval = bootstrap_difference(x, y, statistic, n_resamples=n_resamples)
+    interval = bootstrap_difference(x, y, statistic, n_resamples=n_resamples, units=units.kind)
     if units.kind == RECORDINGS:
         test = swap_test(x, y, statistic)
     else:

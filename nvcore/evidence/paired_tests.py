@@ -216,7 +216,8 @@ def swap_test(
         return SwapTest(np.nan, n_swapped, 0, False, seed, "the measure is undefined")
     if n_swapped < MIN_SWAPPED:
         reason = (
-            f"too few tell X and Y apart for a test: {n_swapped}, at least {MIN_SWAPPED} are needed"
+            f"too few recordings tell X and Y apart for a test: {n_swapped}, at least "
+            f"{MIN_SWAPPED} are needed"
         )
         return SwapTest(np.nan, n_swapped, 0, False, seed, reason)
     change = (flat_y - flat_x)[differs]

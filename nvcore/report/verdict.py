@@ -10,8 +10,10 @@ import pandas as pd
 
 from nvcore.comparison import Result
 from nvcore.evidence.claims import Basis, Claim, find_claims
-from nvcore.evidence.companions import Companions, are_unequal
+from nvcore.evidence.companions import Companions
 from nvcore.findings import Finding, Severity
+from nvcore.report.shown import comparison_shown
+from nvcore.report.verdict_headline import headline
 from nvcore.report.verdict_words import (
     describe_chance,
     describe_encounters,
@@ -20,7 +22,6 @@ from nvcore.report.verdict_words import (
     describe_strict,
     describe_thresholds,
     describe_weights,
-    headline,
 )
 
 CAVEATS: Final = {
@@ -145,7 +146,7 @@ def verdict(
     if any(finding.code == SAME_BOXES for finding in findings):
         return Verdict(NO_TWO_SYSTEMS, (), (), Basis.NONE, caveat)
     support = find_claims(result, evidence, companions)
-    shown, of_shown = _comparison_shown(result, evidence, companions)
+    shown, of_shown = comparison_shown(result, evidence, companions)
     points = (
         Point("Operating points", describe_operating_points(result, companions)),
         Point("Encounters", describe_encounters(shown, of_shown, support)),
@@ -166,17 +167,6 @@ def verdict(
         support.basis,
         caveat,
     )
-
-
-def _comparison_shown(
-    result: Result, evidence: pd.DataFrame | None, companions: Companions | None
-) -> tuple[Result, pd.DataFrame | None]:
-    """The comparison that the points are about, and its evidence; None: it supports nothing."""
-    if not are_unequal(result):
-        return result, evidence
-    if companions is None or companions.equal is None:
-        return result, None
-    return companions.equal, companions.weaker_evidence
 
 
 def _caveat(serious: Sequence[Finding]) -> str:

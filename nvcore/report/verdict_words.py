@@ -1,8 +1,8 @@
-"""Sentences of the verdict by topic, and its headline."""
+"""Sentences of the verdict by topic."""
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Hashable, Mapping
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -15,7 +15,6 @@ from nvcore.evidence.claims import (
     Support,
     count_tests,
     is_turned,
-    least_corrected_p,
     values_of,
 )
 from nvcore.evidence.companions import (
@@ -26,11 +25,8 @@ from nvcore.evidence.companions import (
     has_scores,
 )
 from nvcore.evidence.miss_rate import KEY as MISS_RATE
-from nvcore.evidence.paired_tests import SIGNIFICANT
-from nvcore.evidence.planning.noninferiority import UNEQUAL_POINTS
-from nvcore.evidence.units import MIN_RECORDINGS, RECORDINGS
+from nvcore.evidence.units import RECORDINGS
 from nvcore.measures import (
-    count_recordings,
     evidence_form,
     has_several_recordings,
     inference_of,
@@ -85,80 +81,6 @@ QUALITIES: Final = (
     Quality("false_alert_episodes", "fewer", "false-alert episodes", "d"),
     Quality(MISS_RATE, "the lower", "log-average miss rate", ".1%"),
 )
-
-
-def headline(
-    result: Result,
-    evidence: pd.DataFrame | None,
-    companions: Companions | None,
-    support: Support,
-) -> str:
-    """What is claimed, or that nothing is, and why.
-
-    Parameters
-    ----------
-    evidence
-        Of the comparison that claims are about; None where it supports none.
-    """
-    conclusion = _conclusion(result, evidence, companions, support)
-    if not are_unequal(result):
-        return capitalised(conclusion)
-    if companions is None:
-        why = "nothing is claimed before they are compared at equal false alarms"
-    elif companions.equal is not None:
-        return f"{UNEQUAL_POINTS}; at equal false alarms, {conclusion}"
-    elif any(has_scores(result, letter) for letter in "xy"):
-        why = "nothing is claimed, as no threshold sets them alike"
-    else:
-        why = "nothing is claimed, as without scores they cannot be set alike"
-    return f"{UNEQUAL_POINTS}: {why}."
-
-
-def _conclusion(
-    result: Result,
-    evidence: pd.DataFrame | None,
-    companions: Companions | None,
-    support: Support,
-) -> str:
-    """The headline without the operating points and without a capital."""
-    if support.claims:
-        return _claimed(support.claims)
-    if evidence is None:
-        return "nothing is claimed: the differences are not tested."
-    if companions is None and support.withheld:
-        return "nothing is claimed before X and Y are compared at equal false alarms."
-    if (evidence["unit"] != RECORDINGS).all():
-        n = count_recordings(result)
-        few = "one recording does" if n == 1 else f"{n} recordings do"
-        return (
-            f"nothing is claimed: {few} not show what others would ({MIN_RECORDINGS} are needed)."
-        )
-    tested = evidence[np.isfinite(evidence["p_holm"])]
-    if tested.empty:
-        return "nothing is claimed: there are too few data to test a difference."
-    by = f"by {count_text(int(tested['n'].max()), 'recording')}"
-    least_p = least_corrected_p(evidence)
-    if least_p > SIGNIFICANT:
-        return (
-            f"nothing is claimed: {by} and in {len(tested)} measures no difference can be shown to "
-            "be more than chance, however large (the least possible "
-            f"{p_text(least_p / len(tested), least_p, len(tested))})."
-        )
-    if support.withheld:
-        return "nothing is claimed: each difference that is more than chance fails another check."
-    return f"nothing is claimed: {by}, no difference is shown to be more than chance."
-
-
-def _claimed(claims: Sequence[Claim]) -> str:
-    """Who is better in what."""
-    parts: list[str] = []
-    for letter in ("x", "y"):
-        nouns = [inference_of(claim.key).noun for claim in claims if claim.winner == letter]
-        if nouns:
-            better = "" if parts else "is better "
-            parts.append(f"{letter.upper()} {better}in {listed(nouns)}")
-    by = count_text(max(claim.n for claim in claims), "recording")
-    return f"{', '.join(parts)}: more than chance, by {by}."
 
 
 def describe_operating_points(result: Result, companions: Companions | None) -> tuple[str, ...]:
@@ -255,7 +177,7 @@ def describe_measures(result: Result, evidence: pd.DataFrame | None) -> tuple[st
         x, y = _values(quality.key, result, evidence)
         if np.isnan(x) or np.isnan(y):
             continue
-        shown_x, shown_y = (_shown(value, quality.form) for value in (x, y))
+        shown_x, shown_y = (shown_value(value, quality.form) for value in (x, y))
         unit = quality.unit
         if quality.key == "false_alert_episodes":
             unit = f" in {duration_text(result.duration_s)}"
@@ -292,7 +214,8 @@ def _far_away(result: Result) -> str:
     )
 
 
-def _shown(value: float, form: str) -> str:
+def shown_value(value: float, form: str) -> str:
+    """The value in this format; whole numbers without decimals."""
     return format(int(value) if form == "d" else value, form)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection
 from typing import NamedTuple
 
@@ -34,6 +35,8 @@ class ScoreRow(NamedTuple):
         0, or 1 for a part of the row above.
     needs_tracks
         Whether it means little where most encounters are one frame long; so do the parts of a row.
+    key
+        Key of the measure.
     """
 
     label: str
@@ -43,6 +46,16 @@ class ScoreRow(NamedTuple):
     better: Better
     level: int = 0
     needs_tracks: bool = False
+    key: str = ""
+
+    @property
+    def winner(self) -> str:
+        """Whose value is better as shown, ``x`` or ``y``; empty: neither."""
+        if not self.better or math.isnan(self.x) or math.isnan(self.y):
+            return ""
+        if format(self.x, self.form) == format(self.y, self.form):
+            return ""
+        return "x" if (self.x > self.y) == (self.better == "higher") else "y"
 
 
 def score_rows(
@@ -76,7 +89,9 @@ def score_rows(
         whole = whole if part else len(rows)
         if table is not MeasureTable.SCORECARD or _needs_tracks(measure):
             tracked.add(whole)
-        rows.append(ScoreRow(label, x, y, measure.form, measure.better, 1 if part else 0))
+        rows.append(
+            ScoreRow(label, x, y, measure.form, measure.better, 1 if part else 0, key=measure.key)
+        )
     whole = 0
     for i, row in enumerate(rows):
         whole = whole if row.level else i
@@ -91,7 +106,7 @@ def _needs_tracks(measure: Measure) -> bool:
 def curve_rows(x: CurveSummary, y: CurveSummary) -> list[ScoreRow]:
     """The measures of the detection curves of both systems."""
     return [
-        ScoreRow(measure.label, of(x), of(y), measure.form, measure.better)
+        ScoreRow(measure.label, of(x), of(y), measure.form, measure.better, key=measure.key)
         for measure in measures_in(MeasureTable.DETECTION)
         if (of := measure.of_curve) is not None
     ]

@@ -206,7 +206,7 @@ def test_equal_systems_are_said_to_be_the_same() -> None:
     dataset = make_dataset(truth, truth[::2], truth[::2], places=[Place(range(5))] * 10)
     table = by_figure(result_of(dataset))
     assert (table["difference"] == 0).all()
-    assert table.loc["mean_similarity", "note"].startswith("X and Y are the same in every unit")
+    assert table.loc["mean_similarity", "note"].startswith("X and Y are the same in all ")
     assert table[["low", "p", "effect"]].iloc[1:].isna().all().all()
 
 

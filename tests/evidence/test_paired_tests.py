@@ -153,7 +153,7 @@ def test_units_in_which_both_are_equal_do_not_count() -> None:
 def test_too_few_units_have_words_instead_of_a_p_value(n: int) -> None:
     found = flip_signs(np.ones(n))
     assert np.isnan(found.p)
-    assert f"too few tell X and Y apart for a test: {n}, at least 6" in found.reason
+    assert f"too few recordings tell X and Y apart for a test: {n}, at least 6" in found.reason
 
 
 def test_an_undefined_measure_has_no_p_value() -> None:

@@ -191,7 +191,9 @@ def test_blocks_of_time_and_few_recordings_show_no_noninferiority():
     assert "nothing of other recordings" in blocks.reason
     assert math.isnan(blocks.worse_at_most)
     few = evidence(
-        low=math.nan, high=math.nan, note="too few to resample: 7, at least 8 are needed"
+        low=math.nan,
+        high=math.nan,
+        note="too few recordings for an interval: 7, at least 8 are needed",
     )
     answer = judge_noninferiority(few, "y", 0.06)
     assert (answer.is_shown, answer.reason) == (None, few.note)

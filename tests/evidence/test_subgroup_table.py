@@ -139,7 +139,7 @@ def test_saliency_of_a_group_is_over_the_recordings_that_have_its_pedestrians():
     row = table.loc[("place", "edge")]
     assert row["n"] == 4
     assert row["y"] == pytest.approx(result.y.events["saliency_s"].mean())
-    assert "too few to resample: 4" in row["note"]
+    assert "too few recordings for an interval: 4" in row["note"]
     assert np.isnan(row["low"])
     assert table.loc[("all", "all"), "y"] == pytest.approx(0.4 * row["y"])
 

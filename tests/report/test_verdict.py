@@ -90,7 +90,9 @@ DOMINANCE = "X detects every encounter that Y detects, and 6 more of 9"
 NO_DIFFERENCE = (
     "Nothing is claimed: by 12 recordings, no difference is shown to be more than chance."
 )
-BETTER = "X is better in encounters detected: more than chance, by 12 recordings."
+BETTER = (
+    "X is better in encounters detected (100.0% to 200.0%): more than chance, by 12 recordings."
+)
 TOO_FEW = "Nothing is claimed: there are too few data to test a difference."
 
 
@@ -212,15 +214,16 @@ def test_measures_that_look_the_same_are_not_called_better_and_undefined_ones_le
     [
         (
             [row_of("mean_similarity", 0.012, 0.012, 0.043), row_of("saliency", 0.6, -1.0, 0.5)],
-            "X is better in mean similarity: more than chance, by 12 recordings.",
+            "X is better in mean similarity (1.0000 to 2.0000): more than chance, by 12 "
+            "recordings.",
             "More than chance: mean similarity (for X, X - Y 95 % interval +0.0120 to +0.0430, "
             "p = 0.006; 0.012 after correction for 2 tests). The other differences are "
             "not shown to be more than chance.",
         ),
         (
             [row_of("mean_similarity", 0.01, 0.1, 0.2), row_of("saliency", 0.02, better="lower")],
-            "X is better in mean similarity, Y in saliency per recording: more than chance, by 12 "
-            "recordings.",
+            "X is better in mean similarity (1.0000 to 2.0000), Y in saliency per recording: more "
+            "than chance, by 12 recordings.",
             "More than chance: mean similarity (for X, X - Y 95 % interval +0.1000 to +0.2000, "
             "p = 0.005; 0.01 after correction for 2 tests) and saliency per recording (for Y, p = "
             "0.01; 0.02 after correction for 2 tests).",
@@ -239,6 +242,46 @@ def test_measures_that_look_the_same_are_not_called_better_and_undefined_ones_le
 def test_what_is_beyond_chance(better_x: Result, rows: list[dict], headline: str, chance: str):
     text = judged(better_x, *rows)
     assert (text.headline, topic(text, "Chance")) == (headline, chance)
+
+
+def test_the_headline_begins_with_the_strongest_difference(better_x: Result):
+    rows = row_of("mean_similarity", 0.04), row_of("saliency", 0.01, better="lower")
+    assert judged(better_x, *rows, row_of(BY_UNIT, 0.03)).headline == (
+        "Y is better in saliency per recording (2.00 to 1.00 s), X in encounters detected and mean "
+        "similarity: more than chance, by 12 recordings."
+    )
+
+
+def of_stretches(figure: str, low: float, high: float, **more: object) -> dict[str, object]:
+    middle = (low + high) / 2
+    return row_of(figure, NAN, low, high, difference=middle, unit="blocks", **more)
+
+
+ALARMS = of_stretches("false_alert_episodes_per_hour", 1.0, 3.0, better="lower")
+
+
+@pytest.mark.parametrize(
+    ("rows", "words"),
+    [
+        ([ALARMS, of_stretches("mean_similarity", 0.1, 0.9)],
+         "Y is better in false-alert episodes (2.0 to 1.0 per hour)"),
+        ([ALARMS, of_stretches("mean_similarity", 0.4, 0.5)],
+         "X is better in mean similarity (1.0000 to 2.0000)"),
+        ([ALARMS | {"doubt": "odd"}, of_stretches("mean_similarity", -0.1, 0.5)], ""),
+    ],
+    ids=["clearest", "other", "none"],
+)  # fmt: skip
+def test_within_one_recording_the_clearest_difference_is_said_and_nothing_of_others(
+    better_x: Result, rows: list[dict], words: str
+):
+    text = judged(better_x, of_stretches(BY_UNIT, NAN, NAN), *rows)
+    few = "one recording does not show what others would (6 are needed)."
+    assert not text.claims
+    assert text.headline == (
+        f"Within this recording {words}; nothing is claimed of others: {few}"
+        if words
+        else f"Nothing is claimed: {few}"
+    )
 
 
 def test_a_difference_says_for_whom_it_speaks_with_its_unit_and_no_exponent(better_x: Result):

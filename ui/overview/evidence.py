@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Mapping
+from string import ascii_lowercase
 from typing import Any, Final
 
 import numpy as np
@@ -18,44 +19,31 @@ from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.evidence.units import BLOCKS
 from nvcore.figures.forest import subgroup_forest
 from nvcore.measures import EVIDENCE_KEYS, evidence_form, inference_of
-from nvcore.wording import ARROWS, capitalised, difference, interval_text, number
+from nvcore.wording import capitalised, difference, interval_text, number
 from ui.overview.scorecard import draw_as_set_note
 from ui.session import state
 from ui.widgets.charts import draw_chart
-from ui.widgets.choices import draw_measures
+from ui.widgets.html import MeasureRow, measures_html, with_arrow
 from ui.widgets.text import UNDEFINED, docs_link, plain
 
 TIMES: Final = " ×"
 SETTING: Final = "thresholds"
-WIDTHS: Final = {
-    "measure": 310,
-    "X": 70,
-    "Y": 70,
-    "X - Y": 85,
-    "95 % interval": 160,
-    "p": 70,
-    "p (Holm)": 75,
-    "effect": 95,
-}
-"""Columns of the table, px."""
+HEAD: Final = ("X", "Y", "X − Y", "95 % interval", "p", "p (Holm)", "effect")
 
 
 def draw(result: Result, evidence: pd.DataFrame) -> None:
     """The table of evidence, and the same by groups of encounters."""
     st.header("Is the difference real?")
     draw_as_set_note(result)
-    shown, widths = shown_evidence(evidence), WIDTHS
-    if are_unequal(result):
-        undecided = [is_undecided(result, key) for key in evidence["figure"]]
-        shown.insert(1, SETTING, np.where(undecided, "as set", "all"))
-        widths = {"measure": WIDTHS["measure"], SETTING: 85, **WIDTHS}
-    draw_measures(shown, "evidence", widths)
-    notes = dict.fromkeys(note for row in evidence["note"] if row for note in row.split("; "))
-    notes.pop(AS_SET, None)  # it stands above
+    rows, notes = shown_evidence(result, evidence)
+    head = (*HEAD, SETTING) if are_unequal(result) else HEAD
+    st.html(measures_html(rows, key="evidence", head=head))
     has_blocks = (evidence["unit"] == BLOCKS).any()
     units = "stretches of these recordings" if has_blocks else "recordings"
-    for note in notes:
-        st.caption(plain(f"{UNDEFINED} {capitalised(note)}."))
+    if notes:
+        st.caption(
+            "  \n".join(f"{mark}: {plain(capitalised(note))}." for note, mark in notes.items())
+        )
     st.caption(
         "Both systems saw the same pedestrians, so differences are judged in pairs: how far they "
         f"would vary with other {units} (interval), and how often they would be as large if X and "
@@ -120,21 +108,33 @@ def _has_odds_ratio(row: Mapping[Hashable, Any]) -> bool:
     return row["effect_name"] == ODDS_RATIO and bool(np.isfinite(row["effect"]))
 
 
-def shown_evidence(evidence: pd.DataFrame) -> pd.DataFrame:
-    """The table of evidence as text; a dash where nothing can be given."""
-    rows = []
+def shown_evidence(
+    result: Result, evidence: pd.DataFrame
+) -> tuple[list[MeasureRow], dict[str, str]]:
+    """The table of evidence, a dash where nothing can be given; its footnotes with their marks."""
+    rows: list[MeasureRow] = []
+    marks: dict[str, str] = {}
     for row in evidence.to_dict("records"):
         form = evidence_form(row["figure"])
+        notes = [note for note in row["note"].split("; ") if note and note != AS_SET]
+        for note in notes:
+            marks.setdefault(note, ascii_lowercase[len(marks) % len(ascii_lowercase)])
+        cells = (
+            number(row["x"], form),
+            number(row["y"], form),
+            difference(row["x"], row["y"], form),
+            interval_text(row["low"], row["high"], form),
+            number(row["p"], ".2g"),
+            number(row["p_holm"], ".2g"),
+            number(row["effect"], ".2f") + (TIMES if _has_odds_ratio(row) else ""),
+        )
+        if are_unequal(result):
+            cells = (*cells, "as set" if is_undecided(result, row["figure"]) else "all")
         rows.append(
-            (
-                row["label"] + ARROWS[row["better"]],
-                number(row["x"], form),
-                number(row["y"], form),
-                difference(row["x"], row["y"], form),
-                interval_text(row["low"], row["high"], form),
-                number(row["p"], ".2g"),
-                number(row["p_holm"], ".2g"),
-                number(row["effect"], ".2f") + (TIMES if _has_odds_ratio(row) else ""),
+            MeasureRow(
+                label=with_arrow(row["label"], row["better"]),
+                cells=tuple(cell.replace("-", "−") for cell in cells),
+                marks=" ".join(marks[note] for note in notes),
             )
         )
-    return pd.DataFrame(rows, columns=list(WIDTHS))
+    return rows, marks

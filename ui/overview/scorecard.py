@@ -1,8 +1,8 @@
-"""Overview page: the verdict, the scorecard, and the recordings side by side."""
+"""Overview page: the scorecard, and the recordings side by side."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
 from typing import Final
 
 import pandas as pd
@@ -12,7 +12,6 @@ from nvcore.comparison import Result
 from nvcore.evidence.claims import Basis
 from nvcore.evidence.companions import Companions, as_set_note
 from nvcore.figures.paired import recordings_plot
-from nvcore.findings import Finding
 from nvcore.measures import MeasureTable
 from nvcore.report.equal_alarms import (
     detected_text,
@@ -20,59 +19,44 @@ from nvcore.report.equal_alarms import (
     equal_alarms_title,
     weights_text,
 )
-from nvcore.report.verdict import verdict
-from nvcore.report.words import sampling_note
+from nvcore.report.terminal import SHORT_ROWS
 from nvcore.tables.result import recordings_table
 from nvcore.tables.scorecard import score_rows
-from nvcore.wording import count_text
 from ui.session import state
-from ui.shell.navigate import open_frame, open_page
+from ui.shell.navigate import open_frame
 from ui.widgets.charts import clicked_chart
-from ui.widgets.choices import choose_side_by_side, draw_measures
-from ui.widgets.table_columns import measures_as_text
+from ui.widgets.choices import choose_side_by_side
+from ui.widgets.html import measures_html, score_row
 from ui.widgets.text import docs_link, plain
 
 BASES: Final = {Basis.AS_SET: "As set", Basis.EQUAL_ALARMS: "At equal false alarms"}
-WIDTHS: Final = {"measure": 250, "X": 70, "Y": 70, "X - Y": 70}
 
 
-def verdict_box(
-    result: Result,
-    findings: Sequence[Finding],
-    evidence: pd.DataFrame,
-    companions: Companions | None,
-    plan: str,
-) -> None:
-    """What the measures support, how much more it would take, and what it depends on."""
-    conclusion = verdict(result, findings, evidence=evidence, companions=companions, plan=plan)
-    points = (f"- **{plain(point.topic)}:** {plain(point.text)}" for point in conclusion.points)
-    with st.container(border=True, key="verdict"):
-        st.markdown(f"## {plain(conclusion.headline)}")
-        st.markdown("\n".join(points))
-        if conclusion.caveat:
-            st.warning(plain(conclusion.caveat), icon=":material/warning:")
-            if st.button("See the findings on the Data page"):
-                open_page("data")
-    st.caption(_extent(result))
-    if note := sampling_note(result.dataset.frame_columns):
-        st.caption(note)
+class Scorecard:
+    """The table, drawn at once, and again with fewer decimals when the intervals are known."""
+
+    def __init__(self, result: Result) -> None:
+        self._result = result
+        self._place = st.empty()
+        self.draw(None)
+
+    def draw(self, evidence: pd.DataFrame | None) -> None:
+        """The table; with evidence, without the decimals that the intervals do not leave."""
+        widths = {} if evidence is None else _widths(evidence)
+        rows = [
+            score_row(row, width=widths.get(row.key, math.nan), is_short=self._result.is_short)
+            for row in score_rows(self._result)
+        ]
+        self._place.html(measures_html(rows, key="scorecard"))
 
 
-def _extent(result: Result) -> str:
-    venn = result.venn
-    return (
-        f"{count_text(len(result.dataset.recordings), 'recording')}, "
-        f"{count_text(len(result.dataset.frames), 'frame')}, "
-        f"{result.duration_s:,.1f} s. An encounter is one pedestrian from first to last annotated "
-        f"frame; {venn.n_near:,} came near enough to count, {venn.distant:,} stayed distant. A "
-        f"system detects it by matching it in at least {result.params.coverage:.0%} of the frames "
-        "in which it is near. p, where given: how often recordings in which X and Y could be "
-        "exchanged would differ as much, by itself and corrected for all measures "
-        f"({docs_link('Significance', 'other-measures', doc='significance')})."
-    )
+def _widths(evidence: pd.DataFrame) -> dict[str, float]:
+    """Width of each difference's 95 % interval, by the measure's key."""
+    widths = evidence["high"] - evidence["low"]
+    return dict(zip(evidence["figure"], widths, strict=True))
 
 
-def scorecard(result: Result, companions: Companions | None) -> None:
+def scorecard(result: Result, companions: Companions | None) -> Scorecard | None:
     """Every measure of X beside that of Y, the difference, and which way is better.
 
     At unequal operating points as set, and where the verdict is about another comparison, of that.
@@ -81,13 +65,16 @@ def scorecard(result: Result, companions: Companions | None) -> None:
     ----------
     companions
         Of the comparison; None: not known yet, or not needed.
+
+    Returns
+    -------
+    The table of the comparison as set, which the evidence is about; None: another is drawn.
     """
     st.header("Scorecard")
     equal = equal_alarms_of(result, companions)
     if equal is None:
         draw_as_set_note(result)
-        _draw_scorecard(result)
-        return
+        return _draw_scorecard(result)
     assert companions is not None
     basis = choose_side_by_side(
         "What is compared",
@@ -98,8 +85,7 @@ def scorecard(result: Result, companions: Companions | None) -> None:
     )
     if basis is Basis.AS_SET:
         draw_as_set_note(result)
-        _draw_scorecard(result)
-        return
+        return _draw_scorecard(result)
     text, button = st.columns([3, 2], vertical_alignment="center")
     text.markdown(plain(f"{equal_alarms_title(companions)}, as in the verdict."))
     moved = companions.moved
@@ -118,6 +104,7 @@ def scorecard(result: Result, companions: Companions | None) -> None:
             f"{weights_text(equal)}."
         )
     )
+    return None
 
 
 def draw_as_set_note(result: Result) -> None:
@@ -126,17 +113,23 @@ def draw_as_set_note(result: Result) -> None:
         st.markdown(f":material/balance: {plain(note)}")
 
 
-def _draw_scorecard(result: Result) -> None:
-    draw_measures(measures_as_text(score_rows(result)), "scorecard", WIDTHS)
+def _draw_scorecard(result: Result) -> Scorecard:
+    table = Scorecard(result)
+    little = f" {SHORT_ROWS}." if result.is_short else ""
     st.caption(
-        "↑ higher is better, ↓ lower is better. Similarity, per frame, 1 is best: how well "
+        "↑ higher is better, ↓ lower is better; the better value has a dot, which says nothing of "
+        f"chance.{plain(little)} Similarity, per frame, 1 is best: how well "
         "detections fit the pedestrians, near ones first. Saliency, in seconds, 0 is best: "
         "how long the most salient misses last, in full only when they are late "
         f"({docs_link('Metrics', 'similarity')}). {_rule(result)}"
     )
     with st.expander(f"How the {result.venn.n_near:,} encounters went"):
-        table = measures_as_text(score_rows(result, MeasureTable.MISS_CLASSES))
-        draw_measures(table, "classes", WIDTHS, first="miss class")
+        rows = [
+            score_row(row, is_short=result.is_short)
+            for row in score_rows(result, MeasureTable.MISS_CLASSES)
+        ]
+        st.html(measures_html(rows, key="classes", first="Miss class"))
+    return table
 
 
 def _rule(result: Result) -> str:

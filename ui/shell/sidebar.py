@@ -24,8 +24,16 @@ MAX_NAME = 26
 
 
 def legend() -> None:
-    """Name of each system beside a sample of its line."""
+    """Name of each system beside a sample of its line; tables and tiles get the same colours."""
     theme = state.theme()
+    colours = "".join(
+        f"--nv-{letter}:{colour};--nv-dash-{letter}:{dash};"
+        for letter, colour, dash in (
+            ("x", X_COLOUR[theme], "solid"),
+            ("y", Y_COLOUR[theme], "dashed"),
+        )
+    )
+    st.html(f"<style>:root{{{colours}}}</style>")
     rows = [
         _row("X", state.systems()[0], X_COLOUR[theme], "solid"),
         _row("Y", state.systems()[1], Y_COLOUR[theme], "dashed"),
@@ -59,7 +67,6 @@ def draw(wrong: str, shown: Sequence[Stage]) -> None:
     """
     st.session_state[_SHOWN] = tuple(shown)
     with st.sidebar:
-        legend()
         _presets()
         if any(not setting.is_advanced for setting in _quiet_settings()):
             st.caption(GREY)

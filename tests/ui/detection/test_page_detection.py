@@ -174,8 +174,7 @@ def test_a_tag_that_no_recording_has_is_told_and_can_be_taken_out(sample_with):
 
 
 def evidence_labels(page: AppTest) -> list[str]:
-    table = next(one.value for one in page.dataframe if "p (Holm)" in one.value.columns)
-    return table["measure"].tolist()
+    return list(pages.measures(page, "evidence"))
 
 
 def test_the_overview_uses_the_protocol_which_is_there_when_one_comes_back():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 from typing import Final
+from xml.etree.ElementTree import Element, fromstring
 
 import pytest
 from inputs import drive, session_of
@@ -69,6 +70,18 @@ def texts(page: AppTest) -> str:
         page.header,
     )
     return "\n".join(item.value for kind in kinds for item in kind).replace("\\", "")
+
+
+def measures(page: AppTest, key: str) -> dict[str, tuple[str, ...]]:
+    """The cells of a table of measures by the label of their row, its footnotes in brackets."""
+    (body,) = [item.proto.body for item in page.get("html") if f'nv-{key}"' in item.proto.body]
+    rows = fromstring(body).iterfind(".//tbody/tr")
+    return {_said(row[0]): tuple(_said(cell) for cell in row[1:]) for row in rows}
+
+
+def _said(cell: Element) -> str:
+    notes = "".join(f"[{mark.text}]" for mark in cell.iter("sup"))
+    return f"{cell.text or ''}{notes}"
 
 
 def session(folder: Path, *systems: str) -> Session:

@@ -6,11 +6,15 @@ import pandas as pd
 import pytest
 from streamlit.testing.v1 import AppTest
 
+from nvcore.errors import InputError
+from nvcore.evidence.table import evidence_table
 from nvcore.report.verdict import Verdict, verdict
-from pages import checked, opened, texts
+from pages import checked, measures, opened, texts
 from ui.overview import companions, venn
-from ui.overview import scorecard as scorecard_page
+from ui.overview import evidence as evidence_page
+from ui.overview import verdict as verdict_page
 from ui.overview.moments import window_row
+from ui.session import evidence as overview_evidence
 
 
 @pytest.fixture
@@ -19,22 +23,63 @@ def app() -> AppTest:
     return checked(opened())
 
 
-def scorecard(app: AppTest) -> dict[str, tuple[str, str, str]]:
-    table = app.dataframe[0].value
-    return {row["measure"].strip(): tuple(row[["X", "Y", "X - Y"]]) for _, row in table.iterrows()}
+def scorecard(app: AppTest) -> dict[str, tuple[str, ...]]:
+    return measures(app, "scorecard")
 
 
 def test_the_app_opens_on_verdict_and_scorecard_which_follow_the_parameters(app: AppTest):
     assert app.title[0].value == "Overview"
     assert "Of the 13 encounters that only one system detects, X detects 8 and Y 5" in texts(app)
     before = scorecard(app)
-    assert before["mean similarity ↑"] == ("0.9152", "0.8963", "+0.0189")
+    assert before["mean similarity ↑"] == ("0.915", "0.896", "+0.019")
     assert before["encounters detected, of 38 ↑"] == ("30", "27", "+3")
     checked(app.slider(key="alpha").set_value(0.5).run())
     after = scorecard(app)
     assert after["mean similarity ↑"] != before["mean similarity ↑"]
     assert after["encounters detected, of 38 ↑"] == before["encounters detected, of 38 ↑"]
     assert app.query_params["alpha"] == "0.5"
+
+
+def tiles(app: AppTest) -> str:
+    (body,) = [item.proto.body for item in app.get("html") if "nv-tiles" in item.proto.body]
+    return body
+
+
+def test_four_tiles_say_what_is_shown_and_the_better_value_has_a_mark(app: AppTest):
+    assert app.markdown[0].value.startswith("## Nothing is claimed")
+    body = tiles(app)
+    assert body.count("<section") == 4
+    assert '<span class="x better"><i>X</i>30</span><span class="y"><i>Y</i>27</span>' in body
+    assert body.count(">not shown<") == 3
+    assert "95 % interval −" in body
+    (table,) = [item.proto.body for item in app.get("html") if "nv-scorecard" in item.proto.body]
+    assert '<td class="better x">30</td><td>27</td>' in table
+    assert '<td>3.813</td><td class="better y">3.491</td>' in table  # the largest event
+
+
+def test_the_verdict_that_was_shown_stays_in_grey_until_the_next(
+    app: AppTest, monkeypatch: pytest.MonkeyPatch
+):
+    shown = app.markdown[0].value.removeprefix("## ")
+
+    def refuse(*_: object) -> None:
+        raise InputError("no evidence")
+
+    monkeypatch.setattr(overview_evidence, "evidence_kept_by", refuse)
+    app.slider(key="alpha").set_value(0.5).run()
+    assert app.markdown[0].value == f"## :gray[{shown}]"
+    assert tiles(app).count(">being tested<") == 3
+
+
+def test_footnotes_belong_to_their_rows(app: AppTest):
+    rows = measures(app, "evidence")
+    assert not any("[" in label for label in rows)
+    evidence = evidence_table(app.session_state["workspace"].result).assign(note="")
+    evidence.loc[1, "note"] = "too few; odd"
+    evidence.loc[2, "note"] = "odd"
+    shown, notes = evidence_page.shown_evidence(app.session_state["workspace"].result, evidence)
+    assert [row.marks for row in shown[:4]] == ["", "a b", "b", ""]
+    assert notes == {"too few": "a", "odd": "b"}
 
 
 @pytest.mark.parametrize("clicked", [75, "x_only"])
@@ -152,7 +197,7 @@ def test_the_verdict_waits_for_the_comparison_at_equal_false_alarms(
         return verdict(*of, **more)
 
     monkeypatch.setattr(companions, "QUICK_BOXES", 0)  # in the background, as with many boxes
-    monkeypatch.setattr(scorecard_page, "verdict", noted)
+    monkeypatch.setattr(verdict_page, "verdict", noted)
     app.slider(key="alpha").set_value(0.5).run()
     assert "Of the 13 encounters that only one system detects, X detects 8 and Y 5" in texts(app)
     job = app.session_state["workspace"].job("companions")

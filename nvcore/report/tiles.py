@@ -1,0 +1,203 @@
+"""A comparison in four tiles: pedestrians found, time missed, false alerts, and the worst miss."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Hashable, Mapping
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+import pandas as pd
+
+from nvcore.comparison import Result
+from nvcore.evidence.claims import Basis, Support, find_claims, values_of
+from nvcore.evidence.companions import Companions
+from nvcore.evidence.units import MIN_RECORDINGS, RECORDINGS
+from nvcore.measures import count_recordings, inference_of, measure_of
+from nvcore.report.shown import comparison_shown
+from nvcore.wording import UNDEFINED, difference, number
+
+UNEQUAL_CHIP: Final = "no claim: unequal false alarms"
+NOT_SHOWN: Final = "not shown"
+SAME: Final = "the same"
+SINGLE_MISS: Final = "not tested: a single miss"
+SHORT: Final = "not judged: encounters of one frame"
+REACH: Final = 1.12
+"""Half the length of a bar's axis, as a multiple of the largest value on it."""
+
+
+@dataclass(frozen=True)
+class Tile:
+    """One measure of both systems in short.
+
+    Attributes
+    ----------
+    key, title, unit
+        Key of the measure, what it is in plain words, and its name with unit.
+    x, y, difference
+        Values and X - Y as text.
+    interval
+        95 % interval of the difference as text; empty: there is none.
+    bar
+        Low end, difference, and high end on an axis from 0 (Y is better) to 1 (X is better), 0.5
+        being no difference; None without interval.
+    better
+        Whose value is better here, ``x`` or ``y``; empty: neither.
+    winner
+        For whom the difference is claimed to be more than chance; empty: it is not.
+    chip
+        The same in words.
+    """
+
+    key: str
+    title: str
+    unit: str
+    x: str
+    y: str
+    difference: str
+    interval: str
+    bar: tuple[float, float, float] | None
+    better: str
+    winner: str
+    chip: str
+
+
+@dataclass(frozen=True)
+class _Kind:
+    """Which measure a tile shows, and in which row of the evidence it is judged."""
+
+    key: str
+    judged: str
+    title: str
+    unit: str
+    form: str
+
+
+_KINDS: Final = (
+    _Kind(
+        "encounters_detected",
+        "encounters_detected_by_unit",
+        "Pedestrians found",
+        "encounters detected, of {n_near:,}",
+        "d",
+    ),
+    _Kind(
+        "severity_s_per_encounter",
+        "severity_s_per_encounter",
+        "Time missed",
+        "severity per encounter, s",
+        ".2f",
+    ),
+    _Kind(
+        "false_alert_episodes_per_hour",
+        "false_alert_episodes_per_hour",
+        "False alerts",
+        "episodes per hour",
+        ".0f",
+    ),
+    _Kind("worst_severity_s", "", "Worst miss", "severity of one encounter, s", ".1f"),
+)
+
+
+def tiles(
+    result: Result,
+    evidence: pd.DataFrame | None,
+    companions: Companions | None,
+    *,
+    untested: str = "not tested",
+) -> tuple[Tile, ...]:
+    """The four tiles of the comparison that the verdict is about.
+
+    Parameters
+    ----------
+    evidence, companions
+        As of `nvcore.report.verdict.verdict`.
+    untested
+        The chip of a measure without evidence.
+    """
+    shown, of_shown = comparison_shown(result, evidence, companions)
+    support = find_claims(result, evidence, companions)
+    rows = {} if of_shown is None else {row["figure"]: row for row in of_shown.to_dict("records")}
+    return tuple(_tile(kind, shown, rows.get(kind.judged), support, untested) for kind in _KINDS)
+
+
+def _tile(
+    kind: _Kind,
+    shown: Result,
+    row: Mapping[Hashable, Any] | None,
+    support: Support,
+    untested: str,
+) -> Tile:
+    x, y = values_of(kind.key, shown)
+    is_count = kind.form == "d"
+    text_x, text_y = (_shown(value, kind.form) for value in (x, y))
+    is_lower = measure_of(kind.key).better == "lower"
+    better = "" if text_x == text_y or x == y else "x" if (x < y) == is_lower else "y"
+    ends: tuple[float, float, float] | None = None
+    interval = ""
+    if row is not None and math.isfinite(row["low"]):
+        times = shown.venn.n_near if is_count else 1  # a share of encounters as a number of them
+        low, middle, high = (times * float(row[name]) for name in ("low", "difference", "high"))
+        form = ".1f" if is_count else _finer(kind.form, high - low)
+        interval = f"{difference(low, 0, form)} to {difference(high, 0, form)}"
+        ends = _bar(low, middle, high, is_lower=is_lower)
+    winner = next((claim.winner for claim in support.claims if claim.key == kind.judged), "")
+    return Tile(
+        key=kind.key,
+        title=kind.title,
+        unit=kind.unit.format(n_near=shown.venn.n_near),
+        x=text_x,
+        y=text_y,
+        difference=difference(x, y, ".0f" if is_count else kind.form),
+        interval=interval,
+        bar=ends,
+        better=better,
+        winner=winner,
+        chip=_chip(kind, shown, row, support, winner, untested),
+    )
+
+
+def _shown(value: float, form: str) -> str:
+    if math.isnan(value):
+        return UNDEFINED
+    return format(int(value), ",d") if form == "d" else number(value, form)
+
+
+def _finer(form: str, width: float) -> str:
+    """The format, with a decimal more where an interval is narrow."""
+    return ".1f" if form == ".0f" and width < 10 else form
+
+
+def _bar(low: float, middle: float, high: float, *, is_lower: bool) -> tuple[float, float, float]:
+    reach = REACH * max(abs(low), abs(middle), abs(high)) or 1.0
+    sign = -1 if is_lower else 1
+    ends = sorted(0.5 + 0.5 * sign * end / reach for end in (low, high))
+    return ends[0], 0.5 + 0.5 * sign * middle / reach, ends[1]
+
+
+def _chip(
+    kind: _Kind,
+    shown: Result,
+    row: Mapping[Hashable, Any] | None,
+    support: Support,
+    winner: str,
+    untested: str,
+) -> str:
+    if winner:
+        return f"{winner.upper()} better"
+    if support.basis is Basis.NONE:
+        return UNEQUAL_CHIP
+    if not kind.judged:
+        return SINGLE_MISS
+    if shown.is_short and inference_of(kind.judged).needs_tracks:
+        return SHORT
+    if row is None:
+        return untested
+    if kind.judged in support.withheld:
+        return f"no claim: {support.withheld[kind.judged]}"
+    if row["unit"] != RECORDINGS:
+        n = count_recordings(shown)
+        return f"{NOT_SHOWN}: {n} recording{'' if n == 1 else 's'}, {MIN_RECORDINGS} needed"
+    x, y = float(row["x"]), float(row["y"])
+    return SAME if x == y and not np.isnan(x) else NOT_SHOWN

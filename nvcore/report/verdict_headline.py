@@ -1,0 +1,131 @@
+"""The headline of the verdict: the strongest difference that the data support, or that none is."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from nvcore.comparison import Result
+from nvcore.evidence.claims import CLAIMED, Claim, Support, least_corrected_p, winner_of
+from nvcore.evidence.companions import Companions, are_unequal, has_scores
+from nvcore.evidence.paired_tests import SIGNIFICANT
+from nvcore.evidence.planning.noninferiority import UNEQUAL_POINTS
+from nvcore.evidence.units import MIN_RECORDINGS, RECORDINGS
+from nvcore.measures import count_recordings, evidence_form, inference_of
+from nvcore.report.verdict_words import shown_value
+from nvcore.wording import capitalised, count_text, listed, p_text
+
+
+def headline(
+    result: Result,
+    evidence: pd.DataFrame | None,
+    companions: Companions | None,
+    support: Support,
+) -> str:
+    """What is claimed, or that nothing is, and why.
+
+    Parameters
+    ----------
+    evidence
+        Of the comparison that claims are about; None where it supports none.
+    """
+    conclusion = _conclusion(result, evidence, companions, support)
+    if not are_unequal(result):
+        return capitalised(conclusion)
+    if companions is None:
+        why = "nothing is claimed before they are compared at equal false alarms"
+    elif companions.equal is not None:
+        return f"{UNEQUAL_POINTS}; at equal false alarms, {conclusion}"
+    elif any(has_scores(result, letter) for letter in "xy"):
+        why = "nothing is claimed, as no threshold sets them alike"
+    else:
+        why = "nothing is claimed, as without scores they cannot be set alike"
+    return f"{UNEQUAL_POINTS}: {why}."
+
+
+def _conclusion(
+    result: Result,
+    evidence: pd.DataFrame | None,
+    companions: Companions | None,
+    support: Support,
+) -> str:
+    """The headline without the operating points and without a capital."""
+    if support.claims and evidence is not None:
+        return _claimed(support.claims, evidence)
+    if evidence is None:
+        return "nothing is claimed: the differences are not tested."
+    if companions is None and support.withheld:
+        return "nothing is claimed before X and Y are compared at equal false alarms."
+    if (evidence["unit"] != RECORDINGS).all():
+        n = count_recordings(result)
+        few = "one recording does" if n == 1 else f"{n} recordings do"
+        why = f"{few} not show what others would ({MIN_RECORDINGS} are needed)."
+        within = "" if are_unequal(result) else _clearest_within(result, evidence)
+        if not within:
+            return f"nothing is claimed: {why}"
+        where = "this recording" if n == 1 else f"these {n} recordings"
+        return f"within {where} {within}; nothing is claimed of others: {why}"
+    tested = evidence[np.isfinite(evidence["p_holm"])]
+    if tested.empty:
+        return "nothing is claimed: there are too few data to test a difference."
+    by = f"by {count_text(int(tested['n'].max()), 'recording')}"
+    least_p = least_corrected_p(evidence)
+    if least_p > SIGNIFICANT:
+        return (
+            f"nothing is claimed: {by} and in {len(tested)} measures no difference can be shown to "
+            "be more than chance, however large (the least possible "
+            f"{p_text(least_p / len(tested), least_p, len(tested))})."
+        )
+    if support.withheld:
+        return "nothing is claimed: each difference that is more than chance fails another check."
+    return f"nothing is claimed: {by}, no difference is shown to be more than chance."
+
+
+def _claimed(claims: Sequence[Claim], evidence: pd.DataFrame) -> str:
+    """Who is better in what, the strongest difference first and with its values."""
+    ranked = sorted(claims, key=lambda claim: claim.p)  # those alike in the table's order
+    of_key = {row["figure"]: row for row in evidence.to_dict("records")}
+    parts: list[str] = []
+    for letter in dict.fromkeys(claim.winner for claim in ranked):
+        nouns = [inference_of(claim.key).noun for claim in ranked if claim.winner == letter]
+        if not parts:
+            nouns[0] += f" ({_values_text(of_key[ranked[0].key], letter)})"
+        better = "" if parts else "is better "
+        parts.append(f"{letter.upper()} {better}in {listed(nouns)}")
+    by = count_text(max(claim.n for claim in claims), "recording")
+    return f"{', '.join(parts)}: more than chance, by {by}."
+
+
+def _values_text(row: Mapping[Hashable, Any], winner: str) -> str:
+    """The better value and the other, such as "12.0 to 31.0 per hour"."""
+    key = str(row["figure"])
+    values = [shown_value(float(row[letter]), evidence_form(key)) for letter in "xy"]
+    better, other = values if winner == "x" else values[::-1]
+    return f"{better} to {other}{inference_of(key).noun_unit}"
+
+
+def _clearest_within(result: Result, evidence: pd.DataFrame) -> str:
+    """Who is better in what within these recordings, where stretches of them leave no doubt of it.
+
+    Of several measures that whose interval is farthest from 0; empty: there is none.
+    """
+    best, text = 0.0, ""
+    for row in evidence.to_dict("records"):
+        key = str(row["figure"])
+        if key not in CLAIMED or row["doubt"]:
+            continue
+        if result.is_short and inference_of(key).needs_tracks:
+            continue
+        low, high, apart = (float(row[name]) for name in ("low", "high", "difference"))
+        if not low * high > 0 or not apart * low > 0:
+            continue
+        strength = abs(apart) / (high - low) if high > low else np.inf
+        if strength > best:
+            winner = winner_of(apart, row["better"])
+            values = _values_text(row, winner)
+            best = strength
+            text = f"{winner.upper()} is better in {inference_of(key).noun} ({values})"
+    return text

@@ -1,0 +1,100 @@
+"""The comparison in four tiles: values, intervals and chips in words."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+from drives import at_thresholds
+from places import SAMPLE
+
+from nvcore.comparison import Result, compare
+from nvcore.evidence.companions import Companions, find_companions
+from nvcore.evidence.table import evidence_table
+from nvcore.inputs.load import load
+from nvcore.inputs.session_toml import read_session
+from nvcore.report.tiles import UNEQUAL_CHIP, Tile, tiles
+
+FOUND, MISSED, ALERTS, WORST = range(4)
+
+
+@pytest.fixture(scope="module")
+def sample() -> tuple[Result, pd.DataFrame, Companions]:
+    result = compare(load(read_session(SAMPLE)))
+    evidence = evidence_table(result)
+    return result, evidence, find_companions(result, evidence)
+
+
+def judged(sample: tuple[Result, pd.DataFrame, Companions], key: str, **row: object) -> Tile:
+    """The tile after a change of its row of evidence."""
+    result, evidence, _ = sample
+    is_row = evidence["figure"] == key
+    changed = evidence.assign(**{
+        name: np.where(is_row, value, evidence[name]) for name, value in row.items()
+    })  # fmt: skip
+    companions = Companions(result, "", (changed,), result)
+    return next(tile for tile in tiles(result, changed, companions) if tile.key in key)
+
+
+def test_the_values_are_those_of_the_scorecard(
+    sample: tuple[Result, pd.DataFrame, Companions],
+):
+    four = tiles(*sample)
+    assert [tile.title for tile in four] == [
+        "Pedestrians found", "Time missed", "False alerts", "Worst miss"
+    ]  # fmt: skip
+    found, _, _, worst = four
+    assert (found.x, found.y, found.difference, found.better) == ("30", "27", "+3", "x")
+    assert found.unit == "encounters detected, of 38"
+    assert (worst.interval, worst.bar, worst.chip) == ("", None, "not tested: a single miss")
+
+
+def test_the_interval_of_encounters_counts_them_and_its_bar_is_right_where_x_is_better(
+    sample: tuple[Result, pd.DataFrame, Companions],
+):
+    found = judged(sample, "encounters_detected_by_unit", low=-0.1, difference=0.1, high=0.3)
+    assert found.interval == "-3.8 to +11.4"
+    low, middle, high = found.bar
+    assert low < 0.5 < middle < high < 1
+    missed = judged(sample, "severity_s_per_encounter", low=0.1, difference=0.2, high=0.4)
+    low, middle, high = missed.bar
+    assert 0 < low < middle < high < 0.5  # X misses more
+
+
+@pytest.mark.parametrize(
+    ("row", "chip", "winner"),
+    [
+        ({"p_holm": 0.01, "difference": 0.1, "unit": "recordings"}, "X better", "x"),
+        ({"p_holm": 0.01, "difference": -0.1, "unit": "recordings"}, "Y better", "y"),
+        ({"p_holm": 0.2, "unit": "recordings"}, "not shown", ""),
+        ({"p_holm": 0.01, "unit": "recordings", "doubt": "odd"}, "no claim: odd", ""),
+        ({"p_holm": np.nan, "unit": "blocks"}, "not shown: 10 recordings, 6 needed", ""),
+        ({"x": 0.5, "y": 0.5, "p_holm": 1.0, "unit": "recordings"}, "the same", ""),
+    ],
+)
+def test_the_chip_claims_no_more_than_the_verdict(
+    sample: tuple[Result, pd.DataFrame, Companions], row: dict, chip: str, winner: str
+):
+    tile = judged(sample, "encounters_detected_by_unit", **row)
+    assert (tile.chip, tile.winner) == (chip, winner)
+
+
+def test_at_unequal_false_alarms_nothing_is_claimed_until_they_are_set_alike():
+    result = at_thresholds()
+    evidence = evidence_table(result)
+    assert {tile.chip for tile in tiles(result, evidence, None)} == {UNEQUAL_CHIP}
+    companions = find_companions(result, evidence)
+    at_equal = tiles(result, evidence, companions)
+    assert UNEQUAL_CHIP not in {tile.chip for tile in at_equal}
+    equal = companions.equal
+    assert equal is not None
+    assert int(at_equal[FOUND].x) == int(equal.x.encounters["is_detected"].sum())
+    none = replace(companions, equal=None)
+    assert {tile.chip for tile in tiles(result, evidence, none)} == {UNEQUAL_CHIP}
+
+
+def test_what_is_not_tested_yet_says_so(sample: tuple[Result, pd.DataFrame, Companions]):
+    four = tiles(sample[0], None, None, untested="being tested")
+    assert [tile.chip for tile in four[:3]] == ["being tested"] * 3

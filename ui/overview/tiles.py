@@ -1,0 +1,46 @@
+"""Overview page: the comparison in four tiles, as HTML."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from html import escape
+
+from nvcore.report.tiles import Tile
+
+
+def tiles_html(tiles: Sequence[Tile]) -> str:
+    """Tiles in a row; each is as high with an interval as without."""
+    return f'<div class="nv-tiles">{"".join(map(_tile, tiles))}</div>'
+
+
+def _tile(tile: Tile) -> str:
+    values = "".join(
+        f'<span class="{letter}{" better" if tile.better == letter else ""}">'
+        f"<i>{letter.upper()}</i>{escape(value)}</span>"
+        for letter, value in (("x", tile.x), ("y", tile.y))
+    )
+    interval = f"95 % interval {_minus(tile.interval)}" if tile.interval else "no interval"
+    chip = f'<span class="chip {tile.winner}">{escape(tile.chip)}</span>'
+    return (
+        f'<section class="nv-tile" aria-label="{escape(tile.title, quote=True)}">'
+        f"<h3>{escape(tile.title)}</h3><p>{escape(tile.unit)}</p>"
+        f'<div class="values">{values}</div>'
+        f"<p>X − Y &nbsp;<b>{_minus(tile.difference)}</b></p>{_bar(tile)}"
+        f"<p>{interval}</p>{chip}</section>"
+    )
+
+
+def _bar(tile: Tile) -> str:
+    """The interval; right of the middle X is better, whichever way the measure goes."""
+    if tile.bar is None:
+        return '<div class="bar"></div>'
+    low, middle, high = (100 * end for end in tile.bar)
+    return (
+        '<div class="bar" title="Left: Y better. Right: X better."><span class="axis"></span>'
+        f'<span class="span" style="left:{low:.1f}%;width:{high - low:.1f}%"></span>'
+        f'<span class="dot" style="left:{middle:.1f}%"></span></div>'
+    )
+
+
+def _minus(text: str) -> str:
+    return escape(text.replace("-", "−"))

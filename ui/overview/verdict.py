@@ -1,0 +1,111 @@
+"""Overview page: the verdict, in room that is kept for it from the start."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+import pandas as pd
+import streamlit as st
+from streamlit.delta_generator import DeltaGenerator
+
+from nvcore.comparison import Result
+from nvcore.evidence.companions import Companions
+from nvcore.findings import Finding
+from nvcore.report.equal_alarms import equal_alarms_of, equal_alarms_title
+from nvcore.report.tiles import tiles
+from nvcore.report.verdict import verdict
+from nvcore.report.words import sampling_note
+from nvcore.wording import count_text
+from ui.overview.tiles import tiles_html
+from ui.session import state
+from ui.shell.navigate import open_page
+from ui.widgets.text import docs_link, plain
+
+LAST: Final = "last_verdict"
+
+
+class Room:
+    """The box of the verdict: the values at once, the rest when it is known; nothing moves then."""
+
+    def __init__(self, result: Result) -> None:
+        self._result = result
+        with st.container(border=True, key="verdict"):
+            self.headline: DeltaGenerator = st.container(key="verdict_headline")
+            self._words = self.headline.empty()
+            self._tiles = st.container(key="verdict_tiles").empty()
+            self._basis = st.container(key="verdict_basis").empty()
+            self._rest = st.expander("What this rests on")
+        opening, last = st.session_state.get(LAST, (None, ""))
+        is_of_these = opening == self._opening()
+        words = last if is_of_these else "The differences are being tested."
+        self._words.markdown(f"## :gray[{words}]")
+        self._basis.caption(_short_extent(result, None))
+
+    def _opening(self) -> tuple[object, ...]:
+        """What the last headline was about; it stays, in grey, until that of other settings."""
+        return state.workspace().n_opened, self._result.x.name, self._result.y.name
+
+    def draw_values(
+        self, evidence: pd.DataFrame | None = None, companions: Companions | None = None
+    ) -> None:
+        """The tiles with what is known so far."""
+        four = tiles(self._result, evidence, companions, untested="being tested")
+        self._tiles.html(tiles_html(four))
+
+    def draw(
+        self,
+        findings: Sequence[Finding],
+        evidence: pd.DataFrame,
+        companions: Companions | None,
+        plan: str,
+    ) -> None:
+        """What the measures support, how much more it would take, and what it depends on."""
+        result = self._result
+        conclusion = verdict(result, findings, evidence=evidence, companions=companions, plan=plan)
+        words = plain(conclusion.headline)
+        self._words.markdown(f"## {words}")
+        st.session_state[LAST] = self._opening(), words
+        self.draw_values(evidence, companions)
+        if conclusion.caveat:
+            with self._basis.container(horizontal=True, vertical_alignment="center"):
+                st.markdown(f":material/warning: {plain(conclusion.caveat)}", width="stretch")
+                if st.button("See the findings on the Data page"):
+                    open_page("data")
+        else:
+            self._basis.caption(_short_extent(result, companions))
+        with self._rest:
+            st.markdown(
+                "\n".join(
+                    f"- **{plain(point.topic)}:** {plain(point.text)}"
+                    for point in conclusion.points
+                )
+            )
+            st.caption(_extent(result))
+            if note := sampling_note(result.dataset.frame_columns):
+                st.caption(note)
+
+
+def _short_extent(result: Result, companions: Companions | None) -> str:
+    data = (
+        f"{count_text(len(result.dataset.recordings), 'recording')}, "
+        f"{count_text(len(result.dataset.frames), 'frame')}, {result.duration_s:,.1f} s."
+    )
+    if companions is not None and equal_alarms_of(result, companions) is not None:
+        data += f" Tiles: {plain(equal_alarms_title(companions))}."
+    return f"{data} Bars: 95 % interval of X − Y, on the right of the line X is better."
+
+
+def _extent(result: Result) -> str:
+    venn = result.venn
+    return (
+        f"{count_text(len(result.dataset.recordings), 'recording')}, "
+        f"{count_text(len(result.dataset.frames), 'frame')}, "
+        f"{result.duration_s:,.1f} s. An encounter is one pedestrian from first to last annotated "
+        f"frame; {venn.n_near:,} came near enough to count, {venn.distant:,} stayed distant. A "
+        f"system detects it by matching it in at least {result.params.coverage:.0%} of the frames "
+        "in which it is near. Severity: what failures weigh, 1 s for each second that a pedestrian "
+        "straight ahead and near is missed. p, where given: how often recordings in which X and Y "
+        "could be exchanged would differ as much, by itself and corrected for all measures "
+        f"({docs_link('Significance', 'other-measures', doc='significance')})."
+    )

@@ -1,0 +1,99 @@
+"""Tables of measures as HTML: whole at any width, selectable, and read aloud row by row."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from html import escape
+from typing import Final
+
+from nvcore.measures import Better
+from nvcore.tables.scorecard import ScoreRow
+from nvcore.wording import ARROWS, difference, number, one_line, rounded_form
+
+MEANS_LITTLE: Final = " *"
+"""Mark of a measure that means little where most encounters are one frame long."""
+HEAD: Final = ("X", "Y", "X − Y")
+SHORTER: Final = {".4f": ".3f"}
+"""Formats of values whose interval is not known."""
+
+
+@dataclass(frozen=True)
+class MeasureRow:
+    """One row of a table of measures.
+
+    Attributes
+    ----------
+    label
+        Name of the measure, as plain text like all else.
+    cells
+        Its values, as many in each row.
+    better
+        Whose value is better, ``x`` or ``y``: the first or the second cell is marked.
+    level
+        1 for a part of the row above.
+    marks
+        Footnotes, such as ``a b``.
+    """
+
+    label: str
+    cells: tuple[str, ...]
+    better: str = ""
+    level: int = 0
+    marks: str = ""
+
+
+def with_arrow(label: str, better: Better | str) -> str:
+    """The label, and which way is better."""
+    return label + ARROWS[better]
+
+
+def score_row(row: ScoreRow, *, width: float = math.nan, is_short: bool = False) -> MeasureRow:
+    """A row of the scorecard.
+
+    Parameters
+    ----------
+    width
+        Of the difference's 95 % interval: decimals below it are left out; NaN: none is known.
+    is_short
+        Whether most encounters are one frame long.
+    """
+    form = SHORTER.get(row.form, row.form) if math.isnan(width) else rounded_form(row.form, width)
+    values = tuple(number(value, form) for value in (row.x, row.y))
+    return MeasureRow(
+        label=with_arrow(row.label, row.better)
+        + (MEANS_LITTLE if row.needs_tracks and is_short else ""),
+        cells=(*values, difference(row.x, row.y, form).replace("-", "−")),
+        better=row._replace(form=form).winner,
+        level=row.level,
+    )
+
+
+def measures_html(
+    rows: Sequence[MeasureRow], *, key: str, head: Sequence[str] = HEAD, first: str = "Measure"
+) -> str:
+    """The table as HTML; its class is `key`."""
+    heads = "".join(f'<th scope="col">{_text(cell)}</th>' for cell in head)
+    body = "".join(_row(row) for row in rows)
+    return (
+        f'<div class="nv-wide"><table class="nv-measures nv-{key}">'
+        f'<thead><tr><th scope="col">{_text(first)}</th>{heads}</tr></thead>'
+        f"<tbody>{body}</tbody></table></div>"
+    )
+
+
+def _row(row: MeasureRow) -> str:
+    marks = f"<sup>{_text(row.marks)}</sup>" if row.marks else ""
+    level = ' class="part"' if row.level else ""
+    cells = "".join(
+        f'<td class="better {letter}">{_text(cell)}</td>'
+        if letter and row.better == letter
+        else f"<td>{_text(cell)}</td>"
+        for cell, letter in zip(row.cells, ("x", "y", *[""] * len(row.cells)), strict=False)
+    )
+    return f'<tr><th scope="row"{level}>{_text(row.label)}{marks}</th>{cells}</tr>'
+
+
+def _text(text: str) -> str:
+    return escape(one_line(text))
