@@ -227,13 +227,24 @@ class Comparison:
         _keep_session(folder / SESSION_FILE)
         write_report(self.result, self.dataset.settings, folder, self.findings)
 
-    def write_html(self, path: str | Path, *, stability: bool | None = None) -> None:
+    def write_html(
+        self,
+        path: str | Path,
+        *,
+        stability: bool | None = None,
+        title: str = "",
+        author: str = "",
+        question: str = "",
+        date: str = "",
+    ) -> None:
         """Write the comparison as one HTML file that explains itself; needs the extra ``report``.
 
         Parameters
         ----------
         stability
             Whether to map the verdict over the settings; None: for up to 20,000 frames.
+        title, author, question, date
+            What stands on the first page; by itself it has no date.
 
         Raises
         ------
@@ -243,12 +254,14 @@ class Comparison:
             If the extra is not installed.
         """
         with needs("report", "the HTML report needs"):
-            from nvcore.report.html import write_html_report
+            from nvcore.report.html import Inscription, write_html_report
 
         path = Path(path)
         self._keep_inputs([path])
         write_html_report(
-            self.result, self.dataset.settings, self.findings, path, stability=stability
+            *(self.result, self.dataset.settings, self.findings, path),
+            stability=stability,
+            inscription=Inscription(title, author, question, date),
         )
 
     @cached_property

@@ -42,6 +42,16 @@ REPORT = "Report"
     help="Whether to map the verdict over the settings: alpha and midpoint, thresholds, matching, "
     "traffic context, pairing, rules of saliency. Default: for up to 20,000 frames.",
 )
+@grouped_option(REPORT, "--title", default="", help="Title of the report.")
+@grouped_option(REPORT, "--author", default="", help="Whose report it is.")
+@grouped_option(REPORT, "--question", default="", help="The question that it answers.")
+@grouped_option(
+    REPORT,
+    "--date",
+    default="",
+    help="Its date, in any words; by itself it has none, so that the same inputs give the same "
+    "file.",
+)
 @grouped_option(
     OUTPUT,
     "--out",
@@ -53,10 +63,20 @@ REPORT = "Report"
 )
 @strict_option
 @parameter_options
-def report(stability: bool | None, out: Path, strict: bool, **options: Any) -> None:
+def report(
+    stability: bool | None,
+    title: str,
+    author: str,
+    question: str,
+    date: str,
+    out: Path,
+    strict: bool,
+    **options: Any,
+) -> None:
     """Write the comparison of X and Y as one HTML file.
 
-    Inputs as for compare. The file has verdict, figures, evidence frames, tables, parameters and
+    Inputs as for compare. Its first page has title, question, verdict, four measures, two frames
+    and what the data do not show; then come figures, evidence frames, tables, parameters and
     hashes of the inputs; it needs neither network nor this program, and browsers print it to PDF.
     Exit code 0: fine, 1: the audit found errors (with --strict: or warnings), 2: bad input.
     """
@@ -65,7 +85,7 @@ def report(stability: bool | None, out: Path, strict: bool, **options: Any) -> N
     from nvcore.report.terminal import render_findings
 
     with needs("report", "the HTML report needs"):
-        from nvcore.report.html import write_html_report
+        from nvcore.report.html import Inscription, write_html_report
 
     if out.suffix.lower() not in (".html", ".htm"):  # an input named by mistake stays as it is
         raise click.UsageError(
@@ -76,7 +96,12 @@ def report(stability: bool | None, out: Path, strict: bool, **options: Any) -> N
     progress = _terminal_progress()
     with pasteable_errors(session.folder, session.sources):
         result, findings = compare_session(session, progress=progress)
-        write_html_report(result, session, findings, out, stability=stability, progress=progress)
+        write_html_report(
+            *(result, session, findings, out),
+            stability=stability,
+            inscription=Inscription(title, author, question, date),
+            progress=progress,
+        )
     paths = paths_to_show(session.folder, session.sources)
     click.echo(render_findings(findings_at_paths(findings, paths)))
     click.echo(one_line(f"written to {out}"), err=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from datetime import date
 from pathlib import Path
 from typing import Final
 
@@ -15,7 +16,8 @@ from nvcore.params import Params
 from nvcore.pictures import RecordingPictures
 from nvcore.progress import Progress
 from nvcore.protocols import Protocol
-from nvcore.report.html import write_html_report
+from nvcore.report.html import Inscription, write_html_report
+from nvcore.report.html.cover import MOST_SIGNS
 from nvcore.report.html.evidence_sections import AT_ONCE
 from ui.export.session import public_findings
 from ui.jobs.background import FileJob, JobState, new_path, while_open
@@ -27,6 +29,12 @@ from ui.widgets.text import plain
 
 NAME: Final = "nvcore-report.html"
 JOB: Final = "html"
+LABELS: Final = {
+    "title": "Title",
+    "author": "Author",
+    "question": "Which question it answers",
+    "date": "Date",
+}
 
 
 @dataclass(frozen=True)
@@ -38,6 +46,7 @@ class ReportKey:
     systems: tuple[str, str | None]
     protocol: Protocol
     with_map: bool | None
+    inscription: Inscription
 
 
 def draw(result: Result) -> None:
@@ -48,6 +57,9 @@ def draw(result: Result) -> None:
         "the inputs. It opens in any browser without network, and prints to PDF."
     )
     job: FileJob | None = state.workspace().job(JOB)
+    if job is not None:
+        made = {f"html_{name}": text for name, text in vars(job.key.inscription).items()}
+        start_as_made(job, JOB, html_stability=bool(job.key.with_map), **made)
     protocol = state.protocol()
     st.caption(
         f"Protocol of the detection measures: {plain(protocol.title)}, as on the Detection page."
@@ -57,7 +69,8 @@ def draw(result: Result) -> None:
         result.params,
         state.systems(),
         protocol,
-        _ask_for_map(result, job),
+        _ask_for_map(result),
+        _ask_for_first_page(),
     )
     if st.button(
         "Make the report",
@@ -78,18 +91,29 @@ def draw(result: Result) -> None:
         st.warning(f"{size} It was made with other settings: make it again for those of now.")
 
 
-def _ask_for_map(result: Result, job: FileJob | None) -> bool | None:
+def _ask_for_map(result: Result) -> bool | None:
     """Whether with the stability maps; None where there are so few frames that they always are."""
     if len(result.dataset.frames) <= AT_ONCE:
         return None
-    if job is not None:
-        start_as_made(job, JOB, html_stability=bool(job.key.with_map))
     return st.toggle(
         "With the stability maps",
         key="html_stability",
         persist_state="session",
         help="With so many frames they take some seconds to some minutes.",
     )
+
+
+def _ask_for_first_page() -> Inscription:
+    """What its author writes on the first page."""
+    st.session_state.setdefault("html_date", date.today().isoformat())  # a default
+    with st.expander("Title, author, question and date on its first page"):
+        texts = {
+            name: st.text_input(
+                label, key=f"html_{name}", max_chars=MOST_SIGNS, persist_state="session"
+            )
+            for name, label in LABELS.items()
+        }
+    return Inscription(**texts).in_short()
 
 
 def _start(result: Result, key: ReportKey) -> None:
@@ -131,6 +155,7 @@ def start_job(
             path,
             pictures=pictures,
             stability=key.with_map,
+            inscription=key.inscription,
             progress=progress,
         )
 

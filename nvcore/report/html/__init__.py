@@ -28,12 +28,14 @@ from nvcore.progress import Progress, no_progress
 from nvcore.report.html.blocks import Chart
 from nvcore.report.html.charts import figure_json, packed_plotly
 from nvcore.report.html.content import Content, report_content
+from nvcore.report.html.cover import Inscription
 from nvcore.report.html.frames import decisive_moments
 from nvcore.settings import Settings
 from nvcore.wording import shortened
 
-__all__ = ["css_text", "render", "write_html_report"]
+__all__ = ["Inscription", "css_text", "render", "write_html_report"]
 
+NO_INSCRIPTION: Final = Inscription()
 FOLDER: Final = Path(__file__).parent
 LONG_WORD: Final = 24
 CHART_CONFIG: Final = {**CONFIG, "responsive": True}
@@ -47,6 +49,7 @@ def write_html_report(
     *,
     pictures: RecordingPictures | None = None,
     stability: bool | None = None,
+    inscription: Inscription = NO_INSCRIPTION,
     progress: Progress = no_progress,
 ) -> None:
     """Write the report; an existing file is replaced.
@@ -63,6 +66,8 @@ def write_html_report(
         opened, and closed again.
     stability
         Whether to compute the stability maps; None: for up to 20,000 frames.
+    inscription
+        Title, author, question and date on the first page.
     progress
         Called before each part; if it raises, nothing is written.
 
@@ -81,6 +86,7 @@ def write_html_report(
             pictures=opened or pictures or RecordingPictures(),
             protocol=session.protocol,
             stability=stability,
+            inscription=inscription,
             progress=progress,
         )
     finally:

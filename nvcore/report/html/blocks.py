@@ -44,6 +44,12 @@ class Intro:
         texts = (self.what, self.how, self.best, self.limits)
         return [(label, text) for label, text in zip(labels, texts, strict=True) if text]
 
+    @property
+    def in_short(self) -> str:
+        """What it is about and which way is better: all that stands in the section itself."""
+        best = f" Best: {self.best[:1].lower()}{self.best[1:]}" if self.best else ""
+        return f"{self.what}{best}"
+
 
 @dataclass(frozen=True)
 class Sentences:

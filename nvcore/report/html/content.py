@@ -16,10 +16,12 @@ from nvcore.progress import Progress, part_of
 from nvcore.protocols import Protocol
 from nvcore.report.html import words
 from nvcore.report.html.blocks import Section, Sentences
+from nvcore.report.html.cover import Cover, Inscription, cover_of
 from nvcore.report.html.encounter_sections import encounters_section, only_one_section
 from nvcore.report.html.evidence_sections import (
     detection_section,
     frames_section,
+    judged,
     significance_section,
     stability_section,
     subgroups_section,
@@ -59,7 +61,9 @@ class Content:
     Attributes
     ----------
     title
-        Which systems are compared.
+        The author's, or which systems are compared.
+    cover
+        The first page.
     names
         Names of X and Y.
     facts
@@ -71,6 +75,7 @@ class Content:
     """
 
     title: str
+    cover: Cover
     names: tuple[str, str]
     facts: tuple[tuple[str, str], ...]
     sections: tuple[Section, ...]
@@ -85,9 +90,11 @@ def report_content(
     pictures: RecordingPictures,
     protocol: Protocol,
     stability: bool | None,
+    inscription: Inscription,
     progress: Progress,
 ) -> Content:
     """Gather the report."""
+    inscription = inscription.in_short()
     progress(0.0, "testing the differences")
     evidence = evidence_table(result, protocol)
     companions = find_companions(result, evidence)
@@ -96,11 +103,9 @@ def report_content(
     detection = detection_section(result, protocol)
     plans = plan_measures(result, evidence, protocol, progress=part_of(progress, 0.2, 0.3))
     progress(0.3, "tables")
+    conclusion = judged(result, findings, evidence, companions, plans)
     sections = [
-        verdict_section(result, findings, evidence, companions, plans),
-        Section(
-            "reading", "How to read this report", None, (Sentences(words.reading(result.params)),)
-        ),
+        verdict_section(conclusion),
         scorecard_section(result, companions),
         encounters_section(result),
         similarity_section(result),
@@ -130,10 +135,15 @@ def report_content(
         audit_section(findings),
         inputs_section(result),
         parameters_section(result),
+        Section(
+            "reading", "How to read this report", None, (Sentences(words.reading(result.params)),)
+        ),
     ]
     progress(0.9, "the page")
+    compared = f"{one_line(result.x.name)} (X) and {one_line(result.y.name)} (Y) compared"
     return Content(
-        title=f"{one_line(result.x.name)} (X) and {one_line(result.y.name)} (Y) compared",
+        title=inscription.title or compared,
+        cover=cover_of(result, conclusion, evidence, companions, photos, inscription, compared),
         names=(one_line(result.x.name), one_line(result.y.name)),
         facts=_facts(result, protocol),
         sections=tuple(_as_set(_with_caution(sections) if result.is_short else sections, result)),

@@ -18,6 +18,7 @@ from nvcore.detection.miss_rate import explain_few
 from nvcore.errors import InputError
 from nvcore.evidence.bootstrap import INTERVAL_RULE
 from nvcore.evidence.companions import Companions
+from nvcore.evidence.measures import ODDS_RATIO
 from nvcore.evidence.planning.study import StudyPlan
 from nvcore.evidence.subgroups import ALL
 from nvcore.figures.detection import CurveKind, curve_plot, legend_text
@@ -41,7 +42,7 @@ from nvcore.report.html.blocks import (
 from nvcore.report.html.charts import THEME, interval_plot
 from nvcore.report.html.result_sections import MEASURES_HEAD, PART
 from nvcore.report.plan import verdict_plan
-from nvcore.report.verdict import verdict
+from nvcore.report.verdict import Verdict, verdict
 from nvcore.report.words import score_cells
 from nvcore.stability.survey import SurveyRow, survey_stability, survey_table
 from nvcore.stability.words import (
@@ -53,6 +54,7 @@ from nvcore.stability.words import (
 )
 from nvcore.tables.scorecard import curve_rows
 from nvcore.wording import (
+    ARROWS,
     UNDEFINED,
     capitalised,
     count_text,
@@ -71,13 +73,13 @@ AT_ONCE: Final = 20_000
 """Most frames for which the stability maps are computed by default."""
 
 
-def verdict_section(
+def judged(
     result: Result,
     findings: Sequence[Any],
     evidence: pd.DataFrame,
     companions: Companions,
     plans: Mapping[str, StudyPlan],
-) -> Section:
+) -> Verdict:
     """What the comparison supports.
 
     Parameters
@@ -88,12 +90,16 @@ def verdict_section(
         Of `nvcore.report.html.plan_section.plan_measures`: the verdict's own may be among them.
     """
     plan = verdict_plan(result, evidence, companions, plans=plans)
-    conclusion = verdict(result, findings, evidence=evidence, companions=companions, plan=plan)
+    return verdict(result, findings, evidence=evidence, companions=companions, plan=plan)
+
+
+def verdict_section(conclusion: Verdict) -> Section:
+    """What the headline, which stands on the first page, rests on."""
     points = [(point.topic, point.text) for point in conclusion.points]
     if conclusion.caveat:
         points.append(("Audit", conclusion.caveat))
-    blocks = (Sentences((conclusion.headline,), is_strong=True), Points(tuple(points)))
-    return Section("verdict", "Verdict", words.VERDICT, blocks)
+    blocks = (Points(tuple(points)),)
+    return Section("verdict", "What the verdict rests on", words.VERDICT, blocks)
 
 
 def significance_section(evidence: pd.DataFrame) -> Section:
@@ -101,18 +107,24 @@ def significance_section(evidence: pd.DataFrame) -> Section:
     rows, ways = [], []
     for row in evidence.to_dict("records"):
         values = (number(row[letter], evidence_form(row["figure"])) for letter in "xy")
-        effect = f"{row['effect_name']} {row['effect']:.2f}"
-        effect = effect if np.isfinite(row["effect"]) else UNDEFINED
-        rows.append((row["label"], *values, *_evidence_of(row), effect, row["better"]))
+        effect = number(row["effect"], ".2f")
+        if row["effect_name"] == ODDS_RATIO and np.isfinite(row["effect"]):
+            effect += " ×"
+        label = row["label"] + ARROWS[row["better"]]
+        rows.append((label, *values, *_evidence_of(row), effect))
         how = row["method"] or UNDEFINED, row["note"] or UNDEFINED
         ways.append((row["label"], f"{row['n']:,} {row['unit']}", *how))
-    head = ("Measure", "X", "Y", "X - Y", "95 % interval", "p", "p (Holm)", "Effect size", "Better")
+    head = ("Measure", "X", "Y", "X - Y", "95 % interval", "p", "p (Holm)", "Effect")
+    note = (
+        "↑ higher is better, ↓ lower is better. Effect: Cohen's d_z or, with ×, the odds ratio of "
+        "the encounters that only one detects."
+    )
     return Section(
         "significance",
         "Is the difference real",
         words.SIGNIFICANCE,
         (
-            table("Differences and tests", head, rows, right=range(1, 7)),
+            table("Differences and tests", head, rows, right=range(1, 8), note=note),
             Chart("intervals", interval_plot(evidence), "Differences with their 95 % intervals"),
             table(
                 "How they were made",

@@ -22,6 +22,7 @@ from nvcore.report.html import words
 from nvcore.report.html.blocks import MAX_ROWS, Chart, Section, Sentences, Table, table
 from nvcore.report.html.charts import THEME
 from nvcore.report.html.input_sections import span_in_use
+from nvcore.report.terminal import SHORT_ROWS
 from nvcore.report.words import (
     describe_saliency,
     score_cells,
@@ -51,18 +52,23 @@ def names_of(result: Result) -> tuple[str, str]:
 
 def scorecard_section(result: Result, companions: Companions) -> Section:
     """All measures side by side, and those at equal false alarms if the verdict is about these."""
-    rows = scorecard_cells(result, indent=PART)
-    blocks = [table("Measures of X and Y", MEASURES_HEAD, rows, right=(1, 2, 3))]
+    rows = scorecard_cells(result, indent=PART, mark=_mark(result))
+    little = f"{SHORT_ROWS}." if result.is_short else ""
+    blocks = [table("Measures of X and Y", MEASURES_HEAD, rows, right=(1, 2, 3), note=little)]
     equal = equal_alarms_of(result, companions)
     if equal is not None:
         note = (
             f"As in the verdict. Encounters detected by: {detected_text(equal)}. Severity, of "
-            f"encounters detected by {weights_text(equal)}."
-        )
-        rows = scorecard_cells(equal, indent=PART)
+            f"encounters detected by {weights_text(equal)}. {little}"
+        ).strip()
+        rows = scorecard_cells(equal, indent=PART, mark=_mark(equal))
         title = equal_alarms_title(companions)
         blocks.append(table(title, MEASURES_HEAD, rows, right=(1, 2, 3), note=note))
     return Section("scorecard", "Scorecard", words.scorecard(result.params), tuple(blocks))
+
+
+def _mark(result: Result) -> str:
+    return " *" if result.is_short else ""
 
 
 def similarity_section(result: Result) -> Section:

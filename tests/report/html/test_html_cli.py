@@ -12,6 +12,7 @@ def test_it_writes_one_file_with_the_parameters_given_and_nothing_else(tmp_path:
     drive(tmp_path)
     out = tmp_path / "out" / "report.html"
     given = flags(tmp_path, "--alpha", 0.75, "--threshold-x", 0.85, "--protocol", "near")
+    given = (*given, "--question", "Which is safer?", "--author", "Ann", "--date", "2026-05-01")
     result = nvcore("report", *given, "--out", out)
     assert result.exit_code == 0, result.output
     assert result.stdout.startswith("Audit: ")
@@ -19,6 +20,8 @@ def test_it_writes_one_file_with_the_parameters_given_and_nothing_else(tmp_path:
     assert [path.name for path in out.parent.iterdir()] == ["report.html"]
     content = out.read_text(encoding="utf-8")
     assert "fir (X) and nir (Y) compared" in content
+    assert "Which is safer?" in content
+    assert "Ann, 2026-05-01" in content
     assert '<td>alpha</td><td class="right">0.75</td>' in content
     assert "fir, detections with a score of 0.85 or more" in content
     assert "Protocol near:" in content

@@ -23,7 +23,13 @@ from nvcore.inputs.load import load
 from nvcore.inputs.session import Session
 from nvcore.params import Params
 from nvcore.protocols import PROTOCOLS
-from nvcore.report.html import css_text, encounter_sections, result_sections, write_html_report
+from nvcore.report.html import (
+    Inscription,
+    css_text,
+    encounter_sections,
+    result_sections,
+    write_html_report,
+)
 from nvcore.report.html.blocks import MAX_CELL, MAX_NOTE, MAX_ROWS, table
 from nvcore.report.words import FUSION_RULE
 from nvcore.settings import Settings
@@ -123,13 +129,41 @@ def page(content: str) -> Page:
 def test_every_section_says_what_it_is_about(content):
     anchors = re.findall(r'<section id="([\w-]+)">', content)
     assert anchors == [
-        "verdict", "reading", "scorecard", "encounters", "similarity", "saliency", "false-alerts",
+        "verdict", "scorecard", "encounters", "similarity", "saliency", "false-alerts",
         "significance", "plan", "subgroups", "detection", "stability", "frames", "only-one",
-        "audit", "inputs", "parameters",
+        "audit", "inputs", "parameters", "reading", "appendix",
     ]  # fmt: skip
     assert re.findall(r'<li><a href="#([\w-]+)">', content) == anchors
-    introduced = re.findall(r'<section id="([\w-]+)">\s*<h2>.*?</h2>\s*<dl class="intro">', content)
-    assert introduced == [one for one in anchors if one != "reading"]
+    introduced = re.findall(r'<section id="([\w-]+)">\s*<h2>.*?</h2>\s*<p class="what">', content)
+    assert introduced == [one for one in anchors if one not in ("reading", "appendix")]
+    for anchor in re.findall(r'href="#(about-[\w-]+)"', content):
+        assert content.count(f'<h3 id="{anchor}">') == 1
+
+
+def cover(content: str) -> str:
+    return content.partition('<div class="cover">')[2].partition('<dl class="facts">')[0]
+
+
+def test_the_first_page_has_verdict_tiles_frames_and_limits(content, result):
+    first = cover(content)
+    assert "<h1>fir (X) and nir (Y) compared</h1>" in first
+    assert 'class="question"' not in first
+    assert "nothing is claimed of others" in first or "Nothing is claimed: " in first
+    assert first.count('class="tile"') == 4
+    assert 1 <= first.count("<img src=") <= 2
+    assert "2 recordings: what others would show is open (6 are needed)." in first
+
+
+def test_what_the_author_writes_stands_on_the_first_page_as_text(result, session, tmp_path):
+    inscription = Inscription("Night <b>drive</b>", "A. N. Other", "Which\none?", "1 May")
+    content = written(
+        tmp_path / "r.html", result, session, stability=False, inscription=inscription
+    )
+    first = cover(content)
+    assert "<h1>Night &lt;b&gt;drive&lt;/b&gt;</h1>" in first
+    assert '<p class="subtitle">fir (X) and nir (Y) compared</p>' in first
+    assert "A. N. Other, 1 May" in first
+    assert r"Which\none?" in first
 
 
 def test_the_scorecard_has_the_measures_counted_by_hand(page):

@@ -1,0 +1,150 @@
+"""The first page of the report: for whoever reads no other."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import pandas as pd
+
+from nvcore.comparison import Result
+from nvcore.evidence.companions import Companions, as_set_note
+from nvcore.evidence.units import MIN_RECORDINGS
+from nvcore.measures import count_recordings
+from nvcore.report.equal_alarms import equal_alarms_of, equal_alarms_title
+from nvcore.report.html import words
+from nvcore.report.html.blocks import Photo
+from nvcore.report.tiles import Tile, tiles
+from nvcore.report.verdict import Verdict
+from nvcore.report.words import sampling_note
+from nvcore.wording import count_text, duration_text, one_line, shortened
+
+MOST_SIGNS: Final = 400
+"""Of a title, an author or a question; an ellipsis replaces the rest."""
+N_PHOTOS: Final = 2
+
+
+@dataclass(frozen=True)
+class Inscription:
+    """What its author writes on a report; empty: nothing. The program adds no date of its own.
+
+    Attributes
+    ----------
+    title, author, question
+        What it is called, by whom it is, and which question it answers.
+    date
+        Of the report, in any words.
+    """
+
+    title: str = ""
+    author: str = ""
+    question: str = ""
+    date: str = ""
+
+    def in_short(self) -> Inscription:
+        """Each as one harmless line."""
+        texts = (self.title, self.author, self.question, self.date)
+        return Inscription(*(shortened(one_line(text.strip()), MOST_SIGNS) for text in texts))
+
+
+@dataclass(frozen=True)
+class Cover:
+    """The first page.
+
+    Attributes
+    ----------
+    subtitle
+        Which systems are compared, where the title does not say it; empty: it does.
+    byline
+        Author and date.
+    question
+        Which question the report answers.
+    headline
+        Of the verdict.
+    tiles
+        The comparison in short.
+    basis
+        Which comparison they are of.
+    photos
+        The two frames that tell most.
+    limits
+        What the data do not show.
+    """
+
+    subtitle: str
+    byline: str
+    question: str
+    headline: str
+    tiles: tuple[Tile, ...]
+    basis: str
+    photos: tuple[Photo, ...]
+    limits: tuple[str, ...]
+
+
+def cover_of(
+    result: Result,
+    conclusion: Verdict,
+    evidence: pd.DataFrame,
+    companions: Companions,
+    photos: Sequence[Photo],
+    inscription: Inscription,
+    names: str,
+) -> Cover:
+    """The first page.
+
+    Parameters
+    ----------
+    photos
+        The evidence frames, the most telling first.
+    names
+        Which systems are compared, in a few words.
+    """
+    extent = (
+        f"{count_text(count_recordings(result), 'recording')}, "
+        f"{count_text(len(result.dataset.frames), 'frame')}, "
+        f"{duration_text(result.duration_s)}"
+    )
+    is_equal = equal_alarms_of(result, companions) is not None
+    return Cover(
+        subtitle=names if inscription.title else "",
+        byline=", ".join(filter(None, (inscription.author, inscription.date))),
+        question=inscription.question,
+        headline=conclusion.headline,
+        tiles=tiles(result, evidence, companions),
+        basis=f"{equal_alarms_title(companions)}; {extent}." if is_equal else f"{extent}.",
+        photos=_two_kinds(photos),
+        limits=_limits(result, conclusion),
+    )
+
+
+def _two_kinds(photos: Sequence[Photo]) -> tuple[Photo, ...]:
+    """The first frame, and the first of another kind if there is one."""
+    others = [photo for photo in photos[1:] if photo.title != photos[0].title] or photos[1:]
+    return (*photos[:1], *others[: N_PHOTOS - 1])
+
+
+def _limits(result: Result, conclusion: Verdict) -> tuple[str, ...]:
+    n = count_recordings(result)
+    few = (
+        f"{count_text(n, 'recording')}: what others would show is open "
+        f"({MIN_RECORDINGS} are needed)."
+        if n < MIN_RECORDINGS
+        else "The numbers are about recordings like these; of other kinds of traffic, weather or "
+        "cameras they say nothing."
+    )
+    topics = ("More recordings", "Thresholds")
+    said = [point.text for point in conclusion.points if point.topic in topics]
+    return tuple(
+        filter(
+            None,
+            (
+                conclusion.caveat,
+                as_set_note(result),
+                words.SHORT_ENCOUNTERS if result.is_short else "",
+                few,
+                *said,
+                sampling_note(result.dataset.frame_columns),
+            ),
+        )
+    )
