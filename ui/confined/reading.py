@@ -2,17 +2,33 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from nvcore.dataset import Dataset
+from nvcore.inputs.evaluated_frames import parse_frames
+from nvcore.inputs.files import find_files
 from nvcore.inputs.load import load, read_source
-from nvcore.inputs.readers.base import Reading
+from nvcore.inputs.readers.base import Reading, Role
 from nvcore.inputs.session import Session, Source
 from ui.confined.process import Allowance, call
 from ui.settings.limits import limits_of_environment
 
 WHAT = "reading the files"
+
+
+@dataclass(frozen=True)
+class FilesFound:
+    """The files of a source, and name and title of their format."""
+
+    paths: tuple[Path, ...]
+    format: str
+    title: str
 
 
 def load_confined(session: Session) -> Dataset:
@@ -36,6 +52,33 @@ def read_confined(source: Source, **options: Any) -> Reading:
         Also if it takes more memory or time than the server allows.
     """
     return call(partial(read_source, **options), source, allowance=_allowance(), what=WHAT)
+
+
+def find_confined(source: Source, folder: Path, role: Role) -> FilesFound:
+    """As `nvcore.inputs.files.find_files`, which looks into the files.
+
+    Raises
+    ------
+    InputError
+        Also if it takes more memory or time than the server allows.
+    """
+    return call(_find, source, folder, role, allowance=_allowance(), what=WHAT)
+
+
+def frames_confined(path: str, folder: Path) -> NDArray[np.int64]:
+    """As `nvcore.inputs.evaluated_frames.parse_frames`.
+
+    Raises
+    ------
+    InputError
+        Also if it takes more memory or time than the server allows.
+    """
+    return call(parse_frames, path, folder, allowance=_allowance(), what=WHAT)
+
+
+def _find(source: Source, folder: Path, role: Role) -> FilesFound:
+    files, file_format = find_files(source, folder, role)
+    return FilesFound(tuple(file.path for file in files), file_format.name, file_format.title)
 
 
 def _allowance() -> Allowance:

@@ -11,10 +11,9 @@ from typing import Final, TypeVar
 import streamlit as st
 
 from nvcore.errors import MissingFactError, NvcoreError
-from nvcore.inputs.files import find_files
 from nvcore.inputs.readers.base import Reading, Role
 from nvcore.inputs.session import Source
-from ui.confined.reading import read_confined
+from ui.confined.reading import find_confined, read_confined
 from ui.session import state
 from ui.session.cache import Caching
 from ui.shell.messages import without_paths
@@ -117,8 +116,8 @@ def _check(
     name = ""
     try:
         source_files = source()
-        file_format = find_files(source_files, folder, role)[1]
-        name, title = file_format.name, file_format.title
+        there = find_confined(source_files, folder, role)
+        name, title = there.format, there.title
         if role == "detections" and known is None:  # some formats cannot be read without it
             return FileCheck(format=name, summary=title)
         reading = read_confined(

@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 import streamlit as st
 
-from nvcore.inputs.evaluated_frames import parse_frames
+from ui.confined.reading import frames_confined
 from ui.data.file_check import read_unless_known
 from ui.widgets.text import plain
 
@@ -53,7 +53,7 @@ def check_frame_list(path: str, folder: Path) -> FrameList:
 
 
 def _read_list(path: str, folder: Path) -> FrameList:
-    frames = parse_frames(path, folder)
+    frames = frames_confined(path, folder)
     steps = np.diff(frames)
     summary = f"{len(frames):,} frames, {frames[0]} to {frames[-1]}"
     if len(steps) and steps[0] > 1 and (steps == steps[0]).all():

@@ -10,11 +10,11 @@ from typing import Final
 import streamlit as st
 
 from nvcore.errors import InputError, NvcoreError
-from nvcore.inputs.files import find_files
 from nvcore.inputs.readers.base import Role
 from nvcore.inputs.recordings_file import with_recordings_file
 from nvcore.inputs.session import Session, Source, SystemSource
 from nvcore.inputs.session_toml import read_session
+from ui.confined.reading import find_confined
 from ui.data.file_check import FileCheck, check_files, draw_file_check
 from ui.data.form import Form, finish_form, forget_outcome
 from ui.data.frames import FRAMES_HELP, FRAMES_LABEL, FrameList, check_frame_list, draw_frame_list
@@ -158,10 +158,10 @@ def _check(
         for path in paths:
             root.find(path)
         check_confined(Session(root.folder, source, ()), root.folder)
-        files, _ = find_files(source, root.folder, role)
+        paths_read = find_confined(source, root.folder, role).paths
     except NvcoreError as error:
         return FileCheck(trouble=without_paths(error))
-    key = (*paths, role, _state_of(root, [file.path for file in files]))
+    key = (*paths, role, _state_of(root, paths_read))
     return check_files(key, lambda: source, role=role, folder=root.folder, truth=truth)
 
 

@@ -8,6 +8,7 @@ from pathlib import PurePosixPath
 
 import streamlit as st
 
+from nvcore.file_kinds import unpacked_name
 from nvcore.inputs.files import system_names
 from nvcore.inputs.readers.meaning.names import NEUTRAL
 from nvcore.inputs.session import RecordingEntry, Session, Source
@@ -27,7 +28,7 @@ def proposed_names(
     >>> proposed_names([["0016.txt"], ["0016.txt"]], ["0016.txt"], ["0016"])
     ['System 1', 'System 2']
     """
-    names_in_use = [*recordings, *(PurePosixPath(path).stem for path in truth)]
+    names_in_use = [*recordings, *(PurePosixPath(unpacked_name(path)).stem for path in truth)]
     numbered = [
         Source((f"System {number}/{paths[0]}",))
         for number, paths in enumerate(systems, start=1)

@@ -14,6 +14,7 @@ from nvcore.inputs.recordings_file import read_recordings_file
 from nvcore.inputs.session import RecordingEntry, RecordingsFile
 from nvcore.wording import count_text, listed
 from ui.data.file_check import read_unless_known
+from ui.session.uploads import safe_name
 from ui.widgets.text import plain
 
 RECORDINGS_LABEL: Final = "Recordings (table, one line each)"
@@ -125,7 +126,8 @@ def _draw_missing(table: RecordingsTable, pictures: Iterable[str] | None) -> Non
     names = {
         PurePosixPath(entry.pictures).name for entry in table.entries.values() if entry.pictures
     }
-    missing = sorted(names - {*pictures})
+    sent = {*pictures}  # under safe names
+    missing = sorted(name for name in names if not {name, safe_name(name)} & sent)
     if missing:
         more = f" and {len(missing) - MOST_NAMED:,} more" if len(missing) > MOST_NAMED else ""
         st.warning(

@@ -45,8 +45,9 @@ MOST_SYSTEMS: Final = 20
 _STORED: Final = "upload_stored"
 FILES_HELP: Final = (
     "One file, one file for each recording, or a ZIP archive. Any format that the command line "
-    "reads. Where all files have the same name (MOTChallenge's gt.txt), send the folders as a ZIP "
-    "archive: the recordings are named after them."
+    "reads, also packed (`.gz`, `.zst`, `.xz`, `.bz2`). Where all files have the same name "
+    "(MOTChallenge's gt.txt), send the folders as a ZIP archive: the recordings are named after "
+    "them."
 )
 
 

@@ -14,6 +14,7 @@ from dataclasses import replace
 from pathlib import Path, PurePosixPath
 from typing import Final
 
+from nvcore.file_kinds import unpacked_name
 from nvcore.findings import Finding
 from nvcore.inputs.readers.meaning.names import NEUTRAL
 from nvcore.inputs.session import Session
@@ -103,7 +104,7 @@ def _names_of_uploads(session: Session, recordings: Set[str]) -> Mapping[str, st
     """Name of each path of a session of uploads: the shortest that is its own."""
     spellings = {path: _spellings(path) for path in session.paths()}
     for path in (path for source, _ in session.sources for path in source.path):
-        stem = PurePosixPath(path).stem
+        stem = PurePosixPath(unpacked_name(path)).stem
         if stem in recordings and stem.lower() in NEUTRAL:
             spellings[path] = spellings[path][-1:] * 3
     name_of: dict[str, str] = {}

@@ -33,7 +33,7 @@ from nvcore.inputs.session_toml import read_session
 from nvcore.params import Params
 from nvcore.pictures.open import is_below
 from ui.confined.reading import load_confined, read_confined
-from ui.session.uploads import ANNOTATION_FOLDERS
+from ui.session.uploads import ANNOTATION_FOLDERS, safe_name
 from ui.session.workspace import Workspace, opened_by_others
 from ui.settings.limits import limits_of_environment
 
@@ -175,7 +175,8 @@ class _Sent:
         most = max(shared.values(), default=0)
         matches = [path for path, n_parts in shared.items() if n_parts == most] if most else []
         if not matches and glob.has_magic(target.name):
-            return [p for p in self.paths if fnmatchcase(p.name, target.name)] or self._none(target)
+            pattern = safe_name(target.name, keep="*?")
+            return [p for p in self.paths if fnmatchcase(p.name, pattern)] or self._none(target)
         if len(matches) > 1:
             raise SessionError(
                 f"names {target.name!r}, and {len(matches)} of the files sent have that name; send "
@@ -189,10 +190,11 @@ class _Sent:
         )
 
 
-def _shared_end(a: PurePosixPath, b: PurePosixPath) -> int:
+def _shared_end(sent: PurePosixPath, path: PurePosixPath) -> int:
+    """Parts that both end with; what was sent has safe names, what an archive held its own."""
     n_parts = 0
-    for part_a, part_b in zip(reversed(a.parts), reversed(b.parts), strict=False):
-        if part_a != part_b:
+    for stored, wanted in zip(reversed(sent.parts), reversed(path.parts), strict=False):
+        if stored not in (wanted, safe_name(wanted)):
             break
         n_parts += 1
     return n_parts
@@ -200,9 +202,12 @@ def _shared_end(a: PurePosixPath, b: PurePosixPath) -> int:
 
 def _uploaded_pictures(text: str | None, pictures: Path, folder: Path) -> str | None:
     name = None if text is None else PurePosixPath(text.replace("\\", "/")).name
-    if not name or name == ".." or not os.path.exists(pictures / name):  # noqa: PTH110  # any name
+    if not name or name == "..":
         return None
-    return relative_path(pictures / name, folder)
+    for stored in (name, safe_name(name)):
+        if os.path.exists(pictures / stored):  # noqa: PTH110  # any name
+            return relative_path(pictures / stored, folder)
+    return None
 
 
 def relative_path(path: Path, folder: Path) -> str:

@@ -23,6 +23,7 @@ from starlette.concurrency import run_in_threadpool
 from starlette.requests import ClientDisconnect
 
 from nvcore.errors import MediaError, NvcoreError
+from nvcore.file_kinds import unpacked_name
 from nvcore.pictures.archive import Archive, ArchiveLimits
 from ui.session.workspace import PICTURES, Kind, Stored, Workspace
 
@@ -78,8 +79,8 @@ class SentFile(Protocol):
         """Its content."""
 
 
-def safe_name(name: str) -> str:
-    """Base name without anything that means something to a file system.
+def safe_name(name: str, *, keep: str = "") -> str:
+    """Base name without anything that means something to a file system, but for signs to keep.
 
     Examples
     --------
@@ -90,7 +91,8 @@ def safe_name(name: str) -> str:
     """
     base = re.split(r"[/\\]", name)[-1]
     base = unicodedata.normalize("NFC", base.encode("utf-8", "replace").decode())
-    base = "".join(sign if sign.isprintable() else "_" for sign in _UNSAFE.sub("_", base))
+    base = _UNSAFE.sub(lambda sign: sign[0] if sign[0] in keep else "_", base)
+    base = "".join(sign if sign.isprintable() else "_" for sign in base)
     base = base.strip(" .")  # a leading dot would hide it
     stem, dot, suffix = base.rpartition(".")
     if not dot or len(suffix) > 10:
@@ -101,9 +103,10 @@ def safe_name(name: str) -> str:
 
 
 def free_name(name: str, names_in_use: Iterable[str]) -> str:
-    """The name, or the name with the first free number: ``gt.txt``, ``gt-2.txt``."""
+    """The name, or the name with the first free number: ``gt.txt.gz``, ``gt-2.txt.gz``."""
     in_use = {other.casefold() for other in names_in_use}
-    stem, suffix = PurePosixPath(name).stem, PurePosixPath(name).suffix
+    stem = PurePosixPath(unpacked_name(name)).stem
+    suffix = name[len(stem) :]
     number, free = 1, name
     while free.casefold() in in_use:
         number += 1

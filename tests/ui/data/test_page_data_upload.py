@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import io
 import zipfile
 from pathlib import Path
@@ -24,7 +25,7 @@ from data_page import (
     sent_drive,
     space_of,
 )
-from inputs import mot_layout
+from inputs import drive, mot_layout
 from streamlit.testing.v1 import AppTest
 
 from pages import checked, texts
@@ -48,6 +49,18 @@ def test_an_upload_asks_for_what_the_files_do_not_say_and_opens_with_it(tmp_path
     other = opened()
     assert ON_SAMPLE in texts(other)
     assert space_of(page).token != space_of(other).token
+
+
+def test_packed_files_are_read_and_bombs_refused_at_their_field(tmp_path: Path):
+    drive(tmp_path)
+    page = opened()
+    content = (tmp_path / "truth.csv").read_bytes()
+    send(page, "upload_truth", ("truth.csv.gz", gzip.compress(content)))
+    bomb = gzip.compress(b"frame,x,y,w,h,score\n" + bytes(70 << 20))
+    send(page, "upload_system_0", ("fir.csv.gz", bomb))
+    shown = texts(checked(page.run()))
+    assert "Read as plain CSV: 40 boxes in frames 0 to 19." in shown
+    assert "unpacks to more than 200 times its size" in shown
 
 
 def test_files_of_one_name_in_a_field_are_refused_there(tmp_path: Path):

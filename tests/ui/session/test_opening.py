@@ -166,6 +166,28 @@ def test_a_session_file_never_reaches_files_that_were_not_sent(tmp_path: Path, p
         uploaded(tmp_path, text)
 
 
+def test_names_with_signs_that_are_replaced_when_sent_are_found(tmp_path: Path):
+    text = """
+[[recording]]
+name = "A"
+pictures = "runs/A 21:20.mp4"
+[truth]
+path = "truth <v2>.csv"
+[[system]]
+path = "C:/out/fir 21:20?.csv"
+[[system]]
+path = "nir:*.csv"
+"""
+    names = ["truth _v2_.csv", "fir 21_20_.csv", "nir_1.csv"]
+    write(tmp_path / "pictures" / "A 21_20.mp4", "video")
+    for name in names:
+        write(tmp_path / "upload-1" / name, "1")
+    opened = uploaded(tmp_path, text, names)
+    assert opened.truth.path == ("truth _v2_.csv",)
+    assert [system.path for system in opened.systems] == [("fir 21_20_.csv",), ("nir_1.csv",)]
+    assert opened.recordings[0].pictures == "../pictures/A 21_20.mp4"
+
+
 def test_a_name_that_several_files_have_is_not_guessed(tmp_path: Path):
     with pytest.raises(SessionError, match="2 of the files sent have that name"):
         uploaded(tmp_path, TOML.replace("mot/A/gt/gt.txt", "gt.txt"))

@@ -83,6 +83,7 @@ def test_a_long_name_is_cut_and_keeps_its_ending():
 
 def test_a_name_that_is_taken_gets_a_number():
     assert free_name("gt.txt", ["gt.txt", "GT-2.txt"]) == "gt-3.txt"
+    assert free_name("gt.txt.gz", ["gt.txt.gz"]) == "gt-2.txt.gz"
 
 
 @pytest.mark.parametrize(
