@@ -241,9 +241,12 @@ def dataset_from_tables(
     frames = frames_table(frames_by_recording, recordings["fps"].to_numpy())
     columns_given: dict[str, object] = {str(name): boxes[name].to_numpy() for name in boxes}
     table = conform(columns_given, DATASET_BOX_DTYPES, n_rows=len(boxes))
-    key = table["source"].to_numpy().astype(np.int64) * max(len(frames), 1)
-    key = key + table["frame_index"].to_numpy()
-    if len(key) > 1 and np.any(np.diff(key) < 0):
+    source, frame_index = table["source"].to_numpy(), table["frame_index"].to_numpy()
+    is_before = (source[1:] < source[:-1]) | (
+        (source[1:] == source[:-1]) & (frame_index[1:] < frame_index[:-1])
+    )
+    if is_before.any():
+        key = source.astype(np.int64) * max(len(frames), 1) + frame_index
         table = table.iloc[np.argsort(key, kind="stable")].reset_index(drop=True)
     if fingerprint is None:
         fingerprint = tables_fingerprint([what_is_stated(recordings), frames, table], systems)

@@ -7,7 +7,7 @@ and nowhere else.
 from __future__ import annotations
 
 from enum import IntEnum, StrEnum
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 import pandas as pd
@@ -39,7 +39,7 @@ BOX_DTYPES: Final[dict[str, str]] = {
 }
 """Columns that every box has, from the reader to the analysis."""
 
-READING_DTYPES: Final[dict[str, str]] = {"recording": "object", "frame": "int64", **BOX_DTYPES}
+READING_DTYPES: Final[dict[str, str]] = {"recording": "category", "frame": "int64", **BOX_DTYPES}
 """Boxes as a reader returns them: recording by name, frame by the recording's own number."""
 
 DATASET_BOX_DTYPES: Final[dict[str, str]] = {
@@ -141,6 +141,24 @@ class DetectionState(IntEnum):
     """On an ignore region: counts for nothing."""
 
 
+def names_as_categories(names: Any, n_rows: int) -> pd.Categorical:
+    """A column of names that repeat, each held once: no text is looked at row by row.
+
+    Parameters
+    ----------
+    names
+        One for all rows, or one for each, as text or already as categories.
+    n_rows
+        Number of rows.
+    """
+    if isinstance(names, str):
+        return pd.Categorical.from_codes(np.zeros(n_rows, np.int8), [names])
+    if isinstance(getattr(names, "dtype", None), pd.CategoricalDtype):
+        return pd.Categorical(names)
+    codes, unique = pd.factorize(np.asarray(names, dtype=object))
+    return pd.Categorical.from_codes(codes, unique)
+
+
 def conform(columns: dict[str, object], dtypes: dict[str, str], *, n_rows: int) -> pd.DataFrame:
     """Table with exactly the columns of `dtypes`; columns that are not given hold "unknown".
 
@@ -160,10 +178,13 @@ def conform(columns: dict[str, object], dtypes: dict[str, str], *, n_rows: int) 
     """
     assert set(columns) <= set(dtypes), set(columns) - set(dtypes)
     unknown = {"track": NO_TRACK, "occlusion": UNKNOWN_OCCLUSION, "ignore": False}
-    table = {}
+    table: dict[str, Any] = {}
     for name, dtype in dtypes.items():
         fallback = unknown.get(name, np.nan if dtype == "float64" else 0)
         value = columns.get(name, fallback)
+        if dtype == "category":
+            table[name] = names_as_categories(columns.get(name, []), n_rows)
+            continue
         if np.ndim(value) == 0:  # type: ignore[arg-type]
             value = np.full(n_rows, value, dtype=dtype)
         table[name] = np.asarray(value).astype(dtype, copy=False)

@@ -138,6 +138,9 @@ def own_frames(truth: Reading, names: Iterable[str]) -> dict[str, tuple[np.ndarr
     MissingFactError
         If that would be more frames than any recording has.
     """
+    names = list(names)
+    if not names:
+        return {}
     annotated = _by_recording(truth.boxes if truth.annotated is None else truth.annotated)
     imaged = {} if truth.images is None else _by_recording(truth.images)
     listed: dict[str, tuple[np.ndarray, str]] = {}
@@ -204,7 +207,14 @@ def frames_lost_without_list(truth: Reading) -> LostFrames:
 
 def _by_recording(table: pd.DataFrame) -> dict[str, np.ndarray]:
     """Frame numbers, sorted and unique, of every recording of a table."""
-    return {
-        str(name): np.unique(group.to_numpy(dtype=np.int64))
-        for name, group in table.groupby("recording", sort=False)["frame"]
-    }
+    groups = table.groupby("recording", sort=False, observed=True)["frame"]
+    return {str(name): _sorted_unique(group.to_numpy(dtype=np.int64)) for name, group in groups}
+
+
+def _sorted_unique(numbers: np.ndarray) -> np.ndarray:
+    """As `numpy.unique`, several times quicker where the numbers are sorted already."""
+    if np.any(numbers[1:] < numbers[:-1]):
+        return np.unique(numbers)
+    is_new = np.ones(len(numbers), dtype=bool)
+    is_new[1:] = numbers[1:] != numbers[:-1]
+    return numbers[is_new]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,7 @@ from nvcore.errors import InputError, MissingFactError
 from nvcore.inputs.evaluated_frames import own_frames, parse_frames
 from nvcore.inputs.files import digest, find_files, located, system_names
 from nvcore.inputs.hashes import changed_input
+from nvcore.inputs.placing import REASONS, Places
 from nvcore.inputs.readers.base import (
     Format,
     Reading,
@@ -41,6 +43,7 @@ from nvcore.inputs.recordings import (
 from nvcore.inputs.recordings_file import with_recordings_file
 from nvcore.inputs.session import Session, Source, SystemSource
 from nvcore.progress import Progress, no_progress
+from nvcore.schema import BOX_DTYPES, names_as_categories
 
 
 @dataclass(frozen=True)
@@ -148,8 +151,10 @@ def _read(
     options = read_options(source, role, session.common_size or _common_size(truth), truth)
     if table is None:
         files, file_format = find_files(source, session.folder, role)
-        with located(files):
-            reading, digests = file_format.read(files, options), digest(files)
+        with located(files), ThreadPoolExecutor(1) as pool:
+            hashing = pool.submit(digest, files)  # beside reading: neither holds the lock for long
+            reading = file_format.read(files, options)
+            digests = hashing.result()
     else:
         files, file_format = [table_as_file(source.path[0])], TABLE
         reading = read_table(table, files[0], options)
@@ -189,7 +194,14 @@ def _renamed(reading: Reading, old: str, new: str) -> Reading:
     def renamed(table: pd.DataFrame | None, column: str = "recording") -> Any:
         if table is None:
             return None
-        return table.assign(**{column: table[column].where(table[column] != old, new)})
+        names = table[column]
+        if isinstance(names.dtype, pd.CategoricalDtype):
+            names = names_as_categories(
+                names.cat.rename_categories(lambda name: new if name == old else name), len(names)
+            )
+        else:
+            names = names.where(names != old, new)
+        return table.assign(**{column: names})
 
     return replace(
         reading,
@@ -248,13 +260,34 @@ def _place(session: Session, loaded: list[_Loaded], max_frames: int | None) -> D
     keep = [i for i, listed in enumerate(frames) if len(listed)]
     recordings = recordings.iloc[keep].reset_index(drop=True)
     frames = [frames[i] for i in keep]
-    tables, left_out, inputs = [], [], []
+    places = Places(recordings["name"], frames)
+    tables: list[dict[str, np.ndarray]] = []
+    left_out, inputs = [], []
     n_files = 0
     for number, source in enumerate(loaded):
-        boxes = source.reading.boxes.assign(file=source.reading.boxes["file"] + np.int32(n_files))
-        placed, lost = _place_boxes(boxes, recordings["name"], frames)
-        tables.append(placed.assign(source=np.int16(number)))
-        left_out.append(lost.assign(subject=source.subject))
+        boxes = source.reading.boxes
+        file = boxes["file"].to_numpy() + np.int32(n_files)
+        position, fault = places.of(boxes)
+        columns = {name: boxes[name].to_numpy() for name in BOX_DTYPES}
+        columns |= {
+            "file": file,
+            "frame_index": position,
+            "source": np.full(len(boxes), number, np.int16),
+        }
+        lost = np.flatnonzero(fault)
+        if len(lost):
+            columns = {name: values[fault == 0] for name, values in columns.items()}
+        tables.append(columns)
+        left_out.append(
+            boxes.iloc[lost][["recording", "frame"]]
+            .astype({"recording": object})
+            .assign(
+                file=file[lost],
+                line=boxes["line"].to_numpy()[lost],
+                reason=np.array(REASONS, dtype=object)[fault[lost]],
+                subject=source.subject,
+            )
+        )
         inputs.append(
             pd.DataFrame(
                 {
@@ -277,7 +310,10 @@ def _place(session: Session, loaded: list[_Loaded], max_frames: int | None) -> D
     return dataset_from_tables(
         recordings,
         frames,
-        pd.concat(tables, ignore_index=True),
+        pd.DataFrame(
+            {name: np.concatenate([table[name] for table in tables]) for name in tables[0]},
+            copy=False,
+        ),
         [source.subject for source in loaded[1:]],
         fingerprint=_fingerprint(session, loaded, recordings, frames),
         inputs=all_inputs,
@@ -318,38 +354,6 @@ def _frames(
     if not sum(len(listed) for listed in frames):
         raise MissingFactError(NO_BOX, file=session.truth.path[0], facts=("frames",))
     return frames, notes
-
-
-def _place_boxes(
-    boxes: pd.DataFrame, names: pd.Series[str], frames: list[np.ndarray]
-) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Boxes with their frame_index, and those that have no place, with the reason."""
-    codes = pd.Index(names).get_indexer(pd.Index(boxes["recording"]))
-    # one number per recording and frame; frames outside the list share the places at its ends, so
-    # that a frame number of any size fits
-    before = np.array([listed[0] - 1 for listed in frames])
-    span = np.array([listed[-1] - listed[0] + 3 for listed in frames])
-    start = np.cumsum(span) - span
-    listed = np.concatenate([start[i] + (f - before[i]) for i, f in enumerate(frames)])
-    inside = np.clip(boxes["frame"].to_numpy(), before[codes], (before + span - 1)[codes])
-    key = start[codes] + (inside - before[codes])
-    position = np.searchsorted(listed, key)
-    position = np.minimum(position, len(listed) - 1)
-    is_listed = listed[position] == key
-    size = boxes[["w", "h"]].to_numpy()
-    finite = np.isfinite(boxes[["x", "y", "w", "h"]].to_numpy()).all(axis=1)
-    has_area = (size > 0).all(axis=1)
-    reason = np.select(
-        [codes < 0, ~is_listed, ~finite, ~has_area],
-        ["unknown recording", "frame not listed", "not a number", "no area"],
-        default="",
-    )
-    is_lost = reason != ""
-    placed = boxes.drop(columns=["recording", "frame"]).assign(frame_index=position)[~is_lost]
-    lost = boxes.loc[is_lost, ["recording", "frame", "file", "line"]].assign(
-        reason=reason[is_lost].astype(object)
-    )
-    return placed, lost
 
 
 def _fingerprint(

@@ -12,6 +12,7 @@ from typing import Final, Literal
 
 import numpy as np
 import pandas as pd
+from pandas.api.types import union_categoricals
 
 from nvcore.errors import FormatError, InputError
 from nvcore.file_kinds import PACKED_HEAD_BYTES, packed_by
@@ -187,8 +188,8 @@ class Reading:
     Attributes
     ----------
     boxes
-        Columns of `READING_DTYPES`, in file order, in the conventions of docs/formats.md:
-        0-based continuous pixels, x, y, w, h. `file` counts the files as they were given.
+        Columns of `READING_DTYPES`, in file order, in the conventions of docs/formats.md: 0-based
+        continuous pixels, x, y, w, h. `file` counts the files as they were given.
     recordings
         One row per recording: name, width, height, fps (NaN where the files do not say).
     images
@@ -341,7 +342,13 @@ def concat_boxes(tables: Sequence[pd.DataFrame]) -> pd.DataFrame:
     """Boxes of several files in one table; no file gives an empty table with all columns."""
     if not tables:
         return reading_boxes(0)
-    return pd.concat(tables, ignore_index=True) if len(tables) > 1 else tables[0]
+    if len(tables) == 1:
+        return tables[0]
+    names = union_categoricals([table["recording"] for table in tables])
+    others = [table.drop(columns="recording") for table in tables]
+    boxes = pd.concat(others, ignore_index=True)
+    boxes.insert(0, "recording", names)
+    return boxes
 
 
 def recordings_table(

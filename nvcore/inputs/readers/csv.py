@@ -33,6 +33,7 @@ from nvcore.inputs.readers.meaning.names import recordings_of
 from nvcore.inputs.readers.meaning.occlusion import levels_of_numbers, odd_levels
 from nvcore.inputs.readers.meaning.tracks import TEXT_IDS, track_numbers
 from nvcore.inputs.readers.parse.text import whole_numbers
+from nvcore.schema import names_as_categories
 
 ParseColumns = Callable[[Sequence[str]], tuple[pd.DataFrame, np.ndarray, bool]]
 """Wanted columns -> what `nvcore.inputs.readers.csv_columns.read_columns` returns."""
@@ -74,7 +75,8 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     tables = []
     for file in files:
         content = csv_content(file, role=options.role)
-        header = read_header(content.split(b"\n", 1)[0].decode())
+        end = content.find(b"\n")
+        header = read_header(content[: end if end >= 0 else None].decode())
         problem = missing_columns(header)
         if problem is not None:
             raise file.fault(f"expected a header line with {problem}", 1)
@@ -112,9 +114,7 @@ def read_named_columns(inputs: Sequence[NamedColumns], options: ReadOptions) -> 
     choice = _classes(kinds, files, options)
     if choice is not None:
         all_boxes = concat_boxes(tables)
-        annotated = annotated_frames(
-            all_boxes["recording"].to_numpy(), all_boxes["frame"].to_numpy()
-        )
+        annotated = annotated_frames(all_boxes["recording"], all_boxes["frame"].to_numpy())
         facts.append(choice.conversion)
         tables = [
             boxes if kind is None else _sorted_by_class(boxes, kind, choice, options.role)
@@ -188,8 +188,7 @@ def _read_one(
     else:
         w, h = columns["w"].to_numpy(), columns["h"].to_numpy()
     if "track" in columns:
-        names = np.full(len(columns), own) if own is not None else np.asarray(recording)
-        values["track"], has_text = track_numbers(columns["track"], names)
+        values["track"], has_text = track_numbers(columns["track"], recording)
         facts += [TEXT_IDS] if has_text else []
     if "occlusion" in columns:
         level = columns["occlusion"].to_numpy()
@@ -249,13 +248,14 @@ def _columns_to_read(header: Header, role: Role) -> list[str]:
     return [name for name in header.place if name not in left_aside]
 
 
-def _named(recording: pd.Series, lines: Lines) -> np.ndarray:
+def _named(recording: pd.Series, lines: Lines) -> pd.Categorical:
     """The recording of each row; an empty field is an error."""
-    is_empty = recording.eq("").to_numpy()
-    if is_empty.any():
+    names = names_as_categories(recording, len(recording))
+    if "" in names.categories:
+        is_empty = names.codes == names.categories.get_loc("")
         message = "expected the name of a recording, found an empty field"
         raise lines.fault(np.argmax(is_empty), message)
-    return recording.to_numpy()
+    return names
 
 
 def _frames(values: np.ndarray, lines: Lines, base: int | None) -> tuple[np.ndarray, str]:

@@ -7,7 +7,8 @@ import io
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final
+from itertools import product
+from typing import Any, Final
 
 import numpy as np
 import pandas as pd
@@ -17,7 +18,7 @@ import pyarrow.csv
 
 from nvcore.errors import FormatError
 from nvcore.inputs.readers.base import Role, SourceFile
-from nvcore.inputs.readers.parse.text import MAX_INTEGER, read_text
+from nvcore.inputs.readers.parse.text import BLOCK, MAX_INTEGER, read_text_bytes
 from nvcore.output.csv_text import without_safeguard
 from nvcore.wording import shortened
 
@@ -139,18 +140,20 @@ def read_columns(
         With the first line that has another number of fields or a field that is no number.
     """
     kinds = {name: _kind(name) for name in to_read}
-    table, decimal = None, "."
-    for decimal in (".", ",") if header.delimiter == ";" else (".",):
-        table = _parse(content, header, kinds, decimal)
-        if table is None and "track" in kinds:
-            table = _parse(content, header, {**kinds, "track": _TEXT}, decimal)
-        if table is not None:
-            break
-    if table is None:
-        raise _first_fault(file, header, content, to_read)
-    columns = {name: _column(table[name]) for name in to_read}
-    frame = pd.DataFrame(columns, index=range(table.num_rows))
-    return frame, _lines(content, table.num_rows), decimal == ","
+    signs = (".", ",") if header.delimiter == ";" else (".",)
+    ways = [kinds, {**kinds, "track": _TEXT}] if "track" in kinds else [kinds]
+    # files seldom have empty lines, and counting lines takes longer than to try without
+    for has_empty_lines in (False, True):
+        for decimal, types in product(signs, ways):
+            table = _parse(content, header, types, decimal, has_empty_lines=has_empty_lines)
+            if table is None or (table["x"].null_count and not has_empty_lines):
+                continue  # an empty line is a row without numbers
+            n_rows = table.num_rows
+            line = _lines(content, n_rows) if has_empty_lines else np.arange(2, n_rows + 2)
+            columns = {name: _column(table[name]) for name in to_read}
+            frame = pd.DataFrame(columns, index=range(n_rows), copy=False)
+            return frame, line, decimal == ","
+    raise _first_fault(file, header, content, to_read)
 
 
 def _kind(name: str) -> pa.DataType:
@@ -161,7 +164,12 @@ def _kind(name: str) -> pa.DataType:
 
 
 def _parse(
-    content: bytes, header: Header, kinds: dict[str, pa.DataType], decimal: str
+    content: bytes,
+    header: Header,
+    kinds: dict[str, pa.DataType],
+    decimal: str,
+    *,
+    has_empty_lines: bool,
 ) -> pa.Table | None:
     """The columns by pyarrow, None if a field is not of its kind or a line has other fields."""
     names = [f"unused {i}" for i in range(len(header.names))]
@@ -169,9 +177,11 @@ def _parse(
         names[header.place[name]] = name
     try:
         table = pyarrow.csv.read_csv(
-            io.BytesIO(content),
-            read_options=pyarrow.csv.ReadOptions(column_names=names, skip_rows=1),
-            parse_options=pyarrow.csv.ParseOptions(delimiter=header.delimiter),
+            pa.BufferReader(content),
+            read_options=pyarrow.csv.ReadOptions(column_names=names, skip_rows=1, block_size=BLOCK),
+            parse_options=pyarrow.csv.ParseOptions(
+                delimiter=header.delimiter, ignore_empty_lines=has_empty_lines
+            ),
             convert_options=pyarrow.csv.ConvertOptions(
                 column_types=kinds,
                 include_columns=list(kinds),
@@ -185,27 +195,32 @@ def _parse(
     except pa.ArrowInvalid:
         return None
     if "track" in kinds and kinds["track"] != _TEXT:
-        track = table["track"]
-        # numbers that float64 cannot hold are text, as a hash is
-        is_whole = pc.and_(pc.less(pc.abs(track), MAX_INTEGER), pc.equal(track, pc.floor(track)))
-        if not pc.all(pc.fill_null(is_whole, True)).as_py():
+        # numbers that are not whole, or that float64 cannot hold, are text, as a hash is
+        try:
+            whole = table["track"].cast(pa.int64())
+        except pa.ArrowInvalid:
+            return None
+        ends = pc.min_max(whole).as_py()
+        if max(abs(ends["min"] or 0), abs(ends["max"] or 0)) >= MAX_INTEGER:
             return None
     return table
 
 
-def _column(column: pa.ChunkedArray) -> pd.Series:
-    """A column as pandas holds it: missing flags are not set, missing numbers are NaN."""
+def _column(column: pa.ChunkedArray) -> Any:
+    """A column as an array: missing flags are not set, missing numbers NaN, texts categories."""
     if pa.types.is_boolean(column.type):
-        return pd.Series(pc.fill_null(column, False).to_numpy())
+        return pc.fill_null(column, False).to_numpy()
     if pa.types.is_floating(column.type):
-        return pd.Series(pc.fill_null(column, np.nan).to_numpy())
+        return column.to_numpy()
     # names repeat: each distinct name is parsed once
     coded = column.unify_dictionaries().combine_chunks()
-    unique = np.array(
-        [without_safeguard(text.strip()) for text in coded.dictionary.to_pylist()], dtype=object
-    )
+    texts = [without_safeguard(text.strip()) for text in coded.dictionary.to_pylist()]
     codes = coded.indices.to_numpy(zero_copy_only=False)
-    return pd.Series(unique[codes] if len(unique) else np.empty(0, dtype=object), dtype=object)
+    names = list(dict.fromkeys(texts))
+    if len(names) < len(texts):  # some differed in blanks only
+        place = {name: code for code, name in enumerate(names)}
+        codes = np.array([place[text] for text in texts], dtype=codes.dtype)[codes]
+    return pd.Categorical.from_codes(codes, names)
 
 
 def _lines(content: bytes, n_rows: int) -> np.ndarray:
@@ -268,14 +283,14 @@ def csv_content(file: SourceFile, *, role: Role) -> bytes:
     FormatError
         If it is no UTF-8 text, or ground truth and empty.
     """
-    text = read_text(file)
-    if "\r" in text:
-        text = text.replace("\r\n", "\n").replace("\r", "\n")
-    if not text.strip():
+    content = read_text_bytes(file)
+    if b"\r" in content:
+        content = content.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+    if not content or content.isspace():
         if role == "detections":
             return b"frame,x,y,w,h\n"
         raise file.fault(
             "the file is empty; expected a header line such as frame,x,y,w,h,track (the ground "
             "truth of a recording without pedestrians has the header only)"
         )
-    return text.encode()
+    return content

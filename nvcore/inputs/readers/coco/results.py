@@ -80,7 +80,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     boxes = concat_boxes(tables)
     return Reading(
         boxes=boxes,
-        recordings=recordings_table(boxes["recording"]),
+        recordings=recordings_table(boxes["recording"].unique()),
         conversion=conversion_text(facts),
         findings=tuple(findings),
     )

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 
 from nvcore.inputs.readers.parse.text import MAX_INTEGER
-from nvcore.schema import NO_TRACK
+from nvcore.schema import NO_TRACK, names_as_categories
 
 TEXT_IDS = "track ids that are no whole numbers were numbered by first appearance in the recording"
 """What to report as conversion where `track_numbers` had to number text."""
 
 
-def track_numbers(texts: pd.Series, recording: np.ndarray) -> tuple[np.ndarray, bool]:
+def track_numbers(texts: pd.Series, recording: Any) -> tuple[np.ndarray, bool]:
     """Track ids as int64, and whether some were text.
 
     Whole numbers keep their value (negative ones and empty: NO_TRACK). Other text is numbered in
@@ -23,7 +25,7 @@ def track_numbers(texts: pd.Series, recording: np.ndarray) -> tuple[np.ndarray, 
     texts
         Ids as text or missing, or float64 with NaN (whole numbers only), shape (n,).
     recording
-        Name of each row's recording, shape (n,).
+        Name of each row's recording, shape (n,), or the name of all.
     """
     if texts.dtype.kind == "f":
         return np.where(texts >= 0, texts, NO_TRACK).astype(np.int64), False
@@ -36,8 +38,9 @@ def track_numbers(texts: pd.Series, recording: np.ndarray) -> tuple[np.ndarray, 
     is_text = np.asarray(~missing & ~is_whole, dtype=bool)
     if not is_text.any():
         return track, False
-    codes, names = pd.factorize(np.asarray(recording, dtype=object))
-    largest = np.full(len(names), -1, dtype=np.int64)
+    names = names_as_categories(recording, len(texts))
+    codes = names.codes
+    largest = np.full(len(names.categories), -1, dtype=np.int64)
     np.maximum.at(largest, codes, track)
     text_ids = pd.DataFrame({"recording": codes[is_text], "text": texts.to_numpy()[is_text]})
     first = text_ids.drop_duplicates()

@@ -17,7 +17,7 @@ MAX_INTEGER = 2.0**53
 """Largest number that is exact as float64: frame numbers and track ids stay below it."""
 _SMALL = 2048
 """Bytes below which the careful parser is as quick as starting pyarrow (one file per frame)."""
-_BLOCK = 1 << 24
+BLOCK = 1 << 24
 """Bytes that pyarrow takes at a time; measured: twice as quick as its default of 1 MiB."""
 
 
@@ -44,6 +44,14 @@ def read_text(file: SourceFile) -> str:
         If it is not text.
     """
     return _decode(read_bytes(file), file)
+
+
+def read_text_bytes(file: SourceFile) -> bytes:
+    """As `read_text`, as the bytes of UTF-8: quicker where nobody needs the characters."""
+    content = read_bytes(file)
+    if not content.isascii():
+        _decode(content, file)
+    return content.removeprefix(b"\xef\xbb\xbf")
 
 
 def _decode(content: bytes, file: SourceFile) -> str:
@@ -195,7 +203,7 @@ def _fast(content: bytes, file: SourceFile, layout: Layout) -> NumberTable | Non
     try:
         table = pyarrow.csv.read_csv(
             pa.BufferReader(content),
-            read_options=pyarrow.csv.ReadOptions(column_names=list(types), block_size=_BLOCK),
+            read_options=pyarrow.csv.ReadOptions(column_names=list(types), block_size=BLOCK),
             parse_options=pyarrow.csv.ParseOptions(delimiter=layout.delimiter, quote_char=False),
             convert_options=pyarrow.csv.ConvertOptions(column_types=types, null_values=[""]),
         )
@@ -279,11 +287,13 @@ def whole_numbers(values: np.ndarray, lines: Lines, what: str) -> np.ndarray:
         With the line of the first value that is not a whole number (``1.0`` is one).
     """
     with np.errstate(invalid="ignore"):
-        bad = ~(np.abs(values) < MAX_INTEGER) | (values != np.floor(values))
-    if bad.any():
-        first = int(np.argmax(bad))
-        raise lines.fault(first, f"expected a whole number as {what}, found {values[first]:g}")
-    return values.astype(np.int64)
+        whole = values.astype(np.int64)
+        is_good = whole == values
+        if not is_good.all() or np.abs(whole).max(initial=0) >= MAX_INTEGER:
+            is_good &= np.abs(values) < MAX_INTEGER
+            first = int(np.argmin(is_good))
+            raise lines.fault(first, f"expected a whole number as {what}, found {values[first]:g}")
+    return whole
 
 
 def rows_of_text(head: str, *, delimiter: str = ",") -> list[list[str]]:
