@@ -113,12 +113,12 @@ class Sample:
 
     def overlaps(self, correction: Correction) -> Overlaps:
         """The best overlaps after a correction of the detections."""
-        truth, det, frames = self.dataset.truth, self.detections, self.dataset.frame_columns
+        det, frames = self.detections, self.dataset.frame_columns
         n = len(self.rows)
         best, dx, dy, ratio_w, ratio_h = np.empty((5, n))
         has_frame = np.empty(n, np.bool_)
         best_overlaps(
-            *(self.rows, truth.frame_index, truth.x, truth.y, truth.w, truth.h),
+            *self._pedestrians,
             *(frames.recording, frames.frame, frames.first),
             *(det.offsets, det.x, det.y, det.w, det.h),
             *map(float, (*correction.scale, *correction.offset_px)),
@@ -126,6 +126,13 @@ class Sample:
             *(best, dx, dy, ratio_w, ratio_h, has_frame),
         )
         return Overlaps(best, dx, dy, ratio_w, ratio_h, has_frame)
+
+    @cached_property
+    def _pedestrians(self) -> tuple[np.ndarray, ...]:
+        """frame_index, x, y, w, h of the rows, side by side in memory: they are read many times."""
+        truth = self.dataset.truth
+        columns = (truth.frame_index, truth.x, truth.y, truth.w, truth.h)
+        return tuple(column[self.rows] for column in columns)
 
     @cached_property
     def pairs_by_order(self) -> tuple[np.ndarray, np.ndarray]:

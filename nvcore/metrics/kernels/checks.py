@@ -28,7 +28,6 @@ def frame_at(f, number, frame, lo, hi):
 
 @compiled
 def best_overlaps(
-    rows,
     frame_index,
     gx,
     gy,
@@ -60,29 +59,34 @@ def best_overlaps(
     sy, then moved by ox and oy; they are taken from the frame `later` frame numbers after the
     pedestrian's own. Of equal overlaps the last one counts.
     """
-    for i in range(rows.size):
-        g = rows[i]
+    for g in range(frame_index.size):
         f = frame_index[g]
         if later != 0:
             r = recording[f]
             f = frame_at(f, frame[f] + later, frame, first[r], first[r + 1])
-        best[i] = 0.0
-        dx[i] = dy[i] = ratio_w[i] = ratio_h[i] = np.nan
-        has_frame[i] = f >= 0
+        best[g] = 0.0
+        dx[g] = dy[g] = ratio_w[g] = ratio_h[g] = np.nan
+        has_frame[g] = f >= 0
         if f < 0:
             continue
+        g_right, g_bottom = gx[g] + gw[g], gy[g] + gh[g]
         for d in range(offsets[f], offsets[f + 1]):
-            left, top = x[d] * sx + ox, y[d] * sy + oy
-            width, height = w[d] * sx, h[d] * sy
-            across = min(gx[g] + gw[g], left + width) - max(gx[g], left)
-            down = min(gy[g] + gh[g], top + height) - max(gy[g], top)
-            if across <= 0.0 or down <= 0.0:
+            left = x[d] * sx + ox
+            if left >= g_right:
+                continue
+            width = w[d] * sx
+            across = min(g_right, left + width) - max(gx[g], left)
+            if across <= 0.0:
+                continue
+            top, height = y[d] * sy + oy, h[d] * sy
+            down = min(g_bottom, top + height) - max(gy[g], top)
+            if down <= 0.0:
                 continue
             shared = across * down
             iou = shared / (gw[g] * gh[g] + width * height - shared)
-            if iou > 0.0 and iou >= best[i]:
-                best[i] = iou
-                dx[i] = gx[g] + gw[g] / 2 - left - width / 2
-                dy[i] = gy[g] + gh[g] / 2 - top - height / 2
-                ratio_w[i] = gw[g] / width
-                ratio_h[i] = gh[g] / height
+            if iou > 0.0 and iou >= best[g]:
+                best[g] = iou
+                dx[g] = gx[g] + gw[g] / 2 - left - width / 2
+                dy[g] = gy[g] + gh[g] / 2 - top - height / 2
+                ratio_w[g] = gw[g] / width
+                ratio_h[g] = gh[g] / height
