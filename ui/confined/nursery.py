@@ -20,6 +20,7 @@ from pathlib import Path
 import nvcore.inputs.load
 import nvcore.pictures.open  # noqa: F401  # loaded for the forked processes
 from nvcore.errors import NvcoreError
+from ui.confined.transfer import send_answer
 from ui.settings.limits import MEBI
 
 
@@ -51,7 +52,7 @@ def answer_calls(theirs: Connection) -> None:
             answer = (False, error)
         except MemoryError:
             answer = (False, MemoryError())
-        theirs.send(answer)
+        send_answer(theirs, answer)
         del function, arguments, answer
 
 

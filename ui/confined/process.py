@@ -15,6 +15,7 @@ from multiprocessing.connection import Connection
 from typing import Any, Final, TypeVar, cast
 
 from nvcore.errors import InputError
+from ui.confined.transfer import receive_answer
 
 T = TypeVar("T")
 
@@ -76,7 +77,7 @@ class Process:
         try:
             self._ours.send((function, arguments))
             is_ready = self._ours.poll(self._allowance.seconds)
-            answer: tuple[bool, Any] = self._ours.recv() if is_ready else (False, None)
+            answer: tuple[bool, Any] = receive_answer(self._ours) if is_ready else (False, None)
         except (EOFError, OSError) as error:
             self.end()
             raise InputError(f"{what} took too much memory, or ended in a fault") from error

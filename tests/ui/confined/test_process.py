@@ -15,7 +15,7 @@ from picture_files import number_in, write_numbered_video
 from nvcore.errors import InputError, MediaError, MissingFactError
 from nvcore.inputs.load import load
 from ui.confined.pictures import PictureProcess
-from ui.confined.process import Allowance, call
+from ui.confined.process import Allowance, Process, call
 
 ENOUGH = Allowance(memory_mb=1000, seconds=300)
 
@@ -44,6 +44,26 @@ def test_a_dataset_comes_back_as_it_was_read(tmp_path: Path):
     session = session_of(drive(tmp_path))
     there = call(load, session, allowance=ENOUGH, what="reading")
     assert there.fingerprint == load(session).fingerprint
+
+
+def large() -> tuple[np.ndarray, np.ndarray, str]:
+    return np.arange(4_000_000), np.full(100_001, 0.5), "beside them"
+
+
+@pytest.mark.skipif(not hasattr(os, "memfd_create"), reason="memory is shared on Linux only")
+def test_large_arrays_come_in_shared_memory_and_not_through_the_socket():
+    process = Process(ENOUGH)
+    try:
+        numbers, halves, text = process.call(large, what="making")
+        assert np.array_equal(numbers, np.arange(4_000_000))
+        assert halves.shape == (100_001,)
+        assert (halves == 0.5).all()
+        assert text == "beside them"
+        assert not numbers.flags.writeable  # what is mapped, rather than copied, is read-only
+        assert process.call(process_id, what="asking") != os.getpid()  # and it goes on to answer
+    finally:
+        process.end()
+    assert int(numbers[-1]) == 3_999_999  # the memory outlives the process
 
 
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="memory is limited on Linux only")
