@@ -74,7 +74,7 @@ bench: $(DEVELOP) chromium $(RIVALS) $(MOTMETRICS)
 COMPILE = .venv-tools/bin/uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-header $(PINS) pyproject.toml
 
 pins: $(TOOLS)
-	$(COMPILE) --extra app --output-file requirements.txt
+	$(COMPILE) --extra login --output-file requirements.txt
 	$(COMPILE) --extra dev --constraint requirements.txt --output-file requirements-dev.txt
 	$(COMPILE:pyproject.toml=) --group pyproject.toml:build --constraint requirements.txt --output-file requirements-build.txt
 	$(COMPILE:pyproject.toml=) --group pyproject.toml:tools --output-file scripts/requirements-tools.txt

@@ -6,6 +6,8 @@ from pathlib import Path
 import streamlit as st
 from starlette.middleware import Middleware
 
+from ui.access.login import login
+from ui.serving.gate import Gate, OwnPages
 from ui.serving.headers import SecureHeaders
 from ui.serving.life import lifespan
 from ui.serving.visitors import VisitorLimits
@@ -17,11 +19,16 @@ from ui.shell.messages import error_banner
 # look through all that the imports have left, for a fifth of a second.
 gc.freeze()
 
+log_in = login()
+
 app = st.App(
     Path(__file__).parent / "ui" / "main.py",
+    secrets=None if log_in is None else {"auth": dict(log_in.section)},
     routes=ROUTES,
     middleware=[
         Middleware(SecureHeaders),
+        Middleware(OwnPages),
+        Middleware(Gate),
         Middleware(VisitorLimits, limits=limits_of_environment()),
     ],
     lifespan=lifespan,

@@ -8,10 +8,15 @@ from typing import Final, Literal
 
 from nvcore.errors import MissingExtraError
 
-Extra = Literal["app", "report"]
+Extra = Literal["app", "login", "report"]
 
 REPORT: Final = ("av", "cv2", "jinja2", "plotly", "tsdownsample")
-PACKAGES: Final[dict[Extra, tuple[str, ...]]] = {"report": REPORT, "app": (*REPORT, "streamlit")}
+APP: Final = (*REPORT, "streamlit")
+PACKAGES: Final[dict[Extra, tuple[str, ...]]] = {
+    "report": REPORT,
+    "app": APP,
+    "login": (*APP, "authlib", "httpx"),
+}
 """Names by which the packages of each extra of pyproject.toml are imported."""
 
 

@@ -28,7 +28,8 @@ def test_the_extras_bring_what_their_parts_import():
     }
     assert of["report"] == named(extras["report"])
     assert of["app"] == named(extras["app"]) - {"nvcore"} | of["report"]
-    assert not of["app"] & named(PROJECT["dependencies"])
+    assert of["login"] == named(extras["login"]) - {"nvcore"} | of["app"]
+    assert not of["login"] & named(PROJECT["dependencies"])
 
 
 def test_a_missing_package_is_told_with_its_extra():

@@ -7,7 +7,7 @@ import streamlit as st
 from nvcore.errors import NvcoreError
 from ui.ratings import links
 from ui.session import state
-from ui.shell import back, live_params, sidebar, tab_restore
+from ui.shell import account, back, live_params, sidebar, tab_restore
 from ui.shell.messages import error_banner, shown_error
 from ui.shell.navigate import follow_wish
 from ui.shell.pages import all_pages, draw_bar, shown_on
@@ -21,6 +21,10 @@ st.set_page_config(
 st.logo(str(state.ROOT / "ui" / "assets" / "logo.svg"), size="large")
 for name in ("style", "measures"):
     st.html(state.ROOT / "ui" / "assets" / f"{name}.css")
+
+if not account.is_welcome():
+    account.draw_farewell()
+    st.stop()
 
 pages = all_pages()
 page = st.navigation(pages, position="hidden")
@@ -51,3 +55,4 @@ if wrong_params is not None and not links.is_participant():  # something is open
     with st.sidebar:
         tab_restore.draw()
         back.draw()
+        account.draw()

@@ -31,12 +31,19 @@ PACKAGE = Path(__file__).resolve().parents[1]
     help="Where to listen. Default: localhost, this computer alone; 0.0.0.0 is every network.",
 )
 @click.option("--port", type=click.IntRange(1, 65535), help="Default: 8501, or the next free one.")
+@click.option(
+    "--login",
+    type=click.Path(exists=True, dir_okay=False, path_type=Path),
+    metavar="FILE",
+    help="Visitors log in by OpenID Connect, as the section [auth] of this TOML file says.",
+)
 @click.option("--no-browser", is_flag=True, help="Start without opening a browser.")
 def app(
     session: Path | None,
     local_root: Path | None,
     address: str | None,
     port: int | None,
+    login: Path | None,
     no_browser: bool,
 ) -> None:
     """Start the dashboard; Ctrl+C ends it.
@@ -58,6 +65,7 @@ def app(
     flags += ["--server.headless=true"] if no_browser else []
     given = [] if session is None else [f"--session={_checked(session)}"]
     given += [] if local_root is None else [f"--local-root={local_root.absolute()}"]
+    given += [] if login is None else [f"--login={login.absolute()}"]
     with suppress(KeyboardInterrupt, click.Abort):  # the way to end it
         streamlit(
             ["run", str(dashboard() / "app.py"), *flags, "--", *given],

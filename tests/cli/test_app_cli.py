@@ -37,12 +37,18 @@ def test_session_and_folder_are_for_the_app_the_rest_for_the_server(
     started: list[list[str]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     monkeypatch.chdir(SAMPLE.parent)
+    login = tmp_path / "auth.toml"
+    login.write_text("[auth]")
     result = nvcore("app", "session.toml", "--local-root", tmp_path, "--port", "8600",
-                    "--address", "0.0.0.0", "--no-browser")  # fmt: skip
+                    "--address", "0.0.0.0", "--login", login, "--no-browser")  # fmt: skip
     assert result.exit_code == 0
     (arguments,) = started
     cut = arguments.index("--")
-    assert arguments[cut + 1 :] == [f"--session={SAMPLE}", f"--local-root={tmp_path}"]
+    assert arguments[cut + 1 :] == [
+        f"--session={SAMPLE}",
+        f"--local-root={tmp_path}",
+        f"--login={login}",
+    ]
     assert {"--server.port=8600", "--server.address=0.0.0.0", "--server.headless=true"} <= set(
         arguments[:cut]
     )

@@ -27,9 +27,9 @@ IDLE_S: Final = 60.0
 """How long an upload may send nothing."""
 TRY_AGAIN_LATER: Final = 1013
 """Close code of a WebSocket."""
-_STREAM: Final = "/_stcore/stream"
-_METRICS: Final = "/_stcore/metrics"
-_UPLOAD: Final = re.compile(r"/_stcore/upload_file/(?P<session>[^/]+)/[^/]+$")
+STREAM: Final = "/_stcore/stream"
+METRICS: Final = "/_stcore/metrics"
+UPLOAD: Final = re.compile(r"/_stcore/upload_file/(?P<session>[^/]+)/[^/]+$")
 
 
 class VisitorLimits:
@@ -43,11 +43,11 @@ class VisitorLimits:
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """ASGI."""
         path = str(scope.get("path", ""))
-        if scope["type"] == "websocket" and path.endswith(_STREAM):
+        if scope["type"] == "websocket" and path.endswith(STREAM):
             await self._visit(scope, receive, send)
             return
         if scope["type"] == "http":
-            upload = _UPLOAD.search(path)
+            upload = UPLOAD.search(path)
             if upload is not None and scope["method"] == "PUT":
                 await self._upload(upload["session"], scope, receive, send)
                 return
@@ -96,7 +96,7 @@ class VisitorLimits:
 
     def _refusal(self, path: str, scope: Scope) -> PlainTextResponse | None:
         """Why this is not answered; None: it is."""
-        if path.endswith(_METRICS) and not _may_read_metrics(Headers(scope=scope)):
+        if path.endswith(METRICS) and not _may_read_metrics(Headers(scope=scope)):
             return _answer(HTTPStatus.NOT_FOUND, "not found")
         most = self.limits.max_visitors
         if self._n_visitors >= most and "text/html" in Headers(scope=scope).get("accept", ""):

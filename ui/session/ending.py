@@ -80,6 +80,13 @@ def watch(what: Closable, is_alive: Callable[[], bool], *, session_id: str | Non
         _watched.append(_Watched(weakref.ref(what), is_alive, session_id))
 
 
+def of_session(session_id: str) -> list[Closable]:
+    """What ends with this session."""
+    with _lock:
+        things = [entry.what() for entry in _watched if entry.session_id == session_id]
+    return [what for what in things if what is not None]
+
+
 def is_in_use(what: Closable) -> bool:
     """Whether the browser of a session that has this is there."""
     with _lock:

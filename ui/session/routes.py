@@ -1,8 +1,9 @@
 """What the browser fetches and sends beside the page: frames, boxes, uploads of pictures.
 
-Routes run outside the session, so a workspace's token in the address is their guard: without the
-token of a living session everything is "not found". No address holds a path of the machine. All
-lie below the app's base path (``server.baseUrlPath``), where it has one.
+Routes run outside the session. Without the token of a living session in the address everything is
+"not found", and the token of somebody else's session, where people log in, is of no use. No address
+holds a path of the machine. All lie below the app's base path (``server.baseUrlPath``), where it
+has one.
 
     GET /overview                                    the page that the app opens on
     GET /nv/TOKEN/frame/RECORDING/ROW.jpg?lo=&hi=    picture of a row of a recording
@@ -15,7 +16,6 @@ from __future__ import annotations
 import math
 from http import HTTPStatus
 from typing import Final
-from urllib.parse import urlsplit
 
 import streamlit as st
 from starlette.concurrency import run_in_threadpool
@@ -25,6 +25,8 @@ from starlette.routing import Route
 
 from nvcore.errors import MediaError
 from nvcore.pictures.stretch import jpeg
+from ui.access.origins import is_own_origin
+from ui.access.people import is_same, key_of
 from ui.session.packed_boxes import pack_boxes
 from ui.session.uploads import SLOTS, UploadError, receive
 from ui.session.workspace import Workspace, workspace_of
@@ -44,6 +46,8 @@ GUARDS: Final = {
 async def frame(request: Request) -> Response:
     """The picture that shows a row of a recording, stretched to lie between two percentiles."""
     space = workspace_of(request.path_params["token"])
+    if not _is_owner(request, space):
+        return _of_somebody_else()
     lo, hi = _percentile(request, "lo", 0.0), _percentile(request, "hi", 100.0)
     if lo is None or hi is None or lo >= hi:
         return _text(HTTPStatus.BAD_REQUEST, "lo and hi: expected 0 <= lo < hi <= 100")
@@ -66,6 +70,8 @@ async def frame(request: Request) -> Response:
 async def boxes(request: Request) -> Response:
     """Boxes of a stretch of rows of a recording, as `pack_boxes` packs them."""
     space = workspace_of(request.path_params["token"])
+    if not _is_owner(request, space):
+        return _of_somebody_else()
     compared = None if space is None else space.compared
     if compared is None:
         return _not_found("the session has ended, or nothing is compared yet")
@@ -86,9 +92,11 @@ async def boxes(request: Request) -> Response:
 
 async def upload(request: Request) -> Response:
     """Take one file of pictures, or a video, into the session's folder, as it comes."""
-    if not _is_same_origin(request):
+    if not _is_own_page(request):
         return _text(HTTPStatus.FORBIDDEN, "uploads come from the app's own page only")
     space = workspace_of(request.path_params["token"])
+    if not _is_owner(request, space):
+        return _of_somebody_else()
     if space is None or request.path_params["slot"] not in SLOTS:
         return _not_found("the session has ended; load the page again")
     stated = request.headers.get("content-length", "")
@@ -158,12 +166,21 @@ def _percentile(request: Request, name: str, default: float) -> float | None:
     return value if math.isfinite(value) and 0 <= value <= 100 else None
 
 
-def _is_same_origin(request: Request) -> bool:
+def _is_owner(request: Request, space: Workspace | None) -> bool:
+    """Whether the person with this browser may use the workspace; also where there is none."""
+    key = key_of(request.cookies)
+    return key is not None and (space is None or is_same(space.owner, key))
+
+
+def _of_somebody_else() -> Response:
+    return _text(HTTPStatus.FORBIDDEN, "log in as the one whose session this is")
+
+
+def _is_own_page(request: Request) -> bool:
     """Whether our own page sends this; programs other than browsers state no origin."""
     if request.headers.get("sec-fetch-site", "same-origin") not in ("same-origin", "none"):
         return False
-    origin = request.headers.get("origin")
-    return origin is None or urlsplit(origin).netloc == request.headers.get("host", "")
+    return is_own_origin(request.headers.get("origin"), request.headers.get("host"))
 
 
 def _headers(cache_control: str) -> dict[str, str]:

@@ -21,6 +21,7 @@ from nvcore.params import SETTINGS, Params
 from nvcore.params.metadata import MATCH, PROXIMITY, SALIENT, THRESHOLD
 from nvcore.pictures.recordings import session_pictures
 from nvcore.protocols import Protocol
+from ui.access.people import is_same
 from ui.session.address import PLACE, changed_parameters, read_parameters, read_place, read_systems
 from ui.session.ending import end_with_session, is_in_use
 from ui.session.opening import load_for, with_systems
@@ -93,6 +94,8 @@ def restore(token: str) -> None:
     """Go on with the workspace of that token, unless another page uses it."""
     space = workspace_of(token)
     if space is None or space.opened is None or is_in_use(space):
+        return
+    if not is_same(space.owner, workspace().owner):
         return
     st.session_state["workspace"] = space
     end_with_session(space)

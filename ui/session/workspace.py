@@ -18,9 +18,10 @@ from nvcore.dataset import Dataset
 from nvcore.inputs.session import Session
 from nvcore.pictures.base import Pictures
 from nvcore.pictures.recordings import RecordingPictures
+from ui.access.people import owner_of_session
 from ui.confined.pictures import PictureProcess
 from ui.session.cache import Caching
-from ui.session.ending import end_with_session
+from ui.session.ending import end_with_session, of_session
 from ui.session.folders import new_folder
 
 PICTURES: Final = "pictures"
@@ -73,12 +74,14 @@ class Workspace(Caching):
     """One per browser session; lives in ``st.session_state`` and ends with it.
 
     The frame, box and upload routes find it by its token, which only the session's own browser
-    knows: that is their only guard.
+    knows, and are for its owner alone.
 
     Attributes
     ----------
     token
         Unguessable name of the workspace in URLs.
+    owner
+        Key of the person who has logged in (`ui.access.people`); empty where nobody has to.
     folder
         Own folder for uploads, mode 0700; gone when the workspace is.
     opened
@@ -110,6 +113,7 @@ class Workspace(Caching):
 
     def __init__(self) -> None:
         super().__init__()
+        self.owner = owner_of_session()
         self.token = secrets.token_urlsafe(24)
         self.folder = new_folder()
         self.opened: Opened | None = None
@@ -207,6 +211,12 @@ class Workspace(Caching):
 def workspace_of(token: str) -> Workspace | None:
     """The workspace with that token; None where the session has ended or never was."""
     return _workspaces.get(token)
+
+
+def workspace_of_session(session_id: str) -> Workspace | None:
+    """The workspace of a session of Streamlit's; None where it has none yet, or has ended."""
+    spaces = (space for space in of_session(session_id) if isinstance(space, Workspace))
+    return next(spaces, None)
 
 
 def opened_by_others(space: Workspace) -> list[Opened]:

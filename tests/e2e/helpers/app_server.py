@@ -63,18 +63,23 @@ def serve(script: Path, *, base: str = "") -> Iterator[str]:
 
 @contextmanager
 def serving(
-    command: list[str], *, cwd: Path, environment: dict[str, str], base: str = ""
+    command: list[str],
+    *,
+    cwd: Path,
+    environment: dict[str, str],
+    base: str = "",
+    port: int | None = None,
 ) -> Iterator[tuple[str, subprocess.Popen[bytes]]]:
     """Address and process of a server, once it answers.
 
     Parameters
     ----------
     command
-        Starts it; a free port is put at its end.
+        Starts it; the port is put at its end.
+    port
+        None: a free one.
     """
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
+    port = free_port() if port is None else port
     # what the server logs as an error is shown with the test that failed
     server = subprocess.Popen(
         [*command, str(port)], cwd=cwd, env=environment, stdout=subprocess.DEVNULL
@@ -90,6 +95,14 @@ def serving(
         except subprocess.TimeoutExpired:
             server.kill()
             server.wait()
+
+
+def free_port() -> int:
+    """A port that nobody listens on."""
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port: int = free.getsockname()[1]
+        return port
 
 
 def _wait_for(url: str, server: subprocess.Popen[bytes]) -> None:

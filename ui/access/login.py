@@ -1,0 +1,236 @@
+"""How visitors log in, as the operator sets it up; nobody has to where it is not.
+
+    [auth]                        # as Streamlit's st.login takes it, in a TOML file
+    redirect_uri = "https://tools.example.com/nvcore/oauth2callback"
+    cookie_secret = "..."         # 32 random characters or more
+    client_id = "nvcore"
+    client_secret = "..."
+    server_metadata_url = "https://id.example.com/.well-known/openid-configuration"
+    allow = ["example.com", "anna@partner.example"]
+    hours = 12
+
+The file is the one that ``nvcore app --login FILE`` or `VARIABLE` names, else Streamlit's own
+``secrets.toml``. What is wrong with it ends the start: a server never opens without the log-in
+that was asked for.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any, Final
+from urllib.parse import urlsplit
+
+import streamlit as st
+from streamlit.auth_util import get_secrets_auth_section, is_authlib_installed
+
+from nvcore.errors import InputError
+from nvcore.extras import needs
+from ui.settings.start import argument
+
+FLAG: Final = "--login"
+VARIABLE: Final = "NVCORE_LOGIN"
+CALLBACK: Final = "/oauth2callback"
+HOURS: Final = 12.0
+MAX_HOURS: Final = 24.0 * 30
+"""As long as Streamlit's cookie."""
+SECRET_CHARACTERS: Final = 32
+DEFAULT: Final = "default"
+"""Streamlit's name of the provider whose keys stand in ``[auth]`` itself."""
+PROVIDER_KEYS: Final = ("client_id", "client_secret", "server_metadata_url")
+LOCAL: Final = ("localhost", "127.0.0.1", "::1")
+
+
+@dataclass(frozen=True)
+class Login:
+    """How visitors log in.
+
+    Attributes
+    ----------
+    section
+        All of ``[auth]``, for Streamlit.
+    providers
+        Names of the providers to choose from.
+    cookie_secret
+        Signs the cookie that says who a browser's user is.
+    redirect_uri
+        Where the provider sends the browser to, as the browser sees it.
+    allow
+        E-mail addresses and domains, in lower case; None: everybody whom the provider knows.
+    hours
+        How long a log-in lasts.
+    """
+
+    section: Mapping[str, Any]
+    providers: tuple[str, ...]
+    cookie_secret: str
+    redirect_uri: str
+    allow: frozenset[str] | None
+    hours: float
+
+    @property
+    def origin(self) -> str:
+        """Of the app, as the browser sees it."""
+        parts = urlsplit(self.redirect_uri)
+        return f"{parts.scheme}://{parts.netloc}"
+
+    @property
+    def is_secure(self) -> bool:
+        """Whether cookies may be kept to TLS."""
+        return self.redirect_uri.startswith("https://")
+
+    def admits(self, email: str) -> bool:
+        """Whether somebody of this e-mail address, verified by the provider, may enter."""
+        if self.allow is None:
+            return True
+        name, _, domain = email.lower().rpartition("@")
+        if not email.isascii() or not name or "@" in name:
+            return False
+        return f"{name}@{domain}" in self.allow or domain in self.allow
+
+
+@cache
+def login() -> Login | None:
+    """How visitors log in, read once; None: nobody has to.
+
+    Raises
+    ------
+    InputError
+        If it is set up in a way that cannot work.
+    MissingExtraError
+        If the packages for it are missing.
+    """
+    path = argument(FLAG, VARIABLE)
+    section = _section_of(Path(path)) if path else _section_of_secrets()
+    if section is None:
+        return None
+    with needs("login", "log-in needs"):
+        import authlib  # noqa: F401
+        import httpx  # noqa: F401
+    if not is_authlib_installed():
+        raise InputError("log-in needs a newer Authlib: pip install --upgrade 'nvcore[login]'")
+    return read_login(section, file=path or "secrets.toml", base=base_path())
+
+
+def base_path() -> str:
+    """The path that the app is served below, as the start of an address; empty: none."""
+    base = str(st.get_option("server.baseUrlPath") or "").strip("/")
+    return f"/{base}" if base else ""
+
+
+def read_login(section: Mapping[str, Any], *, file: str, base: str = "") -> Login:
+    """Check ``[auth]``.
+
+    Parameters
+    ----------
+    file
+        Where it stands, for errors.
+    base
+        Path that the app is served below, with the slash before it.
+
+    Raises
+    ------
+    InputError
+        If it cannot work.
+    """
+    wrong = _Wrong(file)
+    redirect_uri = wrong.text(section, "redirect_uri").replace(
+        "{port}", str(st.get_option("server.port"))
+    )
+    parts = urlsplit(redirect_uri)
+    if parts.scheme not in ("http", "https") or not parts.hostname:
+        raise wrong(f"redirect_uri: expected https://HOST{base}{CALLBACK}, got {redirect_uri!r}")
+    if parts.path != f"{base}{CALLBACK}" or parts.query or parts.fragment:
+        raise wrong(
+            f"redirect_uri: expected a path {base}{CALLBACK} (server.baseUrlPath and {CALLBACK}), "
+            f"got {parts.path!r}"
+        )
+    if parts.scheme == "http" and parts.hostname not in LOCAL:
+        raise wrong("redirect_uri: expected https, since cookies can be read on the way by http")
+    secret = wrong.text(section, "cookie_secret")
+    if len(secret) < SECRET_CHARACTERS:
+        raise wrong(
+            f"cookie_secret: expected {SECRET_CHARACTERS} random characters or more, got "
+            f"{len(secret)}; python -c 'import secrets; print(secrets.token_urlsafe(32))' makes one"
+        )
+    named = {name: of for name, of in section.items() if isinstance(of, Mapping)}
+    named.pop("client_kwargs", None)
+    if any(key in section for key in PROVIDER_KEYS):
+        named = {DEFAULT: section, **named}
+    if not named:
+        raise wrong(f"expected {', '.join(PROVIDER_KEYS)}")
+    for name, provider in named.items():
+        if "_" in name:
+            raise wrong(f"provider {name!r}: expected a name without underscores")
+        for key in PROVIDER_KEYS:
+            wrong.text(provider, key)
+    hours = section.get("hours", HOURS)
+    if isinstance(hours, bool) or not isinstance(hours, int | float) or not 0 < hours <= MAX_HOURS:
+        raise wrong(f"hours: expected a number above 0, {MAX_HOURS:g} at most, got {hours!r}")
+    return Login(
+        section=section,
+        providers=tuple(named),
+        cookie_secret=secret,
+        redirect_uri=redirect_uri,
+        allow=_allowed(section.get("allow"), wrong),
+        hours=float(hours),
+    )
+
+
+def _allowed(given: Any, wrong: _Wrong) -> frozenset[str] | None:
+    if given is None:
+        return None
+    if not isinstance(given, list) or not given:
+        raise wrong('allow: expected a list such as ["example.com", "anna@partner.example"]')
+    allow = set()
+    for entry in given:
+        text = entry.strip().lower().removeprefix("@") if isinstance(entry, str) else ""
+        name, at, domain = text.rpartition("@")
+        is_whole = text.isascii() and "." in domain and not set(text) & set(" *,/")
+        if not is_whole or (at and not name) or "@" in name:
+            raise wrong(f"allow: expected an e-mail address or a domain, got {entry!r}")
+        allow.add(text)
+    return frozenset(allow)
+
+
+class _Wrong:
+    """Errors in one file."""
+
+    def __init__(self, file: str) -> None:
+        self._file = file
+
+    def __call__(self, message: str) -> InputError:
+        return InputError(f"[auth]: {message}", file=self._file)
+
+    def text(self, section: Mapping[str, Any], key: str) -> str:
+        value = section.get(key)
+        if not isinstance(value, str) or not value.strip():
+            raise self(f"{key}: expected a text, got {value!r}" if value else f"{key} is missing")
+        return value
+
+
+def _section_of(path: Path) -> Mapping[str, Any]:
+    section = _read(path).get("auth")
+    if not isinstance(section, dict):
+        raise InputError("has no section [auth]", file=path)
+    return section
+
+
+def _section_of_secrets() -> Mapping[str, Any] | None:
+    for name in st.get_option("secrets.files"):
+        if Path(name).is_file():
+            _read(Path(name))  # Streamlit takes one that it cannot read for none
+    section = get_secrets_auth_section()
+    return section.to_dict() if section else None
+
+
+def _read(path: Path) -> dict[str, Any]:
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"cannot be read ({error.strerror})", file=path) from error
+    except ValueError as error:  # not TOML, or not UTF-8
+        raise InputError(f"is not TOML: {error}", file=path) from error

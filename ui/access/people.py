@@ -1,0 +1,147 @@
+"""Who a browser's user is: what the cookie says that Streamlit signed after the log-in.
+
+Streamlit checks the cookie once, when a session begins. Here it is checked with each request and
+each message: its signature, its age, that it is for this address, that its user did not log out,
+and that the user may enter at all.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import secrets
+import threading
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import partial
+from typing import Any, Final
+
+import streamlit as st
+from streamlit.auth_util import get_cookie_with_chunks
+from streamlit.web.server.starlette.starlette_app_utils import decode_signed_value
+from streamlit.web.server.starlette.starlette_server_config import USER_COOKIE_NAME
+
+from nvcore.errors import NvcoreError
+from ui.access.login import Login, login
+
+NOBODY: Final = ""
+"""Who everybody is where there is no log-in."""
+
+
+@dataclass(frozen=True)
+class Person:
+    """Somebody who has logged in.
+
+    Attributes
+    ----------
+    key
+        Stands for provider, issuer and subject: the same for all log-ins of a person.
+    log_in
+        Stands for this log-in.
+    email
+        Verified by the provider; empty: there is none.
+    may_enter
+        Whether the operator lets this person in.
+    """
+
+    key: str
+    log_in: str
+    email: str
+    may_enter: bool
+
+
+_ended: dict[str, float] = {}
+"""Log-ins whose users have logged out, with the time: a copy of their cookie is worth nothing."""
+_lock = threading.Lock()
+
+
+def person_of(cookies: Mapping[str, str], by: Login) -> Person | None:
+    """Who has logged in with the browser that has these cookies; None: nobody."""
+    signed = get_cookie_with_chunks(partial(_decoded, cookies, by), USER_COOKIE_NAME)
+    if signed is None:
+        return None
+    log_in = hashlib.sha256(signed).hexdigest()
+    with _lock:
+        if log_in in _ended:
+            return None
+    try:
+        claims = json.loads(signed)
+    except ValueError:
+        return None
+    if not isinstance(claims, dict) or claims.get("origin") != by.origin:
+        return None
+    who = [claims.get(name) for name in ("provider", "iss", "sub")]
+    if claims.get("is_logged_in") is not True or not all(isinstance(part, str) for part in who):
+        return None
+    email = _verified_email(claims)
+    return Person(
+        key=hashlib.sha256(json.dumps(who).encode()).hexdigest(),
+        log_in=log_in,
+        email=email,
+        may_enter=by.admits(email),
+    )
+
+
+def key_of(cookies: Mapping[str, str]) -> str | None:
+    """Key of the person who may enter with these cookies; None: nobody may.
+
+    Where there is no log-in, everybody may, as `NOBODY`.
+    """
+    by = login()
+    if by is None:
+        return NOBODY
+    person = person_of(cookies, by)
+    return person.key if person is not None and person.may_enter else None
+
+
+def owner_of_session() -> str:
+    """Key of the person of the running session.
+
+    Raises
+    ------
+    NvcoreError
+        If nobody has logged in: the gate lets no session begin without.
+    """
+    if login() is None:
+        return NOBODY
+    key = key_of(st.context.cookies)
+    if key is None:
+        raise NvcoreError("The log-in has ended. Load the page again to log in.")
+    return key
+
+
+def is_same(owner: str, key: str | None) -> bool:
+    """Whether somebody of this key is the owner; takes as long whatever the keys are."""
+    return key is not None and secrets.compare_digest(owner.encode(), key.encode())
+
+
+def end_log_in(cookies: Mapping[str, str]) -> None:
+    """From now on nobody gets in with these cookies."""
+    by = login()
+    person = None if by is None else person_of(cookies, by)
+    if by is None or person is None:
+        return
+    now = time.time()
+    with _lock:
+        for log_in, ended in list(_ended.items()):  # the oldest first
+            if now - ended < 3600 * by.hours:
+                break
+            del _ended[log_in]
+        _ended[person.log_in] = now
+
+
+def _decoded(cookies: Mapping[str, str], by: Login, name: str) -> bytes | None:
+    value = cookies.get(name)
+    if value is None:
+        return None
+    try:
+        signed = value.encode("latin-1")
+    except UnicodeEncodeError:
+        return None
+    return decode_signed_value(by.cookie_secret, name, signed, max_age_days=by.hours / 24)
+
+
+def _verified_email(claims: Mapping[str, Any]) -> str:
+    email = claims.get("email")
+    return email if isinstance(email, str) and claims.get("email_verified") is True else ""

@@ -1,0 +1,234 @@
+"""Lets in only who has logged in, and only pages of its own: all requests pass here first.
+
+Everything is closed but the way to the provider and back. A page answers with the button to log
+in, whatever else with 401; a WebSocket is told to load the page anew, at once where the log-in
+ends while it is open.
+"""
+
+from __future__ import annotations
+
+from http import HTTPStatus
+from typing import Final
+from urllib.parse import quote, unquote
+
+from starlette.datastructures import Headers, MutableHeaders
+from starlette.requests import HTTPConnection
+from starlette.responses import HTMLResponse, PlainTextResponse, RedirectResponse, Response
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+from streamlit.proto.ForwardMsg_pb2 import ForwardMsg
+from streamlit.user_info import generate_login_redirect_url
+
+from ui.access.login import CALLBACK, Login, base_path, login
+from ui.access.origins import is_own_host, is_own_origin
+from ui.access.page import (
+    LOG_IN,
+    LOG_OUT,
+    NEXT,
+    PROVIDER,
+    is_own_address,
+    log_in_page,
+    refusal_page,
+)
+from ui.access.people import Person, end_log_in, is_same, key_of, person_of
+from ui.serving.visitors import METRICS, STREAM, UPLOAD
+from ui.session.workspace import workspace_of_session
+
+HEALTH: Final = "/_stcore/health"
+HOST_CONFIG: Final = "/_stcore/host-config"
+"""Without it a page whose connection broke does not try again."""
+WANTED: Final = "nvcore_wanted"
+"""Cookie with the address that was asked for before the log-in."""
+WANTED_S: Final = 600
+SAFE: Final = ("GET", "HEAD", "OPTIONS")
+POLICY_VIOLATION: Final = 1008
+"""Close code of a WebSocket."""
+PRIVATE: Final = {"Cache-Control": "no-store"}
+
+
+class OwnPages:
+    """Refuses what asks for another host, and what pages of others send."""
+
+    def __init__(self, app: ASGIApp):
+        self.app, self._health = app, f"{base_path()}{HEALTH}"
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """ASGI."""
+        if scope["type"] not in ("http", "websocket") or scope["path"] == self._health:
+            await self.app(scope, receive, send)
+            return
+        headers = Headers(scope=scope)
+        host, origin = headers.get("host"), headers.get("origin")
+        is_read = scope["type"] == "http" and scope["method"] in SAFE
+        if is_own_host(host) and (is_read or is_own_origin(origin, host)):
+            await self.app(scope, receive, send)
+        elif scope["type"] == "websocket":
+            await _refuse(receive, send)
+        else:
+            await _text(*_stranger(host))(scope, receive, send)
+
+
+def _stranger(host: str | None) -> tuple[HTTPStatus, str]:
+    if is_own_host(host):
+        return HTTPStatus.FORBIDDEN, "this server takes requests from its own pages only"
+    return (
+        HTTPStatus.MISDIRECTED_REQUEST,
+        "This server is not known by that name. Whoever runs it can allow the name: "
+        "STREAMLIT_SERVER_ALLOWED_HOSTS.",
+    )
+
+
+class Gate:
+    """Lets in only who has logged in, where there is a log-in."""
+
+    def __init__(self, app: ASGIApp):
+        self.app, self._login, self._base = app, login(), base_path()
+        ways = (CALLBACK, "/auth/login", LOG_OUT, HEALTH, HOST_CONFIG, METRICS)
+        self._open = {f"{self._base}{way}" for way in ways}
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """ASGI."""
+        by = self._login
+        if by is None or scope["type"] not in ("http", "websocket"):
+            await self.app(scope, receive, send)
+            return
+        cookies = HTTPConnection(scope).cookies
+        if scope["type"] == "websocket":
+            await self._connect(cookies, scope, receive, send)
+            return
+        send = _with_private_cookies(send, by)
+        path: str = scope["path"]
+        if path == f"{self._base}{LOG_OUT}":
+            end_log_in(cookies)
+        answer = None if path in self._open else self._answer(scope, person_of(cookies, by), by)
+        await (answer or self.app)(scope, receive, send)
+
+    def _answer(self, scope: Scope, person: Person | None, by: Login) -> Response | None:
+        """What is said instead of the app's answer; None: this is for the app."""
+        connection, path = HTTPConnection(scope), str(scope["path"])
+        if path == f"{self._base}{LOG_IN}":
+            return self._way_to_provider(connection, by)
+        if person is None or not person.may_enter:
+            return self._refusal(connection, scope["method"], person, by)
+        upload = UPLOAD.search(path)
+        if upload is not None and not _may_send(upload["session"], person.key):
+            return _text(HTTPStatus.FORBIDDEN, "the session is not yours")
+        wanted = unquote(connection.cookies.get(WANTED, ""))
+        if path in (self._base, f"{self._base}/") and wanted:
+            known = is_own_address(wanted, self._base)
+            back = RedirectResponse(wanted if known else f"{self._base}/", 302, PRIVATE)
+            back.delete_cookie(WANTED, path=f"{self._base}/")
+            return back
+        return None
+
+    def _refusal(
+        self, connection: HTTPConnection, method: str, person: Person | None, by: Login
+    ) -> Response:
+        status = HTTPStatus.UNAUTHORIZED if person is None else HTTPStatus.FORBIDDEN
+        if method != "GET" or "text/html" not in connection.headers.get("accept", ""):
+            return _text(status, "log in first" if person is None else "you may not enter")
+        if person is not None:
+            page = refusal_page(person.email, base=self._base)
+        else:
+            wanted = quote(connection.url.path)
+            wanted += f"?{connection.url.query}" if connection.url.query else ""
+            page = log_in_page(by.providers, base=self._base, wanted=wanted)
+        return HTMLResponse(page, status, PRIVATE)
+
+    def _way_to_provider(self, connection: HTTPConnection, by: Login) -> Response:
+        query = connection.query_params
+        provider = query.get(PROVIDER, by.providers[0])
+        if provider not in by.providers:
+            return _text(HTTPStatus.NOT_FOUND, "there is no such provider")
+        answer = RedirectResponse(generate_login_redirect_url(provider), 302, PRIVATE)
+        wanted = query.get(NEXT, "")
+        if is_own_address(wanted, self._base):
+            answer.set_cookie(
+                WANTED,
+                quote(wanted, safe=""),
+                max_age=WANTED_S,
+                path=f"{self._base}/",
+                httponly=True,
+                samesite="lax",
+            )
+        return answer
+
+    async def _connect(
+        self, cookies: dict[str, str], scope: Scope, receive: Receive, send: Send
+    ) -> None:
+        protocols = [
+            text.strip()
+            for text in Headers(scope=scope).get("sec-websocket-protocol", "").split(",")
+        ]
+        session = protocols[2] if len(protocols) > 2 else ""
+        key = key_of(cookies)
+        if not scope["path"].endswith(STREAM) or not protocols[0]:
+            await (self.app(scope, receive, send) if key else _refuse(receive, send))
+            return
+        if key is None or not _may_go_on(session, key):
+            await receive()
+            await send({"type": "websocket.accept", "subprotocol": protocols[0]})
+            await _send_away(send)
+            return
+        has_left = False
+
+        async def receive_from_person() -> Message:
+            nonlocal has_left
+            message = await receive()
+            if message["type"] == "websocket.receive" and key_of(cookies) is None:
+                await _send_away(send)
+                has_left = True
+                return {"type": "websocket.disconnect", "code": POLICY_VIOLATION}
+            return message
+
+        async def send_to_person(message: Message) -> None:
+            if not has_left:
+                await send(message)
+
+        await self.app(scope, receive_from_person, send_to_person)
+
+
+def _may_send(session: str, key: str) -> bool:
+    """Whether annotation files for this session of Streamlit's may come from this person."""
+    space = workspace_of_session(session)
+    return space is not None and is_same(space.owner, key)
+
+
+def _may_go_on(session: str, key: str) -> bool:
+    """Whether this person may connect to the session again."""
+    space = workspace_of_session(session) if session else None
+    return space is None or is_same(space.owner, key)
+
+
+async def _send_away(send: Send) -> None:
+    """Let the page be loaded anew: then it says who is asked for."""
+    message = ForwardMsg()
+    message.auth_redirect.url = ""  # whatever the address is
+    await send({"type": "websocket.send", "bytes": message.SerializeToString()})
+    await send({"type": "websocket.close", "code": POLICY_VIOLATION})
+
+
+async def _refuse(receive: Receive, send: Send) -> None:
+    await receive()
+    await send({"type": "websocket.close", "code": POLICY_VIOLATION})
+
+
+def _with_private_cookies(send: Send, by: Login) -> Send:
+    """Cookies go by TLS alone, where there is TLS; what is cached is for this log-in."""
+
+    async def send_private(message: Message) -> None:
+        if message["type"] == "http.response.start":
+            MutableHeaders(scope=message).add_vary_header("Cookie")
+            if by.is_secure:
+                message["headers"] = [
+                    (name, value if b"; secure" in value.lower() else value + b"; Secure")
+                    if name.lower() == b"set-cookie"
+                    else (name, value)
+                    for name, value in message["headers"]
+                ]
+        await send(message)
+
+    return send_private
+
+
+def _text(status: int, text: str) -> Response:
+    return PlainTextResponse(text, status, PRIVATE)
