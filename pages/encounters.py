@@ -1,36 +1,94 @@
 """Encounters: one row for each pedestrian that was met, how X and Y did, and why."""
 
+import pandas as pd
 import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.tables.result import encounters_table
-from ui.encounters import figures, filters, table
+from ui.encounters import address, details, figures, filters, selection, table
+from ui.session import state
+from ui.shell import back
 from ui.shell.messages import draw_warnings, needs_comparison
-from ui.widgets.text import docs_link
+from ui.widgets.text import docs_link, plain
 
 
 @st.fragment
 @needs_comparison
 def draw_filtered(result: Result) -> None:
     """What passes the filters; a filter that is moved redraws nothing but this."""
-    encounters = filters.draw(encounters_table(result))
-    table.draw(result, encounters)
-    figures.draw_classes(result, encounters)
+    encounters = encounters_table(result)
+    follow_link(encounters)
+    selection.go_along(result)
+    chosen, matching = filters.draw(encounters)
+    with st.container(key="encounters_review"):
+        left, right = st.columns([5, 4], gap="medium")
+        with left:
+            filters.draw_count(chosen, len(matching), len(encounters))
+        if matching.empty:
+            left.info("No encounter passes the filters: widen or clear them.")
+            order = table.order()
+        else:
+            with left:
+                order = table.draw_order()
+                listed = order.sort(matching)
+                encounter = selection.shown(listed)
+                table.draw(listed, encounter)
+                table.draw_map(matching)
+            with right:
+                details.draw(result, listed, encounter)
+    if not matching.empty:
+        figures.draw_classes(result, matching)
+    write_address(encounters, chosen, order)
+
+
+def follow_link(encounters: pd.DataFrame) -> None:
+    """Take filters, order and selection from the address that led here, or from another page."""
+    link = back.page_link()
+    if link is None:
+        return
+    choice, wrong = address.from_address(link, state.recording_names())
+    filters.take(choice.filters)
+    table.take_order(choice.order)
+    if choice.has_all_columns:
+        st.session_state[table.ALL_COLUMNS] = True
+    encounter = None
+    if choice.encounter is not None:
+        encounter = address.encounter_of(encounters, choice.encounter)
+        if encounter is None:
+            wrong = (*wrong, "there is no such encounter")
+    selection.take(encounter)
+    if wrong:
+        st.warning(
+            f"The address could not be followed in all: {plain('; '.join(wrong))}.",
+            icon=":material/link_off:",
+        )
+
+
+def write_address(encounters: pd.DataFrame, chosen: filters.Filters, order: table.Order) -> None:
+    """Keep the address in step with what is listed and selected."""
+    encounter = selection.selected()
+    is_listed = encounter is not None and chosen.keep(encounters.loc[[encounter]]).size
+    choice = address.Choice(
+        chosen,
+        order,
+        bool(st.session_state.get(table.ALL_COLUMNS, False)),
+        address.name_of(encounters, encounter) if is_listed else None,
+    )
+    state.write_address(address.to_address(choice), address.NAMES)
 
 
 @needs_comparison
 def draw(result: Result) -> None:
     """The encounters, and what the systems would be together."""
     if not len(result.encounters):
+        state.write_address()
         st.info("The truth has no pedestrians: there is nobody to meet, and nobody to miss.")
         return
     st.caption(
-        f"An {docs_link('encounter', 'encounters')} is one pedestrian of one recording, met once. "
-        "It counts in its *relevant* frames, those in which the pedestrian is near enough to "
-        "matter (k ≥ 0.5); without any it is *distant*. A system *detects* it by matching it in "
-        f"enough of them; the {docs_link('miss class', 'miss-classes')} says how it failed, "
-        f"the {docs_link('severity', 'severity')} what its failures weigh: seconds of a pedestrian "
-        "missed straight ahead and near."
+        f"An {docs_link('encounter', 'encounters')} is one pedestrian of one recording. It counts "
+        "while the pedestrian is near enough to matter, else it is *distant*. "
+        f"{docs_link('Severity', 'severity')}: seconds of a pedestrian missed straight ahead and "
+        f"near. {docs_link('Miss class', 'miss-classes')}: how a system failed."
     )
     draw_warnings(result)
     draw_filtered()
@@ -39,4 +97,6 @@ def draw(result: Result) -> None:
 
 
 st.title("Encounters")
+if state.result() is None:
+    state.write_address()
 draw()

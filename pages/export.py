@@ -1,4 +1,4 @@
-"""Export: the report's files, the session, a link, and frames as picture or video."""
+"""Export: a link, the report's files, the session, and frames as picture or video."""
 
 import streamlit as st
 
@@ -10,9 +10,9 @@ from ui.shell.messages import needs_comparison
 @needs_comparison
 def draw(result: Result) -> None:
     """Everything that can be taken away."""
+    link.draw()
     report.draw(result)
     html.draw(result)
-    link.draw()
     if frame.choose_frame(result):
         frame.draw(result)
         video.draw(result)

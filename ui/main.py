@@ -7,13 +7,16 @@ import streamlit as st
 from nvcore.errors import NvcoreError
 from ui.ratings import links
 from ui.session import state
-from ui.shell import account, back, live_params, sidebar, tab_restore
+from ui.shell import account, back, live_params, sidebar, tab_restore, title
 from ui.shell.messages import error_banner, shown_error
 from ui.shell.navigate import follow_wish
 from ui.shell.pages import all_pages, draw_bar, shown_on
 
+WRITE_ADDRESS = ("encounters", "metrics")
+"""Pages with more in their address, which they write by themselves, or leave as it is."""
+
 st.set_page_config(
-    page_title="nvcore",
+    page_title=title.last(),
     page_icon=str(state.ROOT / "ui" / "assets" / "icon.svg"),
     layout="wide",
     initial_sidebar_state="auto",
@@ -35,17 +38,21 @@ wrong_params = None
 try:
     follow_wish()
     state.begin_run()
+    back.follow()
     if not links.is_participant():
         with st.sidebar:  # before the page, so that its room is kept from the start
             sidebar.legend()
     wrong_params = live_params.read()
     if links.is_participant():
         live_params.keep_all_hidden()
-    elif page.url_path != "metrics":  # its address may name a section, which writing would drop
+    elif page.url_path not in WRITE_ADDRESS:
         state.write_address()
+    if not links.is_participant():
+        title.draw(page.title, page.url_path)
     if wrong := state.bad_link():
         st.warning(f"The link could not be followed in all: {wrong}.", icon=":material/link_off:")
     page.run()
+    back.page_link()  # it was for this page
 except NvcoreError as error:
     st.error(shown_error(error), icon=":material/error:")
 except Exception as error:  # noqa: BLE001  # the sidebar is drawn, or its widgets lose their values

@@ -88,6 +88,38 @@ def encounter_box(result: Result, encounter: int, row: int) -> np.ndarray:
     return np.array([truth.x[box], truth.y[box], truth.w[box], truth.h[box]])
 
 
+class EncounterTime(NamedTuple):
+    """How long a pedestrian counts in an encounter, and how long X and Y miss it; seconds."""
+
+    relevant_s: float
+    missed_s_x: float
+    missed_s_y: float
+
+
+def encounter_time(result: Result, encounter: int) -> EncounterTime:
+    """The time of the relevant frames of an encounter, and of those in which it is missed.
+
+    A distant encounter has none: all are 0. A track that occurs twice in a frame is one
+    pedestrian, matched if either box is.
+
+    Parameters
+    ----------
+    encounter
+        Row of ``result.encounters``.
+    """
+    encounters, frames = result.encounters, result.dataset.frame_columns
+    start, stop = encounters.offsets[encounter : encounter + 2]
+    rows, frame_row = encounters.order[start:stop], encounters.frame_index[start:stop]
+    is_relevant = result.k_truth.k[rows] >= RELEVANT_K
+    relevant = np.unique(frame_row[is_relevant])
+    missed = (
+        np.setdiff1d(relevant, frame_row[system.matches.is_matched[rows]])
+        for _, system in result.sides
+    )
+    fps = frames.fps[encounters.recording[encounter]]
+    return EncounterTime(*(float(frames.gap[some].sum() / fps) for some in (relevant, *missed)))
+
+
 def _twice(candidates: np.ndarray, keys: np.ndarray) -> np.ndarray:
     """Those of `candidates` that occur more than once in the sorted `keys`."""
     several = keys[1:][keys[1:] == keys[:-1]]

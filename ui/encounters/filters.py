@@ -11,6 +11,7 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.schema import CATEGORY_TEXT, MISS_CLASS_TEXT, Category, MissClass
+from nvcore.wording import shortened
 from ui.session import state
 from ui.widgets.table_columns import MISS_WORDS, category_words, class_words
 from ui.widgets.text import plain
@@ -18,8 +19,11 @@ from ui.widgets.text import plain
 CATEGORIES: Final = tuple(kind.value for kind in Category)
 CLASSES: Final = tuple(kind.value for kind in MissClass)
 SEVERITY_STEP_S: Final = 0.05
-LINK: Final = "category"
-"""Name of the category in the page's address, and in the state that other pages hand over."""
+LISTS: Final = ("category", "class_x", "class_y", "recording")
+"""Names of the filters that are lists, and of those that are ranges."""
+RANGES: Final = ("position", "height", "pose")
+MOST_WORDS: Final = 80
+"""Characters of the filters in words; all of them are in the widgets."""
 
 
 @dataclass(frozen=True)
@@ -64,26 +68,66 @@ def key(name: str) -> str:
     return f"encounters_{name}_{state.opened().dataset.fingerprint[:12]}"
 
 
-def draw(encounters: pd.DataFrame) -> pd.DataFrame:
-    """Draw the filters; returns the encounters that pass."""
-    wrong = _take_category()
-    matching = _draw_widgets(encounters).keep(encounters)
-    _write_category(st.session_state[key("category")])
-    # on the left: the table's own tools come up on the right
-    count, clear, _ = st.columns([2, 1.4, 3], vertical_alignment="center")
-    count.markdown(f"**{len(matching):,}** of {len(encounters):,} encounters")
-    clear.button(
-        "Clear filters",
-        key="encounters_clear",
-        on_click=clear_filters,
-        type="tertiary",
-        icon=":material/filter_alt_off:",
-        disabled=len(matching) == len(encounters),
-        width="stretch",
-    )
-    if wrong:
-        st.warning(f"The address asks for unknown categories ({plain(wrong)}); they are left out.")
-    return matching
+def draw(encounters: pd.DataFrame) -> tuple[Filters, pd.DataFrame]:
+    """Draw the filters; returns them, and the encounters that pass."""
+    filters = _draw_widgets(encounters)
+    return filters, filters.keep(encounters)
+
+
+def draw_count(filters: Filters, n_matching: int, n_all: int) -> None:
+    """How many encounters pass, which filters are in use, and the way to all."""
+    with st.container(horizontal=True, vertical_alignment="center", gap="small"):
+        words = "; ".join(in_words(filters))
+        used = f" · {plain(shortened(words, MOST_WORDS))}" if words else ""
+        st.markdown(f"**{n_matching:,}** of {n_all:,} encounters{used}", width="content")
+        if filters != Filters():
+            st.button(
+                "Clear filters",
+                key="encounters_clear",
+                on_click=clear_filters,
+                type="tertiary",
+                icon=":material/filter_alt_off:",
+            )
+
+
+def in_words(filters: Filters) -> list[str]:
+    """The filters in use that are not in sight while they are folded."""
+    words = [
+        f"{name} {', '.join(chosen)}"
+        for name, chosen in (
+            ("X", [MISS_WORDS[kind] for kind in filters.classes_x]),
+            ("Y", [MISS_WORDS[kind] for kind in filters.classes_y]),
+            ("in", filters.recordings),
+        )
+        if chosen
+    ]
+    words += [
+        f"{name} {span[0]:g} to {span[1]:g}{unit}"
+        for name, span, unit in (
+            ("position", filters.position, ""),
+            ("height", filters.height_px, " px"),
+            ("pose", filters.pose_z, ""),
+        )
+        if span is not None
+    ]
+    if filters.least_severity_s > 0:
+        words.append(f"severity from {filters.least_severity_s:.2f} s")
+    return words
+
+
+def take(filters: Filters) -> None:
+    """Give the widgets these values, before they are drawn."""
+    clear_filters()
+    lists = (filters.categories, filters.classes_x, filters.classes_y, filters.recordings)
+    for name, chosen in zip(LISTS, lists, strict=True):
+        st.session_state[key(name)] = list(chosen)
+    for name, span in zip(
+        RANGES, (filters.position, filters.height_px, filters.pose_z), strict=True
+    ):
+        if span is not None:
+            st.session_state[key(name)] = span
+    if filters.least_severity_s > 0:
+        st.session_state[key("severity")] = filters.least_severity_s
 
 
 def set_classes(x: str | None, y: str | None) -> None:
@@ -96,39 +140,14 @@ def set_classes(x: str | None, y: str | None) -> None:
 
 def clear_filters() -> None:
     """List all encounters. For callbacks."""
-    for name in ("category", "class_x", "class_y", "recording"):
+    for name in LISTS:
         st.session_state[key(name)] = []
-    for name in ("position", "height", "pose", "severity"):
+    for name in (*RANGES, "severity"):
         st.session_state.pop(key(name), None)
 
 
-def _take_category() -> str:
-    """Preset the category by what another page or the address asks for; returns what is wrong."""
-    widget, handed = key("category"), st.session_state.pop(LINK, None)
-    link = st.query_params.get(LINK)
-    if handed is not None:
-        categories = [handed] if isinstance(handed, str) else list(handed)
-    elif link is not None and link != st.session_state.get("encounters_link"):
-        categories = link.split(",")
-    else:
-        return ""
-    st.session_state[widget] = [category for category in CATEGORIES if category in categories]
-    return ", ".join(category for category in categories if category not in CATEGORIES)
-
-
-def _write_category(categories: Sequence[str]) -> None:
-    """Keep the address in step, so that it can be passed on."""
-    link = ",".join(categories)
-    st.session_state["encounters_link"] = link
-    if link:
-        st.query_params[LINK] = link
-    else:
-        st.query_params.pop(LINK, None)
-
-
 def _draw_widgets(encounters: pd.DataFrame) -> Filters:
-    above, beside = st.columns([2, 1])
-    categories = above.pills(
+    categories = st.pills(
         "Detected by",
         CATEGORIES,
         selection_mode="multi",
@@ -137,8 +156,8 @@ def _draw_widgets(encounters: pd.DataFrame) -> Filters:
         persist_state="session",
         help=" ".join(f"*{category_words(kind)}*: {CATEGORY_TEXT[kind]}" for kind in Category),
     )
-    least_severity_s = _least_severity(beside, encounters)
-    left, middle, right = st.columns(3)
+    place = st.expander("More filters: how and where, recording, height, severity")
+    left, middle, right = place.columns(3)
     meaning = "  \n".join(f"*{class_words(kind)}*: {MISS_CLASS_TEXT[kind]}" for kind in MissClass)
     classes_x, classes_y = (
         column.multiselect(
@@ -185,8 +204,8 @@ def _draw_widgets(encounters: pd.DataFrame) -> Filters:
         "(sitting, cycling, pushing a pram), above 2 uncommonly narrow.",
     )
     return Filters(
-        *(categories, classes_x, classes_y, recordings, position, height_px, pose_z),
-        least_severity_s=least_severity_s,
+        *(tuple(chosen) for chosen in (categories, classes_x, classes_y, recordings)),
+        *(position, height_px, pose_z, _least_severity(place, encounters)),
     )
 
 
@@ -198,6 +217,7 @@ def _least_severity(place: st.delta_generator.DeltaGenerator, encounters: pd.Dat
     if not largest:
         return 0.0
     high = float(np.floor(largest / SEVERITY_STEP_S) + 1) * SEVERITY_STEP_S
+    _keep_within("severity", 0.0, round(high, 6))
     severity_s: float = place.slider(
         "Least severity (s)",
         0.0,
@@ -228,7 +248,19 @@ def _range(
     low = float(np.round(np.floor(values.min() / step) * step, 6))
     high = float(np.round(max(np.ceil(values.max() / step) * step, low + step), 6))
     form = "%.0f" if step >= 1 else "%.2f" if step < 0.1 else "%.1f"
+    _keep_within(name, low, high)
     ends: tuple[float, float] = place.slider(
         label, low, high, (low, high), step, form, key=key(name), help=text, persist_state="session"
     )
     return None if ends == (low, high) else ends
+
+
+def _keep_within(name: str, low: float, high: float) -> None:
+    """Move a slider's value to its ends where a link, or another setting, leaves it outside."""
+    value = st.session_state.get(key(name))
+    if value is None:
+        return
+    ends = value if isinstance(value, tuple) else (value,)
+    inside = tuple(min(max(end, low), high) for end in ends)
+    if inside != ends:
+        st.session_state[key(name)] = inside if isinstance(value, tuple) else inside[0]

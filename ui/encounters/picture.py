@@ -9,6 +9,7 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.overlay.annotate import LAYERS, annotate
+from nvcore.pictures import jpeg
 from nvcore.tables.moments import encounter_box
 from ui.session import drawing, state
 
@@ -22,6 +23,17 @@ ASPECT: Final = 1.6
 
 def draw(result: Result, encounter: int, row: int) -> None:
     """The part of a frame around the pedestrian; without pictures, the boxes on a blank."""
+    key = (state.workspace().version, drawing.stretch(), row, encounter)
+    content = state.cached(
+        "encounter_picture",
+        key,
+        lambda: _picture(result, encounter, row),
+        most=drawing.MOST_THUMBNAILS,
+    )
+    st.image(content, width="stretch", alt="The pedestrian with the boxes of truth, X and Y")
+
+
+def _picture(result: Result, encounter: int, row: int) -> bytes:
     recording, in_recording = state.place_of(row)
     pictures, picture = state.workspace().picture_of(recording, in_recording)
     lo, hi = drawing.stretch()
@@ -33,11 +45,8 @@ def draw(result: Result, encounter: int, row: int) -> None:
         annotated.shape[1] / frames.width[recording],
         annotated.shape[0] / frames.height[recording],
     )
-    st.image(
-        cut_out(annotated, encounter_box(result, encounter, row) * np.tile(scale, 2)),
-        width="stretch",
-        alt="The pedestrian with the boxes of truth, X and Y",
-    )
+    part = cut_out(annotated, encounter_box(result, encounter, row) * np.tile(scale, 2))
+    return jpeg(np.ascontiguousarray(part))
 
 
 def cut_out(picture: np.ndarray, xywh: np.ndarray) -> np.ndarray:

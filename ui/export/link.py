@@ -8,6 +8,8 @@ from urllib.parse import urlencode
 
 import streamlit as st
 
+from nvcore.inputs.session import Session
+from nvcore.params import Params
 from ui.session import state
 from ui.session.workspace import Opened
 from ui.widgets.text import plain
@@ -20,9 +22,9 @@ NO_STATE: Final = ("doc", "category")
 COMPLETE: Final = "It opens {} with these parameters, for everybody who can open this app."
 SAMPLE: Final = "the sample recordings"
 INCOMPLETE: Final = (
-    "It keeps parameters, recording and frame, but not the files that are open now: they belong to "
-    "this browser tab alone, and a new tab starts with {}. To let somebody else see this "
-    "comparison, send `session.toml` with its input files."
+    "**Works in this tab only.** The files that are open belong to it: elsewhere the link opens {} "
+    "with these parameters. To let somebody else see this comparison, send `session.toml` with its "
+    "input files."
 )
 
 
@@ -38,10 +40,14 @@ def draw() -> None:
         key="export_place",
     )
     params = state.link_to(state.recording(), state.row()) if place else dict(st.query_params)
-    st.code(link(st.context.url or "", place, params), language=None, wrap_lines=True)
     start = state.shared_start().opened
     name = SAMPLE if start.label == state.SAMPLE_LABEL else plain(start.label)
-    st.caption((COMPLETE if _is_as_it_starts(start) else INCOMPLETE).format(name))
+    is_complete = _is_as_it_starts(start)
+    if not is_complete:
+        st.warning(INCOMPLETE.format(name), icon=":material/tab:")
+    st.code(link(st.context.url or "", place, params), language=None, wrap_lines=True)
+    if is_complete:
+        st.caption(COMPLETE.format(name))
 
 
 def link(address: str, page: str, params: dict[str, str]) -> str:
@@ -58,5 +64,13 @@ def link(address: str, page: str, params: dict[str, str]) -> str:
 
 
 def _is_as_it_starts(start: Opened) -> bool:
-    """Whether what the app starts with is open as it comes: corrections are in no address."""
-    return state.opened().session == replace(start.session, protocol=state.protocol())
+    """Whether what the app starts with is open: corrections of the inputs are in no address."""
+    return _inputs(state.opened().session) == _inputs(start.session)
+
+
+def _inputs(session: Session) -> Session:
+    """The session without what an address holds: systems compared, thresholds, parameters."""
+    systems = tuple(replace(system, threshold=None) for system in session.systems)
+    return replace(
+        session, systems=systems, x=None, y=None, params=Params(), protocol=state.protocol()
+    )

@@ -13,7 +13,7 @@ from nvcore.figures.venn import MOST_MARKS, venn_figure
 from nvcore.tables.severity import weighed_encounters
 from ui.overview.scorecard import draw_as_set_note
 from ui.session import state
-from ui.shell.navigate import open_page, open_row
+from ui.shell.navigate import open_encounters, open_row
 from ui.widgets.charts import clicked_chart
 from ui.widgets.clicks import clicked_row
 from ui.widgets.table_columns import as_shown, column_config
@@ -108,5 +108,4 @@ def _in_words(result: Result) -> str:
 
 
 def _open(category: str) -> None:
-    state.choose_category(category)
-    open_page("encounters")
+    open_encounters(category=category)

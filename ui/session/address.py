@@ -86,16 +86,21 @@ def _finite(text: str) -> float:
     return value
 
 
-def changed_parameters(live: Params, start: Params) -> dict[str, str]:
-    """The live parameters that differ from those at the start, as in an address."""
-    texts = {
-        name: value if isinstance(value, str) else f"{value:.10g}"
-        for name, value in live.given().items()
-        if value != getattr(start, name)
-    }
-    cleared = {
-        name: NO_VALUE
-        for name, setting in SETTINGS.items()
-        if setting.unset and getattr(live, name) is None and getattr(start, name) is not None
-    }
-    return texts | cleared
+def changed_parameters(live: Params, *starts: Params) -> dict[str, str]:
+    """The live parameters that differ from those at a start, as in an address.
+
+    With several starts, those that differ from any: the address holds whichever it begins with.
+    """
+    texts: dict[str, str] = {}
+    for start in starts:
+        texts |= {
+            name: value if isinstance(value, str) else f"{value:.10g}"
+            for name, value in live.given().items()
+            if value != getattr(start, name)
+        }
+        texts |= {
+            name: NO_VALUE
+            for name, setting in SETTINGS.items()
+            if setting.unset and getattr(live, name) is None and getattr(start, name) is not None
+        }
+    return texts

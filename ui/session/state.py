@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -293,24 +293,28 @@ def _place() -> tuple[int, int]:
     return recording_index, min(row_in_recording, last)
 
 
-def go_to(recording_index: int, row_in_recording: int) -> None:
-    """Make this the current frame, in the page's address as well."""
-    settle(recording_index, row_in_recording)
+def go_to(recording_index: int, row_in_recording: int, *, writes: bool = True) -> None:
+    """Make this the current frame; in the page's address as well, unless it is written later."""
+    settle(recording_index, row_in_recording, writes=writes)
     st.session_state["seek"] = seek() + 1
 
 
-def settle(recording_index: int, row_in_recording: int) -> None:
+def settle(recording_index: int, row_in_recording: int, *, writes: bool = True) -> None:
     """Make this the current frame without asking the viewer to go there: it is there."""
     last = max(len(frame_numbers(recording_index)) - 1, 0)
     st.session_state["place"] = recording_index, min(max(row_in_recording, 0), last)
-    write_address()
+    if writes:
+        write_address()
 
 
-def write_address() -> None:
-    """Put systems, frame and the parameters that were changed into the page's address, at once."""
+def write_address(own: Mapping[str, str] | None = None, names: Sequence[str] = ()) -> None:
+    """Put systems, frame and the parameters that were changed into the page's address, at once.
+
+    With a page's `own` entries, in place of those of `names`, which belong to it.
+    """
     now = st.query_params.to_dict()
-    others = {name: text for name, text in now.items() if name not in (*SETTINGS, *PLACE)}
-    wanted = others | link_to(*_place())
+    others = {name: text for name, text in now.items() if name not in (*SETTINGS, *PLACE, *names)}
+    wanted = others | dict(own or {}) | link_to(*_place())
     if wanted != now:
         st.query_params.from_dict(wanted)
 
@@ -339,10 +343,12 @@ def link_to(recording_index: int, row_in_recording: int) -> dict[str, str]:
     place = {"recording": recording_names()[recording_index]}
     if len(numbers):
         place["frame"] = str(int(numbers[row_in_recording]))
-    pair = systems()
-    is_as_started = pair == shared_start().opened.dataset.compared()
-    named = {} if is_as_started or pair[1] is None else {"x": pair[0], "y": pair[1]}
-    return place | named | changed_parameters(params(), session_params())
+    (x, y), start = systems(), shared_start().opened.dataset
+    named = {} if y is None or (x, y) == start.compared() else {"x": x, "y": y}
+    starts = [session_params()]
+    if start.fingerprint == opened().dataset.fingerprint:  # who follows it begins with these
+        starts.append(start.params_of(x, y))
+    return place | named | changed_parameters(params(), *starts)
 
 
 def bad_link() -> str:
@@ -360,7 +366,8 @@ def _follow_link() -> None:
         session, _ = with_systems(opened().session, opened().dataset, params(), x=x, y=y)
         compare_as(session)
     place, wrong = read_place(get("recording"), get("frame"), recording_names(), frame_numbers)
-    values, impossible = read_parameters(st.query_params.to_dict())
+    query = st.session_state["page_link"] = st.query_params.to_dict()
+    values, impossible = read_parameters(query)
     st.session_state["new_params"] = values
     wrong += wrong_systems + impossible
     st.session_state["place"] = place
@@ -385,8 +392,3 @@ def _forget_widgets() -> None:
         for name in SETTINGS:
             st.session_state.pop(name, None)
     st.session_state["has_opened"] = True  # the first time the address may set parameters
-
-
-def choose_category(category: str) -> None:
-    """Show the encounters of one Venn category when the Encounters page is next drawn."""
-    st.session_state["category"] = category

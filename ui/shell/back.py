@@ -9,9 +9,14 @@ from __future__ import annotations
 from typing import Final
 
 import streamlit as st
+from streamlit.runtime.scriptrunner import get_script_run_ctx
+
+from ui.session import state
+from ui.session.address import read_place
 
 _SCRIPT: Final = """
 const PLACES = ["recording", "encounter", "doc"];
+const MAY_END = ["encounter"]; // none is open: no place of its own
 export default function () {
   if (window.nvcoreHistory) return;
   window.nvcoreHistory = true;
@@ -22,7 +27,8 @@ export default function () {
     const isSame = next.pathname === here.pathname && PLACES.every((name) => {
       const before = here.searchParams.get(name);
       // an address that names no place yet is completed, which is no step
-      return before === null || before === next.searchParams.get(name);
+      const after = next.searchParams.get(name);
+      return before === null || before === after || (after === null && MAY_END.includes(name));
     });
     if (isSame) window.history.replaceState(state, title, url);
     else push(state, title, url);
@@ -35,3 +41,28 @@ _COMPONENT = st.components.v2.component("nvcore_history", js=_SCRIPT)
 def draw() -> None:
     """The invisible part of the page that looks after the history; on every page."""
     _COMPONENT(key="history", height=1)
+
+
+def follow() -> None:
+    """Go to the frame of the address that Back or Forward led to, if one of them did.
+
+    Parameters stay as they are, and a recording that is no longer open is passed over.
+    """
+    context = get_script_run_ctx(suppress_warning=True)
+    if context is None or not context.is_history_navigation:
+        return
+    query = st.session_state["page_link"] = st.query_params.to_dict()
+    names = state.recording_names()
+    if query.get("recording") in names:
+        numbers = state.frame_numbers
+        place, _ = read_place(query["recording"], query.get("frame"), names, numbers)
+        state.go_to(*place, writes=False)
+
+
+def page_link() -> dict[str, str] | None:
+    """The address that led to the page, or what another page asks it for; None: neither.
+
+    Returned once: what a person chooses on the page afterwards holds.
+    """
+    link: dict[str, str] | None = st.session_state.pop("page_link", None)
+    return link

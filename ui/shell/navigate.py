@@ -22,6 +22,12 @@ def open_row(row: int) -> NoReturn:
     open_frame(*state.place_of(row))
 
 
+def open_encounters(**address: str) -> NoReturn:
+    """Show the Encounters page as by these entries of its address; without any, the heaviest."""
+    st.session_state["page_link"] = address
+    open_page("encounters")
+
+
 def ask_for_page(name: str) -> None:
     """Go to a page in the next run: for buttons that are not drawn again."""
     st.session_state["wanted_page"] = name

@@ -11,6 +11,7 @@ from nvcore.figures.over_time.lanes import lanes_figure
 from nvcore.figures.over_time.losses import loss_plot
 from nvcore.figures.over_time.similarity import TimeLayout, similarity_plot
 from ui.session import state
+from ui.shell import title
 from ui.timeline import panel, viewer
 from ui.widgets.charts import clicked_chart
 from ui.widgets.choices import choose_side_by_side
@@ -41,6 +42,7 @@ def draw_all(result: Result) -> None:
     settled = viewer.settled()
     if settled != state.row():
         state.settle(state.recording(), settled)
+    title.follow_frame()
     cursor = state.row_in_all()
     left, right = st.columns([3, 1], gap="medium")
     with st.container():  # first: while a slider moves, the plot is what people wait for

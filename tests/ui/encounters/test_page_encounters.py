@@ -7,19 +7,23 @@ import pandas as pd
 import pytest
 from streamlit.testing.v1 import AppTest
 
-from pages import alone, begin_with, checked, session, texts
-from ui.encounters import figures, table
+from pages import alone, begin_with, checked, press, session, texts
+from ui.encounters import details, figures, table
+from ui.encounters.address import Choice, encounter_of, from_address, name_of, to_address
 from ui.encounters.filters import Filters
+from ui.encounters.order import Order
 from ui.encounters.picture import cut_out
+from ui.encounters.selection import SELECTED
 from ui.session import state
 from ui.widgets import table_columns
 
 
-def opened(*, handed: str | None = None, **link: str) -> AppTest:
-    page = alone("encounters", **link)
-    if handed is not None:
-        page.session_state["category"] = handed
-    return checked(page.run())
+def opened(**link: str) -> AppTest:
+    return checked(alone("encounters", **link).run())
+
+
+def only(page: AppTest, name: str) -> str:
+    return "".join(page.query_params[name])
 
 
 def listed(page: AppTest) -> pd.DataFrame:
@@ -33,7 +37,7 @@ def widget(page: AppTest, kind: str, label: str):
 
 def choose(page: AppTest, row: int) -> AppTest:
     dataset = page.session_state["workspace"].opened.dataset
-    page.session_state[table.SELECTED] = (dataset.fingerprint, row)
+    page.session_state[SELECTED] = (dataset.fingerprint, row)
     return checked(page.run())
 
 
@@ -45,8 +49,8 @@ def test_all_encounters_of_the_sample_are_listed_the_heaviest_failures_first():
     heavier_s = rows[["severity_s_x", "severity_s_y"]].max(axis=1)
     assert heavier_s.head(38).is_monotonic_decreasing
     assert set(rows["category"].tail(8)) == {"distant"}
-    assert "Sorted by severity" in texts(page)
-    assert page.button(key="encounters_clear").disabled
+    assert page.selectbox(key=table.ORDER).value == "severity"
+    assert "encounters_clear" not in [button.key for button in page.button]
     assert "X does not detect 8 and Y does not detect 11" in texts(page)
     assert "“X or Y” detects 35 of 38 encounters, 5 more than X alone" in texts(page)
     # a few columns, until all are asked for
@@ -57,7 +61,9 @@ def test_all_encounters_of_the_sample_are_listed_the_heaviest_failures_first():
 
 
 def test_a_click_in_the_venn_diagram_presets_the_category_which_can_be_changed():
-    page = opened(handed="x_only")
+    page = opened()
+    page.session_state["page_link"] = {"category": "x_only"}  # as the Overview leaves it
+    checked(page.run())
     assert set(listed(page)["category"]) == {"only X"}
     assert "**8** of 46" in texts(page)
     assert page.query_params["category"] == "x_only"
@@ -68,7 +74,7 @@ def test_a_click_in_the_venn_diagram_presets_the_category_which_can_be_changed()
 
 def test_a_link_presets_the_category_and_an_unknown_one_is_told():
     page = opened(category="x_only,<b>")
-    assert "unknown categories (<b>)" in texts(page)
+    assert "category cannot be <b>" in texts(page)
     assert set(listed(page)["category"]) == {"only X"}
 
 
@@ -95,7 +101,8 @@ def test_filters_that_leave_nothing_say_what_to_do_and_are_cleared_at_once():
     page = opened(category="distant")
     widget(page, "slider", "Largest height (px)").set_value((10.0, 338.0))
     widget(page, "multiselect", "Miss class of X").set_value(["late"])
-    assert "No encounter passes the filters" in texts(checked(page.run()))
+    assert texts(checked(page.run())).count("No encounter") == 1
+    assert "Click a bar" not in texts(page)  # nor a figure of nothing
     checked(page.button(key="encounters_clear").click().run())
     assert len(listed(page)) == 46
     assert "category" not in page.query_params
@@ -105,7 +112,7 @@ def test_a_chosen_encounter_opens_where_the_heavier_failure_costs_most(
     monkeypatch: pytest.MonkeyPatch,
 ):
     shown: list[int] = []
-    monkeypatch.setattr(table, "open_row", shown.append)
+    monkeypatch.setattr(details, "open_row", shown.append)
     page = choose(opened(), 2)
     result = page.session_state["workspace"].result
     assert "Pedestrian 3 in urban_crossing" in texts(page)
@@ -130,13 +137,114 @@ def test_an_encounter_that_nobody_misses_opens_where_it_begins_to_count():
     assert "where the encounter begins to count" in texts(choose(page, whole))
 
 
+def test_encounters_are_gone_through_one_by_one_in_the_order_of_the_list_across_recordings():
+    page = opened(category="y_only")
+    names = listed(page)[["recording", "track"]].itertuples(index=False)
+    in_order = [f"Pedestrian {track} in {recording}" for recording, track in names]
+    assert len({name.split(" in ")[1] for name in in_order}) > 1
+    assert page.button(key="encounters_previous").disabled
+    assert "encounter" not in page.query_params  # nothing is selected yet, the first is shown
+    for at, name in enumerate(in_order):
+        assert name in texts(page)
+        assert f"**{at + 1}** of {len(in_order)}" in texts(page)
+        if at + 1 < len(in_order):
+            press(page, "encounters_next")
+            recording, track = name.split(" in ")[1], name.split()[1]
+            assert only(page, "encounter") != f"{recording}:{track}"
+    assert page.button(key="encounters_next").disabled
+    press(page, "encounters_previous")
+    recording, track = in_order[-2].split(" in ")[1], in_order[-2].split()[1]
+    assert only(page, "encounter") == f"{recording}:{track}"
+    assert only(page, "recording") == recording  # the Timeline opens there, too
+
+
+def test_the_keys_n_and_p_step():
+    page = opened()
+    assert page.button(key="encounters_next").proto.shortcut == "n"
+    assert page.button(key="encounters_previous").proto.shortcut == "p"
+
+
+def test_who_missed_a_pedestrian_how_long_stands_above_the_picture():
+    page = choose(opened(), 2)
+    assert "**X** never misses it in 2.55 s" in texts(page)
+    assert "**Y** misses it for 2.15 of 2.55 s: severity **0.64 s**" in texts(page)
+
+
+def test_everything_that_is_chosen_is_in_the_address_and_a_link_chooses_it_again():
+    link = {
+        "category": "x_only,both", "miss_y": "late", "only": "rural_road,urban_crossing",
+        "position": "-0.9:0.95", "height": "20:300", "pose": "-4:0.7", "severity": "0.05",
+        "order": "-peak_height", "columns": "all", "encounter": "urban_crossing:3",
+    }  # fmt: skip
+    page = opened(**link)
+    assert [warning.value for warning in page.warning] == []
+    rows = listed(page)
+    assert rows["peak_height"].is_monotonic_decreasing
+    assert set(rows["miss_class_y"]) == {"late"}
+    assert "Pedestrian 3 in urban_crossing" in texts(page)
+    asked = {name: set(text.split(",")) for name, text in link.items()}
+    given = {name: set(only(page, name).split(",")) for name in link}
+    assert given == asked
+    press(page, "encounters_clear")
+    assert "height" not in page.query_params
+    assert only(page, "order") == "-peak_height"
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("position", "1e999:0"),
+        ("height", "<script>"),
+        ("height", "9:1"),
+        ("pose", "nan:1"),
+        ("severity", "-1"),
+        ("severity", "1" * 400),
+        ("order", "-__class__"),
+        ("only", "no such,%2C"),
+        ("miss_x", "late,../../etc"),
+        ("encounter", "urban_crossing:99999999999999999999"),
+        ("encounter", "urban_crossing:٣"),
+        ("encounter", "::"),
+    ],
+)
+def test_a_hostile_or_stale_address_is_told_and_lists_what_there_is(name: str, text: str):
+    page = opened(**{name: text})
+    (warning,) = page.warning
+    assert "could not be followed in all" in warning.value
+    assert len(listed(page)) > 0
+    assert len(warning.value) < 200
+
+
+def test_names_with_commas_come_back_from_the_address():
+    recordings = ["a,b", "50%2C", "c"]
+    filters = Filters(recordings=("a,b", "50%2C"), height_px=(1.5, 20))
+    choice = Choice(filters, Order("lag_s_x", is_descending=False), encounter="a:b:7")
+    assert from_address(to_address(choice), recordings) == (choice, ())
+    assert to_address(Choice()) == {}
+
+
+def test_an_encounter_is_named_by_its_recording_and_track():
+    encounters = pd.DataFrame({"recording": ["a", "a:b"], "track": [7, -1]}, index=[3, 5])
+    assert [encounter_of(encounters, name_of(encounters, row)) for row in (3, 5)] == [3, 5]
+    assert encounter_of(encounters, "a:8") is None
+
+
+def test_a_heading_sorts_and_the_selection_stays_with_its_pedestrian(monkeypatch):
+    state_of_table = {"selection": {"rows": [1], "columns": ["peak_height"], "cells": []}}
+    monkeypatch.setattr(table.st, "session_state", {"t": state_of_table})
+    table._click("t", pd.Index([4, 9]))
+    assert table.order() == Order("peak_height")
+    table._click("t", pd.Index([4, 9]))
+    assert table.order() == Order("peak_height", is_descending=False)
+
+
 def test_a_distant_encounter_has_dashes():
     page = choose(opened(), 4)
     assert "never came near enough" in texts(page)
     assert page.table[0].value["X"].tolist() == ["–"] * 7
-    # one that was chosen in other data is forgotten
-    page.session_state[table.SELECTED] = ("other data", 0)
-    assert "Click a row of the table" in texts(checked(page.run()))
+    # one that was chosen in other data is forgotten: the first is shown
+    page.session_state[SELECTED] = ("other data", 4)
+    assert "**1** of 46" in texts(checked(page.run()))
 
 
 def test_a_pair_of_miss_classes_is_listed_by_a_click(monkeypatch: pytest.MonkeyPatch):
@@ -196,7 +304,11 @@ SIX = pd.DataFrame(
 
 def test_the_heavier_failure_comes_first_then_the_taller_and_distant_ones_last():
     tall = pd.concat([SIX, SIX.iloc[[0]].assign(peak_height=95.0)], ignore_index=True)
-    assert table.by_weight(tall).index.tolist() == [4, 2, 3, 1, 6, 0, 5]
+    assert Order().sort(tall).index.tolist() == [4, 2, 3, 1, 6, 0, 5]
+    assert Order("severity", is_descending=False).sort(SIX).index.tolist() == [0, 1, 3, 2, 4, 5]
+    # of equals the heavier failure; what has no value is last, either way
+    assert Order("severity_s_y").sort(SIX).index.tolist() == [4, 2, 3, 1, 0, 5]
+    assert Order("aspect_z", is_descending=False).sort(SIX).index.tolist() == [3, 4, 0, 1, 2, 5]
 
 
 @pytest.mark.parametrize(

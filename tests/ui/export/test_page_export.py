@@ -6,6 +6,7 @@ import threading
 from collections.abc import Callable
 from concurrent.futures import CancelledError
 from pathlib import Path
+from urllib.parse import parse_qs, urlsplit
 
 import av
 import numpy as np
@@ -20,7 +21,8 @@ from nvcore.errors import MediaError
 from nvcore.overlay.annotate import annotate
 from nvcore.overlay.brush import Canvas
 from nvcore.progress import Progress
-from pages import TIMEOUT_S, checked, press, texts
+from pages import TIMEOUT_S, checked, press, texts, to_page
+from pages import opened as app_opened
 from ui.export.frame import file_stem, nearest_row
 from ui.export.link import link
 from ui.export.video import JOB, LONGEST_S, Interval, chosen_interval, start_job, why_not
@@ -65,7 +67,8 @@ def test_without_pictures_boxes_are_drawn_on_a_blank_and_a_link_says_what_it_can
     page = opened_drive(tmp_path)
     assert "no pictures" in texts(page)
     assert "Picture (PNG)" in downloads(page)
-    assert "belong to this browser tab alone" in texts(page)
+    assert "Works in this tab only." in page.warning[0].value
+    assert "for everybody" not in texts(page)
     assert str(tmp_path) not in page.code[0].value
 
 
@@ -125,6 +128,17 @@ def test_the_link_keeps_recording_and_frame_which_can_be_gone_to():
     (field,) = [field for field in page.number_input if field.label == "Frame"]
     checked(field.set_value(130).run())
     assert page.query_params["frame"] == "130"
+
+
+def test_the_link_is_the_first_of_the_page_and_complete_after_a_swap():
+    page = checked(app_opened("data", threshold_x="0.7"))
+    press(page, "swap_systems")
+    checked(to_page(page, "export"))
+    assert page.header[0].value == "Link"
+    assert "for everybody" in texts(page)
+    # the threshold went with its system, and the session of who follows the link has another
+    query = parse_qs(urlsplit(page.code[0].value).query)
+    assert (query["x"], query["y"], query["threshold_y"]) == (["NIR"], ["FIR"], ["0.7"])
 
 
 def test_names_in_a_link_are_quoted():

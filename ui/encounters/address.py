@@ -1,0 +1,148 @@
+"""Encounters page: filters, order and the selected encounter, as in the page's address."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Final, TypeVar
+
+import pandas as pd
+
+from ui.encounters.filters import CATEGORIES, CLASSES, Filters
+from ui.encounters.order import Order, order_of
+from ui.session.address import MAX_DIGITS
+
+ENCOUNTER: Final = "encounter"
+ALL_COLUMNS: Final = "all"
+NAMES: Final = (
+    *("category", "miss_x", "miss_y", "only", "position", "height", "pose", "severity"),
+    *("order", "columns", ENCOUNTER),
+)
+"""Entries of the address that belong to the page."""
+LONGEST: Final = 40
+"""Characters of a wrong value that are shown."""
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What is listed, in which order, and which encounter is open; None: none was selected."""
+
+    filters: Filters = field(default_factory=Filters)
+    order: Order = field(default_factory=Order)
+    has_all_columns: bool = False
+    encounter: str | None = None
+
+
+def to_address(choice: Choice) -> dict[str, str]:
+    """The entries of the address; what is as it is at the start has none."""
+    filters = choice.filters
+    entries = {
+        "category": _joined(filters.categories),
+        "miss_x": _joined(filters.classes_x),
+        "miss_y": _joined(filters.classes_y),
+        "only": _joined(filters.recordings),
+        "position": _range_text(filters.position),
+        "height": _range_text(filters.height_px),
+        "pose": _range_text(filters.pose_z),
+        "severity": f"{filters.least_severity_s:g}" if filters.least_severity_s > 0 else "",
+        "order": "" if choice.order == Order() else choice.order.text,
+        "columns": ALL_COLUMNS if choice.has_all_columns else "",
+        ENCOUNTER: choice.encounter or "",
+    }
+    return {name: text for name, text in entries.items() if text}
+
+
+def from_address(
+    query: Mapping[str, str], recordings: Sequence[str]
+) -> tuple[Choice, tuple[str, ...]]:
+    """What an address asks for, and what of it cannot be followed, in words."""
+    wrong: list[str] = []
+
+    def read(name: str, text_to_value: Callable[[str], T | None], default: T) -> T:
+        text = query.get(name)
+        if text is None:
+            return default
+        value = text_to_value(text)
+        if value is None:
+            wrong.append(f"{name} cannot be {_short(text)}")
+            return default
+        return value
+
+    def among(name: str, possible: Sequence[str]) -> tuple[str, ...]:
+        asked = [_unescaped(part) for part in query.get(name, "").split(",") if part]
+        wrong.extend(f"{name} cannot be {_short(it)}" for it in asked if it not in possible)
+        return tuple(it for it in possible if it in asked)
+
+    filters = Filters(
+        categories=among("category", CATEGORIES),
+        classes_x=among("miss_x", CLASSES),
+        classes_y=among("miss_y", CLASSES),
+        recordings=among("only", recordings),
+        position=read("position", _range, None),
+        height_px=read("height", _range, None),
+        pose_z=read("pose", _range, None),
+        least_severity_s=read("severity", _least, 0.0),
+    )
+    choice = Choice(
+        filters,
+        read("order", order_of, Order()),
+        query.get("columns") == ALL_COLUMNS,
+        query.get(ENCOUNTER),
+    )
+    return choice, tuple(wrong)
+
+
+def name_of(encounters: pd.DataFrame, encounter: int) -> str:
+    """Name of an encounter in an address: its recording and its track."""
+    row = encounters.loc[encounter]
+    return f"{row['recording']}:{row['track']}"
+
+
+def encounter_of(encounters: pd.DataFrame, name: str) -> int | None:
+    """Row of the encounter of that name; None: there is none."""
+    recording, _, track = name.rpartition(":")
+    digits = track.removeprefix("-")
+    if not (digits.isascii() and digits.isdigit() and len(digits) <= MAX_DIGITS):
+        return None
+    is_it = (encounters["recording"] == recording) & (encounters["track"] == int(track))
+    rows = encounters.index[is_it.to_numpy()]
+    return int(rows[0]) if len(rows) else None
+
+
+def _joined(names: Sequence[str]) -> str:
+    return ",".join(name.replace("%", "%25").replace(",", "%2C") for name in names)
+
+
+def _unescaped(part: str) -> str:
+    return part.replace("%2C", ",").replace("%25", "%")
+
+
+def _range_text(span: tuple[float, float] | None) -> str:
+    return "" if span is None else f"{span[0]:g}:{span[1]:g}"
+
+
+def _range(text: str) -> tuple[float, float] | None:
+    low, _, high = text.partition(":")
+    ends = _number(low), _number(high)
+    if ends[0] is None or ends[1] is None or ends[0] > ends[1]:
+        return None
+    return ends[0], ends[1]
+
+
+def _least(text: str) -> float | None:
+    value = _number(text)
+    return None if value is None or value < 0 else value
+
+
+def _number(text: str) -> float | None:
+    try:
+        value = float(text)
+    except ValueError:
+        return None
+    return value if math.isfinite(value) else None
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= LONGEST else text[: LONGEST - 1] + "…"

@@ -1,0 +1,110 @@
+"""Encounters page: one encounter, beside the list: picture, who missed it how long, and why."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pandas as pd
+import streamlit as st
+
+from nvcore.comparison import Result
+from nvcore.schema import CATEGORY_TEXT, Category
+from nvcore.tables.moments import NEVER, encounter_time
+from ui.encounters import picture, selection
+from ui.shell.navigate import open_row
+from ui.widgets.table_columns import class_words
+from ui.widgets.text import UNDEFINED, number, plain
+
+
+def draw(result: Result, listed: pd.DataFrame, encounter: int) -> None:
+    """The encounter, with the way to the one before and the next."""
+    selection.draw_steps(listed, encounter)
+    row = listed.loc[encounter]
+    st.header(f"Pedestrian {row['track']} in {plain(row['recording'])}")
+    st.markdown(f"{CATEGORY_TEXT[Category(row['category'])]}  \n{_who_missed(result, row)}")
+    moments = selection.moments_of(result).iloc[encounter]
+    picture.draw(result, encounter, int(moments["shown_row"]))
+    _draw_ways(result, row, moments)
+    st.table(_both(row))
+    st.caption(
+        f"Up to {row['peak_height']:.0f} px tall (k {row['peak_k']:.2f}); mean position "
+        f"{row['lateral_position']:+.2f} (-1 left edge, 1 right edge); pose z-score "
+        f"{number(row['aspect_z'], '+.1f')}; frames {row['first_frame']} to {row['last_frame']}."
+    )
+
+
+def _who_missed(result: Result, row: pd.Series[Any]) -> str:
+    """How long each system misses the pedestrian while it counts, and what that weighs."""
+    times = encounter_time(result, int(str(row.name)))
+    if not times.relevant_s:
+        return ""
+    lines = []
+    for letter, missed_s in (("x", times.missed_s_x), ("y", times.missed_s_y)):
+        if missed_s:
+            does = f"misses it for {missed_s:.2f} of {times.relevant_s:.2f} s"
+            weighs = f"severity **{row[f'severity_s_{letter}']:.2f} s**"
+            lines.append(f"**{letter.upper()}** {does}: {weighs}")
+        else:
+            lines.append(f"**{letter.upper()}** never misses it in {times.relevant_s:.2f} s")
+    return "  \n".join(lines)
+
+
+def _both(row: pd.Series[Any]) -> pd.DataFrame:
+    """How X and Y did with one encounter, side by side, as text."""
+    columns = {}
+    for letter in "xy":
+        matched, coverage = row[f"matched_{letter}"], row[f"coverage_{letter}"]
+        share = f"{matched} of {row['n_relevant']} frames"
+        columns[letter.upper()] = {
+            "Severity": _seconds(row[f"severity_s_{letter}"]),
+            "Peak cost": number(row[f"peak_cost_{letter}"], ".2f"),
+            "Miss class": class_words(row[f"miss_class_{letter}"]) or UNDEFINED,
+            "Matched": f"{share} ({coverage:.0%})" if row["n_relevant"] else UNDEFINED,
+            "Lag": _seconds(row[f"lag_s_{letter}"]),
+            "Longest gap": _seconds(row[f"gap_s_{letter}"]),
+            "Tail": _seconds(row[f"tail_s_{letter}"]),
+        }
+    return pd.DataFrame(columns).rename_axis("Measure")
+
+
+def _seconds(value: float) -> str:
+    text = number(value, ".2f")
+    return text if text == UNDEFINED else f"{text} s"
+
+
+def _draw_ways(result: Result, row: pd.Series[Any], moments: pd.Series[Any]) -> None:
+    """Buttons to the frames that are worth seeing."""
+    frames = result.dataset.frames
+    shown_row = int(moments["shown_row"])
+    missed = {letter: int(moments[f"missed_row_{letter}"]) for letter in "xy"}
+    if st.button(
+        "Show in timeline",
+        key="encounters_show",
+        type="primary",
+        icon=":material/movie:",
+        width="stretch",
+    ):
+        open_row(shown_row)
+    st.caption(
+        f"Frame {frames['frame'].iloc[shown_row]} at {frames['time_s'].iloc[shown_row]:.2f} s, "
+        f"{_why(result, row, shown_row, any(place >= 0 for place in missed.values()))}."
+    )
+    for letter, place in missed.items():
+        if place not in (shown_row, NEVER) and st.button(
+            f"Show where {letter.upper()} first misses (frame {frames['frame'].iloc[place]})",
+            key=f"encounters_show_{letter}",
+            width="stretch",
+        ):
+            open_row(place)
+
+
+def _why(result: Result, row: pd.Series[Any], shown_row: int, is_missed: bool) -> str:
+    """Why that frame is shown."""
+    if not is_missed:
+        return "where the encounter begins to count"
+    x, y = row["severity_s_x"], row["severity_s_y"]
+    heavier, other = ("y", "x") if y > x else ("x", "y")
+    what = "missing the pedestrian" if x == y else f"{heavier.upper()}'s failure, the heavier,"
+    is_peak = shown_row == result.system(heavier).failures["peak_row"].iloc[int(str(row.name))]
+    while_seen = "" if is_peak else f" while {other.upper()} detects the pedestrian"
+    return f"where {what} costs most{while_seen}"

@@ -1,0 +1,59 @@
+"""Encounters page: in which order the encounters are listed, and reviewed one by one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import pandas as pd
+
+from nvcore.schema import Category
+from nvcore.tables.columns import REPORT_COLUMNS
+
+SEVERITY: Final = "severity"
+"""The larger of X's and Y's severity, the order to begin with; all others are columns."""
+COLUMNS: Final = tuple(column.name for column in REPORT_COLUMNS["encounters.csv"])
+
+
+@dataclass(frozen=True)
+class Order:
+    """By what the encounters are sorted: `SEVERITY`, or one of `COLUMNS`."""
+
+    by: str = SEVERITY
+    is_descending: bool = True
+
+    @property
+    def text(self) -> str:
+        """As in an address: ``-lag_s_x`` is descending."""
+        return f"-{self.by}" if self.is_descending else self.by
+
+    def sort(self, encounters: pd.DataFrame) -> pd.DataFrame:
+        """The rows in this order, with their index.
+
+        What has no value is last, either way; of equals the heavier failure is first, then the
+        taller pedestrian. By severity, distant pedestrians, who do not count, are last.
+        """
+        heaviest_first = encounters.iloc[_by_weight(encounters, is_descending=True)]
+        if self.by == SEVERITY:
+            if self.is_descending:
+                return heaviest_first
+            return encounters.iloc[_by_weight(encounters, is_descending=False)]
+        return heaviest_first.sort_values(
+            self.by, ascending=not self.is_descending, kind="stable", na_position="last"
+        )
+
+
+def order_of(text: str) -> Order | None:
+    """The order that an address names; None: it names none."""
+    order = Order(text.removeprefix("-"), is_descending=text.startswith("-"))
+    return order if order.by in (SEVERITY, *COLUMNS) else None
+
+
+def _by_weight(encounters: pd.DataFrame, *, is_descending: bool) -> np.ndarray:
+    severity_s = encounters[["severity_s_x", "severity_s_y"]].max(axis=1).to_numpy(dtype=float)
+    severity_s = np.where(np.isnan(severity_s), -1.0, severity_s)
+    is_distant = (encounters["category"] == Category.DISTANT.value).to_numpy()
+    height = encounters["peak_height"].to_numpy(dtype=float)
+    sign = -1 if is_descending else 1
+    return np.lexsort((-height, sign * severity_s, is_distant))

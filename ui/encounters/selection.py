@@ -1,0 +1,98 @@
+"""Encounters page: which encounter is selected, and the way to the others of the list."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import pandas as pd
+import streamlit as st
+
+from nvcore.comparison import Result
+from nvcore.params.metadata import SEVERITY, THRESHOLD
+from nvcore.tables.moments import encounter_moments
+from ui.session import state
+
+SELECTED: Final = "encounters_chosen"
+_IS_NEW: Final = "encounters_just_chosen"
+_HAS_STEPPED: Final = "encounters_stepped"
+
+
+def choose(encounter: int) -> None:
+    """Select an encounter by its row, for the data that are open. For callbacks."""
+    st.session_state[SELECTED] = (state.opened().dataset.fingerprint, encounter)
+    st.session_state[_IS_NEW] = True
+
+
+def choose_clicked(encounter: int) -> None:
+    """As `choose`, unless a button chose in the same run: the table then still has the last one."""
+    if not st.session_state.get(_HAS_STEPPED, False):
+        choose(encounter)
+
+
+def take(encounter: int | None) -> None:
+    """Select what an address names; None: nothing."""
+    if encounter is None:
+        st.session_state.pop(SELECTED, None)
+    else:
+        st.session_state[SELECTED] = (state.opened().dataset.fingerprint, encounter)
+
+
+def selected() -> int | None:
+    """The encounter that was selected, whether or not it is listed."""
+    fingerprint, encounter = st.session_state.get(SELECTED, ("", -1))
+    return encounter if fingerprint == state.opened().dataset.fingerprint else None
+
+
+def shown(listed: pd.DataFrame) -> int:
+    """The encounter that is shown: the one selected, or the first of the list."""
+    encounter = selected()
+    return int(listed.index[0]) if encounter not in listed.index else int(str(encounter))
+
+
+def moments_of(result: Result) -> pd.DataFrame:
+    """`encounter_moments`, computed anew only for settings that move them."""
+    settings = result.params.only_for(THRESHOLD, SEVERITY)
+    return state.cached(
+        "encounter_moments",
+        (settings, result.x.name, result.y.name),
+        lambda: encounter_moments(result),
+    )
+
+
+def go_along(result: Result) -> None:
+    """Let the current frame be that of an encounter that was selected just now."""
+    encounter = selected()
+    if st.session_state.pop(_IS_NEW, False) and encounter is not None:
+        row = int(moments_of(result)["shown_row"].iloc[encounter])
+        state.go_to(*state.place_of(row), writes=False)
+
+
+def draw_steps(listed: pd.DataFrame, encounter: int) -> None:
+    """Previous, "3 of 57", next: through the list as it is filtered and sorted."""
+    st.session_state[_HAS_STEPPED] = False
+    at = int(listed.index.get_loc(encounter))
+    with st.container(
+        horizontal=True, horizontal_alignment="distribute", vertical_alignment="center"
+    ):
+        _step("Previous", "p", listed, at - 1, icon=":material/chevron_left:")
+        st.markdown(f"**{at + 1:,}** of {len(listed):,}", width="content")
+        _step("Next", "n", listed, at + 1, icon=":material/chevron_right:")
+
+
+def _step(label: str, shortcut: str, listed: pd.DataFrame, at: int, *, icon: str) -> None:
+    is_there = 0 <= at < len(listed)
+    st.button(
+        label,
+        key=f"encounters_{label.lower()}",
+        shortcut=shortcut,
+        icon=icon,
+        icon_position="right" if label == "Next" else "left",
+        disabled=not is_there,
+        on_click=_choose_by_button,
+        args=(int(listed.index[at]) if is_there else -1,),
+    )
+
+
+def _choose_by_button(encounter: int) -> None:
+    choose(encounter)
+    st.session_state[_HAS_STEPPED] = True

@@ -1,0 +1,47 @@
+"""The document's title: what is open, so that several tabs can be told apart."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import streamlit as st
+
+from nvcore.wording import one_line, shortened
+from ui.session import state
+
+NAME: Final = "nvcore"
+MAX_SYSTEM: Final = 24
+TIMELINE: Final = "timeline"
+_TITLE: Final = "document_title"
+
+
+def last() -> str:
+    """The title of the run before, which stays until this run knows a better one."""
+    title: str = st.session_state.get(_TITLE, NAME)
+    return title
+
+
+def draw(page: str, path: str) -> None:
+    """Give the document the title of a page, or of the frame that it shows."""
+    what = _frame() if path == TIMELINE else page
+    title = " · ".join(part for part in (what or page, _systems(), NAME) if part)
+    st.session_state[_TITLE] = title
+    st.set_page_config(page_title=title)
+
+
+def follow_frame() -> None:
+    """Give the document the title of the current frame, where only a part of a page runs again."""
+    draw("", TIMELINE)
+
+
+def _frame() -> str:
+    recording = state.recording()
+    if not len(state.frame_numbers(recording)):
+        return ""
+    time_s = state.opened().dataset.frames["time_s"].iloc[state.row_in_all()]
+    return f"{one_line(state.recording_names()[recording])} {time_s:.2f} s"
+
+
+def _systems() -> str:
+    names = [shortened(one_line(name), MAX_SYSTEM) for name in state.systems() if name is not None]
+    return "/".join(names)
