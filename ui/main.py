@@ -7,10 +7,10 @@ import streamlit as st
 from nvcore.errors import NvcoreError
 from ui.ratings import links
 from ui.session import state
-from ui.shell import account, back, live_params, sidebar, tab_restore, title
+from ui.shell import account, back, live_params, sidebar, systems, tab_restore, title
 from ui.shell.messages import error_banner, shown_error
 from ui.shell.navigate import follow_wish
-from ui.shell.pages import all_pages, draw_bar, shown_on
+from ui.shell.pages import all_pages, draw_bar, is_folded_on, shown_on
 
 WRITE_ADDRESS = ("encounters", "metrics")
 """Pages with more in their address, which they write by themselves, or leave as it is."""
@@ -41,7 +41,7 @@ try:
     back.follow()
     if not links.is_participant():
         with st.sidebar:  # before the page, so that its room is kept from the start
-            sidebar.legend()
+            systems.draw()
     wrong_params = live_params.read()
     if links.is_participant():
         live_params.keep_all_hidden()
@@ -58,7 +58,7 @@ except NvcoreError as error:
 except Exception as error:  # noqa: BLE001  # the sidebar is drawn, or its widgets lose their values
     error_banner(error)
 if wrong_params is not None and not links.is_participant():  # something is open
-    sidebar.draw(wrong_params, shown_on(page))
+    sidebar.draw(wrong_params, shown_on(page), is_folded=is_folded_on(page))
     with st.sidebar:
         tab_restore.draw()
         back.draw()

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from nvcore.dataset import Dataset
-from nvcore.metrics.matching import match_system
+from nvcore.metrics.matching import Matches, match_system
 from nvcore.params import Params
 from nvcore.schema import DetectionState
 
@@ -54,6 +54,11 @@ class OperatingPoint:
     false_alarms_per_frame: float
     false_alarms_per_minute: float
 
+    @property
+    def false_alarms_per_hour(self) -> float:
+        """False alarms per hour of recording time; NaN without frames."""
+        return 60 * self.false_alarms_per_minute
+
 
 @dataclass(frozen=True)
 class SameOperatingPoint:
@@ -80,11 +85,28 @@ def operating_point(
     InputError
         If there is no such system.
     """
-    matches = match_system(dataset, system, threshold, params)
+    return point_of_matches(dataset, match_system(dataset, system, threshold, params), threshold)
+
+
+def point_of_matches(dataset: Dataset, matches: Matches, threshold: float | None) -> OperatingPoint:
+    """The operating point at which these matches were made; nothing is matched again."""
     n_kept = int(np.count_nonzero(matches.state != DetectionState.BELOW))
     n_alarms = int(np.count_nonzero(matches.is_false_alarm))
     per_frame, per_minute = _rates(dataset, np.array([n_alarms]))
     return OperatingPoint(threshold, n_kept, n_alarms, float(per_frame[0]), float(per_minute[0]))
+
+
+def alarms_at_rate(dataset: Dataset, per_hour: float) -> int:
+    """Number of false alarms in a dataset at this rate; 0 without frames.
+
+    Raises
+    ------
+    ValueError
+        If the rate is negative or not finite.
+    """
+    if not 0 <= per_hour < np.inf:
+        raise ValueError(f"false alarms an hour: expected 0 or more, got {per_hour:g}")
+    return round(per_hour * dataset.frame_columns.duration_s / 3600)
 
 
 def false_alarm_curve(

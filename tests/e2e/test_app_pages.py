@@ -129,7 +129,7 @@ def test_as_many_pages_back_as_were_visited(visit):
 
 def test_whoever_follows_the_link_after_a_swap_sees_the_same_comparison(visit):
     one = visit("data")
-    one.page.get_by_role("button", name="Swap").click()
+    one.keyed("swap_systems").get_by_role("button").click()
     expect(one.page).to_have_url(re.compile("x=NIR&y=FIR"))
     one.wait_until_drawn()
     other = visit(f"overview{one.page.url[one.page.url.index('?') :]}")

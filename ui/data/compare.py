@@ -13,21 +13,18 @@ from nvcore.detection.operating_point import (
     OperatingPoint,
     choose_moved,
     false_alarm_curve,
-    operating_point,
     score_histogram,
-    threshold_with_alarms,
 )
+from nvcore.detection.operating_point import operating_point as point_at
 from nvcore.figures.inputs import false_alarm_plot, score_plot
 from nvcore.params import Params
 from nvcore.params.metadata import MATCH
 from nvcore.report.words import sampling_note
 from ui.session import state
-from ui.session.opening import with_systems
+from ui.shell import operating_point, systems
 from ui.widgets.charts import draw_chart
 from ui.widgets.text import docs_link, number, plain
 
-MOVED: Final = "same_point_moved"
-"""Which system was moved by the button just now."""
 LOWEST: Final = "threshold_at_lowest"
 """System and threshold typed just now, if that is its lowest score or less."""
 MOST_KEPT: Final = 32
@@ -68,7 +65,11 @@ def _draw_choice() -> None:
     st.session_state["choice_x"], st.session_state["choice_y"] = x, y
     left.selectbox("System X", names, key="choice_x", on_change=_choose, args=("x",))
     middle.button(
-        "Swap", icon=":material/swap_horiz:", on_click=_swap, width="stretch", key="swap_systems"
+        "Swap",
+        icon=":material/swap_horiz:",
+        on_click=systems.swap,
+        width="stretch",
+        key="swap_systems",
     )
     right.selectbox("System Y", names, key="choice_y", on_change=_choose, args=("y",))
 
@@ -78,24 +79,9 @@ def _choose(letter: str) -> None:
     x, y = state.systems()
     chosen = st.session_state[f"choice_{letter}"]
     if letter == "x":
-        _compare(chosen, x if chosen == y else y)
+        systems.compare(chosen, x if chosen == y else y)
     else:
-        _compare(y if chosen == x and y is not None else x, chosen)
-
-
-def _swap() -> None:
-    x, y = state.systems()
-    if y is not None:
-        _compare(y, x)
-
-
-def _compare(x: str, y: str | None) -> None:
-    opened = state.opened()
-    session, thresholds = with_systems(opened.session, opened.dataset, state.params(), x=x, y=y)
-    state.compare_as(session)
-    for letter, name in (("x", x), ("y", y)):
-        if name is not None:
-            state.set_threshold(letter, thresholds[f"threshold_{letter}"])
+        systems.compare(y if chosen == x and y is not None else x, chosen)
 
 
 def _draw_system(letter: str, name: str) -> None:
@@ -176,78 +162,40 @@ def _take_threshold(letter: str) -> None:
 
 
 def _draw_same_point(x: str, y: str) -> None:
-    """The button that sets both systems alike, as the verdict does."""
-    index = _which_moves(x, y)
-    moved, fixed = ("xy"[index], "yx"[index]) if index is not None else ("y", "x")
+    """The button that sets both systems alike, as the verdict does; the sidebar has the others."""
+    letter = _which_moves(x, y)
+    moved, fixed = (letter, "yx"["xy".index(letter)]) if letter is not None else ("y", "x")
     st.button(
         "Same operating point",
-        disabled=index is None,
+        disabled=letter is None,
         key="same_point",
         icon=":material/balance:",
-        on_click=_take_same_point,
-        args=(x, y),
+        on_click=operating_point.move,
+        args=(moved,),
         help=f"Sets the threshold of {moved.upper()} so that it has as many false alarms per frame "
         f"as {fixed.upper()} has now, as the verdict does. Without it a system that reports more "
         "of everything looks better.",
     )
-    if index is None:
+    if letter is None:
         st.caption("Neither system has scores that differ: there is no threshold to move.")
-    elif not _has_scores(x, y)[1 - index]:
+    elif operating_point.why_fixed(fixed):
         st.caption(f"{fixed.upper()} has no scores that differ: only {moved.upper()} can be moved.")
-    if (just_moved := st.session_state.pop(MOVED, None)) is not None:
-        st.caption(plain(_same_point_text(x, y, just_moved)))
+    operating_point.draw_change("data")
 
 
-def _has_scores(*systems: str) -> list[bool]:
-    """Whether a threshold could move each of these systems."""
-    return [state.score_span(name) is not None for name in systems]
-
-
-def _which_moves(x: str, y: str) -> int | None:
+def _which_moves(x: str, y: str) -> str | None:
     """Which of X and Y moves, as in the verdict; None: neither can."""
-    points = _points(x, y)
-    return choose_moved(
-        _has_scores(x, y),
-        [point.n_false_alarms for point in points],
-        [point.n_kept for point in points],
-    )
-
-
-def _points(x: str, y: str) -> tuple[OperatingPoint, OperatingPoint]:
-    """What the thresholds in use leave of X and of Y."""
     dataset, params = state.opened().dataset, state.params()
-    return (
+    points = (
         _point(dataset, x, params, params.threshold_x),
         _point(dataset, y, params, params.threshold_y),
     )
-
-
-def _same_point_text(x: str, y: str, moved: str) -> str:
-    """What the thresholds in use now result in."""
-    points = dict(zip("XY", _points(x, y), strict=True))
-    letter, other = ("X", "Y") if moved == "x" else ("Y", "X")
-    limit = (
-        f"every detection of {letter} counts"
-        if points[letter].threshold is None
-        else f"{letter} has the threshold {points[letter].threshold:g}"
+    index = choose_moved(
+        [not operating_point.why_fixed(letter) for letter in "xy"],
+        [point.n_false_alarms for point in points],
+        [point.n_kept for point in points],
     )
-    rate, other_rate = (
-        number(points[name].false_alarms_per_frame, ".3g") for name in (letter, other)
-    )
-    return (
-        f"{letter} was moved. Now {limit}: {rate} false alarms per frame, {other} has {other_rate}."
-    )
-
-
-def _take_same_point(x: str, y: str) -> None:
-    index = _which_moves(x, y)
-    if index is None:
-        return
-    n_alarms = _points(x, y)[1 - index].n_false_alarms
-    dataset, params = state.opened().dataset, state.params()
-    threshold = threshold_with_alarms(dataset, (x, y)[index], params, n_alarms)
-    state.set_threshold("xy"[index], threshold)
-    st.session_state[MOVED] = "xy"[index]
+    return None if index is None else "xy"[index]
 
 
 def _point(
@@ -273,4 +221,4 @@ def _false_alarm_curve(dataset: Dataset, system: str, matching: Params) -> pd.Da
 def _operating_point(
     dataset: Dataset, system: str, matching: Params, threshold: float | None
 ) -> OperatingPoint:
-    return operating_point(dataset, system, matching, threshold=threshold)
+    return point_at(dataset, system, matching, threshold=threshold)

@@ -97,10 +97,10 @@ def picture_height() -> float:
 def default_of_height(name: str) -> float:
     """Value at which the slider of the sigmoid's midpoint or spread starts, pixels."""
     session_value: float | None = getattr(state.session_params(), name)
-    return _of_share(name) if session_value is None else session_value
+    return of_share(name) if session_value is None else session_value
 
 
-def _of_share(name: str) -> float:
+def of_share(name: str) -> float:
     """The default of the sigmoid's midpoint or spread, pixels."""
     share = SETTINGS[name].height_share
     assert share is not None
@@ -149,5 +149,5 @@ def set_preset(preset: Preset) -> None:
     values = preset.values(picture_height())
     for name, value in values.items():
         if value is None and SETTINGS[name].height_share is not None:
-            values[name] = _of_share(name)
+            values[name] = of_share(name)
     state.set_params(**values)

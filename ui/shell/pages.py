@@ -48,6 +48,9 @@ SHOWN: Final[dict[str, tuple[Stage, ...]]] = {
 """What each page shows of the comparison; one that is not named shows all results. Settings that
 move nothing of it are quiet in the sidebar."""
 
+FOLDED: Final = ("ratings", "export")
+"""Pages on which the settings are folded away, besides those that show nothing that they move."""
+
 
 def all_pages() -> dict[str, list[StreamlitPage]]:
     """The pages by section, for ``st.navigation``."""
@@ -63,6 +66,11 @@ def all_pages() -> dict[str, list[StreamlitPage]]:
 def shown_on(page: StreamlitPage) -> tuple[Stage, ...]:
     """The stages of the comparison whose results the page shows."""
     return SHOWN.get(page.url_path or START, RESULTS)
+
+
+def is_folded_on(page: StreamlitPage) -> bool:
+    """Whether the sidebar's settings are folded away until they are asked for."""
+    return page.url_path in FOLDED or not shown_on(page)
 
 
 def draw_bar(pages: dict[str, list[StreamlitPage]]) -> None:

@@ -3,52 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from html import escape
 from typing import Any, Final
 
 import streamlit as st
 
 from nvcore.figures.inputs import proximity_plot
 from nvcore.figures.style import CONFIG
-from nvcore.palette import X_COLOUR, Y_COLOUR
 from nvcore.params import SETTINGS, settings_for
 from nvcore.params.metadata import MATCH, PROXIMITY, THRESHOLD, Setting, Stage
-from nvcore.params.presets import PRESETS
 from nvcore.params.traffic import count_contexts
-from nvcore.wording import one_line, shortened
 from ui.session import state
-from ui.shell import cost_map, live_params
+from ui.shell import cost_map, live_params, operating_point, presets
 from ui.widgets.text import plain
-
-MAX_NAME = 26
-
-
-def legend() -> None:
-    """Name of each system beside a sample of its line; tables and tiles get the same colours."""
-    theme = state.theme()
-    colours = "".join(
-        f"--nv-{letter}:{colour};--nv-dash-{letter}:{dash};"
-        for letter, colour, dash in (
-            ("x", X_COLOUR[theme], "solid"),
-            ("y", Y_COLOUR[theme], "dashed"),
-        )
-    )
-    st.html(f"<style>:root{{{colours}}}</style>")
-    rows = [
-        _row("X", state.systems()[0], X_COLOUR[theme], "solid"),
-        _row("Y", state.systems()[1], Y_COLOUR[theme], "dashed"),
-    ]
-    st.html(f'<div style="display:flex;flex-direction:column;gap:2px">{"".join(rows)}</div>')
-
-
-def _row(letter: str, name: str | None, colour: str, dash: str) -> str:
-    label = "no second system" if name is None else one_line(name)
-    line = f'<span style="width:34px;border-top:3px {dash} {colour}"></span>'
-    return (
-        f'<div style="display:flex;align-items:center;gap:8px" title="{escape(label, quote=True)}">'
-        f"{line}<b>{letter}</b><span>{escape(shortened(label, MAX_NAME))}</span></div>"
-    )
-
 
 SLIDER_OF_HEIGHT: Final = {"midpoint": (0.0, 0.5, 0.1), "spread": (1.0, 0.15, 0.1)}
 """Least value in px, largest as a share of the picture's height, step in px."""
@@ -57,30 +23,59 @@ SHORT_GROUPS: Final = {MATCH.group: "Matching"}
 
 
 _SHOWN: Final = "sidebar_shown"
+_CHANGED: Final = "sidebar_changed"
+FOLDED: Final = "show_settings"
 GREY: Final = "Settings in grey act on nothing on this page."
 
 
-def draw(wrong: str, shown: Sequence[Stage]) -> None:
+def draw(wrong: str, shown: Sequence[Stage], *, is_folded: bool = False) -> None:
     """Draw the sidebar with what is wrong, after the page: its values are in use before.
 
-    Settings on which nothing of what the page has `shown` depends are quiet.
+    Settings on which nothing of what the page has `shown` depends are quiet. Folded, they are drawn
+    only where they are asked for. X and Y are drawn before the page, by `ui.shell.systems`.
     """
     st.session_state[_SHOWN] = tuple(shown)
+    moved = st.session_state[_CHANGED] = presets.changed()
     with st.sidebar:
-        _presets()
-        if any(not setting.is_advanced for setting in _quiet_settings()):
-            st.caption(GREY)
-        for name, setting in SETTINGS.items():
-            if setting.stage is THRESHOLD:
-                _threshold(name)
-            elif name == "proximity":
-                _proximity()
-            elif not setting.is_advanced and setting.stage is not PROXIMITY:
-                _widget(name)
-        _advanced()
-        st.button("Reset all parameters", width="stretch", on_click=state.reset_params)
+        if not is_folded or _is_unfolded(len(moved)):
+            _draw_settings(moved)
+        else:
+            live_params.keep_all_hidden()
         if wrong:
             st.error(f"{plain(wrong)}. The last settings that worked stay in use.")
+
+
+def _is_unfolded(n_moved: int) -> bool:
+    words = f"Settings ({n_moved} changed)" if n_moved else "Settings"
+    return st.toggle(words, key=FOLDED, persist_state="session")
+
+
+def _draw_settings(moved: dict[str, Any]) -> None:
+    """Thresholds first, which every new comparison needs; then what a miss weighs."""
+    for name in settings_for(THRESHOLD):
+        _threshold(name)
+    operating_point.draw()
+    presets.draw(moved)
+    if any(not setting.is_advanced for setting in _quiet_settings()):
+        st.caption(GREY)
+    for name, setting in SETTINGS.items():
+        if name == "proximity":
+            _proximity()
+        elif not setting.is_advanced and setting.stage not in (PROXIMITY, THRESHOLD):
+            _widget(name)
+    _advanced()
+    st.button("Reset all parameters", width="stretch", on_click=_reset)
+
+
+def _reset() -> None:
+    presets.forget()
+    state.reset_params()
+
+
+def _label(name: str) -> str:
+    """What a widget calls its setting, with a mark where it was moved away from the preset."""
+    label = SETTINGS[name].label_with_unit
+    return f"{label} {presets.MARK}" if name in st.session_state[_CHANGED] else label
 
 
 def _quiet_settings() -> list[Setting]:
@@ -98,19 +93,6 @@ def _quietness(setting: Setting, text: str = "") -> dict[str, Any]:
         "help": f"{start}{text or setting.meaning} Acts on: {setting.acts_on}.",
         "disabled": is_quiet,
     }
-
-
-def _presets() -> None:
-    columns = st.columns(len(PRESETS))
-    for column, preset in zip(columns, PRESETS, strict=True):
-        column.button(
-            preset.name,
-            help=preset.text,
-            width="stretch",
-            key=f"preset_{preset.name}",
-            on_click=live_params.set_preset,
-            args=(preset,),
-        )
 
 
 def _proximity() -> None:
@@ -140,7 +122,7 @@ def _proximity() -> None:
 def _horizon() -> None:
     setting = SETTINGS["horizon"]
     st.number_input(
-        setting.label_with_unit,
+        _label("horizon"),
         value=state.session_params().horizon,
         key="horizon",
         placeholder="each recording's own",
@@ -220,7 +202,7 @@ def _widget(name: str) -> Any:
         return st.session_state[name]
     st.session_state.setdefault(name, getattr(state.session_params(), name))
     return st.selectbox(
-        setting.label_with_unit,
+        _label(name),
         list(setting.words),
         format_func=setting.words.__getitem__,
         key=name,
@@ -287,7 +269,7 @@ def _number_slider(
         st.session_state[name] = given  # not in each run: it would move a slider in motion
     st.session_state[f"ends_{name}"] = (low, high, step), ends
     st.slider(
-        setting.label_with_unit,
+        _label(name),
         min_value=ends[0],
         max_value=ends[1],
         # where it starts: what one run sets is lost to a browser that the next run overtakes

@@ -44,7 +44,7 @@ def test_the_same_operating_point_may_lie_above_the_highest_score(tmp_path: Path
     checked(page.number_input(key="data_threshold_x").set_value(0.75).run())
     press(page, "same_point")
     assert page.session_state["params"].threshold_y > 0.95
-    assert "Y was moved." in texts(page)
+    assert "Y: threshold" in texts(page)
     rates = [metric.value for metric in page.metric if "False alarms" in metric.label]
     assert rates == ["0.0", "0.0"]
 
@@ -68,14 +68,17 @@ def test_where_y_has_no_scores_x_is_moved_to_its_operating_point(tmp_path: Path)
     press(page, "same_point")
     assert page.session_state["params"].threshold_x == pytest.approx(0.19)
     assert page.session_state["params"].threshold_y is None
-    assert "X was moved. Now X has the threshold 0.19" in texts(page)
+    assert "X: threshold none → 0.19" in texts(page)
+    press(page, "point_undo_data")
+    assert page.session_state["params"].threshold_x is None
+    assert "→" not in texts(page)
 
 
 def test_where_x_has_no_scores_y_is_moved_and_where_neither_has_nothing_is(tmp_path: Path):
     truth, fir, nir = drive_files(tmp_path)
     bare = ("x.csv", without_scores(fir))
     page = open_files(sent(truth, bare, ("y.csv", nir)))
-    assert "Y was moved." in texts(press(page, "same_point"))
+    assert "Y: threshold" in texts(press(page, "same_point"))
     page = open_files(sent(truth, bare, ("y.csv", without_scores(nir))))
     assert page.button(key="same_point").disabled
     assert "Neither system has scores that differ" in texts(page)

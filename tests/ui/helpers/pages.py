@@ -14,14 +14,19 @@ from streamlit.testing.v1 import AppTest
 from nvcore.inputs.session import Session
 from ui.session import sample, state
 from ui.shell.pages import START
+from ui.shell.sidebar import FOLDED
 
 TIMEOUT_S: Final = 600
 """Of a run that hangs: a fresh clone compiles first, and the machine may do other work too."""
 
 
-def opened(name: str = START, **address: str) -> AppTest:
-    """The app, opened at this address on this page: no other is drawn before it."""
+def opened(name: str = START, *, is_folded: bool = False, **address: str) -> AppTest:
+    """The app, opened at this address on this page: no other is drawn before it.
+
+    The sidebar's settings are unfolded on every page, unless `is_folded`.
+    """
     app = AppTest.from_file(str(ROOT / "ui" / "main.py"), default_timeout=TIMEOUT_S)
+    app.session_state[FOLDED] = not is_folded
     for key, value in address.items():
         app.query_params[key] = value
     return app.run() if name == START else to_page(app, name)

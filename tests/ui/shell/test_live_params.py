@@ -91,7 +91,7 @@ def test_sliders_start_at_their_values_in_every_run():
 
 def test_presets_and_resets_are_in_use_in_the_same_run():
     page = app(low="0.8", alpha="0.3")
-    checked(page.button(key="preset_Rural").click().run())
+    checked(page.button_group(key="preset").set_value("Rural").run())
     assert live(page).edge_weight == page.slider(key="edge_weight").value == 1
     assert page.slider(key="midpoint").value == pytest.approx(28.8)
     reset = next(button for button in page.button if button.label == "Reset all parameters")
@@ -186,7 +186,7 @@ def test_without_a_value_the_traffic_context_is_as_the_recordings_say():
 def test_a_link_keeps_its_traffic_context_and_the_default_clears_it():
     page = app(edge_weight="0.3")
     assert live(page).edge_weight == page.slider(key="edge_weight").value == 0.3
-    checked(page.button(key="preset_Default").click().run())
+    checked(page.button_group(key="preset").set_value("Default").run())
     assert live(page).edge_weight is None
 
 

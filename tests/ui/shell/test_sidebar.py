@@ -1,0 +1,141 @@
+"""The sidebar: X and Y on every page, operating points, presets, and what was changed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from streamlit.testing.v1 import AppTest
+
+from nvcore.detection.operating_point import threshold_with_alarms
+from nvcore.params.metadata import RESULTS
+from pages import FRAMES, begin_with, checked, opened, press, rows, texts, write
+from ui.shell import pages
+
+QUICK = "metrics"
+"""The page that is quickly drawn."""
+
+
+@pytest.fixture
+def every_setting_acts(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(pages.SHOWN, QUICK, RESULTS)
+
+
+def legend(page: AppTest) -> str:
+    return " ".join(one.proto.body for one in page.get("html"))
+
+
+def keys(page: AppTest) -> set[str | None]:
+    return {widget.key for kind in ("slider", "button", "selectbox") for widget in page.get(kind)}
+
+
+def rates(page: AppTest) -> str:
+    return next(one.value for one in page.caption if "False alarms an hour" in one.value)
+
+
+def test_where_no_setting_acts_they_are_folded_away_and_x_and_y_stay():
+    page = checked(opened(QUICK, is_folded=True, alpha="0.4", low="0.8"))
+    assert "FIR" in legend(page)
+    assert "NIR" in legend(page)
+    assert "alpha" not in keys(page)
+    assert "threshold_x" not in keys(page)
+    toggle = page.toggle(key="show_settings")
+    assert toggle.label == "Settings (2 changed)"
+    assert page.session_state["params"].alpha == 0.4
+    checked(toggle.set_value(True).run())
+    assert page.slider(key="alpha").value == 0.4
+    checked(page.toggle(key="show_settings").set_value(False).run())
+    assert (page.session_state["params"].alpha, page.session_state["params"].low) == (0.4, 0.8)
+
+
+def test_the_settings_are_folded_on_ratings_export_and_the_documentation_only():
+    names = [name for section in pages.SECTIONS.values() for name in section]
+    folded = [name for name in names if name in pages.FOLDED or pages.SHOWN.get(name) == ()]
+    assert folded == ["ratings", "export", "metrics"]
+
+
+def test_x_and_y_are_swapped_beside_their_names():
+    page = press(checked(opened(QUICK, is_folded=True, threshold_x="0.7")), "sidebar_swap")
+    assert legend(page).index("NIR") < legend(page).index("FIR")
+    assert page.session_state["params"].threshold_y == 0.7
+    assert ("".join(page.query_params["x"]) if "x" in page.query_params else "NIR") == "NIR"
+
+
+@pytest.mark.usefixtures("every_setting_acts")
+@pytest.mark.parametrize(("letter", "other"), [("x", "y"), ("y", "x")])
+def test_a_threshold_moves_to_the_false_alarms_of_the_other_and_back(letter: str, other: str):
+    page = checked(opened(QUICK, threshold_x="0.7", threshold_y="0.3"))
+    before = page.session_state["params"]
+    press(page, f"point_{letter}")
+    space, after = page.session_state["workspace"], page.session_state["params"]
+    dataset = space.opened.dataset
+    fixed = space.result.system(other)
+    n_target = int(fixed.matches.is_false_alarm.sum())
+    name = space.result.system(letter).name
+    assert getattr(after, f"threshold_{letter}") == pytest.approx(
+        threshold_with_alarms(dataset, name, before, n_target)
+    )
+    assert getattr(after, f"threshold_{other}") == getattr(before, f"threshold_{other}")
+    old, new = getattr(before, f"threshold_{letter}"), getattr(after, f"threshold_{letter}")
+    assert f"{letter.upper()}: threshold {old:.4g} → {new:.4g}" in texts(page)
+    press(page, "point_undo_sidebar")
+    assert page.session_state["params"] == before
+    assert "→" not in texts(page)
+
+
+@pytest.mark.usefixtures("every_setting_acts")
+def test_both_get_as_many_false_alarms_as_are_asked_for_until_a_threshold_moves_again():
+    page = checked(opened(QUICK))
+    page.number_input(key="point_rate").set_value(600.0)
+    press(page, "point_set")
+    result = page.session_state["workspace"].result
+    hours = result.dataset.frame_columns.duration_s / 3600
+    for system in (result.x, result.y):
+        assert system.matches.is_false_alarm.sum() == pytest.approx(600 * hours, abs=2)
+    assert "X: threshold 0.5 →" in texts(page)
+    assert "Y: threshold 0.5 →" in texts(page)
+    checked(page.slider(key="threshold_x").set_value(0.9).run())
+    assert "→" not in texts(page)  # it no longer says what is in use
+
+
+@pytest.mark.usefixtures("every_setting_acts")
+def test_without_scores_the_buttons_are_disabled_and_say_why(tmp_path: Path, monkeypatch):
+    scored, constant = (
+        "".join(f"night,{frame},300,200,40,120,0.{frame % n}\n" for frame in FRAMES) for n in (9, 1)
+    )
+    begin_with(write(tmp_path, {"one": scored, "two": constant}, truth=rows(300)), monkeypatch)
+    page = checked(opened(QUICK))
+    assert not page.button(key="point_x").disabled
+    assert page.button(key="point_y").disabled
+    assert "Y has no scores that differ" in page.button(key="point_y").help
+    assert "point_set" not in keys(page)
+    assert "False alarms an hour: X" in rates(page)
+
+
+@pytest.mark.usefixtures("every_setting_acts")
+def test_the_preset_in_use_is_marked_and_what_was_moved_away_can_be_taken_back():
+    page = checked(opened(QUICK))
+    preset = page.button_group(key="preset")
+    assert preset.value == "Default"
+    assert "●" not in page.slider(key="alpha").label
+    checked(page.slider(key="alpha").set_value(0.5).run())
+    preset = page.button_group(key="preset")
+    assert (preset.value, preset.label) == (None, "Preset: custom")
+    assert "●" in page.slider(key="alpha").label
+    assert page.button(key="reset_alpha").label.endswith("0.5, back to 0.9")
+    press(page, "reset_alpha")
+    assert page.button_group(key="preset").value == "Default"
+    assert "reset_alpha" not in keys(page)
+
+
+@pytest.mark.usefixtures("every_setting_acts")
+def test_what_was_moved_is_told_against_the_preset_that_was_chosen_last():
+    page = checked(opened(QUICK))
+    checked(page.button_group(key="preset").set_value("Rural").run())
+    assert page.button_group(key="preset").value == "Rural"
+    assert {key for key in keys(page) if str(key).startswith("reset_")} == set()
+    checked(page.slider(key="midpoint").set_value(60.0).run())
+    assert "●" in page.slider(key="midpoint").label
+    press(page, "reset_midpoint")
+    assert page.slider(key="midpoint").value == pytest.approx(28.8)
+    assert page.button_group(key="preset").value == "Rural"

@@ -1,0 +1,191 @@
+"""Equal false alarms of X and Y: which threshold moves, what that changed, and the way back."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import streamlit as st
+
+from nvcore.comparison import Result
+from nvcore.detection.operating_point import (
+    OperatingPoint,
+    alarms_at_rate,
+    point_of_matches,
+    threshold_with_alarms,
+)
+from nvcore.params import Params
+from nvcore.params.metadata import MATCH
+from nvcore.wording import number
+from ui.session import state
+from ui.widgets.text import plain
+
+RATE: Final = "point_rate"
+_MOVE: Final = "point_moved"
+
+
+@dataclass(frozen=True)
+class Move:
+    """Thresholds that were moved, and what of them was so before.
+
+    Attributes
+    ----------
+    systems, matching
+        X and Y, and the settings that say when a detection matches.
+    letters
+        Whose threshold was moved.
+    before, after
+        Operating points of X and Y; `after` is None until they are in use.
+    """
+
+    systems: tuple[str, str | None]
+    matching: Params
+    letters: str
+    before: tuple[OperatingPoint, OperatingPoint]
+    after: tuple[OperatingPoint, OperatingPoint] | None = None
+
+
+def points(result: Result) -> tuple[OperatingPoint, OperatingPoint]:
+    """What the thresholds in use leave of X and of Y."""
+    x, y = (
+        point_of_matches(result.dataset, system.matches, system.threshold)
+        for _, system in result.sides
+    )
+    return x, y
+
+
+def why_fixed(letter: str) -> str:
+    """Why the threshold of X or Y cannot be moved; empty: it can."""
+    name = state.systems()["xy".index(letter)]
+    if name is None:
+        return "There is no second system."
+    if state.score_span(name) is None:
+        return f"{letter.upper()} has no scores that differ: there is no threshold to move."
+    return ""
+
+
+def move(letter: str) -> None:
+    """Give X or Y the threshold with as many false alarms as the other has. For callbacks."""
+    result = state.result()
+    if result is not None and not why_fixed(letter):
+        target = points(result)["yx".index(letter)].n_false_alarms
+        _move_to(result, letter, target)
+
+
+def move_both() -> None:
+    """Give both as many false alarms as the field says. For callbacks."""
+    result = state.result()
+    rate: float | None = st.session_state.get(RATE)
+    if result is not None and rate is not None and not (why_fixed("x") or why_fixed("y")):
+        _move_to(result, "xy", alarms_at_rate(result.dataset, rate))
+
+
+def _move_to(result: Result, letters: str, n_alarms: int) -> None:
+    before, params = points(result), state.params()
+    for letter in letters:
+        name = result.system(letter).name
+        threshold = threshold_with_alarms(result.dataset, name, params, n_alarms)
+        state.set_threshold(letter, threshold)
+    st.session_state[_MOVE] = Move(state.systems(), params.only_for(MATCH), letters, before)
+
+
+def undo() -> None:
+    """Take the last move back. For callbacks."""
+    moved: Move | None = st.session_state.pop(_MOVE, None)
+    if moved is not None and moved.systems == state.systems():
+        for letter in moved.letters:
+            state.set_threshold(letter, moved.before["xy".index(letter)].threshold)
+
+
+def draw() -> None:
+    """False alarms of both, the buttons that make them equal, and what was changed last."""
+    result = state.result()
+    if result is None:
+        return
+    rates = [number(point.false_alarms_per_hour, ",.0f") for point in points(result)]
+    st.caption(
+        f"False alarms an hour: X **{rates[0]}**, Y **{rates[1]}**. Make them equal:",
+        help="Single detections that match nobody. A system that reports more of everything looks "
+        "better unless both have equally many.",
+    )
+    with st.container(horizontal=True, gap="xsmall", key="same_points"):
+        for letter, other in (("x", "y"), ("y", "x")):
+            why = why_fixed(letter)
+            st.button(
+                f"{letter.upper()} to {other.upper()}",
+                key=f"point_{letter}",
+                disabled=bool(why),
+                help=why
+                or f"Moves the threshold of {letter.upper()} so that it has as many false alarms "
+                f"as {other.upper()} has now.",
+                on_click=move,
+                args=(letter,),
+            )
+        _draw_both(result)
+    draw_change("sidebar")
+
+
+def _draw_both(result: Result) -> None:
+    why = why_fixed("x") or why_fixed("y")
+    lower = min(point.false_alarms_per_hour for point in points(result))
+    if not why and lower != lower:
+        why = "Without frames there are no false alarms an hour."
+    with st.popover("Both to", disabled=bool(why), help=why or None, key="point_both"):
+        if not why:
+            st.number_input(
+                "False alarms an hour, of X and of Y",
+                min_value=0.0,
+                value=float(round(lower)),
+                format="%.0f",
+                key=RATE,
+            )
+            st.button("Set both thresholds", key="point_set", type="primary", on_click=move_both)
+
+
+def draw_change(place: str) -> None:
+    """What the last move changed, while its thresholds are in use, and the way back."""
+    result = state.result()
+    moved: Move | None = st.session_state.get(_MOVE)
+    if moved is None or result is None:
+        return
+    now = points(result)
+    if moved.after is None:
+        moved = st.session_state[_MOVE] = Move(
+            moved.systems, moved.matching, moved.letters, moved.before, now
+        )
+    if (moved.systems, moved.matching, moved.after) != (
+        state.systems(),
+        state.params().only_for(MATCH),
+        now,
+    ):
+        del st.session_state[_MOVE]
+        return
+    st.caption(plain(change_text(moved)))
+    st.button(
+        "Undo", key=f"point_undo_{place}", type="tertiary", icon=":material/undo:", on_click=undo
+    )
+
+
+def change_text(moved: Move) -> str:
+    """Threshold and false alarms of what was moved, before and after."""
+    assert moved.after is not None
+    parts = []
+    for letter in moved.letters:
+        at = "xy".index(letter)
+        old, new = moved.before[at], moved.after[at]
+        parts.append(
+            f"{letter.upper()}: threshold {_threshold(old)} → {_threshold(new)}, "
+            f"{_rate(old)} → {_rate(new)} false alarms an hour"
+        )
+    if len(moved.letters) == 1:
+        at = "yx".index(moved.letters)
+        parts.append(f"{'XY'[at]} has {_rate(moved.after[at])}")
+    return "; ".join(parts) + "."
+
+
+def _threshold(point: OperatingPoint) -> str:
+    return "none" if point.threshold is None else f"{point.threshold:.4g}"
+
+
+def _rate(point: OperatingPoint) -> str:
+    return number(point.false_alarms_per_hour, ",.0f")

@@ -1,0 +1,127 @@
+"""The sidebar's presets: which is in use, and which settings were moved away from it."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Final
+
+import streamlit as st
+
+from nvcore.params import SETTINGS
+from nvcore.params.metadata import THRESHOLD
+from nvcore.params.presets import PRESETS, Preset
+from nvcore.wording import count_text
+from ui.session import state
+from ui.shell import live_params
+
+KEY: Final = "preset"
+BASE: Final = "preset_chosen"
+"""Name of the preset that was chosen last, with the data it was chosen for."""
+MARK: Final = ":primary[●]"
+"""Beside the name of a setting that was moved."""
+CLOSE: Final = 1e-9
+_BY_NAME: Final = {preset.name: preset for preset in PRESETS}
+
+
+def preset_in_use() -> Preset | None:
+    """The preset whose values all settings but the thresholds have; None: custom settings."""
+    live = _live()
+    for preset in PRESETS:
+        values = preset.values(live_params.picture_height())
+        if all(_is_same(name, live[name], values[name]) for name in values):
+            return preset
+    return None
+
+
+def changed() -> dict[str, Any]:
+    """Settings that were moved away from the preset, or else from what was opened, and its values.
+
+    Thresholds belong to no preset: they are compared with those of what is open.
+    """
+    base, live = _base(), _live()
+    return {name: base[name] for name in SETTINGS if not _is_same(name, live[name], base[name])}
+
+
+def draw(moved: dict[str, Any]) -> None:
+    """The presets with that in use marked, and a list of what differs, each with its way back."""
+    preset = preset_in_use()
+    st.session_state[KEY] = None if preset is None else preset.name
+    st.segmented_control(
+        "Preset" if preset is not None else "Preset: custom",
+        list(_BY_NAME),
+        key=KEY,
+        on_change=_take,
+        width="stretch",
+        help="  \n".join(f"*{preset.name}*: {preset.text}" for preset in PRESETS),
+    )
+    label = f"{count_text(len(moved), 'setting')} changed" if moved else "No setting changed"
+    with st.popover(label, type="tertiary", disabled=not moved, key="changed"):
+        for name, value in moved.items():
+            setting = SETTINGS[name]
+            st.button(
+                f"{setting.label_with_unit}: {_text(name, _live()[name])}, back to "
+                f"{_text(name, value)}",
+                key=f"reset_{name}",
+                icon=":material/undo:",
+                type="tertiary",
+                on_click=reset,
+                args=(name, value),
+            )
+
+
+def _take() -> None:
+    """A preset was chosen; the one in use, pressed again, stays."""
+    name: str | None = st.session_state[KEY]
+    if name is not None:
+        st.session_state[BASE] = state.opened().dataset.fingerprint, name
+        live_params.set_preset(_BY_NAME[name])
+
+
+def reset(name: str, value: Any) -> None:
+    """Give a setting this value again. For callbacks."""
+    setting = SETTINGS[name]
+    if setting.stage is THRESHOLD:
+        state.set_threshold(name[-1], value)
+    else:
+        state.set_params(**{name: _resolved(name, value)})
+
+
+def forget() -> None:
+    """Compare with what was opened again. For callbacks."""
+    st.session_state.pop(BASE, None)
+
+
+def _live() -> dict[str, Any]:
+    params = state.params()
+    return {name: getattr(params, name) for name in SETTINGS}
+
+
+def _base() -> dict[str, Any]:
+    start = state.session_params()
+    base = {name: getattr(start, name) for name in SETTINGS}
+    fingerprint, name = st.session_state.get(BASE, ("", ""))
+    if fingerprint == state.opened().dataset.fingerprint:
+        base |= _BY_NAME[name].values(live_params.picture_height())
+    return base
+
+
+def _resolved(name: str, value: Any) -> Any:
+    """The value of a widget: a share of the picture's height in pixels."""
+    is_share = value is None and SETTINGS[name].height_share is not None
+    return live_params.of_share(name) if is_share else value
+
+
+def _is_same(name: str, one: Any, other: Any) -> bool:
+    one, other = _resolved(name, one), _resolved(name, other)
+    if isinstance(one, float | int) and isinstance(other, float | int):
+        return math.isclose(one, other, rel_tol=CLOSE, abs_tol=CLOSE)
+    return bool(one == other)
+
+
+def _text(name: str, value: Any) -> str:
+    value, setting = _resolved(name, value), SETTINGS[name]
+    if setting.words is not None:
+        return setting.words[value]
+    if value is None:
+        return setting.unset or ("all count" if setting.stage is THRESHOLD else "not given")
+    return f"{value:.4g}"

@@ -1,0 +1,68 @@
+"""Which two systems are X and Y, in the sidebar of every page, and how they change places."""
+
+from __future__ import annotations
+
+from html import escape
+
+import streamlit as st
+
+from nvcore.palette import X_COLOUR, Y_COLOUR
+from nvcore.wording import one_line, shortened
+from ui.session import state
+from ui.session.opening import with_systems
+
+MAX_NAME = 24
+
+
+def draw() -> None:
+    """Name of each system beside a sample of its line, and the button that swaps them.
+
+    Tables and tiles of all pages get the same colours.
+    """
+    theme, (x, y) = state.theme(), state.systems()
+    colours = "".join(
+        f"--nv-{letter}:{colour};--nv-dash-{letter}:{dash};"
+        for letter, colour, dash in (
+            ("x", X_COLOUR[theme], "solid"),
+            ("y", Y_COLOUR[theme], "dashed"),
+        )
+    )
+    st.html(f"<style>:root{{{colours}}}</style>")
+    rows = [_row("X", x, X_COLOUR[theme], "solid"), _row("Y", y, Y_COLOUR[theme], "dashed")]
+    with st.container(horizontal=True, vertical_alignment="center", gap="xsmall", key="systems"):
+        st.html(f'<div style="display:flex;flex-direction:column;gap:2px">{"".join(rows)}</div>')
+        if y is not None:
+            st.button(
+                "Swap X and Y",
+                key="sidebar_swap",
+                icon=":material/swap_vert:",
+                type="tertiary",
+                help="Swap: X becomes Y and Y becomes X, each with its threshold.",
+                on_click=swap,
+            )
+
+
+def _row(letter: str, name: str | None, colour: str, dash: str) -> str:
+    label = "no second system" if name is None else one_line(name)
+    line = f'<span style="flex:none;width:26px;border-top:3px {dash} {colour}"></span>'
+    return (
+        f'<div style="display:flex;align-items:center;gap:8px" title="{escape(label, quote=True)}">'
+        f"{line}<b>{letter}</b><span>{escape(shortened(label, MAX_NAME))}</span></div>"
+    )
+
+
+def swap() -> None:
+    """X becomes Y, and Y becomes X. For callbacks."""
+    x, y = state.systems()
+    if y is not None:
+        compare(y, x)
+
+
+def compare(x: str, y: str | None) -> None:
+    """Make these X and Y, each with its own threshold. For callbacks."""
+    opened = state.opened()
+    session, thresholds = with_systems(opened.session, opened.dataset, state.params(), x=x, y=y)
+    state.compare_as(session)
+    for letter, name in (("x", x), ("y", y)):
+        if name is not None:
+            state.set_threshold(letter, thresholds[f"threshold_{letter}"])
