@@ -6,6 +6,7 @@ import streamlit as st
 from nvcore.comparison import Result
 from nvcore.tables.result import encounters_table
 from ui.encounters import address, details, figures, filters, selection, table
+from ui.encounters.order import Order
 from ui.session import state
 from ui.shell import back
 from ui.shell.messages import draw_warnings, needs_comparison
@@ -64,15 +65,16 @@ def follow_link(encounters: pd.DataFrame) -> None:
         )
 
 
-def write_address(encounters: pd.DataFrame, chosen: filters.Filters, order: table.Order) -> None:
+def write_address(encounters: pd.DataFrame, chosen: filters.Filters, order: Order) -> None:
     """Keep the address in step with what is listed and selected."""
-    encounter = selection.selected()
-    is_listed = encounter is not None and chosen.keep(encounters.loc[[encounter]]).size
+    encounter, name = selection.selected(), None
+    if encounter is not None and len(chosen.keep(encounters.loc[[encounter]])):
+        name = address.name_of(encounters, encounter)
     choice = address.Choice(
         chosen,
         order,
         bool(st.session_state.get(table.ALL_COLUMNS, False)),
-        address.name_of(encounters, encounter) if is_listed else None,
+        name,
     )
     state.write_address(address.to_address(choice), address.NAMES)
 

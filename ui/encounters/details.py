@@ -19,7 +19,7 @@ from ui.widgets.text import UNDEFINED, number, plain
 def draw(result: Result, listed: pd.DataFrame, encounter: int) -> None:
     """The encounter, with the way to the one before and the next."""
     selection.draw_steps(listed, encounter)
-    row = listed.loc[encounter]
+    row = listed.iloc[selection.place_of(listed, encounter)]
     st.header(f"Pedestrian {row['track']} in {plain(row['recording'])}")
     st.markdown(f"{CATEGORY_TEXT[Category(row['category'])]}  \n{_who_missed(result, row)}")
     moments = selection.moments_of(result).iloc[encounter]

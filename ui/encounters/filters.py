@@ -204,8 +204,14 @@ def _draw_widgets(encounters: pd.DataFrame) -> Filters:
         "(sitting, cycling, pushing a pram), above 2 uncommonly narrow.",
     )
     return Filters(
-        *(tuple(chosen) for chosen in (categories, classes_x, classes_y, recordings)),
-        *(position, height_px, pose_z, _least_severity(place, encounters)),
+        categories=tuple(categories),
+        classes_x=tuple(classes_x),
+        classes_y=tuple(classes_y),
+        recordings=tuple(recordings),
+        position=position,
+        height_px=height_px,
+        pose_z=pose_z,
+        least_severity_s=_least_severity(place, encounters),
     )
 
 

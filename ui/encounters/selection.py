@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
+import numpy as np
 import pandas as pd
 import streamlit as st
 
@@ -49,6 +50,11 @@ def shown(listed: pd.DataFrame) -> int:
     return int(listed.index[0]) if encounter not in listed.index else int(str(encounter))
 
 
+def place_of(listed: pd.DataFrame, encounter: int) -> int:
+    """Which of the list it is, counted from 0."""
+    return int(np.flatnonzero(listed.index.to_numpy() == encounter)[0])
+
+
 def moments_of(result: Result) -> pd.DataFrame:
     """`encounter_moments`, computed anew only for settings that move them."""
     settings = result.params.only_for(THRESHOLD, SEVERITY)
@@ -70,7 +76,7 @@ def go_along(result: Result) -> None:
 def draw_steps(listed: pd.DataFrame, encounter: int) -> None:
     """Previous, "3 of 57", next: through the list as it is filtered and sorted."""
     st.session_state[_HAS_STEPPED] = False
-    at = int(listed.index.get_loc(encounter))
+    at = place_of(listed, encounter)
     with st.container(
         horizontal=True, horizontal_alignment="distribute", vertical_alignment="center"
     ):

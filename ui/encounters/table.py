@@ -93,7 +93,7 @@ def draw(listed: pd.DataFrame, encounter: int) -> None:
     table = as_shown(listed[[*FIRST_COLUMNS, *others]].head(MOST_ROWS))
     # a key for these rows: a selection must not move to another pedestrian
     key = f"encounters_table_{hash(tuple(table.index))}"
-    at = int(listed.index.get_loc(encounter))
+    at = selection.place_of(listed, encounter)
     st.session_state[key] = {
         "selection": {"rows": [at] if at < len(table) else [], "columns": [], "cells": []}
     }
