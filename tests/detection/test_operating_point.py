@@ -12,8 +12,10 @@ from scenes import draw_scene
 from nvcore.dataset import Dataset
 from nvcore.detection.operating_point import (
     CURVE_COLUMNS,
+    alarms_at_rate,
     false_alarm_curve,
     operating_point,
+    point_of_matches,
     round_between,
     same_operating_point,
     score_histogram,
@@ -42,6 +44,22 @@ def test_a_threshold_leaves_what_is_at_least_as_high():
     assert (point.threshold, point.n_kept, point.n_false_alarms) == (0.4, 5, 2)
     assert point.false_alarms_per_frame == 0.5
     assert point.false_alarms_per_minute == pytest.approx(2 / 0.4 * 60)
+
+
+def test_a_comparison_has_the_operating_points_of_its_thresholds():
+    result = result_of(small(), threshold_x=0.4)
+    of_matches = point_of_matches(result.dataset, result.x.matches, result.x.threshold)
+    assert of_matches == operating_point(small(), "x", PARAMS, threshold=0.4)
+    assert of_matches.false_alarms_per_hour == pytest.approx(2 / 0.4 * 3600)
+
+
+def test_a_rate_of_false_alarms_is_a_number_of_them_in_the_data():
+    assert alarms_at_rate(small(), 2 / 0.4 * 3600) == 2
+    assert alarms_at_rate(small(), 0) == 0
+    assert alarms_at_rate(make_dataset(frames=[]), 100) == 0
+    for rate in (-1, NAN, np.inf):
+        with pytest.raises(ValueError, match="expected 0 or more"):
+            alarms_at_rate(small(), rate)
 
 
 def test_a_curve_has_a_point_for_every_score():

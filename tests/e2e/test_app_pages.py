@@ -134,3 +134,33 @@ def test_whoever_follows_the_link_after_a_swap_sees_the_same_comparison(visit):
     one.wait_until_drawn()
     other = visit(f"overview{one.page.url[one.page.url.index('?') :]}")
     expect(other.page.get_by_text("X: NIR").first).to_be_visible()
+
+
+ADDRESSED_ENCOUNTER = "new URL(location).searchParams.get('encounter')"
+
+
+def test_keys_step_through_the_encounters_and_back_returns_to_each(visit):
+    one = visit("encounters?category=x_only")
+
+    def is_at(number: int) -> None:
+        place = one.keyed("encounters_review").get_by_text(f"{number} of 8", exact=True)
+        expect(place).to_be_visible()
+        one.wait_until_drawn()
+
+    is_at(1)
+    seen = []
+    for number in (2, 3):
+        one.page.keyboard.press("n")
+        is_at(number)
+        seen.append(one.page.evaluate(ADDRESSED_ENCOUNTER))
+    one.page.get_by_role("button", name="Show in timeline").click()
+    expect(one.heading("Timeline", level=1)).to_be_visible()
+    expect(one.page).to_have_title(re.compile(r" s · FIR/NIR · nvcore$"))
+    one.wait_until_drawn()
+    one.page.go_back()
+    expect(one.page).to_have_title("Encounters · FIR/NIR · nvcore")
+    is_at(3)
+    one.page.go_back()
+    is_at(2)
+    assert one.page.evaluate(ADDRESSED_ENCOUNTER) == seen[0]
+    one.query("category", "x_only")

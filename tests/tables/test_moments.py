@@ -11,6 +11,7 @@ from nvcore.tables.moments import (
     NEVER,
     encounter_box,
     encounter_moments,
+    encounter_time,
     next_misses,
     worst_moments,
 )
@@ -231,6 +232,21 @@ def test_a_track_that_stands_twice_in_a_frame_is_found_if_one_of_its_boxes_is():
     twice = [at(f, c, track=1) for f in range(3) for c in (20, 80)]
     (one,) = moments(twice, [box for box in twice if box.centre == 20], twice[:4])
     assert (one["missed_row_x"], one["missed_row_y"]) == (NEVER, 2)
+
+
+def test_the_time_of_an_encounter_is_that_of_its_relevant_frames_and_the_missed_part_of_it():
+    # ten frames at 10 fps, too far in four of them; X misses three that count, Y one, twice there
+    truth = [at(f, 50, track=1, h=3 if f < 4 else 50) for f in range(10)]
+    result = result_of(make_dataset(truth, truth[7:], truth[:9]), proximity="height")
+    assert encounter_time(result, 0) == pytest.approx((0.6, 0.3, 0.1))
+    twice = [at(f, c, track=1) for f in range(3) for c in (20, 80)]
+    result = result_of(make_dataset(twice, [box for box in twice if box.centre == 20], twice[:4]))
+    assert encounter_time(result, 0) == pytest.approx((0.3, 0, 0.1))
+
+
+def test_a_distant_encounter_has_no_time():
+    result = result_of(make_dataset([at(f, 50, track=1, h=3) for f in (2, 3)]), proximity="height")
+    assert encounter_time(result, 0) == (0, 0, 0)
 
 
 def test_without_encounters_the_columns_are_there():
