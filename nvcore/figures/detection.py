@@ -15,7 +15,7 @@ from nvcore.detection.curves import DetectionCurve
 from nvcore.detection.miss_rate import FPPI_REFERENCES
 from nvcore.figures.marks import HOVER, click_markers, marks, steady_marker, system_marker
 from nvcore.figures.rate_axis import LogScale, decades, log_scale
-from nvcore.figures.style import DASH, LOOK, SYMBOL, axis, draw, empty_figure, system_label
+from nvcore.figures.style import LOOK, axis, draw, empty_figure, system_label
 from nvcore.palette import Theme
 from nvcore.wording import count_text
 
@@ -253,8 +253,8 @@ def _line(points: _Points, letter: str, name: str, theme: Theme, *, is_line: boo
         hoverinfo="skip",
         name=name,
         showlegend=True,
-        line={"color": color, "width": 2.4, "dash": DASH[letter]},
-        marker={"color": color, "symbol": SYMBOL[letter], "size": 9},
+        line={"color": color, "width": 2.4, "dash": LOOK[theme].dash(letter)},
+        marker={"color": color, "symbol": LOOK[theme].symbol(letter), "size": 9},
         cliponaxis=False,
     )
 
@@ -265,7 +265,7 @@ def _first_zero(points: _Points, letter: str, scale: LogScale, theme: Theme) -> 
     marker = steady_marker(
         color=LOOK[theme].of(letter),
         size=ZERO_PX,
-        symbol=f"{SYMBOL[letter]}-open",
+        symbol=f"{LOOK[theme].symbol(letter)}-open",
         line={"width": 2},
     )
     still = {"hoverinfo": "skip", "showlegend": False, "cliponaxis": False}

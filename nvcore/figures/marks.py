@@ -7,7 +7,7 @@ from typing import Any, Final
 import numpy as np
 import plotly.graph_objects as go
 
-from nvcore.figures.style import LOOK, SYMBOL
+from nvcore.figures.style import LOOK
 from nvcore.palette import Theme
 
 HOVER: Final = "%{text}<extra></extra>"
@@ -45,7 +45,7 @@ def system_marker(letter: str, size: float, theme: Theme, *, rim: float = 1) -> 
     """A system's marker in its colour and shape, steady, with a rim of the page's colour."""
     look = LOOK[theme]
     line = {"width": rim, "color": look.surface}
-    return steady_marker(color=look.of(letter), size=size, symbol=SYMBOL[letter], line=line)
+    return steady_marker(color=look.of(letter), size=size, symbol=look.symbol(letter), line=line)
 
 
 def click_markers(x: Any, y: Any, texts: Any, **more: Any) -> go.Scatter:

@@ -14,7 +14,6 @@ from nvcore.figures.style import (
     CLEAR,
     LEGEND,
     LOOK,
-    SYMBOL,
     axis,
     draw,
     empty_figure,
@@ -108,7 +107,7 @@ def recency_plot(result: Result, *, theme: Theme, recording: int | None = None) 
         shift = SHIFT if letter == "x" else -SHIFT
         marker = steady_marker(
             color=faded(look.of(letter), 0.35),
-            symbol=SYMBOL[letter],
+            symbol=look.symbol(letter),
             size=(3 if is_many else 5)
             + (8 if is_many else 15) * np.sqrt(events["weight_s"].to_numpy() / most_s),
             line={"width": 0.5 if is_many else 1.2, "color": look.of(letter)},
@@ -294,7 +293,7 @@ def _recording_marks(
         **steady_marker(
             opacity=0.6 if is_small else 1,
             color=look.of(letter),
-            symbol=SYMBOL[letter],
+            symbol=look.symbol(letter),
             size=5 if is_small else 10,
             line={"width": 0 if is_small else 1, "color": look.surface},
         ),
@@ -306,7 +305,7 @@ def _mean_mark(letter: str, x: float, y: float, *, theme: Theme) -> go.Scatter:
     look = LOOK[theme]
     marker = steady_marker(
         color=CLEAR,
-        symbol=SYMBOL[letter],
+        symbol=look.symbol(letter),
         size=20,
         line={"width": 2.5, "color": look.of(letter)},
     )

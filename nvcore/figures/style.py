@@ -3,14 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from textwrap import wrap
 from typing import Any, Final
 
 import numpy as np
 import plotly.graph_objects as go
 
-from nvcore.palette import TRUTH_COLOUR, X_COLOUR, Y_COLOUR, Theme, rgb
+from nvcore.palette import (
+    TRUTH_COLOUR,
+    X_COLOUR,
+    Y_COLOUR,
+    Scheme,
+    Shade,
+    Theme,
+    rgb,
+    scheme_of,
+)
 
 FONT: Final = "Source Sans Pro, sans-serif"
 LEFT_PX: Final = 76
@@ -19,8 +28,6 @@ MAX_NAME: Final = 32
 """Characters of a name from a file that are shown."""
 EMPTY_LINE: Final = 42
 """Characters in a line of a figure without data: it may be in the sidebar."""
-DASH: Final = {"x": "solid", "y": "dash", "truth": "dot"}
-SYMBOL: Final = {"x": "circle", "y": "diamond"}
 
 CONFIG: Final[dict[str, Any]] = {
     "displayModeBar": False,
@@ -31,7 +38,7 @@ CONFIG: Final[dict[str, Any]] = {
 }
 """Plotly's configuration for every figure: no tool bar, double click resets the view."""
 
-LOSS_COLOURS: Final[dict[Theme, tuple[str, ...]]] = {
+LOSS_COLOURS: Final[dict[Shade, tuple[str, ...]]] = {
     "light": ("#F1F3F6", "#D3B8E0", "#9A5FB5", "#4A1162"),
     "dark": ("#222933", "#5C3A73", "#A56CC4", "#F4DCFF"),
 }
@@ -62,6 +69,15 @@ class Look:
     x: str
     y: str
     truth: str
+    scheme: Scheme = Scheme("light")
+
+    def dash(self, letter: str) -> str:
+        """Plotly's dash of "x", "y" or the "truth"."""
+        return "dot" if letter == "truth" else self.scheme.style(letter).dash
+
+    def symbol(self, letter: str) -> str:
+        """Plotly's mark of "x" or "y"."""
+        return self.scheme.style(letter).symbol
 
     def of(self, letter: str) -> str:
         """Colour of system "x" or "y", or of the "truth"."""
@@ -69,15 +85,25 @@ class Look:
         return colour
 
 
-def _look(theme: Theme, ink: str, muted: str, grid: str, pale: str, surface: str) -> Look:
-    systems = X_COLOUR[theme], Y_COLOUR[theme], TRUTH_COLOUR[theme]
-    return Look(ink, muted, grid, pale, surface, *systems)
+def _look(shade: Shade, ink: str, muted: str, grid: str, pale: str, surface: str) -> Look:
+    systems = X_COLOUR[shade], Y_COLOUR[shade], TRUTH_COLOUR[shade]
+    return Look(ink, muted, grid, pale, surface, *systems, Scheme(shade))
 
 
-LOOK: Final[dict[Theme, Look]] = {
-    "light": _look("light", "#1F2630", "#57606A", "#E4E8ED", "#CBD2DA", "#FFFFFF"),
-    "dark": _look("dark", "#E6EAF0", "#A3AEBB", "#2A323D", "#46515F", "#151A21"),
-}
+class _Looks(dict[Theme, Look]):
+    """The looks of both shades; of a scheme that of its shade, with the systems' own colours."""
+
+    def __missing__(self, theme: Theme) -> Look:
+        scheme = scheme_of(theme)
+        x, y = (scheme.style(letter).colour(scheme.shade) for letter in "xy")
+        look = self[theme] = replace(self[scheme.shade], x=x, y=y, scheme=scheme)
+        return look
+
+
+LOOK: Final = _Looks(
+    light=_look("light", "#1F2630", "#57606A", "#E4E8ED", "#CBD2DA", "#FFFFFF"),
+    dark=_look("dark", "#E6EAF0", "#A3AEBB", "#2A323D", "#46515F", "#151A21"),
+)
 ENTITIES: Final = str.maketrans(
     {"&": "&amp;", "<": "&lt;", ">": "&gt;", "{": "&#123;", "$": "&#36;"}
 )
@@ -109,7 +135,7 @@ def faded(colour: str, opacity: float) -> str:
 
 def loss_scale(theme: Theme) -> list[tuple[float, str]]:
     """Plotly's colour scale of losses and costs, 0 first."""
-    colours = LOSS_COLOURS[theme]
+    colours = LOSS_COLOURS[scheme_of(theme).shade]
     return list(zip(np.linspace(0, 1, len(colours)).tolist(), colours, strict=True))
 
 

@@ -18,14 +18,15 @@ from nvcore.errors import MediaError
 from nvcore.overlay.brush import (
     BLANK_RGB,
     TRUTH_RGB,
-    X_RGB,
-    Y_RGB,
     Canvas,
     Colour,
+    Inks,
+    inks_for,
     put_text,
     text_width,
 )
 from nvcore.overlay.draw import DrawnDetections, DrawnTruth, TruthMark, draw_boxes
+from nvcore.palette import Scheme, Shade, scheme_for
 from nvcore.pictures.base import Picture, Pictures
 from nvcore.pictures.stretch import png, stretch
 from nvcore.schema import NO_TRACK, TruthState
@@ -83,10 +84,26 @@ def annotate(
     picture, trouble = frame_picture(pictures, index, lo, hi)
     boxes = drawn_boxes(result, row, layers=layers, labels=labels)
     width, height = float(frames.width[recording]), float(frames.height[recording])
-    canvas = draw_boxes(picture, width, height, truth=boxes.truth, x=boxes.x, y=boxes.y)
+    canvas = draw_boxes(
+        *(picture, width, height),
+        truth=boxes.truth,
+        x=boxes.x,
+        y=boxes.y,
+        inks=inks_of(result, "dark"),
+    )
     if picture is None:
         put_text(canvas, trouble, (12, 24), 0.45, _DIM_RGB)
     return np.concatenate([canvas, _caption(result, row, canvas.shape[1])]) if caption else canvas
+
+
+def inks_of(result: Result, shade: Shade) -> Inks:
+    """The inks in which each system of the session has its own."""
+    return inks_for(scheme_of_result(result, shade))
+
+
+def scheme_of_result(result: Result, shade: Shade) -> Scheme:
+    """The scheme in which each system of the session has its own colour."""
+    return scheme_for(shade, result.dataset.systems, result.x.name, result.y.name)
 
 
 def frame_picture(
@@ -151,16 +168,17 @@ def _caption(result: Result, row: int, width: int) -> NDArray[np.uint8]:
     frames = result.dataset.frames.iloc[row]
     name = _short(str(result.dataset.recordings["name"].iloc[int(frames["recording"])]))
     similarity = [float(system.similarity[row]) for system in (result.x, result.y)]
+    inks, scheme = inks_of(result, "dark"), scheme_of_result(result, "dark")
     lines: list[list[tuple[str, Colour]]] = [
         [
             (f"{name}   frame {int(frames['frame'])}   {frames['time_s']:.2f} s", TRUTH_RGB),
-            (f"similarity X {_number(similarity[0])}", X_RGB),
-            (f"Y {_number(similarity[1])}", Y_RGB),
+            (f"similarity X {_number(similarity[0])}", inks.x),
+            (f"Y {_number(similarity[1])}", inks.y),
         ],
         [
             ("thin: truth", TRUTH_RGB),
-            (f"solid: X = {_short(result.x.name)}", X_RGB),
-            (f"dashed: Y = {_short(result.y.name)}", Y_RGB),
+            (f"{scheme.style('x').line}: X = {_short(result.x.name)}", inks.x),
+            (f"{scheme.style('y').line}: Y = {_short(result.y.name)}", inks.y),
             ("corners: missed, cross: false alarm", _DIM_RGB),
         ],
         [(settings_text(result), _DIM_RGB)],

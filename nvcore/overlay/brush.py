@@ -12,10 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nvcore.overlay.labels import Box
-from nvcore.palette import TRUTH_COLOUR, X_COLOUR, Y_COLOUR, rgb
+from nvcore.palette import STYLES, TRUTH_COLOUR, X_COLOUR, Y_COLOUR, Scheme, rgb
 
 Colour = tuple[int, int, int]
 Canvas = NDArray[np.uint8]
+Dashes = tuple[int, ...]
+"""Lengths of dashes and gaps in px; empty: a solid line."""
 
 X_RGB: Final = rgb(X_COLOUR["dark"])
 Y_RGB: Final = rgb(Y_COLOUR["dark"])
@@ -25,12 +27,14 @@ BLANK_RGB: Final[Colour] = (16, 19, 24)
 
 @dataclass(frozen=True)
 class Inks:
-    """Colours of X, Y and the truth, and the background of labels and of frames without picture."""
+    """Colours of X, Y and the truth, the background of labels and of frames, lines of X and Y."""
 
     x: Colour
     y: Colour
     truth: Colour
     ground: Colour
+    dash_x: Dashes = STYLES[0].pattern
+    dash_y: Dashes = STYLES[1].pattern
 
     @property
     def contrast(self) -> Colour:
@@ -44,6 +48,15 @@ ON_LIGHT: Final = Inks(
     rgb(X_COLOUR["light"]), rgb(Y_COLOUR["light"]), rgb(TRUTH_COLOUR["light"]), (244, 246, 248)
 )
 """For paper: frames without picture."""
+
+
+def inks_for(scheme: Scheme) -> Inks:
+    """The inks of a scheme: ``dark`` for pictures, ``light`` for paper."""
+    base = ON_LIGHT if scheme.shade == "light" else ON_DARK
+    x, y = (scheme.style(letter) for letter in "xy")
+    colours = (rgb(style.colour(scheme.shade)) for style in (x, y))
+    return Inks(*colours, base.truth, base.ground, x.pattern, y.pattern)
+
 
 _SHIFT: Final = 4  # cv2 takes coordinates in 1/16 px
 _PLATE: Final = 0.8

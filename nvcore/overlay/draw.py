@@ -16,13 +16,15 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from nvcore.overlay.brush import ON_DARK, Brush, Canvas, Colour, Inks, put_text, text_width
+from nvcore.overlay.brush import ON_DARK, Brush, Canvas, Colour, Dashes, Inks, put_text, text_width
 from nvcore.overlay.labels import Box, LabelRoom, Place, overlap, tag_places
 from nvcore.pictures.base import Picture
 from nvcore.schema import DetectionState, TruthState
 
 _MIN_WIDTH: Final = 960
 _MAX_WIDTH: Final = 1920
+DASH_SHARE: Final = 7 / 6
+"""Length of a dash on a picture, as a multiple of that in the viewer."""
 _TINT: Final = 0.6
 """Share of its system's colour in the text of a label; the rest is contrast to the ground."""
 
@@ -129,9 +131,9 @@ def draw_boxes(
     canvas = _background(picture, size, inks)
     scale = np.array([size[0] / width, size[1] / height] * 2)
     brush = Brush(canvas, scale, max(1, round(size[0] / 960)) if unit is None else unit, inks)
-    for boxes, colour, is_dashed in ((x, inks.x, False), (y, inks.y, True)):
+    for boxes, colour, dashes in ((x, inks.x, inks.dash_x), (y, inks.y, inks.dash_y)):
         if boxes is not None:
-            _draw_detections(brush, boxes, colour, is_dashed=is_dashed)
+            _draw_detections(brush, boxes, colour, dashes)
     if truth is not None:
         _draw_truth(brush, truth)
     _draw_labels(brush, truth or DrawnTruth(), x, y)
@@ -149,13 +151,12 @@ def _background(picture: Picture | None, size: tuple[int, int], inks: Inks) -> C
     return np.asarray(cv2.resize(picture, size, interpolation=method), dtype=np.uint8)
 
 
-def _draw_detections(
-    brush: Brush, boxes: DrawnDetections, colour: Colour, *, is_dashed: bool
-) -> None:
+def _draw_detections(brush: Brush, boxes: DrawnDetections, colour: Colour, dashes: Dashes) -> None:
     unit = brush.unit
+    dash = DASH_SHARE * dashes[0] * unit if dashes else None
     # a loop over the boxes of one frame: drawing is done box by box
     for number, box in enumerate(brush.corners(boxes.xywh)):
-        brush.rectangle(box, colour, 2 * unit, 7.0 * unit if is_dashed else None)
+        brush.rectangle(box, colour, 2 * unit, dash)
         left, top, right, bottom = box
         if boxes.state[number] == DetectionState.FALSE_ALARM:
             arm = min(8.0 * unit, (right - left) / 2, (bottom - top) / 2)

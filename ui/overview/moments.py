@@ -60,9 +60,11 @@ N_MOMENTS: Final = 4
 def draw(result: Result) -> None:
     """A row of moments for each kind; a button opens the frame."""
     st.header("Moments to look at")
+    theme = state.theme()
     st.caption(
         "The stretches of low similarity that weigh most, and those in which the systems differ "
-        "most. The picture is the worst frame: pedestrians white, X solid blue, Y dashed orange."
+        "most. The picture is the worst frame: pedestrians white, "
+        f"X {theme.style('x').words}, Y {theme.style('y').words}."
     )
     kind = choose_side_by_side(
         "Which moments", KINDS, "moments", default="x", label_visibility="collapsed"

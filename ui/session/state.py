@@ -7,7 +7,7 @@ from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any, Final, Literal, TypeVar
+from typing import Any, Final, TypeVar
 
 import numpy as np
 import streamlit as st
@@ -17,6 +17,7 @@ from nvcore.comparison import Result, compare
 from nvcore.dataset import Dataset
 from nvcore.findings import Finding, worst_first
 from nvcore.inputs.session import Session
+from nvcore.palette import Scheme, Shade, scheme_for
 from nvcore.params import SETTINGS, Params
 from nvcore.params.metadata import MATCH, PROXIMITY, SALIENT, THRESHOLD
 from nvcore.pictures.recordings import session_pictures
@@ -32,7 +33,6 @@ from ui.settings.start import start_file
 ROOT: Final = Path(__file__).resolve().parents[2]
 SAMPLE: Final = ROOT / "sample_data" / "session.toml"
 SAMPLE_LABEL: Final = "Sample recordings"
-Theme = Literal["light", "dark"]
 T = TypeVar("T")
 
 
@@ -263,9 +263,10 @@ def compare_as(session: Session) -> None:
     workspace().forget()
 
 
-def theme() -> Theme:
-    """Whether the page is shown light or dark."""
-    return "dark" if st.context.theme.type == "dark" else "light"
+def theme() -> Scheme:
+    """Whether the page is shown light or dark, and how X and Y are drawn: by their systems."""
+    shade: Shade = "dark" if st.context.theme.type == "dark" else "light"
+    return scheme_for(shade, opened().dataset.systems, *systems())
 
 
 def recording_names() -> list[str]:

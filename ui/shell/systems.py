@@ -6,7 +6,6 @@ from html import escape
 
 import streamlit as st
 
-from nvcore.palette import X_COLOUR, Y_COLOUR
 from nvcore.wording import one_line, shortened
 from ui.session import state
 from ui.session.opening import with_systems
@@ -19,19 +18,20 @@ def draw() -> None:
 
     Tables and tiles of all pages get the same colours.
     """
-    theme, (x, y) = state.theme(), state.systems()
+    theme, names = state.theme(), state.systems()
+    styles = {letter: theme.style(letter) for letter in "xy"}
     colours = "".join(
-        f"--nv-{letter}:{colour};--nv-dash-{letter}:{dash};"
-        for letter, colour, dash in (
-            ("x", X_COLOUR[theme], "solid"),
-            ("y", Y_COLOUR[theme], "dashed"),
-        )
+        f"--nv-{letter}:{style.colour(theme.shade)};--nv-dash-{letter}:{style.css};"
+        for letter, style in styles.items()
     )
     st.html(f"<style>:root{{{colours}}}</style>")
-    rows = [_row("X", x, X_COLOUR[theme], "solid"), _row("Y", y, Y_COLOUR[theme], "dashed")]
+    rows = [
+        _row(letter.upper(), name, style.colour(theme.shade), style.css)
+        for (letter, style), name in zip(styles.items(), names, strict=True)
+    ]
     with st.container(horizontal=True, vertical_alignment="center", gap="xsmall", key="systems"):
         st.html(f'<div style="display:flex;flex-direction:column;gap:2px">{"".join(rows)}</div>')
-        if y is not None:
+        if names[1] is not None:
             st.button(
                 "Swap X and Y",
                 key="sidebar_swap",

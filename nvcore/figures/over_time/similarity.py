@@ -13,7 +13,6 @@ from tsdownsample import MinMaxLTTBDownsampler
 from nvcore.comparison import Result
 from nvcore.figures.marks import click_markers, still_line
 from nvcore.figures.style import (
-    DASH,
     LOOK,
     axis,
     draw,
@@ -247,7 +246,7 @@ def _lines(span: TimeSpan, system: SystemResult, letter: str, theme: Theme) -> l
         return still_line(**axes, legendgroup=letter, **more)
 
     thin = {"width": 1, "color": faded(colour, 0.55)}
-    thick = {"width": 2.4, "color": colour, "dash": DASH[letter]}
+    thick = {"width": 2.4, "color": colour, "dash": LOOK[theme].dash(letter)}
     name, mean_name = f"{letter.upper()}, frame by frame", system_label(letter, system.name)
     mean = system.similarity_window
     return [

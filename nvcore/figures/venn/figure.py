@@ -10,10 +10,8 @@ import plotly.graph_objects as go
 
 from nvcore.figures.marks import click_markers, marks, steady_marker
 from nvcore.figures.style import (
-    DASH,
     HIDDEN_AXIS,
     LOOK,
-    SYMBOL,
     Look,
     draw,
     empty_figure,
@@ -170,7 +168,7 @@ def _draw_circles(figure: go.Figure, circles: Circles, theme: Theme) -> None:
     ):
         if radius:
             colour = LOOK[theme].of(letter)
-            line = {"color": colour, "width": 2, "dash": DASH[letter]}
+            line = {"color": colour, "width": 2, "dash": LOOK[theme].dash(letter)}
             corners = Frame(centre - radius, centre + radius, -radius, radius)
             _fill(figure, "circle", f"circle {letter}", corners, line, faded(colour, 0.30))
 
@@ -189,7 +187,7 @@ def _marks(part: pd.DataFrame, kind: Category, plan: Plan, look: Look) -> go.Sca
     if kind is Category.NEITHER:
         fails = [np.zeros(len(part), bool), np.zeros(len(part), bool), x_s + y_s > 0]
     colour = np.select(fails, [look.x, look.y, look.ink], look.muted)
-    symbol = np.select(fails, [SYMBOL["x"], SYMBOL["y"], "square"], "circle-open")
+    symbol = np.select(fails, [look.symbol("x"), look.symbol("y"), "square"], "circle-open")
     text = [
         f"{plain(row.recording)}, pedestrian {row.track}: {WORDS[kind]}<br>severity X "
         f"{row.severity_s_x:.2f} s, Y {row.severity_s_y:.2f} s<br>peak cost X "

@@ -14,12 +14,12 @@ import pandas as pd
 import plotly.graph_objects as go
 from plotly.offline import get_plotlyjs
 
+from nvcore.comparison import Result
 from nvcore.figures.style import LOOK, axis, empty_figure, layout, plain
 from nvcore.measures import evidence_form, inference_of
-from nvcore.palette import Theme
+from nvcore.palette import Theme, scheme_for
 from nvcore.wording import difference, interval_text
 
-THEME: Final[Theme] = "light"
 INTERVAL_PX: Final = 82
 WORDS_PX: Final = 30
 """Height of a measure's row with an interval, and without."""
@@ -29,6 +29,11 @@ MARGIN_PX: Final = (76, 16)
 """Above and below the rows."""
 REACH: Final = 1.12
 """Half the length of an axis, as a multiple of the largest value on it."""
+
+
+def theme_of(result: Result) -> Theme:
+    """The light theme, in which each system has its own colour."""
+    return scheme_for("light", result.dataset.systems, result.x.name, result.y.name)
 
 
 @cache
@@ -46,7 +51,7 @@ def figure_json(figure: go.Figure) -> str:
     return text
 
 
-def interval_plot(evidence: pd.DataFrame) -> go.Figure:
+def interval_plot(evidence: pd.DataFrame, theme: Theme = "light") -> go.Figure:
     """Difference X - Y of every measure with its 95 % interval, each on an axis of its own.
 
     Right of the line X is better in all of them: where less is better, the axis runs backwards. A
@@ -60,7 +65,7 @@ def interval_plot(evidence: pd.DataFrame) -> go.Figure:
     """
     defined = evidence[np.isfinite(evidence["difference"])]
     if defined.empty:
-        return empty_figure("No measure is defined for both systems.", theme=THEME)
+        return empty_figure("No measure is defined for both systems.", theme=theme)
     has_interval = np.isfinite(defined["low"].to_numpy()) & np.isfinite(defined["high"].to_numpy())
     heights = np.where(has_interval, INTERVAL_PX, WORDS_PX)
     ends = np.cumsum(heights)
@@ -77,7 +82,9 @@ def interval_plot(evidence: pd.DataFrame) -> go.Figure:
         if has_ends:
             span = interval_text(row["low"], row["high"], form)
             text += f"   (95 % interval {_with_minus(span)})"
-            _add_axis(figure, row, form, [1 - (top + edge) / total for edge in STRIP_PX[::-1]])
+            _add_axis(
+                figure, row, form, theme, [1 - (top + edge) / total for edge in STRIP_PX[::-1]]
+            )
         else:
             text += "   (no interval can be given)"
         figure.add_annotation(
@@ -89,7 +96,7 @@ def interval_plot(evidence: pd.DataFrame) -> go.Figure:
             yref="paper",
             yanchor="top",
             showarrow=False,
-            font={"size": 12.5, "color": LOOK[THEME].ink},
+            font={"size": 12.5, "color": LOOK[theme].ink},
         )
     sides = "every axis has its own scale; right of the line X is better, left of it Y"
     above, below = MARGIN_PX
@@ -99,7 +106,7 @@ def interval_plot(evidence: pd.DataFrame) -> go.Figure:
     )
     figure.update_layout(
         layout(
-            THEME,
+            theme,
             title="Differences X − Y with 95 % intervals",
             subtitle=sides if has_interval.any() else "too few data for any interval",
             height=int(above + total + below),
@@ -116,10 +123,14 @@ def _with_minus(text: str) -> str:
 
 
 def _add_axis(
-    figure: go.Figure, row: Mapping[Hashable, Any], form: str, domain: Sequence[float]
+    figure: go.Figure,
+    row: Mapping[Hashable, Any],
+    form: str,
+    theme: Theme,
+    domain: Sequence[float],
 ) -> None:
     """The interval and the difference of a measure."""
-    look = LOOK[THEME]
+    look = LOOK[theme]
     number = sum(trace.mode == "markers" for trace in figure.data) + 1
     key = str(number) if number > 1 else ""
     is_share = form.endswith("%")
@@ -132,10 +143,10 @@ def _add_axis(
     axes = {"xaxis": f"x{key}", "yaxis": f"y{key}"}
     line = {"color": look.muted, "width": 3}
     figure.add_scatter(x=[low, high], y=[0, 0], mode="lines", hoverinfo="skip", **axes, line=line)
-    marker = {"color": _side(sign * middle), "size": 12, "symbol": "circle"}
+    marker = {"color": _side(sign * middle, theme), "size": 12, "symbol": "circle"}
     figure.add_scatter(x=[middle], y=[0], mode="markers", hoverinfo="x", **axes, marker=marker)
     x_axis = axis(
-        THEME,
+        theme,
         range=[-sign * reach, sign * reach],
         fixedrange=True,
         nticks=7,
@@ -155,8 +166,8 @@ def _add_axis(
     figure.update_layout({f"xaxis{key}": x_axis, f"yaxis{key}": y_axis})
 
 
-def _side(gain: float) -> str:
+def _side(gain: float, theme: Theme) -> str:
     """Colour of the better system; grey if they are equal."""
-    look: Any = LOOK[THEME]
+    look: Any = LOOK[theme]
     colour: str = look.x if gain > 0 else look.y if gain < 0 else look.muted
     return colour

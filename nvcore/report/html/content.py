@@ -11,11 +11,13 @@ from nvcore.evidence.companions import as_set_note, find_companions
 from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.evidence.table import evidence_table
 from nvcore.findings import Finding
+from nvcore.palette import Scheme, scheme_of
 from nvcore.pictures.recordings import RecordingPictures
 from nvcore.progress import Progress, part_of
 from nvcore.protocols import Protocol
 from nvcore.report.html import words
 from nvcore.report.html.blocks import Section, Sentences
+from nvcore.report.html.charts import theme_of
 from nvcore.report.html.cover import Cover, Inscription, cover_of
 from nvcore.report.html.encounter_sections import encounters_section, only_one_section
 from nvcore.report.html.evidence_sections import (
@@ -70,6 +72,8 @@ class Content:
         Labels and texts that say what was compared.
     sections
         Sections, in order.
+    theme
+        In which the systems have their colours.
     version, fingerprint
         Of the program and of the inputs.
     """
@@ -79,6 +83,7 @@ class Content:
     names: tuple[str, str]
     facts: tuple[tuple[str, str], ...]
     sections: tuple[Section, ...]
+    theme: Scheme
     version: str
     fingerprint: str
 
@@ -103,6 +108,7 @@ def report_content(
     detection = detection_section(result, protocol)
     plans = plan_measures(result, evidence, protocol, progress=part_of(progress, 0.2, 0.3))
     progress(0.3, "tables")
+    theme = theme_of(result)
     conclusion = judged(result, findings, evidence, companions, plans)
     sections = [
         verdict_section(conclusion),
@@ -111,9 +117,9 @@ def report_content(
         similarity_section(result),
         saliency_section(result),
         false_alerts_section(result),
-        significance_section(evidence),
+        significance_section(evidence, theme),
         plan_section(result, evidence, plans),
-        subgroups_section(subgroups),
+        subgroups_section(subgroups, theme),
         detection,
     ]
     progress(0.4, MAPS)
@@ -130,13 +136,16 @@ def report_content(
         for number, why in pictures.troubles.items()
     ]
     sections += [
-        frames_section(photos, troubles),
+        frames_section(photos, troubles, theme),
         only_one_section(result),
         audit_section(findings),
         inputs_section(result),
         parameters_section(result),
         Section(
-            "reading", "How to read this report", None, (Sentences(words.reading(result.params)),)
+            "reading",
+            "How to read this report",
+            None,
+            (Sentences(words.reading(result.params, theme)),),
         ),
     ]
     progress(0.9, "the page")
@@ -147,6 +156,7 @@ def report_content(
         names=(one_line(result.x.name), one_line(result.y.name)),
         facts=_facts(result, protocol),
         sections=tuple(_as_set(_with_caution(sections) if result.is_short else sections, result)),
+        theme=scheme_of(theme),
         version=__version__,
         fingerprint=result.dataset.fingerprint,
     )

@@ -25,6 +25,7 @@ from nvcore.figures.detection import CurveKind, curve_plot, legend_text
 from nvcore.figures.forest import subgroup_forest
 from nvcore.figures.stability import stability_map
 from nvcore.measures import evidence_form, inference_of
+from nvcore.palette import Theme
 from nvcore.progress import Progress, no_progress
 from nvcore.protocols import Protocol
 from nvcore.report.html import words
@@ -39,7 +40,7 @@ from nvcore.report.html.blocks import (
     Table,
     table,
 )
-from nvcore.report.html.charts import THEME, interval_plot
+from nvcore.report.html.charts import interval_plot, theme_of
 from nvcore.report.html.result_sections import MEASURES_HEAD, PART
 from nvcore.report.plan import verdict_plan
 from nvcore.report.verdict import Verdict, verdict
@@ -102,7 +103,7 @@ def verdict_section(conclusion: Verdict) -> Section:
     return Section("verdict", "What the verdict rests on", words.VERDICT, blocks)
 
 
-def significance_section(evidence: pd.DataFrame) -> Section:
+def significance_section(evidence: pd.DataFrame, theme: Theme) -> Section:
     """Every difference with its interval and p-value, and how these were computed."""
     rows, ways = [], []
     for row in evidence.to_dict("records"):
@@ -125,7 +126,9 @@ def significance_section(evidence: pd.DataFrame) -> Section:
         words.SIGNIFICANCE,
         (
             table("Differences and tests", head, rows, right=range(1, 8), note=note),
-            Chart("intervals", interval_plot(evidence), "Differences with their 95 % intervals"),
+            Chart(
+                "intervals", interval_plot(evidence, theme), "Differences with their 95 % intervals"
+            ),
             table(
                 "How they were made",
                 ("Measure", "From", "Method", "Note"),
@@ -136,7 +139,7 @@ def significance_section(evidence: pd.DataFrame) -> Section:
     )
 
 
-def subgroups_section(subgroups: pd.DataFrame) -> Section:
+def subgroups_section(subgroups: pd.DataFrame, theme: Theme) -> Section:
     """Every measure for parts of the encounters, and who detects more of which."""
     is_detected = np.array(
         [inference_of(key).test == "encounters" for key in subgroups["figure"]], dtype=bool
@@ -168,7 +171,7 @@ def subgroups_section(subgroups: pd.DataFrame) -> Section:
         (
             Chart(
                 "forest",
-                subgroup_forest(detection_rows, theme=THEME),
+                subgroup_forest(detection_rows, theme=theme),
                 "Difference in the share detected by group",
             ),
             table(
@@ -266,7 +269,13 @@ def detection_section(result: Result, protocol: Protocol) -> Section:
     blocks: list[Block] = [Sentences((protocol_text.strip(), _left_out(result, protocol), *notes))]
     blocks.append(table("Detection measures", MEASURES_HEAD, rows, right=(1, 2, 3)))
     blocks += [
-        _curve(curves, thresholds, kind, [legend_text(summary, kind) for summary in summaries])
+        _curve(
+            curves,
+            thresholds,
+            kind,
+            [legend_text(summary, kind) for summary in summaries],
+            theme_of(result),
+        )
         for kind in CURVES
     ]
     return Section("detection", "Detection curves", words.DETECTION, tuple(blocks))
@@ -284,9 +293,10 @@ def _curve(
     thresholds: Sequence[float | None],
     kind: CurveKind,
     legend: Sequence[str],
+    theme: Theme,
 ) -> Chart:
     title, best = CURVES[kind]
-    figure = curve_plot(curves, thresholds, kind, theme=THEME, summaries=legend, hint=best)
+    figure = curve_plot(curves, thresholds, kind, theme=theme, summaries=legend, hint=best)
     return Chart(f"curve-{kind.replace('_', '-')}", figure, f"{title} of X and Y; {best}")
 
 
@@ -309,9 +319,10 @@ def stability_section(
         Progress of the maps.
     """
     n_frames = len(result.dataset.frames)
+    intro = words.with_colours(words.STABILITY, theme_of(result))
     if is_wanted is False or (is_wanted is None and n_frames > AT_ONCE):
         why_not = Sentences((f"Not computed for these {n_frames:,} frames: not asked for.",))
-        return Section("stability", STABILITY_TITLE, words.STABILITY, (why_not,))
+        return Section("stability", STABILITY_TITLE, intro, (why_not,))
     with ThreadPoolExecutor() as pool:
         rows = survey_stability(result, executor=pool, progress=progress)
     survey = survey_table(rows)[["settings", "by", "verdict", "share", "nearest"]]
@@ -332,9 +343,9 @@ def stability_section(
     title = f"{PLANES[first.plane]}, by {CRITERIA[first.criterion]}: {sentences[0]}"
     blocks += [
         Sentences((title, *sentences[1:])),
-        Chart("stability", stability_map(first.stability, theme=THEME), sentences[0]),
+        Chart("stability", stability_map(first.stability, theme=theme_of(result)), sentences[0]),
     ]
-    return Section("stability", STABILITY_TITLE, words.STABILITY, tuple(blocks))
+    return Section("stability", STABILITY_TITLE, intro, tuple(blocks))
 
 
 def _at_equal_alarms(rows: Sequence[SurveyRow]) -> tuple[str, ...]:
@@ -354,7 +365,7 @@ def _chance_of_each(rows: Sequence[SurveyRow], evidence: pd.DataFrame) -> tuple[
     )
 
 
-def frames_section(photos: Sequence[Photo], troubles: Sequence[str]) -> Section:
+def frames_section(photos: Sequence[Photo], troubles: Sequence[str], theme: Theme) -> Section:
     """The evidence frames; what holds for all of them comes once."""
     blocks: list[Block] = []
     if troubles:
@@ -367,4 +378,6 @@ def frames_section(photos: Sequence[Photo], troubles: Sequence[str]) -> Section:
         if photos
         else Sentences(("Neither system misses a pedestrian or is low anywhere: nothing to show.",))
     )
-    return Section("frames", "Evidence frames", words.EVIDENCE, tuple(blocks))
+    return Section(
+        "frames", "Evidence frames", words.with_colours(words.EVIDENCE, theme), tuple(blocks)
+    )

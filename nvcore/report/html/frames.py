@@ -13,8 +13,8 @@ from nvcore.comparison import Result
 from nvcore.metrics.encounters import RELEVANT_K
 from nvcore.metrics.proximity import in_use
 from nvcore.metrics.similarity import salient_detection
-from nvcore.overlay.annotate import drawn_boxes, frame_picture
-from nvcore.overlay.brush import ON_DARK, ON_LIGHT, Canvas, Inks
+from nvcore.overlay.annotate import drawn_boxes, frame_picture, inks_of
+from nvcore.overlay.brush import Canvas, Inks
 from nvcore.overlay.draw import canvas_size, draw_boxes
 from nvcore.pictures.recordings import RecordingPictures
 from nvcore.pictures.stretch import jpeg
@@ -260,7 +260,7 @@ def photo(result: Result, moment: Moment, pictures: RecordingPictures) -> Photo:
     picture, why_none = frame_picture(source, index, *pictures.stretch)
     width, height = float(frames.width[recording]), float(frames.height[recording])
     is_wide = width > WIDE * height
-    inks = ON_LIGHT if picture is None else ON_DARK
+    inks = inks_of(result, "light" if picture is None else "dark")
     n_columns = 2 if is_wide else 1
     unit = max(1, round(canvas_size(width, height)[0] / (n_columns * SHOWN_PX)))
     boxes = drawn_boxes(result, row, labels=True)

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from nvcore.figures.venn import MOST_MARKS
 from nvcore.metrics.encounters import RELEVANT_K
 from nvcore.metrics.kernels import ABSORB_SHARE
 from nvcore.metrics.linking import LINK_GAP, LINK_IOU
+from nvcore.palette import Theme, scheme_of
 from nvcore.params import MIDPOINT_SHARE, SPREAD_SHARE, Params
 from nvcore.report.html.blocks import Intro
 from nvcore.report.html.frames import APART_S, MOST
 from nvcore.report.words import saliency_caveat
 
 
-def reading(params: Params) -> tuple[str, ...]:
+def reading(params: Params, theme: Theme) -> tuple[str, ...]:
     """What X, Y, truth, match and encounter mean."""
     rule = (
         f"if the boxes overlap by an intersection over union of at least {params.iou:g}"
@@ -20,6 +23,8 @@ def reading(params: Params) -> tuple[str, ...]:
         else f"if it lies at most {_percent(params.lateral_tolerance)} of the picture's width, or "
         "half the pedestrian's, to the side of them"
     )
+    styles = {letter: scheme_of(theme).style(letter) for letter in "xy"}
+    drawn = [f"{letter.upper()} is {style.words}" for letter, style in styles.items()]
     return (
         "X and Y are two systems that detect pedestrians; both were given the same recordings.",
         "The ground truth says where pedestrians are: boxes that people drew in the pictures. A "
@@ -32,9 +37,15 @@ def reading(params: Params) -> tuple[str, ...]:
         "annotated. Frames count in which they are near enough (weight of nearness of "
         f"{RELEVANT_K:g} or more, see Similarity); an encounter without any is too far to count, "
         "in short: distant.",
-        "In the charts X is blue, solid and a circle, Y is orange, dashed and a diamond. A dash in "
-        "a table means not defined, never zero.",
+        f"In the charts {' and '.join(drawn)}: each system has its colour and line, whichever is "
+        "X. A dash in a table means not defined, never zero.",
     )
+
+
+def with_colours(intro: Intro, theme: Theme) -> Intro:
+    """The introduction with the colours and lines of X and Y."""
+    x, y = (scheme_of(theme).style(letter) for letter in "xy")
+    return replace(intro, how=intro.how.format(x=x, y=y))
 
 
 VERDICT = Intro(
@@ -265,9 +276,9 @@ STABILITY = Intro(
     "misses against false alarms; the midpoint, the height (or distance) at which a pedestrian "
     "counts half; the score thresholds; the matching rule; the traffic context (edge weight).",
     how="The comparison is made at every pair of settings of a map, all else as analysed. The "
-    "table says in which share of the plausible range the verdict holds. One map is drawn: blue "
-    "where X is better, orange where Y is; the line is where it turns, the dotted frame the range "
-    "that is plausible.",
+    "table says in which share of the plausible range the verdict holds. One map is drawn: "
+    "{x.name} where X is better, {y.name} where Y is; the line is where it turns, the dotted frame "
+    "the range that is plausible.",
     best="A verdict that holds in all of the plausible range of every setting.",
     limits="It is about these data: a verdict that holds at all settings may still be chance.",
 )
@@ -291,7 +302,7 @@ EVIDENCE = Intro(
     "which they differ most; of a low interval the frame with the lowest similarity; of a time in "
     "which one system is clearly better the frame with the largest difference. Frames of one "
     f"recording within {APART_S:g} s are one scene and shown once for each system. Truth: thin "
-    "white (dark where there is no picture); X: solid blue; Y: dashed orange. A missed pedestrian "
+    "white (dark where there is no picture); X: {x.words}; Y: {y.words}. A missed pedestrian "
     "has corners and a letter in the colour of the system that misses them; a triangle "
     "\N{BLACK DOWN-POINTING TRIANGLE} beside the letter marks the miss that stands out most in "
     "this frame. A false alarm is crossed out. The ellipse is around the pedestrian or the false "

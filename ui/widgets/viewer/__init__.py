@@ -19,7 +19,7 @@ import numpy as np
 import streamlit as st
 
 from nvcore.metrics.cost_map import CostMap
-from nvcore.palette import TRUTH_COLOUR, X_COLOUR, Y_COLOUR
+from nvcore.palette import TRUTH_COLOUR, Theme, scheme_of
 from ui.widgets.viewer.packing import (
     decimate_minima,
     find_spans,
@@ -72,7 +72,7 @@ def viewer(
     seek: tuple[int, int],
     lo: float,
     hi: float,
-    theme: Literal["light", "dark"],
+    theme: Theme,
     height_px: int,
     key: str,
     picture_version: str = "",
@@ -113,8 +113,8 @@ def viewer(
         so the row may follow what this function returned.
     lo, hi : float
         Percentiles of the display stretch.
-    theme : {"light", "dark"}
-        Theme of the page; the picture's ground is always dark.
+    theme : {"light", "dark"} or Scheme
+        Theme of the page, and how X and Y are drawn; the picture's ground is always dark.
     height_px : int
         Largest height of the picture.
     key : str
@@ -162,7 +162,7 @@ def viewer(
             "seek": [row, nonce],
             "lo": float(lo),
             "hi": float(hi),
-            "theme": theme,
+            "theme": scheme_of(theme).shade,
             "colours": _colours(theme),
             "height_px": int(height_px),
             "only": only,
@@ -204,11 +204,21 @@ def settled_row(settled: Any, *, recording: int, n_rows: int, seek: tuple[int, i
     return max(0, min(n_rows - 1, seek[0]))
 
 
-def _colours(theme: Literal["light", "dark"]) -> dict[str, dict[str, str]]:
-    colours = {"x": X_COLOUR, "y": Y_COLOUR, "truth": TRUTH_COLOUR}
+def _colours(theme: Theme) -> dict[str, dict[str, Any]]:
+    """Colours and lines of X, Y and the truth, on the picture and on the page around it."""
+    scheme = scheme_of(theme)
+    styles = {letter: scheme.style(letter) for letter in "xy"}
     return {
-        "picture": {name: colour["dark"] for name, colour in colours.items()},
-        "chrome": {name: colour[theme] for name, colour in colours.items()},
+        "picture": {
+            **{letter: style.dark for letter, style in styles.items()},
+            "truth": TRUTH_COLOUR["dark"],
+            "dash": {letter: list(style.pattern) for letter, style in styles.items()},
+        },
+        "chrome": {
+            **{letter: style.colour(scheme.shade) for letter, style in styles.items()},
+            "truth": TRUTH_COLOUR[scheme.shade],
+            **{f"line-{letter}": style.css for letter, style in styles.items()},
+        },
     }
 
 

@@ -41,8 +41,8 @@ const USUAL_KEYS = [
 
 const SAMPLES = [
   [{ source: "truth", state: 8 | 2 | 4 }, "pedestrian found by both (ground truth, thin)"],
-  [{ source: "x", state: 1 }, "detection of X (solid)"],
-  [{ source: "y", state: 1 }, "detection of Y (dashed)"],
+  [{ source: "x", state: 1 }, "detection of X"],
+  [{ source: "y", state: 1 }, "detection of Y"],
   [{ source: "truth", state: 8 | 4 }, "missed by X"],
   [{ source: "truth", state: 8 | 16 | 32 }, "missed by both; ▼ the most salient pedestrian for a system"],
   [{ source: "y", state: 2 }, "false alarm (crossed out)"],

@@ -1,8 +1,7 @@
-// Boxes on a picture. Colour is never the only sign: X is solid, Y dashed, truth thin; a miss has
+// Boxes on a picture. Colour is never the only sign: each system has its line, truth is thin; a miss has
 // corner marks and a filled tag, a false alarm is crossed out.
 
 const HALO = "rgba(0, 0, 0, 0.6)";
-const Y_DASH = [6, 4];
 const FAINT_DASH = [2, 3];
 
 function strokeRect(ctx, box, style) {
@@ -79,7 +78,7 @@ function fillTriangle(ctx, x, y, colour) {
 }
 
 function detectionStyle(system, state, palette) {
-  const style = { colour: palette[system], dash: system === "y" ? Y_DASH : [], width: 2 };
+  const style = { colour: palette[system], dash: palette.dash[system], width: 2 };
   if (state === DETECTION_STATE.absorbed) return { ...style, width: 1, alpha: 0.55 };
   return style;
 }

@@ -123,7 +123,7 @@ class Strip {
     ctx.moveTo(STRIP_LEFT_PX, Math.round(yOf(this.low)) + 0.5);
     ctx.lineTo(this.width, Math.round(yOf(this.low)) + 0.5);
     ctx.stroke();
-    ctx.setLineDash(system === "y" ? [5, 3] : []);
+    ctx.setLineDash(this.palette.dash[system]);
     ctx.strokeStyle = colour;
     ctx.lineWidth = 1.25;
     ctx.beginPath();

@@ -94,7 +94,7 @@ class Viewer {
   }
 
   setColours({ colours, theme }) {
-    for (const name of ["x", "y", "truth"]) this.root.style.setProperty(`--viewer-${name}`, colours.chrome[name]);
+    for (const [name, value] of Object.entries(colours.chrome)) this.root.style.setProperty(`--viewer-${name}`, value);
     this.root.dataset.theme = theme;
   }
 
