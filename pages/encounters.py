@@ -9,7 +9,7 @@ from ui.encounters import address, details, figures, filters, selection, table
 from ui.encounters.order import Order
 from ui.session import state
 from ui.shell import back
-from ui.shell.messages import draw_warnings, needs_comparison
+from ui.shell.messages import draw_as_set_note, draw_warnings, needs_comparison
 from ui.widgets.text import docs_link, plain
 
 
@@ -93,6 +93,7 @@ def draw(result: Result) -> None:
         f"near. {docs_link('Miss class', 'miss-classes')}: how a system failed."
     )
     draw_warnings(result)
+    draw_as_set_note(result)
     draw_filtered()
     figures.draw_exclusivity(result)
     figures.draw_fusion(result)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, Final
 
 import numpy as np
@@ -29,6 +30,11 @@ LABELS: Final = {"x": "X", "y": "Y", "x_or_y": "X or Y", "x_and_y": "X and Y"}
 SYMBOLS: Final = {"x": "circle", "y": "diamond", "x_or_y": "star", "x_and_y": "square"}
 
 
+def _label_of(system: str, alike: Sequence[str]) -> str:
+    """What stands beside a mark: the names of all systems at its place, beside the first."""
+    return " = ".join(LABELS[name] for name in alike) if system == alike[0] else ""
+
+
 def fusion_plot(fusion: pd.DataFrame, *, theme: Theme) -> go.Figure:
     """Four points: up is more encounters detected, left is fewer false alerts.
 
@@ -43,17 +49,31 @@ def fusion_plot(fusion: pd.DataFrame, *, theme: Theme) -> go.Figure:
         return empty_figure("There is no encounter that counts.", theme=theme)
     look = LOOK[theme]
     colour = {"x": look.x, "y": look.y, "x_or_y": look.ink, "x_and_y": look.muted}
+    symbol = {**SYMBOLS, "x": look.symbol("x"), "y": look.symbol("y")}
     rows: list[Any] = list(defined.itertuples(index=False))
+    places: dict[tuple[float, int], list[str]] = {}
+    for row in rows:
+        places.setdefault((row.episodes_per_hour, row.encounters_detected), []).append(row.system)
+    # of systems at one place each mark lies inside the one before, and one label names them all
+    alike = {name: names for names in places.values() for name in names}
     traces = [
         go.Scatter(
             x=[row.episodes_per_hour],
             y=[row.encounters_detected],
             mode="markers+text",
-            text=[LABELS[row.system]],
+            text=[_label_of(row.system, alike[row.system])],
             textposition="middle right",
             cliponaxis=False,
-            textfont={"size": 13, "color": colour[row.system]},
-            marker={"size": 14, "symbol": SYMBOLS[row.system], "color": colour[row.system]},
+            textfont={
+                "size": 13,
+                "color": colour[row.system] if len(alike[row.system]) == 1 else look.ink,
+            },
+            marker={
+                "size": 14 + NEST_PX * (len(alike[row.system]) - 1 - place),
+                "symbol": symbol[row.system],
+                "color": colour[row.system],
+                "line": {"width": 1, "color": look.surface},
+            },
             hovertext=[
                 f"{LABELS[row.system]}: {plain(row.name)}<br>{row.encounters_detected} of "
                 f"{n_encounters} encounters<br>{row.episodes_per_hour:.1f} false-alert episodes "
@@ -63,6 +83,7 @@ def fusion_plot(fusion: pd.DataFrame, *, theme: Theme) -> go.Figure:
             name=LABELS[row.system],
         )
         for row in rows
+        for place in (alike[row.system].index(row.system),)
     ]
     most = float(defined["episodes_per_hour"].max())
     ends = [-0.05 * most, 1.2 * most or 1.0]
@@ -86,6 +107,8 @@ CLASS_WORDS: Final = {
     MissClass.BRIEF: "brief",
     MissClass.NONE: "no failure",
 }
+NEST_PX: Final = 10
+"""By how much a mark is larger than the one inside it."""
 NONE_LEFT: Final = "No encounter is left: widen the filters."
 MAX_BINS: Final = 25
 LEAD_STEPS_S: Final = (0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)
@@ -132,10 +155,10 @@ def miss_classes_plot(
         counts, severity_s = (
             values.reindex(kinds, fill_value=0) for values in (of_class.size(), of_class.sum())
         )
-        # Y's bars are outlined, not hatched: Plotly loses the hatching at the first click
+        # a dashed system's bars are outlined, not hatched: Plotly loses that at the first click
         colour = look.of(letter)
         bars = steady_marker(
-            color=colour if letter == "x" else faded(colour, 0.3),
+            color=colour if look.dash(letter) == "solid" else faded(colour, 0.3),
             line={"width": 2, "color": colour},
             cornerradius=3,
         )

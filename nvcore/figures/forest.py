@@ -22,6 +22,25 @@ FACTOR_WORDS: Final = {"tag": "recordings tagged"}
 """Of factors that are not called by their own name."""
 
 
+def forest_in_words(subgroups: pd.DataFrame) -> str:
+    """What a forest plot would say that has nothing to compare; empty: it has.
+
+    Parameters
+    ----------
+    subgroups
+        As for `subgroup_forest`.
+    """
+    defined = subgroups[np.isfinite(subgroups["difference"].to_numpy(dtype=float))]
+    groups = defined[defined["factor"] != ALL]
+    if defined.empty or (len(groups) and defined["difference"].any()):
+        return ""
+    label = str(defined["label"].iloc[0])
+    if groups.empty:
+        return f"{capitalised(label)}: there are no groups to compare."
+    n = count_text(len(groups), "group")
+    return f"{capitalised(label)}: X and Y are the same in all {n}."
+
+
 def subgroup_forest(subgroups: pd.DataFrame, *, theme: Theme) -> go.Figure:
     """Difference X - Y of one measure with its 95 % interval, by group; undefined ones left out.
 

@@ -123,6 +123,14 @@ def describe_stability(stability: StabilityMap) -> tuple[str, ...]:
     return tuple(sentences)
 
 
+def describe_in_short(stability: StabilityMap) -> str:
+    """The verdict as analysed, and in which share of the plausible range it holds."""
+    first = describe_stability(stability)[0]
+    if stability.verdict == "undefined" or not any(stability.is_moved_by):
+        return first
+    return f"{first} {_share(stability)}"
+
+
 def _axes_that_matter(stability: StabilityMap) -> list[Axis]:
     axes = zip(stability.axes, stability.is_moved_by, strict=True)
     return [axis for axis, moves in axes if moves]

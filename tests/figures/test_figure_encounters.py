@@ -197,3 +197,12 @@ def test_fusion_shows_encounters_against_false_alerts() -> None:
     }  # fmt: skip
     assert "&lt;b&gt;" in trace(figure, "X or Y").hovertext[0]
     assert "10 encounters" in words(figure)
+
+
+def test_systems_at_one_place_have_one_label_and_marks_inside_each_other() -> None:
+    table = fusion()
+    table.loc[table["system"] == "y", ["episodes_per_hour", "encounters_detected"]] = 30, 7
+    figure = fusion_plot(table, theme="light")
+    x, y = trace(figure, "X"), trace(figure, "Y")
+    assert (x.text[0], y.text[0]) == ("X = Y", "")
+    assert x.marker.size > y.marker.size == trace(figure, "X or Y").marker.size

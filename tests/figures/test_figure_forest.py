@@ -10,7 +10,8 @@ from figure_parts import trace, words
 
 from nvcore.comparison import Result
 from nvcore.evidence.subgroup_table import subgroup_table
-from nvcore.figures.forest import subgroup_forest
+from nvcore.evidence.subgroups import ALL
+from nvcore.figures.forest import forest_in_words, subgroup_forest
 from nvcore.figures.style import LOOK
 from nvcore.measures import EVIDENCE_KEYS
 
@@ -89,3 +90,13 @@ def test_p_of_a_group_stands_beside_the_corrected_one_and_not_without_it(
     assert words(subgroup_forest(rows, theme="light")).count("; p 0.02") == 1  # of all
     rows.loc[1, "p_holm"] = 0.08
     assert "; p 0.02 (0.08)" in words(subgroup_forest(rows, theme="light"))
+
+
+def test_a_plot_without_anything_to_compare_is_a_sentence() -> None:
+    label = "share of encounters detected"
+    columns = {"figure": "encounters_detected", "label": label, "difference": 0.0}
+    table = pd.DataFrame([{"factor": factor, **columns} for factor in (ALL, "distance", "place")])
+    same = "Share of encounters detected: X and Y are the same in all 2 groups."
+    assert forest_in_words(table) == same
+    assert "no groups" in forest_in_words(table[:1])
+    assert forest_in_words(table.assign(difference=[0.0, 0.1, 0.0])) == ""

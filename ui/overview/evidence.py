@@ -17,11 +17,11 @@ from nvcore.evidence.measures import ODDS_RATIO
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.evidence.units import BLOCKS
-from nvcore.figures.forest import subgroup_forest
+from nvcore.figures.forest import forest_in_words, subgroup_forest
 from nvcore.measures import EVIDENCE_KEYS, evidence_form, inference_of
 from nvcore.wording import capitalised, difference, interval_text, number
-from ui.overview.scorecard import draw_as_set_note
 from ui.session import state
+from ui.shell.messages import draw_as_set_note
 from ui.widgets.charts import draw_chart
 from ui.widgets.html import MeasureRow, measures_html, with_arrow
 from ui.widgets.text import UNDEFINED, docs_link, plain
@@ -88,7 +88,10 @@ def _draw_subgroups(result: Result, evidence: pd.DataFrame) -> None:
 
     key = (result.params, result.x.name, result.y.name, protocol, measure)
     table = state.cached("subgroups", key, make, most=len(EVIDENCE_KEYS))
-    draw_chart(subgroup_forest(table, theme=state.theme()), "subgroups")
+    if nothing := forest_in_words(table):
+        st.markdown(plain(nothing))
+    else:
+        draw_chart(subgroup_forest(table, theme=state.theme()), "subgroups")
     if why := inference_of(measure).not_of_pedestrians:
         st.caption(
             f"{UNDEFINED} Near, far, centre, edge, occlusion, pose: {why}. "

@@ -16,6 +16,7 @@ from nvcore.pictures import Pictures, jpeg
 from nvcore.tables.moments import worst_moments
 from nvcore.tables.windows import windows_table, worst_windows_text
 from ui.session import drawing, state
+from ui.shell.messages import draw_as_set_note
 from ui.shell.navigate import open_row
 from ui.widgets.choices import choose_side_by_side
 from ui.widgets.clicks import clicked_cell, clicked_row
@@ -60,6 +61,7 @@ N_MOMENTS: Final = 4
 def draw(result: Result) -> None:
     """A row of moments for each kind; a button opens the frame."""
     st.header("Moments to look at")
+    draw_as_set_note(result)
     theme = state.theme()
     st.caption(
         "The stretches of low similarity that weigh most, and those in which the systems differ "

@@ -10,9 +10,9 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.evidence.claims import Basis
-from nvcore.evidence.companions import Companions, as_set_note
+from nvcore.evidence.companions import Companions
 from nvcore.figures.paired import recordings_plot
-from nvcore.measures import MeasureTable
+from nvcore.measures import MeasureTable, count_recordings
 from nvcore.report.equal_alarms import (
     detected_text,
     equal_alarms_of,
@@ -23,6 +23,7 @@ from nvcore.report.terminal import SHORT_ROWS
 from nvcore.tables.result import recordings_table
 from nvcore.tables.scorecard import score_rows
 from ui.session import state
+from ui.shell.messages import draw_as_set_note
 from ui.shell.navigate import open_frame
 from ui.widgets.charts import clicked_chart
 from ui.widgets.choices import choose_side_by_side
@@ -107,12 +108,6 @@ def scorecard(result: Result, companions: Companions | None) -> Scorecard | None
     return None
 
 
-def draw_as_set_note(result: Result) -> None:
-    """Above numbers of X and Y as set: that nothing is claimed from these, if that is so."""
-    if note := as_set_note(result):
-        st.markdown(f":material/balance: {plain(note)}")
-
-
 def _draw_scorecard(result: Result) -> Scorecard:
     table = Scorecard(result)
     little = f" {SHORT_ROWS}." if result.is_short else ""
@@ -151,6 +146,10 @@ def by_recording(result: Result) -> None:
     st.header("By recording")
     draw_as_set_note(result)
     names = (result.x.name, result.y.name)
+    if count_recordings(result) == 1:
+        x, y = (f"{system.summary.mean:.3f}" for _, system in result.sides)
+        st.markdown(f"There is one recording: mean similarity X {x}, Y {y} (1 is best).")
+        return
     recording = clicked_chart(
         recordings_plot(recordings_table(result), names, theme=state.theme()), "by_recording"
     )

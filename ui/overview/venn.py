@@ -11,8 +11,8 @@ import streamlit as st
 from nvcore.comparison import Result
 from nvcore.figures.venn import MOST_MARKS, venn_figure
 from nvcore.tables.severity import weighed_encounters
-from ui.overview.scorecard import draw_as_set_note
 from ui.session import state
+from ui.shell.messages import draw_as_set_note
 from ui.shell.navigate import open_encounters, open_row
 from ui.widgets.charts import clicked_chart
 from ui.widgets.clicks import clicked_row

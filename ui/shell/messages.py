@@ -11,6 +11,7 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.errors import NvcoreError
+from nvcore.evidence.companions import as_set_note
 from nvcore.findings import Severity
 from nvcore.report.html.words import SHORT_ENCOUNTERS
 from nvcore.report.verdict import CAVEATS
@@ -39,6 +40,12 @@ def draw_warnings(result: Result, *, is_of_encounters: bool = True) -> None:
             f"The audit found: {plain(text)}. Details and remedies are on the page Data.",
             icon=":material/warning:",
         )
+
+
+def draw_as_set_note(result: Result) -> None:
+    """Above numbers of X and Y as set: that nothing is claimed from these, if that is so."""
+    if note := as_set_note(result):
+        st.markdown(f":material/balance: {plain(note)}")
 
 
 def needs_comparison(draw: Callable[[Result], None]) -> Callable[[], None]:

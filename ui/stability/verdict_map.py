@@ -17,7 +17,13 @@ from nvcore.stability.axes import Plane
 from nvcore.stability.map import StabilityMap, map_stability
 from nvcore.stability.scores import Criterion
 from nvcore.stability.survey import SURVEY_PLANES
-from nvcore.stability.words import CRITERIA, PLANES, describe_chance, describe_stability
+from nvcore.stability.words import (
+    CRITERIA,
+    PLANES,
+    describe_chance,
+    describe_in_short,
+    describe_stability,
+)
 from ui.jobs.background import BackgroundJob
 from ui.jobs.computed import Computation
 from ui.jobs.progress import start_as_made
@@ -98,18 +104,19 @@ def _stability_map(result: Result, key: MapKey) -> StabilityMap | None:
 
 
 def _draw_map(result: Result, stability: StabilityMap) -> None:
-    first, *others = describe_stability(stability)
-    with st.container(border=True):
-        st.markdown(f"**{plain(first)}**")
-        chance = st.empty()  # filled last: the map is there sooner
-        for sentence in others:
-            st.markdown(plain(sentence))
+    short = describe_in_short(stability)
+    st.markdown(f"**{plain(short)}**")
     cell = clicked_chart(
         stability_map(stability, theme=state.theme()),
         f"stability_{stability.plane}_{stability.criterion}",
         clicks="stability",
     )
     st.caption("Click a place to take its settings into the sidebar.")
+    with st.expander("More in words: chance, each setting by itself, equal false alarms"):
+        chance = st.empty()  # filled last
+        for sentence in describe_stability(stability):
+            if sentence not in short:
+                st.markdown(plain(sentence))
     if cell is not None:
         settings = stability.settings(int(cell[0] if isinstance(cell, list) else cell))
         state.set_params(**settings)

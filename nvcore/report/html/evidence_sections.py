@@ -22,7 +22,7 @@ from nvcore.evidence.measures import ODDS_RATIO
 from nvcore.evidence.planning.study import StudyPlan
 from nvcore.evidence.subgroups import ALL
 from nvcore.figures.detection import CurveKind, curve_plot, legend_text
-from nvcore.figures.forest import subgroup_forest
+from nvcore.figures.forest import forest_in_words, subgroup_forest
 from nvcore.figures.stability import stability_map
 from nvcore.measures import evidence_form, inference_of
 from nvcore.palette import Theme
@@ -169,7 +169,9 @@ def subgroups_section(subgroups: pd.DataFrame, theme: Theme) -> Section:
         "Subgroups",
         words.SUBGROUPS,
         (
-            Chart(
+            Sentences((nothing,))
+            if (nothing := forest_in_words(detection_rows))
+            else Chart(
                 "forest",
                 subgroup_forest(detection_rows, theme=theme),
                 "Difference in the share detected by group",

@@ -9,7 +9,7 @@ from streamlit.testing.v1 import AppTest
 from nvcore.errors import InputError
 from nvcore.evidence.table import evidence_table
 from nvcore.report.verdict import Verdict, verdict
-from pages import checked, measures, opened, texts
+from pages import checked, measures, opened, texts, to_page
 from ui.overview import companions, venn
 from ui.overview import evidence as evidence_page
 from ui.overview import verdict as verdict_page
@@ -144,10 +144,9 @@ def test_a_page_that_was_asked_for_is_opened(app: AppTest):
 
 
 def forest(app: AppTest) -> str:
-    """The forest plot of subgroups, as sent to the browser."""
+    """The forest plot of subgroups, as sent to the browser; empty: none is drawn."""
     plots = [plot.proto.spec for plot in app.get("plotly_chart")]
-    (forest,) = [spec for spec in plots if "X less Y, by group" in spec]
-    return forest
+    return "".join(spec for spec in plots if "X less Y, by group" in spec)
 
 
 def test_the_figure_that_groups_are_compared_in_can_be_chosen(app: AppTest):
@@ -214,11 +213,15 @@ def test_at_unequal_operating_points_the_scorecard_can_be_that_of_the_verdict(ap
     checked(app.slider(key="threshold_x").set_value(0.1).run())
     at_equal = scorecard(app)
     assert "At equal false alarms (X with scores of " in texts(app)
-    assert texts(app).count(mark) == 4  # Venn, recordings, evidence, groups
+    # Venn, strip, moments, recordings, evidence, groups
+    assert texts(app).count(mark) == 6
     app.session_state["scorecard_basis"] = "as set"
     checked(app.run())
-    assert texts(app).count(mark) == 5
+    assert texts(app).count(mark) == 7
     assert scorecard(app)["false alarms per frame ↓"] != at_equal["false alarms per frame ↓"]
+    for name in ("timeline", "encounters", "saliency"):
+        assert texts(checked(to_page(app, name))).count(mark) == 1
+    checked(to_page(app, "overview"))
     app.session_state["scorecard_basis"] = "equal false alarms"
     checked(app.run())
     checked(app.button(key="set_equal_alarms").click().run())
