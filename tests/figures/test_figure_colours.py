@@ -48,7 +48,7 @@ def compared(x: str, y: str) -> Result:
 @pytest.mark.parametrize("names", [("x", "y"), ("y", "x")])
 def test_figures_and_pictures_draw_a_system_alike_after_a_swap(names: tuple[str, str]):
     result = compared(*names)
-    figure = Figures(result).similarity(0)
+    figure = Figures(result).timeline(0)
     lines = {
         trace.name.partition(": ")[2]: (trace.line.color, trace.line.dash)
         for trace in figure.data
