@@ -54,8 +54,8 @@ def inks_for(scheme: Scheme) -> Inks:
     """The inks of a scheme: ``dark`` for pictures, ``light`` for paper."""
     base = ON_LIGHT if scheme.shade == "light" else ON_DARK
     x, y = (scheme.style(letter) for letter in "xy")
-    colours = (rgb(style.colour(scheme.shade)) for style in (x, y))
-    return Inks(*colours, base.truth, base.ground, x.pattern, y.pattern)
+    of_x, of_y = (rgb(style.colour(scheme.shade)) for style in (x, y))
+    return Inks(of_x, of_y, base.truth, base.ground, x.pattern, y.pattern)
 
 
 _SHIFT: Final = 4  # cv2 takes coordinates in 1/16 px

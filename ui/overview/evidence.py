@@ -122,7 +122,7 @@ def shown_evidence(
         notes = [note for note in row["note"].split("; ") if note and note != AS_SET]
         for note in notes:
             marks.setdefault(note, ascii_lowercase[len(marks) % len(ascii_lowercase)])
-        cells = (
+        cells: tuple[str, ...] = (
             number(row["x"], form),
             number(row["y"], form),
             difference(row["x"], row["y"], form),

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from html import escape
 from typing import Final
 
-from nvcore.measures import Better
+from nvcore.measures import Better, measure_of
 from nvcore.tables.scorecard import ScoreRow
 from nvcore.wording import ARROWS, difference, number, one_line, rounded_form
 
@@ -35,6 +35,8 @@ class MeasureRow:
         1 for a part of the row above.
     marks
         Footnotes, such as ``a b``.
+    hint
+        What the measure is, shown when the mouse is over its name.
     """
 
     label: str
@@ -42,6 +44,7 @@ class MeasureRow:
     better: str = ""
     level: int = 0
     marks: str = ""
+    hint: str = ""
 
 
 def with_arrow(label: str, better: Better | str) -> str:
@@ -67,6 +70,7 @@ def score_row(row: ScoreRow, *, width: float = math.nan, is_short: bool = False)
         cells=(*values, difference(row.x, row.y, form).replace("-", "−")),
         better=row._replace(form=form).winner,
         level=row.level,
+        hint=measure_of(row.key).meaning if row.key else "",
     )
 
 
@@ -86,13 +90,14 @@ def measures_html(
 def _row(row: MeasureRow) -> str:
     marks = f"<sup>{_text(row.marks)}</sup>" if row.marks else ""
     level = ' class="part"' if row.level else ""
+    hint = f' title="{_text(row.hint)}"' if row.hint else ""
     cells = "".join(
         f'<td class="better {letter}">{_text(cell)}</td>'
         if letter and row.better == letter
         else f"<td>{_text(cell)}</td>"
         for cell, letter in zip(row.cells, ("x", "y", *[""] * len(row.cells)), strict=False)
     )
-    return f'<tr><th scope="row"{level}>{_text(row.label)}{marks}</th>{cells}</tr>'
+    return f'<tr><th scope="row"{level}{hint}>{_text(row.label)}{marks}</th>{cells}</tr>'
 
 
 def _text(text: str) -> str:
