@@ -38,6 +38,28 @@ FIND_MARK = """(plot, name) => {
 }"""
 
 
+# Where the tiles of the verdict and the scorecard were, from frame to frame, once both were there.
+NOTE_PLACES = """window.places = new Set();
+(function look() {
+  const parts = [...document.querySelectorAll(".nv-tiles, .nv-scorecard")];
+  if (parts.length === 2)
+    places.add(parts.map(part => part.getBoundingClientRect())
+      .map(({ left, top }) => [Math.round(left), Math.round(top)]).join());
+  requestAnimationFrame(look);
+})();"""
+
+
+def test_nothing_moves_while_the_verdict_is_drawn(person, app):
+    visit = Visit(person, app)
+    visit.page.add_init_script(NOTE_PLACES)
+    visit.go("")
+    visit.wait_until_drawn()
+    expect(visit.keyed("verdict")).to_contain_text("Nothing is claimed")
+    places = visit.page.evaluate("[...places]")
+    visit.close()
+    assert len(places) == 1
+
+
 @pytest.fixture
 def overview(shared) -> Visit:
     visit: Visit = shared()

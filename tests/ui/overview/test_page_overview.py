@@ -71,6 +71,21 @@ def test_the_verdict_that_was_shown_stays_in_grey_until_the_next(
     assert tiles(app).count(">being tested<") == 3
 
 
+@pytest.mark.parametrize(("x", "y"), [("FIR", "NIR"), ("NIR", "FIR")])
+def test_a_system_keeps_its_colour_and_line_as_x_and_as_y(x: str, y: str):
+    page = checked(opened(x=x, y=y))
+    (styles,) = [item.proto.body for item in page.get("html") if "--nv-x:" in item.proto.body]
+    for name, look in (
+        ("FIR", "#0067B1;--nv-dash-{}:solid"),
+        ("NIR", "#C45A00;--nv-dash-{}:dashed"),
+    ):
+        letter = "x" if name == x else "y"
+        assert f"--nv-{letter}:{look.format(letter)};" in styles
+    blue, orange = ("X", "Y") if x == "FIR" else ("Y", "X")
+    assert f"{blue} solid blue" in texts(page)
+    assert f"{orange} dashed orange" in texts(page)
+
+
 def test_footnotes_belong_to_their_rows(app: AppTest):
     rows = measures(app, "evidence")
     assert not any("[" in label for label in rows)
