@@ -24,7 +24,7 @@ from nvcore.schema import (
     TRUTH,
     conform,
 )
-from nvcore.settings import Settings
+from nvcore.settings import MAX_FPS, MIN_FPS, Settings
 
 INPUT_COLUMNS = ("subject", "file", "sha256", "format", "conversion")
 
@@ -238,6 +238,13 @@ def dataset_from_tables(
                 f"recording {recordings['name'][first]!r}: expected a positive {name}, found "
                 f"{values[first]:g}; correct the size or the frame rate"
             )
+    is_rate = recordings["fps"].between(MIN_FPS, MAX_FPS).to_numpy()
+    if not is_rate.all():
+        first = int(np.argmin(is_rate))
+        raise InputError(
+            f"recording {recordings['name'][first]!r}: expected a frame rate (fps) from "
+            f"{MIN_FPS:g} to {MAX_FPS:g}, found {recordings['fps'][first]:g}; correct it"
+        )
     frames = frames_table(frames_by_recording, recordings["fps"].to_numpy())
     columns_given: dict[str, object] = {str(name): boxes[name].to_numpy() for name in boxes}
     table = conform(columns_given, DATASET_BOX_DTYPES, n_rows=len(boxes))

@@ -30,6 +30,7 @@ _MAGIC: Final[tuple[tuple[int, bytes, str], ...]] = (
     (0, b"\x89HDF", "an HDF5 file: export it as CSV"),
     (0, b"MATLAB ", "a MATLAB file: export it as CSV"),
     (0, b"PAR1", "a Parquet table"),
+    (0, b"PARE", "an encrypted Parquet table"),
     (0, b"\x93NUMPY", "a NumPy array: export it as CSV"),
     (0, b"SQLite format 3", "an SQLite database: export it as CSV"),
     (0, b"\xff\xfe", "UTF-16 text: save it as UTF-8"),

@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Final
 
 from nvcore.params import Params
 from nvcore.protocols import PROTOCOLS, Protocol
+
+MIN_FPS: Final = 0.001
+MAX_FPS: Final = 10_000.0
+"""Frame rates that are believed: from a picture every 17 minutes to the fastest cameras."""
 
 
 @dataclass(frozen=True, kw_only=True)

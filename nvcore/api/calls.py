@@ -200,7 +200,7 @@ def gate(result: Comparison, rules: Iterable[str], *, strict: bool = False) -> G
 def convert(
     source: PathLike | Source,
     target: PathLike,
-    to: str,
+    to: str | None = None,
     *,
     role: Role | None = None,
     truth: PathLike | Source | None = None,
@@ -208,7 +208,7 @@ def convert(
     frames_out: PathLike | None = None,
     force: bool = False,
 ) -> Conversion:
-    """Write any readable input as plain CSV, COCO or MOTChallenge, as ``nvcore convert`` does.
+    """Write any readable input as CSV, Parquet, COCO or MOTChallenge, as ``nvcore convert`` does.
 
     Parameters
     ----------

@@ -10,6 +10,7 @@ import numpy as np
 
 from nvcore.columns import BoxColumns
 from nvcore.dataset import Dataset
+from nvcore.file_kinds import unpacked_name
 from nvcore.findings import Cases, Finding, Severity
 from nvcore.schema import TABLE_ENDING
 from nvcore.wording import count_text
@@ -102,10 +103,11 @@ def file_name(dataset: Dataset, file: int, line: int) -> str:
 def place(recording: object, frame: int, *, line: int = 0, file: str = "") -> str:
     """Where something is, such as ``line 17, recording A, frame 12``; JSON counts records.
 
-    Rows of a table in memory are counted from 0.
+    Rows of a table, in memory or in Parquet, are counted from 0.
     """
-    is_table = file.endswith(TABLE_ENDING)
-    unit = "row" if is_table else "record" if file.lower().endswith(".json") else "line"
+    name = unpacked_name(file.lower())
+    is_table = name.endswith((TABLE_ENDING, ".parquet", ".pq"))
+    unit = "row" if is_table else "record" if name.endswith(".json") else "line"
     number = f"{unit} {line - is_table}, " if line > 0 else ""
     return f"{number}recording {recording}, frame {frame}"
 

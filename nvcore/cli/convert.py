@@ -1,4 +1,4 @@
-"""``nvcore convert``: any readable format as plain CSV, COCO or MOTChallenge."""
+"""``nvcore convert``: any readable format as plain CSV, Parquet, COCO or MOTChallenge."""
 
 from __future__ import annotations
 
@@ -29,7 +29,11 @@ def _reading_options(command: Any) -> Any:
 @click.argument("source", metavar="INPUT")
 @click.argument("target", metavar="OUTPUT", type=click.Path(path_type=Path))
 @click.option(
-    "--to", "to", required=True, type=click.Choice(["csv", "coco", "mot"]), help="Format to write."
+    "--to",
+    "to",
+    type=click.Choice(["csv", "parquet", "coco", "mot"]),
+    help="Format to write. Default: by the ending of OUTPUT: .csv, .parquet, .json (coco), .txt "
+    "(mot).",
 )
 @click.option(
     "--role",
@@ -52,16 +56,16 @@ def _reading_options(command: Any) -> Any:
 def convert(
     source: str,
     target: Path,
-    to: str,
+    to: str | None,
     role: str | None,
     frames_out: Path | None,
     force: bool,
     **options: Any,
 ) -> None:
-    """Convert any readable format to plain CSV, COCO or MOTChallenge.
+    """Convert any readable format to plain CSV, Parquet, COCO or MOTChallenge.
 
-    INPUT is a file, folder or quoted glob. MOTChallenge has one file a recording: OUTPUT is a
-    folder where there are several.
+    INPUT is a file, folder or quoted glob. OUTPUT is packed if its name ends in .gz, .zst, .xz or
+    .bz2. MOTChallenge has one file a recording: OUTPUT is a folder where there are several.
     """
     from nvcore.inputs.conversion import convert
     from nvcore.inputs.files import paths_to_show

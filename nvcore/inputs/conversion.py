@@ -1,4 +1,4 @@
-"""Any readable input as plain CSV, COCO or MOTChallenge: read, checked, written."""
+"""Any readable input as plain CSV, Parquet, COCO or MOTChallenge: read, checked, written."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 
 from nvcore.errors import InputError, MissingFactError
 from nvcore.findings import Finding
-from nvcore.inputs.convert import write, write_frame_lists
+from nvcore.inputs.convert import format_by_name, write, write_frame_lists
 from nvcore.inputs.evaluated_frames import LostFrames, frames_lost_without_list
 from nvcore.inputs.files import find_files
 from nvcore.inputs.load import read_options, read_source
@@ -48,7 +48,7 @@ class Conversion:
 def convert(
     source: Source,
     target: Path,
-    to: str,
+    to: str | None = None,
     *,
     role: Role | None = None,
     truth: Source | None = None,
@@ -65,7 +65,7 @@ def convert(
     target
         File to write; of MOTChallenge with several recordings a folder.
     to
-        ``csv``, ``coco`` or ``mot``.
+        ``csv``, ``parquet``, ``coco`` or ``mot``; None: as the ending of the target's name says.
     role
         What the input holds; None: truth, unless it looks like detections, which is an error.
     truth
@@ -83,6 +83,7 @@ def convert(
     InputError
         If a file cannot be read or written, or what the input holds is unclear.
     """
+    to = format_by_name(target) if to is None else to
     kind: Role = "detections" if role == "detections" else "truth"
     if frames_out is not None and kind == "detections":
         raise InputError("a list of evaluated frames is for ground truth; these are detections")

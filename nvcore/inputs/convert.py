@@ -1,4 +1,4 @@
-"""Readings written as plain CSV, COCO or MOTChallenge text, for ``nvcore convert``."""
+"""Readings written as plain CSV, Parquet, COCO or MOTChallenge text, for ``nvcore convert``."""
 
 from __future__ import annotations
 
@@ -13,14 +13,25 @@ import pandas as pd
 import tomli_w
 
 from nvcore.errors import InputError, UnknownFormatError
+from nvcore.file_kinds import suffix_of
 from nvcore.inputs.evaluated_frames import own_frames
 from nvcore.inputs.readers.base import Reading, Role, image_list
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.output.files import write_whole
+from nvcore.output.packing import packed_as
+from nvcore.output.parquet import to_parquet_bytes
 from nvcore.schema import NO_TRACK, UNKNOWN_OCCLUSION
 
-FORMATS: Final = ("csv", "coco", "mot")
+FORMATS: Final = ("csv", "parquet", "coco", "mot")
 """What `write` can write."""
+
+_BY_SUFFIX: Final = {
+    ".csv": "csv",
+    ".parquet": "parquet",
+    ".pq": "parquet",
+    ".json": "coco",
+    ".txt": "mot",
+}
 
 CSV_COLUMNS: Final = (
     *("recording", "frame", "x", "y", "w", "h"),
@@ -29,6 +40,24 @@ CSV_COLUMNS: Final = (
 
 VISIBLE_SHARE: Final = {0: 1.0, 1: 0.8, 2: 0.4, UNKNOWN_OCCLUSION: -1.0}
 """MOTChallenge's visibility for each level of occlusion, read back as the same level."""
+
+
+def format_by_name(path: Path) -> str:
+    """The format to write that the ending of a file's name asks for.
+
+    Raises
+    ------
+    UnknownFormatError
+        If it asks for none.
+    """
+    suffix = suffix_of(path)
+    if suffix not in _BY_SUFFIX:
+        raise UnknownFormatError(
+            f"the name does not tell the format to write (its ending is none of "
+            f"{', '.join(_BY_SUFFIX)}); name it: {', '.join(FORMATS)}",
+            file=path,
+        )
+    return _BY_SUFFIX[suffix]
 
 
 def write(
@@ -48,11 +77,12 @@ def write(
     reading
         What is written; its boxes are in the convention of docs/formats.md.
     format_name
-        ``csv`` keeps everything but the list of evaluated frames and the sizes. ``coco`` keeps
-        those of the truth, too; boxes without coordinates it cannot hold. ``mot`` has no distances
-        and no frame list.
+        ``csv`` and ``parquet`` keep all but the list of evaluated frames and the sizes. ``coco``
+        keeps those of the truth, too; boxes without coordinates it cannot hold. ``mot`` has no
+        distances and no frame list.
     path
-        File to write; for ``mot`` with several recordings a folder of one file per recording.
+        File to write, packed if its name ends so; for ``mot`` with several recordings a folder of
+        one file per recording.
     role
         Whether the reading is truth or detections.
     images
@@ -76,7 +106,9 @@ def write(
         If a file cannot be written or exists, or the format cannot hold what is to be written.
     """
     if format_name == "csv":
-        contents = {path: _csv(reading, role)}
+        contents = {path: to_csv_bytes(_table(reading, role), digits=None)}
+    elif format_name == "parquet":
+        contents = {path: to_parquet_bytes(_table(reading, role))}
     elif format_name == "coco":
         contents = {path: _coco(reading, role, images)}
     elif format_name == "mot":
@@ -85,7 +117,8 @@ def write(
         raise UnknownFormatError(
             f"{format_name!r} cannot be written; the formats to write are {', '.join(FORMATS)}"
         )
-    return _write_files(contents, inputs, force)
+    packed = {target: packed_as(target.name, content) for target, content in contents.items()}
+    return _write_files(packed, inputs, force)
 
 
 def write_frame_lists(
@@ -145,17 +178,13 @@ def _write_files(contents: dict[Path, bytes], inputs: Sequence[Path], force: boo
     return list(contents)
 
 
-def _csv(reading: Reading, role: Role) -> bytes:
+def _table(reading: Reading, role: Role) -> pd.DataFrame:
+    """The boxes with the columns of plain CSV; what is unknown is missing."""
     left_aside = "score" if role == "truth" else "ignore"
     table = reading.boxes[[name for name in CSV_COLUMNS if name != left_aside]]
-    return to_csv_bytes(
-        table.assign(
-            track=table["track"].astype("Int64").mask(table["track"] == NO_TRACK),
-            occlusion=table["occlusion"]
-            .astype("Int64")
-            .mask(table["occlusion"] == UNKNOWN_OCCLUSION),
-        ),
-        digits=None,
+    return table.assign(
+        track=table["track"].astype("Int64").mask(table["track"] == NO_TRACK),
+        occlusion=table["occlusion"].astype("Int64").mask(table["occlusion"] == UNKNOWN_OCCLUSION),
     )
 
 

@@ -143,7 +143,7 @@ def _in_folder(path: Path, text: str, role: Role, declared: Format | None) -> li
     files = [
         SourceFile(file, file.relative_to(path).as_posix()) for file in sorted(_files_below(path))
     ]
-    readable = (".txt", ".csv", ".json", ".xml", ".tsv", ".parquet")
+    readable = (".txt", ".csv", ".json", ".xml", ".tsv", ".parquet", ".pq")
     endings = declared.suffixes if declared is not None else readable
     files = [file for file in files if suffix_of(file.path) in endings]
     notes = ("readme", "license", "classes", "index")

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from nvcore.errors import SessionError
 from nvcore.params.traffic import parse_context
-from nvcore.settings import Settings
+from nvcore.settings import MAX_FPS, MIN_FPS, Settings
 
 if TYPE_CHECKING:
     from nvcore.inputs.readers.base import Role
@@ -46,8 +46,9 @@ class RecordingEntry:
     def __post_init__(self) -> None:
         if not self.name:
             raise SessionError("expected a name of the recording")
-        for name in ("width", "height", "fps"):
+        for name in ("width", "height"):
             _positive(name, getattr(self, name))
+        _rate(self.fps)
         _finite("horizon", self.horizon)
         if self.context is not None:
             try:
@@ -195,7 +196,7 @@ class Session(Settings):
     hashes: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        _positive("fps", self.fps)
+        _rate(self.fps)
         _can_be_a_path("frames", self.frames)
         names = [recording.name for recording in self.recordings]
         for name in names:
@@ -317,6 +318,11 @@ def override_recordings(
 def _positive(name: str, value: float | None) -> None:
     if value is not None and not 0 < value < math.inf:
         raise SessionError(f"{name}: expected a positive number, found {value:g}")
+
+
+def _rate(fps: float | None) -> None:
+    if fps is not None and not MIN_FPS <= fps <= MAX_FPS:
+        raise SessionError(f"fps: expected a number from {MIN_FPS:g} to {MAX_FPS:g}, found {fps:g}")
 
 
 def _finite(name: str, value: float | None) -> None:

@@ -211,6 +211,7 @@ BAD = [
     (("GOOD", "--size", "640"), "--size: expected a size such as 640x480, got '640'"),
     (("GOOD", "--match", "best"), "'best' is not one of 'iou', 'lateral'"),
     (("GOOD", "--frames", "no.txt"), "cannot be read as a frame list"),
+    (("GOOD", "--fps", "1e-300"), "fps: expected a number from 0.001 to 10000, found 1e-300"),
     (("GOOD", "--scale-x", "1,2,3"), "expected one number, or two with a comma between"),
     (("GOOD", "--scale-y", "wide"), "or two with a comma between, found 'wide'"),
     (("GOOD", "--offset-px-x", "3"), "expected two numbers with a comma between, found '3'"),

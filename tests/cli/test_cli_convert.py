@@ -26,7 +26,7 @@ def convert(source: Path, target: Path, to: str, *more: object, exit_code: int =
     return result.stderr
 
 
-@pytest.mark.parametrize("to", ["csv", "coco", "mot"])
+@pytest.mark.parametrize("to", ["csv", "parquet", "coco", "mot"])
 def test_truth_converts_to_each_format_and_back(tmp_path: Path, to: str):
     target = tmp_path / f"A.{'json' if to == 'coco' else 'csv'}"
     source = DATA / "kitti_tracking" / "0016.txt"
@@ -35,6 +35,31 @@ def test_truth_converts_to_each_format_and_back(tmp_path: Path, to: str):
     rows = (tmp_path / "again.csv").read_text().splitlines()
     assert len(rows) == 5
     assert "100,150,20,50" in rows[2]
+
+
+@pytest.mark.parametrize(
+    ("name", "start"),
+    [("a.csv", b"recording,frame"), ("a.parquet", b"PAR1"), ("a.json", b'{"videos"'),
+     ("a.txt", b"0,-1,535.9"), ("a.csv.gz", b"\x1f\x8b\x08"), ("a.json.zst", b"\x28\xb5\x2f\xfd"),
+     ("a.txt.xz", b"\xfd7zXZ"), ("a.CSV.BZ2", b"BZh9")],
+)  # fmt: skip
+def test_the_name_of_the_output_tells_its_format_and_how_it_is_packed(
+    tmp_path: Path, name: str, start: bytes
+):
+    source, target = DATA / "kitti_tracking" / "0016.txt", tmp_path / name
+    result = nvcore("convert", source, target, "--size", "1224x370")
+    assert result.exit_code == 0, result.output
+    assert target.read_bytes()[: len(start)] == start
+    again = nvcore("convert", target, tmp_path / "again.csv")
+    assert again.exit_code == 0, again.output
+    assert "100,150,20,50" in (tmp_path / "again.csv").read_text()
+
+
+def test_a_name_that_tells_no_format_asks_for_it(tmp_path: Path):
+    result = nvcore("convert", DATA / "kitti_tracking" / "0016.txt", tmp_path / "out.gz")
+    assert result.exit_code == 2
+    assert "the name does not tell the format to write" in result.stderr
+    assert "name it: csv, parquet, coco, mot" in result.stderr
 
 
 def test_results_that_name_pictures_by_number_need_the_truth(tmp_path: Path):

@@ -6,11 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+import pyarrow.parquet as pq
 import pytest
 
 from nvcore.errors import InputError
 from nvcore.inputs.convert import write
-from nvcore.inputs.readers import csv, mot
+from nvcore.inputs.readers import csv, mot, parquet
 from nvcore.inputs.readers.base import (
     Reading,
     ReadOptions,
@@ -60,7 +61,7 @@ def one_recording(reading: Reading) -> Reading:
     return Reading(boxes, reading.recordings.head(1), "")
 
 
-READERS = {"csv": csv.read, "coco": read_coco, "mot": mot.read}
+READERS = {"csv": csv.read, "parquet": parquet.read, "coco": read_coco, "mot": mot.read}
 
 
 def written(path: Path, reading: Reading, format_name: str, **options: object) -> list[str]:
@@ -90,6 +91,32 @@ def test_boxes_come_back_exactly(tmp_path, reading, format_name, role):
     if format_name == "coco":
         urban = back.recordings.set_index("name").loc["urban"]
         assert urban[["width", "height", "fps"]].tolist() == [640, 512, 20]
+
+
+@pytest.mark.parametrize("reading_and_role", [(truth(), "truth"), (detections(), "detections")])
+def test_parquet_holds_what_csv_holds_with_types_and_gives_the_same_bytes_again(
+    tmp_path, reading_and_role
+):
+    reading, role = reading_and_role
+    path = tmp_path / "boxes.parquet"
+    assert write(reading, "parquet", path, role=role) == [path]
+    content = path.read_bytes()
+    write(reading, "parquet", path, role=role, force=True)
+    assert path.read_bytes() == content
+    table = pq.read_table(path)
+    types = {field.name: str(field.type) for field in table.schema}
+    last = {"score": "double"} if role == "detections" else {"ignore": "bool"}
+    assert types == {
+        "recording": "string",
+        "frame": "int64",
+        **dict.fromkeys("xywh", "double"),
+        "track": "int64",
+        "distance_m": "double",
+        "occlusion": "int64",
+        **last,
+    }
+    back = parquet.read([SourceFile(path, "boxes.parquet")], ReadOptions(role=role))
+    assert_same_boxes(back, reading)
 
 
 def test_csv_has_the_documented_columns_and_neutralised_names(tmp_path):
@@ -192,7 +219,7 @@ def test_several_recordings_become_mot_files_with_harmless_names(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("format_name", "words"), [("voc", "csv, coco, mot"), ("csv", "cannot be written")]
+    ("format_name", "words"), [("voc", "csv, parquet, coco, mot"), ("csv", "cannot be written")]
 )
 def test_a_format_and_a_path_that_cannot_be_written_are_errors(tmp_path, format_name, words):
     with pytest.raises(InputError, match=words):

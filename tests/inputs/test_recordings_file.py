@@ -85,7 +85,10 @@ def test_pictures_start_from_the_folder_of_the_table(tmp_path: Path):
         (["recording,fps", "a,20", "", "a,21"], "line 4: the recording 'a' stands in line 2"),
         (["recording,fps", "a,twenty"], "line 2: fps: expected a number, found 'twenty'"),
         (["recording,fps", "a,2_0"], "line 2: fps: expected a number, found '2_0'"),
-        (["recording,fps", "a,nan"], "line 2: fps: expected a positive number, found nan"),
+        (
+            ["recording,fps", "a,nan"],
+            "line 2: fps: expected a number from 0.001 to 1",
+        ),
         (["recording,width", "a,-640"], "line 2: width: expected a positive number, found -640"),
         (["recording,height", "a,inf"], "line 2: height: expected a positive number, found inf"),
         (["recording,context", "a,suburb"], "line 2: context: expected urban, rural or a number"),

@@ -14,6 +14,7 @@ from nvcore.errors import MediaError
 from nvcore.inputs.readers import FORMATS
 from nvcore.inputs.readers.base import Role
 from nvcore.inputs.session import Session
+from nvcore.settings import MAX_FPS, MIN_FPS
 from ui.data.opening import MISSING_WORDS, trouble_of
 from ui.session import state
 from ui.session.opening import checked_frames
@@ -22,7 +23,6 @@ _CHECKS: Final = "picture_checks"
 MOST_CHECKS: Final = 256
 """Pictures that are remembered: a long video takes time to open."""
 MAX_SIZE_PX: Final = 100_000
-MAX_FPS: Final = 10_000.0
 AUTOMATIC: Final = "by the content"
 FRAME_BASES: Final = {
     "as usual for the format": None,
@@ -174,7 +174,7 @@ def _draw_rate(place: str, of_pictures: float | None, usual: UsualInputs | None)
         proposed = None
     rate = st.number_input(
         "Frames per second of the camera",
-        0.01,
+        MIN_FPS,
         MAX_FPS,
         value=proposed,
         step=1.0,
@@ -236,7 +236,7 @@ def picture_size(paths: Iterable[Path]) -> tuple[int, int] | None:
 def picture_rate(paths: Iterable[Path]) -> float | None:
     """Frame rate of the first pictures that state one, within what can be given."""
     rates = (check.fps for check in map(check_pictures, paths))
-    return next((rate for rate in rates if rate is not None and 0.01 <= rate <= MAX_FPS), None)
+    return next((rate for rate in rates if rate is not None and MIN_FPS <= rate <= MAX_FPS), None)
 
 
 @dataclass(frozen=True)

@@ -27,6 +27,7 @@ from nvcore.inputs.readers.kitti.detections import FORMAT as KITTI_DETECTIONS
 from nvcore.inputs.readers.kitti.object import FORMAT as KITTI_OBJECT
 from nvcore.inputs.readers.kitti.tracking import FORMAT as KITTI_TRACKING
 from nvcore.inputs.readers.mot import FORMAT as MOT
+from nvcore.inputs.readers.parquet import FORMAT as PARQUET
 from nvcore.inputs.readers.parse.unknown import describe_foreign
 from nvcore.inputs.readers.voc import FORMAT as VOC
 from nvcore.inputs.readers.yolo import FORMAT as YOLO
@@ -38,6 +39,7 @@ FORMATS: Final[tuple[Format, ...]] = (
     COCO,
     COCO_RESULTS,
     PLAIN_CSV,
+    PARQUET,
     BBGT,
     KITTI_TRACKING,
     KITTI_OBJECT,

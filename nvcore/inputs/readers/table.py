@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -57,7 +57,13 @@ def read_table(table: pd.DataFrame, file: SourceFile, options: ReadOptions) -> R
     problem = missing_columns(header)
     if problem is not None:
         raise file.fault(f"expected {problem}")
-    columns = NamedColumns(file, header, partial(_parse, table, file, header))
+
+    def column_of(name: str) -> pd.Series:
+        return table.iloc[:, header.place[name]].reset_index(drop=True)
+
+    columns = NamedColumns(
+        file, header, partial(parse_columns, column_of, len(table), file, header)
+    )
     try:
         reading = read_named_columns([columns], options)
     except FormatError as error:
@@ -65,22 +71,32 @@ def read_table(table: pd.DataFrame, file: SourceFile, options: ReadOptions) -> R
             raise
         where = f"{file.name}, row {error.line - 1}"
         raise FormatError(error.message, file=where) from error
-    return replace(reading, findings=tuple(_with_row(finding) for finding in reading.findings))
+    return replace(reading, findings=tuple(with_row(finding) for finding in reading.findings))
 
 
-def _with_row(finding: Finding) -> Finding:
+def with_row(finding: Finding) -> Finding:
     """The finding with the row, counted from 0, where its example has a line."""
     example = re.sub(r"^line (\d+)", lambda line: f"row {int(line[1]) - 1}", finding.example)
     return replace(finding, example=example)
 
 
-def _parse(
-    table: pd.DataFrame, file: SourceFile, header: Header, names: Sequence[str]
+def parse_columns(
+    column_of: Callable[[str], pd.Series],
+    n_rows: int,
+    file: SourceFile,
+    header: Header,
+    names: Sequence[str],
 ) -> tuple[pd.DataFrame, np.ndarray, bool]:
-    """The wanted columns, as `nvcore.inputs.readers.csv_columns.read_columns` gives them."""
+    """The wanted columns, as `nvcore.inputs.readers.csv_columns.read_columns` gives them.
+
+    Raises
+    ------
+    FormatError
+        With the row, counted from 1, of what is no number.
+    """
     columns = {}
     for name in names:
-        column = table.iloc[:, header.place[name]].reset_index(drop=True)
+        column = column_of(name)
         title = header.names[header.place[name]]
         if name in NUMBERS:
             columns[name] = _numbers(column, title, file)
@@ -90,15 +106,21 @@ def _parse(
             columns[name] = ids
         else:
             columns[name] = _texts(column)
-    return pd.DataFrame(columns, index=range(len(table))), np.arange(1, len(table) + 1), False
+    return pd.DataFrame(columns, index=range(n_rows)), np.arange(1, n_rows + 1), False
 
 
 def _texts(column: pd.Series) -> pd.Series:
     """The column as text, empty where missing."""
+    if isinstance(column.dtype, pd.CategoricalDtype):  # each distinct text once
+        categories = [str(text).strip() for text in column.cat.categories]
+        texts = np.array([*categories, ""], dtype=object)
+        return pd.Series(texts[column.cat.codes.to_numpy()], dtype=object)
     return column.astype(object).where(column.notna(), "").map(str).str.strip().astype(object)
 
 
 def _numbers(column: pd.Series, title: str, file: SourceFile) -> pd.Series:
+    if isinstance(column.dtype, pd.CategoricalDtype):
+        column = column.astype(object)
     numbers = pd.to_numeric(column, errors="coerce").astype("float64")
     doubtful = (numbers.isna() & column.notna()).to_numpy(dtype=bool)
     if doubtful.any():
@@ -110,6 +132,8 @@ def _numbers(column: pd.Series, title: str, file: SourceFile) -> pd.Series:
 
 
 def _claims(column: pd.Series, title: str, file: SourceFile) -> pd.Series:
+    if column.dtype == np.bool_:
+        return column
     texts = _texts(column)
     is_true = texts.isin(TRUE)
     is_odd = ~(is_true | texts.isin([*FALSE, *MISSING])).to_numpy()

@@ -1,0 +1,199 @@
+"""Parquet is read as plain CSV of the same columns; hostile files are bad input."""
+
+from __future__ import annotations
+
+import json
+from decimal import Decimal
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from inputs import drive, flags, nvcore
+from reader_files import rows, source
+
+from nvcore.errors import FormatError, NvcoreError
+from nvcore.inputs.readers import detect_format, parquet
+from nvcore.inputs.readers.base import Reading, ReadOptions, Role, SourceFile
+from nvcore.inputs.readers.csv import FORMAT as PLAIN_CSV
+
+BOX: dict[str, Any] = {"frame": [1, 2], "x": [1.5, 2.0], "y": [0, 1], "w": [9, 9], "h": [20, 30]}
+
+
+def table(folder: Path, name: str = "night.parquet", **columns: Any) -> SourceFile:
+    """A file of two boxes with these columns beside or in place of theirs."""
+    path = folder / name
+    path.parent.mkdir(parents=True, exist_ok=True)
+    pq.write_table(pa.table(BOX | columns), path)
+    return SourceFile(path, name)
+
+
+def read(file: SourceFile, role: Role = "truth", **options: Any) -> Reading:
+    file_format = detect_format([file], role)
+    assert file_format is parquet.FORMAT
+    return file_format.read([file], ReadOptions(role=role, **options))
+
+
+def refusal(file: SourceFile) -> str:
+    with pytest.raises(FormatError) as error:
+        parquet.read([file], ReadOptions())
+    return str(error.value)
+
+
+def test_every_column_of_plain_csv_is_read(tmp_path: Path):
+    file = table(
+        tmp_path,
+        recording=["b", "a"],
+        track=pa.array([None, 7]),
+        ignore=[True, False],
+        distance_m=pa.array([12.5, None]),
+        occlusion=pa.array([2, None], pa.int8()),
+        operator=["jo", "jo"],
+    )
+    reading = read(file)
+    assert rows(reading.boxes, "recording frame x y w h track ignore distance_m occlusion") == [
+        ["b", 1, 1.5, 0, 9, 20, -1, True, 12.5, 2],
+        ["a", 2, 2, 1, 9, 30, 7, False, None, -1],
+    ]
+    assert "columns left unused: operator" in reading.conversion
+
+
+def test_it_is_read_as_the_csv_file_of_the_same_rows(tmp_path: Path):
+    drive(tmp_path)
+    for name, role in (("truth", "truth"), ("fir", "detections")):
+        plain = SourceFile(tmp_path / f"{name}.csv", f"{name}.csv")
+        frame = pa.csv.read_csv(plain.path)
+        pq.write_table(frame, tmp_path / f"{name}.parquet")
+        theirs = PLAIN_CSV.read([plain], ReadOptions(role=role))
+        ours = read(SourceFile(tmp_path / f"{name}.parquet", f"{name}.parquet"), role)
+        without_line = [column for column in ours.boxes if column != "line"]
+        assert ours.boxes[without_line].equals(theirs.boxes[without_line])
+        assert ours.boxes["line"].tolist() == (theirs.boxes["line"] - 1).tolist()
+        assert ours.conversion == theirs.conversion
+
+
+def test_a_comparison_of_parquet_files_gives_the_same_numbers(tmp_path: Path):
+    drive(tmp_path)
+    plain = json.loads(nvcore("compare", *flags(tmp_path, "--json")).stdout)
+    for path in tmp_path.glob("*.csv"):
+        pq.write_table(pa.csv.read_csv(path), path.with_suffix(".parquet"))
+    given = [text.replace(".csv", ".parquet") for text in flags(tmp_path)]
+    run = nvcore("compare", *given, "--json")
+    ours = json.loads(run.stdout)
+    del plain["fingerprint"], ours["fingerprint"]
+    assert ours == plain
+    assert "fir.parquet, row 0, recording urban, frame 0" in run.stderr
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        pa.array([1, 2], pa.uint8()),
+        pa.array([1, 2], pa.float16()),
+        pa.array([Decimal("1"), Decimal("2")]),
+        pa.array(["1", "2"]),
+        pa.array(["1", "2"], pa.large_string()),
+        pa.array(["1", "2"]).dictionary_encode(),
+        pa.array([1, 2]).dictionary_encode(),
+    ],
+    ids=lambda values: str(values.type).partition("<")[0],
+)
+def test_numbers_of_any_type_are_numbers(tmp_path: Path, values: pa.Array):
+    assert read(table(tmp_path, x=values)).boxes["x"].tolist() == [1, 2]
+
+
+def test_without_a_column_for_it_the_file_s_name_is_the_recording(tmp_path: Path):
+    reading = read(table(tmp_path, "drives/night.parquet"))
+    assert reading.recordings["name"].tolist() == ["night"]
+
+
+def test_scores_and_an_empty_table_are_read_as_detections(tmp_path: Path):
+    assert read(table(tmp_path, score=[0.5, None]), "detections").boxes["score"].iloc[0] == 0.5
+    path = tmp_path / "none.parquet"
+    pq.write_table(pa.table(BOX).slice(0, 0), path)
+    assert len(read(SourceFile(path, "none.parquet"), "detections").boxes) == 0
+
+
+@pytest.mark.parametrize(
+    ("columns", "words"),
+    [
+        ({"frame": [1, None]}, "row 1: expected a whole number as frame, found nan"),
+        ({"frame": [1.5, 2]}, "row 0: expected a whole number as frame, found 1.5"),
+        ({"x": ["1", "wide"]}, "row 1: expected a number as x, found 'wide'"),
+        (
+            {"ignore": ["0", "maybe"]},
+            "row 1: expected 0, 1, true or false as ignore",
+        ),
+        ({"recording": ["a", None]}, "row 1: expected the name of a recording, found an empty"),
+        (
+            {"x": [[1.0], [2.0]]},
+            "numbers or text in column x, found list<element: double>",
+        ),
+        ({"x": [{"a": 1}, {"a": 2}]}, "expected numbers or text in column x, found struct<"),
+        ({"frame": pa.array([1, 2], pa.timestamp("s"))}, "in column frame, found timestamp[ms]"),
+        ({"x": pa.array([b"1", b"2"])}, "in column x, found binary"),
+    ],
+    ids=lambda value: value[:40] if isinstance(value, str) else "",
+)
+def test_what_is_no_box_is_named_with_its_row(tmp_path: Path, columns: dict[str, Any], words: str):
+    said = refusal(table(tmp_path, **columns))
+    assert said.startswith("night.parquet: ")
+    assert words in said
+
+
+def test_a_missing_column_is_named(tmp_path: Path):
+    pq.write_table(pa.table({"frame": [1], "left": [1.0], "top": [1.0]}), tmp_path / "a.parquet")
+    said = refusal(SourceFile(tmp_path / "a.parquet", "a.parquet"))
+    assert "found frame, left, top; missing: w, h" in said
+
+
+def test_a_column_that_is_there_twice_is_refused(tmp_path: Path):
+    arrays = [pa.array([1])] * 6
+    double = pa.Table.from_arrays(arrays, names=["frame", "x", "x", "y", "w", "h"])
+    pq.write_table(double, tmp_path / "a.parquet")
+    assert "expected one column x, found 2" in refusal(SourceFile(tmp_path / "a.parquet", "a"))
+
+
+def test_a_million_rows_in_a_small_file_are_no_matter_and_a_billion_are_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    n = 1_200_000
+    same = {name: np.zeros(n, np.int64) for name in ("frame", "x", "y")}
+    columns = same | {"w": np.ones(n), "h": np.ones(n), "class": ["person" * 20] * n}
+    path = tmp_path / "a.parquet"
+    pq.write_table(pa.table(columns), path)
+    assert path.stat().st_size < 50_000
+    assert len(read(SourceFile(path, "a.parquet")).boxes) == n
+    monkeypatch.setattr(parquet, "RATIO_FROM_BYTES", 1 << 20)
+    assert "declares 1,200,000 rows, which would take 0.1 GiB" in refusal(SourceFile(path, "a"))
+
+
+GOOD = pa.BufferOutputStream()
+pq.write_table(pa.table(BOX | {"recording": ["a", "b"], "score": [0.5, 0.25]}), GOOD)
+CONTENT = GOOD.getvalue().to_pybytes()
+
+
+@settings(
+    max_examples=150, deadline=None, database=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
+)  # fmt: skip
+@given(
+    place=st.integers(4, len(CONTENT) - 1),
+    piece=st.sampled_from(
+        [b"", b"\x00", b"\xff" * 4, b"\x7f", b"\xff" * 12, b"\x80\x80\x80\x80\x08"]
+    ),
+    cut=st.integers(0, 6),
+)
+def test_a_damaged_table_is_read_or_refused(tmp_path: Path, place: int, piece: bytes, cut: int):
+    content = CONTENT[:place] + piece + CONTENT[place + cut :]
+    file = source(tmp_path, content, "a.parquet")
+    try:
+        n_boxes, said = len(parquet.read([file], ReadOptions()).boxes), ""
+    except NvcoreError as error:
+        n_boxes, said = 0, str(error)
+    assert n_boxes <= 2
+    assert not said or said.startswith("a.parquet: ")
