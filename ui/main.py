@@ -12,8 +12,8 @@ from ui.shell.messages import error_banner, shown_error
 from ui.shell.navigate import follow_wish
 from ui.shell.pages import all_pages, draw_bar, is_folded_on, shown_on
 
-# Pages with more in their address, which they write by themselves, or leave as it is. (Not a string
-# below it: Streamlit would show that on every page.)
+# pages with more in their address, which they write by themselves, or leave as it is
+# (Streamlit would print a string below it on every page)
 WRITE_ADDRESS = ("encounters", "metrics")
 
 st.set_page_config(

@@ -41,13 +41,15 @@ def take(encounter: int | None) -> None:
 def selected() -> int | None:
     """The encounter that was selected, whether or not it is listed."""
     fingerprint, encounter = st.session_state.get(SELECTED, ("", -1))
-    return encounter if fingerprint == state.opened().dataset.fingerprint else None
+    return int(encounter) if fingerprint == state.opened().dataset.fingerprint else None
 
 
 def shown(listed: pd.DataFrame) -> int:
     """The encounter that is shown: the one selected, or the first of the list."""
     encounter = selected()
-    return int(listed.index[0]) if encounter not in listed.index else int(str(encounter))
+    if encounter is None or encounter not in listed.index:
+        return int(listed.index[0])
+    return encounter
 
 
 def place_of(listed: pd.DataFrame, encounter: int) -> int:

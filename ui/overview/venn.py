@@ -94,6 +94,13 @@ def _draw_worst(encounters: pd.DataFrame) -> None:
         "Click an encounter to see the frame in which its failure costs most, of those in which "
         "the other system detects the pedestrian, if there are any."
     )
+    if st.button(
+        f"Review all {len(encounters):,} one by one",
+        key="overview_review",
+        icon=":material/playlist_play:",
+        help="Opens the page Encounters, the heaviest failure first.",
+    ):
+        open_encounters(category=",".join(WORDS))
 
 
 def _ask_for_row(key: str, rows: list[int]) -> None:

@@ -16,6 +16,7 @@ from ui.session.address import read_place
 
 _SCRIPT: Final = """
 const PLACES = ["recording", "encounter", "doc"];
+const ALWAYS = "recording"; // of every address that is written
 const MAY_END = ["encounter"]; // none is open: no place of its own
 export default function () {
   if (window.nvcoreHistory) return;
@@ -24,7 +25,10 @@ export default function () {
   window.history.pushState = (state, title, url) => {
     const here = new URL(window.location.href);
     const next = new URL(url ?? here, here);
-    const isSame = next.pathname === here.pathname && PLACES.every((name) => {
+    const isSamePage = next.pathname === here.pathname;
+    // a page that a button leaves is emptied first: it keeps its address to come back to
+    if (isSamePage && here.searchParams.has(ALWAYS) && !next.searchParams.has(ALWAYS)) return;
+    const isSame = isSamePage && PLACES.every((name) => {
       const before = here.searchParams.get(name);
       // an address that names no place yet is completed, which is no step
       const after = next.searchParams.get(name);

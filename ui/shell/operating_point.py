@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 from typing import Final
 
 import streamlit as st
@@ -102,7 +103,8 @@ def draw() -> None:
     result = state.result()
     if result is None:
         return
-    rates = [number(point.false_alarms_per_hour, ",.0f") for point in points(result)]
+    now = points(result)
+    rates = [_rate(point) for point in now]
     st.caption(
         f"False alarms an hour: X **{rates[0]}**, Y **{rates[1]}**. Make them equal:",
         help="Single detections that match nobody. A system that reports more of everything looks "
@@ -121,14 +123,14 @@ def draw() -> None:
                 on_click=move,
                 args=(letter,),
             )
-        _draw_both(result)
+        _draw_both(min(point.false_alarms_per_hour for point in now))
     draw_change("sidebar")
 
 
-def _draw_both(result: Result) -> None:
+def _draw_both(lower: float) -> None:
+    """The field for a rate, which begins with the lower of both."""
     why = why_fixed("x") or why_fixed("y")
-    lower = min(point.false_alarms_per_hour for point in points(result))
-    if not why and lower != lower:
+    if not why and math.isnan(lower):
         why = "Without frames there are no false alarms an hour."
     with st.popover("Both to", disabled=bool(why), help=why or None, key="point_both"):
         if not why:
@@ -150,9 +152,7 @@ def draw_change(place: str) -> None:
         return
     now = points(result)
     if moved.after is None:
-        moved = st.session_state[_MOVE] = Move(
-            moved.systems, moved.matching, moved.letters, moved.before, now
-        )
+        moved = st.session_state[_MOVE] = replace(moved, after=now)
     if (moved.systems, moved.matching, moved.after) != (
         state.systems(),
         state.params().only_for(MATCH),
@@ -173,6 +173,12 @@ def change_text(moved: Move) -> str:
     for letter in moved.letters:
         at = "xy".index(letter)
         old, new = moved.before[at], moved.after[at]
+        if old == new:
+            parts.append(
+                f"{letter.upper()} stays at the threshold {_threshold(old)}: none leads nearer than "
+                f"{_rate(old)} false alarms an hour"
+            )
+            continue
         parts.append(
             f"{letter.upper()}: threshold {_threshold(old)} → {_threshold(new)}, "
             f"{_rate(old)} → {_rate(new)} false alarms an hour"

@@ -9,7 +9,7 @@ from streamlit.testing.v1 import AppTest
 from nvcore.errors import InputError
 from nvcore.evidence.table import evidence_table
 from nvcore.report.verdict import Verdict, verdict
-from pages import checked, measures, opened, texts, to_page
+from pages import checked, measures, opened, press, texts, to_page
 from ui.overview import companions, venn
 from ui.overview import evidence as evidence_page
 from ui.overview import verdict as verdict_page
@@ -130,6 +130,13 @@ def test_the_encounters_that_weigh_most_are_listed_and_open_by_a_click(
 
 NARROWEST_PX = 380
 """Room for a table beside the scorecard in a window of 1280, with the page's scroll bar."""
+
+
+def test_all_failures_are_reviewed_one_by_one_from_the_heaviest_on(app: AppTest):
+    press(app, "overview_review")
+    assert app.title[0].value == "Encounters"
+    assert "**1** of 38" in texts(app)  # distant ones are no failures
+    assert not app.button(key="encounters_next").disabled
 
 
 def test_the_list_of_heaviest_failures_fits_a_small_window():
