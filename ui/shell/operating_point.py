@@ -175,8 +175,8 @@ def change_text(moved: Move) -> str:
         old, new = moved.before[at], moved.after[at]
         if old == new:
             parts.append(
-                f"{letter.upper()} stays at the threshold {_threshold(old)}: none leads nearer than "
-                f"{_rate(old)} false alarms an hour"
+                f"{letter.upper()} stays at the threshold {_threshold(old)}, {_rate(old)} false "
+                "alarms an hour: no other comes nearer"
             )
             continue
         parts.append(

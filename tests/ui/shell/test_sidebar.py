@@ -84,6 +84,12 @@ def test_a_threshold_moves_to_the_false_alarms_of_the_other_and_back(letter: str
 
 
 @pytest.mark.usefixtures("every_setting_acts")
+def test_where_no_threshold_comes_nearer_it_says_so():
+    page = press(checked(opened(QUICK)), "point_x")
+    assert "X stays at the threshold 0.5" in texts(page)
+
+
+@pytest.mark.usefixtures("every_setting_acts")
 def test_both_get_as_many_false_alarms_as_are_asked_for_until_a_threshold_moves_again():
     page = checked(opened(QUICK))
     page.number_input(key="point_rate").set_value(600.0)
