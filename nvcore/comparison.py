@@ -161,8 +161,9 @@ def compare(
         Names of the systems; None: those that the dataset carries, else its first that is not the
         other one.
     previous
-        A result of the same dataset: stages whose settings are the same are taken from it, so
-        that changing alpha or the sigmoid costs little. No number depends on it.
+        A result of the same dataset, or of it with other names: stages whose settings are the same
+        are taken from it, so that changing alpha or the sigmoid costs little. No number depends on
+        it.
 
     Raises
     ------
@@ -178,7 +179,8 @@ def compare(
     """
     names = _pick(dataset, x, y)
     params = dataset.params_of(*names) if params is None else params
-    previous_stages = previous.stages if previous and previous.dataset is dataset else {}
+    is_same = previous is not None and _same_numbers(previous.dataset, dataset)
+    previous_stages = previous.stages if previous is not None and is_same else {}
     memo = Memo(params, previous_stages)
     truth, frames = dataset.truth, dataset.frame_columns
     tracks, encounters = encounters_of(dataset)
@@ -203,8 +205,10 @@ def compare(
     else:  # numpy and the kernels release the lock: the two systems run side by side
         with ThreadPoolExecutor(2) as pool:
             result_x, result_y = pool.map(score, pairs)
+    # by number: a system that is called otherwise is still the same
+    numbered = [(dataset.systems.index(name), threshold) for name, threshold in pairs]
     category = memo.get(
-        ("category", *pairs),
+        ("category", *numbered),
         lambda: categorise(
             result_x.encounters["n_relevant"].to_numpy() == 0,
             result_x.encounters["is_detected"].to_numpy(),
@@ -212,9 +216,9 @@ def compare(
         ),
         ENCOUNTERS,
     )
-    venn = memo.get(("venn", *pairs), lambda: count_categories(category), ENCOUNTERS)
+    venn = memo.get(("venn", *numbered), lambda: count_categories(category), ENCOUNTERS)
     boxes = memo.get(
-        ("boxes", *pairs),
+        ("boxes", *numbered),
         lambda: count_boxes(
             ~truth.ignore, result_x.matches.is_matched, result_y.matches.is_matched
         ),
@@ -237,6 +241,15 @@ def compare(
         duration_s=frames.duration_s,
         stages=memo.used,
     )
+
+
+def _same_numbers(one: Dataset, other: Dataset) -> bool:
+    """Whether two datasets differ in names, tags or settings at most."""
+    if one is other:
+        return True
+    columns = ["width", "height", "fps", "horizon", "context"]
+    is_same_table = one.frames is other.frames and one.boxes is other.boxes
+    return is_same_table and one.recordings[columns].equals(other.recordings[columns])
 
 
 def _pick(dataset: Dataset, x: str | None, y: str | None) -> tuple[str, str]:

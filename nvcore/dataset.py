@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import hashlib
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -25,7 +25,10 @@ from nvcore.schema import (
     conform,
 )
 from nvcore.settings import MAX_FPS, MIN_FPS, Settings
+from nvcore.wording import did_you_mean, listed
 
+MOST_NAMED = 5
+"""Recordings or tags that a text names one by one."""
 INPUT_COLUMNS = ("subject", "file", "sha256", "format", "conversion")
 
 
@@ -132,6 +135,97 @@ class Dataset:
         object.__setattr__(other, "settings", settings)
         return other
 
+    def only(self, tags: Collection[str] = (), names: Collection[str] = ()) -> Dataset:
+        """The data of those recordings alone that have all of the tags and one of the names.
+
+        Parameters
+        ----------
+        tags, names
+            Empty: any.
+
+        Raises
+        ------
+        InputError
+            If no recording is left, or there is none of a given name.
+        """
+        every = self.recordings["name"].tolist()
+        for name in names:
+            if name not in every:
+                raise InputError(
+                    f"there is no recording {name!r}; "
+                    f"{did_you_mean(name, every, f'they are {listed(every[:MOST_NAMED])}')}"
+                )
+        is_chosen = np.array(
+            [
+                set(tags) <= set(own) and (not names or name in names)
+                for name, own in zip(every, self.recordings["tags"], strict=True)
+            ],
+            dtype=bool,
+        )
+        if not is_chosen.any():
+            known = sorted({tag for own in self.recordings["tags"] for tag in own})
+            raise InputError(
+                f"no recording has the {'tag' if len(tags) == 1 else 'tags'} {listed([*tags])}"
+                f"{' and one of these names' if names else ''}; "
+                + (f"the tags are {listed(known[:MOST_NAMED])}" if known else "there are no tags")
+            )
+        return self if is_chosen.all() else self._of(is_chosen, tags)
+
+    def _of(self, is_chosen: np.ndarray, tags: Collection[str]) -> Dataset:
+        frames, boxes = self.frames, self.boxes
+        has_frame = is_chosen[frames["recording"].to_numpy()]
+        has_box = has_frame[boxes["frame_index"].to_numpy()]
+        new_recording, new_frame = np.cumsum(is_chosen) - 1, np.cumsum(has_frame) - 1
+        kept_frames = frames[has_frame].reset_index(drop=True)
+        kept_boxes = boxes[has_box].reset_index(drop=True)
+        columns = kept_frames["recording"].to_numpy(), kept_boxes["frame_index"].to_numpy()
+        names = self.recordings["name"][is_chosen].tolist()
+        others = self.recordings["name"][~is_chosen]
+        text = "\n".join([self.fingerprint, *names])
+        return replace(
+            self,
+            recordings=self.recordings[is_chosen].reset_index(drop=True),
+            frames=kept_frames.assign(recording=new_recording[columns[0]].astype(columns[0].dtype)),
+            boxes=kept_boxes.assign(frame_index=new_frame[columns[1]].astype(columns[1].dtype)),
+            left_out=self.left_out[~self.left_out["recording"].isin(others)].reset_index(drop=True),
+            fingerprint=hashlib.sha256(text.encode()).hexdigest(),
+            notes=(*self.notes, part_text(names, len(is_chosen), tags)),
+        )
+
+    def renamed(self, systems: Mapping[str, str], recordings: Mapping[str, str]) -> Dataset:
+        """The same data with other names, by the old ones; what is not named stays.
+
+        Raises
+        ------
+        InputError
+            If two would be called the same.
+        """
+        names = [systems.get(name, name) for name in self.systems]
+        titles = [recordings.get(name, name) for name in self.recordings["name"]]
+        for what, new in (("systems", names), ("recordings", titles)):
+            refuse_doubles(what, new)
+        if names == list(self.systems) and titles == self.recordings["name"].tolist():
+            return self
+        subjects = {old: new for old, new in systems.items() if old in self.systems}
+        text = "\n".join([self.fingerprint, *names, *titles])
+        return replace(
+            self,
+            recordings=self.recordings.assign(name=pd.Series(titles, dtype=object).array),
+            systems=tuple(names),
+            inputs=self.inputs.assign(
+                subject=[subjects.get(name, name) for name in self.inputs["subject"]]
+            ),
+            left_out=self.left_out.assign(
+                subject=[subjects.get(name, name) for name in self.left_out["subject"]],
+                recording=[recordings.get(name, name) for name in self.left_out["recording"]],
+            ),
+            findings=tuple(
+                replace(finding, subject=subjects.get(finding.subject, finding.subject))
+                for finding in self.findings
+            ),
+            fingerprint=hashlib.sha256(text.encode()).hexdigest(),
+        )
+
     def compared(self, x: str | None = None, y: str | None = None) -> tuple[str | None, str | None]:
         """Names of X and Y: those given, else those of the settings, else the first that is left.
 
@@ -164,6 +258,20 @@ class Dataset:
         columns = {name: self.boxes[name].to_numpy()[start:stop] for name in BOX_COLUMNS}
         offsets = offsets_of(columns["frame_index"], len(self.frames))
         return BoxColumns(**columns, offsets=offsets, first_row=int(start))
+
+
+def part_text(names: Sequence[str], n_all: int, tags: Collection[str]) -> str:
+    """Which of all recordings are compared, such as ``3 of 8 recordings: night``."""
+    which = ", ".join(tags or names[:MOST_NAMED])
+    more = "" if tags or len(names) <= MOST_NAMED else f" and {len(names) - MOST_NAMED} more"
+    return f"{len(names)} of {n_all} recordings: {which}{more}"
+
+
+def refuse_doubles(what: str, names: Sequence[str]) -> None:
+    """Raise InputError where two of these names are the same."""
+    double = next((name for name in names if names.count(name) > 1), None)
+    if double is not None:
+        raise InputError(f"two {what} would be called {double!r}; expected different names")
 
 
 def empty_left_out() -> pd.DataFrame:

@@ -204,9 +204,10 @@ def score_system(
 ) -> SystemResult:
     """Everything about one system, without reference to the other."""
     truth, frames, detections = dataset.truth, dataset.frame_columns, dataset.system(name)
+    number = dataset.systems.index(name)
 
     def get(what: str, make: Callable[[], T], *stages: Stage) -> T:
-        return memo.get((what, name, threshold), make, *stages)
+        return memo.get((what, number, threshold), make, *stages)
 
     matches = get("matches", lambda: match_system(dataset, name, threshold, params), MATCH)
     is_counted = get("is_counted", lambda: matches.is_counted, MATCH)

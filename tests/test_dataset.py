@@ -1,13 +1,17 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
-from builders import Box, Place, make_dataset
+from builders import Box, Place, make_dataset, tagged
 
 from nvcore.columns import frame_gaps
-from nvcore.dataset import dataset_from_tables, empty_left_out, frames_table
+from nvcore.comparison import compare
+from nvcore.dataset import Dataset, dataset_from_tables, empty_left_out, frames_table
 from nvcore.errors import InputError
+from nvcore.params import Params
 from nvcore.schema import DATASET_BOX_DTYPES, FRAME_DTYPES, LEFT_OUT_DTYPES, RECORDING_DTYPES
 
 
@@ -151,3 +155,76 @@ def test_nothing_left_out_keeps_its_columns() -> None:
 def test_no_recording_at_all_gives_an_empty_frames_table() -> None:
     assert frames_table([], []).empty
     assert frame_gaps(np.empty(0, np.int64), np.array([0])).size == 0
+
+
+def of_three() -> Dataset:
+    """Three recordings of two frames; the box of a system in frame f is f px wide."""
+    made = make_dataset(
+        [Box(0, 1, 1, 9, 9, recording=r) for r in range(3)],
+        [Box(f, 1, 1, 10 * r + f + 1, 9, recording=r) for r in range(3) for f in range(2)],
+        places=[Place(range(2))] * 3,
+    )
+    return tagged(made, ("night", "rain"), ("day",), ("night",))
+
+
+def test_only_recordings_with_all_tags_are_left() -> None:
+    night = of_three().only(["night"])
+    assert night.recordings["name"].tolist() == ["r0", "r2"]
+    assert night.frames["recording"].tolist() == [0, 0, 1, 1]
+    assert night.system("x").w.tolist() == [1, 2, 21, 22]
+    assert night.system("x").frame_index.tolist() == [0, 1, 2, 3]
+    assert night.notes == ("2 of 3 recordings: night",)
+    assert of_three().only(["night", "rain"]).recordings["name"].tolist() == ["r0"]
+    assert night.fingerprint != of_three().fingerprint
+
+
+def test_the_part_is_compared_like_the_recordings_by_themselves() -> None:
+    part, alone = of_three().only(names=["r1"]), of_three()
+    one = compare(part, Params(proximity="none")).x.similarity
+    whole = compare(alone, Params(proximity="none")).x.similarity
+    assert np.array_equal(one, whole[2:4])
+
+
+def test_all_recordings_chosen_are_the_same_data() -> None:
+    made = of_three()
+    assert made.only() is made
+    assert made.only(names=["r0", "r1", "r2"]) is made
+
+
+@pytest.mark.parametrize(
+    ("tags", "names", "match"),
+    [
+        (["snow"], [], "no recording has the tag snow; the tags are day, night and rain"),
+        (["day"], ["r0"], "the tag day and one of these names"),
+        ([], ["r9"], "there is no recording 'r9'"),
+    ],
+)
+def test_a_choice_that_leaves_nothing_is_refused(tags, names, match: str) -> None:
+    with pytest.raises(InputError, match=match):
+        of_three().only(tags, names)
+
+
+def test_rows_left_out_go_with_their_recording() -> None:
+    lost = pd.DataFrame(
+        [("x", name, 9, 0, 1, "frame not listed") for name in ("r0", "r1", "nowhere")],
+        columns=list(LEFT_OUT_DTYPES),
+    )
+    part = replace(of_three(), left_out=lost).only(names=["r0"])
+    assert part.left_out["recording"].tolist() == ["r0", "nowhere"]
+
+
+def test_other_names_change_no_box() -> None:
+    made = of_three()
+    new = made.renamed({"x": "FIR"}, {"r1": "town"})
+    assert new.systems == ("FIR", "y")
+    assert new.recordings["name"].tolist() == ["r0", "town", "r2"]
+    assert new.boxes is made.boxes
+    assert new.fingerprint != made.fingerprint
+    assert made.renamed({"x": "x"}, {}) is made
+
+
+def test_two_of_a_name_are_refused() -> None:
+    with pytest.raises(InputError, match="two systems would be called 'y'"):
+        of_three().renamed({"x": "y"}, {})
+    with pytest.raises(InputError, match="two recordings would be called 'r2'"):
+        of_three().renamed({}, {"r1": "r2"})

@@ -210,6 +210,21 @@ def input_options(command: Callable[..., Any]) -> Callable[..., Any]:
             "Default: the truth's own list, or from its first to its last annotated "
             "frame.",
         ),
+        grouped_option(
+            INPUTS,
+            "--tag",
+            "tags",
+            multiple=True,
+            metavar="TAG",
+            help="Compare only recordings with this tag; may be given again: with all of them.",
+        ),
+        grouped_option(
+            INPUTS,
+            "--only",
+            multiple=True,
+            metavar="RECORDING",
+            help="Compare only this recording; may be given again.",
+        ),
     ]
     for letter in "xy":
         system = letter.upper()

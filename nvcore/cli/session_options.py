@@ -88,6 +88,11 @@ def _with_facts(session: Session, options: dict[str, Any]) -> Session:
         table = RecordingsFile(path if is_here else str(Path.cwd() / path))
         session = replace(session, recordings_file=table)
     session = with_recordings_file(session, goes_first=path is not None)
+    session = replace(
+        session,
+        only_tags=tuple(dict.fromkeys(options["tags"])) or session.only_tags,
+        only=tuple(dict.fromkeys(options["only"])) or session.only,
+    )
     return override_recordings(
         session,
         size=size_option(options),

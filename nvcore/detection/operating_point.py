@@ -306,3 +306,12 @@ def _rates(dataset: Dataset, n_alarms: np.ndarray) -> tuple[np.ndarray, np.ndarr
         n_alarms / n_frames if n_frames else undefined,
         n_alarms / duration_s * 60 if duration_s else undefined,
     )
+
+
+def span_of_scores(dataset: Dataset, system: str) -> tuple[float, float] | None:
+    """Lowest and highest score of a system; None without scores or with a single one."""
+    score = dataset.system(system).score
+    score = score[np.isfinite(score)]
+    if not len(score) or score.min() == score.max():
+        return None
+    return float(score.min()), float(score.max())

@@ -15,6 +15,7 @@ import pandas as pd
 from nvcore.dataset import (
     Dataset,
     dataset_from_tables,
+    refuse_doubles,
     tables_fingerprint,
     what_is_stated,
 )
@@ -101,7 +102,8 @@ def load(
         system = _read(session, source, name, "detections", truth.reading, table)
         loaded.append(_corrected(system, source))
     progress(len(loaded) / n_steps, "placing boxes in frames")
-    return _place(session, _named_by_session(session, loaded), max_frames)
+    dataset = _place(session.of_all.as_titled, _named_by_session(session, loaded), max_frames)
+    return dataset.with_settings(session).only(session.only_tags, session.only)
 
 
 def read_source(
@@ -185,11 +187,11 @@ def _same_single_recording(reading: Reading, truth: Reading) -> Reading:
         return reading
     note = f"recording {theirs[0]!r} taken for the truth's only recording {ours[0]!r}"
     conversion = "; ".join(part for part in (reading.conversion, note) if part)
-    return replace(_renamed(reading, theirs[0], ours[0]), conversion=conversion)
+    return replace(_renamed(reading, {theirs[0]: ours[0]}), conversion=conversion)
 
 
-def _renamed(reading: Reading, old: str, new: str) -> Reading:
-    """The reading with another name of one of its recordings."""
+def _renamed(reading: Reading, titles: Mapping[str, str]) -> Reading:
+    """The reading with other names of some of its recordings, by the old ones."""
 
     def renamed(table: pd.DataFrame | None, column: str = "recording") -> Any:
         if table is None:
@@ -197,10 +199,12 @@ def _renamed(reading: Reading, old: str, new: str) -> Reading:
         names = table[column]
         if isinstance(names.dtype, pd.CategoricalDtype):
             names = names_as_categories(
-                names.cat.rename_categories(lambda name: new if name == old else name), len(names)
+                names.cat.rename_categories(lambda name: titles.get(name, name)), len(names)
             )
         else:
-            names = names.where(names != old, new)
+            names = pd.Series(
+                [titles.get(name, name) for name in names], index=names.index, dtype=object
+            )
         return table.assign(**{column: names})
 
     return replace(
@@ -213,15 +217,22 @@ def _renamed(reading: Reading, old: str, new: str) -> Reading:
 
 
 def _named_by_session(session: Session, loaded: list[_Loaded]) -> list[_Loaded]:
-    """The sources with the only recording called as the session calls it."""
+    """The sources with the recordings called as the session calls them."""
     names = loaded[0].reading.recordings["name"].tolist()
-    if len(names) != 1 or len(session.recordings) != 1:
+    entries = {entry.name: entry for entry in session.recordings}
+    if len(names) == len(entries) == 1:
+        entries = {names[0]: session.recordings[0]}
+    titles = {name: entry.title for name, entry in entries.items() if entry.title is not None}
+    if not titles and len(names) == len(session.recordings) == 1:
+        old, new = names[0], session.recordings[0].name
+        if any((source.reading.recordings["name"] == new).any() for source in loaded):
+            return loaded  # it is called so already, or a system holds another one of that name
+        titles = {old: new}
+    if not titles:
         return loaded
-    old, new = names[0], session.recordings[0].name
-    if any((source.reading.recordings["name"] == new).any() for source in loaded):
-        return loaded  # it is called so already, or a system holds another one of that name
-
-    return [replace(source, reading=_renamed(source.reading, old, new)) for source in loaded]
+    listed_names = list(dict.fromkeys([*names, *entries]))
+    refuse_doubles("recordings", [titles.get(name, name) for name in listed_names])
+    return [replace(source, reading=_renamed(source.reading, titles)) for source in loaded]
 
 
 def _corrected(system: _Loaded, source: SystemSource) -> _Loaded:

@@ -4,7 +4,8 @@
     night_01,640,480,20,rural,night;rain,night_01.mp4
 
 Columns may stand in any order; all but `recording` may be missing, and their cells empty. Tags are
-separated by semicolons. Paths of pictures start from the folder of the file. Columns are separated
+separated by semicolons. Paths of pictures start from the folder of the file. A title is what the
+recording is called in place of its name in the data. Columns are separated
 by commas, semicolons (with tags in quotes; a comma may then be the decimal sign) or tabs.
 """
 
@@ -48,6 +49,7 @@ COLUMNS: Final[dict[str, Callable[[str], Any]]] = {
     "context": parse_context,
     "tags": _tags,
     "pictures": str,
+    "title": str,
 }
 """What the file may hold, and how a cell is read."""
 

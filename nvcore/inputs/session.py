@@ -29,7 +29,8 @@ class RecordingEntry:
 
     `pictures` is a video, a folder or an archive, `first_picture` the number of the frame that
     its first picture shows. `context` is that of the traffic, from 0 (urban) to 1 (rural). `tags`
-    are words by which recordings can be chosen, such as "night".
+    are words by which recordings can be chosen, such as "night". `title` is what it is called in
+    place of its name in the data.
     """
 
     name: str
@@ -42,10 +43,13 @@ class RecordingEntry:
     first_picture: int | None = None
     tags: tuple[str, ...] = ()
     context: float | None = None
+    title: str | None = None
 
     def __post_init__(self) -> None:
         if not self.name:
             raise SessionError("expected a name of the recording")
+        if self.title is not None and not self.title.strip():
+            raise SessionError("title: expected a name, found nothing")
         for name in ("width", "height"):
             _positive(name, getattr(self, name))
         _rate(self.fps)
@@ -181,6 +185,9 @@ class Session(Settings):
     hashes
         sha256 of each source when the session was written, by ``truth`` or the system's name;
         checked when it is loaded.
+    only_tags, only
+        Compare only recordings that have all of these tags, and of these only those so named;
+        (): all.
     x, y, params, protocol
         See `nvcore.settings.Settings`.
     """
@@ -194,6 +201,8 @@ class Session(Settings):
     fps: float | None = None
     frames: str | None = None
     hashes: Mapping[str, str] = field(default_factory=dict)
+    only_tags: tuple[str, ...] = ()
+    only: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         _rate(self.fps)
@@ -215,6 +224,19 @@ class Session(Settings):
         yield from (
             recording.pictures for recording in self.recordings if recording.pictures is not None
         )
+
+    @property
+    def of_all(self) -> Session:
+        """The session with all recordings compared."""
+        return replace(self, only_tags=(), only=()) if self.only_tags or self.only else self
+
+    @property
+    def as_titled(self) -> Session:
+        """The session with recordings named as they are called, not as in the data."""
+        entries = [
+            replace(entry, name=entry.title or entry.name, title=None) for entry in self.recordings
+        ]
+        return replace(self, recordings=tuple(entries))
 
     @property
     def has_unread_recordings(self) -> bool:
@@ -266,10 +288,15 @@ class Session(Settings):
         Parameters
         ----------
         names
-            The data's recordings.
+            The data's recordings, by their titles where they have some.
         """
-        entries = {entry.name: entry for entry in self.recordings}
-        if len(names) == len(entries) == 1 and names[0] not in entries:
+        known = frozenset(names)
+        entries = {
+            entry.title if entry.title in known and entry.title is not None else entry.name: entry
+            for entry in self.recordings
+        }
+        is_of_all = not self.only_tags and not self.only
+        if len(names) == len(entries) == 1 and names[0] not in entries and is_of_all:
             return {names[0]: replace(self.recordings[0], name=names[0])}
         return entries
 

@@ -11,6 +11,7 @@
     pictures = "urban_01.mp4" a video, a folder, or an archive
     first_picture = 0        number of the frame that the first picture shows
     tags = ["night", "rain"] words by which recordings can be chosen
+    title = "Night drive 1"  what it is called, in place of its name in the data
 
     [recordings]             the same as a table (see nvcore.inputs.recordings_file)
     path = "recordings.csv"
@@ -36,6 +37,8 @@
     [compare]
     x = "FIR"
     y = "NIR"
+    tags = ["night"]         only recordings that have all of these tags
+    recordings = ["urban_01"] only these, of those with the tags
 
     [parameters]             any of nvcore.params.Params
 
@@ -104,7 +107,7 @@ _TABLES: Final = frozenset(
     }
 )
 _DEFAULTS: Final = {"size": str, "fps": float, "frames": str}
-_COMPARE: Final = {"x": str, "y": str}
+_COMPARE: Final = {"x": str, "y": str, "tags": tuple[str, ...], "recordings": tuple[str, ...]}
 _RECORDINGS: Final = {"path": str}
 _WORDS: Final = {
     str: "a text",
@@ -175,6 +178,8 @@ class _Decoder:
         with self.errors_in("[defaults]"):
             defaults |= {"size": parse_size(defaults["size"])} if "size" in defaults else {}
         compare = self.values(_COMPARE, self.table(content, "compare"), "[compare]")
+        compare["only_tags"] = compare.pop("tags", ())
+        compare["only"] = compare.pop("recordings", ())
         settings, filters = self.table(content, "parameters"), self.table(content, "protocol")
         with self.errors_in("[parameters]"):
             params = params_from(settings)
@@ -300,7 +305,14 @@ def write_session(session: Session, *, version: str, fingerprint: str) -> str:
             "fingerprint": fingerprint,
             "sha256": dict(session.hashes),
         },
-        "compare": _given({"x": session.x, "y": session.y}),
+        "compare": _given(
+            {
+                "x": session.x,
+                "y": session.y,
+                "tags": list(session.only_tags) or None,
+                "recordings": list(session.only) or None,
+            }
+        ),
         "parameters": session.params.given(),
         "protocol": session.protocol.given(),
         "recordings": {} if table is None else {"path": table.path},

@@ -49,6 +49,7 @@ def _urban_crossing() -> Recording:
         speed=((0, 8), (4.5, 8), (8, 0), (12.2, 0), (15, 5)),
         road=Road(**{**TOWN.__dict__, "zebras": (70.5,)}),
         climate=WINTER,
+        tags=("urban", "winter"),
         people=(
             Person(_across(70, 4.6, 4.6, -7.6, 1.35), 1.78, warmth=0.8, reflectance=0.45),
             Person(_across(71, 5.2, -7.2, 4.8, 1.25), 1.66, warmth=0.7, reflectance=0.6),
@@ -78,6 +79,7 @@ def _urban_sidewalk() -> Recording:
         speed=((0, 8), (15, 8)),
         road=TOWN,
         climate=WINTER,
+        tags=("urban", "winter"),
         horizon=234.0,
         people=(
             Person(_along(4.8, 38, 1.3), 1.80, warmth=0.8, reflectance=0.6, facing_deg=0),
@@ -108,6 +110,7 @@ def _urban_groups() -> Recording:
         speed=((0, 7), (5, 7), (8, 4), (15, 4.5)),
         road=TOWN,
         climate=AUTUMN,
+        tags=("urban", "autumn"),
         horizon=238.0,
         people=(
             Person(_across(66, 3.0, 4.9, -8.4, 1.15), 1.80, warmth=0.75, reflectance=0.4),
@@ -134,6 +137,7 @@ def _rural_road() -> Recording:
         speed=((0, 20), (15, 20)),
         road=COUNTRY,
         climate=WINTER,
+        tags=("rural", "winter"),
         horizon=232.0,
         people=(
             Person(_along(2.6, 98, -1.2), 1.78, warmth=0.75, reflectance=0.4),
@@ -158,6 +162,7 @@ def _rural_child() -> Recording:
         speed=((0, 14), (9, 14), (12, 9), (15, 9)),
         road=COUNTRY,
         climate=AUTUMN,
+        tags=("rural", "autumn"),
         horizon=236.0,
         people=(
             Person(_along(2.7, 92, -0.9), 1.70, warmth=0.7, reflectance=0.5),
@@ -187,6 +192,7 @@ def _rural_cyclist() -> Recording:
         speed=((0, 13), (9, 12), (15, 12)),
         road=COUNTRY,
         climate=WINTER,
+        tags=("rural", "winter"),
         horizon=235.0,
         people=(
             Person(
@@ -207,6 +213,7 @@ def _odd_pose() -> Recording:
         speed=((0, 6.5), (15, 6)),
         road=TOWN,
         climate=WINTER,
+        tags=("urban", "winter"),
         horizon=237.0,
         people=(
             Person(
@@ -257,6 +264,7 @@ def _summer_night() -> Recording:
         speed=((0, 8), (15, 7.5)),
         road=TOWN,
         climate=SUMMER,
+        tags=("urban", "summer"),
         horizon=236.0,
         people=(
             Person(_along(4.7, 50, -0.8), 1.70, warmth=0.75, reflectance=0.75),
@@ -281,6 +289,7 @@ def _oncoming_glare() -> Recording:
         speed=((0, 10), (7, 10), (9.5, 4), (15, 4)),
         road=Road(left=-5.2, right=1.75, pavement=2.0),
         climate=AUTUMN,
+        tags=("village", "autumn"),
         horizon=233.0,
         people=(
             Person(_along(-6.2, 78, -0.8), 1.76, warmth=0.75, reflectance=0.5),
@@ -306,6 +315,7 @@ def _winter_frost() -> Recording:
         speed=((0, 8), (15, 8)),
         road=TOWN,
         climate=FROST,
+        tags=("urban", "winter"),
         horizon=235.0,
         people=(
             Person(_along(4.7, 56, -0.9), 1.78, warmth=0.10, reflectance=0.55),

@@ -133,6 +133,7 @@ class Recording:
     things: tuple[Thing, ...] = ()
     horizon: float = 236.0
     context: float = 0.0
+    tags: tuple[str, ...] = ()
 
     @property
     def camera(self) -> Camera:

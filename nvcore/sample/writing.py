@@ -46,6 +46,7 @@ def session_text(recordings: Iterable[Recording]) -> str:
         f'[[recording]]\nname = "{recording.name}"\nwidth = {WIDTH}\nheight = {HEIGHT}\n'
         f'fps = {FPS}\nframes = "0:{N_FRAMES - 1}"\nhorizon = {recording.horizon:.1f}\n'
         f"context = {_context_text(recording.context)}\n"
+        f"tags = [{', '.join(map(_quoted, recording.tags))}]\n"
         f'pictures = "{recording.name}.mp4"\n'
         for recording in recordings
     ]
@@ -56,6 +57,10 @@ def session_text(recordings: Iterable[Recording]) -> str:
         for name, path in SYSTEM_FILES.items()
     ]
     return "\n".join(tables)
+
+
+def _quoted(text: str) -> str:
+    return f'"{text}"'
 
 
 def _context_text(context: float) -> str:
@@ -128,6 +133,7 @@ Each recording lasts {seconds} s at {fps} frames per second.
   little beside dazzling headlamps, and takes some reflecting signs for people.
 - `session.toml`: all of it as one comparison; both systems count from score 0.5 up. Traffic
   context: rural for the three `rural_` recordings, 0.5 for `oncoming_glare`, urban for the others.
+  Tags: `urban`, `village` or `rural`; `summer`, `autumn` or `winter`.
 - `<recording>.mp4`: the pictures, H.264.
 - `ratings_simulated.csv`: made-up ratings, 1 (not annoying) to 7, of every recording with the boxes
   of each system. Nobody was asked: 16 participants are simulated, one of whom takes the scale the

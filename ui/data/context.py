@@ -25,7 +25,7 @@ def context_text(context: float) -> str:
 
 def draw() -> None:
     """What is stated, and a form that states it of some recordings or of all."""
-    names = state.recording_names()
+    names = state.opened().whole.recordings["name"].tolist()
     contexts = state.opened().dataset.recordings["context"]
     st.caption(
         "How much a miss to the side costs: in town a pedestrian on the far sidewalk costs little, "
@@ -66,7 +66,8 @@ def _state_context(chosen: list[str], text: str | None) -> None:
     except ValueError as error:
         st.error(plain(f"Traffic context: {error}"), icon=":material/error:")
         return
-    opened, names = state.opened(), state.recording_names()
+    opened = state.opened()
+    names = opened.whole.recordings["name"].tolist()
     changes = {name: {"context": context} for name in chosen}
     changed = with_recordings(opened.session, names, changes)
     try_to_open(replace(changed, params=state.params()), label=opened.label)

@@ -14,8 +14,10 @@ import streamlit as st
 from nvcore.dataset import Dataset
 from nvcore.inputs.session import Session
 from nvcore.tables.inputs import inputs_table, left_out_table
+from nvcore.wording import UNDEFINED
 from ui.data import context
 from ui.data.opening import draw_trouble, try_to_open
+from ui.data.recordings import editor, names
 from ui.session import state
 from ui.session.opening import recording_entry, relative_path, with_recordings
 from ui.session.workspace import Stored, Workspace
@@ -50,6 +52,11 @@ def draw() -> None:
     for note in dataset.notes:
         st.caption(plain(note[:1].upper() + note[1:]))
     draw_trouble("session")
+    names.draw_done()
+    with st.expander("Change the recordings: names, sizes, rates, traffic, tags, pictures"):
+        editor.draw(*_all_pictures(space))
+    with st.expander("Change the names of the systems"):
+        names.draw_systems()
     with st.expander("Traffic context of the recordings"):
         context.draw()
     with st.expander("Pictures of the recordings"):
@@ -100,6 +107,7 @@ def _recordings(space: Workspace, dataset: Dataset) -> pd.DataFrame:
             ],
             "Frames per second": [f"{fps:g}" for fps in table["fps"]],
             "Traffic": [context.context_text(value) for value in table["context"]],
+            "Tags": [", ".join(tags) or UNDEFINED for tags in table["tags"]],
             "Evaluated frames": first[1:] - first[:-1],
             "Pictures": [_pictures_text(space, recording) for recording in range(n_rows)],
         }
@@ -114,17 +122,40 @@ def _pictures_text(space: Workspace, recording: int) -> str:
     return ": ".join(part for part in (pictures.name, note) if part)
 
 
+def _all_pictures(space: Workspace) -> tuple[dict[str, str | None], dict[str, str]]:
+    """Pictures to choose from for all recordings, by label; and the label of each one's own."""
+    session = state.opened().session
+    recordings = state.opened().whole.recordings["name"].tolist()
+    entries = session.entries(recordings)
+    choices: dict[str, str | None] = {}
+    labels: dict[str, str] = {}
+    for name in recordings:
+        path = entries[name].pictures if name in entries else None
+        if path is None:
+            continue
+        label = PurePosixPath(path).name
+        if choices.get(label, path) != path:
+            label = path if without_paths(path) == path else f"{label} ({name})"
+        choices[label] = path
+        labels[name] = label
+    for label, place in sent_pictures(space).items():
+        relative = relative_path(place, session.folder)
+        if relative not in choices.values():
+            choices[label if label not in choices else f"{label} (sent)"] = relative
+    return choices, labels
+
+
 def _draw_pictures(space: Workspace) -> None:
     session, label = state.opened().session, state.opened().label
-    names = state.recording_names()
-    name = names[0]
-    if len(names) > 1:
-        name = st.selectbox("Recording", names, key="pictures_recording")
-    entry = recording_entry(session, names, name)
+    every = state.opened().whole.recordings["name"].tolist()
+    name = every[0]
+    if len(every) > 1:
+        name = st.selectbox("Recording", every, key="pictures_recording")
+    entry = recording_entry(session, every, name)
     choices = picture_choices(space, session, entry.pictures)
     entries = [NONE, *choices]
     now = next((label for label, path in choices.items() if path == entry.pictures), NONE)
-    with st.form(f"pictures_{names.index(name)}", border=False):
+    with st.form(f"pictures_{every.index(name)}", border=False):
         left, right = st.columns([2, 1])
         picture = left.selectbox(
             "Pictures",
@@ -138,13 +169,13 @@ def _draw_pictures(space: Workspace) -> None:
             step=1,
             placeholder="as guessed",
             help="Only where boxes and pictures do not belong together: the number, as in the "
-            "truth, of the frame that the first picture shows. Empty: from the file names.",
+            "truth, of the frame that the first picture shows. Empty: from the file every.",
         )
         is_wanted = st.form_submit_button("Use these pictures")
     if is_wanted:
         first = None if first_picture is None else int(first_picture)
         change = {"pictures": choices.get(picture), "first_picture": first}
-        changed = with_recordings(session, names, {name: change})
+        changed = with_recordings(session, every, {name: change})
         try_to_open(replace(changed, params=state.params()), label=label)
 
 

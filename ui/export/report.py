@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final
 
 import streamlit as st
@@ -13,7 +13,12 @@ from nvcore.inputs.session import Session
 from nvcore.report.files import export_files, report_zip
 from nvcore.tables.column import Column
 from nvcore.tables.columns import REPORT_COLUMNS
-from ui.export.session import inputs_beside, portable_session, public_findings
+from ui.export.session import (
+    inputs_beside,
+    portable_session,
+    public_findings,
+    with_public_names,
+)
 from ui.session import state
 from ui.session.opening import live_session
 from ui.shell.messages import shown_root, without_paths
@@ -53,7 +58,7 @@ class _Report:
 
 def draw(result: Result) -> None:
     """Downloads of everything, of single files, and what their columns mean."""
-    report, result = _report(result), _with_public_names(result)
+    report, result = _report(result), with_public_names(result, without_paths)
     st.header("Report")
     st.markdown(
         "The files that `nvcore compare --out` writes, with the parameters in the sidebar. "
@@ -74,13 +79,6 @@ def draw(result: Result) -> None:
     with st.expander("What the columns mean"):
         _draw_columns()
     _draw_session_note(report.session)
-
-
-def _with_public_names(result: Result) -> Result:
-    """The result with names of its input files that show nothing of the machine."""
-    inputs = result.dataset.inputs
-    names = [without_paths(name) for name in inputs["file"]]
-    return replace(result, dataset=replace(result.dataset, inputs=inputs.assign(file=names)))
 
 
 def _report(result: Result) -> _Report:

@@ -14,6 +14,7 @@ from dataclasses import replace
 from pathlib import Path, PurePosixPath
 from typing import Final
 
+from nvcore.comparison import Result
 from nvcore.file_kinds import unpacked_name
 from nvcore.findings import Finding
 from nvcore.inputs.readers.meaning.names import NEUTRAL
@@ -75,6 +76,13 @@ def public_findings(
         )
         for finding in findings
     )
+
+
+def with_public_names(result: Result, public: Callable[[object], str]) -> Result:
+    """The result with the names of its input files made `public`, for tables that show them."""
+    inputs = result.dataset.inputs
+    inputs = inputs.assign(file=[public(name) for name in inputs["file"]])
+    return replace(result, dataset=replace(result.dataset, inputs=inputs))
 
 
 def _names_of_files(session: Session, root: Path | None) -> dict[str, str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Final
 
 import numpy as np
@@ -12,8 +12,9 @@ from nvcore.errors import ParameterError
 from nvcore.params import SETTINGS, Params
 from nvcore.params.metadata import Setting
 
-PLACE: Final = ("x", "y", "recording", "frame")
-"""What an address says besides the parameters: systems, if not as the app starts, and the frame."""
+PLACE: Final = ("x", "y", "tags", "recording", "frame")
+"""What an address says besides the parameters: systems and tags, if not as the app starts, and the
+frame."""
 MAX_DIGITS = 18
 NO_VALUE = "none"
 """In place of the value of a parameter that may have none, and has a switch for it."""
@@ -53,6 +54,26 @@ def read_systems(
     if x is None or y is None or x == y or not {x, y} <= {*names}:
         return None, ["its systems are not those of what is open, X and Y are as they were opened"]
     return (x, y), []
+
+
+def tags_text(tags: Sequence[str]) -> str:
+    """Tags as an address has them."""
+    return ";".join(tags)
+
+
+def read_tags(
+    text: str | None, tags_of: Iterable[tuple[str, ...]]
+) -> tuple[tuple[str, ...] | None, list[str]]:
+    """Tags that all recordings shown have, None: as they are open; and what could not be followed.
+
+    `tags_of` are those of each recording.
+    """
+    if text is None:
+        return None, []
+    tags = tuple(dict.fromkeys(tag for tag in text.split(";") if tag))
+    if not any({*tags} <= {*own} for own in tags_of):
+        return None, ["no recording has its tags, they are not filtered"]
+    return tags, []
 
 
 def read_parameters(query: Mapping[str, str]) -> tuple[dict[str, float | str | None], list[str]]:

@@ -31,7 +31,7 @@ class SharedSample(Caching):
         super().__init__()
         self._turns: defaultdict[str, threading.RLock] = defaultdict(threading.RLock)
         session = read_session(path)
-        self.opened: Final = Opened(session, load(session), label)
+        self.opened: Final = Opened.of(session, load(session.of_all), label)
 
     def cached(self, kind: str, key: Hashable, make: Callable[[], T], *, most: int = 1) -> T:
         """As `Caching.cached`; of several visitors at once one makes it, the others wait."""
@@ -78,3 +78,13 @@ def sample_of(opened: Opened) -> SharedSample | None:
     """The sample that this is; None for anything else, a changed sample too."""
     with _lock:
         return next((sample for sample in _samples.values() if sample.opened is opened), None)
+
+
+def as_shared(opened: Opened) -> Opened:
+    """The sample, where this is the sample as it opens; else what was given."""
+    with _lock:
+        starts = [sample.opened for sample in _samples.values()]
+    for start in starts:
+        if start.whole.frames is opened.whole.frames and start.session == opened.session:
+            return start
+    return opened

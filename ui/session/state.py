@@ -15,6 +15,7 @@ import streamlit as st
 from nvcore.auditing import audit_inputs, audit_pair, audit_system, role_of
 from nvcore.comparison import Result, compare
 from nvcore.dataset import Dataset
+from nvcore.detection.operating_point import span_of_scores
 from nvcore.findings import Finding, worst_first
 from nvcore.inputs.session import Session
 from nvcore.palette import Scheme, Shade, scheme_for
@@ -23,10 +24,11 @@ from nvcore.params.metadata import MATCH, PROXIMITY, SALIENT, THRESHOLD
 from nvcore.pictures.recordings import session_pictures
 from nvcore.protocols import Protocol
 from ui.access.people import is_same
-from ui.session.address import PLACE, changed_parameters, read_parameters, read_place, read_systems
+from ui.session import address
+from ui.session.address import PLACE, read_place, read_systems
 from ui.session.ending import end_with_session, is_in_use
 from ui.session.opening import load_for, with_systems
-from ui.session.sample import SharedSample, sample_of, shared_opening, shared_sample
+from ui.session.sample import SharedSample, as_shared, sample_of, shared_opening, shared_sample
 from ui.session.workspace import Compared, Opened, Workspace, workspace_of
 from ui.settings.start import start_file
 
@@ -67,7 +69,7 @@ def open_session(session: Session, *, label: str) -> None:
     space = workspace()
     with st.spinner("Reading the files"):
         shared = shared_opening(session, label)
-        _open(space, shared or Opened(session, load_for(space, session), label))
+        _open(space, shared or Opened.of(session, load_for(space, session.of_all), label))
     st.rerun()  # the widgets of this run are drawn: they take their new values in the next one
 
 
@@ -161,15 +163,7 @@ def cached(kind: str, key: Hashable, make: Callable[[], T], *, most: int = 1) ->
 def score_span(system: str) -> tuple[float, float] | None:
     """Lowest and highest score of a system; None without scores or with a single one."""
     dataset = opened().dataset
-    return cached("score_span", system, lambda: _score_span(dataset, system), most=20)
-
-
-def _score_span(dataset: Dataset, system: str) -> tuple[float, float] | None:
-    score = dataset.system(system).score
-    score = score[np.isfinite(score)]
-    if not len(score) or score.min() == score.max():
-        return None
-    return float(score.min()), float(score.max())
+    return cached("score_span", system, lambda: span_of_scores(dataset, system), most=20)
 
 
 def session_params() -> Params:
@@ -256,11 +250,13 @@ def set_protocol(protocol: Protocol) -> None:
         workspace().opened = replace(opened(), session=replace(opened().session, protocol=protocol))
 
 
-def compare_as(session: Session) -> None:
-    """Go on with the same data and a session that compares it in another way."""
-    dataset = opened().dataset.with_settings(session)
-    workspace().opened = replace(opened(), session=session, dataset=dataset)
-    workspace().forget()
+def compare_as(session: Session, whole: Dataset | None = None) -> None:
+    """Go on with the same data, or `whole`: them with other names, compared in another way."""
+    space, before = workspace(), opened()
+    compared = space.compared
+    space.look_at(as_shared(Opened.of(session, whole or before.whole, before.label)))
+    if opened().dataset.boxes is before.dataset.boxes:  # `compare` takes from it what still holds
+        space.compared = compared
 
 
 def theme() -> Scheme:
@@ -344,12 +340,14 @@ def link_to(recording_index: int, row_in_recording: int) -> dict[str, str]:
     place = {"recording": recording_names()[recording_index]}
     if len(numbers):
         place["frame"] = str(int(numbers[row_in_recording]))
-    (x, y), start = systems(), shared_start().opened.dataset
-    named = {} if y is None or (x, y) == start.compared() else {"x": x, "y": y}
+    (x, y), start = systems(), shared_start().opened
+    named = {} if y is None or (x, y) == start.dataset.compared() else {"x": x, "y": y}
+    if (tags := opened().session.only_tags) != start.session.only_tags:
+        named["tags"] = address.tags_text(tags)
     starts = [session_params()]
-    if start.fingerprint == opened().dataset.fingerprint:  # who follows it begins with these
-        starts.append(start.params_of(x, y))
-    return place | named | changed_parameters(params(), *starts)
+    if start.whole.fingerprint == opened().whole.fingerprint:  # who follows it begins with these
+        starts.append(start.dataset.params_of(x, y))
+    return place | named | address.changed_parameters(params(), *starts)
 
 
 def bad_link() -> str:
@@ -366,11 +364,14 @@ def _follow_link() -> None:
         x, y = pair
         session, _ = with_systems(opened().session, opened().dataset, params(), x=x, y=y)
         compare_as(session)
+    tags, wrong_tags = address.read_tags(get("tags"), opened().whole.recordings["tags"])
+    if tags is not None and tags != opened().session.only_tags:
+        compare_as(replace(opened().session, only_tags=tags))
     place, wrong = read_place(get("recording"), get("frame"), recording_names(), frame_numbers)
     query = st.session_state["page_link"] = st.query_params.to_dict()
-    values, impossible = read_parameters(query)
+    values, impossible = address.read_parameters(query)
     st.session_state["new_params"] = values
-    wrong += wrong_systems + impossible
+    wrong += wrong_systems + wrong_tags + impossible
     st.session_state["place"] = place
     st.session_state["bad_link"] = "; ".join(wrong)
 
@@ -383,7 +384,7 @@ def frame_numbers(recording_index: int) -> np.ndarray:
 
 def _open(space: Workspace, opened: Opened) -> Opened:
     opener = None if sample_of(opened) else space.picture_process.open
-    return space.show(opened, session_pictures(opened.session, opened.dataset, opener=opener))
+    return space.show(opened, session_pictures(opened.session.of_all, opened.whole, opener=opener))
 
 
 def _forget_widgets() -> None:

@@ -46,11 +46,38 @@ class Stored:
 
 @dataclass(frozen=True)
 class Opened:
-    """What is open: the session with changes made on the pages, what was read, and a label."""
+    """What is open: the session with changes made on the pages, what was read, and a label.
+
+    Attributes
+    ----------
+    dataset
+        The recordings that the session compares.
+    whole
+        All recordings; of `dataset` where the session compares all.
+    """
 
     session: Session
     dataset: Dataset
     label: str
+    whole: Dataset
+
+    @classmethod
+    def of(cls, session: Session, whole: Dataset, label: str) -> Opened:
+        """What is open of these data, by the session's choice of recordings.
+
+        Raises
+        ------
+        InputError
+            If the session chooses none of them.
+        """
+        whole = whole if whole.settings is session else whole.with_settings(session)
+        return cls(session, whole.only(session.only_tags, session.only), label, whole)
+
+    @property
+    def rows(self) -> np.ndarray:
+        """Rows of the whole's recordings that are compared."""
+        names = self.whole.recordings["name"].isin(self.dataset.recordings["name"])
+        return np.flatnonzero(names)
 
 
 class Compared(NamedTuple):
@@ -122,6 +149,7 @@ class Workspace(Caching):
         self.pictures: Mapping[int, Pictures] = {}
         self.picture_rows: Mapping[int, np.ndarray] = {}
         self.picture_notes: Mapping[int, str] = {}
+        self._all_pictures = RecordingPictures()
         self.lock = threading.Lock()
         self.picture_process = PictureProcess()
         self.stored: dict[str, Stored] = {}
@@ -183,15 +211,31 @@ class Workspace(Caching):
         """Go on with another comparison and its pictures; returns the comparison."""
         self.forget()  # first: nothing should go on to read the pictures
         self.close_pictures()
-        self.opened = opened
-        self.pictures, self.picture_rows = pictures.sources, pictures.indices
-        self.picture_notes = pictures.notes
+        self._all_pictures = pictures
+        self._look_at(opened)
         self.n_opened += 1
         return opened
 
+    def look_at(self, opened: Opened) -> None:
+        """Go on with other recordings of the same data; pictures stay open."""
+        self.forget()
+        self._look_at(opened)
+
+    def _look_at(self, opened: Opened) -> None:
+        self.opened, every = opened, self._all_pictures
+        row_of = {int(row): number for number, row in enumerate(opened.rows)}
+
+        def of_those(values: Mapping[int, Any]) -> dict[int, Any]:
+            return {row_of[row]: value for row, value in values.items() if row in row_of}
+
+        self.pictures, self.picture_rows = of_those(every.sources), of_those(every.indices)
+        self.picture_notes = of_those(every.notes)
+        self._n_changes += 1
+
     def close_pictures(self) -> None:
         """Close the picture files; no recording has pictures until new ones are set."""
-        sources = {id(source): source for source in self.pictures.values()}
+        sources = {id(source): source for source in self._all_pictures.sources.values()}
+        self._all_pictures = RecordingPictures()
         self.pictures, self.picture_rows, self.picture_notes = {}, {}, {}
         self._n_changes += 1
         for source in sources.values():

@@ -13,7 +13,7 @@ from nvcore.params import SETTINGS, settings_for
 from nvcore.params.metadata import MATCH, PROXIMITY, THRESHOLD, Setting, Stage
 from nvcore.params.traffic import count_contexts
 from ui.session import state
-from ui.shell import cost_map, live_params, operating_point, presets
+from ui.shell import cost_map, live_params, operating_point, presets, recordings_filter
 from ui.widgets.text import plain
 
 SLIDER_OF_HEIGHT: Final = {"midpoint": (0.0, 0.5, 0.1), "spread": (1.0, 0.15, 0.1)}
@@ -37,6 +37,7 @@ def draw(wrong: str, shown: Sequence[Stage], *, is_folded: bool = False) -> None
     st.session_state[_SHOWN] = tuple(shown)
     moved = st.session_state[_CHANGED] = presets.changed()
     with st.sidebar:
+        recordings_filter.draw()
         if not is_folded or _is_unfolded(len(moved)):
             _draw_settings(moved)
         else:

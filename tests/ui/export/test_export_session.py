@@ -22,7 +22,12 @@ from nvcore.inputs.load import load
 from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource
 from nvcore.inputs.session_toml import read_session
 from nvcore.report.files import export_files, report_zip
-from ui.export.session import inputs_beside, portable_session, public_findings
+from ui.export.session import (
+    inputs_beside,
+    portable_session,
+    public_findings,
+    with_public_names,
+)
 from ui.session.opening import live_session, public_text, uploaded_session
 from ui.session.uploads import new_upload, store_annotations
 from ui.session.workspace import Workspace
@@ -61,11 +66,14 @@ def to_write(session: Session, dataset: Dataset, result: Result) -> Session:
 def packed_again(space: Workspace, session: Session, beside: Path) -> tuple[bytes, Path]:
     """The zip of a session of uploads, and the folder in which it was unpacked."""
     dataset, result = analysed(session)
-    findings = public_findings(
-        audit(dataset, result.params, x=result.x.name, y=result.y.name),
-        lambda text: public_text(text, [session.folder, space.folder]),
-    )
-    content = report_zip(result, to_write(session, dataset, result), findings)
+
+    def public(text: object) -> str:
+        return public_text(text, [session.folder, space.folder])
+
+    audited = audit(dataset, result.params, x=result.x.name, y=result.y.name)
+    named = with_public_names(result, public)
+    session_text = to_write(session, dataset, result)
+    content = report_zip(named, session_text, public_findings(audited, public))
     with zipfile.ZipFile(BytesIO(content)) as archive:
         archive.extractall(beside)
     return content, beside

@@ -125,7 +125,7 @@ def test_a_computation_gives_its_output_and_a_cancelled_one_none():
 def opened_workspace() -> Workspace:
     space = Workspace()
     session = Session(space.folder, Source(("t.csv",)), ())
-    space.opened = Opened(session, make_dataset(truth=[at(0, 50)]), "mine")
+    space.opened = Opened.of(session, make_dataset(truth=[at(0, 50)]), "mine")
     return space
 
 

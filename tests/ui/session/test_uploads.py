@@ -252,7 +252,7 @@ def test_the_files_of_the_open_comparison_stay_counted(space: Workspace):
     folder = new_upload(space)
     paths = store_annotations(space, folder, "truth", [Sent("a.csv", b"12345")])
     dataset = make_dataset(truth=[at(0, 50)])
-    space.opened = Opened(Session(folder, Source(paths), ()), dataset, "uploads")
+    space.opened = Opened.of(Session(folder, Source(paths), ()), dataset, "uploads")
     new_upload(space)
     assert space.used_bytes == 5
     space.opened = None

@@ -132,7 +132,7 @@ def test_whatever_cuts_off_the_opening_of_a_session_leaves_the_app_alive(
     other = write(tmp_path, {"one": CONSTANT, "two": CONSTANT}, truth=rows(300))
     space = page.session_state["workspace"]
     session = read_session(other)
-    state._open(space, Opened(session, load(session), "Other"))
+    state._open(space, Opened.of(session, load(session), "Other"))
     checked(page.run())
     assert page.session_state["place"] == (0, 0)
     assert live(page).alpha == Params().alpha

@@ -13,7 +13,6 @@ import streamlit as st
 from nvcore.findings import Cases, Finding
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.tables.inputs import NO_ROW, entries_as_cvat, entry_frames, finding_entries
-from nvcore.wording import count_text
 from ui.session import state
 from ui.shell.messages import without_paths
 from ui.shell.navigate import ask_for_page
@@ -58,9 +57,10 @@ def draw(finding: Finding, number: int) -> None:
     if cases is None or not len(cases):
         return
     shown = is_open(finding)
-    what = count_text(len(cases), *NOUNS[cases.table])
+    n, nouns = len(cases), NOUNS[cases.table]
+    what = f"Show the {nouns[0]}" if n == 1 else f"Show all {n:,} {nouns[1]}"
     st.button(
-        "Hide the list" if shown else f"Show all {what}" if len(cases) > 1 else f"Show the {what}",
+        "Hide the list" if shown else what,
         key=f"entries_{number}",
         icon=":material/list:",
         on_click=_toggle,

@@ -1,0 +1,196 @@
+"""The Data page: names, tags and facts of what is open are changed in one table."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pandas as pd
+import pytest
+import streamlit as st
+from data_page import PAGE, opened, press_labelled, send, space_of
+from streamlit.testing.v1 import AppTest
+
+from nvcore.errors import InputError
+from nvcore.inputs.session import RecordingEntry
+from pages import alone, checked, scripted, texts
+from ui.data.recordings.edited import changes_in, filled
+from ui.session import state
+
+BEFORE = pd.DataFrame(
+    {
+        "name": ["a", "b"],
+        "width": [640.0, 640.0],
+        "height": [480.0, 480.0],
+        "fps": [20.0, 20.0],
+        "context": ["", "rural"],
+        "tags": ["night", ""],
+        "pictures": ["a.mp4", "no pictures"],
+    }
+)
+
+
+def edited(row: int, **values: object) -> pd.DataFrame:
+    after = BEFORE.copy().astype(object)
+    for column, value in values.items():
+        after.loc[row, column] = value
+    return after
+
+
+def test_only_what_differs_is_a_change():
+    assert changes_in(BEFORE, BEFORE.copy(), {}) == {}
+    after = edited(1, name="town", tags="day, wet;day", context="0.3", width=1224)
+    change = {"title": "town", "tags": ("day", "wet"), "context": 0.3, "width": 1224.0}
+    assert changes_in(BEFORE, after, {}) == {"b": change}
+
+
+def test_pictures_are_chosen_by_their_label_and_taken_away():
+    paths = {"a.mp4": "up/a.mp4", "b.mp4": "up/b.mp4"}
+    assert changes_in(BEFORE, edited(1, pictures="b.mp4"), paths) == {"b": {"pictures": "up/b.mp4"}}
+    assert changes_in(BEFORE, edited(0, pictures="no pictures"), paths) == {"a": {"pictures": None}}
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({"width": None}, "recording 'a': width: expected a positive number, found nothing"),
+        ({"fps": -3}, "recording 'a': fps: expected a positive number, found -3"),
+        ({"name": " "}, "recording 'a': name: expected a name"),
+        ({"context": "city"}, "recording 'a': context"),
+    ],
+)
+def test_a_value_that_cannot_be_is_refused_with_its_recording(values, words: str):
+    with pytest.raises(InputError, match=words):
+        changes_in(BEFORE, edited(0, **values), {})
+
+
+def test_a_csv_fills_only_what_it_says():
+    table = filled(BEFORE, [RecordingEntry("b", width=1224, height=370, tags=("day",), title="t")])
+    assert table.loc[0].tolist() == BEFORE.loc[0].tolist()
+    assert table.loc[1, ["name", "width", "height", "fps", "tags"]].tolist() == [
+        *("t", 1224, 370, 20, "day")
+    ]
+
+
+def with_edit(monkeypatch: pytest.MonkeyPatch, **values: object) -> AppTest:
+    """The page on which a person changed cells of the first recording and applied it."""
+    page = opened()
+    editor = st.data_editor
+    changes = dict(values)
+
+    def edit(table: pd.DataFrame, **more: object) -> pd.DataFrame:
+        editor(table, **more)
+        after = table.copy().astype(object)
+        for column in list(changes):
+            after.loc[0, column] = changes.pop(column)
+        return after
+
+    monkeypatch.setattr(st, "data_editor", edit)
+    return press_labelled(page, "Apply to the recordings")
+
+
+def test_a_recording_is_called_otherwise_without_reading_it_again(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(state, "load_for", None)  # whoever reads again fails
+    page = with_edit(monkeypatch, name="Crossing", tags="wet")
+    assert "are used from now on" in texts(page)
+    space = space_of(page)
+    assert space.opened.dataset.recordings["name"][0] == "Crossing"
+    assert page.table[1].value["Recording"][0] == "Crossing"
+    assert page.table[1].value["Tags"][0] == "wet"
+    entry = space.opened.session.recordings[0]
+    assert (entry.name, entry.title, entry.tags) == ("urban_crossing", "Crossing", ("wet",))
+    assert space.pictures[0].name == "urban_crossing.mp4"  # they stay open
+
+
+def test_a_size_is_used_by_reading_again(monkeypatch: pytest.MonkeyPatch):
+    page = with_edit(monkeypatch, width=720.0)
+    assert page.table[1].value["Size (px)"][0] == "720 × 480"
+    assert "Changed, and opened again" in texts(page)
+
+
+def test_an_impossible_change_is_said_and_changes_nothing(monkeypatch: pytest.MonkeyPatch):
+    page = with_edit(monkeypatch, name="urban_sidewalk")
+    assert "two recordings would be called 'urban_sidewalk'" in texts(page)
+    assert space_of(page).opened.dataset.recordings["name"][0] == "urban_crossing"
+
+
+def test_a_table_of_strangers_is_refused_at_its_field():
+    page = opened()
+    send(page, "recordings_csv", ("r.csv", b"recording,width\nnowhere,3\n"))
+    assert "there is no recording 'nowhere'" in texts(checked(page.run()))
+
+
+def test_the_systems_are_called_otherwise_and_keep_their_result():
+    page = checked(scripted(f"{PAGE}\nstate.result()").run())
+    before = space_of(page).result
+    page.text_input(key="system_name_0_0").set_value("Thermal")
+    page = press_labelled(page, "Use these names")
+    space = space_of(page)
+    assert space.opened.dataset.systems == ("Thermal", "NIR")
+    assert space.result.x.name == "Thermal"
+    assert space.result.x.matches is before.x.matches  # nothing was matched again
+    assert [system.name for system in space.opened.session.systems] == ["Thermal", "NIR"]
+    assert page.selectbox(key="choice_x").value == "Thermal"
+
+
+def test_two_systems_of_one_name_are_refused():
+    page = opened()
+    page.text_input(key="system_name_0_0").set_value("NIR")
+    page = press_labelled(page, "Use these names")
+    assert "two systems would be called 'NIR'" in texts(page)
+
+
+FILTERED = f"{PAGE}\nstate.write_address()"
+
+
+def test_a_tag_chosen_in_the_sidebar_holds_for_what_is_compared():
+    page = checked(scripted(FILTERED).run())
+    page = checked(page.multiselect(key="tags_chosen").set_value(["rural"]).run())
+    assert "3 of 10 recordings: rural" in texts(page)
+    assert space_of(page).opened.dataset.recordings["name"].tolist() == [
+        *("rural_road", "rural_child", "rural_cyclist")
+    ]
+    assert space_of(page).pictures[0].name == "rural_road.mp4"
+    assert page.query_params["tags"] == "rural"
+    assert page.query_params["recording"] == "rural_road"
+    page = checked(page.multiselect(key="tags_chosen").set_value([]).run())
+    assert len(space_of(page).opened.dataset.recordings) == 10
+    assert "tags" not in page.query_params
+    assert space_of(page).opened is state.shared_start().opened
+
+
+def test_tags_that_no_recording_has_together_are_refused():
+    page = checked(scripted(FILTERED).run())
+    page = checked(page.multiselect(key="tags_chosen").set_value(["rural", "summer"]).run())
+    assert "no recording has the tags rural and summer" in texts(page)
+    assert page.multiselect(key="tags_chosen").value == []
+
+
+def test_an_address_with_tags_shows_these_recordings():
+    page = checked(alone("overview", tags="rural;winter", recording="rural_cyclist").run())
+    space = space_of(page)
+    assert space.opened.dataset.recordings["name"].tolist() == ["rural_road", "rural_cyclist"]
+    assert page.session_state["place"] == (1, 0)
+
+
+def test_an_address_with_unknown_tags_says_so():
+    page = checked(
+        scripted(
+            f"{PAGE}\nst = __import__('streamlit')\nst.caption(state.bad_link())", tags="snow"
+        ).run()
+    )
+    assert "no recording has its tags" in texts(page)
+
+
+def test_an_exported_session_holds_names_and_choice(tmp_path: Path):
+    from nvcore.inputs.load import load
+    from nvcore.inputs.session_toml import read_session, write_session
+
+    page = checked(scripted(FILTERED).run())
+    page.text_input(key="system_name_0_0").set_value("Thermal")
+    page = press_labelled(page, "Use these names")
+    page = checked(page.multiselect(key="tags_chosen").set_value(["rural"]).run())
+    path = tmp_path / "session.toml"
+    path.write_text(write_session(space_of(page).opened.session, version="1", fingerprint="2"))
+    again = load(read_session(path))
+    assert again.systems == ("Thermal", "NIR")
+    assert len(again.recordings) == 3

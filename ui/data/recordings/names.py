@@ -1,0 +1,118 @@
+"""Data page: systems and recordings are called otherwise, without reading anything again."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any, Final
+
+import pandas as pd
+import streamlit as st
+
+from nvcore.errors import NvcoreError
+from nvcore.inputs.session import Session
+from ui.session import state
+from ui.session.opening import with_recordings
+from ui.shell.messages import without_paths
+from ui.widgets.text import plain
+
+_DONE: Final = "names_changed"
+_N_CHANGES: Final = "names_n_changes"
+
+
+def n_changes() -> int:
+    """How often names were changed: tables that show them start anew."""
+    n: int = st.session_state.get(_N_CHANGES, 0)
+    return n
+
+
+def draw_done() -> None:
+    """That names were changed just now."""
+    if st.session_state.pop(_DONE, False):
+        st.success("The names and tags are used from now on.", icon=":material/check_circle:")
+
+
+def draw_systems() -> None:
+    """A field for the name of each system, and the button that uses them."""
+    names = state.opened().whole.systems
+    with st.form(f"system_names_{n_changes()}_{state.workspace().n_opened}", border=False):
+        typed = [
+            st.text_input(
+                f"Name of {name}", name, max_chars=200, key=f"system_name_{n_changes()}_{i}"
+            )
+            for i, name in enumerate(names)
+        ]
+        is_wanted = st.form_submit_button("Use these names", icon=":material/check:")
+    if not is_wanted:
+        return
+    new = {old: text.strip() or old for old, text in zip(names, typed, strict=True)}
+    try:
+        use_names(new, {})
+    except NvcoreError as error:
+        st.error(plain(without_paths(error)), icon=":material/error:")
+
+
+def use_names(systems: Mapping[str, str], changes: Mapping[str, Mapping[str, Any]]) -> None:
+    """Call systems and recordings otherwise, without reading anything again; starts a new run.
+
+    Parameters
+    ----------
+    systems
+        New names of systems, by the old ones.
+    changes
+        New titles and tags of recordings, by their names.
+
+    Raises
+    ------
+    InputError
+        If two would have the same name.
+    """
+    opened = state.opened()
+    titles = {name: change["title"] for name, change in changes.items() if "title" in change}
+    whole = opened.whole.renamed(systems, titles)
+    own = opened.whole.recordings
+    tags = [
+        changes.get(name, {}).get("tags", tags)
+        for name, tags in zip(own["name"], own["tags"], strict=True)
+    ]
+    if tags != own["tags"].tolist():
+        column = pd.Series(tags, dtype=object).array
+        whole = replace(whole, recordings=whole.recordings.assign(tags=column))
+    state.compare_as(_renamed(opened.session, systems, changes, tags), whole)
+    st.session_state[_N_CHANGES] = n_changes() + 1
+    st.session_state[_DONE] = True
+    st.rerun()
+
+
+def _renamed(
+    session: Session,
+    systems: Mapping[str, str],
+    changes: Mapping[str, Mapping[str, Any]],
+    tags: list[tuple[str, ...]],
+) -> Session:
+    """The session with these names; without a choice by tags that no recording has any longer."""
+    whole = state.opened().whole
+    names = whole.recordings["name"].tolist()
+    changed = with_recordings(session.of_all, names, changes)
+    own = zip(whole.systems, session.systems, strict=True)
+    is_left = any({*session.only_tags} <= {*of_one} for of_one in tags)
+    return replace(
+        changed,
+        systems=tuple(replace(source, name=systems.get(name, name)) for name, source in own),
+        x=_new(session.x, systems),
+        y=_new(session.y, systems),
+        hashes={systems.get(name, name): text for name, text in session.hashes.items()},
+        only_tags=session.only_tags if is_left else (),
+        only=_titled(session.only, changes),
+        protocol=replace(
+            session.protocol, recordings=_titled(session.protocol.recordings, changes)
+        ),
+    )
+
+
+def _new(name: str | None, systems: Mapping[str, str]) -> str | None:
+    return None if name is None else systems.get(name, name)
+
+
+def _titled(names: tuple[str, ...], changes: Mapping[str, Mapping[str, Any]]) -> tuple[str, ...]:
+    return tuple(changes.get(name, {}).get("title", name) for name in names)

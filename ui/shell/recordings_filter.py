@@ -1,0 +1,68 @@
+"""The sidebar's choice of recordings by their tags, which holds on every page."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Final
+
+import streamlit as st
+
+from nvcore.dataset import part_text
+from nvcore.errors import InputError
+from ui.session import state
+from ui.session.address import read_place
+from ui.widgets.text import plain
+
+_KEY: Final = "tags_chosen"
+_REFUSED: Final = "tags_refused"
+
+
+def draw() -> None:
+    """The field, and how many recordings are compared; nothing where no recording has a tag."""
+    tags = sorted({tag for own in state.opened().whole.recordings["tags"] for tag in own})
+    if not tags:
+        return
+    st.session_state[_KEY] = list(state.opened().session.only_tags)
+    st.multiselect(
+        "Only recordings tagged",
+        tags,
+        key=_KEY,
+        on_change=_choose,
+        placeholder="all recordings",
+        help="Every page then shows and compares these recordings only. Of several tags a "
+        "recording needs all.",
+    )
+    if refused := st.session_state.pop(_REFUSED, ""):
+        st.warning(plain(refused), icon=":material/filter_alt_off:")
+    if text := filter_text():
+        st.caption(plain(text))
+
+
+def filter_text() -> str:
+    """Which recordings are compared, such as ``3 of 8 recordings: night``; empty: all."""
+    names, every = state.recording_names(), state.opened().whole.recordings
+    tags = state.opened().session.only_tags
+    return "" if len(names) == len(every) else part_text(names, len(every), tags)
+
+
+def choose_tags(tags: Sequence[str]) -> None:
+    """Compare only recordings that have all of these tags; the frame stays, if it is one of them.
+
+    Raises
+    ------
+    InputError
+        If no recording has them.
+    """
+    name, numbers = state.recording_names()[state.recording()], state.frame_numbers
+    frame = numbers(state.recording())[state.row()]
+    state.compare_as(replace(state.opened().session, only_tags=tuple(tags)))
+    (recording, row), _ = read_place(name, str(frame), state.recording_names(), numbers)
+    state.go_to(recording, row)
+
+
+def _choose() -> None:
+    try:
+        choose_tags(st.session_state[_KEY])
+    except InputError as error:
+        st.session_state[_REFUSED] = f"{error}: the choice stays as it was"
