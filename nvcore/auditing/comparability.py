@@ -138,6 +138,7 @@ def audit_operating_points(
         for score, match in zip(scores, matches, strict=True)
     ]
     more = 0 if len(alarms[0]) >= len(alarms[1]) else 1
+    threshold = threshold_for(alarms[more], len(alarms[1 - more]))
     systems = (x, y)
     what = ", ".join(
         f"{score.name} {'has scores ' if i == 0 else ''}down to {floors[i]:.3f} "
@@ -154,14 +155,21 @@ def audit_operating_points(
                 f"{what}: without thresholds the comparison is at two different operating points."
             ),
             advice="Give --threshold-x and --threshold-y."
-            + _proposal(alarms[more], len(alarms[1 - more]), more, x, y),
+            + _proposal(alarms[more], threshold, len(alarms[1 - more]), more, x, y),
+            suggestion=() if threshold is None else (("threshold", threshold),),
         )
     ]
 
 
-def _proposal(alarms: np.ndarray, n_wanted: int, more: int, x: BoxSource, y: BoxSource) -> str:
+def _proposal(
+    alarms: np.ndarray,
+    threshold: float | None,
+    n_wanted: int,
+    more: int,
+    x: BoxSource,
+    y: BoxSource,
+) -> str:
     """The threshold that leaves one system as many false alarms as the other has; or nothing."""
-    threshold = threshold_for(alarms, n_wanted)
     if threshold is None:
         return ""
     n_left = int(np.count_nonzero(alarms >= threshold))

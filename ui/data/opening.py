@@ -11,8 +11,8 @@ import streamlit as st
 from nvcore.errors import MissingFactError, NvcoreError
 from nvcore.inputs.session import Session
 from ui.session import state
-from ui.shell.messages import without_paths
 from ui.shell.navigate import ask_for_page
+from ui.shell.page_words import page_text
 from ui.widgets.text import plain
 
 _KEY: Final = "data_trouble"
@@ -59,9 +59,9 @@ def try_to_open(
     try:
         state.open_session(session() if callable(session) else session, label=label)
     except MissingFactError as error:
-        trouble = Trouble(_question(error.facts) or without_paths(error), label, error.facts)
+        trouble = Trouble(_question(error.facts) or page_text(error), label, error.facts)
     except NvcoreError as error:
-        trouble = Trouble(without_paths(error), label)
+        trouble = Trouble(page_text(error), label)
     # only reached when it failed: opening something starts the run again
     st.session_state[_key(place)] = trouble
     st.rerun()

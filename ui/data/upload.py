@@ -35,7 +35,7 @@ from ui.session import state
 from ui.session.opening import relative_path, with_uploaded_recordings
 from ui.session.uploads import ANNOTATION_FOLDERS, new_upload, remove_pictures, store_annotations
 from ui.session.workspace import PICTURES, Workspace
-from ui.shell.messages import without_paths
+from ui.shell.page_words import page_text
 from ui.widgets.text import plain
 from ui.widgets.upload import upload_pictures
 
@@ -263,7 +263,7 @@ def _store(space: Workspace, fields: Sequence[_Field]) -> _Stored:
                 _refuse_equal_names(field.files)
                 paths[field.slot] = store_annotations(space, folder, field.slot, field.files)
             except NvcoreError as error:
-                troubles[field.slot] = without_paths(error)
+                troubles[field.slot] = page_text(error)
     stored = st.session_state[_STORED] = _Stored(ids, folder, paths, troubles)
     return stored
 

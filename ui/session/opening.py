@@ -297,7 +297,8 @@ def corrections_up_to(findings: Iterable[Finding], finding: Finding) -> list[Fin
     """The corrections of a system up to this one: each builds on those before it."""
     corrections = []
     for other in findings:
-        if other.subject == finding.subject and other.suggestion:
+        is_correction = "threshold" not in dict(other.suggestion)
+        if other.subject == finding.subject and other.suggestion and is_correction:
             corrections.append(other)
         if other is finding:
             break

@@ -14,6 +14,7 @@ from ui.data.opening import try_to_open
 from ui.session import state
 from ui.session.opening import corrected, corrections_up_to
 from ui.shell.messages import without_paths
+from ui.shell.page_words import page_text
 from ui.widgets.text import plain
 
 BADGES: Final = {
@@ -72,14 +73,25 @@ def _draw_one(findings: Sequence[Finding], finding: Finding, number: int) -> Non
     with st.container(border=True):
         st.markdown(
             f"{BADGES[finding.severity]} **{_subject(finding.subject)}** "
-            f"{plain(without_paths(finding.message))}"
+            f"{plain(page_text(finding.message))}"
         )
         where = ", ".join(part for part in (without_paths(finding.file), finding.example) if part)
         if where:
             st.caption(f"First seen in {plain(where)}")
-        st.markdown(f"*What to do:* {plain(without_paths(finding.advice))}")
-        if finding.suggestion and finding.subject in state.opened().dataset.systems:
-            _draw_correction(findings, finding, number)
+        st.markdown(f"*What to do:* {plain(page_text(finding.advice))}")
+        if finding.code == "mixed-weighting":
+            st.button(
+                "Weigh by height",
+                key=f"apply_{number}",
+                icon=":material/height:",
+                on_click=state.set_params,
+                kwargs={"proximity": "height"},
+            )
+        elif finding.suggestion and finding.subject in state.opened().dataset.systems:
+            if "threshold" in dict(finding.suggestion):
+                _draw_threshold(finding, number)
+            else:
+                _draw_correction(findings, finding, number)
         entries.draw(finding, number)
 
 
@@ -89,6 +101,21 @@ def _subject(subject: str) -> str:
     x, y = state.systems()
     letter = {x: "X, ", y: "Y, "}.get(subject, "")
     return f"{letter}{plain(subject)}:"
+
+
+def _draw_threshold(finding: Finding, number: int) -> None:
+    """The button that sets the threshold which the finding names."""
+    value = dict(finding.suggestion)["threshold"]
+    letters = dict(zip(state.systems(), "xy", strict=True))
+    letter = letters.get(finding.subject)
+    if letter is not None:
+        st.button(
+            f"Set {value:g} for {letter.upper()}",
+            key=f"apply_{number}",
+            icon=":material/tune:",
+            on_click=state.set_threshold,
+            args=(letter, value),
+        )
 
 
 def _draw_correction(findings: Sequence[Finding], finding: Finding, number: int) -> None:

@@ -21,7 +21,7 @@ from ui.data.recordings.names import n_changes, use_names
 from ui.session import state
 from ui.session.opening import with_recordings
 from ui.session.uploads import SentFile, new_upload, store_annotations
-from ui.shell.messages import without_paths
+from ui.shell.page_words import page_text
 from ui.widgets.text import plain
 
 CONFIG: Final = {
@@ -90,7 +90,7 @@ def _filled(table: pd.DataFrame, file: SentFile) -> pd.DataFrame:
                 st.error(plain(no_such_recording(name, names)), icon=":material/error:")
                 return table
     except NvcoreError as error:
-        st.error(plain(without_paths(error)), icon=":material/error:")
+        st.error(plain(page_text(error)), icon=":material/error:")
         return table
     what = count_text(len(entries), "recording")
     st.caption(f"{what} filled in below; apply the table to use it.")
@@ -122,7 +122,7 @@ def _apply(before: pd.DataFrame, after: pd.DataFrame, choices: Mapping[str, str 
         if {field for change in changes.values() for field in change} <= NAMES_ALONE:
             use_names({}, changes)
     except NvcoreError as error:
-        st.error(plain(without_paths(error)), icon=":material/error:")
+        st.error(plain(page_text(error)), icon=":material/error:")
         return
     opened = state.opened()
     session = with_recordings(opened.session.of_all, before["name"].tolist(), changes)

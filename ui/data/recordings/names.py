@@ -13,7 +13,7 @@ from nvcore.errors import NvcoreError
 from nvcore.inputs.session import Session
 from ui.session import state
 from ui.session.opening import with_recordings
-from ui.shell.messages import without_paths
+from ui.shell.page_words import page_text
 from ui.widgets.text import plain
 
 _DONE: Final = "names_changed"
@@ -49,7 +49,7 @@ def draw_systems() -> None:
     try:
         use_names(new, {})
     except NvcoreError as error:
-        st.error(plain(without_paths(error)), icon=":material/error:")
+        st.error(plain(page_text(error)), icon=":material/error:")
 
 
 def use_names(systems: Mapping[str, str], changes: Mapping[str, Mapping[str, Any]]) -> None:
