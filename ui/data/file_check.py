@@ -8,11 +8,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final, TypeVar
 
+import numpy as np
 import streamlit as st
 
 from nvcore.errors import MissingFactError, NvcoreError
 from nvcore.inputs.readers.base import Reading, Role
 from nvcore.inputs.session import Source
+from nvcore.schema import NO_TRACK
 from ui.confined.reading import find_confined, read_confined
 from ui.session import state
 from ui.session.cache import Caching
@@ -72,7 +74,8 @@ class FileCheck:
     """What one source holds, read by itself. Compared by identity, so that it can be a key.
 
     `trouble` says why it cannot be used, `unknown` which of ``size`` and ``fps`` its files do not
-    say; the `reading` is without its boxes. Without boxes there is no `first_frame`.
+    say; the `reading` is without its boxes. Without boxes there is no `first_frame`. `doubt` says
+    why the files may belong into another field.
     """
 
     trouble: str = ""
@@ -81,6 +84,7 @@ class FileCheck:
     summary: str = ""
     first_frame: int | None = None
     reading: Reading | None = None
+    doubt: str = ""
 
     @property
     def recordings(self) -> list[str]:
@@ -138,7 +142,31 @@ def _check(
         first_frame = int(frames.min())
     if n_ignored := int(reading.boxes["ignore"].sum()):
         summary += f", {n_ignored:,} of them to be ignored"
-    return FileCheck("", unknown, name, summary, first_frame, _light(reading))
+    doubt = (_doubt_of_truth if role == "truth" else _doubt_of_detections)(reading)
+    return FileCheck("", unknown, name, summary, first_frame, _light(reading), doubt)
+
+
+def _doubt_of_truth(reading: Reading) -> str:
+    """Why the ground truth looks like detections: it has scores."""
+    for finding in reading.findings:
+        if finding.code == "truth-with-scores":
+            return (
+                f"This looks like a system's detections: {finding.count:,} of its rows have a "
+                "score. Check that ground truth and detections are not swapped."
+            )
+    return ""
+
+
+def _doubt_of_detections(reading: Reading) -> str:
+    """Why detections look like ground truth: track ids, and no score that says anything."""
+    boxes = reading.boxes
+    scores, tracks = boxes["score"].dropna(), boxes["track"]
+    if not len(boxes) or not np.isin(scores, (0, 1)).all() or not (tracks != NO_TRACK).all():
+        return ""
+    return (
+        "This looks like ground truth: every box has a track id, none a score. Check that ground "
+        "truth and detections are not swapped; a tracker's output may look so, too."
+    )
 
 
 def _light(reading: Reading) -> Reading:
@@ -171,6 +199,8 @@ def draw_file_check(check: FileCheck | None, truth: FileCheck | None = None) -> 
         st.error(plain(check.trouble), icon=":material/error:")
     elif check.summary:
         st.caption(f"Read as {plain(check.summary)}.")
+    if check.doubt:
+        st.warning(plain(check.doubt), icon=":material/swap_vert:")
     firsts = (check.first_frame, None if truth is None else truth.first_frame)
     if set(firsts) == {0, 1}:
         st.caption(
