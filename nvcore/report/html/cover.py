@@ -9,7 +9,7 @@ from typing import Final
 import pandas as pd
 
 from nvcore.comparison import Result
-from nvcore.evidence.companions import Companions, as_set_note
+from nvcore.evidence.companions import Companions, are_unequal, describe_alarms
 from nvcore.evidence.units import MIN_RECORDINGS
 from nvcore.measures import count_recordings
 from nvcore.report.equal_alarms import equal_alarms_of, equal_alarms_title
@@ -124,6 +124,12 @@ def _two_kinds(photos: Sequence[Photo]) -> tuple[Photo, ...]:
     return (*photos[:1], *others[: N_PHOTOS - 1])
 
 
+def _operating_points(result: Result) -> str:
+    if not are_unequal(result):
+        return ""
+    return f"As set, {describe_alarms(result)}: nothing is claimed from that comparison."
+
+
 def _limits(result: Result, conclusion: Verdict) -> tuple[str, ...]:
     n = count_recordings(result)
     few = (
@@ -140,7 +146,7 @@ def _limits(result: Result, conclusion: Verdict) -> tuple[str, ...]:
             None,
             (
                 conclusion.caveat,
-                as_set_note(result),
+                _operating_points(result),
                 words.SHORT_ENCOUNTERS if result.is_short else "",
                 few,
                 *said,
