@@ -18,6 +18,7 @@
       await Plotly.newPlot(plot, data, layout, config);
       const image = chart.querySelector(".printed");
       image.src = await Plotly.toImage(plot, { format: "svg", width: 760, height: layout.height });
+      image.classList.toggle("tall", layout.height > 600);
       image.hidden = false;
       image.style.display = "none";
       chart.classList.add("drawn");
