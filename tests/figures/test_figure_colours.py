@@ -12,7 +12,6 @@ from nvcore.figures.style import LOOK
 from nvcore.overlay import annotate
 from nvcore.overlay.brush import X_RGB, Y_RGB
 from nvcore.palette import STYLES, Scheme, scheme_for
-from ui.widgets.viewer import _colours
 
 NAMES = ["fir", "nir", "radar", "lidar", "old", "older"]
 
@@ -59,9 +58,3 @@ def test_figures_and_pictures_draw_a_system_alike_after_a_swap(names: tuple[str,
     drawn = annotate(result, None, -1, 0, layers=("x", "y"), caption=False)
     assert np.all(drawn == X_RGB, axis=2).any()
     assert not np.all(drawn == Y_RGB, axis=2).any()
-
-
-def test_the_viewer_gets_colours_and_lines_by_system():
-    sent = _colours(Scheme("light", 1, 0))
-    assert (sent["picture"]["x"], sent["picture"]["dash"]["x"]) == (STYLES[1].dark, [6, 4])
-    assert (sent["chrome"]["y"], sent["chrome"]["line-y"]) == (STYLES[0].light, "solid")

@@ -9,10 +9,11 @@ import pytest
 from builders import at, make_dataset
 
 from nvcore.metrics.cost_map import map_cost
+from nvcore.palette import STYLES, Scheme
 from nvcore.params import Params
 from nvcore.schema import DetectionState
 from ui.session import packed_boxes
-from ui.widgets.viewer import FOLDER, settled_row
+from ui.widgets.viewer import FOLDER, colours_of, settled_row
 from ui.widgets.viewer.packing import (
     MOST_BUCKETS,
     decimate_minima,
@@ -131,3 +132,9 @@ def test_the_script_reads_the_states_that_the_library_packs():
         assert f" {name}: {getattr(packed_boxes, f'BIT_{name.upper()}')}," in script
     for name in ("matched", "false_alarm", "absorbed"):
         assert f" {name}: {DetectionState[name.upper()].value}," in script
+
+
+def test_the_viewer_gets_colours_and_lines_by_system():
+    sent = colours_of(Scheme("light", 1, 0))
+    assert (sent["picture"]["x"], sent["picture"]["dash"]["x"]) == (STYLES[1].dark, [6, 4])
+    assert (sent["chrome"]["y"], sent["chrome"]["line-y"]) == (STYLES[0].light, "solid")

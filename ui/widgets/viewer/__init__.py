@@ -163,7 +163,7 @@ def viewer(
             "lo": float(lo),
             "hi": float(hi),
             "theme": scheme_of(theme).shade,
-            "colours": _colours(theme),
+            "colours": colours_of(theme),
             "height_px": int(height_px),
             "only": only,
             "cost": None if cost is None or only else pack_cost(cost),
@@ -204,7 +204,7 @@ def settled_row(settled: Any, *, recording: int, n_rows: int, seek: tuple[int, i
     return max(0, min(n_rows - 1, seek[0]))
 
 
-def _colours(theme: Theme) -> dict[str, dict[str, Any]]:
+def colours_of(theme: Theme) -> dict[str, dict[str, Any]]:
     """Colours and lines of X, Y and the truth, on the picture and on the page around it."""
     scheme = scheme_of(theme)
     styles = {letter: scheme.style(letter) for letter in "xy"}
