@@ -27,6 +27,10 @@ CLICKED_RECORDING: Final = "saliency_wanted"
 """Recording that was clicked."""
 
 
+HALF: Final = 0.5
+"""Recency from which a miss is called late."""
+
+
 def what_it_is(params: Params) -> str:
     """What saliency means with these settings."""
     is_each, is_risk = params.saliency_of == "each", params.saliency_weight == "risk"
@@ -35,11 +39,11 @@ def what_it_is(params: Params) -> str:
     passed = "the seconds left" if params.recency_unit == "seconds" else "the share that has passed"
     scope = "encounter" if params.saliency_scope == "encounter" else "recording"
     return (
-        f"{docs_link('Saliency', 'saliency')}, in seconds, 0 is best: how much the misses will be "
-        f"noticed. A *saliency event* is a run of frames in which one pedestrian {who}. It counts "
-        f"by its {weight} times its *recency*, a weight of 0 to 1 that follows from {passed} of "
-        f"the {scope} when it ends: late misses are remembered best. Pedestrians far away can have "
-        "events, too. "
+        "How long pedestrians are missed, in full only late, as late misses are remembered best "
+        f"({docs_link('saliency', 'saliency')}, seconds, 0 is best). A "
+        f"*saliency event* is a run of frames in which one pedestrian {who}. It counts by its "
+        f"{weight} times its *recency*, a weight of 0 to 1 that follows from {passed} of "
+        f"the {scope} when it ends. Pedestrians far away can have events, too. "
         f"{saliency_caveat(params)}"
     )
 
@@ -54,7 +58,9 @@ def draw_numbers(result: Result) -> None:
     for column, (letter, system), description in zip(
         st.columns(2, gap="medium"), result.sides, describe_saliency(result), strict=True
     ):
-        column.metric(f"Saliency of {letter.upper()}, {kind}", f"{system.saliency_s:.2f} s")
+        column.metric(
+            f"Late misses of {letter.upper()} (saliency, {kind})", f"{system.saliency_s:.2f} s"
+        )
         column.markdown(description)
         if not system.events.empty:
             with column:
@@ -64,7 +70,12 @@ def draw_numbers(result: Result) -> None:
 def _draw_way(result: Result, letter: str) -> None:
     """Button to the most salient event of a system."""
     worst = worst_events(result, letter, n=1).iloc[0]
-    st.caption(f"The most salient: pedestrian {worst['track']} in {plain(worst['recording'])}.")
+    when = "late" if worst["recency"] >= HALF else "early"
+    st.caption(
+        f"The most salient: pedestrian {worst['track']} in {plain(worst['recording'])}, missed "
+        f"{worst['duration_s']:.1f} s, {when} in the {result.params.saliency_scope} (saliency "
+        f"{worst['saliency_s']:.2f} s)."
+    )
     if st.button("Show in timeline", key=f"saliency_show_{letter}", icon=":material/movie:"):
         open_row(int(worst["first_row"]))
 

@@ -23,7 +23,7 @@ def test_the_number_of_each_system_is_taken_apart_and_its_events_are_listed():
     page = opened()
     assert [metric.value for metric in page.metric] == ["1.43 s", "1.91 s"]
     assert "5.00 s × 0.76 = 3.81 s" in texts(page)
-    assert "The most salient: pedestrian 2 in winter_frost" in texts(page)
+    assert "pedestrian 2 in winter_frost, missed 5.0 s, late in the recording" in texts(page)
     table = listed(page)
     result = page.session_state["workspace"].result
     n_x, n_y = (len(system.events) for system in (result.x, result.y))
