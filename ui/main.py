@@ -7,7 +7,7 @@ import streamlit as st
 from nvcore.errors import NvcoreError
 from ui.ratings import links
 from ui.session import state
-from ui.shell import account, back, live_params, sidebar, systems, tab_restore, title
+from ui.shell import account, back, live_params, sidebar, systems, tab_restore, title, way_out
 from ui.shell.messages import error_banner, shown_error
 from ui.shell.navigate import follow_wish
 from ui.shell.pages import all_pages, draw_bar, is_folded_on, shown_on
@@ -56,8 +56,12 @@ try:
     back.page_link()  # it was for this page
 except NvcoreError as error:
     st.error(shown_error(error), icon=":material/error:")
+    if not links.is_participant():
+        way_out.draw(is_fault=False)
 except Exception as error:  # noqa: BLE001  # the sidebar is drawn, or its widgets lose their values
     error_banner(error)
+    if not links.is_participant():
+        way_out.draw(is_fault=True)
 if wrong_params is not None and not links.is_participant():  # something is open
     sidebar.draw(wrong_params, shown_on(page), is_folded=is_folded_on(page))
     with st.sidebar:

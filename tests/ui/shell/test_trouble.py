@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
+from collections.abc import AsyncIterator, Callable
 from pathlib import Path
 
 import pytest
+from data_page import PNG
 from streamlit.testing.v1 import AppTest
 
 from nvcore.errors import InputError
-from pages import scripted
+from nvcore.inputs.load import load
+from nvcore.pictures.recordings import session_pictures
+from pages import checked, opened, press, scripted, session
+from ui.session import state
 from ui.session.state import ROOT
-from ui.session.workspace import Workspace
+from ui.session.uploads import receive
+from ui.session.workspace import PICTURES, Opened, Workspace
 from ui.shell.messages import shown_error
 
 
@@ -20,6 +27,77 @@ def banner(error: str) -> str:
     script = "from nvcore.errors import InputError\nfrom ui.shell.messages import error_banner\n"
     (shown,) = scripted(f"{script}assert error_banner({error})").run().error
     return shown.value
+
+
+def failing_page(
+    monkeypatch: pytest.MonkeyPatch, error: Exception, *, is_sent: bool = False
+) -> AppTest:
+    """The Overview, while this goes wrong in it."""
+
+    def fail() -> None:
+        raise error
+
+    page = checked(opened())
+    if is_sent:
+        space = page.session_state["workspace"]
+        asyncio.run(receive(space, PICTURES, "a.png", chunks(PNG)))
+    monkeypatch.setattr(state, "result", fail)
+    return checked(page.run())
+
+
+async def chunks(content: bytes) -> AsyncIterator[bytes]:
+    yield content
+
+
+def offered(page: AppTest) -> set[str]:
+    return {str(button.key) for button in page.button if "way_out" in str(button.key)}
+
+
+def test_a_page_that_fails_by_a_fault_lets_one_start_over(monkeypatch: pytest.MonkeyPatch):
+    page = failing_page(monkeypatch, KeyError("secret"))
+    assert offered(page) == {"way_out_anew"}
+    before = page.session_state["workspace"]
+    monkeypatch.undo()
+    page.session_state["alpha"] = 0.2
+    press(page, "way_out_anew")
+    assert page.session_state["workspace"] is not before
+    assert (offered(page), before.opened, before.folder.exists()) == (set(), None, False)
+    assert page.session_state["alpha"] == 0.9
+
+
+def test_files_that_were_sent_can_be_taken_away(monkeypatch: pytest.MonkeyPatch):
+    page = failing_page(monkeypatch, KeyError("secret"), is_sent=True)
+    assert offered(page) == {"way_out_remove", "way_out_back", "way_out_anew"}
+    press(page, "way_out_remove")
+    assert page.session_state["workspace"].stored == {}
+    assert offered(page) == {"way_out_anew"}
+
+
+def test_what_was_opened_can_be_left_for_what_the_app_started_with(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    page = checked(opened())
+    space = page.session_state["workspace"]
+    night = session(tmp_path, "fir.csv")
+    dataset = load(night)
+    space.show(Opened(night, dataset, "night"), session_pictures(night, dataset))
+    with monkeypatch.context() as patch:
+        patch.setattr(state, "write_address", fail_on("night", space))
+        checked(page.run())
+        assert offered(page) == {"way_out_back", "way_out_anew"}
+        press(page, "way_out_back")
+    assert space.opened.label == state.SAMPLE_LABEL
+    assert offered(page) == set()
+
+
+def fail_on(label: str, space: Workspace) -> Callable[[], None]:
+    """What cannot go on while this is open, as the data are at fault."""
+
+    def fail() -> None:
+        if space.opened is not None and space.opened.label == label:
+            raise InputError("it cannot be drawn")
+
+    return fail
 
 
 def test_an_error_in_the_data_is_told_as_text():

@@ -1,0 +1,66 @@
+"""The way out of a page that fails: without the files that were sent, at the start, or all anew."""
+
+from __future__ import annotations
+
+import streamlit as st
+
+from nvcore.pictures.recordings import session_pictures
+from nvcore.wording import count_text
+from ui.session import state
+from ui.session.uploads import remove_pictures
+from ui.session.workspace import Workspace
+
+
+def draw(*, is_fault: bool) -> None:
+    """Offer what may help.
+
+    Parameters
+    ----------
+    is_fault
+        Whether the program is to blame; otherwise there is only a way back from what this visitor
+        has opened or sent.
+    """
+    space: Workspace | None = st.session_state.get("workspace")
+    has_opened = space is not None and (space.n_opened > 1 or bool(space.stored))
+    if not (is_fault or has_opened):
+        return
+    with st.container(key="way_out", horizontal=True):
+        if space is not None and space.stored:
+            st.button(
+                f"Remove {count_text(len(space.stored), 'file')} of pictures",
+                key="way_out_remove",
+                help="The pictures and videos that were sent, or are not opened yet.",
+                on_click=_remove,
+                args=(space,),
+            )
+        if space is not None and has_opened:
+            st.button(
+                "Back to what the app started with",
+                key="way_out_back",
+                on_click=_go_back,
+                args=(space,),
+            )
+        st.button(
+            "Start over",
+            key="way_out_anew",
+            help="As if the page were opened for the first time: settings and files are forgotten.",
+            on_click=_start_over,
+        )
+
+
+def _remove(space: Workspace) -> None:
+    space.close_pictures()
+    remove_pictures(space, list(space.stored))
+
+
+def _go_back(space: Workspace) -> None:
+    opened = state.shared_start().opened
+    space.show(opened, session_pictures(opened.session, opened.dataset))
+
+
+def _start_over() -> None:
+    space: Workspace | None = st.session_state.get("workspace")
+    st.session_state.clear()
+    st.query_params.clear()
+    if space is not None:
+        space.close()
