@@ -17,7 +17,10 @@ from app_visit import Visit
 from kept_window import Kept
 from playwright.sync_api import BrowserContext, expect
 
+from ui.shell.pages import SECTIONS
+
 BASE = "apps/night"
+TITLES = tuple(title for section in SECTIONS.values() for title in section.values())
 
 
 @pytest.fixture(scope="module")
@@ -104,6 +107,32 @@ def test_a_full_server_says_so_and_uploads_go_with_it(
         visit.close()
     assert complaints == []
     assert [path for path in tmp_path.rglob("*") if path.is_file()] == []
+
+
+def test_web_addresses_in_names_stay_text(
+    person: BrowserContext, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    name = "http://evil.invalid/a.png www.evil.invalid (b@evil.invalid) mailto:c@evil.invalid"
+    rows = "".join(f"{name},{frame},{100 + frame},200,40,120,1,0.9\n" for frame in range(30))
+    for file in ("truth", "x", "y"):
+        text = f"recording,frame,x,y,w,h,track,score\n{rows}"
+        (tmp_path / f"{file}.csv").write_text(text)
+    (tmp_path / "session.toml").write_text(
+        '[defaults]\nsize = "640x480"\nfps = 10\nframes = "0:29"\n[truth]\npath = "truth.csv"\n'
+        + "".join(f'[[system]]\nname = "{s} {name}"\npath = "{s}.csv"\n' for s in "xy")
+    )
+    monkeypatch.setenv("NVCORE_SESSION", str(tmp_path / "session.toml"))
+    with serve(ROOT / "app.py") as address:
+        visit = Visit(person, address)
+        visit.go("")
+        n_shown = 0
+        for title in TITLES:
+            visit.switch_to(title)
+            hosts = visit.page.eval_on_selector_all("a[href]", "all => all.map(one => one.origin)")
+            assert set(hosts) <= {address}, title
+            n_shown += visit.page.get_by_text("evil.invalid").count()
+        visit.close()
+    assert n_shown > 20
 
 
 @pytest.fixture(scope="module")

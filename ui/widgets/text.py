@@ -2,10 +2,34 @@
 
 from __future__ import annotations
 
-from nvcore.wording import UNDEFINED, number
-from nvcore.wording import markdown_text as plain
+import re
+from typing import Final
+
+from nvcore.wording import UNDEFINED, markdown_text, number
 
 __all__ = ["UNDEFINED", "docs_link", "number", "plain"]
+
+
+_ADDRESS: Final = re.compile(r"(?:https?(?=\\:)|www(?=\\\.)|(?=\\@))", re.IGNORECASE)
+"""Where Streamlit would see the start of a web or e-mail address, in text without markup."""
+_NOTHING: Final = ":small[]"
+"""Streamlit's Markdown for small text, of no characters: nothing to see and nothing to copy."""
+
+
+def plain(text: object) -> str:
+    r"""The text as Streamlit's Markdown that shows it as it is, addresses too: no links.
+
+    Streamlit makes links of what looks like an address even where its signs are escaped; it looks
+    at one stretch of text at a time, so an empty piece of another kind within it is enough.
+
+    Examples
+    --------
+    >>> plain("*a*_1")
+    '\\*a\\*\\_1'
+    >>> plain("www.example.com")
+    'www:small[]\\.example\\.com'
+    """
+    return _ADDRESS.sub(lambda start: start[0] + _NOTHING, markdown_text(text))
 
 
 def docs_link(text: str, anchor: str, *, doc: str = "metrics") -> str:

@@ -74,7 +74,8 @@ def texts(page: AppTest) -> str:
         *(page.markdown, page.caption, page.error, page.warning, page.info, page.success),
         page.header,
     )
-    return "\n".join(item.value for kind in kinds for item in kind).replace("\\", "")
+    shown = "\n".join(item.value for kind in kinds for item in kind)
+    return shown.replace("\\", "").replace(":small[]", "")
 
 
 def measures(page: AppTest, key: str) -> dict[str, tuple[str, ...]]:
