@@ -6,7 +6,7 @@ import re
 
 import pytest
 from app_server import ROOT
-from app_visit import SHARE, Visit
+from app_visit import SHARE, SIZE, Visit
 from playwright.sync_api import Locator, expect
 
 from nvcore.comparison import compare
@@ -20,6 +20,12 @@ ANY_TRACE = ".js-line"
 ANY_OTHER_LINE = """([key, line, before]) =>
   [...document.querySelectorAll(`.st-key-${key} ${line}`)]
     .some(one => !before.includes(one.getAttribute("d")))"""
+
+# The middle of a slider's handle: its field lies in it.
+THUMB = """field => {
+  const { left, top, width, height } = field.parentElement.getBoundingClientRect();
+  return [left + width / 2, top + height / 2];
+}"""
 
 # Mean red, green and blue of a small part of the picture, at these shares of its size.
 MEAN_COLOUR = """(canvas, [across, down]) => {
@@ -83,6 +89,52 @@ def test_a_click_in_a_plot_moves_the_frame(timeline, plot, place, frames):
     timeline.shows(re.compile(f"^({'|'.join(map(str, frames))})$"))
     timeline.panel_shows(frame_of(timeline))
     timeline.query("frame", str(frame_of(timeline)))
+
+
+@pytest.mark.parametrize("width", [1024, 1280])
+def test_what_a_click_in_a_plot_moves_is_in_sight_and_can_be_closed(timeline, width):
+    page = timeline.page
+    page.set_viewport_size({"width": width, "height": 800})
+    timeline.viewer.press("Home")
+    timeline.panel_shows(0)
+    timeline.keyed(f"lanes_{RECORDING}").evaluate("plot => plot.scrollIntoView({block: 'end'})")
+    expect(timeline.viewer).to_have_attribute("data-docked", "true")
+    timeline.click_plot(f"lanes_{RECORDING}", SHARE, [0.75, 0.3])
+    timeline.shows(re.compile("^2[0-9][0-9]$"))
+    expect(timeline.viewer.locator("canvas.picture")).to_be_in_viewport(ratio=1)
+    expect(timeline.viewer.locator(".readout .frame")).to_be_in_viewport(ratio=1)
+    timeline.viewer.get_by_role("button", name="Close the small viewer").click()
+    expect(timeline.viewer.locator("canvas.picture")).not_to_be_in_viewport()
+    timeline.heading("Timeline", level=1).scroll_into_view_if_needed()
+    expect(timeline.viewer).to_have_attribute("data-docked", "false")
+    timeline.keyed(f"lanes_{RECORDING}").evaluate("plot => plot.scrollIntoView({block: 'end'})")
+    timeline.viewer.get_by_role("button", name="Back to the large picture").click()
+    expect(timeline.viewer).to_have_attribute("data-docked", "false")
+    expect(timeline.viewer.locator("canvas.picture")).to_be_in_viewport(ratio=0.9)
+    page.set_viewport_size(SIZE)
+
+
+def test_a_slider_acts_while_it_is_dragged(timeline):
+    timeline.wait_until_drawn()
+    key = f"time_plot_{RECORDING}"
+    slider = timeline.slider("alpha")
+    before = slider.input_value()
+    lines = painted_lines(timeline.keyed(key))
+    track = timeline.keyed("alpha").get_by_test_id("stSlider").bounding_box()
+    thumb = slider.evaluate(THUMB)
+    timeline.page.mouse.move(*thumb)
+    timeline.page.mouse.down()
+    for share in (0.5, 0.4, 0.3):
+        timeline.page.mouse.move(track["x"] + share * track["width"], thumb[1], steps=3)
+    # the button is still down
+    timeline.page.wait_for_function(ANY_OTHER_LINE, arg=[key, ANY_TRACE, lines])
+    moved = slider.input_value()
+    assert moved != before
+    timeline.query("alpha", moved)
+    timeline.page.mouse.up()
+    timeline.wait_until_drawn()
+    expect(slider).to_have_value(moved)
+    timeline.query("alpha", moved)
 
 
 def test_keys_work_after_a_click_on_the_page(timeline, misses):

@@ -10,6 +10,32 @@ from playwright import sync_api
 from viewer_reading import is_whole
 from viewer_window import choose, n_runs, painted, press, read, repaint, settled, viewer_of
 
+# Where the picture lies on the canvas, in CSS pixels: left, top and scale.
+PLACE = f"""canvas => {{
+  const [w, h] = [canvas.clientWidth, canvas.clientHeight];
+  const scale = Math.min(w / {scene.WIDTH}, h / {scene.HEIGHT});
+  return [(w - {scene.WIDTH} * scale) / 2, (h - {scene.HEIGHT} * scale) / 2, scale];
+}}"""
+# Mean grey of a part of the picture without boxes.
+GREY = f"""canvas => {{
+  const [x, y, scale] = ({PLACE})(canvas);
+  const ratio = canvas.width / canvas.clientWidth;
+  const part = canvas.getContext("2d").getImageData(
+    (x + 400 * scale) * ratio, (y + 420 * scale) * ratio, 20, 20).data;
+  return part.filter((_, at) => at % 4 === 1).reduce((a, b) => a + b) / 400;
+}}"""
+# Opacity of the canvas's uppermost left pixel: nothing is painted beside the picture.
+CORNER = """canvas => canvas.getContext("2d").getImageData(1, 1, 1, 1).data[3]"""
+# Pixels in the colour of X's boxes.
+N_BLUE = """canvas => {
+  const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+  let n = 0;
+  for (let at = 0; at < data.length; at += 4) {
+    if (data[at + 2] > 200 && data[at] < 130 && data[at + 2] - data[at] > 90) n += 1;
+  }
+  return n;
+}"""
+
 
 def test_the_viewer_opens_on_the_row_that_python_names(page):
     reading = read(page)
@@ -89,6 +115,88 @@ def test_zoom_and_fit_keep_the_frame(page):
     press(page, "f")
     repaint(page)
     assert is_whole(read(page))
+
+
+def test_the_scale_is_shown_changed_by_buttons_and_the_picture_cannot_be_lost(page):
+    scale = page.get_by_role("button", name=re.compile("^Scale"))
+    sync_api.expect(scale).to_have_text("100 %")
+    page.get_by_role("button", name="Zoom in").click(click_count=2, delay=20)
+    sync_api.expect(scale).to_have_text("200 %")
+    box = page.locator(".viewer canvas.picture").bounding_box()
+    middle = (box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    page.mouse.move(*middle)
+    page.mouse.down()
+    page.mouse.move(middle[0] + 3 * box["width"], middle[1] + 3 * box["height"], steps=4)
+    page.mouse.up()
+    repaint(page)
+    # the picture's upper left corner with its first squares stops at that of the canvas
+    assert page.locator(".viewer canvas.picture").evaluate(CORNER) > 0
+    scale.click()
+    sync_api.expect(scale).to_have_text("100 %")
+    repaint(page)
+    assert is_whole(read(page))
+
+
+def test_brightness_is_in_the_bar_and_leaves_the_boxes_alone(page):
+    canvas = page.locator(".viewer canvas.picture")
+    before = canvas.evaluate(GREY)
+    press(page, "b")
+    slider = page.get_by_role("slider", name="Brightness")
+    sync_api.expect(slider).to_be_focused()
+    slider.press("End")
+    repaint(page)
+    assert canvas.evaluate(GREY) > 1.5 * before
+    assert read(page)["box"] == pytest.approx(scene.x_of(5), abs=2.5)
+    sync_api.expect(viewer_of(page)).to_have_attribute("data-row", "5")
+    page.get_by_role("button", name="Reset").click()
+    repaint(page)
+    assert canvas.evaluate(GREY) == pytest.approx(before, abs=2)
+    page.keyboard.press("b")
+    sync_api.expect(slider).to_have_count(0)
+
+
+def test_a_box_says_what_it_counts_and_a_click_chooses_its_pedestrian(page):
+    canvas = page.locator(".viewer canvas.picture")
+    x, y, scale = canvas.evaluate(PLACE)
+    at = {"x": x + scale * 580, "y": y + scale * 290}
+    canvas.hover(position=at)
+    card = page.locator(".viewer .card")
+    sync_api.expect(card).to_contain_text("Pedestrian 4")
+    sync_api.expect(card).to_contain_text("100 px tall")
+    canvas.click(position=at)
+    page.get_by_text("chosen 4").wait_for()
+    canvas.hover(position={"x": x + scale * 500, "y": y + scale * 40})
+    sync_api.expect(card).to_be_hidden()
+    press(page, "k")  # from left to right: 5, 3, 4, and 5 again
+    page.get_by_text("chosen 5").wait_for()
+    sync_api.expect(page.locator(".viewer .spoken")).to_contain_text("Pedestrian 5. 36 px tall")
+
+
+def test_the_chosen_pedestrian_is_followed_and_shown_larger(page):
+    follow = page.get_by_role("button", name="Follow the chosen pedestrian")
+    press(page, "t")
+    sync_api.expect(follow).to_have_attribute("aria-pressed", "false")
+    message = page.locator(".viewer .message")
+    sync_api.expect(message).to_contain_text("Choose a pedestrian first")
+    press(page, "k", "k")
+    page.get_by_text("chosen 3").wait_for()
+    press(page, "t", "+", "+", "+", "+")
+    sync_api.expect(follow).to_have_attribute("aria-pressed", "true")
+    press(page, *["ArrowRight"] * 85)  # far from the picture's middle
+    assert painted(page, 90) == 90
+    repaint(page)
+    # X's box of the walking pedestrian is in the canvas, and there a second time, larger
+    assert page.locator(".viewer canvas.picture").evaluate(N_BLUE) > 400
+
+
+def test_buttons_to_misses_say_so_and_seconds_have_buttons(page):
+    forward = page.get_by_role("button", name="Next miss")
+    sync_api.expect(forward).to_have_text("miss")
+    sync_api.expect(forward).to_have_attribute("title", "Next miss (n)")
+    page.get_by_role("button", name="One second forward").click()
+    assert painted(page, 25) == 25
+    page.get_by_role("button", name="One second back").click()
+    assert painted(page, 5) == 5
 
 
 def test_a_row_without_a_picture_shows_its_boxes_and_says_so(page):

@@ -8,7 +8,8 @@ from builders import at, make_dataset, result_of
 from figure_parts import shape, trace, words
 
 from nvcore.figures.over_time import lanes
-from nvcore.figures.over_time.lanes import lanes_figure
+from nvcore.figures.over_time.lanes import lane_order, lanes_figure
+from nvcore.figures.over_time.similarity import similarity_plot
 
 TRUTH = [at(i, 50, track=3) for i in range(6)]
 
@@ -32,20 +33,44 @@ def test_a_run_is_one_bar_from_its_first_frame_to_the_end_of_its_last() -> None:
     assert shape(figure, "cursor").x0 == pytest.approx(0.2)
 
 
-def test_a_click_in_a_lane_gives_the_row_of_the_frame() -> None:
+def test_a_click_in_a_lane_gives_the_row_of_the_frame_and_the_encounter() -> None:
     figure = lanes_figure(result_of(make_dataset(TRUTH, TRUTH, Y)), 0, theme="light")
     frames = trace(figure, "frames")
-    assert frames.customdata.tolist() == [0, 1, 2, 3, 4, 5]
+    assert frames.customdata.tolist() == [[row, 0] for row in range(6)]
     assert frames.y.tolist() == [0] * 6
     assert frames.text[2] == "pedestrian 3, frame 2, 0.20 s<br>X: matched   Y: missed"
 
 
-def test_lanes_are_named_and_in_the_order_in_which_pedestrians_appear() -> None:
-    truth = [at(3, 50, track=1), at(0, 50, track=2), at(3, 20, track=3)]
-    figure = lanes_figure(result_of(make_dataset(truth)), 0, theme="light")
-    assert figure.layout.yaxis.ticktext == ("ped 2", "ped 1", "ped 3")
-    assert trace(figure, "X missed").x[[0, 6, 12]].tolist() == pytest.approx([0.3, 0.0, 0.3])
-    assert "3 pedestrians" in words(figure)
+def test_lanes_are_named_and_the_most_severe_failure_is_on_top() -> None:
+    # as severe: in the order in which they appear; nearer the edge: less severe
+    truth = [at(3, 50, track=1), at(0, 50, track=2), at(0, 20, track=3)]
+    result = result_of(make_dataset(truth))
+    figure = lanes_figure(result, 0, theme="light", chosen=2)
+    assert figure.layout.yaxis.ticktext == ("ped 2", "ped 1", "<b>▶ ped 3</b>")
+    assert (shape(figure, "chosen").y0, shape(figure, "chosen").y1) == (1.5, 2.5)
+    assert "3 pedestrians, most severe on top" in words(figure)
+    assert lane_order(result, 0).tolist() == [1, 0, 2]
+
+
+def test_lanes_can_be_those_with_misses_alone() -> None:
+    truth = TRUTH + [at(i, 20, track=12) for i in range(6)]
+    found = [at(i, 50) for i in range(6)]
+    result = result_of(make_dataset(truth, found, found))
+    figure = lanes_figure(result, 0, theme="light", only_missed=True)
+    assert figure.layout.yaxis.ticktext == ("ped 12",)
+    assert "1 pedestrian with misses" in words(figure)
+    all_found = result_of(make_dataset(TRUTH, found, found))
+    none = lanes_figure(all_found, 0, theme="light", only_missed=True)
+    assert "Nobody near enough to count is missed" in words(none)
+
+
+def test_the_axis_of_time_is_above_the_lanes_and_that_of_the_similarity_over_time() -> None:
+    result = result_of(make_dataset(TRUTH, TRUTH, Y))
+    over, below = similarity_plot(result, 0, theme="light"), lanes_figure(result, 0, theme="light")
+    assert below.layout.xaxis.side == "top"
+    for side in "lr":
+        assert below.layout.margin[side] == over.layout.margin[side]
+    assert below.layout.xaxis.range == over.layout.xaxis.range
 
 
 def test_a_pedestrian_who_is_far_is_pale_for_both_systems() -> None:
@@ -61,14 +86,15 @@ def test_a_gap_in_a_track_is_not_annotated() -> None:
     assert trace(figure, "frames").text[2].endswith("X: not annotated   Y: not annotated")
 
 
-def test_the_lanes_that_are_missed_longest_are_drawn(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(lanes, "MAX_LANES", 1)
-    monkeypatch.setattr(lanes, "LANE_PX", ((1, 20),))
+def test_some_of_the_lanes_can_be_drawn() -> None:
     truth = TRUTH + [at(i, 20, track=12) for i in range(6)]
     found = [at(i, 50) for i in range(6)]
-    figure = lanes_figure(result_of(make_dataset(truth, found, found)), 0, theme="light")
+    result = result_of(make_dataset(truth, found, found))
+    figure = lanes_figure(result, 0, theme="light", most=1)
     assert figure.layout.yaxis.ticktext == ("ped 12",)
-    assert "2 pedestrians, the 1 that are missed longest drawn" in words(figure)
+    assert "2 pedestrians, most severe on top, 1 to 1 drawn" in words(figure)
+    second = lanes_figure(result, 0, theme="light", first=1, most=1)
+    assert second.layout.yaxis.ticktext == ("ped 3",)
 
 
 def test_a_recording_without_pedestrians_says_so() -> None:

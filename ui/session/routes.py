@@ -8,12 +8,14 @@ has one.
     GET /overview                                    the page that the app opens on
     GET /nv/TOKEN/frame/RECORDING/ROW.jpg?lo=&hi=    picture of a row of a recording
     GET /nv/TOKEN/boxes/RECORDING/CHUNK?v=           boxes of 1024 rows (`packed_boxes`)
+    GET /nv/TOKEN/reasons/RECORDING/ROW              what each box of a row counts and costs, why
     PUT /nv/TOKEN/upload/SLOT?name=                  one file of pictures, or a video
 """
 
 from __future__ import annotations
 
 import math
+from dataclasses import asdict
 from http import HTTPStatus
 from typing import Final
 
@@ -24,6 +26,7 @@ from starlette.responses import JSONResponse, PlainTextResponse, RedirectRespons
 from starlette.routing import Route
 
 from nvcore.errors import MediaError
+from nvcore.overlay.explain import explain_boxes
 from nvcore.pictures.stretch import jpeg
 from ui.access.origins import is_own_origin
 from ui.access.people import is_same, key_of
@@ -90,6 +93,23 @@ async def boxes(request: Request) -> Response:
     return Response(content, media_type="application/octet-stream", headers=_headers(cache_control))
 
 
+async def reasons(request: Request) -> Response:
+    """What each box of a row counts and costs with the newest settings, in words."""
+    space = workspace_of(request.path_params["token"])
+    compared = None if space is None else space.compared
+    if compared is None:
+        return _not_found("the session has ended, or nothing is compared yet")
+    recording, row = _index(request, "recording"), _index(request, "row")
+    first_rows = compared.result.dataset.frame_columns.first
+    if recording >= len(first_rows) - 1:
+        return _not_found("there is no such recording")
+    row_in_all = int(first_rows[recording]) + row
+    if row_in_all >= int(first_rows[recording + 1]):
+        return _not_found("there is no such frame")
+    boxes = await run_in_threadpool(explain_boxes, compared.result, row_in_all)
+    return JSONResponse([asdict(box) for box in boxes], headers=_headers(NOT_CACHED))
+
+
 async def upload(request: Request) -> Response:
     """Take one file of pictures, or a video, into the session's folder, as it comes."""
     if not _is_own_page(request):
@@ -137,6 +157,7 @@ def routes_below(base: str) -> list[Route]:
         Route(f"{start}/overview", overview, methods=["GET"]),
         Route(f"{start}/nv/{{token}}/frame/{{recording}}/{{row}}.jpg", frame, methods=["GET"]),
         Route(f"{start}/nv/{{token}}/boxes/{{recording}}/{{chunk}}", boxes, methods=["GET"]),
+        Route(f"{start}/nv/{{token}}/reasons/{{recording}}/{{row}}", reasons, methods=["GET"]),
         Route(f"{start}/nv/{{token}}/upload/{{slot}}", upload, methods=["PUT"]),
     ]
 

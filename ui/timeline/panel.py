@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from typing import Any, Final
 
 import numpy as np
@@ -10,6 +11,7 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.comparison import Result
+from nvcore.overlay.explain import explain_boxes, explain_similarity
 from nvcore.tables.frame import (
     DETECTION_WORDS,
     PEDESTRIAN_WORDS,
@@ -18,8 +20,11 @@ from nvcore.tables.frame import (
     frame_summary,
 )
 from nvcore.wording import count_text
-from ui.session import drawing
-from ui.widgets.text import UNDEFINED, number
+from ui.session import drawing, state
+from ui.session.viewer_arguments import choose_encounter, chosen_encounter
+from ui.shell.navigate import open_page
+from ui.widgets.clicks import clicked_cell
+from ui.widgets.text import UNDEFINED, number, plain
 
 MOST_BOXES: Final = 40
 """Boxes of a table; those with smaller terms are counted."""
@@ -35,41 +40,98 @@ def draw(result: Result, row_in_all: int) -> None:
     """Similarity of both systems in the frame, what it loses, and to which boxes."""
     facts = frame_summary(result, row_in_all)
     st.markdown(f"**Frame {facts.frame}**, {facts.time_s:.2f} s")
-    left, right = st.columns(2)
-    for column, letter, system in ((left, "X", facts.x), (right, "Y", facts.y)):
-        column.metric(f"similarity {letter}", number(system.similarity, ".3f"))
-        column.caption(
-            f"{system.matched} of {facts.n_truth} pedestrians matched, "
-            f"{count_text(system.false_alarms, 'false alarm')}; lost to misses "
-            f"{number(system.loss_miss, '.3f')}, to false alarms {number(system.loss_false, '.3f')}"
-        )
-    _boxes(facts)
+    st.html(_numbers(facts))
+    with st.expander("What made these numbers", expanded=True):
+        for letter in "xy":
+            why = plain(explain_similarity(result, row_in_all, letter))
+            st.caption(f"**{letter.upper()}** {why}")
+    _chosen(result, row_in_all)
+    _boxes(result, facts)
     with st.expander("Picture"):
         st.slider(
-            "Stretch (percentiles of the grey values)",
+            "Grey values shown from black to white (%)",
             0.0,
             100.0,
             drawing.stretch(),
             0.1,
             key="stretch",
             persist_state="session",
-            help="Grey values below the first percentile are black, above the second white.",
+            help="Darker than the left end is black, brighter than the right end white: raise the "
+            "left or lower the right one where a picture is pale. The ends are percentiles of the "
+            "picture's grey values. For a quick look: the viewer's brightness and contrast, key b.",
         )
 
 
-def _boxes(facts: FrameSummary) -> None:
+def _numbers(facts: FrameSummary) -> str:
+    """X beside Y, as a table that a narrow window does not cut."""
+    sides = (facts.x, facts.y)
+    rows = [
+        ("similarity", [f"<b>{number(side.similarity, '.3f')}</b>" for side in sides]),
+        ("lost to misses", [number(side.loss_miss, ".3f") for side in sides]),
+        ("lost to false alarms", [number(side.loss_false, ".3f") for side in sides]),
+        ("matched", [f"{side.matched} of {facts.n_truth}" for side in sides]),
+        ("false alarms", [f"{side.false_alarms}" for side in sides]),
+    ]
+    body = "".join(
+        f'<tr><th scope="row">{label}</th>{"".join(f"<td>{cell}</td>" for cell in cells)}</tr>'
+        for label, cells in rows
+    )
+    head = '<tr><td></td><th scope="col">X</th><th scope="col">Y</th></tr>'
+    return f'<table class="nv-numbers">{head}{body}</table>'
+
+
+def _chosen(result: Result, row: int) -> None:
+    """Who was chosen, in the picture or in the table, and what he costs here."""
+    encounter = chosen_encounter(result)
+    if encounter is None:
+        st.caption("Click a box in the picture, or a cell below: why it counts and costs.")
+        return
+    track = result.encounters.track[encounter]
+    reasons = [box for box in explain_boxes(result, row) if box.encounter == encounter]
+    recording = int(result.encounters.recording[encounter])
+    with st.container(border=True):
+        if reasons:
+            lines = "\n".join(f"- {plain(line)}" for line in reasons[0].lines)
+            st.markdown(f"**{plain(reasons[0].title)}**\n{lines}")
+        else:
+            where = plain(state.recording_names()[recording])
+            st.markdown(f"**Pedestrian {track}** of {where} is chosen, and not in this frame.")
+        if st.button("Open in Encounters", key="open_chosen", width="stretch"):
+            open_page("encounters")
+
+
+def _choose(result: Result, tracks: list[int], row: int) -> None:
+    """The pedestrian of a clicked column becomes the chosen one."""
+    clicked = clicked_cell("pedestrians")
+    if clicked is None or not clicked[1].isdigit():
+        return
+    truth = result.dataset.truth
+    rows = slice(int(truth.offsets[row]), int(truth.offsets[row + 1]))
+    is_chosen = result.tracks.track[rows] == tracks[int(clicked[1])]
+    for encounter in result.encounters.encounter_of[rows][is_chosen & ~truth.ignore[rows]][:1]:
+        choose_encounter(int(encounter))
+
+
+def _boxes(result: Result, facts: FrameSummary) -> None:
     """Who costs most, and which detections."""
     if not facts.n_truth:
         st.caption("Nobody is annotated in this frame.")
     else:
-        _table(facts.pedestrians, PEDESTRIAN_WORDS, "pedestrians")
+        tracks = [int(track) for track in facts.pedestrians["track"]]
+        _table(
+            facts.pedestrians,
+            PEDESTRIAN_WORDS,
+            "pedestrians",
+            selection_mode="single-cell",
+            on_select=partial(_choose, result, tracks, facts.row),
+        )
     if facts.detections.empty:
         st.caption("Neither system has a detection that counts in this frame.")
     else:
         _table(facts.detections, DETECTION_WORDS, "detections")
 
 
-def _table(boxes: pd.DataFrame, words: Mapping[str, Words], kind: str) -> None:
+def _table(boxes: pd.DataFrame, words: Mapping[str, Words], kind: str, **selection: Any) -> None:
     """A column for each box, the largest term first: a narrow window shows all of the first ones.
 
     The first of `words` is the heading of a column, the others are the rows.
@@ -93,6 +155,7 @@ def _table(boxes: pd.DataFrame, words: Mapping[str, Words], kind: str) -> None:
         row_height=ROW_PX,
         key=kind,
         column_config=config,
+        **selection,
     )
     if n_left := len(boxes) - len(shown):
         st.caption(f"{count_text(n_left, 'box', 'boxes')} with smaller terms left out.")

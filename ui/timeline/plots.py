@@ -2,23 +2,29 @@
 
 from __future__ import annotations
 
-from typing import Any, Final, Literal
+from collections.abc import Mapping
+from typing import Any, Final, Literal, NoReturn
 
+import numpy as np
 import streamlit as st
+from streamlit.delta_generator import DeltaGenerator
 
 from nvcore.comparison import Result
-from nvcore.figures.over_time.lanes import lanes_figure
+from nvcore.figures.over_time.lanes import lane_order, lanes_figure
 from nvcore.figures.over_time.losses import loss_plot
 from nvcore.figures.over_time.similarity import TimeLayout, similarity_plot
 from ui.session import state
+from ui.session.viewer_arguments import choose_encounter, chosen_encounter
 from ui.shell import title
 from ui.timeline import panel, viewer
 from ui.widgets.charts import clicked_chart
 from ui.widgets.choices import choose_side_by_side
 from ui.widgets.text import docs_link
 
-LANES_PX: Final = 640
-"""Height from which on the lanes scroll by themselves."""
+PANEL_PX: Final = 640
+"""Height of what stands beside the picture; what is longer scrolls by itself."""
+LANES: Final = 20
+"""Lanes at a time: a screen full."""
 PLOTS: Final[dict[TimeLayout | Literal["losses"], str]] = {
     "time": "Similarity",
     "losses": "Lost to misses and false alarms",
@@ -44,21 +50,70 @@ def draw_all(result: Result) -> None:
         state.settle(state.recording(), settled)
     title.follow_frame()
     cursor = state.row_in_all()
-    left, right = st.columns([3, 1], gap="medium")
+    left, right = st.columns([5, 2], gap="medium")
     with st.container():  # first: while a slider moves, the plot is what people wait for
         _draw_plot(result, cursor)
     with left:
         viewer.draw(result)
-    with right:
+    with right, st.container(height=PANEL_PX, border=False):
         panel.draw(result, cursor)
-    theme, recording = state.theme(), state.recording()
-    lanes = state.workspace().cached(  # they stay while alpha and the like move
-        "lanes",
-        (state.workspace().version, recording, theme, cursor),
-        lambda: lanes_figure(result, recording, theme=theme, cursor_row=cursor),
+    _draw_lanes(result, cursor)
+
+
+def _draw_lanes(result: Result, cursor: int) -> None:
+    """The lanes, so many at a time that their axis stays in sight."""
+    recording, space = state.recording(), state.workspace()
+    left, right = st.columns([2, 3], vertical_alignment="bottom")
+    only_missed = left.toggle(
+        "Only pedestrians with misses", key="lanes_missed", persist_state="session"
     )
-    with st.container(height=LANES_PX if lanes.layout.height > LANES_PX else "content"):
-        _clickable(lanes, "lanes")
+    key = (space.version, recording, only_missed)
+    order = space.cached(
+        "lane_order", key, lambda: lane_order(result, recording, only_missed=only_missed)
+    )
+    chosen = chosen_encounter(result)
+    first = _first_lane(right, order, chosen)
+    lanes = space.cached(  # they stay while alpha and the like move
+        "lanes",
+        (*key, first, chosen, state.theme(), cursor),
+        lambda: lanes_figure(
+            result,
+            recording,
+            theme=state.theme(),
+            cursor_row=cursor,
+            first=first,
+            most=LANES,
+            only_missed=only_missed,
+            chosen=chosen,
+        ),
+    )
+    clicked = _clicked(lanes, "lanes")
+    if clicked is not None:
+        # Plotly passes several values as an object with their numbers as names
+        row, encounter = clicked.values() if isinstance(clicked, Mapping) else clicked
+        choose_encounter(int(encounter))
+        _go_to(int(row))
+
+
+def _first_lane(place: DeltaGenerator, order: np.ndarray, chosen: int | None) -> int:
+    """Which lane is on top; where somebody else was chosen, the page with that lane comes."""
+    pages = range(0, len(order), LANES)
+    if len(pages) < 2:
+        return 0
+    seen = st.session_state.get("lanes_seen")
+    if chosen != seen and chosen in order:
+        lane = int(np.flatnonzero(order == chosen)[0])
+        st.session_state["lanes_first"] = lane - lane % LANES
+    st.session_state["lanes_seen"] = chosen
+    if st.session_state.get("lanes_first") not in pages:
+        st.session_state["lanes_first"] = 0
+    first: int = place.selectbox(
+        "Pedestrians, most severe first",
+        pages,
+        format_func=lambda start: f"{start + 1} to {min(start + LANES, len(order))}",
+        key="lanes_first",
+    )
+    return first
 
 
 def _draw_plot(result: Result, cursor: int) -> None:
@@ -70,12 +125,16 @@ def _draw_plot(result: Result, cursor: int) -> None:
     else:
         figure = similarity_plot(result, state.recording(), layout=kind, **settings)
         words = SIMILARITY_TEXT
-    _clickable(figure, "time_plot")
+    clicked = _clicked(figure, "time_plot")
+    if clicked is not None:
+        _go_to(int(clicked))
     st.caption(f"{words} Click to see the frame ({docs_link('Metrics', 'similarity')}).")
 
 
-def _clickable(figure: Any, key: str) -> None:
-    row = clicked_chart(figure, f"{key}_{state.recording()}", clicks=key)
-    if row is not None:
-        state.go_to(*state.place_of(int(row)))
-        st.rerun(scope="fragment")
+def _clicked(figure: Any, key: str) -> Any:
+    return clicked_chart(figure, f"{key}_{state.recording()}", clicks=key)
+
+
+def _go_to(row: int) -> NoReturn:
+    state.go_to(*state.place_of(row))
+    st.rerun(scope="fragment")

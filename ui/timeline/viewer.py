@@ -6,10 +6,11 @@ import numpy as np
 import pandas as pd
 
 from nvcore.comparison import Result
+from nvcore.tables.box_states import gather_boxes
 from nvcore.tables.moments import next_misses
 from ui.session import drawing, state
 from ui.session.drawing import cost_map_of
-from ui.session.viewer_arguments import viewer_arguments
+from ui.session.viewer_arguments import choose_encounter, chosen_encounter, viewer_arguments
 from ui.widgets.viewer import settled_in, viewer
 
 HEIGHT_PX = 700
@@ -41,9 +42,23 @@ def draw(result: Result) -> None:
         lo=lo,
         hi=hi,
         cost=cost_map_of(recording),
+        chosen=_chosen_track(result, recording),
+        on_choose=choose_encounter,
         height_px=HEIGHT_PX,
         key=KEY,
     )
+
+
+def _chosen_track(result: Result, recording: int) -> int | None:
+    """Track of the chosen pedestrian, as the boxes say it, in the recording that is shown."""
+    encounter = chosen_encounter(result)
+    if encounter is None or result.encounters.recording[encounter] != recording:
+        return None
+    row = int(result.encounters.first_row[encounter])
+    start = int(result.dataset.truth.offsets[row])
+    stop = int(result.dataset.truth.offsets[row + 1])
+    is_chosen = result.encounters.encounter_of[start:stop] == encounter
+    return int(gather_boxes(result, row, row + 1).truth.track[is_chosen][0])
 
 
 def _spans(intervals: pd.DataFrame, recording: int, first: int) -> np.ndarray:

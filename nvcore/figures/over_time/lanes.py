@@ -10,7 +10,10 @@ import plotly.graph_objects as go
 
 from nvcore.comparison import Result
 from nvcore.figures.marks import click_markers, line_up, still_line, with_gaps
+from nvcore.figures.over_time.similarity import end_of, time_range
 from nvcore.figures.style import (
+    LEFT_PX,
+    LEGEND,
     LOOK,
     Look,
     axis,
@@ -26,7 +29,11 @@ from nvcore.tables.lanes import lanes_table
 from nvcore.wording import count_text
 
 MAX_LANES: Final = 200
-"""Encounters drawn: those that are missed longest."""
+"""Encounters drawn, if not fewer are asked for."""
+AXIS_PX: Final = 24
+"""Height of the axis, between the lanes and the legend."""
+AROUND_PX: Final = 120
+"""Height of title, legend and axis, which is above the lanes, and of what is below them."""
 MAX_CLICKS: Final = 1500
 """Places that can be clicked, over all lanes; the browser draws a marker for each."""
 MIN_CLICKS_LANE: Final = 20
@@ -43,12 +50,21 @@ BAR: Final = 0.38
 
 
 def lanes_figure(
-    result: Result, recording: int, *, theme: Theme, cursor_row: int | None = None
+    result: Result,
+    recording: int,
+    *,
+    theme: Theme,
+    cursor_row: int | None = None,
+    first: int = 0,
+    most: int = MAX_LANES,
+    only_missed: bool = False,
+    chosen: int | None = None,
 ) -> go.Figure:
     """One lane for each encounter of a recording, X's bar above Y's, over time.
 
-    Filled: matched. Hollow and hatched: missed. Pale: not near enough to count. A click gives the
-    frame: `customdata` is its row in ``dataset.frames``.
+    The most severe failures are on top. Filled: matched. Hollow and hatched: missed. Pale: not
+    near enough to count. A click gives frame and encounter: `customdata` is the row in
+    ``dataset.frames`` and that in ``result.encounters``.
 
     Parameters
     ----------
@@ -56,12 +72,20 @@ def lanes_figure(
         Row of ``dataset.recordings``.
     cursor_row
         Row in ``dataset.frames`` of the frame that is shown; None: no cursor.
+    first, most
+        Lanes drawn: so many, from this one on, counted from 0.
+    only_missed
+        Leave out whom nobody misses while near enough to count.
+    chosen
+        Row of ``result.encounters`` whose lane is marked; None: no lane.
     """
     runs = lanes_table(result, recording)
     if runs.empty:
         return empty_figure("This recording has no annotated pedestrian.", theme=theme)
-    n_all = runs["encounter"].nunique()
-    encounters = _most_missed(runs)
+    ordered = lane_order(result, recording, only_missed=only_missed)
+    if not len(ordered):
+        return empty_figure("Nobody near enough to count is missed here.", theme=theme)
+    encounters = ordered[first : first + most]
     lane_of = np.full(len(result.encounters), -1)
     lane_of[encounters] = np.arange(len(encounters))
     runs = runs.assign(lane=lane_of[runs["encounter"].to_numpy()])
@@ -73,44 +97,69 @@ def lanes_figure(
         for state in ("matched", "missed")
     ]
     bars = [_bars(runs, *kind, theme) for kind in kinds]
-    extent = count_text(n_all, "pedestrian")
-    if n_all > len(encounters):
-        extent += f", the {len(encounters)} that are missed longest drawn"
+    extent = count_text(len(ordered), "pedestrian")
+    if only_missed:
+        extent += " with misses"
+    extent += ", most severe on top"
+    if len(ordered) > len(encounters):
+        extent += f", {first + 1} to {first + len(encounters)} drawn"
     name = plain(result.dataset.recordings["name"][recording])
     n_lanes = len(encounters)
     lane_px = next(px for most, px in LANE_PX if n_lanes <= most)
     rows = result.dataset.frame_columns.rows_of(recording)
     time_s = result.dataset.frames["time_s"].to_numpy()
-    end = float(time_s[rows.stop - 1] + result.dataset.frames["step_s"].to_numpy()[rows.stop - 1])
     tracks = result.encounters.track[encounters]
     pedestrians = [f"ped {plain(track, max_length=8)}" for track in tracks]
+    chosen_lane = -1 if chosen is None else int(lane_of[chosen])
+    if chosen_lane >= 0:
+        pedestrians[chosen_lane] = f"<b>▶ {pedestrians[chosen_lane]}</b>"
     labels = [system_label(letter, system.name) for letter, system in result.sides]
     figure = draw(
         [*(trace for trace in bars if len(trace.x)), _clicks(result, runs, n_lanes)],
         theme,
         title=f"Who is missed when, {name}",
         subtitle=f"{extent}; upper bar {labels[0]}, lower bar {labels[1]}",
-        height=140 + lane_px * n_lanes,
+        height=AROUND_PX + lane_px * n_lanes,
         hoverdistance=-1,
-        xaxis=axis(theme, "time (s)", range=[-0.005 * end, end * 1.005 or 1.0]),
+        margin={"l": LEFT_PX, "r": 16, "t": AROUND_PX - 8, "b": 8},
+        # above the lanes, and as wide as that of the similarity over time
+        xaxis=axis(theme, side="top", ticksuffix=" s", range=time_range(end_of(result, recording))),
+        legend=LEGEND | {"y": 1 + AXIS_PX / (lane_px * n_lanes)},
         yaxis=rows_axis(theme, pedestrians, fixedrange=True, showgrid=False),
         uirevision=f"{result.dataset.fingerprint} {recording} lanes",
     )
     if cursor_row is not None and rows.start <= cursor_row < rows.stop:
         line_up(figure, float(time_s[cursor_row]), "cursor", theme)
+    if chosen_lane >= 0:
+        ends = {"y0": chosen_lane - 0.5, "y1": chosen_lane + 0.5, "xref": "paper", "x0": 0, "x1": 1}
+        line = {"color": LOOK[theme].ink, "width": 1.5}
+        figure.add_shape(type="rect", name="chosen", line=line, **ends)
     return figure
 
 
-def _most_missed(runs: pd.DataFrame) -> np.ndarray:
-    """The encounters to draw, by their first frame; all of them unless there are too many."""
-    encounter, code = np.unique(runs["encounter"].to_numpy(), return_inverse=True)
+def lane_order(result: Result, recording: int, *, only_missed: bool = False) -> np.ndarray:
+    """Encounters of a recording, as rows of ``result.encounters``, the most severe failure first.
+
+    That is the larger severity of X and Y; of equals the one whom they miss longer, then the one
+    who comes first.
+
+    Parameters
+    ----------
+    only_missed
+        Leave out whom nobody misses while near enough to count.
+    """
+    encounters = np.flatnonzero(result.encounters.recording == recording)
+    severities = [system.failures["severity_s"].to_numpy() for _, system in result.sides]
+    severity_s = np.nan_to_num(np.maximum(*severities)[encounters])
+    runs = lanes_table(result, recording)
     length_s = (runs["stop_s"] - runs["start_s"]).to_numpy() * (runs["state"] == "missed")
-    missed_s = np.bincount(code, weights=length_s)
-    first_row = np.full(len(encounter), np.iinfo(np.int64).max)
-    np.minimum.at(first_row, code, runs["first_row"].to_numpy())
-    longest = np.sort(np.argsort(-missed_s, kind="stable")[:MAX_LANES])
-    ordered: np.ndarray = encounter[longest[np.argsort(first_row[longest], kind="stable")]]
-    return ordered
+    missed_s = np.bincount(
+        runs["encounter"].to_numpy(), weights=length_s, minlength=len(result.encounters)
+    )[encounters]
+    keys = (-missed_s.round(6), -severity_s.round(6))  # equal ones differ in their last digits
+    order = np.lexsort((result.encounters.first_row[encounters], *keys))
+    ordered: np.ndarray = encounters[order]
+    return ordered[missed_s[order] > 0] if only_missed else ordered
 
 
 def _bars(runs: pd.DataFrame, state: str, letters: str, label: str, theme: Theme) -> go.Scatter:
@@ -177,7 +226,9 @@ def _clicks(result: Result, runs: pd.DataFrame, n_lanes: int) -> go.Scatter:
             track, frame, time_s, state["x"], state["y"], strict=True
         )
     ]
-    return click_markers(time_s, lane.astype(float), text, customdata=row, name="frames")
+    encounter = ends["encounter"].to_numpy()[lane]
+    places = np.column_stack([row, encounter])
+    return click_markers(time_s, lane.astype(float), text, customdata=places, name="frames")
 
 
 def _state_at(runs: pd.DataFrame, letter: str, lane: np.ndarray, row: np.ndarray) -> list[str]:

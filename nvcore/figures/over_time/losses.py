@@ -9,7 +9,13 @@ import plotly.graph_objects as go
 
 from nvcore.comparison import Result
 from nvcore.figures.marks import click_markers, line_up, still_line
-from nvcore.figures.over_time.similarity import MAX_CLICKS, MAX_POINTS, evenly
+from nvcore.figures.over_time.similarity import (
+    MAX_CLICKS,
+    MAX_POINTS,
+    end_of,
+    evenly,
+    time_range,
+)
 from nvcore.figures.style import LEGEND, LOOK, axis, draw, empty_figure, faded, plain, write
 from nvcore.metrics.losses import lost_per_minute
 from nvcore.palette import Theme
@@ -90,7 +96,7 @@ def loss_plot(
         hoverdistance=-1,
         legend=LEGEND | {"traceorder": "normal"},
         uirevision=f"{result.dataset.fingerprint} {recording} losses",
-        **_axes(result.sides, float(time_s[-1]), top, theme),
+        **_axes(result.sides, end_of(result, recording), top, theme),
     )
     for letter, system in result.sides:
         place = {"x": 0, "xref": "paper", "xanchor": "left", "y": PANELS[letter][1]}
@@ -171,7 +177,7 @@ def _subtitle(result: Result, rows: slice) -> str:
 def _axes(
     sides: tuple[tuple[str, SystemResult], ...], end_s: float, top: float, theme: Theme
 ) -> dict[str, Any]:
-    time = axis(theme, "time (s)", range=[-0.005 * end_s, end_s * 1.005 or 1.0], anchor="y2")
+    time = axis(theme, "time (s)", range=time_range(end_s), anchor="y2")
     axes: dict[str, Any] = {"xaxis": time}
     for (letter, _), key in zip(sides, ("yaxis", "yaxis2"), strict=True):
         form = {"range": [0, top], "fixedrange": True, "tickformat": ".2~f", "nticks": 5}

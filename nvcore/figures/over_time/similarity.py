@@ -53,6 +53,18 @@ def evenly(n: int, *, n_points: int) -> np.ndarray:
     return np.linspace(0, n - 1, n_points).round().astype(np.int64)
 
 
+def end_of(result: Result, recording: int) -> float:
+    """When the last frame of a recording ends, s; for recordings with frames."""
+    last = result.dataset.frame_columns.rows_of(recording).stop - 1
+    frames = result.dataset.frames
+    return float(frames["time_s"].to_numpy()[last] + frames["step_s"].to_numpy()[last])
+
+
+def time_range(end_s: float) -> list[float]:
+    """Ends of an axis over a whole recording, with a little room: the same in all its figures."""
+    return [-0.005 * end_s, end_s * 1.005 or 1.0]
+
+
 MAX_INTERVALS: Final = 200
 """Low-similarity intervals drawn for each system, largest severity first."""
 MAX_EVENTS: Final = 200
@@ -66,6 +78,7 @@ class TimeSpan:
     start: int
     stop: int
     time_s: np.ndarray
+    end_s: float
     upright: bool
 
     def axes(self, time_s: Any, value: Any, letter: str) -> dict[str, Any]:
@@ -196,7 +209,7 @@ def similarity_plot(
     if start == stop:
         return empty_figure("This recording has no frames.", theme=theme)
     time_s = result.dataset.frames["time_s"].to_numpy()[start:stop]
-    span = TimeSpan(int(start), int(stop), time_s, layout != "time")
+    span = TimeSpan(int(start), int(stop), time_s, end_of(result, recording), layout != "time")
     traces, counts = [], []
     for letter, system in result.sides:
         lows = _of_recording(system.intervals, recording)
@@ -301,8 +314,7 @@ def _axes(span: TimeSpan, floor: float, layout: TimeLayout, theme: Theme) -> dic
         form = {"range": ends, "fixedrange": True, "tickformat": ".2~f", "domain": domain}
         return axis(theme, f"similarity{of} (1 = perfect)", **form)
 
-    end = float(span.time_s[-1])
-    time = axis(theme, "time (s)", range=[-0.005 * end, end * 1.005 or 1.0])
+    time = axis(theme, "time (s)", range=time_range(span.end_s))
     strip: dict[str, Any] = {"range": [-0.6, 1.6], "tickvals": [0, 1]}
     strip |= {"fixedrange": True, "showgrid": False}
     if not span.upright:

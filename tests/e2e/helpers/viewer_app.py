@@ -10,7 +10,7 @@ from pathlib import Path
 import streamlit as st
 import viewer_scene as scene
 from starlette.requests import Request
-from starlette.responses import Response
+from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
 TOKEN = "token-of-the-test"
@@ -43,11 +43,17 @@ def answer_boxes(request: Request) -> Response:
     return Response(scene.pack_rows(rows), media_type="application/octet-stream")
 
 
+def answer_reasons(request: Request) -> Response:
+    boxes = scene.boxes_of(request.path_params["row"])
+    return JSONResponse([scene.reason_of(box) for box in boxes])
+
+
 gc.freeze()  # as app.py does
 app = st.App(
     Path(__file__).with_name("viewer_page.py"),
     routes=[
         Route("/nv/{token}/frame/{recording:int}/{row:int}.jpg", answer_frame),
         Route("/nv/{token}/boxes/{recording:int}/{chunk:int}", answer_boxes),
+        Route("/nv/{token}/reasons/{recording:int}/{row:int}", answer_reasons),
     ],
 )

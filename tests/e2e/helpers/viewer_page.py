@@ -15,6 +15,7 @@ RECORDINGS = ["video", "boxes only", "sampled", "long", "slow", "ended", "empty"
 
 st.set_page_config(layout="wide")
 START = {"seek": (5, 0), "alpha": 0.7, "kind": RECORDINGS[0], "hi": 100.0, "show": True, "runs": 0}
+START["chosen"] = None
 state = st.session_state
 
 
@@ -67,6 +68,9 @@ settled = viewer(
     theme=st.context.theme.type or "light",
     height_px=520,
     key=f"viewer_{state.visit}",
+    chosen=state.chosen,
+    on_choose=lambda encounter: state.update(chosen=encounter),
 )
 state.runs += 1
 st.text(f"settled {settled} alpha {alpha} kind {kind} run {state.runs} visit {state.visit}")
+st.text(f"chosen {state.chosen}")

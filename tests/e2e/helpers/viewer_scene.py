@@ -83,6 +83,14 @@ def boxes_of(row: int) -> list[Drawn]:
     return boxes
 
 
+def reason_of(box: Drawn) -> dict[str, object]:
+    """What the server says of a box, in the form of `nvcore.overlay.explain.BoxReason`."""
+    name = f"Pedestrian {box.track}" if box.source == 0 else f"Detection {box.score:.2f}"
+    encounter = box.track if box.source == 0 and not box.state & 1 else -1
+    lines = [f"{box.h:.0f} px tall"]
+    return {"title": name, "lines": lines, "encounter": encounter, "track": box.track, "truth": -1}
+
+
 def pack_rows(rows: range) -> bytes:
     """The boxes of these rows in the format of `ui.session.packed_boxes`."""
     per_row = [boxes_of(row) for row in rows]

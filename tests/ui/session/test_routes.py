@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import Any
 
 import cv2
@@ -84,7 +85,7 @@ def test_a_stretch_is_applied_or_refused(space: Workspace, query: str, status: i
     assert frame(space, 1, query).status == status
 
 
-@pytest.mark.parametrize("rest", ["frame/0/1.jpg", "boxes/0/0"])
+@pytest.mark.parametrize("rest", ["frame/0/1.jpg", "boxes/0/0", "reasons/0/3"])
 def test_neither_another_token_nor_that_of_an_ended_session_finds_anything(
     space: Workspace, rest: str
 ):
@@ -108,6 +109,20 @@ def test_boxes_come_in_chunks_of_rows(space: Workspace):
     first, last = (ask(f"{address(space)}/boxes/0/{chunk}").body for chunk in (0, 1))
     assert first == pack_boxes(space.result, 0, ROWS_PER_CHUNK)
     assert last == pack_boxes(space.result, ROWS_PER_CHUNK, N_ROWS)
+
+
+def test_what_each_box_counts_and_costs_is_told_and_never_kept(space: Workspace):
+    answer = ask(f"{address(space)}/reasons/0/3")
+    assert answer.headers["content-type"] == "application/json"
+    assert answer.headers["cache-control"] == "no-store"
+    pedestrian, detection = json.loads(answer.body)
+    assert (pedestrian["encounter"], detection["encounter"], detection["truth"]) == (0, 0, 0)
+    assert detection["title"].startswith("Detection of X: matches")
+
+
+@pytest.mark.parametrize("place", ["0/99999", "1/0", "0/99999999999999999999", "x/0", "0/x"])
+def test_boxes_of_a_frame_that_is_not_there_are_not_explained(space: Workspace, place: str):
+    assert ask(f"{address(space)}/reasons/{place}").status == 404
 
 
 @pytest.mark.parametrize("place", ["0/2", "1/0", "0/99999999999999999999", "x/0"])

@@ -4,7 +4,15 @@ from __future__ import annotations
 
 import json
 
-from pages import checked, opened
+from pages import checked, opened, texts
+from ui.session.viewer_arguments import CHOSEN
+from ui.timeline import plots
+
+
+def choose(app, encounter):
+    dataset = app.session_state["workspace"].opened.dataset
+    app.session_state[CHOSEN] = (dataset.fingerprint, encounter)
+    return checked(app.run())
 
 
 def test_the_page_opens_at_the_frame_of_the_address_which_stays_while_parameters_change():
@@ -33,3 +41,41 @@ def test_another_recording_starts_at_its_first_frame_with_those_missed_in_it():
     headings = [column["label"] for column in json.loads(table.proto.columns).values()]
     assert sorted(headings) == ["1", "2", "5", "ped."]
     assert set(table.value.loc["missed by"]) == {"X, Y"}
+
+
+def test_a_high_similarity_with_nobody_matched_is_explained_beside_it():
+    app = checked(opened("timeline"))
+    said = texts(app)
+    assert "Misses take 0.077: pedestrian 1, 28 px tall, weight 0.11, is not detected" in said
+    assert "All 3 not detected are too far to count" in said
+
+
+def test_the_chosen_pedestrian_is_told_of_marked_in_the_lanes_and_open_in_encounters():
+    app = choose(checked(opened("timeline", recording="rural_child", frame="225")), 23)
+    said = texts(app)
+    assert "Pedestrian 3: missed by Y" in said
+    assert "Takes 0.715 of Y's similarity" in said
+    lanes = json.loads(app.get("plotly_chart")[-1].proto.spec)
+    assert any(shape.get("name") == "chosen" for shape in lanes["layout"]["shapes"])
+    checked(app.button(key="open_chosen").click().run())
+    assert app.title[0].value == "Encounters"
+    assert "Pedestrian 3 in rural_child" in texts(app)
+
+
+def test_lanes_come_so_many_at_a_time_and_the_page_of_the_chosen_one(monkeypatch):
+    monkeypatch.setattr(plots, "LANES", 2)
+    app = checked(opened("timeline"))
+    pages = app.selectbox(key="lanes_first")
+    assert pages.options[0] == "1 to 2"
+    lanes = [lane_names(app, first) for first in pages.options]
+    assert all(len(names) <= 2 for names in lanes)
+    app = choose(app, 0)
+    assert any("▶ ped 1" in name for name in lane_names(app))
+    app.toggle(key="lanes_missed").set_value(True).run()
+    assert "with misses" in str(app.get("plotly_chart")[-1].proto.spec)
+
+
+def lane_names(app, page=None):
+    if page is not None:
+        checked(app.selectbox(key="lanes_first").select(page).run())
+    return json.loads(app.get("plotly_chart")[-1].proto.spec)["layout"]["yaxis"]["ticktext"]

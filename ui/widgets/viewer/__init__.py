@@ -11,7 +11,8 @@ from the routes itself; Python sends traces and marks, and receives the row that
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, Literal
 
@@ -31,11 +32,12 @@ from ui.widgets.viewer.packing import (
 
 FOLDER = Path(__file__).parent
 SCRIPTS = (
-    *("data/boxes.js", "data/pictures.js", "data/recording.js"),
+    *("data/boxes.js", "data/pictures.js", "data/reasons.js", "data/recording.js"),
     *("drawing/labels.js", "drawing/drawing.js", "drawing/strip.js", "drawing/view.js"),
-    "drawing/cost.js",
-    *("controls/controls.js", "controls/readout.js", "player/playback.js", "controls/listening.js"),
-    *("player/viewer.js", "player/clip.js", "player/show.js"),
+    *("drawing/cost.js", "drawing/light.js", "drawing/inset.js", "drawing/painting.js"),
+    *("controls/controls.js", "controls/tools.js", "controls/readout.js", "controls/card.js"),
+    *("controls/listening.js", "player/playback.js", "player/dock.js"),
+    *("player/player.js", "player/viewer.js", "player/clip.js", "player/show.js"),
 )
 """In the order in which they are joined: the last one exports what Streamlit calls."""
 
@@ -78,6 +80,8 @@ def viewer(
     picture_version: str = "",
     only: Literal["x", "y"] | None = None,
     cost: CostMap | None = None,
+    chosen: int | None = None,
+    on_choose: Callable[[int], None] | None = None,
 ) -> int | None:
     """Draw the viewer and say which row it has settled on.
 
@@ -129,6 +133,10 @@ def viewer(
     cost : CostMap or None
         What missing a pedestrian would cost in this recording, to be laid over the picture on
         request; it is never sent with `only`.
+    chosen : int or None
+        Track of the pedestrian who is marked and followed; None: nobody in this recording.
+    on_choose
+        Called with a row of ``result.encounters`` when its pedestrian is chosen in the picture.
 
     Returns
     -------
@@ -167,9 +175,11 @@ def viewer(
             "height_px": int(height_px),
             "only": only,
             "cost": None if cost is None or only else pack_cost(cost),
+            "chosen": None if chosen is None or only else int(chosen),
         },
         default={"settled": None},
         on_settled_change=_nothing,
+        on_chosen_change=partial(_tell_choice, key, on_choose),
     )
     if n_rows == 0:
         return None
@@ -180,6 +190,15 @@ def settled_in(key: str, *, recording: int, n_rows: int, seek: tuple[int, int]) 
     """What `viewer` of this key is going to return, known before it is drawn."""
     known = st.session_state.get(key) or {}
     return settled_row(known.get("settled"), recording=recording, n_rows=n_rows, seek=seek)
+
+
+def _tell_choice(key: str, on_choose: Callable[[int], None] | None) -> None:
+    """Pass on which encounter was chosen; what a browser sends is checked by who asked for it."""
+    known = st.session_state.get(key)
+    chosen = known.get("chosen") if isinstance(known, Mapping) else None
+    encounter = chosen.get("encounter") if isinstance(chosen, Mapping) else None
+    if on_choose is not None and isinstance(encounter, int) and not isinstance(encounter, bool):
+        on_choose(encounter)
 
 
 def n_plays_in(key: str) -> int | None:

@@ -6,12 +6,16 @@ const ICONS = {
   last: "M16 5h2v14h-2zM5 5v14l10-7z",
   back: "M16 5v14L6 12z",
   forward: "M8 5v14l10-7z",
-  missBack: "M20 5v14l-8-7zM12 5v14L4 12z",
-  missForward: "M4 5v14l8-7zM12 5v14l8-7z",
+  // the corner marks that a missed pedestrian has in the picture, and the way to it
+  missBack: "M7 7v10L1 12zM10 4h5v2h-3v3h-2zM22 4v5h-2V6h-3V4zM10 20v-5h2v3h3v2zM22 20h-5v-2h3v-3h2z",
+  missForward: "M17 7v10l6-5zM2 4h5v2H4v3H2zM14 4v5h-2V6H9V4zM2 20v-5h2v3h3v2zM14 20H9v-2h3v-3h2z",
   play: "M7 4v16l13-8z",
   pause: "M6 5h4v14H6zM14 5h4v14h-4z",
   fit: "M3 3h7v2H5v5H3zM14 3h7v7h-2V5h-5zM3 14h2v5h5v2H3zM19 14h2v7h-7v-2h5z",
   full: "M14 3h7v7h-2V6.4l-5 5L12.600 10l5-5H14zM10 21H3v-7h2v3.600l5-5L11.400 14l-5 5H10z",
+  light: "M12 3a9 9 0 1 0 0 18a9 9 0 1 0 0-18zM12 5v14a7 7 0 0 1 0-14z",
+  follow: "M11 1h2v4h-2zM11 19h2v4h-2zM1 11h4v2H1zM19 11h4v2h-4zM12 6a6 6 0 1 0 0 12a6 6 0 1 0 0-12zM12 8a4 4 0 1 1 0 8a4 4 0 1 1 0-8zM12 10.500a1.500 1.500 0 1 0 0 3a1.500 1.500 0 1 0 0-3z",
+  large: "M12 4l8 8h-5v8H9v-8H4z",
   cost: "M2 20 12 4l10 16H2zm4.500-2.600h11L12 8.600zM8.200 15.600h7.600L12 11.400z",
   labels: "M3 5h11l7 7-7 7H3zm3 5v4h4v-4z",
   close: "M6.400 5 12 10.600 17.600 5 19 6.400 13.400 12 19 17.600 17.600 19 12 13.400 6.400 19 5 17.600 10.600 12 5 6.400z",
@@ -25,9 +29,12 @@ const KEYS = [
   ["Shift + ← →", "one second back or forward"],
   ["Home End", "first or last frame"],
   ["n p", "next or previous miss begins"],
+  ["k Shift + k", "choose the next or previous pedestrian of the frame, and say what it counts and costs"],
   ["x y g", "show or hide X, Y, ground truth"],
   ["l", "show or hide labels"],
   ["c", "what missing a pedestrian would cost, by where the feet are"],
+  ["t", "follow the chosen pedestrian, four times as large in a corner"],
+  ["b", "brightness and contrast"],
   ["+ −", "zoom (also Ctrl + wheel; drag to move)"],
   ["f", "fit the picture"],
   ["?", "this help"],
@@ -36,7 +43,7 @@ const KEYS = [
 // Those of the keys that are told below the picture.
 const USUAL_KEYS = [
   [["space"], "play"], [["←", "→"], "frame"], [["n", "p"], "next, previous miss"], [["x", "y", "g"], "hide X, Y, truth"],
-  [["?"], "all keys"],
+  [["k"], "why"], [["?"], "all keys"],
 ];
 
 const SAMPLES = [
@@ -44,7 +51,7 @@ const SAMPLES = [
   [{ source: "x", state: 1 }, "detection of X"],
   [{ source: "y", state: 1 }, "detection of Y"],
   [{ source: "truth", state: 8 | 4 }, "missed by X"],
-  [{ source: "truth", state: 8 | 16 | 32 }, "missed by both; ▼ the most salient pedestrian for a system"],
+  [{ source: "truth", state: 8 | 16 | 32 }, "missed by both; ▼ the miss that costs a system most here"],
   [{ source: "y", state: 2 }, "false alarm (crossed out)"],
   [{ source: "truth", state: 0 }, "too far to count, or ignored (dotted)"],
 ];
@@ -76,6 +83,14 @@ function iconButton(name, label, key, act) {
   const title = key ? `${label} (${key})` : label;
   const button = make("button", { type: "button", "aria-label": label, title, class: "icon" }, [svg(ICONS[name])]);
   button.addEventListener("click", act);
+  return button;
+}
+
+// An icon with the word "miss": the icon alone would be taken for fast forward.
+function wordedButton(name, label, key, act) {
+  const button = iconButton(name, label, key, act);
+  button.classList.add("worded");
+  button.append(make("span", { text: "miss" }));
   return button;
 }
 
@@ -115,28 +130,35 @@ function makeControls(actions) {
   parts.readout = make("div", { class: "readout" }, [
     make("span", { class: "frame" }), make("span", { class: "time" }), make("span", { class: "row" }),
   ]);
+  Object.assign(parts, makeViewTools(actions));
   parts.full = iconButton("full", "Full screen", "", actions.fullScreen);
   parts.help = make("button", { type: "button", class: "icon text", text: "?", "aria-label": "Keys and legend", title: "Keys and legend (?)" });
   parts.help.addEventListener("click", actions.help);
   parts.bar = make("div", { class: "bar", role: "toolbar", "aria-label": "Transport" }, [
     iconButton("first", "First frame", "Home", actions.first),
-    iconButton("missBack", "Previous miss", "p", actions.previousMiss),
+    wordedButton("missBack", "Previous miss", "p", actions.previousMiss),
+    textButton("−1 s", "One second back", "Shift + ←", actions.secondBack),
     iconButton("back", "Previous frame", "←", actions.previous),
     parts.play,
     iconButton("forward", "Next frame", "→", actions.next),
-    iconButton("missForward", "Next miss", "n", actions.nextMiss),
+    textButton("+1 s", "One second forward", "Shift + →", actions.secondForward),
+    wordedButton("missForward", "Next miss", "n", actions.nextMiss),
     iconButton("last", "Last frame", "End", actions.last),
-    parts.speed, parts.readout, parts.labels, parts.cost,
-    iconButton("fit", "Fit the picture", "f", actions.fit),
-    parts.full, parts.help,
+    parts.speed, parts.readout,
+    make("div", { class: "view-tools" }, [
+      parts.zoomOut, parts.scale, parts.zoomIn, parts.light, parts.follow, parts.labels, parts.cost, parts.full, parts.help,
+    ]),
   ]);
+  parts.large = iconButton("large", "Back to the large picture", "", actions.large);
+  parts.closeDock = iconButton("close", "Close the small viewer", "", actions.closeDock);
+  parts.dock = make("div", { class: "dock" }, [parts.large, parts.closeDock]);
   const keys = USUAL_KEYS.map(([names, meaning]) =>
     make("span", {}, [...names.flatMap((name) => [make("kbd", { text: name }), " "]), meaning]));
   parts.keys = make("div", { class: "keys", "aria-hidden": "true" }, keys); // "?" tells them too
   parts.spoken = make("div", { class: "spoken", role: "status", "aria-live": "polite" });
   parts.root = make("div", {
     class: "viewer", role: "group", tabindex: "0", "aria-label": "Frame viewer; press ? for its keys",
-  }, [parts.legend, parts.stage, parts.stripHolder, parts.bar, parts.keys, parts.spoken]);
+  }, [parts.legend, parts.dock, parts.stage, parts.stripHolder, parts.bar, parts.keys, parts.spoken]);
   return parts;
 }
 

@@ -8,6 +8,8 @@ const TYPING = 'canvas, input:not([type="range"], [type="checkbox"], [type="radi
 const CONTROL = 'input, a[href], button, summary, [role="slider"], [role="button"], [role="tab"], [role="radio"], '
   + '[role="checkbox"], [role="switch"]';
 
+const CLICK_PX = 4; // a press that moves less is a click
+
 function listen(viewer) {
   const { root, parts } = viewer;
   viewer.observer = new ResizeObserver(() => viewer.wake());
@@ -47,6 +49,10 @@ function onPageKey(viewer, event) {
 
 function onKey(viewer, event) {
   if (event.ctrlKey || event.metaKey || event.altKey) return;
+  if (event.target.type === "range" && event.key.length > 1) {
+    event.stopPropagation(); // arrows, Home and End move the slider
+    return;
+  }
   const isControl = ["BUTTON", "SELECT"].includes(event.target.tagName);
   if (isControl && [" ", "Enter"].includes(event.key)) {
     event.stopPropagation(); // the control's own key
@@ -69,14 +75,17 @@ function onKey(viewer, event) {
     l: () => viewer.toggle("labels"),
     c: () => viewer.cost.isKnown && viewer.toggle("cost"),
     f: () => viewer.fit(),
-    "+": () => viewer.zoomBy(1.5),
-    "-": () => viewer.zoomBy(1 / 1.5),
+    b: () => viewer.light.isPossible && viewer.toggleLight(),
+    t: () => viewer.toggleFollow(),
+    k: () => chooseNext(viewer, event.shiftKey ? -1 : 1),
+    "+": () => viewer.zoomStep(1),
+    "-": () => viewer.zoomStep(-1),
     "?": () => viewer.toggleHelp(),
-    Escape: () => viewer.help && viewer.toggleHelp(),
+    Escape: () => viewer.escape(),
   };
   const act = actions[event.key.length === 1 ? event.key.toLowerCase() : event.key];
   if (!act || !recording || recording.nRows === 0) return;
-  if (event.key === "Escape" && !viewer.help) return;
+  if (event.key === "Escape" && !viewer.hasOpen) return;
   event.preventDefault();
   event.stopPropagation();
   act();
@@ -131,31 +140,47 @@ function listenToPicture(viewer) {
     const { left, top } = stage.getBoundingClientRect();
     return { x: event.clientX - left, y: event.clientY - top };
   };
-  let last = null;
+  let last = null; // while the picture is dragged
+  let start = null; // where the button went down
   picture.addEventListener("pointerdown", (event) => {
     viewer.root.focus({ preventScroll: true });
     event.preventDefault();
-    if (event.button !== 0 || viewer.view.zoom === 1) return;
+    if (event.button !== 0) return;
+    start = pointOf(event);
+    if (viewer.view.zoom === 1) return;
     picture.setPointerCapture(event.pointerId);
-    last = pointOf(event);
+    last = start;
   });
   picture.addEventListener("pointermove", (event) => {
-    if (!last) return;
     const point = pointOf(event);
+    if (!last) {
+      viewer.card.point(point);
+      return;
+    }
+    viewer.card.hide();
     viewer.moveBy(point.x - last.x, point.y - last.y);
     last = point;
   });
-  const release = () => { last = null; };
-  picture.addEventListener("pointerup", release);
+  const release = () => {
+    last = null;
+    start = null;
+  };
+  picture.addEventListener("pointerup", (event) => {
+    const point = pointOf(event);
+    const isClick = start && Math.hypot(point.x - start.x, point.y - start.y) < CLICK_PX;
+    release();
+    if (isClick) chooseAt(viewer, point);
+  });
   picture.addEventListener("pointercancel", release);
+  picture.addEventListener("pointerleave", () => viewer.card.point(null));
   picture.addEventListener("dblclick", (event) => {
     if (viewer.view.zoom > 1) viewer.fit();
-    else viewer.zoomBy(3, pointOf(event));
+    else viewer.zoomTo(3, pointOf(event));
   });
   picture.addEventListener("wheel", (event) => {
     const isFull = viewer.root.getRootNode().fullscreenElement === viewer.root;
     if (!event.ctrlKey && !isFull) return; // the page scrolls
     event.preventDefault();
-    viewer.zoomBy(Math.exp(-event.deltaY / 400), pointOf(event));
+    viewer.zoomTo(viewer.view.zoom * Math.exp(-event.deltaY / 400), pointOf(event));
   }, { passive: false });
 }

@@ -1,6 +1,7 @@
 // Which part of the recording's picture the canvas shows.
 
-const LARGEST_ZOOM = 16;
+const ZOOMS = [1, 1.5, 2, 3, 4, 6, 8, 12, 16]; // of the buttons and keys; the wheel stops anywhere
+const LARGEST_ZOOM = ZOOMS[ZOOMS.length - 1];
 
 class View {
   constructor() {
@@ -18,13 +19,19 @@ class View {
     this.recording = recording;
     this.width = width;
     this.height = height;
+    this.centreOn(this.x, this.y); // another size of the canvas has other bounds
+  }
+
+  // Scale at which the whole picture is seen.
+  get fitScale() {
+    return Math.min(this.width / this.recording.width, this.height / this.recording.height);
   }
 
   // Where the recording's pixels lie on the canvas, in CSS pixels.
   get place() {
     const { width, height } = this.recording;
     const size = { width: this.width, height: this.height };
-    const scale = this.zoom * Math.min(size.width / width, size.height / height);
+    const scale = this.zoom * this.fitScale;
     const x = size.width / 2 - this.x * width * scale;
     const y = size.height / 2 - this.y * height * scale;
     return { scale, x, y, size };
@@ -39,23 +46,31 @@ class View {
     return { x: left, y: top, w: right - left, h: bottom - top };
   }
 
+  // The picture fills the canvas as far as it is large enough: it cannot be moved out of sight.
   centreOn(x, y) {
-    const half = 0.5 / this.zoom;
-    const inside = (value) => Math.max(half, Math.min(1 - half, value));
-    this.x = inside(x);
-    this.y = inside(y);
+    const { width, height } = this.recording;
+    const scale = this.zoom * this.fitScale;
+    const inside = (value, half) => Math.max(half, Math.min(1 - half, value));
+    this.x = inside(x, Math.min(0.5, this.width / (2 * width * scale)));
+    this.y = inside(y, Math.min(0.5, this.height / (2 * height * scale)));
   }
 
   // at: the point of the canvas that stays where it is; by default the middle
-  zoomBy(factor, at) {
+  zoomTo(wanted, at = null) {
     const { scale, x, y, size } = this.place;
     const point = at ?? { x: size.width / 2, y: size.height / 2 };
     const { width, height } = this.recording;
     const share = { x: (point.x - x) / (width * scale), y: (point.y - y) / (height * scale) };
-    const zoom = Math.max(1, Math.min(LARGEST_ZOOM, this.zoom * factor));
+    const zoom = Math.max(1, Math.min(LARGEST_ZOOM, wanted));
     const shrink = this.zoom / zoom;
     this.zoom = zoom;
     this.centreOn(share.x + (this.x - share.x) * shrink, share.y + (this.y - share.y) * shrink);
+  }
+
+  // The next larger (1) or smaller (-1) of the steps.
+  nextZoom(direction) {
+    if (direction > 0) return ZOOMS.find((zoom) => zoom > this.zoom * 1.001) ?? LARGEST_ZOOM;
+    return ZOOMS.findLast((zoom) => zoom < this.zoom * 0.999) ?? 1;
   }
 
   moveBy(right, down) {

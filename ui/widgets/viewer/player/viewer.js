@@ -1,12 +1,11 @@
 // The viewer: one row is requested, one row is painted, and what is painted always has its own
 // picture and its own boxes. Python hears of a row only when it has settled.
 
-const SETTLE_MS = 150;
-const PREFETCH = 12;
-const LOADING_TEXT_MS = 400;
+const HINT_MS = 4000;
 
-class Viewer {
+class Viewer extends Player {
   constructor() {
+    super();
     this.layers = { truth: true, x: true, y: true, labels: true, cost: false };
     this.parts = makeControls({
       toggle: (layer) => this.toggle(layer),
@@ -18,11 +17,20 @@ class Viewer {
       next: () => this.goTo(this.row + 1),
       previousMiss: () => this.goToMiss(-1),
       nextMiss: () => this.goToMiss(1),
+      secondBack: () => this.goTo(this.recording.rowAfter(this.row, -1)),
+      secondForward: () => this.goTo(this.recording.rowAfter(this.row, 1)),
       fit: () => this.fit(),
+      zoomIn: () => this.zoomStep(1),
+      zoomOut: () => this.zoomStep(-1),
+      light: () => this.toggleLight(),
+      follow: () => this.toggleFollow(),
+      large: () => this.dock.open(),
+      closeDock: () => this.dock.close(),
       fullScreen: () => this.fullScreen(),
       help: () => this.toggleHelp(),
     });
     this.root = this.parts.root;
+    this.holder = make("div", { class: "holder" }, [this.root]); // keeps the place of the root
     this.strip = new Strip(this.parts.strip);
     this.pictures = new PictureStore((row) => this.onPicture(row));
     this.boxes = new BoxStore((start, stop) => this.onBoxes(start, stop));
@@ -35,6 +43,14 @@ class Viewer {
     this.hoverRow = null;
     this.view = new View();
     this.cost = new CostLayer();
+    this.light = new Light();
+    this.lightPanel = null;
+    this.parts.light.hidden = !this.light.isPossible;
+    this.reasons = new Reasons();
+    this.card = new Card(this);
+    this.chosen = null; // track of the chosen pedestrian
+    this.isFollowing = false;
+    this.dock = this.isSteered ? new Dock(this) : null;
     this.isStale = true;
     this.isSpokenEarly = false;
     this.request = 0;
@@ -50,10 +66,12 @@ class Viewer {
 
   // ---- what Python sends
 
-  update(sent, report) {
+  // report(row settled on); reportChoice(encounter chosen)
+  update(sent, report, reportChoice = null) {
     const before = this.sent;
     this.sent = sent;
     this.report = report;
+    this.reportChoice = reportChoice;
     const isOther = !before || before.token !== sent.token || before.recording !== sent.recording
       || before.n_rows !== sent.n_rows;
     const differs = (...names) => isOther
@@ -66,6 +84,8 @@ class Viewer {
       const query = new URLSearchParams({ lo: sent.lo, hi: sent.hi, v: sent.picture_version });
       this.pictures.reset((row) => `${address("frame")}/${row}.jpg?${query}`);
     }
+    this.reasons.reset(address("reasons"));
+    if (isOther || before.chosen !== sent.chosen) this.chosen = sent.chosen;
     if (differs("colours", "theme")) this.setColours(sent);
     if (differs("traces", "intervals", "misses", "low", "colours")) this.strip.set(sent, sent.colours.picture);
     if (differs("names")) this.setNames(sent.names);
@@ -80,6 +100,7 @@ class Viewer {
       this.shown = null;
       delete this.root.dataset.shownRow;
       this.view.fit();
+      showScale(this);
       this.parts.picture.width = 0; // clears it; painting gives it its size again
     }
     if (isSeek) this.seek(sent.seek[0]);
@@ -110,115 +131,7 @@ class Viewer {
     const { style } = this.parts.stage;
     style.aspectRatio = `${width} / ${height}`;
     // the transport stays in sight below the picture
-    style.maxHeight = `min(${this.sent.height_px}px, max(300px, calc(100vh - 24.6rem)))`;
-  }
-
-  // ---- moving about
-
-  goTo(row, isFromPython = false) {
-    const { recording } = this;
-    if (!recording || recording.nRows === 0) return;
-    this.direction = row < this.row && !this.playing ? -1 : 1;
-    this.row = recording.clamp(row);
-    this.isSpokenEarly = false;
-    if (this.playing) this.startClock();
-    this.load();
-    showPosition(this, this.row);
-    this.wake();
-    clearTimeout(this.settleTimer);
-    if (isFromPython) this.settled = { recording: this.sent.recording, row: this.row, nonce: this.sent.seek[1] };
-    if (!this.playing) this.settleTimer = setTimeout(() => this.settle(), SETTLE_MS);
-    clearTimeout(this.loadingTimer);
-    this.loadingTimer = setTimeout(() => this.wake(), LOADING_TEXT_MS);
-    this.requestedAt = performance.now();
-  }
-
-  goToMiss(direction) {
-    const { misses } = this.strip;
-    const next = countUpTo(misses, this.row);
-    let index = next;
-    if (direction < 0) index = next > 0 && misses[next - 1] === this.row ? next - 2 : next - 1;
-    if (index >= 0 && index < misses.length) this.goTo(misses[index]);
-    else this.say(direction > 0 ? "No later miss" : "No earlier miss");
-  }
-
-  settle() {
-    if (this.playing || this.isDragging) return;
-    const now = { recording: this.sent.recording, row: this.row, nonce: this.sent.seek[1] };
-    this.speak();
-    const known = this.settled;
-    if (known && known.row === now.row && known.recording === now.recording && known.nonce === now.nonce) return;
-    this.settled = now;
-    this.report(now);
-  }
-
-  playPause() {
-    if (this.playing) {
-      this.pause(true);
-      return;
-    }
-    const { recording } = this;
-    if (this.row >= recording.nRows - 1) this.goTo(0);
-    clearTimeout(this.settleTimer);
-    this.startClock();
-    this.direction = 1;
-    this.showPlaying();
-    this.wake();
-  }
-
-  startClock() {
-    this.playing = { position: this.recording.clock[this.row], from: this.row, at: null };
-  }
-
-  pause(isReported) {
-    if (!this.playing) return;
-    this.playing = null;
-    this.showPlaying();
-    if (isReported) this.goTo(this.shownRow);
-  }
-
-  // the end of the recording
-  stopAt(row) {
-    this.pause(false);
-    this.goTo(row);
-  }
-
-  showPlaying() {
-    const { play } = this.parts;
-    play.replaceChildren(svg(ICONS[this.playing ? "pause" : "play"]));
-    play.setAttribute("aria-label", this.playing ? "Pause" : "Play");
-    this.root.dataset.playing = String(Boolean(this.playing));
-  }
-
-  // ---- loading
-
-  isReady(row) {
-    const hasPicture = !this.recording.hasPicture(row) || this.pictures.get(row) !== undefined;
-    return hasPicture && this.boxes.isReady(row);
-  }
-
-  load() {
-    const { recording } = this;
-    if (!recording || recording.nRows === 0) return;
-    this.boxes.want(this.row);
-    if (!recording.hasPictures) return;
-    const rows = [this.row];
-    const stride = this.playing ? rowsPerPicture(this) : 1;
-    const ahead = this.isDragging ? 0 : PREFETCH;
-    // clamped: long strides must not step over the last row, where playing ends
-    for (let step = 1; step <= ahead; step += 1) rows.push(recording.clamp(this.row + this.direction * stride * step));
-    const wanted = [...new Set(rows)].filter((row) => recording.hasPicture(row));
-    this.pictures.want(wanted, this.isDragging ? 1 : REQUESTS);
-  }
-
-  onPicture(row) {
-    if (row === this.row || this.playing) this.wake();
-    else if (this.isDragging && this.isReady(row)) this.wake(row);
-  }
-
-  onBoxes(start, stop) {
-    if (this.shown && this.shown.row >= start && this.shown.row < stop) this.isStale = true;
-    this.wake();
+    style.maxHeight = `min(${this.sent.height_px}px, max(300px, calc(100vh - 27.2rem)))`;
   }
 
   // ---- painting
@@ -282,23 +195,9 @@ class Viewer {
 
   // The last two: what is on the canvas already, should the stores have dropped it.
   paint(row, shownEntry = undefined, shownFound = null) {
-    const { recording } = this;
-    const { place } = this.view;
-    const entry = shownEntry ?? (recording.hasPicture(row) ? this.pictures.get(row) : undefined);
-    const ctx = this.parts.picture.getContext("2d");
-    ctx.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
-    ctx.clearRect(0, 0, place.size.width, place.size.height);
-    const frame = { x: place.x, y: place.y, w: recording.width * place.scale, h: recording.height * place.scale };
-    if (entry?.bitmap) {
-      ctx.imageSmoothingEnabled = place.scale < 4;
-      ctx.drawImage(entry.bitmap, frame.x, frame.y, frame.w, frame.h);
-    } else {
-      ctx.fillStyle = "#171C25";
-      ctx.fillRect(frame.x, frame.y, frame.w, frame.h);
-    }
-    if (this.layers.cost) this.cost.draw(ctx, frame, this.view.seen);
+    const entry = shownEntry ?? (this.recording.hasPicture(row) ? this.pictures.get(row) : undefined);
     const found = this.boxes.ofRow(row) ?? shownFound;
-    this.drawFound(ctx, found);
+    paintRow(this, entry, found);
     this.pictures.pin(entry ?? null);
     this.shown = { row, entry, found };
     this.isStale = false;
@@ -329,13 +228,24 @@ class Viewer {
 
   showState() {
     const row = this.shownRow;
-    const texts = [this.boxes.errorAt(row)];
+    const texts = [this.boxes.errorAt(row), this.hint];
     if (this.recording.hasPictures) {
       texts.push(this.recording.hasPicture(row) ? this.shown?.entry?.error : NO_PICTURE);
     } else texts.push("No pictures: boxes only");
     const isLate = !this.playing && this.row !== row && performance.now() - this.requestedAt > LOADING_TEXT_MS;
     if (isLate || this.shown === null) texts.unshift("Loading …");
     this.showMessage(texts.filter((text) => text)[0] ?? "");
+  }
+
+  // Words over the picture for a few seconds.
+  showHint(text) {
+    this.hint = text;
+    clearTimeout(this.hintTimer);
+    this.hintTimer = setTimeout(() => {
+      this.hint = "";
+      this.wake();
+    }, HINT_MS);
+    this.wake();
   }
 
   showMessage(text) {
@@ -359,9 +269,13 @@ class Viewer {
   }
 
   // at: the point of the canvas (CSS pixels) that stays where it is
-  zoomBy(factor, at = null) {
-    this.view.zoomBy(factor, at);
+  zoomTo(zoom, at = null) {
+    this.view.zoomTo(zoom, at);
     this.showView();
+  }
+
+  zoomStep(direction) {
+    this.zoomTo(this.view.nextZoom(direction));
   }
 
   moveBy(right, down) {
@@ -370,9 +284,53 @@ class Viewer {
   }
 
   showView() {
-    this.parts.picture.classList.toggle("movable", this.view.zoom > 1);
+    this.card.hide();
+    showScale(this);
     this.isStale = true;
     this.wake();
+  }
+
+  toggleLight() {
+    this.parts.light.setAttribute("aria-expanded", String(!this.lightPanel));
+    if (this.lightPanel) {
+      this.lightPanel.remove();
+      this.lightPanel = null;
+      this.root.focus({ preventScroll: true });
+      return;
+    }
+    const change = () => {
+      this.isStale = true;
+      this.wake();
+    };
+    this.lightPanel = makeLightPanel(this.light, change, () => this.toggleLight());
+    this.parts.stage.append(this.lightPanel);
+    this.lightPanel.querySelector("input").focus();
+  }
+
+  // whether anything lies over the picture that Escape takes away
+  get hasOpen() {
+    return Boolean(this.help || this.lightPanel || !this.card.part.hidden);
+  }
+
+  escape() {
+    if (this.help) this.toggleHelp();
+    else if (this.lightPanel) this.toggleLight();
+    else this.card.hide();
+  }
+
+  toggleFollow() {
+    if (this.chosen === null && !this.isFollowing) {
+      this.say("Choose a pedestrian first: click its box, or press k");
+      this.showHint("Choose a pedestrian first: click its box, or press k");
+      return;
+    }
+    this.isFollowing = !this.isFollowing;
+    this.parts.follow.setAttribute("aria-pressed", String(this.isFollowing));
+    this.showView();
+  }
+
+  reportChosen(encounter) {
+    this.reportChoice?.({ recording: this.sent.recording, encounter });
   }
 
   fullScreen() {
@@ -398,6 +356,9 @@ class Viewer {
     cancelAnimationFrame(this.request);
     clearTimeout(this.settleTimer);
     clearTimeout(this.loadingTimer);
+    clearTimeout(this.hintTimer);
+    this.dock?.destroy();
+    this.card.hide();
     this.observer.disconnect();
     document.removeEventListener("keydown", this.onPageKey);
     this.pictures.pin(null);

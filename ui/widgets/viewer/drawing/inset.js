@@ -1,0 +1,113 @@
+// Beside the whole picture: the chosen pedestrian four times as large, and, where the picture is
+// magnified, which part of it is seen.
+
+const INSET_SCALE = 4;
+const INSET_SHARE = 0.32; // of the canvas's width, and of its height a little more
+const INSET_MARGIN = 8;
+const MAP_PX = 110;
+const INSET_LINE = "#FFFFFF";
+
+// Where the chosen pedestrian stands in these boxes, in the recording's pixels; null: nowhere.
+function findTrack(found, track) {
+  if (!found || track === null) return null;
+  const { boxes } = found;
+  for (let i = found.start; i < found.stop; i += 1) {
+    if (boxes.source[i] === SOURCE.truth && boxes.track[i] === track) {
+      return { x: boxes.x[i], y: boxes.y[i], w: boxes.w[i], h: boxes.h[i] };
+    }
+  }
+  return null;
+}
+
+// The corner that is farthest from what is followed.
+function insetArea(size, centre) {
+  const w = Math.round(INSET_SHARE * size.width);
+  const h = Math.round(Math.min(INSET_SHARE * 1.3 * size.height, w));
+  const isLeft = centre.x > size.width / 2;
+  return { x: isLeft ? INSET_MARGIN : size.width - w - INSET_MARGIN, y: INSET_MARGIN, w, h };
+}
+
+function frameOf(ctx, area, text) {
+  ctx.lineWidth = 3;
+  ctx.strokeStyle = HALO;
+  ctx.strokeRect(area.x, area.y, area.w, area.h);
+  ctx.lineWidth = 1.5;
+  ctx.strokeStyle = INSET_LINE;
+  ctx.strokeRect(area.x, area.y, area.w, area.h);
+  if (!text) return;
+  ctx.font = LABEL_FONT;
+  ctx.textBaseline = "middle";
+  ctx.textAlign = "left";
+  const width = ctx.measureText(text).width + 8;
+  ctx.fillStyle = LABEL_GROUND;
+  ctx.fillRect(area.x, area.y, width, LABEL_HEIGHT + 2);
+  ctx.fillStyle = INSET_LINE;
+  ctx.fillText(text, area.x + 4, area.y + LABEL_HEIGHT / 2 + 1);
+}
+
+// The pedestrian of `box` with the boxes of truth, X and Y, larger than in the whole picture.
+function drawInset(viewer, ctx, found, entry, box) {
+  const { place } = viewer.view;
+  const { recording } = viewer;
+  const centre = { x: box.x + box.w / 2, y: box.y + box.h / 2 };
+  const area = insetArea(place.size, { x: place.x + centre.x * place.scale, y: place.y + centre.y * place.scale });
+  if (area.w < 60 || area.h < 60) return;
+  // a pedestrian that would not fit is drawn as large as fits
+  const fits = Math.min((0.8 * area.h) / box.h, (0.8 * area.w) / box.w);
+  const scale = Math.min(INSET_SCALE * viewer.view.fitScale, fits);
+  const inner = {
+    scale, x: area.x + area.w / 2 - centre.x * scale, y: area.y + area.h / 2 - centre.y * scale, size: place.size,
+  };
+  ctx.save();
+  ctx.beginPath();
+  ctx.rect(area.x, area.y, area.w, area.h);
+  ctx.clip();
+  ctx.fillStyle = "#171C25";
+  ctx.fillRect(area.x, area.y, area.w, area.h);
+  if (entry?.bitmap) {
+    ctx.imageSmoothingEnabled = scale < 4;
+    viewer.light.begin(ctx);
+    ctx.drawImage(entry.bitmap, inner.x, inner.y, recording.width * scale, recording.height * scale);
+    viewer.light.end(ctx);
+  }
+  drawBoxes(ctx, found, inner, { ...viewer.layers, labels: false }, viewer.sent.colours.picture, area);
+  ctx.restore();
+  const times = scale / viewer.view.fitScale;
+  frameOf(ctx, area, `#${viewer.chosen}, ${times.toFixed(times < 2 ? 1 : 0)}×`);
+}
+
+// Which part of the picture is seen, as a small map of it.
+function drawMap(viewer, ctx, entry) {
+  const { view, recording } = viewer;
+  if (view.zoom === 1) return;
+  const { scale, x, y, size } = view.place;
+  const w = Math.min(MAP_PX, 0.25 * size.width);
+  const h = (w * recording.height) / recording.width;
+  const area = { x: size.width - w - INSET_MARGIN, y: size.height - h - INSET_MARGIN, w, h };
+  ctx.fillStyle = "#171C25";
+  ctx.fillRect(area.x, area.y, w, h);
+  if (entry?.bitmap) ctx.drawImage(entry.bitmap, area.x, area.y, w, h);
+  frameOf(ctx, area, "");
+  const share = w / recording.width;
+  const [left, top] = [Math.max(0, -x / scale), Math.max(0, -y / scale)];
+  const right = Math.min(recording.width, (size.width - x) / scale);
+  const bottom = Math.min(recording.height, (size.height - y) / scale);
+  ctx.strokeStyle = "#FFD84D";
+  ctx.lineWidth = 2;
+  ctx.strokeRect(area.x + left * share, area.y + top * share, (right - left) * share, (bottom - top) * share);
+}
+
+// Marks the chosen pedestrian in the whole picture.
+function markChosen(viewer, ctx, box) {
+  const { scale, x, y } = viewer.view.place;
+  const by = 7;
+  ctx.setLineDash([]);
+  const around = [x + box.x * scale - by, y + box.y * scale - by, box.w * scale + 2 * by, box.h * scale + 2 * by];
+  for (const [width, colour] of [[4, HALO], [2, INSET_LINE]]) {
+    ctx.lineWidth = width;
+    ctx.strokeStyle = colour;
+    ctx.beginPath();
+    ctx.roundRect(...around, 6);
+    ctx.stroke();
+  }
+}

@@ -1,0 +1,117 @@
+// The row that is asked for: moving about, playing, and having its picture and boxes loaded.
+
+const SETTLE_MS = 150;
+const PREFETCH = 12;
+const LOADING_TEXT_MS = 400;
+
+// What `Viewer` does without painting anything.
+class Player {
+  // ---- moving about
+
+  goTo(row, isFromPython = false) {
+    const { recording } = this;
+    if (!recording || recording.nRows === 0) return;
+    this.card.hide();
+    this.direction = row < this.row && !this.playing ? -1 : 1;
+    this.row = recording.clamp(row);
+    this.isSpokenEarly = false;
+    if (this.playing) this.startClock();
+    this.load();
+    showPosition(this, this.row);
+    this.wake();
+    clearTimeout(this.settleTimer);
+    if (isFromPython) this.settled = { recording: this.sent.recording, row: this.row, nonce: this.sent.seek[1] };
+    if (!this.playing) this.settleTimer = setTimeout(() => this.settle(), SETTLE_MS);
+    clearTimeout(this.loadingTimer);
+    this.loadingTimer = setTimeout(() => this.wake(), LOADING_TEXT_MS);
+    this.requestedAt = performance.now();
+  }
+
+  goToMiss(direction) {
+    const { misses } = this.strip;
+    const next = countUpTo(misses, this.row);
+    let index = next;
+    if (direction < 0) index = next > 0 && misses[next - 1] === this.row ? next - 2 : next - 1;
+    if (index >= 0 && index < misses.length) this.goTo(misses[index]);
+    else this.say(direction > 0 ? "No later miss" : "No earlier miss");
+  }
+
+  settle() {
+    if (this.playing || this.isDragging) return;
+    const now = { recording: this.sent.recording, row: this.row, nonce: this.sent.seek[1] };
+    this.speak();
+    const known = this.settled;
+    if (known && known.row === now.row && known.recording === now.recording && known.nonce === now.nonce) return;
+    this.settled = now;
+    this.report(now);
+  }
+
+  playPause() {
+    if (this.playing) {
+      this.pause(true);
+      return;
+    }
+    const { recording } = this;
+    if (this.row >= recording.nRows - 1) this.goTo(0);
+    clearTimeout(this.settleTimer);
+    this.startClock();
+    this.direction = 1;
+    this.showPlaying();
+    this.wake();
+  }
+
+  startClock() {
+    this.playing = { position: this.recording.clock[this.row], from: this.row, at: null };
+  }
+
+  pause(isReported) {
+    if (!this.playing) return;
+    this.playing = null;
+    this.showPlaying();
+    if (isReported) this.goTo(this.shownRow);
+  }
+
+  // the end of the recording
+  stopAt(row) {
+    this.pause(false);
+    this.goTo(row);
+  }
+
+  showPlaying() {
+    const { play } = this.parts;
+    play.replaceChildren(svg(ICONS[this.playing ? "pause" : "play"]));
+    play.setAttribute("aria-label", this.playing ? "Pause" : "Play");
+    this.root.dataset.playing = String(Boolean(this.playing));
+  }
+
+  // ---- loading
+
+  isReady(row) {
+    const hasPicture = !this.recording.hasPicture(row) || this.pictures.get(row) !== undefined;
+    return hasPicture && this.boxes.isReady(row);
+  }
+
+  load() {
+    const { recording } = this;
+    if (!recording || recording.nRows === 0) return;
+    this.boxes.want(this.row);
+    if (!recording.hasPictures) return;
+    const rows = [this.row];
+    const stride = this.playing ? rowsPerPicture(this) : 1;
+    const ahead = this.isDragging ? 0 : PREFETCH;
+    // clamped: long strides must not step over the last row, where playing ends
+    for (let step = 1; step <= ahead; step += 1) rows.push(recording.clamp(this.row + this.direction * stride * step));
+    const wanted = [...new Set(rows)].filter((row) => recording.hasPicture(row));
+    this.pictures.want(wanted, this.isDragging ? 1 : REQUESTS);
+  }
+
+  onPicture(row) {
+    if (row === this.row || this.playing) this.wake();
+    else if (this.isDragging && this.isReady(row)) this.wake(row);
+  }
+
+  onBoxes(start, stop) {
+    if (this.shown && this.shown.row >= start && this.shown.row < stop) this.isStale = true;
+    this.wake();
+  }
+}
