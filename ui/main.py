@@ -7,7 +7,17 @@ import streamlit as st
 from nvcore.errors import NvcoreError
 from ui.ratings import links
 from ui.session import state
-from ui.shell import account, back, live_params, sidebar, systems, tab_restore, title, way_out
+from ui.shell import (
+    account,
+    back,
+    dragging,
+    live_params,
+    sidebar,
+    systems,
+    tab_restore,
+    title,
+    way_out,
+)
 from ui.shell.messages import error_banner, shown_error
 from ui.shell.navigate import follow_wish
 from ui.shell.pages import all_pages, draw_bar, is_folded_on, shown_on
@@ -68,3 +78,4 @@ if wrong_params is not None and not links.is_participant():  # something is open
         tab_restore.draw()
         back.draw()
         account.draw()
+        dragging.draw()

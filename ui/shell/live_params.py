@@ -14,8 +14,11 @@ from nvcore.params import SETTINGS, Params
 from nvcore.params.metadata import THRESHOLD, Setting
 from nvcore.params.presets import Preset
 from ui.session import state
+from ui.shell import dragging
 
 KEPT_NUMBERS: Final = 1e-9
+_DRAGGED: Final = "dragged_parameter"
+"""Under which name a run keeps the value of the slider that is being dragged."""
 
 
 def read() -> str:
@@ -29,6 +32,7 @@ def read() -> str:
     What is wrong with the values, for the sidebar; empty if nothing. The last parameters that
     worked then stay in use.
     """
+    st.session_state[_DRAGGED] = dragging.take_moved()
     values = {name: _read(name, setting) for name, setting in SETTINGS.items()}
     try:
         params = Params(**values)
@@ -55,6 +59,9 @@ def _lacks_horizon(params: Params) -> bool:
 
 def value_of(name: str) -> Any:
     """Value of the widget of a parameter; without one, that of the open session."""
+    dragged = st.session_state.get(_DRAGGED, {})
+    if name in dragged:  # its slider is in motion, and has its old value until it is let go
+        return dragged[name]
     if name in st.session_state:
         return st.session_state[name]
     return getattr(state.session_params(), name)
@@ -109,7 +116,7 @@ def of_share(name: str) -> float:
 
 def _of_height(name: str) -> float | None:
     session_value: float | None = getattr(state.session_params(), name)
-    widget_value: float | None = st.session_state.get(name)
+    widget_value: float | None = value_of(name)
     if widget_value is None:
         return session_value
     untouched = session_value is None and abs(widget_value - default_of_height(name)) < KEPT_NUMBERS

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+import streamlit as st
 from streamlit.testing.v1 import AppTest
 
 from nvcore.inputs.load import load
@@ -14,7 +15,7 @@ from nvcore.params.metadata import MATCH, PROXIMITY, RESULTS
 from pages import FRAMES, begin_with, checked, opened, rows, texts, write
 from ui.session import state
 from ui.session.workspace import Opened
-from ui.shell import pages
+from ui.shell import dragging, pages
 
 SCORED, CONSTANT = (
     "".join(f"night,{frame},300,200,40,120,0.{frame % n}\n" for frame in FRAMES) for n in (9, 1)
@@ -256,3 +257,32 @@ def test_the_costs_by_place_are_drawn_once_unfolded_and_say_what_they_follow_fro
     assert "Height by foot row, a line through" in texts(page)
     checked(page.selectbox(key="proximity").set_value("none").run())
     assert "Everybody weighs the same" in texts(page)
+
+
+def test_a_slider_in_motion_acts_for_its_run_and_keeps_its_own_value():
+    page = app(alpha="0.4")
+    page.session_state["dragging_moved"] = ("alpha", 0.75)
+    checked(page.run())
+    assert live(page).alpha == 0.75
+    assert page.slider(key="alpha").value == 0.4
+    checked(page.run())  # whatever else causes a run: the slider's value holds
+    assert live(page).alpha == 0.4
+
+
+@pytest.mark.parametrize(
+    "sent",
+    [
+        None,
+        "alpha",
+        {"name": "alpha", "value": 7.0, "id": 1},
+        {"name": "alpha", "value": float("nan"), "id": 1},
+        {"name": "alpha", "value": True, "id": 1},
+        {"name": "alpha", "value": "0.5", "id": 1},
+        {"name": "workspace", "value": 0.5, "id": 1},
+        {"name": ["alpha"], "value": 0.5, "id": 1},
+    ],
+)
+def test_what_a_browser_sends_of_a_slider_is_checked(sent, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(st, "session_state", {})
+    dragging.note(sent)
+    assert dragging.take_moved() == {}

@@ -1,0 +1,64 @@
+"""Parameters that act while their slider in the sidebar is dragged.
+
+Streamlit tells Python of a slider only when it is let go. A script of the page reads where the
+handle is meanwhile and sends that, one value at a time; for the run that it causes, and no longer,
+it holds in place of the slider's own value (`ui.shell.live_params`).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Final
+
+import streamlit as st
+
+from nvcore.errors import ParameterError
+from nvcore.params import SETTINGS
+
+KEY: Final = "dragging"
+_MOVED: Final = "dragging_moved"
+_ANSWERED: Final = "dragging_answered"
+_COMPONENT = st.components.v2.component(
+    "nvcore_dragging", js=Path(__file__).with_name("dragging.js").read_text(encoding="utf-8")
+)
+
+
+def draw() -> None:
+    """The invisible part of the page that watches the sliders; after all that they act on."""
+    data = {"names": list(SETTINGS), "answered": st.session_state.get(_ANSWERED, 0)}
+    _COMPONENT(key=KEY, height=1, data=data, on_drag_change=_note)
+
+
+def _note() -> None:
+    sent = st.session_state.get(KEY)
+    note(sent.get("drag") if isinstance(sent, Mapping) else None)
+
+
+def note(drag: Any) -> None:
+    """Keep where a slider is for the next run, if what the browser sends has a meaning."""
+    if not isinstance(drag, Mapping):
+        return
+    name, value, answered = (drag.get(key) for key in ("name", "value", "id"))
+    if isinstance(answered, int) and not isinstance(answered, bool):
+        st.session_state[_ANSWERED] = answered
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    if (
+        not isinstance(name, str)
+        or name not in SETTINGS
+        or not is_number
+        or not math.isfinite(value)
+    ):
+        return
+    try:
+        SETTINGS[name].check(name, float(value))
+    except ParameterError:
+        return
+    st.session_state[_MOVED] = (name, float(value))
+
+
+def take_moved() -> dict[str, float]:
+    """The parameter whose slider is being dragged and its value, once for a run; else nothing."""
+    moved = st.session_state.pop(_MOVED, None)
+    return {} if moved is None else {moved[0]: moved[1]}
