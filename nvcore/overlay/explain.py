@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -17,6 +18,8 @@ from nvcore.tables.box_states import gather_boxes
 from nvcore.wording import capitalised, number
 
 NOBODY: Final = -1
+MOST_BOXES: Final = 2000
+"""Boxes of a frame that are explained: each is compared with each."""
 SMALL: Final = 0.0005
 """Similarity of which less is lost than this is shown as 1.000."""
 
@@ -49,9 +52,11 @@ def explain_boxes(result: Result, row: int) -> list[BoxReason]:
     Parameters
     ----------
     row
-        Row of the frames table.
+        Row of the frames table. Of a frame with more than `MOST_BOXES` boxes nothing is told.
     """
     frame = _Frame(result, row)
+    if frame.n_boxes > MOST_BOXES:
+        return []
     reasons = [_pedestrian(frame, i) for i in range(len(frame.truth))]
     for letter in "xy":
         states = frame.state[letter]
@@ -110,16 +115,24 @@ class _Frame:
         edge_weight = in_use(result.params, "edge_weight", frames)
         self.border = border_of(self.truth, frames, edge_weight)
         self.boxes: dict[str, BoxColumns] = {}
-        self.state, self.overlaps, self.terms, self.det_border = {}, {}, {}, {}
+        self.state, self.terms, self.det_border = {}, {}, {}
         for letter, system in result.sides:
             detections = dataset.system(system.name)
             rows = self.rows[letter] = _rows_of(detections, row)
             boxes = self.boxes[letter] = _boxes_of(detections, rows)
             self.state[letter] = system.matches.state[rows]
-            self.overlaps[letter] = overlaps_of(self.truth, boxes)
             nearest = system.nearest.truth[self.rows["truth"]]
             self.terms[letter] = miss_terms(self.truth, self.k, nearest, frames, edge_weight)
             self.det_border[letter] = border_of(boxes, frames, edge_weight)
+
+    @property
+    def n_boxes(self) -> int:
+        return len(self.truth) + sum(len(boxes) for boxes in self.boxes.values())
+
+    @cached_property
+    def overlaps(self) -> dict[str, np.ndarray]:
+        """IoU of each truth box with each detection, by system."""
+        return {letter: overlaps_of(self.truth, boxes) for letter, boxes in self.boxes.items()}
 
     def name(self, i: int) -> str:
         track = int(self.result.tracks.track[self.rows["truth"]][i])

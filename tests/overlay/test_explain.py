@@ -7,6 +7,7 @@ import pytest
 from builders import at, make_dataset, result_of
 
 from nvcore.comparison import Result
+from nvcore.overlay import explain
 from nvcore.overlay.explain import explain_boxes, explain_similarity, overlaps_of
 from nvcore.tables.box_states import gather_boxes
 
@@ -89,6 +90,13 @@ def test_boxes_are_explained_in_the_order_in_which_they_are_drawn():
         "Detection of X: matches pedestrian 1",
     ]
     assert explain_boxes(result, 0) == []
+
+
+def test_a_frame_with_very_many_boxes_is_not_explained(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(explain, "MOST_BOXES", 1)
+    result = result_of(make_dataset([at(0, 50)], [at(0, 50)]))
+    assert explain_boxes(result, 0) == []
+    assert "Nothing that costs is missed" in explain_similarity(result, 0, "x")
 
 
 def test_overlap_is_intersection_over_union():
