@@ -96,6 +96,8 @@ async def boxes(request: Request) -> Response:
 async def reasons(request: Request) -> Response:
     """What each box of a row counts and costs with the newest settings, in words."""
     space = workspace_of(request.path_params["token"])
+    if not _is_owner(request, space):
+        return _of_somebody_else()
     compared = None if space is None else space.compared
     if compared is None:
         return _not_found("the session has ended, or nothing is compared yet")

@@ -190,12 +190,12 @@ def test_frames_boxes_and_uploads_are_for_the_owner_alone(space: Workspace, behi
     space.owner = owner
 
     def statuses(**headers: str) -> list[int]:
-        rests = ("frame/0/0.jpg", "boxes/0/0")
+        rests = ("frame/0/0.jpg", "boxes/0/0", "reasons/0/0")
         asked = [ask(f"{address(space)}/{rest}", headers=headers).status for rest in rests]
         return [*asked, put(f"{address(space)}/upload/pictures?name=a", b"x", **headers).status]
 
-    assert statuses() == statuses(**header(cookies("bert"))) == [403] * 3
-    assert statuses(**header(cookies("anna"))) == [404, 404, 415]
+    assert statuses() == statuses(**header(cookies("bert"))) == [403] * 4
+    assert statuses(**header(cookies("anna"))) == [404, 404, 404, 415]
 
 
 def test_pages_of_others_and_names_of_others_are_refused():
