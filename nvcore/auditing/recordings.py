@@ -7,9 +7,10 @@ from typing import Final
 import numpy as np
 
 from nvcore.auditing.cases import TRUTH_NAME, recording_findings
-from nvcore.auditing.scales import KITTI_SIZES, SIZES
+from nvcore.auditing.scales import SIZES
 from nvcore.dataset import Dataset
 from nvcore.findings import Finding, Severity
+from nvcore.inputs.proposals import KITTI_SIZES
 
 MIN_BOXES: Final = 200
 """Fewer boxes than this may well leave most of the picture empty."""

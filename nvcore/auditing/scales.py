@@ -20,8 +20,6 @@ SIZES: Final = (
     (1280, 1024), (1920, 1080),
 )  # fmt: skip
 """Usual input sizes of networks and picture sizes, px."""
-KITTI_SIZES: Final = ((1242, 375), (1241, 376), (1238, 374), (1224, 370))
-"""Sizes of the recordings of KITTI, the usual one first."""
 SNAP: Final = 0.015
 """A measured ratio that is as near to a usual one as this is taken for it."""
 MIN_ASPECT: Final = 0.1

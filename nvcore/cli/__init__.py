@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,6 +18,7 @@ from nvcore.cli.gate import gate
 from nvcore.cli.options import (
     OUTPUT,
     GroupedCommand,
+    examples,
     grouped_option,
     input_options,
     parameter_options,
@@ -28,9 +30,10 @@ from nvcore.cli.program import Program
 from nvcore.cli.report import report
 from nvcore.cli.session_options import session_from
 from nvcore.cli.steps import (
+    errors_of,
     exit_on_findings,
     findings_at_paths,
-    pasteable_errors,
+    refuse_among_inputs,
     refuse_to_replace,
 )
 from nvcore.errors import InputError
@@ -87,13 +90,24 @@ class _Steps:
 @click.group(
     cls=Program,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+    epilog=examples(
+        "nvcore compare sample_data/session.toml", "nvcore app", "nvcore compare --help"
+    ),
 )
 @click.version_option(__version__, prog_name="nvcore")
 def main() -> None:
     """Compare two pedestrian-detection systems by what the driver notices."""
 
 
-@main.command(cls=GroupedCommand)
+@main.command(
+    cls=GroupedCommand,
+    epilog=examples(
+        "nvcore compare night.toml",
+        "nvcore compare --truth gt.csv --x fir.csv --y nir.csv --size 640x480 --fps 20 --out night",
+        "nvcore compare --truth drives --x 'drives/*/fir/det.txt' --y 'drives/*/nir/det.txt'",
+        "nvcore compare night.toml --alpha 0.8 --proximity distance --json",
+    ),
+)
 @input_options
 @grouped_option(
     OUTPUT,
@@ -119,13 +133,13 @@ def compare(out: Path | None, as_json: bool, strict: bool, **options: Any) -> No
     from nvcore.comparison import compare
     from nvcore.inputs.files import paths_to_show
     from nvcore.inputs.load import load
-    from nvcore.report.files import summary_json, write_report
+    from nvcore.report.files import REPORT_FILES, summary_json, write_report
     from nvcore.report.terminal import render_findings, render_inputs, render_scorecard
 
     session = session_from(options, needs_y=True)
-    _keep_inputs(session, options["session_file"], out)
+    _keep_inputs(session, options["session_file"], out, REPORT_FILES)
     n_steps = 6 + len(session.systems) + (10 if out is not None else 0)
-    with pasteable_errors(session.folder, session.sources), _Steps(n_steps) as steps:
+    with errors_of(session), _Steps(n_steps) as steps:
         dataset = load(session, progress=steps)
         steps.begin("auditing the inputs")
         findings = audit(dataset)
@@ -149,36 +163,49 @@ def compare(out: Path | None, as_json: bool, strict: bool, **options: Any) -> No
     exit_on_findings(findings, strict)
 
 
-def _keep_inputs(session: Session, file: Path | None, out: Path | None) -> None:
-    """Refuse to write the report over its inputs; a session.toml it wrote itself may be."""
+def _keep_inputs(
+    session: Session, file: Path | None, out: Path | None, names: Iterable[str]
+) -> None:
+    """Refuse to write files into a folder of inputs or over one of them.
+
+    A session.toml that the program wrote itself may be written again.
+    """
     if out is None:
         return
+    names = [*names]
     is_written_by_hand = not session.hashes
     if (
         file is not None
         and is_written_by_hand
+        and "session.toml" in names
         and file.resolve() == (out / "session.toml").resolve()
     ):
         raise click.UsageError("the report would replace the session file; give another --out")
-    from nvcore.report.keep_inputs import files_read, input_folder_around
-    from nvcore.tables.columns import REPORT_COLUMNS
+    from nvcore.report.keep_inputs import files_read
 
-    inputs = input_folder_around(out, session)
-    if inputs is not None:
-        raise click.UsageError(
-            one_line(f"{out} lies in the folder of inputs {inputs}; give another --out")
-        )
-    refuse_to_replace(
-        (out / name for name in (*REPORT_COLUMNS, "summary.json")), files_read(session)
-    )
+    refuse_among_inputs(out, session)
+    refuse_to_replace((out / name for name in names if name != "session.toml"), files_read(session))
 
 
-@main.command(cls=GroupedCommand)
+@main.command(
+    cls=GroupedCommand,
+    epilog=examples(
+        "nvcore check night.toml --out audit",
+        "nvcore check --truth drives/A/gt/gt.txt --x fir.txt --size 640x480 --fps 20 --strict",
+    ),
+)
 @input_options
+@grouped_option(
+    OUTPUT,
+    "--out",
+    type=click.Path(file_okay=False, path_type=Path),
+    metavar="DIR",
+    help="Write findings.csv, the whole audit, into this folder.",
+)
 @grouped_option(OUTPUT, "--strict", is_flag=True, help="Warnings give exit code 1, too.")
 @grouped_option(THRESHOLD.group, "--threshold-x", type=float, help="Audit X at this threshold.")
 @grouped_option(THRESHOLD.group, "--threshold-y", type=float, help="Audit Y at this threshold.")
-def check(strict: bool, **options: Any) -> None:
+def check(out: Path | None, strict: bool, **options: Any) -> None:
     """Audit the inputs without scoring them.
 
     Exit code 0: no errors, 1: errors (with --strict: or warnings), 2: bad input.
@@ -186,19 +213,25 @@ def check(strict: bool, **options: Any) -> None:
     from nvcore.auditing import audit
     from nvcore.inputs.files import paths_to_show
     from nvcore.inputs.load import load
+    from nvcore.report.files import AUDIT_FILES, write_audit
     from nvcore.report.terminal import render_dataset, render_findings
 
     session = session_from(options, needs_y=False)
+    _keep_inputs(session, options["session_file"], out, AUDIT_FILES)
     with (
-        pasteable_errors(session.folder, session.sources),
+        errors_of(session),
         _Steps(4 + len(session.systems)) as steps,
     ):
         dataset = load(session, progress=steps)
         steps.begin("auditing the inputs")
         findings = audit(dataset)
+        if out is not None:
+            write_audit(out, findings)
     paths = paths_to_show(session.folder, session.sources)
     click.echo(render_dataset(_for_terminal(dataset, paths)))
     click.echo("\n" + render_findings(findings_at_paths(findings, paths)))
+    if out is not None:
+        click.echo(one_line(f"written to {out}"), err=True)
     exit_on_findings(findings, strict)
 
 
@@ -209,7 +242,10 @@ main.add_command(report)
 main.add_command(app)
 
 
-@main.command(short_help="Generate the sample recordings again.")
+@main.command(
+    short_help="Generate the sample recordings again.",
+    epilog=examples("nvcore sample somewhere/else"),
+)
 @click.argument("folder", default="sample_data", type=click.Path(file_okay=False, path_type=Path))
 def sample(folder: Path) -> None:
     """Generate the sample recordings again, into FOLDER (default: sample_data)."""

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import click
 
+from nvcore.cli.options import examples
 from nvcore.errors import InputError
 from nvcore.extras import PACKAGES, needs
 from nvcore.inputs.session_toml import read_session
@@ -15,7 +16,10 @@ from nvcore.inputs.session_toml import read_session
 PACKAGE = Path(__file__).resolve().parents[1]
 
 
-@click.command(short_help="Start the dashboard.")
+@click.command(
+    short_help="Start the dashboard.",
+    epilog=examples("nvcore app", "nvcore app night.toml --local-root /path/to/drives"),
+)
 @click.argument(
     "session", required=False, type=click.Path(dir_okay=False, path_type=Path), metavar="[SESSION]"
 )

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from nvcore.cli.options import format_option, reading_options
+from nvcore.cli.options import examples, format_option, reading_options
 from nvcore.cli.session_options import size_option, source_options
 from nvcore.cli.steps import findings_at_paths, pasteable_errors
 from nvcore.inputs.session import Source
@@ -25,9 +25,22 @@ def _reading_options(command: Any) -> Any:
     return command
 
 
-@click.command()
+@click.command(
+    epilog=examples(
+        "nvcore convert drives --to csv --out truth.csv",
+        "nvcore convert results.json --role detections --truth truth.json --to mot --out drives",
+    )
+)
 @click.argument("source", metavar="INPUT")
-@click.argument("target", metavar="OUTPUT", type=click.Path(path_type=Path))
+@click.argument(
+    "target", metavar="[OUTPUT]", required=False, type=click.Path(path_type=Path), default=None
+)
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    metavar="OUTPUT",
+    help="The same as OUTPUT, for those who like a flag.",
+)
 @click.option(
     "--to",
     "to",
@@ -55,7 +68,8 @@ def _reading_options(command: Any) -> Any:
 @_reading_options
 def convert(
     source: str,
-    target: Path,
+    target: Path | None,
+    out: Path | None,
     to: str | None,
     role: str | None,
     frames_out: Path | None,
@@ -71,6 +85,10 @@ def convert(
     from nvcore.inputs.files import paths_to_show
     from nvcore.report.terminal import render_findings
 
+    if (target is None) == (out is None):
+        raise click.UsageError("give the file or folder to write once: as OUTPUT or --out OUTPUT")
+    target = target or out
+    assert target is not None
     kind: Role = "detections" if role == "detections" else "truth"
     if frames_out is not None and kind == "detections":
         raise click.UsageError("--frames-out is for ground truth, whose frames are evaluated")

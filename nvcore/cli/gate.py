@@ -12,6 +12,7 @@ import click
 from nvcore.cli.options import (
     OUTPUT,
     GroupedCommand,
+    examples,
     grouped_option,
     input_options,
     parameter_options,
@@ -21,8 +22,9 @@ from nvcore.cli.program import BadInput
 from nvcore.cli.session_options import session_from
 from nvcore.cli.steps import (
     compare_session,
+    errors_of,
     findings_at_paths,
-    pasteable_errors,
+    refuse_among_inputs,
     refuse_to_replace,
 )
 from nvcore.errors import InputError, NvcoreError
@@ -46,28 +48,48 @@ class _GateCommand(GroupedCommand):
         try:
             return super().parse_args(ctx, args)
         except click.UsageError as error:
-            junit, markdown_file = (
-                _value_of(flag, arguments) for flag in ("--junit", "--markdown")
-            )
-            _write_problem(junit, markdown_file, error.format_message())
+            values = (_value_of(flag, arguments) for flag in ("--out", "--junit", "--markdown"))
+            _write_problem(*_result_files(*values), error.format_message())
             raise
 
     def invoke(self, ctx: click.Context) -> Any:
         try:
             return super().invoke(ctx)
         except click.ClickException as error:
-            _write_problem(ctx.params["junit"], ctx.params["markdown_file"], error.format_message())
+            _write_problem(*self._files(ctx), error.format_message())
             raise
         except NvcoreError as error:
-            _write_problem(ctx.params["junit"], ctx.params["markdown_file"], str(error))
+            _write_problem(*self._files(ctx), str(error))
             raise
+
+    @staticmethod
+    def _files(ctx: click.Context) -> tuple[Path | None, Path | None]:
+        names = ("out", "junit", "markdown_file")
+        return _result_files(*(ctx.params[name] for name in names))
+
+
+def _result_files(
+    out: Path | None, junit: Path | None, markdown_file: Path | None
+) -> tuple[Path | None, Path | None]:
+    """Where the outcomes go as JUnit XML and as Markdown; of a folder the files in it."""
+    if out is None:
+        return junit, markdown_file
+    return junit or out / "gate.xml", markdown_file or out / "gate.md"
 
 
 def _file_type() -> click.Path:
     return click.Path(dir_okay=False, allow_dash=True, path_type=Path)
 
 
-@click.command(cls=_GateCommand, short_help="Exit with 1 if a rule does not hold.")
+@click.command(
+    cls=_GateCommand,
+    short_help="Exit with 1 if a rule does not hold.",
+    epilog=examples(
+        "nvcore gate night.toml --rule 'new_misses == 0' --out gate",
+        "nvcore gate night.toml --rules rules.txt --strict",
+        "nvcore gate night.toml --list",
+    ),
+)
 @input_options
 @grouped_option(
     RULES,
@@ -92,6 +114,13 @@ def _file_type() -> click.Path:
 @protocol_option
 @grouped_option(
     OUTPUT,
+    "--out",
+    type=click.Path(file_okay=False, path_type=Path),
+    metavar="DIR",
+    help="Write the outcomes as gate.xml (JUnit) and gate.md into this folder.",
+)
+@grouped_option(
+    OUTPUT,
     "--junit",
     type=_file_type(),
     metavar="FILE",
@@ -111,6 +140,7 @@ def gate(
     rules_file: Path | None,
     strict: bool,
     lists: bool,
+    out: Path | None,
     junit: Path | None,
     markdown_file: Path | None,
     **options: Any,
@@ -129,6 +159,7 @@ def gate(
     from nvcore.report.keep_inputs import files_read
     from nvcore.report.terminal import render_findings
 
+    junit, markdown_file = _result_files(out, junit, markdown_file)
     files = [file for file in (junit, markdown_file) if file is not None]
     is_machine_read = _takes_standard_output(files, lists)
     outputs = [file for file in files if file != STANDARD]
@@ -140,8 +171,13 @@ def gate(
         raise click.UsageError(f"{problem}give a rule: --rule 'lamr_y <= 0.10', or --rules FILE")
     session = session_from(options, needs_y=True)
     refuse_to_replace(outputs, files_read(session))
+    if out is not None:
+        written = click.get_current_context().params
+        written["out"] = None  # in a folder of inputs not even what is wrong is written
+        refuse_among_inputs(out, session)
+        written["out"] = out
     _write_problem(junit, markdown_file, "it was stopped before it ended", prints=False)
-    with pasteable_errors(session.folder, session.sources):
+    with errors_of(session):
         result, findings = compare_session(session)
     names = measure_names() if lists else ()
     outcomes, values = run_gate(gate_rules, result, findings, strict=strict, names=names)

@@ -19,6 +19,8 @@ FACTS = "What the files do not say"
 CORRECTIONS = "Corrections"
 OUTPUT = "Output"
 """Headings of the help, beside those of the parameters and click's own."""
+DETECTION = "Detection measures"
+OTHER = "Other"
 
 
 class GroupedOption(click.Option):
@@ -30,7 +32,10 @@ class GroupedOption(click.Option):
 
 
 class GroupedCommand(click.Command):
-    """A command whose help has a heading for each group of options, in order of appearance."""
+    """A command whose help has a heading for each group of options.
+
+    What every run needs stands first, the settings of the measures last.
+    """
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the options, group by group."""
@@ -38,10 +43,24 @@ class GroupedCommand(click.Command):
         for param in self.get_params(ctx):
             record = param.get_help_record(ctx)
             if isinstance(param, click.Option) and record is not None:
-                groups.setdefault(getattr(param, "group", "Other"), []).append(record)
-        for name, records in groups.items():
+                groups.setdefault(getattr(param, "group", OTHER), []).append(record)
+        # a sort that leaves groups of one place as they are
+        for name, records in sorted(groups.items(), key=lambda item: _place(item[0])):
             with formatter.section(name):
                 formatter.write_dl(records)
+
+
+def _place(group: str) -> int:
+    """Where a group stands in the help; a command's own groups after its inputs."""
+    last = (DETECTION, *(setting.stage.group for setting in SETTINGS.values()), OTHER)
+    order = (INPUTS, "", OUTPUT, FACTS, READING, CORRECTIONS, *last)
+    return order.index(group if group in order else "")
+
+
+def examples(*lines: str) -> str:
+    """The end of a help text: command lines to start from, which click leaves as they are."""
+    title = "Example:" if len(lines) == 1 else "Examples:"
+    return "\n".join(["\b", title, *(f"  {line}" for line in lines)])
 
 
 def grouped_option(group: str, *names: str, **settings: Any) -> Callable[..., Any]:
@@ -90,7 +109,7 @@ def parameter_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
 
 protocol_option = grouped_option(
-    "Detection measures",
+    DETECTION,
     "--protocol",
     type=click.Choice(list(PROTOCOLS)),
     help="Which pedestrians count in the detection measures, such as the log-average miss rate "

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import click
@@ -9,6 +10,7 @@ import click
 from nvcore.cli.options import (
     OUTPUT,
     GroupedCommand,
+    examples,
     grouped_option,
     input_options,
     parameter_options,
@@ -18,10 +20,12 @@ from nvcore.cli.options import (
 from nvcore.cli.session_options import session_from
 from nvcore.cli.steps import (
     compare_session,
+    errors_of,
     exit_on_findings,
     findings_at_paths,
-    pasteable_errors,
+    refuse_to_replace,
 )
+from nvcore.output.files import write_whole
 from nvcore.wording import one_line
 
 # As in nvcore/cli/__init__.py, numpy and pandas are imported by the command only.
@@ -29,7 +33,14 @@ from nvcore.wording import one_line
 STUDY = "Study"
 
 
-@click.command(cls=GroupedCommand, short_help="Say how many recordings would show a difference.")
+@click.command(
+    cls=GroupedCommand,
+    short_help="Say how many recordings would show a difference.",
+    epilog=examples(
+        "nvcore plan night.toml --measure encounters_detected --difference 3%",
+        "nvcore plan night.toml --measure mean_similarity --margin 0.01 --out plan.json",
+    ),
+)
 @input_options
 @grouped_option(
     STUDY,
@@ -78,6 +89,13 @@ STUDY = "Study"
     show_default=True,
     help="Measures that the study will test, for which its p is corrected.",
 )
+@grouped_option(
+    OUTPUT,
+    "--out",
+    type=click.Path(dir_okay=False, path_type=Path),
+    metavar="FILE.json",
+    help="Write the plan as JSON into this file.",
+)
 @grouped_option(OUTPUT, "--json", "as_json", is_flag=True, help="Print the plan as JSON.")
 @strict_option
 @protocol_option
@@ -89,6 +107,7 @@ def plan(
     candidate: str,
     power: float,
     n_tests: int,
+    out: Path | None,
     as_json: bool,
     strict: bool,
     **options: Any,
@@ -105,12 +124,19 @@ def plan(
     from nvcore.evidence.planning.pilot import MIN_PILOT
     from nvcore.evidence.units import RECORDINGS
     from nvcore.inputs.files import paths_to_show
+    from nvcore.report.keep_inputs import files_read
     from nvcore.report.plan import plan_json, render_plan
     from nvcore.report.terminal import render_findings
 
     key = plan_key(measure)
+    if out is not None and out.suffix.lower() != ".json":  # no input by mistake
+        raise click.UsageError(
+            f"--out: expected a file that ends in .json, got {one_line(str(out))}"
+        )
     session = session_from(options, needs_y=True)
-    with pasteable_errors(session.folder, session.sources):
+    if out is not None:
+        refuse_to_replace([out], files_read(session))
+    with errors_of(session):
         result, findings = compare_session(session)
     study = plan_study(
         result,
@@ -125,9 +151,13 @@ def plan(
     row = study.evidence
     if row.unit != RECORDINGS or row.n < MIN_PILOT:
         raise InputError(study.sizes[0].reason)
+    if out is not None:
+        write_whole(out, plan_json(study).encode())
     paths = paths_to_show(session.folder, session.sources)
     click.echo(render_findings(findings_at_paths(findings, paths)) + "\n", err=as_json)
     click.echo(plan_json(study) if as_json else render_plan(study), nl=not as_json)
+    if out is not None:
+        click.echo(one_line(f"written to {out}"), err=True)
     exit_on_findings(findings, strict)
 
 

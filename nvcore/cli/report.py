@@ -11,6 +11,7 @@ import click
 from nvcore.cli.options import (
     OUTPUT,
     GroupedCommand,
+    examples,
     grouped_option,
     input_options,
     parameter_options,
@@ -20,9 +21,9 @@ from nvcore.cli.options import (
 from nvcore.cli.session_options import session_from
 from nvcore.cli.steps import (
     compare_session,
+    errors_of,
     exit_on_findings,
     findings_at_paths,
-    pasteable_errors,
     refuse_to_replace,
 )
 from nvcore.extras import needs
@@ -32,7 +33,11 @@ from nvcore.wording import one_line
 REPORT = "Report"
 
 
-@click.command(cls=GroupedCommand, short_help="Write the comparison as one HTML file.")
+@click.command(
+    cls=GroupedCommand,
+    short_help="Write the comparison as one HTML file.",
+    epilog=examples("nvcore report night.toml --out night.html"),
+)
 @input_options
 @protocol_option
 @grouped_option(
@@ -94,7 +99,7 @@ def report(
     session = session_from(options, needs_y=True)
     refuse_to_replace([out], files_read(session))
     progress = _terminal_progress()
-    with pasteable_errors(session.folder, session.sources):
+    with errors_of(session):
         result, findings = compare_session(session, progress=progress)
         write_html_report(
             *(result, session, findings, out),

@@ -9,6 +9,7 @@ from typing import Any, Final
 import click
 
 from nvcore.cli.options import flag_of
+from nvcore.errors import SessionError
 from nvcore.inputs.session import (
     RecordingsFile,
     Session,
@@ -21,6 +22,7 @@ from nvcore.inputs.session import (
 from nvcore.inputs.session_toml import read_session
 from nvcore.params import SETTINGS, params_from
 from nvcore.protocols import PROTOCOLS
+from nvcore.wording import one_line
 
 OF_FILES: Final = (
     "format_",
@@ -46,7 +48,7 @@ def session_from(options: dict[str, Any], *, needs_y: bool) -> Session:
     """
     given = {name: options[name] for name in SETTINGS if options.get(name) is not None}
     if options["session_file"] is not None:
-        return _from_file(options, given)
+        return _from_file(options, given, needs_y=needs_y)
     if not options["truth"] or not options["x_paths"] or (needs_y and not options["y_paths"]):
         expected = (
             "--truth, --x and --y; to audit a single system use nvcore check"
@@ -101,7 +103,7 @@ def _with_facts(session: Session, options: dict[str, Any]) -> Session:
     )
 
 
-def _from_file(options: dict[str, Any], given: dict[str, Any]) -> Session:
+def _from_file(options: dict[str, Any], given: dict[str, Any], *, needs_y: bool) -> Session:
     if options["truth"] or options["x_paths"] or options["y_paths"]:
         raise click.UsageError("give a session file or --truth, --x and --y, not both")
     for name in OF_FILES:
@@ -111,7 +113,7 @@ def _from_file(options: dict[str, Any], given: dict[str, Any]) -> Session:
                 f"{flag} is for files named by flags; in a session file write it under [truth] "
                 "or [[system]]"
             )
-    session = _with_facts(read_session(options["session_file"]), options)
+    session = _with_facts(_read(options["session_file"], needs_y=needs_y), options)
     protocol = options.get("protocol")
     session = replace(
         session,
@@ -121,6 +123,36 @@ def _from_file(options: dict[str, Any], given: dict[str, Any]) -> Session:
         protocol=session.protocol if protocol is None else PROTOCOLS[protocol],
     )
     return replace(session, systems=_corrected(session, options))
+
+
+def _read(path: Path, *, needs_y: bool) -> Session:
+    """The session file; annotations in its place say by which flag they are given."""
+    try:
+        return read_session(path)
+    except SessionError as error:
+        is_no_toml = isinstance(error.__cause__, ValueError | IsADirectoryError)
+        advice = _advice_on(path, needs_y=needs_y) if is_no_toml else None
+        if advice is None:
+            raise
+        raise click.UsageError(one_line(f"{path} is no session file (TOML): {advice}")) from error
+
+
+def _advice_on(path: Path, *, needs_y: bool) -> str | None:
+    """What a file or folder is that is no session file, and how it is given; None: unknown."""
+    from nvcore.file_kinds import binary_kind
+    from nvcore.inputs.proposals import looks_like
+
+    likeness = looks_like(path)
+    if likeness is None:
+        kind = None if path.is_dir() else binary_kind(path.read_bytes()[:4096])
+        return None if kind is None else f"it is {kind}"
+    file_format, role = likeness
+    others = "--x FILE and --y FILE" if needs_y else "--x FILE"
+    if role == "truth":
+        use = f"use --truth {path}, with the detections as {others}"
+    else:
+        use = f"use --x {path}, with the ground truth as --truth FILE"
+    return f"it looks like {file_format.title}: {use}"
 
 
 def _corrected(session: Session, options: dict[str, Any]) -> tuple[SystemSource, ...]:

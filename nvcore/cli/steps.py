@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from nvcore.errors import InputError
+from nvcore.errors import InputError, MissingFactError
 from nvcore.inputs.session import Session, Source
 from nvcore.progress import Progress, no_progress
 from nvcore.wording import one_line
@@ -18,6 +18,7 @@ from nvcore.wording import one_line
 if TYPE_CHECKING:
     from nvcore.comparison import Result
     from nvcore.findings import Finding
+    from nvcore.inputs.proposals import UsualInputs
     from nvcore.inputs.readers.base import Role
 
 # Nothing here imports numpy, pandas or numba before it is called.
@@ -39,6 +40,17 @@ def refuse_to_replace(outputs: Iterable[Path], inputs: Iterable[Path]) -> None:
     if clash is not None:
         raise click.UsageError(
             one_line(f"{clash} is an input, and would be replaced; give another file to write")
+        )
+
+
+def refuse_among_inputs(out: Path, session: Session) -> None:
+    """A usage error if the folder to write lies in a folder of inputs, whose files are all read."""
+    from nvcore.report.keep_inputs import input_folder_around
+
+    inputs = input_folder_around(out, session)
+    if inputs is not None:
+        raise click.UsageError(
+            one_line(f"{out} lies in the folder of inputs {inputs}; give another --out")
         )
 
 
@@ -66,6 +78,71 @@ def exit_on_findings(findings: Iterable[Finding], strict: bool) -> None:
     bad = {"error", "warning"} if strict else {"error"}
     if any(finding.severity.value in bad for finding in findings):
         raise SystemExit(EXIT_FINDINGS)
+
+
+@contextmanager
+def errors_of(session: Session) -> Iterator[None]:
+    """Within it, errors name files as `pasteable_errors` says, and propose what is missing."""
+    with pasteable_errors(session.folder, session.sources):
+        try:
+            yield
+        except MissingFactError as error:
+            proposal = _proposal(session, error.facts)
+            if not proposal:
+                raise
+            raise InputError(
+                f"{error.message}. {proposal}", file=error.file, line=error.line
+            ) from error
+
+
+def _proposal(session: Session, facts: Iterable[str]) -> str:
+    """Size and frame rate of the session's pictures, or usual in the truth's format; empty: none.
+
+    As the dashboard proposes them.
+    """
+    wanted = {"size", "fps"} & set(facts)
+    sizes_and_rates = _of_pictures(session) if wanted else None
+    if sizes_and_rates is not None:
+        name, size, fps = sizes_and_rates
+        flags = [f"--size {size[0]}x{size[1]}"] * ("size" in wanted)
+        flags += [f"--fps {fps:g}"] * ("fps" in wanted and fps is not None)
+        if flags:
+            return one_line(f"The pictures {name} have {' and '.join(flags)}")
+    usual = _usual(session) if wanted else None
+    if usual is None:
+        return ""
+    width, height = usual.size
+    flags = [f"--size {width}x{height} (some of its recordings have {usual.others})"] * (
+        "size" in wanted
+    )
+    flags += [f"--fps {usual.fps:g}"] * ("fps" in wanted and usual.fps is not None)
+    return f"Usual in {usual.name}: {' and '.join(flags)}" if flags else ""
+
+
+def _of_pictures(session: Session) -> tuple[str, tuple[int, int], float | None] | None:
+    """Path, size (px) and frame rate (1/s) of the first pictures that can be opened."""
+    paths = [entry.pictures for entry in session.recordings if entry.pictures is not None]
+    with suppress(ImportError):  # without the extra `report` no picture is opened
+        from nvcore.pictures.open import open_pictures
+
+        for path in paths:
+            with suppress(InputError):
+                pictures = open_pictures(session.folder / path)
+                try:
+                    return path, (pictures.width, pictures.height), pictures.fps
+                finally:
+                    pictures.close()
+    return None
+
+
+def _usual(session: Session) -> UsualInputs | None:
+    """What most recordings in the truth's format have."""
+    from nvcore.inputs.files import find_files
+    from nvcore.inputs.proposals import USUAL_INPUTS
+
+    with suppress(InputError):
+        return USUAL_INPUTS.get(find_files(session.truth, session.folder, "truth")[1].name)
+    return None
 
 
 @contextmanager

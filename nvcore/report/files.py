@@ -16,6 +16,7 @@ import pandas as pd
 
 from nvcore import __version__
 from nvcore.comparison import Result
+from nvcore.errors import InputError
 from nvcore.evidence.companions import Companions, are_unequal, find_companions
 from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.evidence.table import evidence_table
@@ -47,6 +48,10 @@ ZIP_TIME: Final = (1980, 1, 1, 0, 0, 0)
 
 REPORT_FILES: Final = (*REPORT_COLUMNS, "summary.json", "session.toml")
 """The files that a report may have, and `nvcore.output.files.MANIFEST`."""
+
+
+AUDIT_FILES: Final = ("findings.csv",)
+"""The files that the audit by itself writes."""
 
 
 def export_files(
@@ -139,6 +144,20 @@ def write_report(
         If the folder cannot be written to.
     """
     write_run(folder, _file_contents(result, session, findings, progress), known=REPORT_FILES)
+
+
+def write_audit(folder: Path, findings: tuple[Finding, ...]) -> None:
+    """Write what the audit found into a folder, as `write_report` does.
+
+    Raises
+    ------
+    InputError
+        If the folder cannot be written to, or holds the report of a comparison.
+    """
+    if (folder / "summary.json").exists():  # of which only a part would be replaced
+        raise InputError("holds the report of a comparison; give another folder", file=folder)
+    contents = [("findings.csv", to_csv_bytes(findings_table(findings)))]
+    write_run(folder, contents, known=AUDIT_FILES)
 
 
 def report_zip(

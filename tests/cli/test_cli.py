@@ -206,7 +206,7 @@ def test_formats_by_flag_are_taken(folder: Path, tmp_path: Path):
 BAD = [
     ((), "give a session file, or --truth, --x and --y"),
     (("--truth", "truth.csv", "--x", "fir.csv"), "to audit a single system use nvcore check"),
-    (("truth.csv",), "truth.csv: is not TOML"),
+    (("tale.txt",), "tale.txt: is not TOML"),
     (("s.toml", "--truth", "truth.csv"), "give a session file or --truth, --x and --y, not both"),
     (("GOOD", "--size", "640"), "--size: expected a size such as 640x480, got '640'"),
     (("GOOD", "--match", "best"), "'best' is not one of 'iou', 'lateral'"),

@@ -9,8 +9,8 @@ from typing import Any, Final
 
 import streamlit as st
 
-from nvcore.auditing.scales import KITTI_SIZES
 from nvcore.errors import MediaError
+from nvcore.inputs.proposals import USUAL_INPUTS, UsualInputs
 from nvcore.inputs.readers import FORMATS
 from nvcore.inputs.readers.base import Role
 from nvcore.inputs.session import Session
@@ -69,28 +69,6 @@ class MissingInputs:
             fps=self.fps or session.fps,
             frames=checked_frames(self.frames or "") or session.frames,
         )
-
-
-@dataclass(frozen=True)
-class UsualInputs:
-    """What most recordings in a format have, and which other sizes (px) there are.
-
-    Without a frame rate (1/s) they are single pictures.
-    """
-
-    size: tuple[int, int]
-    fps: float | None
-    name: str
-    others: str
-
-
-_USUAL, *_OTHERS = KITTI_SIZES
-_OF_KITTI: Final = ("KITTI", " or ".join(f"{w} × {h}" for w, h in sorted(_OTHERS)))
-USUAL_INPUTS: Final = {
-    "kitti-tracking": UsualInputs(_USUAL, 10.0, *_OF_KITTI),
-    "kitti-object": UsualInputs(_USUAL, None, *_OF_KITTI),
-}
-"""By the name of the format."""
 
 
 def ask_for_missing(

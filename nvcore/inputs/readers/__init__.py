@@ -7,6 +7,7 @@ from typing import Final
 
 from nvcore.errors import UnknownFormatError
 from nvcore.file_kinds import binary_kind
+from nvcore.inputs.proposals import formats_meant
 from nvcore.inputs.readers.base import (
     Format,
     Reading,
@@ -95,8 +96,12 @@ def format_named(name: str) -> Format:
     for candidate in FORMATS:
         if candidate.name == name:
             return candidate
-    names = ", ".join(sorted(candidate.name for candidate in FORMATS))
-    raise UnknownFormatError(f"there is no format {name!r}; the formats are {names}")
+    names = sorted(candidate.name for candidate in FORMATS)
+    meant = " or ".join(map(repr, formats_meant(name, names)))
+    question = f"did you mean {meant}? The" if meant else "the"
+    raise UnknownFormatError(
+        f"there is no format {name!r}; {question} formats are {', '.join(names)}"
+    )
 
 
 def detect_format(files: Sequence[SourceFile], role: Role) -> Format:
