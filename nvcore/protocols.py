@@ -75,6 +75,10 @@ class Protocol:
     expand: float | None = None
 
     def __post_init__(self) -> None:
+        for name in ("height_px", "aspect", "border_px"):  # written the same after it was read
+            numbers = getattr(self, name)
+            if numbers is not None:
+                object.__setattr__(self, name, tuple(map(float, numbers)))
         for name in ("height_px", "aspect"):
             low, high = getattr(self, name)
             if not 0 <= low <= high or low == math.inf:

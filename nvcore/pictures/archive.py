@@ -87,7 +87,8 @@ class Archive:
             _check_directory(path, self._limits)
             self._zip = zipfile.ZipFile(path)
         try:
-            members = [member for member in self._zip.infolist() if not member.is_dir()]
+            # by the name, not by is_dir, which fails where there is none
+            members = [item for item in self._zip.infolist() if not item.filename.endswith("/")]
             self._check(members, path)
             self._members = {
                 member.filename: member for member in members if not _is_added(member.filename)

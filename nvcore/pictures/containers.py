@@ -94,6 +94,12 @@ def open_container(path: Path, container_format: str, name: str) -> tuple[Any, A
         ]
         if not streams:
             raise MediaError("holds no pictures, only sound or data", file=name)
+        if streams[0].codec_context is None:
+            raise MediaError(
+                "its pictures are coded in a way that is not known here; convert it (MP4 with "
+                "H.264 is sure)",
+                file=name,
+            )
         check_size(streams[0].width or 1, streams[0].height or 1, name)
     except MediaError:
         container.close()

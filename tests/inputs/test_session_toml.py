@@ -140,6 +140,15 @@ def test_any_threshold_and_any_name_survive(threshold: float, name: str):
     assert (table["name"], table["threshold"]) == (name, threshold)
 
 
+def test_filters_in_whole_numbers_are_written_the_same_again(tmp_path: Path):
+    lines = (*MINIMAL, '[protocol]\nname = "reasonable"\naspect = [1, inf]')
+    first = write_session(
+        read_session(write(tmp_path / "a.toml", *lines)), version="", fingerprint=""
+    )
+    (tmp_path / "b.toml").write_text(first, "utf-8")
+    assert write_session(read_session(tmp_path / "b.toml"), version="", fingerprint="") == first
+
+
 def test_the_written_session_holds_version_and_fingerprint():
     table = tomllib.loads(write_session(FULL, version="1.2.3", fingerprint="f00"))
     assert ["tags" in recording for recording in table["recording"]] == [True, False]

@@ -38,6 +38,16 @@ def test_members_outside_the_folder_are_refused(tmp_path: Path, name: str):
     assert_refused(path, "outside the archive's folder")
 
 
+def test_a_member_without_a_name_is_refused(tmp_path: Path):
+    path = write_zip(tmp_path / "a.zip", {"m": b"x"})
+    content = bytearray(path.read_bytes())
+    entry = content.index(b"PK\1\2")
+    content[entry + 28] = 0  # the name's length, by which the name is taken for a comment
+    content[entry + 32] = 1
+    path.write_bytes(content)
+    assert_refused(path, "member '': lies outside the archive's folder")
+
+
 def test_links_are_refused(tmp_path: Path):
     member = zipfile.ZipInfo("a.png")
     member.external_attr = 0o120777 << 16

@@ -180,6 +180,15 @@ def test_a_name_that_looks_like_a_protocol_is_only_a_name(tmp_path: Path, monkey
     assert open_pictures(Path("concat:b.mp4")).n == 3
 
 
+def test_pictures_of_an_unknown_coding_are_refused(tmp_path: Path):
+    path = write_numbered_video(tmp_path / "a.mkv", "mpeg4", n=3, container="matroska")
+    content = path.read_bytes()
+    assert b"V_MPEG4/ISO/ASP" in content
+    path.write_bytes(content.replace(b"V_MPEG4/ISO/ASP", b"V_MYOWN/ISO/ASP"))
+    with pytest.raises(MediaError, match=r"a\.mkv: its pictures are coded in a way that is not k"):
+        open_pictures(path)
+
+
 def test_a_container_of_sound_only_is_refused(tmp_path: Path):
     path = tmp_path / "a.mp4"
     with av.open(str(path), "w") as output:
