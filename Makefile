@@ -12,6 +12,8 @@
 #            (make bench BENCH=--quick: a minute, nothing written)
 # make mutants  small mistakes put into the library: which do the tests not notice?
 #            (half an hour; the table goes to docs/quality.md by hand)
+# make fuzz  inputs made to break the program: readers, archives, media, sessions, uploads, rules
+#            (ten minutes; make fuzz FUZZ_SECONDS=60 TARGETS="media routes")
 
 PYTHON ?= python3
 BIN := .venv/bin
@@ -21,6 +23,7 @@ LIBRARY := $(BIN)/.installed
 DEVELOP := $(BIN)/.installed-dev
 TOOLS := .venv-tools/.installed
 PRODUCT := .venv-tools/product/.installed
+FUZZER := .venv-tools/fuzz/.installed
 RIVALS := .venv-bench/tools/.installed
 MOTMETRICS := .venv-bench/motmetrics/.installed
 
@@ -28,7 +31,7 @@ MOTMETRICS := .venv-bench/motmetrics/.installed
 # test starts compiles them anew, and each of pytest's workers rewrites all assertions.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: run check test coverage bench mutants lint docs pins sbom chromium clean
+.PHONY: run check test coverage bench mutants fuzz lint docs pins sbom chromium clean
 
 run: $(LIBRARY)
 	$(BIN)/streamlit run app.py $(if $(LOCAL_ROOT),-- --local-root "$(LOCAL_ROOT)")
@@ -78,6 +81,7 @@ pins: $(TOOLS)
 	$(COMPILE) --extra dev --constraint requirements.txt --output-file requirements-dev.txt
 	$(COMPILE:pyproject.toml=) --group pyproject.toml:build --constraint requirements.txt --output-file requirements-build.txt
 	$(COMPILE:pyproject.toml=) --group pyproject.toml:tools --output-file scripts/requirements-tools.txt
+	$(COMPILE:pyproject.toml=) --group pyproject.toml:fuzz --output-file scripts/fuzz/requirements-fuzz.txt
 
 sbom: $(TOOLS) $(PRODUCT)
 	.venv-tools/bin/cyclonedx-py environment --output-reproducible --pyproject pyproject.toml --output-file sbom.json .venv-tools/product/bin/python
@@ -86,6 +90,11 @@ sbom: $(TOOLS) $(PRODUCT)
 mutants: $(DEVELOP)
 	$(BIN)/python -m scripts.mutants map
 	$(BIN)/python -m scripts.mutants run --fresh
+
+FUZZ_SECONDS ?= 600
+
+fuzz: $(LIBRARY) $(FUZZER)
+	PYTHONPATH=.venv-tools/fuzz $(BIN)/python -m scripts.fuzz $(TARGETS) --seconds $(FUZZ_SECONDS)
 
 # The virtual environment is made and filled once, and again only when a pinned version changes.
 $(LIBRARY): requirements.txt requirements-build.txt pyproject.toml
@@ -103,6 +112,12 @@ $(DEVELOP): $(LIBRARY) requirements-dev.txt
 $(TOOLS): scripts/requirements-tools.txt
 	test -x .venv-tools/bin/python || $(PYTHON) -m venv .venv-tools
 	.venv-tools/bin/python $(PINNED) -r $<
+	touch $@
+
+# The fuzzer lies beside the environment of the product, which does without it.
+$(FUZZER): scripts/fuzz/requirements-fuzz.txt $(LIBRARY)
+	rm -rf .venv-tools/fuzz
+	$(BIN)/python $(PINNED) --target .venv-tools/fuzz -r $<
 	touch $@
 
 # The environment that the SBOM describes: the pins and nothing else, not even pip.
@@ -124,4 +139,4 @@ $(MOTMETRICS): bench/requirements-motmetrics.txt
 	.venv-bench/motmetrics/bin/python $(INSTALL) -r $< && touch $@ || true
 
 clean:
-	rm -rf .venv .venv-bench* .venv-tools .mutants sbom.json .coverage .pytest_cache .mypy_cache .ruff_cache build *.egg-info
+	rm -rf .venv .venv-bench* .venv-tools .mutants .fuzz sbom.json .coverage .pytest_cache .mypy_cache .ruff_cache build *.egg-info

@@ -1,0 +1,97 @@
+"""The fuzzer: its targets pass what they begin with, and a fault is kept by its smallest input."""
+
+from __future__ import annotations
+
+import importlib
+import json
+import sys
+import tomllib
+from contextlib import nullcontext
+from dataclasses import replace
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+from nvcore.errors import InputError, NvcoreError
+from scripts.fuzz.__main__ import prepare
+from scripts.fuzz.targets import TARGETS, without_bad_lines
+
+
+@pytest.mark.parametrize("name", TARGETS)
+def test_what_a_target_begins_with_is_read_or_refused_most_of_it_read(name: str, tmp_path: Path):
+    n_read, seeds = 0, list(TARGETS[name].seeds())
+    for number, content in enumerate(seeds):
+        assert len(content) <= TARGETS[name].most_bytes
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        try:
+            TARGETS[name].run(content, folder)
+        except NvcoreError:
+            continue
+        n_read += 1
+    assert n_read > 0.7 * len(seeds)
+
+
+def test_seeds_are_files_and_their_words_a_dictionary(tmp_path: Path):
+    prepare("recordings", tmp_path)
+    files = list((tmp_path / "seeds" / "recordings").iterdir())
+    assert {file.read_bytes() for file in files} == set(TARGETS["recordings"].seeds())
+    words = (tmp_path / "seeds" / "recordings.dict").read_text("ascii").splitlines()
+    spelled = "".join(f"\\x{letter:02x}" for letter in b"pictures")
+    assert f'"{spelled}"' in words
+
+
+def test_lines_that_are_no_toml_are_left_out():
+    text = b'[truth]\npath = "a"\n<<<\nfps = = 3\n\xff[[system]]\nname = "x"'
+    assert tomllib.loads(without_bad_lines(text).decode()) == {
+        "truth": {"path": "a"},
+        "system": [{"name": "x"}],
+    }
+
+
+@pytest.fixture
+def trial_of(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
+    """A trial of a function, without the fuzzer around it."""
+    fuzzer = ModuleType("atheris")
+    fuzzer.instrument_imports = lambda **_: nullcontext()
+    monkeypatch.setitem(sys.modules, "atheris", fuzzer)
+    monkeypatch.setattr(sys, "argv", ["worker", "rules"])
+    worker = importlib.import_module("scripts.fuzz.worker")
+    (tmp_path / "work").mkdir()
+
+    def make(run):
+        monkeypatch.setitem(TARGETS, "rules", replace(TARGETS["rules"], run=run))
+        return worker.Trial("rules", tmp_path, tmp_path / "work")
+
+    yield make
+    del sys.modules["scripts.fuzz.worker"]
+
+
+def test_a_fault_is_kept_once_for_its_place_by_its_smallest_input(trial_of, tmp_path: Path):
+    def run(content: bytes, folder: Path) -> None:
+        (folder / "left").mkdir()
+        if content.startswith(b"no"):
+            raise InputError("refused")
+        if content.startswith(b"bad"):
+            raise KeyError(content)
+        assert not content.startswith(b"worse")
+
+    trial = trial_of(run)
+    for content in (b"fine", b"no", b"bad and long", b"bad", b"bad again", b"worse"):
+        trial(content)
+        assert list((tmp_path / "work").iterdir()) == []
+    trial.note()
+    counts = json.loads((tmp_path / "rules.json").read_text("utf-8"))
+    assert [counts[name] for name in ("read", "refused", "faults")] == [1, 1, 4]
+    kept = {file.read_bytes() for file in (tmp_path / "faults" / "rules").glob("*[!t]")}
+    assert kept == {b"bad", b"worse"}
+    notes = [file.read_text("utf-8") for file in (tmp_path / "faults" / "rules").glob("*.txt")]
+    assert sorted(note.split()[0] for note in notes) == ["AssertionError", "KeyError"]
+
+
+def test_counts_go_on_where_the_process_before_ended(trial_of, tmp_path: Path):
+    (tmp_path / "rules.json").write_text('{"read": 7, "refused": 1}', "utf-8")
+    trial = trial_of(lambda _content, _folder: None)
+    trial(b"")
+    assert (trial.counts["read"], trial.counts["refused"], trial.counts["faults"]) == (8, 1, 0)
