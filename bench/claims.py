@@ -287,7 +287,7 @@ def read_rows(path: Path | None) -> list[Row]:
     return [Row(**json.loads(line)) for line in path.read_text(encoding="utf-8").splitlines()]
 
 
-def main() -> None:
+def parse_options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
@@ -298,7 +298,12 @@ def main() -> None:
     parser.add_argument("--sizes", type=int, nargs="+", help="numbers of recordings")
     parser.add_argument("--keep", type=Path, help="rows are added here, and not made again")
     parser.add_argument("--write", action="store_true")
-    options = parser.parse_args()
+    return parser.parse_args()
+
+
+def tasks_of(options: argparse.Namespace, rows: Iterable[Row]) -> list[tuple[int, int, int]]:
+    """Scenario, number of recordings and of pairs for each row to be made, the quick ones first."""
+    done = {(row.scenario, row.n_recordings, row.n_pairs) for row in rows}
     tasks = [
         (number, n, options.pairs)
         for number, scenario in enumerate(SCENARIOS)
@@ -306,12 +311,13 @@ def main() -> None:
         if (not options.only or number in options.only)
         and (not options.sizes or n in options.sizes)
     ]
-    tasks.sort(key=lambda task: task[1])  # the quick ones first
+    return [task for task in sorted(tasks, key=lambda task: task[1]) if task not in done]
+
+
+def simulate_all(tasks: Iterable[tuple[int, int, int]], options: argparse.Namespace) -> list[Row]:
+    """The rows of all tasks, each kept and told as soon as it is there."""
     os.environ["OPENBLAS_NUM_THREADS"] = "1"  # of the new processes: they share the processors
-    begin = time.perf_counter()
-    rows = read_rows(options.keep)
-    done = {(row.scenario, row.n_recordings, row.n_pairs) for row in rows}
-    tasks = [task for task in tasks if task not in done]
+    rows = []
     with ProcessPoolExecutor(options.processes, get_context("spawn")) as pool:
         for future in as_completed([pool.submit(simulate, task, options.seed) for task in tasks]):
             row = future.result()
@@ -326,15 +332,28 @@ def main() -> None:
                 file=sys.stderr,
                 flush=True,
             )
+    return rows
+
+
+def write_page(text: str, n_pairs: int) -> None:
+    """The table in its place on the page."""
+    page = PAGE.read_text(encoding="utf-8")
+    before, rest = page.split(BEGIN)
+    _, after = rest.split(END)
+    note = f"{n_pairs} pairs in each cell: share of verdicts that claim anything."
+    PAGE.write_text(f"{before}{BEGIN}\n{note}\n\n{text}\n{END}{after}", encoding="utf-8")
+
+
+def main() -> None:
+    options = parse_options()
+    begin = time.perf_counter()
+    rows = read_rows(options.keep)
+    rows += simulate_all(tasks_of(options, rows), options)
     text = table_text(rows)
     print(text)
     print(f"{(time.perf_counter() - begin) / 60:.0f} minutes", file=sys.stderr)
     if options.write:
-        page = PAGE.read_text(encoding="utf-8")
-        before, rest = page.split(BEGIN)
-        _, after = rest.split(END)
-        note = f"{options.pairs} pairs in each cell: share of verdicts that claim anything."
-        PAGE.write_text(f"{before}{BEGIN}\n{note}\n\n{text}\n{END}{after}", encoding="utf-8")
+        write_page(text, options.pairs)
     null = [row for row in rows if SCENARIOS[row.scenario].is_null]
     if options.pairs == 400 and any(row.n_claiming > BOUND_99 for row in null):
         sys.exit(f"more than {BOUND_99} of 400 verdicts claim a difference that is none")

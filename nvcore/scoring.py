@@ -6,11 +6,12 @@ from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 import pandas as pd
 
+from nvcore.columns import BoxColumns
 from nvcore.dataset import Dataset
 from nvcore.metrics.encounters import Encounters, judge_encounters
 from nvcore.metrics.false_alarms import FalseAlarmSummary, find_episodes, summarise_false_alarms
@@ -203,65 +204,14 @@ def score_system(
     memo: Memo,
 ) -> SystemResult:
     """Everything about one system, without reference to the other."""
-    truth, frames, detections = dataset.truth, dataset.frame_columns, dataset.system(name)
-    number = dataset.systems.index(name)
-
-    def get(what: str, make: Callable[[], T], *stages: Stage) -> T:
-        return memo.get((what, number, threshold), make, *stages)
-
-    matches = get("matches", lambda: match_system(dataset, name, threshold, params), MATCH)
-    is_counted = get("is_counted", lambda: matches.is_counted, MATCH)
-    n_det = get("n_det", lambda: count_per_frame(detections, is_counted), MATCH)
-    matched = get("matched", lambda: count_per_frame(truth, matches.is_matched), MATCH)
-    false_alarms = get("false_alarms", lambda: n_det - matched, MATCH)
-    episodes = get(
-        "episodes", lambda: find_episodes(detections, matches.is_false_alarm, frames), MATCH
-    )
-    nearest = get("nearest", lambda: nearest_of(dataset, name, matches, params), NEAREST)
-    edge_weight = in_use(params, "edge_weight", frames)
-    weights = get(
-        "weights",
-        lambda: weigh_proximity(detections, is_counted, frames, params),
-        MATCH,
-        PROXIMITY,
-    )
-    distances = get(
-        "distances",
-        lambda: measure_sets(
-            truth,
-            k_truth.k,
-            detections,
-            weights.k,
-            is_counted,
-            nearest,
-            frames,
-            edge_weight=edge_weight,
-            track=tracks.track,
-        ),
-        DISTANCES,
-    )
+    scoring = _Scoring(name, threshold, dataset, params, tracks, encounters, k_truth, cost, memo)
+    frames = dataset.frame_columns
+    matches = scoring.matches()
+    counts = scoring.counts(matches)
+    nearest, weights, distances = scoring.sets(matches)
     similarity = trace_similarity(distances, frames, alpha=params.alpha)
-    salient_row = get(
-        "salient_row", lambda: qualify(distances, frames, tolerance=params.tolerance), SALIENT
-    )
-    events = get(
-        "events",
-        lambda: find_events(
-            *(truth, k_truth.k, nearest.truth, distances.d_miss, salient_row),
-            *(tracks.track, encounters, frames, edge_weight, params),
-        ),
-        EVENTS,
-    )
-    outcomes = get(
-        "judged",
-        lambda: judge_encounters(encounters, k_truth.k, matches.is_matched, frames, params),
-        ENCOUNTERS,
-    )
-    failures = get(
-        "failures",
-        lambda: weigh_failures(truth, encounters, k_truth.k, cost, matches.is_matched, frames),
-        SEVERITY,
-    )
+    salient_row, events = scoring.salient(nearest, distances)
+    outcomes, failures = scoring.judged(matches)
     return SystemResult(
         name=name,
         threshold=threshold,
@@ -271,18 +221,146 @@ def score_system(
         distances=distances,
         similarity=similarity,
         salient_row=salient_row,
-        n_det=n_det,
-        matched=matched,
-        false_alarms=false_alarms,
+        n_det=counts.n_det,
+        matched=counts.matched,
+        false_alarms=counts.false_alarms,
         events=events,
         encounters=outcomes,
         failures=failures,
-        episodes=episodes,
+        episodes=counts.episodes,
         summary=summarise_similarity(similarity, low=params.low),
         false_alarm_summary=summarise_false_alarms(
-            int(false_alarms.sum()), episodes, n_frames=len(frames), duration_s=frames.duration_s
+            int(counts.false_alarms.sum()),
+            counts.episodes,
+            n_frames=len(frames),
+            duration_s=frames.duration_s,
         ),
         saliency_s=mean_saliency(events, frames, aggregate=params.saliency_aggregate),
         _dataset=dataset,
         _params=params,
     )
+
+
+class _Counts(NamedTuple):
+    """Detections, matches and false alarms per frame, int64, (n_frames,); false-alert episodes."""
+
+    n_det: np.ndarray
+    matched: np.ndarray
+    false_alarms: np.ndarray
+    episodes: pd.DataFrame
+
+
+@dataclass(frozen=True, eq=False)
+class _Scoring:
+    """What a system is scored by, and its stages; each is repeated only where a setting changed."""
+
+    name: str
+    threshold: float | None
+    dataset: Dataset
+    params: Params
+    tracks: TruthTracks
+    encounters: Encounters
+    k_truth: Weights
+    cost: np.ndarray
+    memo: Memo
+
+    def _get(self, what: str, make: Callable[[], T], *stages: Stage) -> T:
+        number = self.dataset.systems.index(self.name)  # it stays when a system is renamed
+        return self.memo.get((what, number, self.threshold), make, *stages)
+
+    @cached_property
+    def _detections(self) -> BoxColumns:
+        return self.dataset.system(self.name)
+
+    def matches(self) -> Matches:
+        """Which detections count, and whom they match."""
+        return self._get(
+            "matches",
+            lambda: match_system(self.dataset, self.name, self.threshold, self.params),
+            MATCH,
+        )
+
+    def counts(self, matches: Matches) -> _Counts:
+        """What follows from the matches alone."""
+        truth, frames, detections = (
+            self.dataset.truth,
+            self.dataset.frame_columns,
+            self._detections,
+        )
+        is_counted = self._is_counted(matches)
+        n_det = self._get("n_det", lambda: count_per_frame(detections, is_counted), MATCH)
+        matched = self._get("matched", lambda: count_per_frame(truth, matches.is_matched), MATCH)
+        return _Counts(
+            n_det,
+            matched,
+            self._get("false_alarms", lambda: n_det - matched, MATCH),
+            self._get(
+                "episodes", lambda: find_episodes(detections, matches.is_false_alarm, frames), MATCH
+            ),
+        )
+
+    def _is_counted(self, matches: Matches) -> np.ndarray:
+        return self._get("is_counted", lambda: matches.is_counted, MATCH)
+
+    def sets(self, matches: Matches) -> tuple[Nearest, Weights, SetDistances]:
+        """Truth and detections as sets: nearest boxes, weights of detections, distances."""
+        dataset, params, detections = self.dataset, self.params, self._detections
+        frames, is_counted = dataset.frame_columns, self._is_counted(matches)
+        nearest = self._get(
+            "nearest", lambda: nearest_of(dataset, self.name, matches, params), NEAREST
+        )
+        weights = self._get(
+            "weights",
+            lambda: weigh_proximity(detections, is_counted, frames, params),
+            MATCH,
+            PROXIMITY,
+        )
+        distances = self._get(
+            "distances",
+            lambda: measure_sets(
+                dataset.truth,
+                self.k_truth.k,
+                detections,
+                weights.k,
+                is_counted,
+                nearest,
+                frames,
+                edge_weight=in_use(params, "edge_weight", frames),
+                track=self.tracks.track,
+            ),
+            DISTANCES,
+        )
+        return nearest, weights, distances
+
+    def salient(self, nearest: Nearest, distances: SetDistances) -> tuple[np.ndarray, pd.DataFrame]:
+        """The pedestrian of each frame that qualifies for saliency, and the saliency events."""
+        truth, frames, params = self.dataset.truth, self.dataset.frame_columns, self.params
+        salient_row = self._get(
+            "salient_row", lambda: qualify(distances, frames, tolerance=params.tolerance), SALIENT
+        )
+        edge_weight = in_use(params, "edge_weight", frames)
+        events = self._get(
+            "events",
+            lambda: find_events(
+                *(truth, self.k_truth.k, nearest.truth, distances.d_miss, salient_row),
+                *(self.tracks.track, self.encounters, frames, edge_weight, params),
+            ),
+            EVENTS,
+        )
+        return salient_row, events
+
+    def judged(self, matches: Matches) -> tuple[pd.DataFrame, pd.DataFrame]:
+        """How the system did in each encounter, and what its failures weigh there."""
+        truth, frames, k = self.dataset.truth, self.dataset.frame_columns, self.k_truth.k
+        encounters, is_matched = self.encounters, matches.is_matched
+        outcomes = self._get(
+            "judged",
+            lambda: judge_encounters(encounters, k, is_matched, frames, self.params),
+            ENCOUNTERS,
+        )
+        failures = self._get(
+            "failures",
+            lambda: weigh_failures(truth, encounters, k, self.cost, is_matched, frames),
+            SEVERITY,
+        )
+        return outcomes, failures
