@@ -30,11 +30,13 @@ from nvcore.cli.program import Program
 from nvcore.cli.report import report
 from nvcore.cli.session_options import session_from
 from nvcore.cli.steps import (
+    ShownPath,
     errors_of,
     exit_on_findings,
     findings_at_paths,
     refuse_among_inputs,
     refuse_to_replace,
+    shown_paths,
 )
 from nvcore.errors import InputError
 from nvcore.extras import needs
@@ -131,7 +133,6 @@ def compare(out: Path | None, as_json: bool, strict: bool, **options: Any) -> No
     """
     from nvcore.auditing import audit
     from nvcore.comparison import compare
-    from nvcore.inputs.files import paths_to_show
     from nvcore.inputs.load import load
     from nvcore.report.files import REPORT_FILES, summary_json, write_report
     from nvcore.report.terminal import render_findings, render_inputs, render_scorecard
@@ -153,10 +154,10 @@ def compare(out: Path | None, as_json: bool, strict: bool, **options: Any) -> No
         )
         if out is not None:
             write_report(result, session, out, findings, progress=steps)
-    paths = paths_to_show(session.folder, session.sources)
-    short = _for_terminal(dataset, paths, longest=MAX_CONVERSION)
+    path = shown_paths(session.folder, session.sources, dataset.systems)
+    short = _for_terminal(dataset, path, longest=MAX_CONVERSION)
     click.echo(render_inputs(replace(result, dataset=short)), err=as_json)
-    click.echo("\n" + render_findings(findings_at_paths(findings, paths)) + "\n", err=as_json)
+    click.echo("\n" + render_findings(findings_at_paths(findings, path)) + "\n", err=as_json)
     click.echo(text, nl=not as_json)
     if out is not None:
         click.echo(one_line(f"written to {out}"), err=True)
@@ -200,7 +201,7 @@ def _keep_inputs(
     "--out",
     type=click.Path(file_okay=False, path_type=Path),
     metavar="DIR",
-    help="Write findings.csv, the whole audit, into this folder.",
+    help="Write findings.csv and finding_entries.csv, the whole audit, into this folder.",
 )
 @grouped_option(OUTPUT, "--strict", is_flag=True, help="Warnings give exit code 1, too.")
 @grouped_option(THRESHOLD.group, "--threshold-x", type=float, help="Audit X at this threshold.")
@@ -211,7 +212,6 @@ def check(out: Path | None, strict: bool, **options: Any) -> None:
     Exit code 0: no errors, 1: errors (with --strict: or warnings), 2: bad input.
     """
     from nvcore.auditing import audit
-    from nvcore.inputs.files import paths_to_show
     from nvcore.inputs.load import load
     from nvcore.report.files import AUDIT_FILES, write_audit
     from nvcore.report.terminal import render_dataset, render_findings
@@ -226,10 +226,10 @@ def check(out: Path | None, strict: bool, **options: Any) -> None:
         steps.begin("auditing the inputs")
         findings = audit(dataset)
         if out is not None:
-            write_audit(out, findings)
-    paths = paths_to_show(session.folder, session.sources)
-    click.echo(render_dataset(_for_terminal(dataset, paths)))
-    click.echo("\n" + render_findings(findings_at_paths(findings, paths)))
+            write_audit(out, dataset, findings)
+    path = shown_paths(session.folder, session.sources, dataset.systems)
+    click.echo(render_dataset(_for_terminal(dataset, path)))
+    click.echo("\n" + render_findings(findings_at_paths(findings, path)))
     if out is not None:
         click.echo(one_line(f"written to {out}"), err=True)
     exit_on_findings(findings, strict)
@@ -258,18 +258,18 @@ def sample(folder: Path) -> None:
 
     try:
         generate(folder, progress=tell)
+    except BrokenPipeError:  # by who reads the progress
+        raise
     except OSError as error:
         raise InputError(f"cannot be written ({error.strerror})", file=folder) from error
     click.echo(one_line(f"written to {folder}"), err=True)
 
 
-def _for_terminal(
-    dataset: Dataset, paths: dict[str, str], *, longest: int | None = None
-) -> Dataset:
+def _for_terminal(dataset: Dataset, path: ShownPath, *, longest: int | None = None) -> Dataset:
     """The dataset with its files' paths and conversions as the terminal shows them."""
     inputs = dataset.inputs
     changed = inputs.assign(
-        file=[paths.get(name, name) for name in inputs["file"]],
+        file=[path(*names) for names in zip(inputs["subject"], inputs["file"], strict=True)],
         conversion=[_shortened(text, longest) for text in inputs["conversion"]],
     )
     return replace(dataset, inputs=changed)

@@ -9,7 +9,7 @@ import click
 
 from nvcore.cli.options import examples, format_option, reading_options
 from nvcore.cli.session_options import size_option, source_options
-from nvcore.cli.steps import findings_at_paths, pasteable_errors
+from nvcore.cli.steps import findings_at_paths, pasteable_errors, shown_paths
 from nvcore.inputs.session import Source
 from nvcore.wording import one_line
 
@@ -82,7 +82,6 @@ def convert(
     .bz2. MOTChallenge has one file a recording: OUTPUT is a folder where there are several.
     """
     from nvcore.inputs.conversion import convert
-    from nvcore.inputs.files import paths_to_show
     from nvcore.report.terminal import render_findings
 
     if (target is None) == (out is None):
@@ -109,8 +108,8 @@ def convert(
         )
     _say(f"{source}: {conversion.conversion}")
     if conversion.findings:
-        paths = paths_to_show(Path.cwd(), sources)
-        click.echo(render_findings(findings_at_paths(conversion.findings, paths)), err=True)
+        path = shown_paths(Path.cwd(), sources)
+        click.echo(render_findings(findings_at_paths(conversion.findings, path)), err=True)
     files = conversion.files
     where = files[0] if len(files) == 1 else f"{len(files)} files in {target}"
     _say(f"written to {where}: {conversion.n_boxes} boxes")

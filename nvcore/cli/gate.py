@@ -26,6 +26,7 @@ from nvcore.cli.steps import (
     findings_at_paths,
     refuse_among_inputs,
     refuse_to_replace,
+    shown_paths,
 )
 from nvcore.errors import InputError, NvcoreError
 from nvcore.output.files import write_whole
@@ -153,7 +154,6 @@ def gate(
     rules hold, 1: one does not, or the audit found errors (with --strict: or warnings), 2: bad
     input or no such measure.
     """
-    from nvcore.inputs.files import paths_to_show
     from nvcore.report.gate import measure_names, run_gate, value_text
     from nvcore.report.gate_results import junit_xml, markdown, terminal_lines
     from nvcore.report.keep_inputs import files_read
@@ -181,7 +181,8 @@ def gate(
         result, findings = compare_session(session)
     names = measure_names() if lists else ()
     outcomes, values = run_gate(gate_rules, result, findings, strict=strict, names=names)
-    findings_shown = findings_at_paths(findings, paths_to_show(session.folder, session.sources))
+    path = shown_paths(session.folder, session.sources, result.dataset.systems)
+    findings_shown = findings_at_paths(findings, path)
     click.echo(render_findings(findings_shown), err=is_machine_read)
     if lists:
         width = max(map(len, values))

@@ -24,6 +24,7 @@ from nvcore.cli.steps import (
     exit_on_findings,
     findings_at_paths,
     refuse_to_replace,
+    shown_paths,
 )
 from nvcore.output.files import write_whole
 from nvcore.wording import one_line
@@ -123,7 +124,6 @@ def plan(
     from nvcore.evidence.planning import plan_key, plan_study
     from nvcore.evidence.planning.pilot import MIN_PILOT
     from nvcore.evidence.units import RECORDINGS
-    from nvcore.inputs.files import paths_to_show
     from nvcore.report.keep_inputs import files_read
     from nvcore.report.plan import plan_json, render_plan
     from nvcore.report.terminal import render_findings
@@ -153,8 +153,8 @@ def plan(
         raise InputError(study.sizes[0].reason)
     if out is not None:
         write_whole(out, plan_json(study).encode())
-    paths = paths_to_show(session.folder, session.sources)
-    click.echo(render_findings(findings_at_paths(findings, paths)) + "\n", err=as_json)
+    path = shown_paths(session.folder, session.sources, result.dataset.systems)
+    click.echo(render_findings(findings_at_paths(findings, path)) + "\n", err=as_json)
     click.echo(plan_json(study) if as_json else render_plan(study), nl=not as_json)
     if out is not None:
         click.echo(one_line(f"written to {out}"), err=True)

@@ -25,6 +25,7 @@ from nvcore.cli.steps import (
     exit_on_findings,
     findings_at_paths,
     refuse_to_replace,
+    shown_paths,
 )
 from nvcore.extras import needs
 from nvcore.progress import Progress
@@ -85,7 +86,6 @@ def report(
     hashes of the inputs; it needs neither network nor this program, and browsers print it to PDF.
     Exit code 0: fine, 1: the audit found errors (with --strict: or warnings), 2: bad input.
     """
-    from nvcore.inputs.files import paths_to_show
     from nvcore.report.keep_inputs import files_read
     from nvcore.report.terminal import render_findings
 
@@ -107,8 +107,8 @@ def report(
             inscription=Inscription(title, author, question, date),
             progress=progress,
         )
-    paths = paths_to_show(session.folder, session.sources)
-    click.echo(render_findings(findings_at_paths(findings, paths)))
+    path = shown_paths(session.folder, session.sources, result.dataset.systems)
+    click.echo(render_findings(findings_at_paths(findings, path)))
     click.echo(one_line(f"written to {out}"), err=True)
     exit_on_findings(findings, strict)
 

@@ -144,7 +144,10 @@ def _advice_on(path: Path, *, needs_y: bool) -> str | None:
 
     likeness = looks_like(path)
     if likeness is None:
-        kind = None if path.is_dir() else binary_kind(path.read_bytes()[:4096])
+        if not path.is_file():
+            return None
+        with path.open("rb") as stream:
+            kind = binary_kind(stream.read(4096))
         return None if kind is None else f"it is {kind}"
     file_format, role = likeness
     others = "--x FILE and --y FILE" if needs_y else "--x FILE"

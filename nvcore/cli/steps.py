@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
@@ -161,8 +161,28 @@ def pasteable_errors(folder: Path, sources: Iterable[tuple[Source, Role]]) -> It
         raise InputError(error.message, file=path, line=error.line) from error
 
 
-def findings_at_paths(findings: tuple[Finding, ...], paths: dict[str, str]) -> tuple[Finding, ...]:
-    """Findings that name their files as `nvcore.inputs.files.paths_to_show` says."""
-    return tuple(
-        replace(finding, file=paths.get(finding.file, finding.file)) for finding in findings
-    )
+ShownPath = Callable[[str, str], str]
+"""(``truth`` or a system's name, a file's name) -> a path that can be pasted, else the name."""
+
+
+def shown_paths(
+    folder: Path, sources: Iterable[tuple[Source, Role]], systems: Iterable[str] = ()
+) -> ShownPath:
+    """How the terminal names the files of inputs, also where two inputs have files of one name."""
+    from nvcore.auditing.cases import TRUTH_NAME
+    from nvcore.inputs.files import paths_to_show
+
+    of_sources = [paths_to_show(folder, [source]) for source in sources]
+    by_subject = dict(zip((TRUTH_NAME, *systems), of_sources, strict=False))
+
+    def shown(subject: str, name: str) -> str:
+        of_one = [by_subject[subject]] if subject in by_subject else of_sources
+        paths = {paths[name] for paths in of_one if name in paths}
+        return paths.pop() if len(paths) == 1 else name
+
+    return shown
+
+
+def findings_at_paths(findings: tuple[Finding, ...], path: ShownPath) -> tuple[Finding, ...]:
+    """Findings that name their files as `shown_paths` says."""
+    return tuple(replace(finding, file=path(finding.subject, finding.file)) for finding in findings)

@@ -16,6 +16,7 @@ import pandas as pd
 
 from nvcore import __version__
 from nvcore.comparison import Result
+from nvcore.dataset import Dataset
 from nvcore.errors import InputError
 from nvcore.evidence.companions import Companions, are_unequal, find_companions
 from nvcore.evidence.subgroup_table import subgroup_table
@@ -50,7 +51,7 @@ REPORT_FILES: Final = (*REPORT_COLUMNS, "summary.json", "session.toml")
 """The files that a report may have, and `nvcore.output.files.MANIFEST`."""
 
 
-AUDIT_FILES: Final = ("findings.csv",)
+AUDIT_FILES: Final = ("findings.csv", "finding_entries.csv")
 """The files that the audit by itself writes."""
 
 
@@ -146,7 +147,7 @@ def write_report(
     write_run(folder, _file_contents(result, session, findings, progress), known=REPORT_FILES)
 
 
-def write_audit(folder: Path, findings: tuple[Finding, ...]) -> None:
+def write_audit(folder: Path, dataset: Dataset, findings: tuple[Finding, ...]) -> None:
     """Write what the audit found into a folder, as `write_report` does.
 
     Raises
@@ -156,7 +157,10 @@ def write_audit(folder: Path, findings: tuple[Finding, ...]) -> None:
     """
     if (folder / "summary.json").exists():  # of which only a part would be replaced
         raise InputError("holds the report of a comparison; give another folder", file=folder)
-    contents = [("findings.csv", to_csv_bytes(findings_table(findings)))]
+    contents = [
+        ("findings.csv", to_csv_bytes(findings_table(findings))),
+        ("finding_entries.csv", to_csv_bytes(finding_entries(dataset, findings))),
+    ]
     write_run(folder, contents, known=AUDIT_FILES)
 
 

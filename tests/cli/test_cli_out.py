@@ -12,6 +12,7 @@ from inputs import flags, mot_layout, nvcore, write
 from places import SAMPLE
 
 from nvcore.output.files import LOCK, MANIFEST
+from nvcore.report.files import AUDIT_FILES
 
 
 def content(folder: Path) -> dict[str, bytes]:
@@ -28,7 +29,7 @@ def test_check_writes_its_findings_whole_and_again(folder: Path):
     for _ in range(2):
         ran = nvcore("check", *flags(folder), "--out", out)
         assert f"written to {out}" in ran.stderr
-        assert {path.name for path in out.iterdir()} == {"findings.csv", MANIFEST, LOCK}
+        assert {path.name for path in out.iterdir()} == {*AUDIT_FILES, MANIFEST, LOCK}
     table = pd.read_csv(out / "findings.csv")
     assert ran.exit_code == int((table["severity"] == "error").any())
     assert len(table) == ran.stdout.count("\n  error") + ran.stdout.count("\n  warning") + (

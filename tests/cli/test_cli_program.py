@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import re
 import subprocess
@@ -17,6 +18,7 @@ from places import ROOT
 from nvcore import __version__
 from nvcore.cli import main
 from nvcore.cli.options import flag_of
+from nvcore.errors import InputError
 from nvcore.params import SETTINGS
 
 
@@ -93,6 +95,58 @@ def test_a_gate_that_ends_early_never_says_that_a_rule_is_broken(
     assert result.exit_code == exit_code
     assert words in result.stderr
     assert "<failure" not in junit.read_text()
+
+
+WORK = {
+    "compare": "nvcore.comparison.compare",
+    "check": "nvcore.auditing.audit",
+    "gate": "nvcore.report.gate.run_gate",
+    "plan": "nvcore.evidence.planning.plan_study",
+    "report": "nvcore.report.html.write_html_report",
+    "convert": "nvcore.inputs.conversion.convert",
+    "sample": "nvcore.sample.generate",
+    "app": "streamlit.web.cli.main",
+}
+"""What each command does its work by."""
+
+
+@pytest.mark.parametrize("command", WORK)
+@pytest.mark.parametrize(
+    ("error", "exit_code", "words"),
+    [
+        (InputError("too wide"), 2, "Error: too wide\n"),
+        (ZeroDivisionError("1/0"), 3, "this is a fault of the program, not of your data"),
+        (MemoryError(), 3, "too little memory"),
+        (KeyboardInterrupt(), 130, "Stopped."),
+        (BrokenPipeError(errno.EPIPE, "gone"), 141, ""),
+    ],
+)
+def test_every_command_ends_with_the_code_for_what_ended_it(
+    folder: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    command: str,
+    error: BaseException,
+    exit_code: int,
+    words: str,
+):
+    def fail(*_: object, **__: object) -> None:
+        raise error
+
+    monkeypatch.setattr(WORK[command], fail)
+    monkeypatch.setattr("nvcore.cli.program._forget_output", lambda: None)
+    given = {
+        "gate": [*flags(folder), "--rule", "frames == 40"],
+        "report": [*flags(folder), "--out", folder.parent / "r.html"],
+        "convert": [folder / "truth.csv", "--to", "coco", "--out", folder.parent / "a.json"],
+        "sample": [folder.parent / "sample"],
+        "app": [],
+    }
+    if command == "app" and isinstance(error, KeyboardInterrupt):
+        exit_code, words = 0, ""  # the way to end it
+    result = nvcore(command, *given.get(command, flags(folder)))
+    assert result.exit_code == exit_code
+    assert words in result.stderr
+    assert ("Traceback" in result.stderr) == isinstance(error, ZeroDivisionError)
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no such file names there")

@@ -69,6 +69,24 @@ def test_a_name_that_two_files_have_and_a_source_that_is_not_there_have_no_path(
     assert paths_to_show(tmp_path, sources) == {}
 
 
+@pytest.mark.parametrize("command", ["check", "compare", "gate"])
+def test_a_finding_names_the_path_where_two_inputs_have_files_of_one_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: str
+):
+    monkeypatch.chdir(tmp_path)
+    boxes = [f"{frame},{100 + frame},200,40,100" for frame in range(5)]
+    for name, row in (("truth", boxes[0]), ("x", "77,1,1,40,100"), ("y", boxes[0])):
+        write(tmp_path / name / "0015.csv", "frame,x,y,w,h", *boxes, row)
+    given = ["--truth", "truth", "--x", "x", "--y", "y", *FACTS]
+    more = ["--rule", "frames == 5"] if command == "gate" else []
+    lines = nvcore(command, *given, *more).stdout.splitlines()
+    assert any("first: x/0015.csv" in line for line in lines)
+    assert any("first: truth/0015.csv" in line for line in lines)
+    if command != "gate":
+        for name in ("truth", "x", "y"):
+            assert any(line.startswith(f"{name}: {name}/0015.csv (csv; ") for line in lines)
+
+
 def test_an_error_names_the_input_where_two_have_files_of_one_name(tmp_path: Path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for name, more in (("truth", ""), ("x", "oops\n")):
