@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import bz2
+import gzip
 import io
+import lzma
 import tempfile
 import zipfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import Final
@@ -13,6 +16,7 @@ from typing import Final
 import av
 import cv2
 import numpy as np
+import pyarrow as pa
 
 from nvcore.inputs.readers import FORMATS
 
@@ -79,6 +83,25 @@ def archives() -> Iterator[bytes]:
             member.write(b"x" * 3000)
         archive.comment = b"PK\5\6"
     yield packed.getvalue()
+
+
+def packed() -> Iterator[bytes]:
+    """A table packed by each method, whole and in two parts."""
+    rows = b"frame,x,y,w,h,track\n" + b"".join(b"%d,100,200,40,100,1\n" % i for i in range(30))
+    methods: tuple[Callable[[bytes], bytes], ...] = (
+        gzip.compress,
+        bz2.compress,
+        lzma.compress,
+        zstd,
+    )
+    for pack in methods:
+        yield pack(rows)
+        yield pack(rows[:200]) + pack(rows[200:])
+
+
+def zstd(content: bytes) -> bytes:
+    """The content packed by Zstandard."""
+    return bytes(pa.Codec("zstd").compress(content))
 
 
 def media() -> Iterator[bytes]:

@@ -26,7 +26,7 @@ from nvcore.inputs.evaluated_frames import own_frames, parse_frames
 from nvcore.inputs.files import find_files
 from nvcore.inputs.load import load, read_options
 from nvcore.inputs.readers import FORMATS
-from nvcore.inputs.readers.base import Reading
+from nvcore.inputs.readers.base import Reading, SourceFile
 from nvcore.inputs.recordings_file import read_recordings_file
 from nvcore.inputs.session import Session, Source, SystemSource, is_frame_range
 from nvcore.inputs.session_toml import read_session, write_session
@@ -56,6 +56,7 @@ NAMES: Final = (
 PARTS: Final = b"\n%%\n"
 """Between the files of one input."""
 MAX_FRAMES: Final = 100_000
+MAX_UNPACKED_BYTES: Final = 1 << 22
 SMALL: Final = ArchiveLimits(members=200, member_bytes=1 << 22, total_bytes=1 << 23)
 ANSWERS: Final = frozenset({200, 201, 307, 400, 403, 404, 405, 413, 415, 507})
 """Statuses that the app's own routes may give."""
@@ -176,6 +177,21 @@ def archives(content: bytes, folder: Path) -> None:
     for file in folder.rglob("*"):
         assert file == path or file.is_relative_to(inside), f"{file} lies outside"
         assert not file.is_symlink(), f"{file} is a link"
+
+
+def packed(content: bytes, folder: Path) -> None:
+    """A packed file of annotations: unpacked, and read."""
+    path = folder / "truth.csv.gz"
+    _write(path, content)
+    with SourceFile(path, path.name).open() as stream:
+        n_bytes = 0
+        while chunk := stream.read(1 << 16):
+            n_bytes += len(chunk)
+            if n_bytes > MAX_UNPACKED_BYTES:
+                return
+    files, file_format = find_files(Source((path.name,)), folder, "truth")
+    reading = file_format.read(files, read_options(Source((path.name,)), "truth", (640, 480), None))
+    _check_reading(reading, len(files))
 
 
 def media(content: bytes, folder: Path) -> None:
@@ -352,6 +368,7 @@ TARGETS: Final = {
     "annotations": Target(annotations, lambda: seeds.annotations(NAMES, PARTS), 4.0),
     "comparison": Target(comparison, lambda: seeds.comparisons(PARTS), 1.5),
     "archives": Target(archives, seeds.archives, 1.0, 1 << 15),
+    "packed": Target(packed, seeds.packed, 0.75),
     "media": Target(media, seeds.media, 2.0, 1 << 16),
     "sessions": Target(sessions, seeds.sessions, 1.0),
     "recordings": Target(recordings, seeds.recordings, 0.5),
