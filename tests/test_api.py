@@ -271,6 +271,18 @@ def test_its_text_and_files_are_those_of_the_command_line(folder: Path, tmp_path
     assert (tmp_path / "python.html").read_bytes() == (tmp_path / "shell.html").read_bytes()
 
 
+def test_it_writes_parquet_and_every_box(folder: Path, tmp_path: Path):
+    result = nv.compare(**paths(folder), **SIZE)
+    result.write(tmp_path / "out", tables="parquet", matches=True)
+    boxes = pd.read_parquet(tmp_path / "out" / "matches.parquet")
+    assert len(boxes) == len(result.matches) == len(result.dataset.boxes)
+    assert boxes["file"].str.rpartition("/")[2].unique().tolist() == [
+        *("truth.csv", "fir.csv", "nir.csv"),
+    ]
+    with pytest.raises(nv.NvcoreError, match="tables: expected csv or parquet, got 'xlsx'"):
+        result.write(tmp_path / "out", tables="xlsx")  # type: ignore[arg-type]
+
+
 def test_the_session_it_writes_gives_the_same_again(folder: Path, tmp_path: Path):
     systems = (nv.SystemSource("fir.csv", threshold=0.85), nv.SystemSource("nir.csv"))
     first = nv.compare(replace(session_of(folder), systems=systems), threshold_x=None, alpha=0.7)

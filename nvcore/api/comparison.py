@@ -16,7 +16,7 @@ import pandas as pd
 from nvcore.auditing import audit
 from nvcore.comparison import Result
 from nvcore.dataset import Dataset
-from nvcore.errors import InputError
+from nvcore.errors import InputError, ParameterError
 from nvcore.evidence.claims import Claim
 from nvcore.evidence.companions import Companions, are_unequal, find_companions
 from nvcore.evidence.planning import DEFAULT_KEY, POWER, Side, StudyPlan, plan_study
@@ -29,13 +29,19 @@ from nvcore.metrics.venn import BoxVenn, Exclusivity, Venn
 from nvcore.params import Params
 from nvcore.protocols import Protocol
 from nvcore.report.equal_alarms import at_equal_alarms
-from nvcore.report.files import write_report
+from nvcore.report.files import (
+    REPORT_FILES,
+    SESSION_FILE,
+    TABLE_FORMATS,
+    TableFormat,
+    write_report,
+)
 from nvcore.report.keep_inputs import files_read, replaced_input
 from nvcore.report.plan import verdict_plan
 from nvcore.report.terminal import render_scorecard
 from nvcore.report.verdict import Verdict, verdict
 from nvcore.scoring import SystemResult
-from nvcore.tables.columns import REPORT_COLUMNS
+from nvcore.tables.boxes.matches import matches_table
 from nvcore.tables.result import (
     encounters_table,
     events_table,
@@ -49,8 +55,6 @@ from nvcore.wording import ARROWS, count_text, difference, number, one_line
 
 if TYPE_CHECKING:
     from nvcore.api.figures import Figures
-
-SESSION_FILE = "session.toml"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -149,6 +153,11 @@ class Comparison:
         return recordings_table(self.result)
 
     @cached_property
+    def matches(self) -> pd.DataFrame:
+        """Every box of truth, X and Y: whom it matches, whether it counts (docs/report.md)."""
+        return matches_table(self.result)
+
+    @cached_property
     def summary(self) -> dict[str, Any]:
         """All aggregates, as in ``summary.json``; None is undefined."""
         companions = self._companions if are_unequal(self.result) else None
@@ -213,8 +222,17 @@ class Comparison:
             protocol=self.protocol,
         )
 
-    def write(self, folder: str | Path) -> None:
+    def write(
+        self, folder: str | Path, *, tables: TableFormat = "csv", matches: bool = False
+    ) -> None:
         """Write the tables, ``summary.json`` and ``session.toml`` into a folder.
+
+        Parameters
+        ----------
+        tables
+            Format of the tables: ``"csv"`` or ``"parquet"``.
+        matches
+            Whether ``matches.parquet`` is written, too: `matches`, a row for each box.
 
         Raises
         ------
@@ -223,9 +241,12 @@ class Comparison:
             replaced.
         """
         folder = Path(folder)
-        self._keep_inputs([folder / name for name in (*REPORT_COLUMNS, "summary.json")])
+        if tables not in TABLE_FORMATS:
+            raise ParameterError(f"tables: expected csv or parquet, got {tables!r}")
+        self._keep_inputs([folder / name for name in REPORT_FILES if name != SESSION_FILE])
         _keep_session(folder / SESSION_FILE)
-        write_report(self.result, self.dataset.settings, folder, self.findings)
+        kinds: dict[str, Any] = {"tables": tables, "matches": matches}
+        write_report(self.result, self.dataset.settings, folder, self.findings, **kinds)
 
     def write_html(
         self,

@@ -46,6 +46,7 @@ from nvcore.wording import one_line
 
 if TYPE_CHECKING:
     from nvcore.dataset import Dataset
+    from nvcore.report.files import TableFormat
 
 # The commands import what they need: `nvcore --help` need not wait for numpy, pandas and numba.
 
@@ -116,7 +117,19 @@ def main() -> None:
     "--out",
     type=click.Path(file_okay=False, path_type=Path),
     metavar="DIR",
-    help="Write the CSV tables, summary.json and session.toml into this folder.",
+    help="Write the tables, summary.json and session.toml into this folder.",
+)
+@grouped_option(
+    OUTPUT,
+    "--tables",
+    type=click.Choice(["csv", "parquet"]),
+    help="Format of the tables in that folder. Default: csv.",
+)
+@grouped_option(
+    OUTPUT,
+    "--matches",
+    is_flag=True,
+    help="Write matches.parquet there, too: every box, and whom it matches (docs/report.md).",
 )
 @grouped_option(
     OUTPUT, "--json", "as_json", is_flag=True, help="Print summary.json, not the scorecard."
@@ -124,7 +137,14 @@ def main() -> None:
 @strict_option
 @protocol_option
 @parameter_options
-def compare(out: Path | None, as_json: bool, strict: bool, **options: Any) -> None:
+def compare(
+    out: Path | None,
+    tables: TableFormat | None,
+    matches: bool,
+    as_json: bool,
+    strict: bool,
+    **options: Any,
+) -> None:
     """Compare systems X and Y against the ground truth.
 
     Inputs come from SESSION_FILE (TOML) or from --truth, --x and --y. The audit of the inputs is
@@ -137,9 +157,12 @@ def compare(out: Path | None, as_json: bool, strict: bool, **options: Any) -> No
     from nvcore.report.files import REPORT_FILES, summary_json, write_report
     from nvcore.report.terminal import render_findings, render_inputs, render_scorecard
 
+    if out is None and (tables is not None or matches):
+        flag = "--matches" if tables is None else "--tables"
+        raise click.UsageError(f"{flag} is about the files that --out writes; give --out DIR, too")
     session = session_from(options, needs_y=True)
     _keep_inputs(session, options["session_file"], out, REPORT_FILES)
-    n_steps = 6 + len(session.systems) + (10 if out is not None else 0)
+    n_steps = 6 + len(session.systems) + (11 if out is not None else 0)
     with errors_of(session), _Steps(n_steps) as steps:
         dataset = load(session, progress=steps)
         steps.begin("auditing the inputs")
@@ -153,7 +176,8 @@ def compare(out: Path | None, as_json: bool, strict: bool, **options: Any) -> No
             else render_scorecard(result, findings, session.protocol)
         )
         if out is not None:
-            write_report(result, session, out, findings, progress=steps)
+            kinds: dict[str, Any] = {"tables": tables or "csv", "matches": matches}
+            write_report(result, session, out, findings, progress=steps, **kinds)
     path = shown_paths(session.folder, session.sources, dataset.systems)
     short = _for_terminal(dataset, path, longest=MAX_CONVERSION)
     click.echo(render_inputs(replace(result, dataset=short)), err=as_json)

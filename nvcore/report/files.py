@@ -1,15 +1,15 @@
-"""A `Result` as files: CSV tables, a summary, and a session that reproduces them."""
+"""A `Result` as files: tables, a summary, and a session that reproduces them."""
 
 from __future__ import annotations
 
 import io
 import json
 import zipfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import cache, partial
-from pathlib import Path
-from typing import Final
+from pathlib import Path, PurePath
+from typing import Final, Literal, get_args
 
 import numpy as np
 import pandas as pd
@@ -28,10 +28,12 @@ from nvcore.inputs.session import Session
 from nvcore.inputs.session_toml import write_session
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.output.files import MANIFEST, manifest, write_run
+from nvcore.output.parquet import to_parquet_bytes
 from nvcore.progress import Progress, no_progress
 from nvcore.protocols import PROTOCOLS, Protocol
 from nvcore.report.equal_alarms import at_equal_alarms, unequal_companions
 from nvcore.settings import Settings
+from nvcore.tables.boxes.matches import MATCHES, matches_parquet
 from nvcore.tables.columns import REPORT_COLUMNS
 from nvcore.tables.inputs import finding_entries
 from nvcore.tables.result import (
@@ -47,7 +49,19 @@ from nvcore.tables.summary import summary
 ZIP_TIME: Final = (1980, 1, 1, 0, 0, 0)
 """Time of every file in a zip, the earliest possible: the same report gives the same bytes."""
 
-REPORT_FILES: Final = (*REPORT_COLUMNS, "summary.json", "session.toml")
+TableFormat = Literal["csv", "parquet"]
+TABLE_FORMATS: Final = get_args(TableFormat)
+SESSION_FILE: Final = "session.toml"
+REPORT_FILES: Final = (
+    *(
+        str(PurePath(name).with_suffix(f".{kind}"))
+        for kind in TABLE_FORMATS
+        for name in REPORT_COLUMNS
+    ),
+    MATCHES,
+    "summary.json",
+    SESSION_FILE,
+)
 """The files that a report may have, and `nvcore.output.files.MANIFEST`."""
 
 
@@ -56,33 +70,50 @@ AUDIT_FILES: Final = ("findings.csv", "finding_entries.csv")
 
 
 def export_files(
-    result: Result, session: Settings, findings: tuple[Finding, ...] = ()
+    result: Result,
+    session: Settings,
+    findings: tuple[Finding, ...] = (),
+    *,
+    tables: TableFormat = "csv",
+    matches: bool = False,
 ) -> dict[str, Callable[[], bytes]]:
     """Every file of a report by name, written when called; the same input gives the same bytes.
 
     There is a ``session.toml`` only if the session names files; tables in memory have none.
+
+    Parameters
+    ----------
+    tables
+        ``"csv"``, or ``"parquet"``: with all digits.
+    matches
+        Whether ``matches.parquet`` is one of them, with a row for each box.
     """
 
     @cache
     def evidence() -> pd.DataFrame:
         return evidence_table(result, session.protocol)
 
-    files = {
-        "frames.csv": lambda: to_csv_bytes(frames_table(result)),
-        "encounters.csv": lambda: to_csv_bytes(encounters_table(result)),
-        "events.csv": lambda: to_csv_bytes(events_table(result)),
-        "intervals.csv": lambda: to_csv_bytes(intervals_table(result)),
-        "recordings.csv": lambda: to_csv_bytes(recordings_table(result)),
-        "significance.csv": lambda: _finite_csv(evidence()),
-        "subgroups.csv": lambda: _finite_csv(subgroup_table(result, protocol=session.protocol)),
-        "findings.csv": lambda: to_csv_bytes(findings_table(findings)),
-        "finding_entries.csv": lambda: to_csv_bytes(finding_entries(result.dataset, findings)),
-        "summary.json": lambda: _summary_text(
-            result, find_companions(result, evidence()) if are_unequal(result) else None
-        ).encode(),
+    made: dict[str, Callable[[], pd.DataFrame]] = {
+        "frames": lambda: frames_table(result),
+        "encounters": lambda: encounters_table(result),
+        "events": lambda: events_table(result),
+        "intervals": lambda: intervals_table(result),
+        "recordings": lambda: recordings_table(result),
+        "significance": evidence,
+        "subgroups": lambda: subgroup_table(result, protocol=session.protocol),
+        "findings": lambda: findings_table(findings),
+        "finding_entries": lambda: finding_entries(result.dataset, findings),
     }
+    files: dict[str, Callable[[], bytes]] = {
+        f"{name}.{tables}": partial(_bytes_of, make, tables) for name, make in made.items()
+    }
+    if matches:
+        files[MATCHES] = partial(matches_parquet, result)
+    files["summary.json"] = lambda: _summary_text(
+        result, find_companions(result, evidence()) if are_unequal(result) else None
+    ).encode()
     if isinstance(session, Session) and TABLE.name not in set(result.dataset.inputs["format"]):
-        files["session.toml"] = partial(_session_toml, result, session)
+        files[SESSION_FILE] = partial(_session_toml, result, session)
     return files
 
 
@@ -96,9 +127,13 @@ def _session_toml(result: Result, session: Session) -> bytes:
     return text.encode()
 
 
-def _finite_csv(table: pd.DataFrame) -> bytes:
-    """The table as CSV; an infinite odds ratio is an empty cell, as CSV has no infinity."""
-    return to_csv_bytes(table.replace([np.inf, -np.inf], np.nan))
+def _bytes_of(make: Callable[[], pd.DataFrame], tables: TableFormat) -> bytes:
+    table = make()
+    if tables == "parquet":
+        return to_parquet_bytes(table)
+    if "effect" in table:  # which may be infinite, and CSV has no infinity
+        table = table.replace([np.inf, -np.inf], np.nan)
+    return to_csv_bytes(table)
 
 
 def summary_json(result: Result, protocol: Protocol = PROTOCOLS["all"]) -> str:
@@ -118,10 +153,9 @@ def _summary_text(result: Result, companions: Companions | None) -> str:
 
 
 def _file_contents(
-    result: Result, session: Settings, findings: tuple[Finding, ...], progress: Progress
+    files: Mapping[str, Callable[[], bytes]], progress: Progress
 ) -> Iterator[tuple[str, bytes]]:
     """Names and contents of the files of a report, one after another."""
-    files = export_files(result, session, findings)
     for n_done, (name, make) in enumerate(files.items()):
         progress(n_done / len(files), f"writing {name}")
         yield name, make()
@@ -133,18 +167,26 @@ def write_report(
     folder: Path,
     findings: tuple[Finding, ...] = (),
     *,
+    tables: TableFormat = "csv",
+    matches: bool = False,
     progress: Progress = no_progress,
 ) -> None:
     """Write all files of a report into a folder, which is created if missing.
 
     They take the place of an older report's at once; see `nvcore.output.files.write_run`.
 
+    Parameters
+    ----------
+    tables, matches
+        See `export_files`.
+
     Raises
     ------
     InputError
         If the folder cannot be written to.
     """
-    write_run(folder, _file_contents(result, session, findings, progress), known=REPORT_FILES)
+    files = export_files(result, session, findings, tables=tables, matches=matches)
+    write_run(folder, _file_contents(files, progress), known=REPORT_FILES)
 
 
 def write_audit(folder: Path, dataset: Dataset, findings: tuple[Finding, ...]) -> None:
@@ -173,7 +215,7 @@ def report_zip(
 ) -> bytes:
     """A zip of the files of a report, byte for byte those of `write_report`."""
     content = io.BytesIO()
-    files = list(_file_contents(result, session, findings, progress))
+    files = list(_file_contents(export_files(result, session, findings), progress))
     with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, text in (*files, (MANIFEST, manifest(files))):
             entry = zipfile.ZipInfo(name, ZIP_TIME)

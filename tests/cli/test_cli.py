@@ -219,6 +219,8 @@ BAD = [
     (("--truth", "tale.txt", "--x", "a", "--y", "b"), "tale.txt: no reader recognises this as tr"),
     (("GOOD", "--out", "truth.csv"), "Directory 'truth.csv' is a file"),
     (("GOOD", "--alfa", "1"), "No such option '--alfa'"),
+    (("GOOD", "--tables", "parquet"), "--tables is about the files that --out writes; give --out"),
+    (("GOOD", "--matches"), "--matches is about the files that --out writes; give --out DIR"),
 ]
 
 

@@ -9,6 +9,8 @@ import tomllib
 import zipfile
 from pathlib import Path
 
+import numpy as np
+import pandas as pd
 import pytest
 from inputs import drive, session_of, write
 
@@ -17,6 +19,7 @@ from nvcore.errors import InputError
 from nvcore.findings import Finding, Severity
 from nvcore.inputs.load import load
 from nvcore.inputs.session import Session
+from nvcore.output.csv_text import to_csv_bytes
 from nvcore.output.files import LOCK, MANIFEST, manifest
 from nvcore.report.files import export_files, report_zip, summary_json, write_report
 
@@ -131,3 +134,28 @@ def test_a_folder_that_cannot_be_made_is_an_input_error(
     write(tmp_path / "report", "a file")
     with pytest.raises(InputError, match=r"report: cannot be written \(File exists\)"):
         write_report(result, session, tmp_path / "report")
+
+
+def test_tables_as_parquet_hold_what_the_csv_files_hold(
+    result: Result, session: Session, contents: dict[str, bytes], tmp_path: Path
+):
+    write_report(result, session, tmp_path, (HOSTILE,), tables="parquet", matches=True)
+    written = {path.name for path in tmp_path.iterdir()} - {LOCK, MANIFEST}
+    tables = [name.removesuffix(".csv") for name in FILES if name.endswith(".csv")]
+    assert written == {
+        *(f"{name}.parquet" for name in (*tables, "matches")), "summary.json", "session.toml"
+    }  # fmt: skip
+    for name in tables:
+        ours = pd.read_parquet(tmp_path / f"{name}.parquet", dtype_backend="numpy_nullable")
+        assert to_csv_bytes(ours.replace([np.inf, -np.inf], np.nan)).decode().replace("'", "") == (
+            contents[f"{name}.csv"].decode().replace("'", "")
+        ), name
+    assert (tmp_path / "summary.json").read_bytes() == contents["summary.json"]
+
+
+def test_the_other_form_of_the_tables_goes_when_a_report_is_written_anew(
+    result: Result, session: Session, tmp_path: Path
+):
+    write_report(result, session, tmp_path, tables="parquet", matches=True)
+    write_report(result, session, tmp_path)
+    assert {path.name for path in tmp_path.iterdir()} == {*FILES, LOCK, MANIFEST}

@@ -19,8 +19,10 @@ from places import ROOT
 from nvcore.comparison import compare
 from nvcore.findings import Cases, Finding, Severity
 from nvcore.inputs.load import load
+from nvcore.output.csv_text import to_csv_bytes
 from nvcore.report.files import export_files
 from nvcore.schema import CATEGORY_TEXT, MISS_CLASS_TEXT
+from nvcore.tables.boxes.matches import MATCH_COLUMNS, MATCHES
 from nvcore.tables.column import Column, Kind
 from nvcore.tables.columns import REPORT_COLUMNS
 from nvcore.tables.summary import SUMMARY_KEYS, SYSTEM_KEYS
@@ -28,7 +30,8 @@ from nvcore.tables.summary import SUMMARY_KEYS, SYSTEM_KEYS
 PAGE = ROOT / "docs" / "report.md"
 SECTION = re.compile(r"^(#+) (.*?)\n(.*?)(?=^#+ |\Z)", re.DOTALL | re.MULTILINE)
 TABLE = re.compile(r"(?:^\|.*\n)+", re.MULTILINE)
-COLUMNS = {**REPORT_COLUMNS, "summary.json": SUMMARY_KEYS, "Each system": SYSTEM_KEYS}
+TABLES = {**REPORT_COLUMNS, MATCHES: MATCH_COLUMNS}
+COLUMNS = {**TABLES, "summary.json": SUMMARY_KEYS, "Each system": SYSTEM_KEYS}
 VALUES = {"The column category": CATEGORY_TEXT, "The column miss_class": MISS_CLASS_TEXT}
 SYSTEMS = ("x", "y", "fusion.x_or_y", "fusion.x_and_y")
 FINDINGS = (
@@ -54,13 +57,16 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
     truth = session.folder / "truth.csv"
     # a box of 2 px: a distant pedestrian
     truth.write_text(truth.read_text(encoding="utf-8") + "rural,3,50,200,1,2,9\n", encoding="utf-8")
-    files = export_files(compare(load(session)), session, FINDINGS)
+    files = export_files(compare(load(session)), session, FINDINGS, matches=True)
     return {name: make() for name, make in files.items()}
 
 
 def table_of(report: dict[str, bytes], file: str) -> pd.DataFrame:
     """The file's cells as text."""
-    return pd.read_csv(io.BytesIO(report[file]), dtype=str, keep_default_na=False)
+    content = report[file]
+    if file == MATCHES:
+        content = to_csv_bytes(pd.read_parquet(io.BytesIO(content), dtype_backend="numpy_nullable"))
+    return pd.read_csv(io.BytesIO(content), dtype=str, keep_default_na=False)
 
 
 def shown(column: Column, *, name: str = "") -> str:
@@ -80,7 +86,7 @@ def expected_table(title: str) -> str:
     if title in VALUES:
         head = "| Value | Meaning |\n|---|---|\n"
         return head + "".join(f"| `{one}` | {text} |\n" for one, text in VALUES[title].items())
-    is_json = title not in REPORT_COLUMNS
+    is_json = title not in TABLES
     text = f"| {'Key' if is_json else 'Column'} | Unit | Type | Better | Meaning | "
     text += f"{'Null' if is_json else 'Empty'} |\n|---|---|---|---|---|---|\n"
     names = {column.name for column in COLUMNS[title]}
@@ -126,20 +132,20 @@ def test_every_file_of_a_report_has_its_section_in_order(report):
     assert re.findall(r"^## (\w+\.\w+)$", page, re.MULTILINE) == list(report)
 
 
-@pytest.mark.parametrize("file", REPORT_COLUMNS)
+@pytest.mark.parametrize("file", TABLES)
 def test_a_file_has_exactly_the_documented_columns(report, file: str):
-    assert list(table_of(report, file)) == [column.name for column in REPORT_COLUMNS[file]]
+    assert list(table_of(report, file)) == [column.name for column in TABLES[file]]
 
 
-@pytest.mark.parametrize("file", REPORT_COLUMNS)
+@pytest.mark.parametrize("file", TABLES)
 def test_only_columns_documented_so_have_empty_cells(report, file: str):
     table = table_of(report, file)
     assert len(table)
-    may_be_empty = {column.name for column in REPORT_COLUMNS[file] if column.empty}
+    may_be_empty = {column.name for column in TABLES[file] if column.empty}
     assert {name for name in table if (table[name] == "").any()} <= may_be_empty
 
 
-@pytest.mark.parametrize("file", REPORT_COLUMNS)
+@pytest.mark.parametrize("file", TABLES)
 def test_the_cells_are_of_the_documented_type(report, file: str):
     patterns = {
         Kind.TEXT: r".+",
@@ -148,7 +154,7 @@ def test_the_cells_are_of_the_documented_type(report, file: str):
         Kind.TRUTH_VALUE: r"[01]",
     }
     table = table_of(report, file)
-    for column in REPORT_COLUMNS[file]:
+    for column in TABLES[file]:
         cells = table[column.name]
         assert cells[cells != ""].str.fullmatch(patterns[column.kind]).all(), column.name
 
