@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import Final
 
 import streamlit as st
@@ -11,6 +12,7 @@ from nvcore.comparison import Result
 from nvcore.findings import Finding
 from nvcore.inputs.session import Session
 from nvcore.report.files import export_files, report_zip
+from nvcore.tables.boxes.matches import MATCH_COLUMNS, MATCHES, matches_parquet
 from nvcore.tables.column import Column
 from nvcore.tables.columns import REPORT_COLUMNS
 from ui.export.session import (
@@ -34,6 +36,7 @@ CONTENTS: Final = {
     "subgroups.csv": "groups of encounters, such as near and far",
     "findings.csv": "findings of the audit of the inputs",
     "finding_entries.csv": "All boxes, frames and rows that the findings concern",
+    MATCHES: "boxes of truth, X and Y: whom each matches, whether it counts, what it weighs",
     "summary.json": "All aggregates over all recordings, parameters and version",
     "session.toml": "The session: what to run to get the same report again",
 }
@@ -43,7 +46,15 @@ TERMS: Final = (
     "the first to the last annotated frame. In a "
     f"{docs_link('saliency event', 'saliency')} one missed pedestrian stands out."
 )
-MIME: Final = {"csv": "text/csv", "json": "application/json", "toml": "application/toml"}
+MIME: Final = {
+    "csv": "text/csv",
+    "json": "application/json",
+    "toml": "application/toml",
+    "parquet": "application/vnd.apache.parquet",
+}
+COLUMNS: Final = {**REPORT_COLUMNS, MATCHES: MATCH_COLUMNS}
+MOST_BOXES: Final = 5_000_000
+"""Boxes that are written for a download, which is made in memory."""
 MOST_NAMED: Final = 12
 """Inputs that are named one by one."""
 
@@ -102,8 +113,12 @@ def _draw_files(result: Result, report: _Report) -> None:
         "intervals.csv": len(result.x.intervals) + len(result.y.intervals),
         "recordings.csv": len(result.dataset.recordings),
         "findings.csv": len(report.findings),
+        MATCHES: len(result.dataset.boxes),
     }
-    for name, make in export_files(result, report.session, report.findings).items():
+    files = export_files(result, report.session, report.findings)
+    if counts[MATCHES] <= MOST_BOXES:
+        files[MATCHES] = partial(matches_parquet, result)
+    for name, make in files.items():
         button, text = st.columns([1, 4], vertical_alignment="center")
         button.download_button(
             name,
@@ -121,14 +136,14 @@ def _draw_files(result: Result, report: _Report) -> None:
 def _draw_columns() -> None:
     file = st.segmented_control(
         "File",
-        list(REPORT_COLUMNS),
+        list(COLUMNS),
         default="frames.csv",
         required=True,
         key="export_columns",
         label_visibility="collapsed",
     )
     rows = ["| Column | Unit | Meaning | Empty |", "|---|---|---|---|"]
-    for names, column in _joined(REPORT_COLUMNS[file]):
+    for names, column in _joined(COLUMNS[file]):
         empty = column.empty or "never"
         rows.append(f"| {names} | {column.unit or UNDEFINED} | {column.meaning} | {empty} |")
     st.markdown("\n".join(rows))

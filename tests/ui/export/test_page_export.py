@@ -35,7 +35,7 @@ def test_the_reports_files_are_told_and_can_be_downloaded():
         "All files (ZIP)",
         *("frames.csv", "encounters.csv", "events.csv", "intervals.csv", "recordings.csv"),
         *("significance.csv", "subgroups.csv", "findings.csv", "finding_entries.csv"),
-        *("summary.json", "session.toml"),
+        *("summary.json", "session.toml", "matches.parquet"),
         "Picture (PNG)",
     ]
     assert "3,000 evaluated frames" in texts(page)
@@ -43,6 +43,9 @@ def test_the_reports_files_are_told_and_can_be_downloaded():
     assert "`similarity_x`, `similarity_y` | 0 to 1" in texts(page)
     checked(page.button_group(key="export_columns").set_value("encounters.csv").run())
     assert "`miss_class_x`, `miss_class_y`" in texts(page)
+    assert "boxes of truth, X and Y: whom each matches" in texts(page)
+    checked(page.button_group(key="export_columns").set_value("matches.parquet").run())
+    assert "`iou_x`, `iou_y` | 0 to 1" in texts(page)
 
 
 def test_with_one_system_the_page_says_what_to_do(tmp_path: Path):
