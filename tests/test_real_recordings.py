@@ -5,11 +5,14 @@ from __future__ import annotations
 import csv
 import functools
 import json
+import re
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 from inputs import nvcore
+from packing import PACK
 
 pytestmark = pytest.mark.realdata
 
@@ -47,6 +50,32 @@ def night(realdata: Path) -> list[object]:
     return ["--truth", folder / "gt.csv", "--x", folder / "detections" / "TCDet-thermal.csv",
             "--y", folder / "detections" / "YOLOv3-visible.csv", "--size", "640x512",
             "--fps", 20]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("arguments", "ending"), [(mot15, ".gz"), (kaist, ".zst"), (kitti, ".xz"), (night, ".bz2")]
+)
+def test_packed_recordings_give_the_same_numbers(
+    realdata: Path, tmp_path: Path, arguments: Callable[[Path], list[object]], ending: str
+):
+    given = arguments(realdata)
+    folder = {mot15: "mot15", kaist: "kaist", kitti: "kitti_tracking"}.get(
+        arguments, "kaist_night_video"
+    )
+    for path in (realdata / folder).rglob("*"):
+        if path.is_file() and path.suffix in (".txt", ".csv", ".json", ".ini"):
+            place = tmp_path / path.relative_to(realdata)
+            place.parent.mkdir(parents=True, exist_ok=True)
+            content = path.read_bytes()
+            if path.suffix == ".ini":
+                place.write_bytes(content)
+            else:
+                place.with_name(place.name + ending).write_bytes(PACK[ending](content))
+    there = [re.sub(r"\.(txt|csv|json)$", rf".\1{ending}", text) for text in map(str, given)]
+    packed = [text.replace(str(realdata), str(tmp_path)) for text in there]
+    plain, with_packed = ({**compare(*texts)[0]} for texts in (given, packed))
+    assert plain.pop("fingerprint") != with_packed.pop("fingerprint")
+    assert with_packed == plain
 
 
 def is_balanced(system: dict[str, Any]) -> bool:

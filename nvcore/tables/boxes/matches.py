@@ -240,13 +240,14 @@ def _system_rows(
     dataset, frames = result.dataset, result.dataset.frame_columns
     rows, boxes = _rows_of(dataset.system(system.name), start, stop)
     columns = _common(result, boxes, SOURCES.index(side), rows.start)
-    k, is_counted = system.weights.k[rows], system.matches.is_counted[rows]
+    k, state = system.weights.k[rows], system.matches.state[rows]
+    is_counted = (state == DetectionState.MATCHED) | (state == DetectionState.FALSE_ALARM)
     nearest, partner = system.nearest.detections[rows], system.matches.det_truth[rows]
     term = k * np.minimum(columns["border_px"], nearest) / frames.half_width[boxes.frame_index]
     return columns | {
         "counts": is_counted,
         "k": k,
-        f"outcome_{side}": _codes(_DETECTION_OUTCOMES)[system.matches.state[rows]],
+        f"outcome_{side}": _codes(_DETECTION_OUTCOMES)[state],
         f"match_{side}": partner,
         f"iou_{side}": _iou(boxes, dataset.truth, partner),
         f"nearest_px_{side}": _known(nearest, is_counted),
