@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import hashlib
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -90,8 +90,8 @@ class Dataset:
         return FrameColumns(recording, frame, gap, first.astype(np.int64), **numbers)
 
     @cached_property
-    def derived(self) -> dict[str, Any]:
-        """What was computed from the data alone and is needed again, by name."""
+    def derived(self) -> dict[Hashable, Any]:
+        """What was computed from the data and is soon needed again (audit and comparison)."""
         return {}
 
     @cached_property

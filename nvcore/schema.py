@@ -6,6 +6,7 @@ and nowhere else.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from enum import IntEnum, StrEnum
 from typing import Any, Final
 
@@ -159,7 +160,13 @@ def names_as_categories(names: Any, n_rows: int) -> pd.Categorical:
     return pd.Categorical.from_codes(codes, unique)
 
 
-def conform(columns: dict[str, object], dtypes: dict[str, str], *, n_rows: int) -> pd.DataFrame:
+def conform(
+    columns: dict[str, object],
+    dtypes: dict[str, str],
+    *,
+    n_rows: int,
+    repeat: Callable[[Any, int], np.ndarray] | None = None,
+) -> pd.DataFrame:
     """Table with exactly the columns of `dtypes`; columns that are not given hold "unknown".
 
     Parameters
@@ -170,6 +177,8 @@ def conform(columns: dict[str, object], dtypes: dict[str, str], *, n_rows: int) 
         Column names and dtypes of the table, such as `READING_DTYPES`.
     n_rows
         Number of rows; an empty table keeps its columns and dtypes.
+    repeat
+        Makes a column of a scalar; None: one that has memory for each row, as kernels need it.
 
     Raises
     ------
@@ -186,6 +195,7 @@ def conform(columns: dict[str, object], dtypes: dict[str, str], *, n_rows: int) 
             table[name] = names_as_categories(columns.get(name, []), n_rows)
             continue
         if np.ndim(value) == 0:  # type: ignore[arg-type]
-            value = np.full(n_rows, value, dtype=dtype)
+            scalar = np.asarray(value).astype(dtype)
+            value = np.full(n_rows, scalar) if repeat is None else repeat(scalar, n_rows)
         table[name] = np.asarray(value).astype(dtype, copy=False)
     return pd.DataFrame(table, copy=False)

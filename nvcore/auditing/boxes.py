@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from nvcore.auditing.cases import BoxSource
+from nvcore.auditing.cases import BLOCK, BoxSource
 from nvcore.findings import Finding, Severity
 from nvcore.metrics.encounters import encounters_of
 from nvcore.schema import NO_TRACK
@@ -34,33 +34,36 @@ def audit_geometry(source: BoxSource) -> list[Finding]:
     boxes = source.boxes
     if not len(boxes):
         return []
-    frames, starts = source.dataset.frame_columns, source.starts
-    has_box = starts[1:] > starts[:-1]
-    widths, heights = frames.width[has_box], frames.height[has_box]
-    right, bottom = boxes.x + boxes.w, boxes.y + boxes.h
-    if min(widths.min(), heights.min()) > 10 and max(right.max(), bottom.max()) <= FRACTION_EXTENT:
+    frames = source.dataset.frame_columns
+    has_box = np.diff(source.starts) > 0
+    smallest = min(frames.width[has_box].min(), frames.height[has_box].min())
+    furthest, suspects = -np.inf, []
+    for rows, recordings in source.blocks():
+        x, y, w, h = (column[rows] for column in (boxes.x, boxes.y, boxes.w, boxes.h))
+        right, bottom = x + w, y + h
+        furthest = max(furthest, right.max(), bottom.max())
+        n_boxes = np.diff(source.starts[recordings.start : recordings.stop + 1])
+        is_odd = (x < 0) | (y < 0) | (np.minimum(w, h) < HAIR_PX)
+        is_odd |= right > np.repeat(frames.width[recordings], n_boxes)
+        is_odd |= bottom > np.repeat(frames.height[recordings], n_boxes)
+        suspects.append(rows.start + np.flatnonzero(is_odd))
+    if smallest > 10 and furthest <= FRACTION_EXTENT:
         return source.findings(
             Severity.ERROR,
             "boxes-in-fractions",
             np.arange(len(boxes)),
-            f"No box reaches beyond {max(right.max(), bottom.max()):.3g} px: the coordinates "
+            f"No box reaches beyond {furthest:.3g} px: the coordinates "
             "are fractions of the picture, not pixels.",
             "Multiply x and w by the width and y and h by the height of the picture, or read "
             "the file as YOLO text.",
             is_of_all=True,
         )
-    # most boxes lie inside: only the others are looked at in full
-    rows = np.flatnonzero(
-        (boxes.x < 0)
-        | (boxes.y < 0)
-        | (right > _of_boxes(frames.width, starts))
-        | (bottom > _of_boxes(frames.height, starts))
-        | (np.minimum(boxes.w, boxes.h) < HAIR_PX)
-    )
+    # the boxes that may not lie inside; of the others all of the area does
+    rows = np.concatenate(suspects)
     x, y, w, h = boxes.x[rows], boxes.y[rows], boxes.w[rows], boxes.h[rows]
     recording = frames.recording[boxes.frame_index[rows]]
-    across = np.minimum(right[rows], frames.width[recording]) - np.maximum(x, 0)
-    down = np.minimum(bottom[rows], frames.height[recording]) - np.maximum(y, 0)
+    across = np.minimum(x + w, frames.width[recording]) - np.maximum(x, 0)
+    down = np.minimum(y + h, frames.height[recording]) - np.maximum(y, 0)
     is_outside = (across <= 0) | (down <= 0)
     inside_share = np.where(is_outside, 0, across * down) / (w * h)
     is_off = inside_share < 0.5
@@ -69,14 +72,6 @@ def audit_geometry(source: BoxSource) -> list[Finding]:
         *_outside(source, rows[is_outside], are_many=are_many),
         *_mostly_outside(source, rows[~is_outside & is_off], are_many=are_many),
     ]
-
-
-def _of_boxes(values: np.ndarray, starts: np.ndarray) -> np.ndarray | float:
-    """The value of each box's recording; a single number where all recordings have the same."""
-    if not np.ptp(values):
-        return float(values[0])
-    of_box: np.ndarray = np.repeat(values, np.diff(starts))
-    return of_box
 
 
 def _outside(source: BoxSource, rows: np.ndarray, *, are_many: bool) -> list[Finding]:
@@ -195,11 +190,13 @@ def repeated_rows(rows: np.ndarray, columns: tuple[np.ndarray, ...]) -> np.ndarr
         return _repeated_anywhere(rows, columns)
     frame, first, *others = *columns, columns[0]
     is_repeat = np.zeros(len(rows), np.bool_)
-    for ahead in range(1, longest):  # a loop over the boxes of one frame: a handful
-        near = np.flatnonzero(first[ahead:] == first[:-ahead])
-        for column in (frame, *others):
-            near = near[column[near + ahead] == column[near]]
-        is_repeat[near + ahead] = True
+    for start in range(0, len(rows), BLOCK):
+        block = first[start : start + BLOCK + longest]
+        for ahead in range(1, longest):  # a loop over the boxes of one frame: a handful
+            near = start + np.flatnonzero(block[ahead:] == block[:-ahead])
+            for column in (frame, *others):
+                near = near[column[near + ahead] == column[near]]
+            is_repeat[near + ahead] = True
     repeats: np.ndarray = rows[is_repeat]
     return repeats
 

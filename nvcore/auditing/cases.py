@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -17,6 +18,8 @@ from nvcore.wording import count_text
 
 TRUTH_NAME: Final = "truth"
 """`Finding.subject` of the ground truth."""
+BLOCK: Final = 1 << 15
+"""Boxes that are looked at at a time."""
 MOST_NAMES: Final = 3
 """Names that a message spells out; of the others it says how many."""
 
@@ -47,6 +50,17 @@ class BoxSource:
         """First box of every recording, and the number of boxes; shape (n_recordings + 1,)."""
         starts: np.ndarray = self.boxes.offsets[self.dataset.frame_columns.first]
         return starts
+
+    def blocks(self) -> Iterator[tuple[slice, slice]]:
+        """Boxes in blocks of whole recordings: their rows, and the recordings.
+
+        What is computed of a block on the way stays in the processor's memory.
+        """
+        starts = self.starts
+        edges = np.searchsorted(starts, np.arange(0, len(self.boxes) + BLOCK, BLOCK), side="right")
+        for lo, hi in pairwise(np.unique(np.append(edges - 1, len(starts) - 1))):
+            if starts[hi] > starts[lo]:
+                yield slice(int(starts[lo]), int(starts[hi])), slice(int(lo), int(hi))
 
     def findings(
         self,
@@ -91,6 +105,11 @@ def truth_source(dataset: Dataset) -> BoxSource:
 def system_source(dataset: Dataset, name: str) -> BoxSource:
     """One system, by its name."""
     return BoxSource(dataset, name, False, dataset.system(name))
+
+
+def all_sources(dataset: Dataset) -> list[BoxSource]:
+    """The ground truth and every system."""
+    return [truth_source(dataset), *(system_source(dataset, name) for name in dataset.systems)]
 
 
 def file_name(dataset: Dataset, file: int, line: int) -> str:

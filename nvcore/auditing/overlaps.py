@@ -163,16 +163,17 @@ class Sample:
 def take_sample(dataset: Dataset, detections: BoxColumns) -> Sample:
     """Pedestrians of evenly spread frames, as many as are quick to look at."""
     truth = dataset.truth
-    rows = np.flatnonzero(~truth.ignore)
-    per_frame = np.diff(detections.offsets)
-    n_pairs = int(per_frame[truth.frame_index[rows]].sum())
+    n_truth = np.diff(truth.offsets)
+    if truth.ignore.any():
+        n_truth = np.bincount(truth.frame_index[~truth.ignore], minlength=len(n_truth))
+    n_pairs = int((n_truth * np.diff(detections.offsets)).sum())
     step = -(-n_pairs // MAX_PAIRS) if n_pairs else 1
-    if step > 1:
-        # frames are numbered among those with pedestrians, so that a sampling step of the
-        # annotation cannot fall in with this one
-        number = np.cumsum(np.diff(truth.frame_index[rows], prepend=-1) > 0) - 1
-        rows = rows[number % step == 0]
-    return Sample(dataset, rows, detections, step)
+    # frames are numbered among those with pedestrians, so that a sampling step of the annotation
+    # cannot fall in with this one
+    chosen = np.flatnonzero(n_truth)[::step]
+    start = truth.offsets[chosen]
+    rows = rows_in_ranges(start, truth.offsets[chosen + 1] - start)[1]
+    return Sample(dataset, rows[~truth.ignore[rows]], detections, step)
 
 
 def above_threshold(boxes: BoxColumns, threshold: float | None) -> BoxColumns:

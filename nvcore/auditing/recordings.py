@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.auditing.cases import TRUTH_NAME, recording_findings
+from nvcore.auditing.cases import TRUTH_NAME, all_sources, recording_findings
 from nvcore.auditing.scales import SIZES
 from nvcore.dataset import Dataset
 from nvcore.findings import Finding, Severity
@@ -41,15 +41,17 @@ def audit_size(dataset: Dataset) -> list[Finding]:
         np.column_stack([frames.width, frames.height]), axis=0, return_inverse=True
     )
     n_boxes, reach = np.zeros(len(sizes), np.int64), np.zeros((len(sizes), 2))
-    for source in dataset.sources:
-        starts = source.offsets[frames.first]
-        has_box = starts[1:] > starts[:-1]
-        group = size_of.reshape(-1)[has_box]
-        np.add.at(n_boxes, group, np.diff(starts)[has_box])
-        for axis, ends in enumerate((source.x + source.w, source.y + source.h)):
-            # no segment is empty, and none has a gap before the next
-            furthest = np.maximum.reduceat(ends, starts[:-1][has_box]) if len(group) else ends
-            np.maximum.at(reach[:, axis], group, furthest)
+    for source in all_sources(dataset):
+        boxes = source.boxes
+        for rows, recordings in source.blocks():
+            starts = source.starts[recordings.start : recordings.stop + 1]
+            has_box = starts[1:] > starts[:-1]
+            group, first = size_of.reshape(-1)[recordings][has_box], starts[:-1][has_box]
+            np.add.at(n_boxes, group, np.diff(starts)[has_box])
+            right, bottom = boxes.x[rows] + boxes.w[rows], boxes.y[rows] + boxes.h[rows]
+            for axis, ends in enumerate((right, bottom)):
+                furthest = np.maximum.reduceat(ends, first - rows.start)  # none is empty
+                np.maximum.at(reach[:, axis], group, furthest)
     # coordinates in fractions of the picture have a finding of their own
     is_odd = (n_boxes >= MIN_BOXES) & (reach <= REACHED_SHARE * sizes).all(axis=1)
     is_odd &= reach.max(axis=1) > 2

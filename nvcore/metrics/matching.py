@@ -58,10 +58,15 @@ class Matches:
 
 
 def match_system(dataset: Dataset, name: str, threshold: float | None, params: Params) -> Matches:
-    """Match all detections of a system; see `match_boxes`."""
-    return match_boxes(
-        dataset.truth, dataset.system(name), dataset.frame_columns, params, threshold=threshold
-    )
+    """Match all detections of a system; see `match_boxes`. The latest is kept with the dataset."""
+    key = (threshold, params.match, params.iou, params.lateral_tolerance)
+    before, matches = dataset.derived.get(("matches", name), (None, None))
+    if before != key or matches is None:
+        matches = match_boxes(
+            dataset.truth, dataset.system(name), dataset.frame_columns, params, threshold=threshold
+        )
+        dataset.derived["matches", name] = key, matches
+    return matches
 
 
 def match_boxes(

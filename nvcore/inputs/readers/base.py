@@ -312,7 +312,7 @@ def warning(
 
 def reading_boxes(n_rows: int, **columns: object) -> pd.DataFrame:
     """Boxes table of a reading from the columns that the format has; the rest is unknown."""
-    return conform(columns, READING_DTYPES, n_rows=n_rows)
+    return conform(columns, READING_DTYPES, n_rows=n_rows, repeat=np.broadcast_to)
 
 
 def select_boxes(boxes: pd.DataFrame, keep: np.ndarray) -> pd.DataFrame:
