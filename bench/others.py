@@ -79,6 +79,52 @@ def _hotcoco(boxes: BoxSet, *, compare: bool) -> Work:
     return work
 
 
+def _ultrafast(boxes: BoxSet) -> Work:
+    from ultrafast_pycocotools import COCO, COCOeval
+
+    truth = COCO(_coco_truth(boxes))
+    results = [truth.loadRes(_coco_detections(s)) for s in boxes.systems]
+
+    def work() -> list[dict[str, float]]:
+        recalls = []
+        for result in results:
+            evaluation = COCOeval(truth, result, "bbox", print_function=lambda *_: None)
+            evaluation.params.iouThrs = np.array([IOU])
+            evaluation.params.areaRng = [[0.0, 1e10]]
+            evaluation.params.areaRngLbl = ["all"]
+            evaluation.params.maxDets = [100]
+            evaluation.evaluate()
+            evaluation.accumulate()
+            recalls.append({"recall": float(np.max(evaluation.eval["recall"]))})
+        return recalls
+
+    return work
+
+
+def _vernier(boxes: BoxSet) -> Work:
+    """With the four area ranges of COCO, which its `COCOeval` always evaluates."""
+    from pycocotools.coco import COCO
+    from vernier import COCOeval
+
+    truth = COCO()
+    truth.dataset = _coco_truth(boxes)
+    truth.createIndex()
+    results = [truth.loadRes(_coco_detections(s)) for s in boxes.systems]
+
+    def work() -> list[dict[str, float]]:
+        recalls = []
+        for result in results:
+            evaluation = COCOeval(truth, result, iouType="bbox")
+            evaluation.params.iouThrs = np.array([IOU])
+            evaluation.params.maxDets = [100]
+            evaluation.evaluate()
+            evaluation.accumulate()
+            recalls.append({"recall": float(np.max(evaluation.eval["recall"][:, :, 0]))})
+        return recalls
+
+    return work
+
+
 def _faster_coco_eval(boxes: BoxSet) -> Work:
     from faster_coco_eval import COCO, COCOeval_faster
 
@@ -188,6 +234,8 @@ TOOLS: dict[str, tuple[Callable[[BoxSet], Work], tuple[str, ...]]] = {
     "hotcoco": (lambda boxes: _hotcoco(boxes, compare=False), ("hotcoco", "numpy")),
     "hotcoco compare": (lambda boxes: _hotcoco(boxes, compare=True), ("hotcoco", "numpy")),
     "faster-coco-eval": (_faster_coco_eval, ("faster-coco-eval", "numpy")),
+    "ultrafast-pycocotools": (_ultrafast, ("ultrafast-pycocotools", "numpy")),
+    "vernier": (_vernier, ("vernier", "pycocotools", "numpy")),
     "TrackEval CLEAR": (_trackeval, ("trackeval", "numpy", "scipy")),
     "motmetrics": (_motmetrics, ("motmetrics", "numpy", "pandas")),
 }

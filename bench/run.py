@@ -10,7 +10,6 @@ writes no file unless `--out` is given.
 from __future__ import annotations
 
 import argparse
-import json
 import subprocess
 import sys
 import tempfile
@@ -18,11 +17,11 @@ from pathlib import Path
 from typing import Any
 
 from bench.command_line import measure_command_line
+from bench.paired import paired_sections
 from bench.tables import write_tables
 from bench.web_tables import web_section
+from bench.workers import ROOT, TOOLS_PYTHON, run_worker
 
-ROOT = Path(__file__).resolve().parent.parent
-TOOLS_PYTHON = ROOT / ".venv-bench" / "tools" / "bin" / "python"
 MOTMETRICS_PYTHON = ROOT / ".venv-bench" / "motmetrics" / "bin" / "python"
 
 BESIDE = (
@@ -31,6 +30,8 @@ BESIDE = (
     ("hotcoco", "bench.others", TOOLS_PYTHON),
     ("hotcoco compare", "bench.others", TOOLS_PYTHON),
     ("faster-coco-eval", "bench.others", TOOLS_PYTHON),
+    ("ultrafast-pycocotools", "bench.others", TOOLS_PYTHON),
+    ("vernier", "bench.others", TOOLS_PYTHON),
     ("TrackEval CLEAR", "bench.others", TOOLS_PYTHON),
     ("motmetrics", "bench.others", MOTMETRICS_PYTHON),
 )
@@ -42,19 +43,6 @@ FROM_FILES = (
     ("TrackEval preprocessing + CLEAR", "bench.from_files", TOOLS_PYTHON),
 )
 """The same for what starts from the set as MOTChallenge files."""
-
-
-def run_worker(python: Path, *arguments: str) -> dict[str, Any]:
-    """Figures of one worker: the last line that it prints; ``{"failed": why}`` if it fails."""
-    if not python.exists():
-        return {"failed": "not installed; `make bench` installs it"}
-    process = subprocess.run(
-        [str(python), "-m", *arguments], cwd=ROOT, capture_output=True, text=True, check=False
-    )
-    if process.returncode:
-        return {"failed": (process.stderr.strip().splitlines() or ["no message"])[-1]}
-    figures: dict[str, Any] = json.loads(process.stdout.strip().splitlines()[-1])
-    return figures
 
 
 def main() -> None:
@@ -104,6 +92,8 @@ def main() -> None:
     frames = ["0", "5000"] if quick else ["0", "100000", "1000000"]
     web = run_worker(Path(sys.executable), "bench.web", "--frames", *frames)
     text = write_tables(ours, beside, others_at, command_line) + "\n" + web_section(web)
+    print("opening, and COCO's evaluators ...", file=sys.stderr)
+    text += "\n" + paired_sections(quick=quick)
     print(text)
     if out:
         out.write_text(text, encoding="utf-8")

@@ -4,7 +4,7 @@ Four lanes of pedestrians follow one another through each recording, so that eve
 exactly four. A system sees a pedestrian late, drops it now and then, misses single frames, and
 raises false alarms that stay for a while: tracks, misses and false alarms have plausible lengths.
 
-    python -m bench.sets N SET.npz
+    python -m bench.sets N SET.npz [--coco]
 
 The arrays are all that this module makes, so that other tools' environments can read it too (it
 imports numpy only); `bench.ours` makes the dataset of them.
@@ -25,6 +25,7 @@ MEAN_TRACK = 80  # frames
 FOCAL = 800.0  # px
 BODY = 1.75  # m
 SEED = 20110360
+MOST_IN_PICTURE = 100  # detections of a picture that COCO counts
 
 COLUMNS = ("x", "y", "w", "h", "score", "track", "frame_index")
 
@@ -165,6 +166,57 @@ def _detect(
     )
 
 
+def make_coco_shaped(n_images: int) -> BoxSet:
+    """Pictures as those of COCO: few pedestrians each, and 100 detections with mostly low scores.
+
+    Pictures do not follow one another, so nobody is seen twice.
+    """
+    rng = np.random.default_rng([SEED, n_images, 2])
+    n_truth = rng.poisson(7, n_images)
+    truth = _scattered(np.repeat(np.arange(n_images), n_truth), rng)
+    systems = []
+    for recall in (0.75, 0.65):
+        seen = np.flatnonzero(rng.random(len(truth)) < recall)
+        frame = np.concatenate([truth.frame_index[seen], np.repeat(np.arange(n_images), 100)])
+        clutter = _scattered(frame[len(seen) :], rng)
+        moved = truth.h[seen] * rng.normal(0, 0.05, (2, len(seen)))
+        columns = {
+            "x": (truth.x[seen] + moved[0], clutter.x),
+            "y": (truth.y[seen] + moved[1], clutter.y),
+            "w": (truth.w[seen] * np.exp(rng.normal(0, 0.08, len(seen))), clutter.w),
+            "h": (truth.h[seen] * np.exp(rng.normal(0, 0.05, len(seen))), clutter.h),
+            "score": (rng.beta(4, 1.5, len(seen)), 0.5 * rng.beta(1, 6, len(clutter))),
+        }
+        joined = {name: np.concatenate(both) for name, both in columns.items()}
+        by_score = np.lexsort((-joined["score"], frame))
+        rank = np.arange(len(frame)) - np.searchsorted(frame[by_score], frame[by_score])
+        best = by_score[rank < MOST_IN_PICTURE]  # as detectors write their results
+        systems.append(
+            Boxes(
+                **{name: column[best] for name, column in joined.items()},
+                track=np.arange(len(best)),
+                frame_index=frame[best],
+            )
+        )
+    return BoxSet(n_images, truth, (systems[0], systems[1]))
+
+
+def _scattered(frame: np.ndarray, rng: np.random.Generator) -> Boxes:
+    """Boxes anywhere in their pictures, most of them small."""
+    n = len(frame)
+    h = np.exp(rng.uniform(np.log(15), np.log(300), n))
+    w = h * rng.uniform(0.3, 0.6, n)
+    return Boxes(
+        x=rng.uniform(0, WIDTH, n) * (1 - w / WIDTH),
+        y=rng.uniform(0, HEIGHT, n) * (1 - h / HEIGHT),
+        w=w,
+        h=h,
+        score=np.ones(n),
+        track=np.arange(n),
+        frame_index=frame,
+    )
+
+
 def save_set(boxes: BoxSet, path: Path) -> None:
     """Write a set as .npz, for `load_set` in any environment."""
     columns = {"n_frames": np.array(boxes.n_frames)}
@@ -184,8 +236,10 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("n_frames", type=int)
     parser.add_argument("path", type=Path)
+    parser.add_argument("--coco", action="store_true", help="pictures shaped as those of COCO")
     options = parser.parse_args()
-    save_set(make_set(options.n_frames), options.path)
+    make = make_coco_shaped if options.coco else make_set
+    save_set(make(options.n_frames), options.path)
 
 
 if __name__ == "__main__":

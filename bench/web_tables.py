@@ -40,8 +40,9 @@ def web_section(figures: dict[str, Any]) -> str:
 
 
 def put_section(path: Path, section: str) -> None:
-    """Put the section into a page, in place of the one that is there."""
-    before, _, after = path.read_text(encoding="utf-8").partition(f"\n{HEADING}\n")
+    """Put the section into a page, in place of the one of that heading, or at its end."""
+    heading = section.partition("\n")[0]
+    before, _, after = path.read_text(encoding="utf-8").partition(f"\n{heading}\n")
     _, mark, following = after.partition("\n## ")
     path.write_text(f"{before.rstrip()}\n\n{section}" + (mark + following), encoding="utf-8")
 

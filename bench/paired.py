@@ -1,0 +1,165 @@
+"""Ratios that hold on a busy machine: opening beside reading alone, nvcore beside COCO's evaluators.
+
+    python -m bench.paired [--quick] [--only opening evaluators] [--rounds 3] [--out FILE]
+
+What is compared runs one right after the other, round after round; each ratio is taken within a
+round, and the table has the median of the rounds. With ``--out`` it writes its sections of that
+page.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+from bench.tables import seconds_text, table
+from bench.web_tables import put_section
+from bench.workers import ROOT, TOOLS_PYTHON, run_worker
+
+EVALUATORS = ("hotcoco", "ultrafast-pycocotools", "vernier", "faster-coco-eval")
+OURS = "nvcore analyse"
+SHAPES = {"our frames": (100_000, ()), "pictures as COCO's": (5_000, ("--coco",))}
+"""Sets that the evaluators run on: how many frames, and flags of `bench.sets`."""
+MOST_RATIO = 5
+"""Target for opening a million frames: its time over that of reading alone."""
+OPENING = """\
+## Opening CSV files
+
+From the session file to the result: `load` (reading, hashing, placing the boxes), `audit` and
+`analyse`, beside pyarrow reading the same three files (truth, X, Y) with its defaults, right before
+and in the same process, after a run on a small set. *Ratio* is all three steps over pyarrow alone:
+the median of {rounds} rounds (lowest to highest). Load of the machine when it began: {load:.1f}.
+"""
+BESIDE = """\
+## Beside COCO's evaluators
+
+Both systems against the truth at an IoU of 0.5, from boxes in memory in each tool's own form; the
+evaluators give average precision and recall, nvcore all that it computes of a comparison. Each
+round runs all of them one after the other, each in a fresh process (median of {repeat} runs).
+*Ratio* is the time over that of `analyse` in the same round: the median of {rounds} rounds. *Our
+frames*: 4 pedestrians and about 5 detections a frame. *Pictures as COCO's*: about 7 pedestrians and
+100 detections a picture, most with low scores, no tracks; one class. vernier 0.5 evaluates COCO's
+four area ranges, as its drop-in class cannot be told to take one; the others evaluate one. Load of
+the machine when it began: {load:.1f}.
+"""
+
+
+def opening_section(n_frames: int, rounds: int) -> str:
+    """Opening beside pyarrow reading the files."""
+    load = os.getloadavg()[0]
+    with tempfile.TemporaryDirectory() as folder:
+        _run("bench.csv_files", str(n_frames), folder)
+        python = Path(sys.executable)
+        figures = run_worker(python, "bench.opening", folder, "--repeat", str(rounds))
+        size_mb = sum(path.stat().st_size for path in Path(folder).glob("*.csv")) / 1e6
+    text = OPENING.format(rounds=rounds, load=load)
+    if "failed" in figures:
+        return f"{text}\nNot measured: {figures['failed']}\n"
+    ratios = [run["ratio"] for run in figures["runs"]]
+    steps = ("pyarrow", "load", "audit", "analyse")
+    row = [
+        f"{n_frames:,} ({size_mb:.0f} MB)",
+        *(seconds_text(figures[step]) for step in steps),
+        f"{median(ratios):.2f} ({min(ratios):.2f} to {max(ratios):.2f})",
+        f"{MOST_RATIO} or less" if n_frames == 1_000_000 else "",
+    ]
+    return f"{text}\n{table(['frames', *steps, 'ratio', 'target'], [row])}\n"
+
+
+def evaluators_section(sizes: dict[str, int], rounds: int, repeat: int) -> str:
+    """nvcore and the evaluators of COCO on each set."""
+    load = os.getloadavg()[0]
+    rows = []
+    with tempfile.TemporaryDirectory() as folder:
+        for shape, n in sizes.items():
+            path = Path(folder) / f"{n}.npz"
+            _run("bench.sets", str(n), str(path), *SHAPES[shape][1])
+            rounds_of = [_round(path, repeat) for _ in range(rounds)]
+            rows += [_row(f"{shape}, {n:,}", name, rounds_of) for name in (OURS, *EVALUATORS)]
+    head = ["set", "tool", "both systems", "ratio", "held against ours"]
+    text = BESIDE.format(rounds=rounds, repeat=repeat, load=load)
+    return f"{text}\n{table(head, rows)}\n"
+
+
+def _round(path: Path, repeat: int) -> dict[str, dict[str, Any]]:
+    """Figures of every tool, one after the other."""
+    times = ("--repeat", str(repeat))
+    ours = run_worker(Path(sys.executable), "bench.ours", str(path), "--only-analyse", *times)
+    figures = {OURS: ours}
+    for name in EVALUATORS:
+        figures[name] = run_worker(TOOLS_PYTHON, "bench.others", name, str(path), *times)
+    return figures
+
+
+def _row(shape: str, name: str, rounds: Sequence[dict[str, dict[str, Any]]]) -> list[str]:
+    failed = next((one[name]["failed"] for one in rounds if "failed" in one[name]), None)
+    if failed is not None:
+        return [shape, name, "–", "–", failed]
+    took = [_seconds(one[name]) for one in rounds]
+    ratios = [_seconds(one[name]) / _seconds(one[OURS]) for one in rounds]
+    agreement = "" if name == OURS else _agreement(rounds[0][OURS], rounds[0][name])
+    version = rounds[0][name]["versions"].get(name, "")
+    return [
+        shape,
+        f"{name} {version}".strip(),
+        seconds_text(median(took)),
+        f"{median(ratios):.2f}",
+        agreement,
+    ]
+
+
+def _seconds(figures: dict[str, Any]) -> float:
+    seconds = figures["seconds"]
+    return median(seconds["analyse"] if isinstance(seconds, dict) else seconds)
+
+
+def _agreement(ours: dict[str, Any], theirs: dict[str, Any]) -> str:
+    pairs = zip(theirs["check"], ours["check"]["recall"], strict=True)
+    off = max(abs(check["recall"] - recall) for check, recall in pairs)
+    return "same recall" if off < 1e-9 else f"recall differs by {off:.1e}"
+
+
+def paired_sections(*, quick: bool) -> str:
+    """Both sections."""
+    if quick:
+        sizes = {"our frames": 5_000, "pictures as COCO's": 500}
+        return "\n".join([opening_section(20_000, 2), evaluators_section(sizes, 1, 2)])
+    sizes = {shape: n for shape, (n, _) in SHAPES.items()}
+    return "\n".join([opening_section(1_000_000, 3), evaluators_section(sizes, 3, 5)])
+
+
+def _run(module: str, *arguments: str) -> None:
+    subprocess.run([sys.executable, "-m", module, *arguments], cwd=ROOT, check=True)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--only", choices=("opening", "evaluators"))
+    parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--out", type=Path)
+    options = parser.parse_args()
+    sections = []
+    if options.only != "evaluators":
+        sections.append(opening_section(20_000 if options.quick else 1_000_000, options.rounds))
+    if options.only != "opening":
+        divisor = 20 if options.quick else 1
+        sizes = {shape: n // divisor for shape, (n, _) in SHAPES.items()}
+        sections.append(evaluators_section(sizes, options.rounds, 3))
+    for section in sections:
+        print(section)
+        if options.out:
+            put_section(options.out, section)
+
+
+if __name__ == "__main__":
+    main()
