@@ -1,4 +1,4 @@
-"""Ratios that hold on a busy machine: opening beside reading alone, nvcore beside COCO's evaluators.
+"""Ratios that hold on a busy machine: opening beside reading, nvcore beside evaluators of COCO.
 
     python -m bench.paired [--quick] [--only opening evaluators] [--rounds 3] [--out FILE]
 

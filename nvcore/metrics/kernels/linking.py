@@ -10,6 +10,12 @@ import numpy as np
 
 from nvcore.metrics.kernels import compiled, intersection
 
+MOST_AT_ONCE = 32
+"""Tracks up to which all boxes of a frame are assigned at once, and looking for parts saves nothing.
+
+Of several assignments with exactly the same total, the two ways may take different ones.
+"""
+
 
 @compiled
 def assign(gain):
@@ -69,6 +75,64 @@ def assign(gain):
     for j in range(1, m + 1):
         if owner[j] > 0 and gain[owner[j] - 1, j - 1] > 0.0:
             column[owner[j] - 1] = j - 1
+    return column
+
+
+@compiled
+def assign_in_parts(gain):
+    """As `assign`, one part after the other: cubic in the largest part, not in all boxes of a frame.
+
+    Two boxes are of one part if a chain of allowed pairs leads from one to the other: what is
+    assigned in one part changes nothing in another.
+    """
+    n, m = gain.shape
+    part = np.empty(m, np.int64)  # the first column of each column's part
+    part_of_row = np.empty(n, np.int64)
+    for j in range(m):
+        part[j] = j
+    for i in range(n):
+        part_of_row[i] = -1
+        for j in range(m):
+            if gain[i, j] <= 0.0:
+                continue
+            a, b = j, part_of_row[i]
+            while part[a] != a:
+                a = part[a]
+            if b < 0:
+                b = a
+            while part[b] != b:
+                b = part[b]
+            part[max(a, b)] = min(a, b)
+            part_of_row[i] = min(a, b)
+    for j in range(m):  # each column's part comes before it
+        part[j] = part[part[j]]
+    rows, columns, column = np.empty(n, np.int64), np.empty(m, np.int64), np.empty(n, np.int64)
+    for i in range(n):
+        column[i] = -1
+        if part_of_row[i] >= 0:
+            part_of_row[i] = part[part_of_row[i]]
+    for p in range(m):
+        if part[p] != p:
+            continue
+        n_rows, n_columns = 0, 0
+        for i in range(n):
+            if part_of_row[i] == p:
+                rows[n_rows] = i
+                n_rows += 1
+        if n_rows == 0:
+            continue
+        for j in range(p, m):
+            if part[j] == p:
+                columns[n_columns] = j
+                n_columns += 1
+        small = np.zeros((n_rows, max(n_rows, n_columns)))
+        for i in range(n_rows):
+            for j in range(n_columns):
+                small[i, j] = gain[rows[i], columns[j]]
+        best = assign(small)
+        for i in range(n_rows):
+            if best[i] >= 0:
+                column[rows[i]] = columns[best[i]]
     return column
 
 
@@ -139,7 +203,8 @@ def link_rows(rows, frame_index, recording, x, y, w, h, min_iou, max_gap, track)
                 if per_new[j] > 1:
                     is_plain = False
             if not is_plain:
-                column = assign(gain)
+                whole = gain.shape[0] <= MOST_AT_ONCE
+                column = assign(gain) if whole else assign_in_parts(gain)
         if n_live + n_new > live.size:
             grown = np.empty(2 * (n_live + n_new), np.int64)
             for t in range(n_live):
