@@ -11,7 +11,7 @@ import numpy as np
 from nvcore.metrics.kernels import compiled, intersection
 
 MOST_AT_ONCE = 32
-"""Tracks up to which all boxes of a frame are assigned at once, and looking for parts saves nothing.
+"""Tracks up to which all boxes of a frame are assigned at once: looking for parts saves nothing.
 
 Of several assignments with exactly the same total, the two ways may take different ones.
 """
@@ -80,7 +80,7 @@ def assign(gain):
 
 @compiled
 def assign_in_parts(gain):
-    """As `assign`, one part after the other: cubic in the largest part, not in all boxes of a frame.
+    """As `assign`, one part after the other: cubic in the largest part, not in all boxes.
 
     Two boxes are of one part if a chain of allowed pairs leads from one to the other: what is
     assigned in one part changes nothing in another.
