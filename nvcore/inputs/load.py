@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
+from contextvars import copy_context
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -154,7 +155,12 @@ def _read(
     if table is None:
         files, file_format = find_files(source, session.folder, role)
         with located(files), ThreadPoolExecutor(1) as pool:
-            hashing = pool.submit(digest, files)  # beside reading: neither holds the lock for long
+            for file in files:
+                if file.path.is_fifo():
+                    with file.open():  # what comes through is kept now, before two want it
+                        pass
+            # beside reading: neither holds the lock for long
+            hashing = pool.submit(copy_context().run, digest, files)
             reading = file_format.read(files, options)
             digests = hashing.result()
     else:
