@@ -16,6 +16,7 @@ that was asked for.
 
 from __future__ import annotations
 
+import logging
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -42,6 +43,8 @@ DEFAULT: Final = "default"
 """Streamlit's name of the provider whose keys stand in ``[auth]`` itself."""
 PROVIDER_KEYS: Final = ("client_id", "client_secret", "server_metadata_url")
 LOCAL: Final = ("localhost", "127.0.0.1", "::1")
+
+_LOG = logging.getLogger("nvcore.ui")
 
 
 @dataclass(frozen=True)
@@ -112,7 +115,10 @@ def login() -> Login | None:
         import httpx  # noqa: F401
     if not is_authlib_installed():
         raise InputError("log-in needs a newer Authlib: pip install --upgrade 'nvcore[login]'")
-    return read_login(section, file=path or "secrets.toml", base=base_path())
+    by = read_login(section, file=path or "secrets.toml", base=base_path())
+    if by.allow is None:
+        _LOG.warning("everybody with an account at the provider may enter: [auth] has no 'allow'")
+    return by
 
 
 def base_path() -> str:

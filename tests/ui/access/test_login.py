@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,7 @@ import pytest
 import streamlit as st
 from people import AUTH, log_in_by
 
-from nvcore.errors import InputError
+from nvcore.errors import InputError, MissingExtraError
 from ui.access import login as module
 from ui.access.login import login, read_login
 
@@ -99,6 +100,25 @@ def test_secrets_that_streamlit_cannot_read_are_not_taken_for_none(
     with pytest.raises(InputError, match="is not TOML"):
         login()
     module.login.cache_clear()
+
+
+def test_a_server_does_not_open_without_the_packages_for_its_log_in(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setitem(sys.modules, "authlib", None)
+    with log_in_by(tmp_path), pytest.raises(MissingExtraError, match=r"nvcore\[login\]"):
+        login()
+
+
+def test_that_everybody_may_enter_is_said_at_the_start(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+):
+    with log_in_by(tmp_path, allow=["lab.example"]):
+        login()
+        assert caplog.text == ""
+    with log_in_by(tmp_path):
+        login()
+        assert "everybody with an account at the provider may enter" in caplog.text
 
 
 def test_nobody_has_to_log_in_unless_it_is_set_up():
