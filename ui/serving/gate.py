@@ -161,10 +161,10 @@ class Gate:
         ]
         session = protocols[2] if len(protocols) > 2 else ""
         key = key_of(cookies)
-        if not scope["path"].endswith(STREAM) or not protocols[0]:
-            await (self.app(scope, receive, send) if key else _refuse(receive, send))
-            return
         if key is None or not _may_go_on(session, key):
+            if not scope["path"].endswith(STREAM) or not protocols[0]:
+                await _refuse(receive, send)
+                return
             await receive()
             await send({"type": "websocket.accept", "subprotocol": protocols[0]})
             await _send_away(send)
@@ -175,8 +175,8 @@ class Gate:
             nonlocal has_left
             message = await receive()
             if message["type"] == "websocket.receive" and key_of(cookies) is None:
+                has_left = True  # first: the app may be sending
                 await _send_away(send)
-                has_left = True
                 return {"type": "websocket.disconnect", "code": POLICY_VIOLATION}
             return message
 

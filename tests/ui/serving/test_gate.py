@@ -14,6 +14,7 @@ from starlette.responses import PlainTextResponse
 from starlette.types import Receive, Scope, Send
 from streamlit.proto.ForwardMsg_pb2 import ForwardMsg
 
+from ui.access import people as module
 from ui.access.people import end_log_in, key_of
 from ui.serving import gate
 from ui.serving.gate import Gate, OwnPages
@@ -171,6 +172,8 @@ def test_a_session_of_somebody_else_is_not_taken_up_again(
 
     monkeypatch.setattr(gate, "workspace_of_session", {"s": Space()}.get)
     assert is_sent_away(connect(behind, [HELLO], **header(cookies("bert"))))
+    (closed,) = connect(behind, [HELLO], protocols=", x, s", **header(cookies("bert")))
+    assert closed["type"] == "websocket.close"
     assert len(connect(behind, [HELLO], **header(cookies("anna")))) == 3
     other = connect(behind, [HELLO], protocols="streamlit, x", **header(cookies("bert")))
     assert other[1].get("text") == "heard"
@@ -178,10 +181,13 @@ def test_a_session_of_somebody_else_is_not_taken_up_again(
 
 def test_an_open_page_hears_of_the_end_of_the_log_in_with_its_next_message(behind: Gate):
     anna = cookies("anna")
-    answered = connect(behind, [HELLO, lambda: end_log_in(anna), HELLO, HELLO], **header(anna))
-    assert [message.get("text") for message in answered[:2]] == [None, "heard"]
-    assert len(answered) == 4
-    assert is_sent_away(answered)
+    sent = [HELLO, lambda: end_log_in(anna), HELLO, HELLO]
+    for protocols in ("streamlit", ""):
+        module._ended.clear()
+        answered = connect(behind, sent, protocols=protocols, **header(anna))
+        assert [message.get("text") for message in answered[:2]] == [None, "heard"]
+        assert len(answered) == 4
+        assert is_sent_away(answered)
 
 
 def test_frames_boxes_and_uploads_are_for_the_owner_alone(space: Workspace, behind: Gate):
