@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import ast
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from places import ROOT
 from streamlit.testing.v1 import AppTest
 
 from pages import FRAMES, begin_with, checked, opened, rows, to_page, write
@@ -51,6 +53,14 @@ def app(
         if request.param != "sample":
             begin_with(situation(request.param, folder), patch)
         yield request.param, opened()
+
+
+@pytest.mark.parametrize("script", ["ui/main.py", *(f"pages/{page}.py" for page in PAGES)])
+def test_a_script_prints_no_string_by_the_way(script: str):
+    """Streamlit shows the value of every statement of its scripts but their docstring."""
+    _, *statements = ast.parse((ROOT / script).read_text()).body
+    values = [one.value for one in statements if isinstance(one, ast.Expr)]
+    assert [one.lineno for one in values if not isinstance(one, ast.Call)] == []
 
 
 @pytest.mark.parametrize("page", PAGES)
