@@ -19,12 +19,13 @@ def draw_filtered(result: Result) -> None:
     """What passes the filters; a filter that is moved redraws nothing but this."""
     encounters = encounters_table(result)
     follow_link(encounters)
-    selection.go_along(result)
+    selection.go_along(result, encounters)
     chosen, matching = filters.draw(encounters)
     with st.container(key="encounters_review"):
         left, right = st.columns([5, 4], gap="medium")
-        with left:
+        with left, st.container(horizontal=True, vertical_alignment="center"):
             filters.draw_count(chosen, len(matching), len(encounters))
+            table.draw_switch()
         if matching.empty:
             left.info("No encounter passes the filters: widen or clear them.")
             order = table.order()
@@ -52,12 +53,10 @@ def follow_link(encounters: pd.DataFrame) -> None:
     table.take_order(choice.order)
     if choice.has_all_columns:
         st.session_state[table.ALL_COLUMNS] = True
-    encounter = None
-    if choice.encounter is not None:
-        encounter = address.encounter_of(encounters, choice.encounter)
-        if encounter is None:
-            wrong = (*wrong, "there is no such encounter")
-    selection.take(encounter)
+    name = choice.encounter
+    if name is not None and address.encounter_of(encounters, name) is None:
+        name, wrong = None, (*wrong, "there is no such encounter")
+    selection.take(name)
     if wrong:
         st.warning(
             f"The address could not be followed in all: {plain('; '.join(wrong))}.",
@@ -67,9 +66,8 @@ def follow_link(encounters: pd.DataFrame) -> None:
 
 def write_address(encounters: pd.DataFrame, chosen: filters.Filters, order: Order) -> None:
     """Keep the address in step with what is listed and selected."""
-    encounter, name = selection.selected(), None
-    if encounter is not None and len(chosen.keep(encounters.loc[[encounter]])):
-        name = address.name_of(encounters, encounter)
+    encounter = selection.selected(chosen.keep(encounters))
+    name = None if encounter is None else address.name_of(encounters, encounter)
     choice = address.Choice(
         chosen,
         order,

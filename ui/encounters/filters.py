@@ -76,18 +76,17 @@ def draw(encounters: pd.DataFrame) -> tuple[Filters, pd.DataFrame]:
 
 def draw_count(filters: Filters, n_matching: int, n_all: int) -> None:
     """How many encounters pass, which filters are in use, and the way to all."""
-    with st.container(horizontal=True, vertical_alignment="center", gap="small"):
-        words = "; ".join(in_words(filters))
-        used = f" · {plain(shortened(words, MOST_WORDS))}" if words else ""
-        st.markdown(f"**{n_matching:,}** of {n_all:,} encounters{used}", width="content")
-        if filters != Filters():
-            st.button(
-                "Clear filters",
-                key="encounters_clear",
-                on_click=clear_filters,
-                type="tertiary",
-                icon=":material/filter_alt_off:",
-            )
+    words = "; ".join(in_words(filters))
+    used = f" · {plain(shortened(words, MOST_WORDS))}" if words else ""
+    st.markdown(f"**{n_matching:,}** of {n_all:,} encounters{used}", width="content")
+    if filters != Filters():
+        st.button(
+            "Clear filters",
+            key="encounters_clear",
+            on_click=clear_filters,
+            type="tertiary",
+            icon=":material/filter_alt_off:",
+        )
 
 
 def in_words(filters: Filters) -> list[str]:

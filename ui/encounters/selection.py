@@ -11,17 +11,22 @@ import streamlit as st
 from nvcore.comparison import Result
 from nvcore.params.metadata import SEVERITY, THRESHOLD
 from nvcore.tables.moments import encounter_moments
+from ui.encounters.address import encounter_of
 from ui.session import state
 
 SELECTED: Final = "encounters_chosen"
+"""Fingerprint of the data, and the encounter's name in an address: rows depend on a filter."""
 _IS_NEW: Final = "encounters_just_chosen"
 _HAS_STEPPED: Final = "encounters_stepped"
 
 
 def choose(encounter: int) -> None:
-    """Select an encounter by its row, for the data that are open. For callbacks."""
-    st.session_state[SELECTED] = (state.opened().dataset.fingerprint, encounter)
-    st.session_state[_IS_NEW] = True
+    """Select an encounter by its row, in the data that are open. For callbacks."""
+    result = state.result()
+    if result is not None:
+        recording = result.dataset.recordings["name"].iloc[result.encounters.recording[encounter]]
+        take(f"{recording}:{result.encounters.track[encounter]}")
+        st.session_state[_IS_NEW] = True
 
 
 def choose_clicked(encounter: int) -> None:
@@ -30,26 +35,26 @@ def choose_clicked(encounter: int) -> None:
         choose(encounter)
 
 
-def take(encounter: int | None) -> None:
-    """Select what an address names; None: nothing."""
-    if encounter is None:
+def take(name: str | None) -> None:
+    """Select the encounter of that name, as in an address; None: nothing."""
+    if name is None:
         st.session_state.pop(SELECTED, None)
     else:
-        st.session_state[SELECTED] = (state.opened().dataset.fingerprint, encounter)
+        st.session_state[SELECTED] = (state.opened().dataset.fingerprint, name)
 
 
-def selected() -> int | None:
-    """The encounter that was selected, whether or not it is listed."""
-    fingerprint, encounter = st.session_state.get(SELECTED, ("", -1))
-    return int(encounter) if fingerprint == state.opened().dataset.fingerprint else None
+def selected(encounters: pd.DataFrame) -> int | None:
+    """The encounter that was selected, if it is among these."""
+    fingerprint, name = st.session_state.get(SELECTED, ("", ""))
+    if fingerprint != state.opened().dataset.fingerprint:
+        return None
+    return encounter_of(encounters, name)
 
 
 def shown(listed: pd.DataFrame) -> int:
     """The encounter that is shown: the one selected, or the first of the list."""
-    encounter = selected()
-    if encounter is None or encounter not in listed.index:
-        return int(listed.index[0])
-    return encounter
+    encounter = selected(listed)
+    return int(listed.index[0]) if encounter is None else encounter
 
 
 def place_of(listed: pd.DataFrame, encounter: int) -> int:
@@ -67,9 +72,9 @@ def moments_of(result: Result) -> pd.DataFrame:
     )
 
 
-def go_along(result: Result) -> None:
+def go_along(result: Result, encounters: pd.DataFrame) -> None:
     """Let the current frame be that of an encounter that was selected just now."""
-    encounter = selected()
+    encounter = selected(encounters)
     if st.session_state.pop(_IS_NEW, False) and encounter is not None:
         row = int(moments_of(result)["shown_row"].iloc[encounter])
         state.go_to(*state.place_of(row), writes=False)

@@ -78,13 +78,17 @@ def draw_order() -> Order:
             on_click=take_order,
             args=(Order(chosen.by, not chosen.is_descending),),
         )
-        st.toggle(
-            "All columns",
-            key=ALL_COLUMNS,
-            persist_state="session",
-            help="Also coverage, lag, gap, tail, lead time, pose and more, to the right.",
-        )
     return chosen
+
+
+def draw_switch() -> None:
+    """Whether all columns are shown; not right above the table, where its own tools come up."""
+    st.toggle(
+        "All columns",
+        key=ALL_COLUMNS,
+        persist_state="session",
+        help="Also coverage, lag, gap, tail, lead time, pose and more, to the right.",
+    )
 
 
 def draw(listed: pd.DataFrame, encounter: int) -> None:

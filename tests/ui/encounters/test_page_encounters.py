@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 from streamlit.testing.v1 import AppTest
 
+from nvcore.tables.result import encounters_table
 from pages import alone, begin_with, checked, press, session, texts
 from ui.encounters import details, figures, table
 from ui.encounters.address import Choice, encounter_of, from_address, name_of, to_address
@@ -36,8 +37,9 @@ def widget(page: AppTest, kind: str, label: str):
 
 
 def choose(page: AppTest, row: int) -> AppTest:
-    dataset = page.session_state["workspace"].opened.dataset
-    page.session_state[SELECTED] = (dataset.fingerprint, row)
+    space = page.session_state["workspace"]
+    name = name_of(encounters_table(space.result), row)
+    page.session_state[SELECTED] = (space.opened.dataset.fingerprint, name)
     return checked(page.run())
 
 
@@ -243,7 +245,7 @@ def test_a_distant_encounter_has_dashes():
     assert "never came near enough" in texts(page)
     assert page.table[0].value["X"].tolist() == ["–"] * 7
     # one that was chosen in other data is forgotten: the first is shown
-    page.session_state[SELECTED] = ("other data", 4)
+    page.session_state[SELECTED] = ("other data", "winter_frost:1")
     assert "**1** of 46" in texts(checked(page.run()))
 
 
