@@ -64,8 +64,8 @@ class Filters:
 
 
 def key(name: str) -> str:
-    """Key of a filter's widget; another dataset has other recordings and ranges."""
-    return f"encounters_{name}_{state.opened().dataset.fingerprint[:12]}"
+    """Key of a filter's widget; other data have other recordings and ranges."""
+    return f"encounters_{name}_{state.opened().whole.fingerprint[:12]}"
 
 
 def draw(encounters: pd.DataFrame) -> tuple[Filters, pd.DataFrame]:
@@ -170,9 +170,13 @@ def _draw_widgets(encounters: pd.DataFrame) -> Filters:
         )
         for column, letter in ((left, "x"), (middle, "y"))
     )
+    names = state.recording_names()
+    chosen = st.session_state.get(key("recording"), [])
+    if not {*chosen} <= {*names}:  # tags leave other recordings than those that were chosen
+        st.session_state[key("recording")] = [name for name in chosen if name in names]
     recordings = right.multiselect(
         "Recording",
-        state.recording_names(),
+        names,
         placeholder="all",
         key=key("recording"),
         persist_state="session",

@@ -40,13 +40,13 @@ def take(name: str | None) -> None:
     if name is None:
         st.session_state.pop(SELECTED, None)
     else:
-        st.session_state[SELECTED] = (state.opened().dataset.fingerprint, name)
+        st.session_state[SELECTED] = (state.opened().whole.fingerprint, name)
 
 
 def selected(encounters: pd.DataFrame) -> int | None:
     """The encounter that was selected, if it is among these."""
     fingerprint, name = st.session_state.get(SELECTED, ("", ""))
-    if fingerprint != state.opened().dataset.fingerprint:
+    if fingerprint != state.opened().whole.fingerprint:
         return None
     return encounter_of(encounters, name)
 

@@ -69,8 +69,14 @@ def _is_as_it_starts(start: Opened) -> bool:
 
 
 def _inputs(session: Session) -> Session:
-    """The session without what an address holds: systems compared, thresholds, parameters."""
+    """The session without what an address holds: systems and tags, thresholds, parameters."""
     systems = tuple(replace(system, threshold=None) for system in session.systems)
     return replace(
-        session, systems=systems, x=None, y=None, params=Params(), protocol=state.protocol()
+        session,
+        systems=systems,
+        x=None,
+        y=None,
+        only_tags=(),
+        params=Params(),
+        protocol=state.protocol(),
     )

@@ -73,7 +73,7 @@ def _take() -> None:
     """A preset was chosen; the one in use, pressed again, stays."""
     name: str | None = st.session_state[KEY]
     if name is not None:
-        st.session_state[BASE] = state.opened().dataset.fingerprint, name
+        st.session_state[BASE] = state.opened().whole.fingerprint, name
         live_params.set_preset(_BY_NAME[name])
 
 
@@ -100,7 +100,7 @@ def _base() -> dict[str, Any]:
     start = state.session_params()
     base = {name: getattr(start, name) for name in SETTINGS}
     fingerprint, name = st.session_state.get(BASE, ("", ""))
-    if fingerprint == state.opened().dataset.fingerprint:
+    if fingerprint == state.opened().whole.fingerprint:
         base |= _BY_NAME[name].values(live_params.picture_height())
     return base
 

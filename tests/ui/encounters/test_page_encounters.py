@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -16,6 +18,7 @@ from ui.encounters.order import Order
 from ui.encounters.picture import cut_out
 from ui.encounters.selection import SELECTED
 from ui.session import state
+from ui.session.workspace import Opened
 from ui.widgets import table_columns
 
 
@@ -39,7 +42,7 @@ def widget(page: AppTest, kind: str, label: str):
 def choose(page: AppTest, row: int) -> AppTest:
     space = page.session_state["workspace"]
     name = name_of(encounters_table(space.result), row)
-    page.session_state[SELECTED] = (space.opened.dataset.fingerprint, name)
+    page.session_state[SELECTED] = (space.opened.whole.fingerprint, name)
     return checked(page.run())
 
 
@@ -223,6 +226,22 @@ def test_names_with_commas_come_back_from_the_address():
     choice = Choice(filters, Order("lag_s_x", is_descending=False), encounter="a:b:7")
     assert from_address(to_address(choice), recordings) == (choice, ())
     assert to_address(Choice()) == {}
+
+
+def test_filters_and_the_selection_hold_when_recordings_are_chosen_by_tag():
+    page = opened(only="rural_road,urban_crossing", encounter="rural_road:4")
+    page.session_state["workspace"].opened = tagged(page, "rural_road")
+    checked(page.run())
+    assert set(listed(page)["recording"]) == {"rural_road"}
+    assert only(page, "only") == "rural_road"
+    assert "Pedestrian 4 in rural_road" in texts(page)
+
+
+def tagged(page: AppTest, name: str) -> Opened:
+    """What is open, of which only that recording is compared."""
+    before = page.session_state["workspace"].opened
+    session = replace(before.session, only=(name,))
+    return Opened.of(session, before.whole.with_settings(session), before.label)
 
 
 def test_an_encounter_is_named_by_its_recording_and_track():
