@@ -92,16 +92,7 @@ def audit_kitti_size(dataset: Dataset) -> list[Finding]:
     recordings, truth = dataset.recordings, dataset.truth
     recording = dataset.frame_columns.recording[truth.frame_index]
     right = truth.x + truth.w
-    own = np.zeros((len(recordings), 2))
-    for row in range(len(recordings)):
-        rights = right[recording == row]
-        reach = rights.max(initial=0.0)
-        if np.count_nonzero(rights >= reach - KITTI_SLACK_PX) < MIN_AT_EDGE:
-            continue
-        for size in KITTI_SIZES:
-            if abs(reach - size[0]) <= KITTI_SLACK_PX:
-                own[row] = size
-                break
+    own = kitti_sizes(recording, right, len(recordings))
     given = recordings[["width", "height"]].to_numpy(dtype=float)
     odd = np.flatnonzero((own[:, 0] > 0) & (np.abs(given - own)[:, 0] > KITTI_SLACK_PX))
     if not len(odd):
@@ -118,6 +109,31 @@ def audit_kitti_size(dataset: Dataset) -> list[Finding]:
         "Recordings of KITTI differ in size: look at the pictures, and give --size, or a size for "
         "each recording in a table (--recordings).",
     )
+
+
+def kitti_sizes(recording: np.ndarray, right: np.ndarray, n_recordings: int) -> np.ndarray:
+    """Size of each recording of KITTI at whose right edge boxes of the truth end, px; 0: unknown.
+
+    Parameters
+    ----------
+    recording, right
+        Number of the recording and right edge (px) of each box, shape (n,).
+
+    Returns
+    -------
+    float64, shape (n_recordings, 2): width and height.
+    """
+    own = np.zeros((n_recordings, 2))
+    for row in range(n_recordings):  # a loop over recordings: at most hundreds
+        rights = right[recording == row]
+        reach = rights.max(initial=0.0)
+        if np.count_nonzero(rights >= reach - KITTI_SLACK_PX) < MIN_AT_EDGE:
+            continue
+        for size in KITTI_SIZES:
+            if abs(reach - size[0]) <= KITTI_SLACK_PX:
+                own[row] = size
+                break
+    return own
 
 
 def _fitting(reach: np.ndarray, size: np.ndarray) -> str:

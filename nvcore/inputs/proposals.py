@@ -34,13 +34,15 @@ _OTHER_NAMES: Final = {
 class UsualInputs:
     """What most recordings in a format have, and which other sizes (px) there are.
 
-    Without a frame rate (1/s) they are single pictures.
+    Without a frame rate (1/s) they are single pictures. `note` says where the size is from if it is
+    not the usual one.
     """
 
     size: tuple[int, int]
     fps: float | None
     name: str
     others: str
+    note: str = ""
 
 
 _USUAL, *_OTHERS = KITTI_SIZES

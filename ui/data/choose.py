@@ -31,8 +31,13 @@ SAMPLE_TEXT = (
 
 
 def draw() -> None:
-    """The tabs."""
-    st.header("Open another comparison")
+    """The tabs; folded once something was opened, since what matters then stands below."""
+    is_as_started = state.opened().label == state.shared_start().opened.label
+    with st.expander("Open another comparison", expanded=is_as_started):
+        _draw_tabs()
+
+
+def _draw_tabs() -> None:
     root, trouble = _root()
     tabs = {"Sample": _draw_sample, "Upload": upload.draw, "Session file": draw_session_form}
     if start_file() is not None:

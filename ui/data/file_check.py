@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Hashable, Iterable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Hashable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Final, TypeVar
 
 import numpy as np
+import pandas as pd
 import streamlit as st
 
+from nvcore.auditing.recordings import kitti_sizes
 from nvcore.errors import MissingFactError, NvcoreError
 from nvcore.inputs.readers.base import Reading, Role
 from nvcore.inputs.session import Source
@@ -21,6 +23,7 @@ from ui.session.cache import Caching
 from ui.shell.page_words import page_text
 from ui.widgets.text import plain
 
+USUAL_IN_KITTI: Final = ("kitti-tracking", "kitti-object")
 _CHECKS: Final = "file_checks"
 MOST_KEPT: Final = 40
 """Sources that are remembered, so that files are not read again at every click."""
@@ -75,7 +78,8 @@ class FileCheck:
 
     `trouble` says why it cannot be used, `unknown` which of ``size`` and ``fps`` its files do not
     say; the `reading` is without its boxes. Without boxes there is no `first_frame`. `doubt` says
-    why the files may belong into another field.
+    why the files may belong into another field. `sizes` (px) are those of recordings whose files
+    state none, and whose boxes end at the edge of a picture of KITTI.
     """
 
     trouble: str = ""
@@ -85,6 +89,7 @@ class FileCheck:
     first_frame: int | None = None
     reading: Reading | None = None
     doubt: str = ""
+    sizes: Mapping[str, tuple[int, int]] = field(default_factory=dict)
 
     @property
     def recordings(self) -> list[str]:
@@ -143,7 +148,20 @@ def _check(
     if n_ignored := int(reading.boxes["ignore"].sum()):
         summary += f", {n_ignored:,} of them to be ignored"
     doubt = (_doubt_of_truth if role == "truth" else _doubt_of_detections)(reading)
-    return FileCheck("", unknown, name, summary, first_frame, _light(reading), doubt)
+    sizes = _edge_sizes(reading) if name in USUAL_IN_KITTI and "size" in unknown else {}
+    return FileCheck("", unknown, name, summary, first_frame, _light(reading), doubt, sizes)
+
+
+def _edge_sizes(reading: Reading) -> dict[str, tuple[int, int]]:
+    """Sizes of recordings by the edge at which their boxes end."""
+    names, boxes = reading.recordings["name"].tolist(), reading.boxes
+    number = pd.Index(names).get_indexer(pd.Index(boxes["recording"].astype(object)))
+    sizes = kitti_sizes(number, (boxes["x"] + boxes["w"]).to_numpy(), len(names))
+    return {
+        name: (int(width), int(height))
+        for name, (width, height) in zip(names, sizes.tolist(), strict=True)
+        if width > 0
+    }
 
 
 def _doubt_of_truth(reading: Reading) -> str:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import streamlit as st
 
 from nvcore.errors import InputError
 from nvcore.inputs.session import Session, Source, SystemSource
+from nvcore.wording import listed
 from ui.data.file_check import FileCheck, unusable
 from ui.data.frames import FrameList
 from ui.data.missing_inputs import MissingInputs, ask_for_missing, forget_missing
@@ -42,6 +43,9 @@ class Form:
     pictures: ChosenPictures
     facts: MissingInputs
     unusable: str
+    place: str = ""
+    unnamed: tuple[str, ...] = ()
+    sizes: Mapping[str, tuple[int, int]] = field(default_factory=dict)
 
     def check(self, *, has_truth: bool, has_systems: bool) -> None:
         """Raise `InputError` if something needed is missing or cannot be used."""
@@ -59,6 +63,18 @@ class Form:
         ):
             if wrong:
                 raise InputError(wrong)
+        self._ask_for_names()
+
+    def _ask_for_names(self) -> None:
+        """Ask once for names that the files do not tell; who opens again keeps the numbers."""
+        asked = f"asked_names_{self.place}"
+        if self.unnamed and st.session_state.get(asked) != self.unnamed:
+            st.session_state[asked] = self.unnamed
+            raise InputError(
+                f"The files' names do not tell what {listed(self.unnamed)} "
+                f"{'is' if len(self.unnamed) == 1 else 'are'}: type the names of the systems. "
+                "Or open once more to go on with these."
+            )
 
     def session(self, folder: Path, truth: Source, systems: tuple[SystemSource, ...]) -> Session:
         """The session; its table of recordings is not read yet, and pictures are missing."""
@@ -75,16 +91,20 @@ class Form:
 
         Pictures that its table of recordings names stay.
         """
-        if not paths and not self.recording:
+        if not paths and not self.recording and not self.sizes:
             return session
         with st.spinner("Reading the ground truth"):
             names = recording_names(session)
         whose = guess_pictures(names, paths)
-        changes = {
+        changes: dict[str, dict[str, object]] = {
             name: {"pictures": paths[label]}
             for name, label in whose.items()
             if recording_entry(session, names, name).pictures is None
         }
+        for name, (width, height) in self.sizes.items():
+            if name in names and recording_entry(session, names, name).width is None:
+                size = {"width": float(width), "height": float(height)}
+                changes[name] = {**changes.get(name, {}), **size}
         return with_recording_name(with_recordings(session, names, changes), names, self.recording)
 
 
@@ -105,6 +125,23 @@ def finish_form(
     unknown = {name for check in checks.values() if check is not None for name in check.unknown}
     format_name = "" if first is None else first.format
     unknown -= table.known([] if first is None else first.recordings)
-    facts = ask_for_missing(place, pictures.usable.values(), unknown, format_name)
+    sizes = {} if first is None else first.sizes
+    facts = ask_for_missing(place, pictures.usable.values(), unknown, format_name, sizes)
     draw_trouble(place)
-    return Form(names, recording, frames, table, pictures, facts, unusable(checks.items()))
+    others = {name: size for name, size in sizes.items() if len({*sizes.values()}) > 1}
+    return Form(
+        names=names,
+        recording=recording,
+        frames=frames,
+        recordings=table,
+        pictures=pictures,
+        facts=facts,
+        unusable=unusable(checks.items()),
+        place=place,
+        unnamed=tuple(
+            name
+            for number, (name, check) in enumerate(zip(names, [*checks.values()][1:], strict=True))
+            if check is not None and name == f"System {number + 1}"
+        ),
+        sizes=others,
+    )

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable
+from collections import Counter
+from collections.abc import Callable, Hashable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
@@ -18,6 +19,7 @@ from nvcore.settings import MAX_FPS, MIN_FPS
 from ui.data.opening import MISSING_WORDS, trouble_of
 from ui.session import state
 from ui.session.opening import checked_frames
+from ui.widgets.text import plain
 
 _CHECKS: Final = "picture_checks"
 MOST_CHECKS: Final = 256
@@ -72,18 +74,24 @@ class MissingInputs:
 
 
 def ask_for_missing(
-    place: str, pictures: Iterable[Path], unknown: Iterable[str] = (), format_name: str = ""
+    place: str,
+    pictures: Iterable[Path],
+    unknown: Iterable[str] = (),
+    format_name: str = "",
+    sizes: Mapping[str, tuple[int, int]] | None = None,
 ) -> MissingInputs:
     """Fields for what the files do not say (`unknown`, or missing when last opened), if any.
 
-    Size and frame rate of the pictures are proposed, else those that are usual for the format of
-    the ground truth.
+    Size and frame rate of the pictures are proposed, else the `sizes` that boxes point to by
+    recording, else those that are usual for the format of the ground truth.
     """
     trouble = trouble_of(place)
     asked = st.session_state.setdefault(f"asked_{place}", set())
     asked |= set(() if trouble is None else trouble.facts)
     asked = asked | set(unknown)
     pictures, usual = list(pictures), USUAL_INPUTS.get(format_name)
+    if sizes and usual is not None:
+        usual = _by_the_edges(usual, sizes)
     values: dict[str, Any] = {}
     if asked:
         words = " and ".join(MISSING_WORDS[fact] for fact in MISSING_WORDS if fact in asked)
@@ -100,6 +108,17 @@ def ask_for_missing(
             help="FIRST:LAST or FIRST:LAST:STEP, by the frame numbers of the truth.",
         )
     return MissingInputs(**values)
+
+
+def _by_the_edges(usual: UsualInputs, sizes: Mapping[str, tuple[int, int]]) -> UsualInputs:
+    """The size at which most recordings' boxes end, in place of the usual one."""
+    most = Counter(sizes.values()).most_common(1)[0][0]
+    others = {name: size for name, size in sizes.items() if size != most}
+    note = "The size at whose right edge the boxes end."
+    if others:
+        of_others = ", ".join(f"{name} {w} × {h}" for name, (w, h) in others.items())
+        note += f" By the same rule other sizes are used for these recordings: {of_others}."
+    return replace(usual, size=most, note=note)
 
 
 def _draw_size(
@@ -134,7 +153,8 @@ def _draw_size(
     if proposed is not None and of_pictures is not None:
         st.caption("The size of the pictures given; boxes have to be in the same pixels.")
     elif proposed is not None and usual is not None:
-        st.caption(f"The usual size in {usual.name}; some of its recordings have {usual.others}.")
+        usually = f"The usual size in {usual.name}; some of its recordings have {usual.others}."
+        st.caption(plain(usual.note or usually))
     return None if wide is None or high is None else (int(wide), int(high))
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Final
 
 import streamlit as st
+from streamlit.delta_generator import DeltaGenerator
 
 from nvcore.errors import MissingFactError, NvcoreError
 from nvcore.inputs.session import Session
@@ -19,6 +20,7 @@ _KEY: Final = "data_trouble"
 _OPENED: Final = "data_opened"
 _SHOWN_OPENING: Final = "data_opened_shown"
 _SEE: Final = "see_opened"
+_DRAWN: Final = "data_drawn"
 SESSION: Final = "session"
 """The part of the page that changes the open comparison, rather than opening another."""
 MISSING_WORDS: Final = {
@@ -65,6 +67,18 @@ def try_to_open(
     # only reached when it failed: opening something starts the run again
     st.session_state[_key(place)] = trouble
     st.rerun()
+
+
+def new_place(draw: Callable[[], None]) -> DeltaGenerator:
+    """A place on the page for one of its parts; emptied first where another comparison is open.
+
+    Otherwise what was there would stay in sight under the new heading until it is replaced.
+    """
+    name = f"{_DRAWN}_{draw.__module__}"
+    n_opened = state.workspace().n_opened
+    is_other = st.session_state.get(name, n_opened) != n_opened
+    st.session_state[name] = n_opened
+    return st.empty().container() if is_other else st.container()
 
 
 def trouble_of(place: str) -> Trouble | None:
@@ -155,8 +169,8 @@ def _on_thresholds() -> str:
     if not is_open:
         return ""
     return (
-        " Every detection counts, however low its score, until thresholds are set under “Compare”, "
-        "at the end of this page."
+        " Every detection counts, however low its score, until thresholds are set under “Compare” "
+        "below."
     )
 
 

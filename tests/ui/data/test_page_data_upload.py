@@ -182,6 +182,34 @@ def test_kittis_usual_size_and_rate_are_proposed_and_a_typed_size_stays():
     assert asked(page)["Width of the pictures (px)"] == 1224
 
 
+def test_the_edge_at_which_boxes_end_proposes_the_size_of_each_recording():
+    def truth(right: int) -> bytes:
+        label = f"Pedestrian 0 0 -10 100 150 {right} 200 -1 -1 -1 -1000 -1000 -1000 -10"
+        return "".join(f"{frame} 1 {label}\n" for frame in range(9)).encode()
+
+    detections = "".join(f"{frame},100,150,120,200,0.9\n" for frame in range(9)).encode()
+    page = opened()
+    files = [("0012.txt", truth(1241)), ("0013.txt", truth(1241)), ("0016.txt", truth(1223))]
+    send(page, "upload_truth", *files)
+    send(page, "upload_system_0", *((name, detections) for name, _ in files))
+    page = checked(page.run())
+    assert list(asked(page).values()) == [1242, 375, 10]
+    assert "other sizes are used for these recordings: 0016 1224 × 370" in texts(page)
+    page.text_input(key="upload_name_0").set_value("RRC")
+    press(page, "open_upload")
+    sizes = space_of(page).opened.dataset.recordings.set_index("name")["width"].to_dict()
+    assert sizes == {"0012": 1242, "0013": 1242, "0016": 1224}
+
+
+def test_names_that_the_files_do_not_tell_are_asked_for_once_before_opening():
+    page = kitti_page()
+    press(page, "open_upload")
+    assert "do not tell what System 1 and System 2 are" in texts(page)
+    assert space_of(page).opened.label == "Sample recordings"
+    press(page, "open_upload")
+    assert space_of(page).opened.dataset.systems == ("System 1", "System 2")
+
+
 def test_files_of_one_name_get_numbered_names_and_typed_ones_name_systems_and_recording():
     page = kitti_page()
     names = [page.text_input(key=f"upload_name_{number}").value for number in range(2)]
