@@ -16,6 +16,7 @@ from streamlit.runtime.uploaded_file_manager import UploadedFile
 from nvcore.errors import InputError, NvcoreError
 from nvcore.inputs.readers.base import Role
 from nvcore.inputs.session import Session, Source, SystemSource
+from nvcore.wording import listed
 from ui.data.file_check import FileCheck, check_files, draw_file_check
 from ui.data.form import Form, finish_form, forget_outcome
 from ui.data.frames import FRAMES_HELP, FRAMES_LABEL, FrameList, check_frame_list, draw_frame_list
@@ -42,7 +43,10 @@ from ui.widgets.upload import upload_pictures
 PLACE: Final = "upload"
 LABEL: Final = "Uploaded files"
 MOST_SYSTEMS: Final = 20
+MOST_NAMED: Final = 5
 _STORED: Final = "upload_stored"
+_CHOSEN: Final = "upload_chosen"
+_OPENED: Final = "upload_opened"
 FILES_HELP: Final = (
     "One file, one file for each recording, or a ZIP archive. Any format that the command line "
     "reads, also packed (`.gz`, `.zst`, `.xz`, `.bz2`). Where all files have the same name "
@@ -107,6 +111,7 @@ def draw() -> None:
     truth, systems = _draw_truth(), _draw_systems()
     table = _draw_single("the recordings", "recordings", RECORDINGS_LABEL, RECORDINGS_HELP)
     listed = _draw_single("the evaluated frames", "frames", FRAMES_LABEL, FRAMES_HELP)
+    _tell_lost(space, [truth, *systems, table, listed])
     with st.container():  # spinners go here: what comes below keeps its place, and its uploads
         stored = _store(space, [truth, *systems, table, listed])
         truth_check = _check(stored, truth, None)
@@ -130,6 +135,25 @@ def draw() -> None:
     form = finish_form(PLACE, names, recording, frames, rows, pictures, checks_by_title)
     if st.button("Open these files", key="open_upload", type="primary"):
         try_to_open(lambda: _session(truth, systems, stored, form), label=LABEL, place=PLACE)
+
+
+def _tell_lost(space: Workspace, fields: Sequence[_Field]) -> None:
+    """Say which chosen files a reload of the page has dropped: browsers do not give them back."""
+    names = [file.name for field in fields for file in field.files]
+    ids = tuple(field.ids for field in fields)
+    if names:
+        st.session_state[_CHOSEN] = True
+        if space.notes.get(_OPENED) != ids:
+            space.notes[_CHOSEN] = names
+    elif st.session_state.get(_CHOSEN, False):
+        space.notes.pop(_CHOSEN, None)
+    elif lost := space.notes.get(_CHOSEN):
+        st.info(
+            f"Before this page was loaded again, {plain(listed(lost[:MOST_NAMED]))}"
+            f"{f' and {len(lost) - MOST_NAMED} more' if len(lost) > MOST_NAMED else ''} "
+            f"{'was' if len(lost) == 1 else 'were'} chosen here and not opened yet: choose again.",
+            icon=":material/refresh:",
+        )
 
 
 def _draw_truth() -> _Field:
@@ -293,6 +317,9 @@ def _check(stored: _Stored, field: _Field, truth: FileCheck | None) -> FileCheck
 def _session(truth: _Field, systems: Sequence[_Field], stored: _Stored, form: Form) -> Session:
     sent = [pair for pair in zip(systems, form.names, strict=True) if pair[0].files]
     form.check(has_truth=bool(truth.files), has_systems=bool(sent))
+    notes = state.workspace().notes
+    notes[_OPENED] = stored.ids
+    notes.pop(_CHOSEN, None)
     sources = tuple(
         SystemSource(path=stored.paths[system.slot], name=name or None, **system.reading)
         for system, name in sent

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import pytest
-from data_page import sent
+from data_page import PAGE, sent, space_of
 
-from pages import texts
+from pages import checked, scripted, texts
 
 SCORED = b"frame,x,y,w,h,score\n0,9,9,40,90,0.9\n1,9,9,40,90,0.75\n2,9,9,40,90,0.5\n"
 TRACKED = b"frame,x,y,w,h,track\n0,9,9,40,90,1\n1,9,9,40,90,1\n2,9,9,40,90,1\n"
@@ -27,6 +27,15 @@ def test_detections_as_ground_truth_are_said_at_the_field(truth: bytes, words: s
 def test_ground_truth_as_detections_is_said_at_the_field():
     page = sent(TRACKED, ("x.csv", TRACKED))
     assert "This looks like ground truth: every box has a track id" in texts(page)
+
+
+def test_a_reload_says_which_chosen_files_it_dropped():
+    page = sent(TRACKED, ("x.csv", SCORED))
+    assert "loaded again" not in texts(page)
+    again = scripted(PAGE)
+    again.session_state["workspace"] = space_of(page)
+    again = checked(again.run())
+    assert "truth.csv and x.csv were chosen here and not opened yet" in texts(again)
 
 
 def test_files_in_their_fields_raise_no_doubt():
