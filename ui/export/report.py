@@ -17,6 +17,7 @@ from nvcore.tables.column import Column
 from nvcore.tables.columns import REPORT_COLUMNS
 from ui.export.session import (
     inputs_beside,
+    names_in_files,
     portable_session,
     public_findings,
     with_public_names,
@@ -99,7 +100,7 @@ def _report(result: Result) -> _Report:
     portable = portable_session(
         session,
         is_upload=is_upload,
-        recordings=state.recording_names(),
+        recordings=names_in_files(session, state.opened().whole),
         root=shown_root(),
     )
     return _Report(portable, public_findings(state.findings(), without_paths))

@@ -15,6 +15,7 @@ from pathlib import Path, PurePosixPath
 from typing import Final
 
 from nvcore.comparison import Result
+from nvcore.dataset import Dataset
 from nvcore.file_kinds import unpacked_name
 from nvcore.findings import Finding
 from nvcore.inputs.readers.meaning.names import NEUTRAL
@@ -76,6 +77,13 @@ def public_findings(
         )
         for finding in findings
     )
+
+
+def names_in_files(session: Session, whole: Dataset) -> list[str]:
+    """Names of the recordings as the files have them, where they are called otherwise now."""
+    names = whole.recordings["name"].tolist()
+    entries = session.entries(names)
+    return [entries[name].name if name in entries else name for name in names]
 
 
 def with_public_names(result: Result, public: Callable[[object], str]) -> Result:
