@@ -85,7 +85,7 @@ def load_for(space: Workspace, session: Session) -> Dataset:
     """
     dataset = load_confined(session)
     most = limits_of_environment().max_frames_of_all
-    n_others = sum(len(other.dataset.frames) for other in opened_by_others(space))
+    n_others = sum(len(other.whole.frames) for other in opened_by_others(space))
     if n_others + len(dataset.frames) > most:
         raise InputError(
             f"all visitors together may have {most:,} frames open; close what you do not need in "

@@ -266,7 +266,7 @@ def workspace_of_session(session_id: str) -> Workspace | None:
 def opened_by_others(space: Workspace) -> list[Opened]:
     """What other sessions have open; what several share once."""
     others = {
-        id(other.opened.dataset.frames): other.opened
+        id(other.opened.whole.frames): other.opened
         for other in list(_workspaces.values())
         if other is not space and other.opened is not None
     }

@@ -55,7 +55,7 @@ def _remove(space: Workspace) -> None:
 
 def _go_back(space: Workspace) -> None:
     opened = state.shared_start().opened
-    space.show(opened, session_pictures(opened.session, opened.dataset))
+    space.show(opened, session_pictures(opened.session.of_all, opened.whole))
 
 
 def _start_over() -> None:

@@ -125,8 +125,5 @@ def _apply(before: pd.DataFrame, after: pd.DataFrame, choices: Mapping[str, str 
         st.error(plain(page_text(error)), icon=":material/error:")
         return
     opened = state.opened()
-    session = with_recordings(opened.session.of_all, before["name"].tolist(), changes)
-    try_to_open(
-        replace(session, params=state.params(), only_tags=opened.session.only_tags),
-        label=opened.label,
-    )
+    session = with_recordings(opened.session, before["name"].tolist(), changes)
+    try_to_open(replace(session, params=state.params()), label=opened.label)
