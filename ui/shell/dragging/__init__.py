@@ -43,13 +43,9 @@ def note(drag: Any) -> None:
     name, value, answered = (drag.get(key) for key in ("name", "value", "id"))
     if isinstance(answered, int) and not isinstance(answered, bool):
         st.session_state[_ANSWERED] = answered
-    is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    if (
-        not isinstance(name, str)
-        or name not in SETTINGS
-        or not is_number
-        or not math.isfinite(value)
-    ):
+    if not isinstance(name, str) or name not in SETTINGS:
+        return
+    if not isinstance(value, int | float) or isinstance(value, bool) or not math.isfinite(value):
         return
     try:
         SETTINGS[name].check(name, float(value))
