@@ -123,8 +123,7 @@ def _check_reading(reading: Reading, n_files: int) -> None:
     boxes = reading.boxes
     assert list(boxes.columns) == list(READING_DTYPES), "columns of a reading"
     for column, dtype in READING_DTYPES.items():
-        is_text = dtype == "object"  # which pandas may hold in a type of its own
-        assert is_text or boxes[column].dtype == np.dtype(dtype), f"{column}: {boxes[column].dtype}"
+        assert boxes[column].dtype == dtype, f"{column}: {boxes[column].dtype}"
     assert boxes["recording"].isin(reading.recordings["name"]).all(), "a box of no recording"
     assert reading.recordings["name"].is_unique, "two recordings of one name"
     assert boxes["file"].between(0, n_files - 1).all(), "a box of no file"
