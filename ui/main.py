@@ -21,6 +21,7 @@ from ui.shell import (
 from ui.shell.messages import error_banner, shown_error
 from ui.shell.navigate import follow_wish
 from ui.shell.pages import all_pages, draw_bar, is_folded_on, shown_on
+from ui.widgets import figure_menu
 
 # pages with more in their address, which they write by themselves, or leave as it is
 # (Streamlit would print a string below it on every page)
@@ -79,3 +80,4 @@ if wrong_params is not None and not links.is_participant():  # something is open
         back.draw()
         account.draw()
         dragging.draw()
+        figure_menu.draw()

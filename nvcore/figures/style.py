@@ -21,7 +21,7 @@ from nvcore.palette import (
     scheme_of,
 )
 
-FONT: Final = "Source Sans Pro, sans-serif"
+FONT: Final = "Source Sans, Source Sans Pro, sans-serif"
 LEFT_PX: Final = 76
 """Left margin of the figures over time, so that they line up below each other."""
 MAX_NAME: Final = 32
@@ -43,6 +43,8 @@ LOSS_COLOURS: Final[dict[Shade, tuple[str, ...]]] = {
     "dark": ("#222933", "#5C3A73", "#A56CC4", "#F4DCFF"),
 }
 """From nothing lost to most; neither X's colour nor Y's."""
+HEADING_PX: Final = 54
+"""Height of a figure's title and subtitle."""
 HIDDEN_AXIS: Final = {"visible": False, "fixedrange": True}
 CLEAR: Final = "rgba(0,0,0,0)"
 LEGEND: Final[dict[str, Any]] = {
@@ -157,6 +159,18 @@ def heading(title: str, subtitle: str, *, theme: Theme) -> str:
     """Title with a smaller second line."""
     second = f"font-size:12.5px;color:{LOOK[theme].muted}"
     return f'{title}<br><span style="{second}">{subtitle}</span>' if subtitle else title
+
+
+def split_heading(text: str | None) -> tuple[str, str]:
+    """Title and subtitle of a `heading`; empty without.
+
+    Examples
+    --------
+    >>> split_heading(heading("Similarity", "60 frames", theme="light"))
+    ('Similarity', '60 frames')
+    """
+    title, _, second = (text or "").partition("<br><span")
+    return title, second.partition(">")[2].removesuffix("</span>")
 
 
 def counts_axis(theme: Theme, **more: Any) -> dict[str, Any]:

@@ -3,22 +3,33 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from html import unescape
+from typing import Any, Final
 
 import plotly.graph_objects as go
 import streamlit as st
 
-from nvcore.figures.style import CONFIG
+from nvcore.figures.style import HEADING_PX, split_heading
 from ui.widgets.clicks import is_new_click
+from ui.widgets.figure_menu import CONFIG_WITH_EXPORT
+
+LEAST_TOP_PX: Final = 10
 
 
 def draw_chart(figure: go.Figure, key: str, *, on_click: Callable[[], None] | None = None) -> None:
     """Draw a chart; `on_click` is called before the page when a point is clicked or released."""
+    alt = _draw_heading(figure)
     if on_click is None:
-        st.plotly_chart(figure, theme=None, config=CONFIG, key=key)
+        st.plotly_chart(figure, theme=None, config=CONFIG_WITH_EXPORT, key=key, alt=alt)
         return
     st.plotly_chart(
-        figure, theme=None, config=CONFIG, key=key, on_select=on_click, selection_mode="points"
+        figure,
+        theme=None,
+        config=CONFIG_WITH_EXPORT,
+        key=key,
+        on_select=on_click,
+        selection_mode="points",
+        alt=alt,
     )
 
 
@@ -30,16 +41,35 @@ def clicked_chart(
     Charts that share the name `clicks` share the memory of the last one. `alt` says what the chart
     shows, for those who cannot see it.
     """
+    heading = _draw_heading(figure)
     chart = st.plotly_chart(
         figure,
         theme=None,
-        config=CONFIG,
+        config=CONFIG_WITH_EXPORT,
         key=key,
         on_select="rerun",
         selection_mode="points",
-        alt=alt,
+        alt=alt or heading,
     )
     points = chart["selection"]["points"]
     if points and is_new_click(clicks or key, points):
         return points[0]["customdata"]
     return None
+
+
+def _draw_heading(figure: go.Figure) -> str | None:
+    """Draw title and subtitle as text of the page, which wraps; they leave the figure.
+
+    A figure that is drawn again has them in ``layout.meta``, where the menu finds them too.
+    """
+    layout = figure.layout
+    if layout.meta is None:
+        heading = split_heading(layout.title.text)
+        top = max(layout.margin.t - HEADING_PX, LEAST_TOP_PX) if any(heading) else layout.margin.t
+        height = None if layout.height is None else layout.height - layout.margin.t + top
+        figure.update_layout(meta=heading, title_text=None, margin_t=top, height=height)
+    title, subtitle = layout.meta
+    if not title:
+        return None
+    st.html(f'<div class="nv-figure"><p><strong>{title}</strong> <span>{subtitle}</span></p></div>')
+    return unescape(f"{title}: {subtitle}" if subtitle else title)
