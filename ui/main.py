@@ -12,6 +12,7 @@ from ui.shell import (
     back,
     dragging,
     live_params,
+    narrow,
     sidebar,
     systems,
     tab_restore,
@@ -81,3 +82,4 @@ if wrong_params is not None and not links.is_participant():  # something is open
         account.draw()
         dragging.draw()
         figure_menu.draw()
+        narrow.draw()

@@ -101,7 +101,8 @@ function csvOf(plot) {
     "low", "high"];
   const traces = plot._fullData.filter((trace) => trace.visible === true);
   const rows = traces.flatMap((trace) => rowsOfTrace(plot, trace));
-  const isUsed = header.map((_, column) => column < 3 || rows.some((row) => cell(row[column])));
+  const isHidden = [false, full.xaxis?.visible === false, full.yaxis?.visible === false];
+  const isUsed = header.map((_, column) => !isHidden[column] && rows.some((row) => cell(row[column])));
   return [header, ...rows].map((row) => row.filter((_, column) => isUsed[column]).map(cell).join(","))
     .join("\n") + "\n";
 }
