@@ -50,7 +50,7 @@ def visit(person: BrowserContext, app: str) -> Iterator[Callable[..., Visit]]:
     """Opens a page of the app in a new session; afterwards nothing may have gone wrong."""
     opened: list[Visit] = []
 
-    def open_page(page: str = "", by: BrowserContext = person, **looks: str) -> Visit:
+    def open_page(page: str = "", by: BrowserContext = person, **looks: Any) -> Visit:
         one = Visit(by, app, **looks)
         opened.append(one)
         one.go(page)

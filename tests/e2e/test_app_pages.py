@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import re
 
+import pandas as pd
 import pytest
 from app_visit import GROUND, SHARE, Visit
+from PIL import Image
 from playwright.sync_api import expect
 
 from ui.shell.pages import SECTIONS
@@ -129,8 +131,52 @@ def test_the_dark_theme_reaches_page_plots_and_viewer(shared):
     one.shows(re.compile("^[0-9]+$"))
     expect(one.page.get_by_test_id("stApp")).to_have_css("background-color", GROUND["dark"])
     expect(one.viewer).to_have_attribute("data-theme", "dark")
-    title = one.page.locator("[class*=st-key-time_plot_] .gtitle")
-    expect(title).to_have_css("fill", "rgb(230, 234, 240)")
+    axis = one.page.locator("[class*=st-key-time_plot_] .xtick text").first
+    expect(axis).to_have_css("fill", "rgb(163, 174, 187)")
+
+
+def test_a_figure_is_taken_away_as_picture_drawing_and_data(overview, tmp_path):
+    menu = overview.page.locator(".nv-take").filter(
+        has=overview.page.get_by_label("Take this figure away: Similarity by recording")
+    )
+    files = {}
+    for label, suffix in (("Picture", ".png"), ("Drawing", ".svg"), ("Data", ".csv")):
+        menu.locator("summary").click()
+        with overview.page.expect_download() as download:
+            menu.get_by_role("button", name=label).click()
+        assert download.value.suggested_filename == f"similarity-by-recording{suffix}"
+        files[suffix] = tmp_path / f"figure{suffix}"
+        download.value.save_as(files[suffix])
+    width = overview.page.locator(".st-key-by_recording svg.main-svg").first.bounding_box()
+    assert Image.open(files[".png"]).width == 2 * round(width["width"])
+    drawing = files[".svg"].read_text(encoding="utf-8")
+    assert "Similarity by recording" in drawing
+    assert "winter_frost" in drawing
+    table = pd.read_csv(files[".csv"])
+    assert list(table.columns) == ["series", "mean similarity (1 = perfect)", "y"]
+    fir = table[table.series == "X: FIR"].set_index("y")["mean similarity (1 = perfect)"]
+    assert len(fir) == 10
+    assert fir["rural_road"] == pytest.approx(0.943, abs=1e-3)
+
+
+# Texts of the page that are wider than their place and cut there.
+CUT = """() => [...document.querySelectorAll(
+    "[data-testid=stMain] :is(h1, h2, p, button, td, th, summary)")]
+  .filter((text) => text.offsetParent && text.scrollWidth > text.clientWidth + 1
+    && getComputedStyle(text).overflow !== "visible")
+  .map((text) => text.textContent)"""
+
+
+@pytest.mark.parametrize("width", [400, 640, 1024])
+def test_nothing_is_cut_in_a_narrow_window(visit, width):
+    one = visit("", width=width)
+    one.wait_until_drawn()
+    main = one.page.get_by_test_id("stMain")
+    one.page.wait_for_function(
+        "width => document.querySelector('[data-testid=stMain]').clientWidth === width", arg=width
+    )
+    assert main.evaluate("main => main.scrollWidth") == width
+    assert one.page.evaluate(CUT) == []
 
 
 def test_as_many_pages_back_as_were_visited(visit):

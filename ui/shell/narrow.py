@@ -8,7 +8,7 @@ import streamlit as st
 
 _SCRIPT: Final = """
 const NARROW_PX = 1100;
-const FOLD = '[data-testid="stSidebar"][aria-expanded="true"] [data-testid="stSidebarCollapseButton"] button';
+const FOLD = '[data-testid="stSidebarCollapseButton"] button[aria-expanded="true"]';
 export default function () {
   if (window.nvcoreNarrow) return;
   window.nvcoreNarrow = true;

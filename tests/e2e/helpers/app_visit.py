@@ -57,6 +57,7 @@ class Visit:
         *,
         theme: Literal["light", "dark"] = "light",
         motion: Literal["reduce", "no-preference"] = "reduce",
+        width: int = SIZE["width"],
     ) -> None:
         """Open an empty window.
 
@@ -68,7 +69,7 @@ class Visit:
         self.address = address
         self.complaints: list[str] = []
         self.page: Page = context.new_page()
-        self.page.set_viewport_size(SIZE)
+        self.page.set_viewport_size({**SIZE, "width": width})
         self.page.emulate_media(color_scheme=theme, reduced_motion=motion)
         self.page.on("request", lambda request: self._look_at_host(request.url))
         self.page.on("websocket", lambda socket: self._look_at_host(socket.url))
