@@ -143,11 +143,11 @@ def _sums(outcomes: Outcomes, units: Units) -> np.ndarray:
     n_passing = np.where(last < 0, 0, ends[np.maximum(last, 0)] + 1) if len(ends) else 0 * last
     level = np.searchsorted(n_passing, np.arange(len(fp)), side="right")  # first that counts it
     of_unit = unit[outcomes.frame_index]
-    counts = []
+    counts, n_levels = [], len(n_passing) + 1
     for is_kind in (~outcomes.is_match, outcomes.is_match):
-        first = np.zeros((n, len(n_passing) + 1))
-        np.add.at(first, (of_unit[is_kind], level[is_kind]), 1)
-        counts.append(np.cumsum(first[:, :-1], axis=1))
+        place = of_unit[is_kind] * n_levels + level[is_kind]
+        first = np.bincount(place, minlength=n * n_levels).reshape(n, n_levels)
+        counts.append(np.cumsum(first[:, :-1], axis=1, dtype=float))
     return np.column_stack([n_images, n_truth, *counts])
 
 
