@@ -243,7 +243,8 @@ def _beside_note() -> str:
     return (
         "Every row scores both systems against the truth on the same boxes. The tools compute "
         "other things than nvcore and than each other: hotcoco, ultrafast-pycocotools, vernier "
-        "(over COCO's four area ranges) and faster-coco-eval average precision at one IoU, TrackEval and motmetrics CLEAR tracking figures (both are given "
+        "(over COCO's four area ranges) and faster-coco-eval average precision at one IoU, "
+        "TrackEval and motmetrics CLEAR tracking figures (both are given "
         "faultless track ids, one sequence a recording), the loops by hand only similarity and "
         "matches (numpy) or unweighted distances (scipy). `hotcoco compare` is both evaluations "
         "and `compare` without bootstrap. *Making its objects* turns the boxes into the tool's "

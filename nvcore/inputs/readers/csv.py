@@ -253,8 +253,9 @@ def _named(recording: pd.Series, lines: Lines) -> pd.Categorical:
     names = names_as_categories(recording, len(recording))
     if "" in names.categories:
         is_empty = names.codes == names.categories.get_loc("")
-        message = "expected the name of a recording, found an empty field"
-        raise lines.fault(np.argmax(is_empty), message)
+        if is_empty.any():
+            message = "expected the name of a recording, found an empty field"
+            raise lines.fault(np.argmax(is_empty), message)
     return names
 
 

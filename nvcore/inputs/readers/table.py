@@ -106,19 +106,26 @@ def parse_columns(
             columns[name] = ids
         else:
             columns[name] = _texts(column)
-    return pd.DataFrame(columns, index=range(n_rows)), np.arange(1, n_rows + 1), False
+    table = pd.DataFrame(columns, index=range(n_rows), copy=False)
+    return table, np.arange(1, n_rows + 1), False
 
 
 def _texts(column: pd.Series) -> pd.Series:
     """The column as text, empty where missing."""
     if isinstance(column.dtype, pd.CategoricalDtype):  # each distinct text once
-        categories = [str(text).strip() for text in column.cat.categories]
-        texts = np.array([*categories, ""], dtype=object)
-        return pd.Series(texts[column.cat.codes.to_numpy()], dtype=object)
+        codes = column.cat.codes.to_numpy()
+        texts = [str(text).strip() for text in column.cat.categories]
+        if codes.min(initial=0) < 0:
+            texts.append("")
+        places = {text: place for place, text in enumerate(dict.fromkeys(texts))}
+        place_of = np.array([places[text] for text in texts], dtype=np.int32)
+        return pd.Series(pd.Categorical.from_codes(place_of[codes], list(places)))
     return column.astype(object).where(column.notna(), "").map(str).str.strip().astype(object)
 
 
 def _numbers(column: pd.Series, title: str, file: SourceFile) -> pd.Series:
+    if column.dtype in (np.float64, np.int64):
+        return column.astype("float64")
     if isinstance(column.dtype, pd.CategoricalDtype):
         column = column.astype(object)
     numbers = pd.to_numeric(column, errors="coerce").astype("float64")
