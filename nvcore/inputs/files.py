@@ -163,7 +163,9 @@ def _stem(path: Path) -> str:
 
 def _mot_files(path: Path, folder: str, name: str) -> list[Path]:
     """Files in MOTChallenge's layout: of the recordings in a folder, else of the folder itself."""
-    for places in (sorted(path.iterdir()), [path]):
+    with os.scandir(path) as entries:
+        recordings = sorted(Path(entry) for entry in entries if entry.is_dir())
+    for places in (recordings, [path]):
         files = [_plain_or_packed(place / folder, name) for place in places]
         if any(files):
             return [file for file in files if file is not None]

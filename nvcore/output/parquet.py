@@ -24,7 +24,10 @@ def to_parquet_bytes(tables: pd.DataFrame | Iterable[pd.DataFrame]) -> bytes:
     parts = iter([tables] if isinstance(tables, pd.DataFrame) else tables)
     content = pa.BufferOutputStream()
     table = _arrow(next(parts))
-    with pq.ParquetWriter(content, table.schema, compression="zstd") as writer:
+    texts = [field.name for field in table.schema if pa.types.is_string(field.type)]
+    # numbers seldom repeat: a dictionary of them takes time
+    options = {"compression": "zstd", "use_dictionary": texts or False}
+    with pq.ParquetWriter(content, table.schema, **options) as writer:
         writer.write_table(table)
         for part in parts:
             writer.write_table(_arrow(part))
