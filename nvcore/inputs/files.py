@@ -173,8 +173,11 @@ def _mot_files(path: Path, folder: str, name: str) -> list[Path]:
 
 
 def _plain_or_packed(folder: Path, name: str) -> Path | None:
-    if not folder.is_dir():
-        return None
+    try:
+        if not folder.is_dir():
+            return None
+    except PermissionError as error:  # of the folder around it
+        raise PermissionError(error.errno, error.strerror, str(folder.parent)) from error
     files = (folder / (name + ending) for ending in ("", *PACKED_ENDINGS))
     return next((file for file in files if file.is_file()), None)
 

@@ -155,11 +155,7 @@ def _read(
     if table is None:
         files, file_format = find_files(source, session.folder, role)
         with located(files), ThreadPoolExecutor(1) as pool:
-            for file in files:
-                if file.path.is_fifo():
-                    with file.open():  # what comes through is kept now, before two want it
-                        pass
-            # beside reading: neither holds the lock for long
+            # beside reading: neither holds the lock for long; the context knows of pipes
             hashing = pool.submit(copy_context().run, digest, files)
             reading = file_format.read(files, options)
             digests = hashing.result()

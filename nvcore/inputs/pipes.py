@@ -12,6 +12,7 @@ from contextlib import ExitStack, contextmanager
 from contextvars import ContextVar
 from io import BufferedReader
 from pathlib import Path
+from threading import Lock
 from typing import Final
 
 from nvcore.errors import InputError
@@ -27,13 +28,15 @@ class _Kept:
     def __init__(self, files: ExitStack):
         self._files = files
         self._paths: dict[tuple[int, int], Path] = {}
+        self._lock = Lock()
 
     def file_of(self, pipe: Path) -> Path:
         status = pipe.stat()
         identity = status.st_dev, status.st_ino
-        if identity not in self._paths:
-            self._paths[identity] = self._read(pipe)
-        return self._paths[identity]
+        with self._lock:
+            if identity not in self._paths:
+                self._paths[identity] = self._read(pipe)
+            return self._paths[identity]
 
     def _read(self, pipe: Path) -> Path:
         content = tempfile.NamedTemporaryFile(prefix="nvcore-pipe-")  # noqa: SIM115  # closed later
@@ -57,7 +60,10 @@ _kept: ContextVar[_Kept | None] = ContextVar("pipes", default=None)
 
 @contextmanager
 def pipes_kept() -> Iterator[None]:
-    """Within it, a pipe is read once, and then is like a file; inner ones change nothing."""
+    """Within it, a pipe is read once, and then is like a file; inner ones change nothing.
+
+    Threads that are started within it know of it only if they run in a copy of its context.
+    """
     if _kept.get() is not None:
         yield
         return
