@@ -141,7 +141,7 @@ def _series(column: pa.ChunkedArray) -> pd.Series:
 
 
 def _is_text(kind: pa.DataType) -> bool:
-    return pa.types.is_string(kind) or pa.types.is_large_string(kind)
+    return bool(pa.types.is_string(kind) or pa.types.is_large_string(kind))
 
 
 FORMAT: Final = Format("parquet", "Parquet", BOTH_ROLES, (".parquet", ".pq"), recognise, read)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any, Final
 
@@ -153,7 +154,7 @@ def _finished(result: Result, columns: dict[str, np.ndarray]) -> pd.DataFrame:
     file = np.where(has_line & (columns["file"] < len(inputs)), columns["file"], -1)
     made: dict[str, Any] = {
         **columns,
-        "source": pd.Categorical.from_codes(columns["source"], list(SOURCES)),
+        "source": _categories(columns["source"], SOURCES),
         "recording": _texts(columns["recording"], names),
         "track": _integers(columns["track"], columns["track"] != NO_TRACK),
         "file": _texts(file, inputs),
@@ -163,14 +164,19 @@ def _finished(result: Result, columns: dict[str, np.ndarray]) -> pd.DataFrame:
         match = columns[f"match_{side}"]
         made[f"match_{side}"] = _integers(match, match >= 0)
         codes = columns[f"outcome_{side}"]
-        made[f"outcome_{side}"] = pd.Categorical.from_codes(codes, list(_OUTCOMES))
+        made[f"outcome_{side}"] = _categories(codes, _OUTCOMES)
     return pd.DataFrame({column.name: made[column.name] for column in MATCH_COLUMNS})
 
 
-def _texts(codes: np.ndarray, texts: pd.Series[str]) -> pd.Categorical:
+def _texts(codes: np.ndarray, texts: pd.Series[str]) -> Any:
     """Texts by their numbers, -1 none; two numbers may have the same text."""
     number, unique = pd.factorize(texts.to_numpy(dtype=object))
-    return pd.Categorical.from_codes(np.append(number, -1)[codes], list(unique))
+    return _categories(np.append(number, -1)[codes], unique)
+
+
+def _categories(codes: np.ndarray, texts: Iterable[str]) -> Any:
+    categorical: Any = pd.Categorical  # the stubs want codes as a list
+    return categorical.from_codes(codes, [*texts])
 
 
 def _integers(values: np.ndarray, is_known: np.ndarray) -> Any:
