@@ -19,7 +19,7 @@ from ui.shell import (
     title,
     way_out,
 )
-from ui.shell.messages import error_banner, shown_error
+from ui.shell.messages import error_banner
 from ui.shell.navigate import follow_wish
 from ui.shell.pages import all_pages, draw_bar, is_folded_on, shown_on
 from ui.widgets import figure_menu
@@ -47,7 +47,7 @@ page = st.navigation(pages, position="hidden")
 if not links.is_participant():
     draw_bar(pages)
 
-wrong_params = None
+wrong_params = failure = None
 try:
     follow_wish()
     state.begin_run()
@@ -66,16 +66,16 @@ try:
         st.warning(f"The link could not be followed in all: {wrong}.", icon=":material/link_off:")
     page.run()
     back.page_link()  # it was for this page
-except NvcoreError as error:
-    st.error(shown_error(error), icon=":material/error:")
-    if not links.is_participant():
-        way_out.draw(is_fault=False)
 except Exception as error:  # noqa: BLE001  # the sidebar is drawn, or its widgets lose their values
     error_banner(error)
-    if not links.is_participant():
-        way_out.draw(is_fault=True)
+    failure = error
 if wrong_params is not None and not links.is_participant():  # something is open
-    sidebar.draw(wrong_params, shown_on(page), is_folded=is_folded_on(page))
+    try:
+        sidebar.draw(wrong_params, shown_on(page), is_folded=is_folded_on(page))
+    except Exception as error:  # noqa: BLE001  # what follows is drawn
+        if failure is None:
+            error_banner(error)
+            failure = error
     with st.sidebar:
         tab_restore.draw()
         back.draw()
@@ -83,3 +83,5 @@ if wrong_params is not None and not links.is_participant():  # something is open
         dragging.draw()
         figure_menu.draw()
         narrow.draw()
+if failure is not None and not links.is_participant():
+    way_out.draw(is_fault=not isinstance(failure, NvcoreError))

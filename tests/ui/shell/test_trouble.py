@@ -55,7 +55,7 @@ def offered(page: AppTest) -> set[str]:
 
 def test_a_page_that_fails_by_a_fault_lets_one_start_over(monkeypatch: pytest.MonkeyPatch):
     page = failing_page(monkeypatch, KeyError("secret"))
-    assert offered(page) == {"way_out_anew"}
+    assert (offered(page), len(page.error)) == ({"way_out_anew"}, 1)  # the sidebar fails as well
     before = page.session_state["workspace"]
     monkeypatch.undo()
     page.session_state["alpha"] = 0.2
@@ -80,7 +80,7 @@ def test_what_was_opened_can_be_left_for_what_the_app_started_with(
     space = page.session_state["workspace"]
     night = session(tmp_path, "fir.csv")
     dataset = load(night)
-    space.show(Opened(night, dataset, "night"), session_pictures(night, dataset))
+    space.show(Opened.of(night, dataset, "night"), session_pictures(night, dataset))
     with monkeypatch.context() as patch:
         patch.setattr(state, "write_address", fail_on("night", space))
         checked(page.run())
