@@ -145,7 +145,7 @@ FILTERED = f"{PAGE}\nstate.write_address()"
 def test_a_tag_chosen_in_the_sidebar_holds_for_what_is_compared():
     page = checked(scripted(FILTERED).run())
     page = checked(page.multiselect(key="tags_chosen").set_value(["rural"]).run())
-    assert "3 of 10 recordings: rural" in texts(page)
+    assert "Open now: Sample recordings (3 of 10 recordings: rural)" in texts(page)
     assert space_of(page).opened.dataset.recordings["name"].tolist() == [
         *("rural_road", "rural_child", "rural_cyclist")
     ]

@@ -15,6 +15,7 @@ from ui.session import state
 from ui.session.opening import corrected, corrections_up_to
 from ui.shell.messages import without_paths
 from ui.shell.page_words import page_text
+from ui.shell.recordings_filter import filter_text
 from ui.widgets.text import plain
 
 BADGES: Final = {
@@ -35,7 +36,8 @@ def draw() -> None:
     """What is open, and all findings about it."""
     findings = worst_first(state.findings())
     label, n = state.opened().label, len(state.recording_names())
-    st.header(f"Open now: {plain(label)} ({n:,} recording{'s' if n > 1 else ''})")
+    which = filter_text() or f"{n:,} recording{'s' if n > 1 else ''}"
+    st.header(f"Open now: {plain(label)} ({plain(which)})")
     st.subheader("What to mind before trusting the numbers")
     if not findings:
         st.success(
