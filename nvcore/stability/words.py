@@ -128,7 +128,7 @@ def describe_in_short(stability: StabilityMap) -> str:
     first = describe_stability(stability)[0]
     if stability.verdict == "undefined" or not any(stability.is_moved_by):
         return first
-    return f"{first} {_share(stability)}"
+    return f"{first} {_share(stability).partition(':')[0]}."
 
 
 def _axes_that_matter(stability: StabilityMap) -> list[Axis]:

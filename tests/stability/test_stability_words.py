@@ -12,7 +12,7 @@ from nvcore.params import Params
 from nvcore.stability.axes import Plane
 from nvcore.stability.map import map_stability
 from nvcore.stability.scores import Criterion
-from nvcore.stability.words import describe_stability, difference_text
+from nvcore.stability.words import describe_in_short, describe_stability, difference_text
 
 ALPHA, EDGE, BOTH, MATCHING = "alpha-midpoint", "edge-weight", "edge-weight-alpha", "matching"
 SIMILARITY, ENCOUNTERS, SALIENCY = "similarity", "encounters", "saliency"
@@ -82,6 +82,17 @@ def test_a_verdict_that_turns_says_where() -> None:
         "to 1; at 0.3333 it turns to X. The nearest setting on this map that overturns this: alpha "
         "0.3333, where it turns to X, outside the plausible range and 1.1 times its width away."
     )
+
+
+def test_in_short_it_is_the_verdict_and_its_share() -> None:
+    def in_short(result: Result, criterion: Criterion) -> str:
+        return describe_in_short(map_stability(result, ALPHA, criterion, n_points=11))
+
+    assert in_short(turning(), SIMILARITY) == (
+        "As analysed, Y has the higher mean similarity, by 0.8500. The verdict holds in all of the "
+        "plausible range."
+    )
+    assert "plausible" not in in_short(near_or_far(1.0), ENCOUNTERS)  # undefined
 
 
 @pytest.mark.parametrize(
