@@ -165,7 +165,7 @@ def _entries(dataset: Dataset, cases: Cases) -> pd.DataFrame:
 
 def _file_names(dataset: Dataset, files: np.ndarray, has_line: np.ndarray) -> np.ndarray:
     """Name of each row's input file; None for rows that come from none."""
-    names = np.append(dataset.inputs["file"].to_numpy(dtype=object), None)
+    names = np.array([*dataset.inputs["file"], None], dtype=object)
     number = np.where(has_line, np.nan_to_num(files.astype(float), nan=-1), -1).astype(np.int64)
     is_known = (number >= 0) & (number < len(names) - 1)
     of_row: np.ndarray = names[np.where(is_known, number, -1)]

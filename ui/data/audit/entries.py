@@ -85,9 +85,8 @@ def _toggle(name: tuple[str, str, str]) -> None:
 def _draw_list(finding: Finding, cases: Cases) -> None:
     table = _table(finding)
     seen = st.session_state.get(_SEEN, {}).get(_name(finding), frozenset())
-    shown = table.head(MOST_ROWS).assign(
-        seen=["✓" if row in seen else None for row in range(min(len(table), MOST_ROWS))]
-    )
+    shown = table.head(MOST_ROWS)
+    shown = shown.assign(seen=["✓" if row in seen else "" for row in range(len(shown))])
     st.caption("Click a row to see its frame on the Timeline; the browser's Back returns here.")
     if st.session_state.pop(_NO_FRAME, False):
         st.info("That frame is not evaluated: there is nothing to show.", icon=":material/info:")
