@@ -20,7 +20,7 @@ from statistics import median
 from typing import Any
 
 from bench.tables import seconds_text, table
-from bench.web_tables import put_section
+from bench.web.tables import put_section
 from bench.workers import ROOT, TOOLS_PYTHON, run_worker
 
 EVALUATORS = ("hotcoco", "ultrafast-pycocotools", "vernier", "faster-coco-eval")

@@ -19,7 +19,7 @@ from typing import Any
 from bench.command_line import measure_command_line
 from bench.paired import paired_sections
 from bench.tables import write_tables
-from bench.web_tables import web_section
+from bench.web.tables import web_section
 from bench.workers import ROOT, TOOLS_PYTHON, run_worker
 
 MOTMETRICS_PYTHON = ROOT / ".venv-bench" / "motmetrics" / "bin" / "python"

@@ -8,8 +8,8 @@ from nvcore.tables.result import encounters_table
 from ui.encounters import address, details, figures, filters, selection, table
 from ui.encounters.order import Order
 from ui.session import state
-from ui.shell import back
 from ui.shell.messages import draw_as_set_note, draw_warnings, needs_comparison
+from ui.shell.tab import back
 from ui.widgets.text import docs_link, plain
 
 

@@ -9,19 +9,16 @@ from ui.ratings import links
 from ui.session import state
 from ui.shell import (
     account,
-    back,
-    dragging,
     live_params,
-    narrow,
     sidebar,
     systems,
-    tab_restore,
     title,
     way_out,
 )
 from ui.shell.messages import error_banner
 from ui.shell.navigate import follow_wish
 from ui.shell.pages import all_pages, draw_bar, is_folded_on, shown_on
+from ui.shell.tab import back, dragging, narrow, restore
 from ui.widgets import figure_menu
 
 # pages with more in their address, which they write by themselves, or leave as it is
@@ -77,7 +74,7 @@ if wrong_params is not None and not links.is_participant():  # something is open
             error_banner(error)
             failure = error
     with st.sidebar:
-        tab_restore.draw()
+        restore.draw()
         back.draw()
         account.draw()
         dragging.draw()

@@ -14,7 +14,7 @@ from nvcore.params import SETTINGS, Params
 from nvcore.params.metadata import THRESHOLD, Setting
 from nvcore.params.presets import Preset
 from ui.session import state
-from ui.shell import dragging
+from ui.shell.tab import dragging
 
 KEPT_NUMBERS: Final = 1e-9
 _DRAGGED: Final = "dragged_parameter"

@@ -8,7 +8,7 @@ import pytest
 from streamlit.testing.v1 import AppTest
 
 from pages import checked, opened, press, texts
-from ui.shell import back
+from ui.shell.tab import back
 
 
 @pytest.fixture

@@ -15,7 +15,8 @@ from nvcore.params.metadata import MATCH, PROXIMITY, RESULTS
 from pages import FRAMES, begin_with, checked, opened, rows, texts, write
 from ui.session import state
 from ui.session.workspace import Opened
-from ui.shell import dragging, pages
+from ui.shell import pages
+from ui.shell.tab import dragging
 
 SCORED, CONSTANT = (
     "".join(f"night,{frame},300,200,40,120,0.{frame % n}\n" for frame in FRAMES) for n in (9, 1)

@@ -28,10 +28,10 @@ from playwright.sync_api import Browser, Locator, Page, expect, sync_playwright
 from bench.csv_files import write_csv
 from bench.measure import report
 from bench.sets import make_set
-from bench.web_scene import FPS, READER, is_whole, write_scene
-from bench.web_tables import put_section, web_section
+from bench.web.scene import FPS, READER, is_whole, write_scene
+from bench.web.tables import put_section, web_section
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parent.parent.parent
 CHROMIUM = os.environ.get("NVCORE_CHROMIUM", "/usr/bin/chromium-headless-shell")
 FLAGS = (
     *("--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"),

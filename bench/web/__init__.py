@@ -1,0 +1,1 @@
+"""Benchmark of the dashboard in a browser; see ``__main__.py``."""
