@@ -142,7 +142,13 @@ class DetectionState(IntEnum):
     """On an ignore region: counts for nothing."""
 
 
-def names_as_categories(names: Any, n_rows: int) -> pd.Categorical:
+def categories_of(codes: np.ndarray, names: Any) -> pd.Categorical[Any]:
+    """Names by their places in a list without doubles; -1: missing."""
+    column: pd.Categorical[Any] = pd.Categorical.from_codes(codes, categories=names)
+    return column
+
+
+def names_as_categories(names: Any, n_rows: int) -> pd.Categorical[Any]:
     """A column of names that repeat, each held once: no text is looked at row by row.
 
     Parameters
@@ -153,11 +159,11 @@ def names_as_categories(names: Any, n_rows: int) -> pd.Categorical:
         Number of rows.
     """
     if isinstance(names, str):
-        return pd.Categorical.from_codes(np.zeros(n_rows, np.int8), [names])
+        return categories_of(np.zeros(n_rows, np.int8), [names])
     if isinstance(getattr(names, "dtype", None), pd.CategoricalDtype):
         return pd.Categorical(names)
     codes, unique = pd.factorize(np.asarray(names, dtype=object))
-    return pd.Categorical.from_codes(codes, unique)
+    return categories_of(codes, unique)
 
 
 def conform(

@@ -38,15 +38,15 @@ def audit_geometry(source: BoxSource) -> list[Finding]:
     has_box = np.diff(source.starts) > 0
     smallest = min(frames.width[has_box].min(), frames.height[has_box].min())
     furthest, suspects = -np.inf, []
-    for rows, recordings in source.blocks():
-        x, y, w, h = (column[rows] for column in (boxes.x, boxes.y, boxes.w, boxes.h))
+    for block, recordings in source.blocks():
+        x, y, w, h = (column[block] for column in (boxes.x, boxes.y, boxes.w, boxes.h))
         right, bottom = x + w, y + h
         furthest = max(furthest, right.max(), bottom.max())
         n_boxes = np.diff(source.starts[recordings.start : recordings.stop + 1])
         is_odd = (x < 0) | (y < 0) | (np.minimum(w, h) < HAIR_PX)
         is_odd |= right > np.repeat(frames.width[recordings], n_boxes)
         is_odd |= bottom > np.repeat(frames.height[recordings], n_boxes)
-        suspects.append(rows.start + np.flatnonzero(is_odd))
+        suspects.append(block.start + np.flatnonzero(is_odd))
     if smallest > 10 and furthest <= FRACTION_EXTENT:
         return source.findings(
             Severity.ERROR,
@@ -100,7 +100,8 @@ def _mostly_outside(source: BoxSource, rows: np.ndarray, *, are_many: bool) -> l
 def audit_doubles(source: BoxSource) -> list[Finding]:
     """The same box twice in one frame (of the truth, pedestrians only)."""
     boxes = source.boxes
-    rows, columns = np.arange(len(boxes)), (boxes.frame_index, boxes.x, boxes.y, boxes.w, boxes.h)
+    rows = np.arange(len(boxes))
+    columns: tuple[np.ndarray, ...] = (boxes.frame_index, boxes.x, boxes.y, boxes.w, boxes.h)
     if source.is_truth and boxes.ignore.any():
         rows = np.flatnonzero(~boxes.ignore)
         columns = tuple(column[rows] for column in columns)

@@ -45,7 +45,7 @@ from nvcore.inputs.recordings import (
 from nvcore.inputs.recordings_file import with_recordings_file
 from nvcore.inputs.session import Session, Source, SystemSource
 from nvcore.progress import Progress, no_progress
-from nvcore.schema import BOX_DTYPES, names_as_categories
+from nvcore.schema import BOX_DTYPES
 
 
 @dataclass(frozen=True)
@@ -200,9 +200,7 @@ def _renamed(reading: Reading, titles: Mapping[str, str]) -> Reading:
             return None
         names = table[column]
         if isinstance(names.dtype, pd.CategoricalDtype):
-            names = names_as_categories(
-                names.cat.rename_categories(lambda name: titles.get(name, name)), len(names)
-            )
+            names = names.cat.rename_categories(lambda name: titles.get(name, name))
         else:
             names = pd.Series(
                 [titles.get(name, name) for name in names], index=names.index, dtype=object

@@ -60,8 +60,9 @@ class Matches:
 def match_system(dataset: Dataset, name: str, threshold: float | None, params: Params) -> Matches:
     """Match all detections of a system; see `match_boxes`. The latest is kept with the dataset."""
     key = (threshold, params.match, params.iou, params.lateral_tolerance)
-    before, matches = dataset.derived.get(("matches", name), (None, None))
-    if before != key or matches is None:
+    before = dataset.derived.get(("matches", name))
+    matches: Matches | None = before[1] if before is not None and before[0] == key else None
+    if matches is None:
         matches = match_boxes(
             dataset.truth, dataset.system(name), dataset.frame_columns, params, threshold=threshold
         )

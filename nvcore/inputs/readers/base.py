@@ -347,7 +347,7 @@ def concat_boxes(tables: Sequence[pd.DataFrame]) -> pd.DataFrame:
     names = union_categoricals([table["recording"] for table in tables])
     others = [table.drop(columns="recording") for table in tables]
     boxes = pd.concat(others, ignore_index=True)
-    boxes.insert(0, "recording", names)
+    boxes.insert(0, "recording", pd.Series(names))
     return boxes
 
 

@@ -157,6 +157,7 @@ def _read_one(
     unused = [name for i, name in enumerate(header.names) if name and i not in used]
     facts = [f"columns left unused: {', '.join(unused)}"] if unused else []
     facts += ["decimal commas"] if has_decimal_comma else []
+    recording: Any
     if "frame" in columns:
         frame, frame_fact = _frames(columns["frame"].to_numpy(), lines, options.frame_base)
         recording = _named(columns["recording"], lines) if own is None else own

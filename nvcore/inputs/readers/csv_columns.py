@@ -20,6 +20,7 @@ from nvcore.errors import FormatError
 from nvcore.inputs.readers.base import Role, SourceFile
 from nvcore.inputs.readers.parse.text import BLOCK, MAX_INTEGER, read_text_bytes
 from nvcore.output.csv_text import without_safeguard
+from nvcore.schema import categories_of
 from nvcore.wording import shortened
 
 SYNONYMS: Final[dict[str, tuple[str, ...]]] = {
@@ -220,7 +221,7 @@ def _column(column: pa.ChunkedArray) -> Any:
     if len(names) < len(texts):  # some differed in blanks only
         place = {name: code for code, name in enumerate(names)}
         codes = np.array([place[text] for text in texts], dtype=codes.dtype)[codes]
-    return pd.Categorical.from_codes(codes, names)
+    return categories_of(codes, names)
 
 
 def _lines(content: bytes, n_rows: int) -> np.ndarray:

@@ -18,7 +18,7 @@ from nvcore.inputs.readers.base import BOTH_ROLES, Format, Reading, ReadOptions,
 from nvcore.inputs.readers.csv import NamedColumns, missing_columns, read_named_columns
 from nvcore.inputs.readers.csv_columns import FALSE, MISSING, NUMBERS, TRUE, Header, header_of
 from nvcore.inputs.readers.parse.text import MAX_INTEGER
-from nvcore.schema import TABLE_ENDING
+from nvcore.schema import TABLE_ENDING, categories_of
 from nvcore.wording import shortened
 
 ONLY_RECORDING: Final = "recording"
@@ -119,7 +119,7 @@ def _texts(column: pd.Series) -> pd.Series:
             texts.append("")
         places = {text: place for place, text in enumerate(dict.fromkeys(texts))}
         place_of = np.array([places[text] for text in texts], dtype=np.int32)
-        return pd.Series(pd.Categorical.from_codes(place_of[codes], list(places)))
+        return pd.Series(categories_of(place_of[codes], list(places)))
     return column.astype(object).where(column.notna(), "").map(str).str.strip().astype(object)
 
 
