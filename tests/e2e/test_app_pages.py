@@ -40,13 +40,16 @@ FIND_MARK = """(plot, name) => {
 }"""
 
 
-# Where the tiles of the verdict and the scorecard were, from frame to frame, once both were there.
+# Where the tiles of the verdict and the scorecard were below the page's title, from frame to frame,
+# once both were there. Above the title Streamlit keeps a row while a slow first run goes on.
 NOTE_PLACES = """window.places = new Set();
 (function look() {
   const parts = [...document.querySelectorAll(".nv-tiles, .nv-scorecard")];
-  if (parts.length === 2)
+  if (parts.length === 2) {
+    const title = document.querySelector("h1").getBoundingClientRect();
     places.add(parts.map(part => part.getBoundingClientRect())
-      .map(({ left, top }) => [Math.round(left), Math.round(top)]).join());
+      .map(({ left, top }) => [Math.round(left), Math.round(top - title.top)]).join());
+  }
   requestAnimationFrame(look);
 })();"""
 
