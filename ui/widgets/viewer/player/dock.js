@@ -73,6 +73,7 @@ class Dock {
 
   // Back to the large picture.
   open() {
+    this.undock(); // else the page would stop short of it, for the small viewer's room
     this.viewer.holder.scrollIntoView({ block: "start" });
     this.viewer.root.focus({ preventScroll: true });
   }
