@@ -32,7 +32,7 @@ _WORDS: Final = tuple(
         (r"--size(?: WIDTHxHEIGHT)?", "the size of the pictures"),
         (r"--fps(?: FPS)?", "the frame rate"),
         (r"--recordings\b", "the table of recordings"),
-        (r"--proximity (\w+)", r"“Proximity” by \1"),
+        (r"--proximity (\w+)", r"“What tells how near” set to \1"),
         (r"--horizon\b", "the row of the horizon in the sidebar"),
         (r"--threshold-x and --threshold-y", "thresholds for X and Y"),
         (r"--threshold-x ([\d.e+-]*\d)", r"the threshold \1 for X"),

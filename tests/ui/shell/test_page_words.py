@@ -51,7 +51,10 @@ def test_a_page_words_every_message_without_flags(where: str, text: str):
 @pytest.mark.parametrize(
     ("text", "page"),
     [
-        ("Compare with --proximity height, which", "Compare with “Proximity” by height, which"),
+        (
+            "Compare with --proximity height, which",
+            "Compare with “What tells how near” set to height, which",
+        ),
         ("Check the image size (--size): x", "Check the image size: x"),
         (
             "for this system ([[system]] in the session file, or --scale-x 2,3).",
