@@ -51,7 +51,7 @@ def test_json_prints_the_summary_of_the_report_and_nothing_else_on_stdout(
     folder: Path, tmp_path: Path
 ):
     result = nvcore("compare", *flags(folder), "--json", "--out", tmp_path / "a")
-    assert len(contents(tmp_path / "a")) == 11
+    assert len(contents(tmp_path / "a")) == 12
     assert contents(tmp_path / "a")["summary.json"].decode() == result.stdout
     assert "Audit:" in result.stderr
     assert f"written to {tmp_path / 'a'}" in result.stderr

@@ -13,9 +13,8 @@ from nvcore.params.metadata import SEVERITY, THRESHOLD
 from nvcore.tables.moments import encounter_moments
 from ui.encounters.address import encounter_of
 from ui.session import state
+from ui.session.viewer_arguments import CHOSEN, choose_encounter, chosen_name
 
-SELECTED: Final = "encounters_chosen"
-"""Fingerprint of the data, and the encounter's name in an address: rows depend on a filter."""
 _IS_NEW: Final = "encounters_just_chosen"
 _HAS_STEPPED: Final = "encounters_stepped"
 
@@ -24,8 +23,7 @@ def choose(encounter: int) -> None:
     """Select an encounter by its row, in the data that are open. For callbacks."""
     result = state.result()
     if result is not None:
-        recording = result.dataset.recordings["name"].iloc[result.encounters.recording[encounter]]
-        take(f"{recording}:{result.encounters.track[encounter]}")
+        choose_encounter(result, encounter)
         st.session_state[_IS_NEW] = True
 
 
@@ -38,17 +36,14 @@ def choose_clicked(encounter: int) -> None:
 def take(name: str | None) -> None:
     """Select the encounter of that name, as in an address; None: nothing."""
     if name is None:
-        st.session_state.pop(SELECTED, None)
+        st.session_state.pop(CHOSEN, None)
     else:
-        st.session_state[SELECTED] = (state.opened().whole.fingerprint, name)
+        st.session_state[CHOSEN] = (state.opened().whole.fingerprint, name)
 
 
 def selected(encounters: pd.DataFrame) -> int | None:
     """The encounter that was selected, if it is among these."""
-    fingerprint, name = st.session_state.get(SELECTED, ("", ""))
-    if fingerprint != state.opened().whole.fingerprint:
-        return None
-    return encounter_of(encounters, name)
+    return encounter_of(encounters, chosen_name())
 
 
 def shown(listed: pd.DataFrame) -> int:

@@ -11,19 +11,31 @@ from nvcore.comparison import Result
 from ui.session import state
 
 CHOSEN: Final = "encounters_chosen"
-"""Where the chosen encounter is kept: fingerprint of its data, and its row."""
+"""Where the chosen encounter is kept: fingerprint of the data, and the encounter's name in an
+address, "recording:track": rows depend on which recordings are compared."""
 
 
-def choose_encounter(encounter: int) -> None:
-    """Make this encounter, a row of ``result.encounters``, the chosen one of all pages."""
-    st.session_state[CHOSEN] = (state.opened().dataset.fingerprint, encounter)
+def choose_encounter(result: Result, encounter: int) -> None:
+    """Make a row of ``result.encounters`` the chosen one of all pages; others are ignored."""
+    if not 0 <= encounter < len(result.encounters):
+        return
+    recording = result.dataset.recordings["name"].iloc[result.encounters.recording[encounter]]
+    name = f"{recording}:{result.encounters.track[encounter]}"
+    st.session_state[CHOSEN] = (state.opened().whole.fingerprint, name)
+
+
+def chosen_name() -> str:
+    """Name of the chosen encounter; empty where there is none in what is open."""
+    fingerprint, name = st.session_state.get(CHOSEN, ("", ""))
+    return name if fingerprint == state.opened().whole.fingerprint else ""
 
 
 def chosen_encounter(result: Result) -> int | None:
-    """The chosen encounter; None where there is none in what is open."""
-    fingerprint, encounter = st.session_state.get(CHOSEN, ("", -1))
-    is_known = fingerprint == result.dataset.fingerprint
-    return encounter if is_known and 0 <= encounter < len(result.encounters) else None
+    """Row of the chosen encounter; None where there is none in what is compared."""
+    recording, _, track = chosen_name().rpartition(":")
+    numbers = result.dataset.recordings["name"].to_numpy()[result.encounters.recording]
+    is_it = (numbers == recording) & (result.encounters.track.astype(str) == track)
+    return int(is_it.argmax()) if is_it.any() else None
 
 
 def viewer_arguments(result: Result, recording: int) -> dict[str, Any]:

@@ -109,7 +109,7 @@ def _choose(result: Result, tracks: list[int], row: int) -> None:
     rows = slice(int(truth.offsets[row]), int(truth.offsets[row + 1]))
     is_chosen = result.tracks.track[rows] == tracks[int(clicked[1])]
     for encounter in result.encounters.encounter_of[rows][is_chosen & ~truth.ignore[rows]][:1]:
-        choose_encounter(int(encounter))
+        choose_encounter(result, int(encounter))
 
 
 def _boxes(result: Result, facts: FrameSummary) -> None:

@@ -91,7 +91,7 @@ def _draw_lanes(result: Result, cursor: int) -> None:
     if clicked is not None:
         # Plotly passes several values as an object with their numbers as names
         row, encounter = clicked.values() if isinstance(clicked, Mapping) else clicked
-        choose_encounter(int(encounter))
+        choose_encounter(result, int(encounter))
         _go_to(int(row))
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import pandas as pd
 
@@ -43,7 +45,7 @@ def draw(result: Result) -> None:
         hi=hi,
         cost=cost_map_of(recording),
         chosen=_chosen_track(result, recording),
-        on_choose=choose_encounter,
+        on_choose=partial(choose_encounter, result),
         height_px=HEIGHT_PX,
         key=KEY,
     )

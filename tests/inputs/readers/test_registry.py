@@ -150,7 +150,7 @@ def test_a_file_that_cannot_be_opened_is_an_input_error(tmp_path: Path):
 
 
 def test_an_unknown_name_lists_the_formats():
-    with pytest.raises(UnknownFormatError, match=r"no format 'vbb'; the formats are bbgt, coco,"):
+    with pytest.raises(UnknownFormatError, match=r"no format .vbb.; did you mean .bbgt.\?"):
         format_named("vbb")
 
 

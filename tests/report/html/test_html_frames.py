@@ -117,12 +117,12 @@ def test_without_pictures_boxes_stand_on_a_light_ground_and_that_is_said_once():
     assert drawn.why_blank == "no picture for this frame"
     assert shown[-20, 20].min() > 230
     assert shown.min() < 90  # boxes and the ellipse
-    text, block = frames_section([drawn, drawn], ()).blocks
+    text, block = frames_section([drawn, drawn], (), "light").blocks
     assert text.texts[0].startswith("There are no pictures of these frames")
     assert [photo.why_blank for photo in block.photos] == ["", ""]
-    (mixed,) = frames_section([drawn, replace(drawn, why_blank="")], ()).blocks
+    (mixed,) = frames_section([drawn, replace(drawn, why_blank="")], (), "light").blocks
     assert [photo.why_blank for photo in mixed.photos] == [drawn.why_blank, ""]
-    trouble, *_ = frames_section([drawn], ("rural: there is no such file",)).blocks
+    trouble, *_ = frames_section([drawn], ("rural: there is no such file",), "light").blocks
     assert trouble.texts == ("Some pictures cannot be shown.", "rural: there is no such file")
 
 

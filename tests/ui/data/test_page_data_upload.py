@@ -44,7 +44,7 @@ def test_an_upload_asks_for_what_the_files_do_not_say_and_opens_with_it(tmp_path
     assert "Opened: Uploaded files" in texts(page)
     *sources, hostile = page.table[0].value["Source"]
     assert sources == ["Truth", "X: fir"]
-    assert "\\[x\\]\\(https\\:" in hostile  # shown as text
+    assert "\\[x\\]\\(https:small[]\\://evil" in hostile  # shown as text, and no link
     assert page.table[1].value["Size (px)"].tolist() == ["640 × 480"] * 2
     other = opened()
     assert ON_SAMPLE in texts(other)

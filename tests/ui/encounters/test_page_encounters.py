@@ -16,8 +16,8 @@ from ui.encounters.address import Choice, encounter_of, from_address, name_of, t
 from ui.encounters.filters import Filters
 from ui.encounters.order import Order
 from ui.encounters.picture import cut_out
-from ui.encounters.selection import SELECTED
 from ui.session import state
+from ui.session.viewer_arguments import CHOSEN
 from ui.session.workspace import Opened
 from ui.widgets import table_columns
 
@@ -42,7 +42,7 @@ def widget(page: AppTest, kind: str, label: str):
 def choose(page: AppTest, row: int) -> AppTest:
     space = page.session_state["workspace"]
     name = name_of(encounters_table(space.result), row)
-    page.session_state[SELECTED] = (space.opened.whole.fingerprint, name)
+    page.session_state[CHOSEN] = (space.opened.whole.fingerprint, name)
     return checked(page.run())
 
 
@@ -264,7 +264,7 @@ def test_a_distant_encounter_has_dashes():
     assert "never came near enough" in texts(page)
     assert page.table[0].value["X"].tolist() == ["–"] * 7
     # one that was chosen in other data is forgotten: the first is shown
-    page.session_state[SELECTED] = ("other data", "winter_frost:1")
+    page.session_state[CHOSEN] = ("other data", "winter_frost:1")
     assert "**1** of 46" in texts(checked(page.run()))
 
 

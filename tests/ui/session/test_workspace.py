@@ -8,10 +8,12 @@ import stat
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from places import ROOT
 
+from nvcore.pictures.recordings import RecordingPictures
 from ui.session import folders
 from ui.session.folders import base_folder, process_folder, remove_leftovers
 from ui.session.workspace import Workspace, workspace_of
@@ -65,7 +67,8 @@ def test_a_closed_workspace_is_empty_and_unknown():
 
 def test_pictures_that_several_recordings_share_are_closed_once():
     space, source = Workspace(), _Source()
-    space.pictures, before = {0: source, 1: source}, space.pictures_version
+    space.show(SimpleNamespace(rows=(0, 1)), RecordingPictures({0: source, 1: source}))
+    before = space.pictures_version
     space.close_pictures()
     assert source.times_closed == 1
     assert space.pictures == {}

@@ -12,6 +12,7 @@ import pytest
 from places import ROOT
 from streamlit.testing.v1 import AppTest
 
+from nvcore.pictures.recordings import RecordingPictures
 from pages import TIMEOUT_S, checked, press, scripted
 from ui.export import html
 from ui.jobs.background import JobState
@@ -203,8 +204,8 @@ def test_opening_ends_the_jobs_before_it_closes_their_pictures():
 
     app = page()
     space = app.session_state["workspace"]
+    space.show(space.opened, RecordingPictures({0: Noted()}))
     space.put_job("noted", Noted())
-    space.pictures = {0: Noted()}
     space.opened = None  # the next run opens the sample again
     assert not app.run().exception
     assert order == ["job", "pictures"]

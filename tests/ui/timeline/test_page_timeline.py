@@ -9,9 +9,8 @@ from ui.session.viewer_arguments import CHOSEN
 from ui.timeline import plots
 
 
-def choose(app, encounter):
-    dataset = app.session_state["workspace"].opened.dataset
-    app.session_state[CHOSEN] = (dataset.fingerprint, encounter)
+def choose(app, name):
+    app.session_state[CHOSEN] = (app.session_state["workspace"].opened.whole.fingerprint, name)
     return checked(app.run())
 
 
@@ -51,7 +50,7 @@ def test_a_high_similarity_with_nobody_matched_is_explained_beside_it():
 
 
 def test_the_chosen_pedestrian_is_told_of_marked_in_the_lanes_and_open_in_encounters():
-    app = choose(checked(opened("timeline", recording="rural_child", frame="225")), 23)
+    app = choose(checked(opened("timeline", recording="rural_child", frame="225")), "rural_child:3")
     said = texts(app)
     assert "Pedestrian 3: missed by Y" in said
     assert "Takes 0.715 of Y's similarity" in said
@@ -67,7 +66,7 @@ def test_lanes_come_so_many_at_a_time_and_the_page_of_the_chosen_one(monkeypatch
     assert pages.options[0] == "1 to 2"
     lanes = [lane_names(app, first) for first in pages.options]
     assert all(len(names) <= 2 for names in lanes)
-    app = choose(app, 0)
+    app = choose(app, f"{app.session_state['workspace'].opened.dataset.recordings['name'][0]}:1")
     assert any("▶ ped 1" in name for name in lane_names(app))
     app.toggle(key="lanes_missed").set_value(True).run()
     assert "with misses" in str(lanes_layout(app))
