@@ -31,7 +31,7 @@ DRAW = """([rows, area]) => {
   const layers = { truth: true, x: true, y: true, labels: true };
   const found = { boxes, start: 0, stop: rows.length };
   drawBoxes(canvas.getContext("2d"), found, { scale: 1, x: 0, y: 0 }, layers,
-            { x: "#00F", y: "#F80", truth: "#FFF" }, area);
+            { x: "#00F", y: "#F80", truth: "#FFF", dash: { x: [], y: [6, 4] } }, area);
   Labels.prototype.draw = draw;
   return placed;
 }"""
