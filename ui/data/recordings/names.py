@@ -38,7 +38,7 @@ def draw_systems() -> None:
     with st.form(f"system_names_{n_changes()}_{state.workspace().n_opened}", border=False):
         typed = [
             st.text_input(
-                f"Name of {name}", name, max_chars=200, key=f"system_name_{n_changes()}_{i}"
+                f"Name of {plain(name)}", name, max_chars=200, key=f"system_name_{n_changes()}_{i}"
             )
             for i, name in enumerate(names)
         ]
