@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
+import pandas as pd
 import pytest
 from inputs import drive, mot_layout, nvcore, session_of, write
 
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError
 from nvcore.inputs.load import load, read_source
+from nvcore.inputs.readers import format_named
+from nvcore.inputs.readers.base import ReadOptions, Role, SourceFile
 from nvcore.inputs.session import Session, Source, SystemSource
 
 TRUTH = "frame,x,y,w,h,track\n0,100,200,40,100,1"
@@ -58,6 +62,42 @@ def test_the_empty_csv_file_of_one_recording_among_others_has_no_detections(tmp_
     dataset = load(session_of(tmp_path, "truth", "fir"))
     assert dataset.recordings["name"].tolist() == ["A", "B"]
     assert len(dataset.system("fir")) == 1
+
+
+COLUMNS = "recording,frame,x,y,w,h,score"
+IMAGES = [{"id": i, "file_name": f"A/I{i}.png", "width": 640, "height": 480} for i in (1, 2)]
+BOX = {"id": 1, "image_id": 1, "category_id": 1, "bbox": [1, 2, 3, 4]}
+
+
+def coco(image: int, *annotations: object) -> str:
+    """Ground truth of one of the images."""
+    categories = [{"id": 1, "name": "person"}]
+    truth = {"images": IMAGES[image - 1 : image], "annotations": annotations}
+    return json.dumps(truth | {"categories": categories})
+
+
+@pytest.mark.parametrize("is_first_empty", [True, False])
+@pytest.mark.parametrize(
+    ("kind", "role", "empty", "filled"),
+    [
+        ("csv", "detections", COLUMNS, f"{COLUMNS}\nA,1,1,2,3,4,0.5"),
+        ("coco", "truth", coco(2), coco(1, BOX)),
+        ("coco-results", "detections", "[]", json.dumps([BOX | {"score": 0.5}])),
+    ],
+)
+def test_one_file_without_boxes_among_others_adds_none(
+    tmp_path: Path, kind: str, role: Role, empty: str, filled: str, is_first_empty: bool
+):
+    texts = [empty, filled] if is_first_empty else [filled, empty]
+    for name, text in zip("ab", texts, strict=True):
+        (tmp_path / f"{name}.txt").write_text(text + "\n")
+    listed = pd.DataFrame({"recording": ["A"], "frame": [1], "image_id": [1]})
+    options = ReadOptions(role=role, images=None if kind == "csv" else listed)
+    files = [SourceFile(tmp_path / f"{name}.txt", f"{name}.txt") for name in "ab"]
+    boxes = format_named(kind).read(files, options).boxes
+    assert boxes[["recording", "frame", "x", "file"]].to_numpy().tolist() == [
+        ["A", 1, 1, int(is_first_empty)]
+    ]
 
 
 def test_all_empty_files_of_a_mot_layout_have_no_detections(tmp_path: Path):

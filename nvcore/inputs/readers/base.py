@@ -342,10 +342,12 @@ def concat_boxes(tables: Sequence[pd.DataFrame]) -> pd.DataFrame:
     """Boxes of several files in one table; no file gives an empty table with all columns."""
     if not tables:
         return reading_boxes(0)
-    if len(tables) == 1:
-        return tables[0]
-    names = union_categoricals([table["recording"] for table in tables])
-    others = [table.drop(columns="recording") for table in tables]
+    # categories of an empty table are of another dtype, and it adds nothing
+    filled = [table for table in tables if len(table)] or list(tables[:1])
+    if len(filled) == 1:
+        return filled[0]
+    names = union_categoricals([table["recording"] for table in filled])
+    others = [table.drop(columns="recording") for table in filled]
     boxes = pd.concat(others, ignore_index=True)
     boxes.insert(0, "recording", pd.Series(names))
     return boxes
