@@ -288,9 +288,9 @@ def whole_numbers(values: np.ndarray, lines: Lines, what: str) -> np.ndarray:
     """
     with np.errstate(invalid="ignore"):
         whole = values.astype(np.int64)
-        is_good = whole == values
-        if not is_good.all() or np.abs(whole).max(initial=0) >= MAX_INTEGER:
-            is_good &= np.abs(values) < MAX_INTEGER
+        # no np.abs: that of the lowest integer, which NaN and infinity become, is negative
+        is_good = (whole == values) & (whole > -MAX_INTEGER) & (whole < MAX_INTEGER)
+        if not is_good.all():
             first = int(np.argmin(is_good))
             raise lines.fault(first, f"expected a whole number as {what}, found {values[first]:g}")
     return whole

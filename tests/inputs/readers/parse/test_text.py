@@ -167,7 +167,7 @@ def test_stacked_tables_keep_file_line_and_label(tmp_path):
     assert table.columns[0].tolist() == [1, 3, 5]
 
 
-@pytest.mark.parametrize("value", [1.5, np.nan, np.inf, 2.0**53, -1e300])
+@pytest.mark.parametrize("value", [1.5, np.nan, np.inf, 2.0**53, -1e300, -(2.0**63), -(2.0**53)])
 def test_a_number_that_is_not_whole_is_named_by_line(tmp_path, value):
     file = source(tmp_path, "")
     with pytest.raises(FormatError, match="line 9: expected a whole number as frame, found"):
