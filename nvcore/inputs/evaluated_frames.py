@@ -22,6 +22,8 @@ SPARSE: Final = 1000
 """Frames for each annotated one from which on frame numbers are taken for wrong ..."""
 LONG: Final = 100_000
 """... in a recording of more frames than these: an hour at 28 Hz."""
+_LINE_ENDS: Final = tuple(end.encode() for end in "\n\r\v\f\x1c\x1d\x1e\x85\u2028\u2029")
+"""Where `str.splitlines` splits."""
 
 
 def parse_frames(text: str, folder: Path) -> np.ndarray:
@@ -50,7 +52,11 @@ def parse_frames(text: str, folder: Path) -> np.ndarray:
     file = SourceFile(folder / text, (folder / text).name)
     try:
         with file.open() as stream:
-            lines = stream.read().decode("utf-8-sig").splitlines()
+            content = stream.read()
+        # before each line takes memory of its own
+        if sum(map(content.count, _LINE_ENDS)) - content.count(b"\r\n") > MAX_FRAMES:
+            raise InputError(f"expected at most {MAX_FRAMES} lines")
+        lines = content.decode("utf-8-sig").splitlines()
     except (InputError, ValueError) as error:  # ValueError: not UTF-8, or a name that cannot be
         reason = error.message if isinstance(error, InputError) else "not UTF-8 text"
         raise InputError(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from hypothesis import strategies as st
 from inputs import write
 
 from nvcore.errors import FormatError, InputError, MissingFactError
+from nvcore.inputs import evaluated_frames
 from nvcore.inputs.evaluated_frames import MIN_SAMPLED, infer_frames, nth, parse_frames
 from nvcore.inputs.session import is_frame_range
 
@@ -64,6 +66,18 @@ def test_what_gives_no_frames_is_an_input_error(tmp_path: Path, text: str, words
     (tmp_path / "a.png").write_bytes(b"\x89PNG\r\n\x1a\n")
     with pytest.raises(InputError, match=words):
         parse_frames(text, tmp_path)
+
+
+@pytest.mark.parametrize("ending", [b"\n", b"\r\n", b"\r", b"\x0b", "\u2028".encode()])
+def test_a_list_of_too_many_lines_is_refused_before_it_is_split(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, ending: bytes
+):
+    monkeypatch.setattr(evaluated_frames, "MAX_FRAMES", 2)
+    (tmp_path / "frames.txt.gz").write_bytes(gzip.compress(b"1" + ending + b"2" + ending))
+    assert parse_frames("frames.txt.gz", tmp_path).tolist() == [1, 2]
+    (tmp_path / "frames.txt.gz").write_bytes(gzip.compress(ending * 3))
+    with pytest.raises(InputError, match="expected at most 2 lines"):
+        parse_frames("frames.txt.gz", tmp_path)
 
 
 def test_every_frame_from_the_first_to_the_last_annotated_one_is_evaluated():
