@@ -198,12 +198,13 @@ class Dataset:
         Raises
         ------
         InputError
-            If two would be called the same.
+            If two would be called the same, one of them perhaps known by rows left out alone.
         """
         names = [systems.get(name, name) for name in self.systems]
         titles = [recordings.get(name, name) for name in self.recordings["name"]]
-        for what, new in (("systems", names), ("recordings", titles)):
-            refuse_doubles(what, new)
+        every = dict.fromkeys([*self.recordings["name"], *self.left_out["recording"].unique()])
+        refuse_doubles("systems", names)
+        refuse_doubles("recordings", [recordings.get(name, name) for name in every])
         if names == list(self.systems) and titles == self.recordings["name"].tolist():
             return self
         subjects = {old: new for old, new in systems.items() if old in self.systems}

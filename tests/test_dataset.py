@@ -228,3 +228,6 @@ def test_two_of_a_name_are_refused() -> None:
         of_three().renamed({"x": "y"}, {})
     with pytest.raises(InputError, match="two recordings would be called 'r2'"):
         of_three().renamed({}, {"r1": "r2"})
+    lost = pd.DataFrame([("x", "B", 9, 0, 1, "unknown recording")], columns=list(LEFT_OUT_DTYPES))
+    with pytest.raises(InputError, match="two recordings would be called 'B'"):
+        replace(of_three(), left_out=lost).renamed({}, {"r1": "B"})

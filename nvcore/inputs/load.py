@@ -230,7 +230,9 @@ def _named_by_session(session: Session, loaded: list[_Loaded]) -> list[_Loaded]:
         titles = {old: new}
     if not titles:
         return loaded
-    listed_names = list(dict.fromkeys([*names, *entries]))
+    # those of the systems too: of two recordings none can be told from the other any longer
+    of_all = [name for source in loaded for name in source.reading.recordings["name"]]
+    listed_names = dict.fromkeys([*of_all, *entries])
     refuse_doubles("recordings", [titles.get(name, name) for name in listed_names])
     return [replace(source, reading=_renamed(source.reading, titles)) for source in loaded]
 

@@ -94,5 +94,9 @@ def test_two_recordings_of_one_title_are_refused(tmp_path: Path):
     named = replace(RURAL, title="urban")
     with pytest.raises(InputError, match="two recordings would be called 'urban'"):
         load(session_of(drive(tmp_path), recordings=(named,)))
+    with (tmp_path / "nir.csv").open("a") as file:  # a recording that only a system has
+        file.write("tunnel,0,1,2,3,4,0.5\n")
+    with pytest.raises(InputError, match="two recordings would be called 'tunnel'"):
+        load(session_of(tmp_path, recordings=(replace(RURAL, title="tunnel"),)))
     with pytest.raises(SessionError, match="title: expected a name"):
         RecordingEntry("a", title=" ")
