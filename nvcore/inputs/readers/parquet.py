@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 import pandas as pd
 import pyarrow as pa
+import pyarrow.compute as pc
 
 from nvcore.errors import FormatError
 from nvcore.inputs.packed import MAX_RATIO, MAX_UNPACKED_BYTES, RATIO_FROM_BYTES
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
     import pyarrow.parquet as pq
 
 MAGIC: Final = "PAR1"
+MAX_TEXT_BYTES: Final = 1 << 14
+"""Longest text, several times the longest path that systems take."""
 _BYTES_OF_A_NUMBER: Final = 8
 
 
@@ -71,7 +74,7 @@ def _named_columns(file: SourceFile) -> NamedColumns:
         places = sorted(header.place.values())
         _check(table, header, places, content.size(), file)
         names = [table.schema_arrow.names[place] for place in places]
-        columns = dict(zip(places, table.read(columns=names).columns, strict=True))
+        columns = dict(zip(places, _read(table, names, content.size(), file).columns, strict=True))
         series = {name: _series(columns[place]) for name, place in header.place.items()}
         n_rows = len(columns[places[0]])
     parse = partial(parse_columns, series.__getitem__, n_rows, file, header)
@@ -104,13 +107,60 @@ def _check(
             )
     n_rows = table.metadata.num_rows
     needed = n_rows * len(places) * _BYTES_OF_A_NUMBER
+    needed += _text_bytes(table.metadata, {names[place] for place in places})
+    if n_rows < 0 or _is_too_much(needed, n_bytes):
+        raise _too_much(f"declares {n_rows:,} rows, which would take", needed, n_bytes, file)
+
+
+def _text_bytes(metadata: pq.FileMetaData, names: Collection[str]) -> int:
+    """What the texts of these columns take as they are stored, unpacked."""
+    groups = (metadata.row_group(i) for i in range(metadata.num_row_groups))
+    chunks = (group.column(i) for group in groups for i in range(group.num_columns))
+    return sum(
+        max(chunk.total_uncompressed_size, 0)
+        for chunk in chunks
+        if chunk.physical_type == "BYTE_ARRAY" and chunk.path_in_schema in names
+    )
+
+
+def _read(table: pq.ParquetFile, names: list[str], n_bytes: int, file: SourceFile) -> pa.Table:
+    """These columns, part by part; FormatError once they take more than they may."""
+    if not table.num_row_groups:
+        return table.read(columns=names)
+    parts, n_read = [], 0
+    for number in range(table.num_row_groups):
+        part = table.read_row_group(number, columns=names)
+        n_read += part.nbytes
+        if _is_too_much(n_read, n_bytes):
+            raise _too_much("takes more than", n_read, n_bytes, file)
+        for column in part.columns:
+            _check_texts(column, file)
+        parts.append(part)
+    return pa.concat_tables(parts)
+
+
+def _check_texts(column: pa.ChunkedArray, file: SourceFile) -> None:
+    """Raise FormatError for a text that no name is as long as."""
+    for chunk in column.chunks:
+        texts = chunk.dictionary if pa.types.is_dictionary(chunk.type) else chunk
+        longest = (pc.max(pc.binary_length(texts)).as_py() if _is_text(texts.type) else None) or 0
+        if longest > MAX_TEXT_BYTES:
+            raise file.fault(
+                f"expected texts of at most {MAX_TEXT_BYTES:,} bytes, found one of {longest:,}"
+            )
+
+
+def _is_too_much(needed: int, n_bytes: int) -> bool:
     is_bomb = needed > RATIO_FROM_BYTES and needed > MAX_RATIO * n_bytes
-    if n_rows < 0 or is_bomb or needed > MAX_UNPACKED_BYTES:
-        raise file.fault(
-            f"declares {n_rows:,} rows, which would take {needed / 2**30:,.1f} GiB, in a file of "
-            f"{n_bytes / 2**20:,.1f} MiB; expected at most {MAX_RATIO} times its size, and "
-            f"{MAX_UNPACKED_BYTES >> 30} GiB: give several smaller files"
-        )
+    return is_bomb or needed > MAX_UNPACKED_BYTES
+
+
+def _too_much(what: str, needed: int, n_bytes: int, file: SourceFile) -> FormatError:
+    return file.fault(
+        f"{what} {needed / 2**30:,.1f} GiB, in a file of {n_bytes / 2**20:,.1f} MiB; expected at "
+        f"most {MAX_RATIO} times its size, and {MAX_UNPACKED_BYTES >> 30} GiB: give several "
+        "smaller files"
+    )
 
 
 def _is_simple(kind: pa.DataType) -> bool:

@@ -172,6 +172,28 @@ def test_a_million_rows_in_a_small_file_are_no_matter_and_a_billion_are_refused(
     assert "declares 1,200,000 rows, which would take 0.1 GiB" in refusal(SourceFile(path, "a"))
 
 
+@pytest.mark.parametrize("group", [None, 10])
+def test_texts_count_and_a_very_long_one_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, group: int | None
+):
+    n = 100
+    numbers = {name: np.ones(n) for name in ("frame", "x", "y", "w", "h")}
+    names = [f"{i:03}" + "a" * 9_997 for i in range(n)]  # of 10 kB each, 1 MB in all
+    path = tmp_path / "a.parquet"
+    way: dict[str, Any] = {"compression": "zstd", "use_dictionary": False, "row_group_size": group}
+    pq.write_table(pa.table(numbers | {"recording": names}), path, **way)
+    file = SourceFile(path, "a.parquet")
+    assert read(file).boxes["recording"].tolist() == names
+    monkeypatch.setattr(parquet, "RATIO_FROM_BYTES", 500_000)
+    monkeypatch.setattr(parquet, "MAX_RATIO", 5)
+    assert "declares 100 rows, which would take" in refusal(file)
+    monkeypatch.setattr(parquet, "_text_bytes", lambda *_: 0)  # a file that does not tell
+    assert "takes more than" in refusal(file)
+    monkeypatch.undo()
+    pq.write_table(pa.table(numbers | {"recording": ["a" * 20_000] * n}), path)
+    assert "expected texts of at most 16,384 bytes, found one of 20,000" in refusal(file)
+
+
 GOOD = pa.BufferOutputStream()
 pq.write_table(pa.table(BOX | {"recording": ["a", "b"], "score": [0.5, 0.25]}), GOOD)
 CONTENT = GOOD.getvalue().to_pybytes()
