@@ -9,8 +9,10 @@ from typing import Any, Final
 
 import numpy as np
 import pandas as pd
+from scipy.stats import t as student
 
 from nvcore.comparison import Result
+from nvcore.evidence.bootstrap import CONFIDENCE
 from nvcore.evidence.companions import (
     STRICT_KEYS,
     Companions,
@@ -46,9 +48,9 @@ class Claim:
     winner
         ``x`` or ``y``, the better system in it.
     p
-        Corrected for all measures.
+        Corrected for all measures; NaN within few recordings.
     n
-        Number of recordings that it rests on.
+        Number of recordings, or of blocks of time, that it rests on.
     """
 
     key: str
@@ -118,6 +120,47 @@ def find_claims(
             withheld[key] = "the other way round if paired strictly"
     claims = tuple(claim for key, claim in candidates.items() if key not in withheld)
     return Support(basis, claims, withheld | doubts)
+
+
+def find_within(
+    result: Result, evidence: pd.DataFrame, companions: Companions | None
+) -> tuple[Claim, ...]:
+    """Differences that leave no doubt within a few recordings, the clearest first.
+
+    Their intervals, widened for the number of intervals among which they are found (Bonferroni),
+    leave out 0. Like other claims they need the companions, hold at equal false alarms (without
+    these: the better system does not also have more of them) and if paired strictly.
+    """
+    if companions is None or are_unequal(result):
+        return ()
+    rows = evidence[
+        evidence["figure"].isin(CLAIMED)
+        & np.isfinite(evidence["low"])
+        & np.isfinite(evidence["high"])
+    ].to_dict("records")
+    clearness, found = {}, {}
+    for row in rows:
+        key, n, apart = str(row["figure"]), int(row["n"]), float(row["difference"])
+        if row["doubt"] or n < 2 or (result.is_short and inference_of(key).needs_tracks):
+            continue
+        to_zero = apart - float(row["low"]) if apart > 0 else float(row["high"]) - apart
+        if abs(apart) > to_zero * _widening(n, len(rows)):
+            winner = winner_of(apart, row["better"])
+            clearness[key] = abs(apart) / to_zero if to_zero > 0 else np.inf
+            found[key] = Claim(key, winner, np.nan, n)
+    equal, strict = companions.equal, companions.strict
+    withheld = set(_not_dominant(result, found)) if equal is None else set()
+    if equal is not None:
+        withheld |= {key for key in found if measure_of(key).of and is_turned(key, result, equal)}
+    withheld |= {key for key in STRICT_KEYS if key in found and is_turned(key, result, strict)}
+    ranked = sorted(found.values(), key=lambda claim: -clearness[claim.key])
+    return tuple(claim for claim in ranked if claim.key not in withheld)
+
+
+def _widening(n: int, n_intervals: int) -> float:
+    """How many times as far an end is from the difference, of one of so many intervals."""
+    alpha = (1 - CONFIDENCE) / 2
+    return float(student.isf(alpha / n_intervals, n - 1) / student.isf(alpha, n - 1))
 
 
 def _candidates(result: Result, evidence: pd.DataFrame) -> dict[str, Claim]:

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from nvcore.comparison import Result
-from nvcore.evidence.claims import CLAIMED, Claim, Support, least_corrected_p, winner_of
+from nvcore.evidence.claims import Claim, Support, find_within, least_corrected_p
 from nvcore.evidence.companions import Companions, are_unequal, has_scores
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.planning.noninferiority import UNEQUAL_POINTS
@@ -63,11 +63,12 @@ def _conclusion(
         n = count_recordings(result)
         few = "one recording does" if n == 1 else f"{n} recordings do"
         why = f"{few} not show what others would ({MIN_RECORDINGS} are needed)."
-        within = "" if are_unequal(result) else _clearest_within(result, evidence)
+        within = find_within(result, evidence, companions)
         if not within:
             return f"nothing is claimed: {why}"
         where = "this recording" if n == 1 else f"these {n} recordings"
-        return f"within {where} {within}; nothing is claimed of others: {why}"
+        better = _better_text(within, evidence, n_with_values=len(within))
+        return f"within {where} {better}; nothing is claimed of others: {why}"
     tested = evidence[np.isfinite(evidence["p_holm"])]
     if tested.empty:
         return "nothing is claimed: there are too few data to test a difference."
@@ -87,16 +88,25 @@ def _conclusion(
 def _claimed(claims: Sequence[Claim], evidence: pd.DataFrame) -> str:
     """Who is better in what, the strongest difference first and with its values."""
     ranked = sorted(claims, key=lambda claim: claim.p)  # those alike in the table's order
+    by = count_text(max(claim.n for claim in claims), "recording")
+    return f"{_better_text(ranked, evidence, n_with_values=1)}: more than chance, by {by}."
+
+
+def _better_text(claims: Sequence[Claim], evidence: pd.DataFrame, *, n_with_values: int) -> str:
+    """Who is better in what, each system once, the first differences with their values."""
     of_key = {row["figure"]: row for row in evidence.to_dict("records")}
+    with_values = {claim.key for claim in claims[:n_with_values]}
     parts: list[str] = []
-    for letter in dict.fromkeys(claim.winner for claim in ranked):
-        nouns = [inference_of(claim.key).noun for claim in ranked if claim.winner == letter]
-        if not parts:
-            nouns[0] += f" ({_values_text(of_key[ranked[0].key], letter)})"
+    for letter in dict.fromkeys(claim.winner for claim in claims):
+        nouns = [
+            inference_of(claim.key).noun
+            + (f" ({_values_text(of_key[claim.key], letter)})" if claim.key in with_values else "")
+            for claim in claims
+            if claim.winner == letter
+        ]
         better = "" if parts else "is better "
         parts.append(f"{letter.upper()} {better}in {listed(nouns)}")
-    by = count_text(max(claim.n for claim in claims), "recording")
-    return f"{', '.join(parts)}: more than chance, by {by}."
+    return ", ".join(parts)
 
 
 def _values_text(row: Mapping[Hashable, Any], winner: str) -> str:
@@ -105,27 +115,3 @@ def _values_text(row: Mapping[Hashable, Any], winner: str) -> str:
     values = [shown_value(float(row[letter]), evidence_form(key)) for letter in "xy"]
     better, other = values if winner == "x" else values[::-1]
     return f"{better} to {other}{inference_of(key).noun_unit}"
-
-
-def _clearest_within(result: Result, evidence: pd.DataFrame) -> str:
-    """Who is better in what within these recordings, where stretches of them leave no doubt of it.
-
-    Of several measures that whose interval is farthest from 0; empty: there is none.
-    """
-    best, text = 0.0, ""
-    for row in evidence.to_dict("records"):
-        key = str(row["figure"])
-        if key not in CLAIMED or row["doubt"]:
-            continue
-        if result.is_short and inference_of(key).needs_tracks:
-            continue
-        low, high, apart = (float(row[name]) for name in ("low", "high", "difference"))
-        if not low * high > 0 or not apart * low > 0:
-            continue
-        strength = abs(apart) / (high - low) if high > low else np.inf
-        if strength > best:
-            winner = winner_of(apart, row["better"])
-            values = _values_text(row, winner)
-            best = strength
-            text = f"{winner.upper()} is better in {inference_of(key).noun} ({values})"
-    return text

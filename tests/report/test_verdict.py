@@ -260,28 +260,59 @@ def of_stretches(figure: str, low: float, high: float, **more: object) -> dict[s
 ALARMS = of_stretches("false_alert_episodes_per_hour", 1.0, 3.0, better="lower")
 
 
+SIMILARITY = of_stretches("mean_similarity", 0.4, 0.5)
+FEW = "one recording does not show what others would (6 are needed)."
+X_SIMILAR = "X is better in mean similarity (1.0000 to 2.0000)"
+
+
 @pytest.mark.parametrize(
     ("rows", "words"),
     [
-        ([ALARMS, of_stretches("mean_similarity", 0.1, 0.9)],
+        # widened for two intervals of 12 blocks by 2.593 / 2.201: 2 - 1.18 * 1 > 0,
+        # 0.5 - 1.18 * 0.45 < 0
+        ([ALARMS, of_stretches("mean_similarity", 0.05, 0.95)],
          "Y is better in false-alert episodes (2.0 to 1.0 per hour)"),
-        ([ALARMS, of_stretches("mean_similarity", 0.4, 0.5)],
-         "X is better in mean similarity (1.0000 to 2.0000)"),
+        ([ALARMS, SIMILARITY], f"{X_SIMILAR}, Y in false-alert episodes (2.0 to 1.0 per hour)"),
         ([ALARMS | {"doubt": "odd"}, of_stretches("mean_similarity", -0.1, 0.5)], ""),
+        ([of_stretches("mean_similarity", 0.05, 0.95)], X_SIMILAR),
     ],
-    ids=["clearest", "other", "none"],
+    ids=["one", "both sides", "none", "not widened for one"],
 )  # fmt: skip
-def test_within_one_recording_the_clearest_difference_is_said_and_nothing_of_others(
+def test_within_one_recording_clear_differences_are_said_and_nothing_of_others(
     better_x: Result, rows: list[dict], words: str
 ):
     text = judged(better_x, of_stretches(BY_UNIT, NAN, NAN), *rows)
-    few = "one recording does not show what others would (6 are needed)."
     assert not text.claims
     assert text.headline == (
-        f"Within this recording {words}; nothing is claimed of others: {few}"
+        f"Within this recording {words}; nothing is claimed of others: {FEW}"
         if words
-        else f"Nothing is claimed: {few}"
+        else f"Nothing is claimed: {FEW}"
     )
+
+
+def test_within_one_recording_nothing_is_said_that_the_companions_do_not_bear_out():
+    better = detecting(6, range(6), range(2), alarms_y=3)
+
+    def headline_by(companions: Companions | None) -> str:
+        table = pd.DataFrame([of_stretches(BY_UNIT, NAN, NAN), SIMILARITY])
+        return verdict(better, evidence=table, companions=companions).headline
+
+    def alone(strict: Result) -> Companions:
+        return Companions(None, "", (), strict)
+
+    assert X_SIMILAR in headline_by(alone(better))
+    assert "X is better" not in headline_by(None)
+    # the strict comparison is for Y
+    turned = detecting(6, range(2), range(6))
+    assert headline_by(alone(turned)) == f"Nothing is claimed: {FEW}"
+    # similarity of Y, which has 3 false alarms where X has none
+    other_way = SIMILARITY | {"difference": -0.45, "low": -0.5, "high": -0.4}
+    table = pd.DataFrame([of_stretches(BY_UNIT, NAN, NAN), other_way])
+    text = verdict(better, evidence=table, companions=alone(better))
+    assert text.headline == f"Nothing is claimed: {FEW}"
+    # nor what turns at equal false alarms
+    at_equal = Companions(turned, "x", (table,), better)
+    assert headline_by(at_equal) == f"Nothing is claimed: {FEW}"
 
 
 def test_a_difference_says_for_whom_it_speaks_with_its_unit_and_no_exponent(better_x: Result):
