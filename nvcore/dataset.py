@@ -189,7 +189,7 @@ class Dataset:
             boxes=kept_boxes.assign(frame_index=new_frame[columns[1]].astype(columns[1].dtype)),
             left_out=self.left_out[~self.left_out["recording"].isin(others)].reset_index(drop=True),
             fingerprint=hashlib.sha256(text.encode()).hexdigest(),
-            notes=(*self.notes, part_text(names, len(is_chosen), tags)),
+            notes=(*self.notes, part_text(names, self.recordings, tags)),
         )
 
     def renamed(self, systems: Mapping[str, str], recordings: Mapping[str, str]) -> Dataset:
@@ -261,11 +261,26 @@ class Dataset:
         return BoxColumns(**columns, offsets=offsets, first_row=int(start))
 
 
-def part_text(names: Sequence[str], n_all: int, tags: Collection[str]) -> str:
-    """Which of all recordings are compared, such as ``3 of 8 recordings: night``."""
-    which = ", ".join(tags or names[:MOST_NAMED])
-    more = "" if tags or len(names) <= MOST_NAMED else f" and {len(names) - MOST_NAMED} more"
-    return f"{len(names)} of {n_all} recordings: {which}{more}"
+def part_text(names: Sequence[str], every: pd.DataFrame, tags: Collection[str]) -> str:
+    """Which of all recordings are compared, such as ``3 of 8 recordings: night``.
+
+    Parameters
+    ----------
+    every
+        `Dataset.recordings` of all.
+    tags
+        Those that they were chosen by. Where others have these as well, the names are said too.
+    """
+    named = ", ".join(names[:MOST_NAMED])
+    if len(names) > MOST_NAMED:
+        named += f" and {len(names) - MOST_NAMED} more"
+    n_tagged = sum(set(tags) <= set(own) for own in every["tags"])
+    which = ", ".join(tags)
+    if not tags:
+        which = named
+    elif n_tagged > len(names):
+        which = f"{which}, of these {named}"
+    return f"{len(names)} of {len(every)} recordings: {which}"
 
 
 def refuse_doubles(what: str, names: Sequence[str]) -> None:

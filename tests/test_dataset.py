@@ -174,6 +174,9 @@ def test_only_recordings_with_all_tags_are_left() -> None:
     assert night.system("x").w.tolist() == [1, 2, 21, 22]
     assert night.system("x").frame_index.tolist() == [0, 1, 2, 3]
     assert night.notes == ("2 of 3 recordings: night",)
+    assert of_three().only(["night"], ["r2"]).notes == ("1 of 3 recordings: night, of these r2",)
+    assert of_three().only(["rain"], ["r0"]).notes == ("1 of 3 recordings: rain",)
+    assert of_three().only(names=["r0"]).notes == ("1 of 3 recordings: r0",)
     assert of_three().only(["night", "rain"]).recordings["name"].tolist() == ["r0"]
     assert night.fingerprint != of_three().fingerprint
 

@@ -24,6 +24,8 @@ SAME: Final = "the same"
 SINGLE_MISS: Final = "not tested: a single miss"
 SHORT: Final = "not judged: encounters of one frame"
 REACH: Final = 1.12
+MOST_DECIMALS: Final = 3
+"""Most decimals that an interval has beyond those of its measure."""
 """Half the length of a bar's axis, as a multiple of the largest value on it."""
 
 
@@ -139,8 +141,7 @@ def _tile(
     if row is not None and math.isfinite(row["low"]):
         times = shown.venn.n_near if is_count else 1  # a share of encounters as a number of them
         low, middle, high = (times * float(row[name]) for name in ("low", "difference", "high"))
-        form = ".1f" if is_count else _finer(kind.form, high - low)
-        interval = f"{difference(low, 0, form)} to {difference(high, 0, form)}"
+        interval = _interval_text(low, high, ".1f" if is_count else kind.form)
         ends = _bar(low, middle, high, is_lower=is_lower)
     winner = next((claim.winner for claim in support.claims if claim.key == kind.judged), "")
     return Tile(
@@ -164,9 +165,17 @@ def _shown(value: float, form: str) -> str:
     return format(int(value), ",d") if form == "d" else number(value, form)
 
 
-def _finer(form: str, width: float) -> str:
-    """The format, with a decimal more where an interval is narrow."""
-    return ".1f" if form == ".0f" and width < 10 else form
+def _interval_text(low: float, high: float, form: str) -> str:
+    """Both ends, with more decimals where they read alike, or one as 0 that is not within."""
+    decimals = int(form[1:-1])
+    if not decimals and high - low < 10:
+        decimals = 1
+    for more in range(MOST_DECIMALS + 1):
+        shown = [difference(end, 0, f".{decimals + more}{form[-1]}") for end in (low, high)]
+        is_zero = any(not text.strip("+-.0 p") for text in shown)
+        if shown[0] != shown[1] and not (low * high > 0 and is_zero):
+            break
+    return " to ".join(shown)
 
 
 def _bar(low: float, middle: float, high: float, *, is_lower: bool) -> tuple[float, float, float]:

@@ -64,6 +64,25 @@ def test_the_interval_of_encounters_counts_them_and_its_bar_is_right_where_x_is_
 
 
 @pytest.mark.parametrize(
+    ("low", "high", "text"),
+    [
+        (0.01, 0.42, "+0.01 to +0.42"),
+        (0.001, 0.012, "+0.001 to +0.012"),  # not from +0.00
+        (-0.001, 0.012, "+0.00 to +0.01"),
+        (0.1231, 0.1242, "+0.123 to +0.124"),
+        (0.25, 0.25, "+0.25000 to +0.25000"),
+    ],
+)
+def test_ends_of_an_interval_do_not_read_alike_or_as_0(
+    sample: tuple[Result, pd.DataFrame, Companions], low: float, high: float, text: str
+):
+    tile = judged(
+        sample, "severity_s_per_encounter", low=low, difference=(low + high) / 2, high=high
+    )
+    assert tile.interval == text
+
+
+@pytest.mark.parametrize(
     ("row", "chip", "winner"),
     [
         ({"p_holm": 0.01, "difference": 0.1, "unit": "recordings"}, "X better", "x"),

@@ -43,7 +43,7 @@ def filter_text() -> str:
     """Which recordings are compared, such as ``3 of 8 recordings: night``; empty: all."""
     names, every = state.recording_names(), state.opened().whole.recordings
     tags = state.opened().session.only_tags
-    return "" if len(names) == len(every) else part_text(names, len(every), tags)
+    return "" if len(names) == len(every) else part_text(names, every, tags)
 
 
 def choose_tags(tags: Sequence[str]) -> None:
