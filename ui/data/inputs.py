@@ -169,7 +169,7 @@ def _draw_pictures(space: Workspace) -> None:
             step=1,
             placeholder="as guessed",
             help="Only where boxes and pictures do not belong together: the number, as in the "
-            "truth, of the frame that the first picture shows. Empty: from the file every.",
+            "truth, of the frame that the first picture shows. Empty: from the file names.",
         )
         is_wanted = st.form_submit_button("Use these pictures")
     if is_wanted:

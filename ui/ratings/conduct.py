@@ -87,10 +87,10 @@ def _conduct(study: Study) -> None:
     st.code(for_participants, language=None, wrap_lines=True)
     if links.is_local(for_participants):
         st.warning(
-            "This address works **on this computer only**. For other screens start the app with "
-            "`--server.address 0.0.0.0`, open it by this computer's name or IP address instead of "
-            "localhost, and come back with the second address below: both then begin with that "
-            "name.",
+            "This address works **on this computer only**. For other screens ask whoever runs the "
+            "app to open it to the network; then open it by this computer's name or IP address "
+            "instead of localhost, and come back with the second address below: both then begin "
+            "with that name.",
             icon=":material/wifi_off:",
         )
     st.markdown("With this one **you** come back to progress and results. Keep it to yourself:")

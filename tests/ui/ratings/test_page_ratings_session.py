@@ -291,4 +291,4 @@ def test_an_address_of_this_computer_only_is_told(
     monkeypatch.setattr(links, "is_local", lambda _: True)
     page = opened()
     begun(page, store, "odd_pose")
-    assert "--server.address 0.0.0.0" in warnings(page)
+    assert "ask whoever runs the app to open it to the network" in warnings(page)
