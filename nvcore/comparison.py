@@ -29,6 +29,7 @@ from nvcore.metrics.venn import (
     count_categories,
     measure_exclusivity,
 )
+from nvcore.palette import Scheme, Shade, scheme_for
 from nvcore.params import Params
 from nvcore.params.metadata import COST, ENCOUNTERS, MATCH, PROXIMITY
 from nvcore.schema import Category, DetectionState
@@ -90,6 +91,10 @@ class Result:
     def system(self, letter: str) -> SystemResult:
         """System ``x`` or ``y``."""
         return dict(self.sides)[letter]
+
+    def scheme(self, shade: Shade) -> Scheme:
+        """Colours and lines for a light or dark page: each system of the session has its own."""
+        return scheme_for(shade, self.dataset.systems, self.x.name, self.y.name)
 
     @property
     def is_short(self) -> bool:

@@ -29,7 +29,7 @@ from nvcore.figures.saliency import parts_plot, recency_plot
 from nvcore.figures.stability import stability_map
 from nvcore.figures.venn import venn_figure
 from nvcore.metrics.cost_map import map_cost
-from nvcore.palette import Shade, scheme_for
+from nvcore.palette import Shade
 from nvcore.scoring import SystemResult
 from nvcore.stability.axes import Plane
 from nvcore.stability.map import map_stability
@@ -57,7 +57,7 @@ class Figures:
 
     def __init__(self, result: Result, theme: Shade = "light"):
         self._result = result
-        self._theme = scheme_for(theme, result.dataset.systems, result.x.name, result.y.name)
+        self._theme = result.scheme(theme)
         self._names = result.x.name, result.y.name
 
     def __repr__(self) -> str:

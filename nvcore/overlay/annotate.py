@@ -26,7 +26,7 @@ from nvcore.overlay.brush import (
     text_width,
 )
 from nvcore.overlay.draw import DrawnDetections, DrawnTruth, TruthMark, draw_boxes
-from nvcore.palette import Scheme, Shade, scheme_for
+from nvcore.palette import Shade
 from nvcore.pictures.base import Picture, Pictures
 from nvcore.pictures.stretch import png, stretch
 from nvcore.schema import NO_TRACK, TruthState
@@ -98,12 +98,7 @@ def annotate(
 
 def inks_of(result: Result, shade: Shade) -> Inks:
     """The inks in which each system of the session has its own."""
-    return inks_for(scheme_of_result(result, shade))
-
-
-def scheme_of_result(result: Result, shade: Shade) -> Scheme:
-    """The scheme in which each system of the session has its own colour."""
-    return scheme_for(shade, result.dataset.systems, result.x.name, result.y.name)
+    return inks_for(result.scheme(shade))
 
 
 def frame_picture(
@@ -168,7 +163,7 @@ def _caption(result: Result, row: int, width: int) -> NDArray[np.uint8]:
     frames = result.dataset.frames.iloc[row]
     name = _short(str(result.dataset.recordings["name"].iloc[int(frames["recording"])]))
     similarity = [float(system.similarity[row]) for system in (result.x, result.y)]
-    inks, scheme = inks_of(result, "dark"), scheme_of_result(result, "dark")
+    inks, scheme = inks_of(result, "dark"), result.scheme("dark")
     lines: list[list[tuple[str, Colour]]] = [
         [
             (f"{name}   frame {int(frames['frame'])}   {frames['time_s']:.2f} s", TRUTH_RGB),

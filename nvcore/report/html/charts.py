@@ -14,10 +14,9 @@ import pandas as pd
 import plotly.graph_objects as go
 from plotly.offline import get_plotlyjs
 
-from nvcore.comparison import Result
 from nvcore.figures.style import LOOK, axis, empty_figure, layout, plain
 from nvcore.measures import evidence_form, inference_of
-from nvcore.palette import Theme, scheme_for
+from nvcore.palette import Theme
 from nvcore.wording import difference, interval_text
 
 INTERVAL_PX: Final = 82
@@ -29,11 +28,6 @@ MARGIN_PX: Final = (76, 16)
 """Above and below the rows."""
 REACH: Final = 1.12
 """Half the length of an axis, as a multiple of the largest value on it."""
-
-
-def theme_of(result: Result) -> Theme:
-    """The light theme, in which each system has its own colour."""
-    return scheme_for("light", result.dataset.systems, result.x.name, result.y.name)
 
 
 @cache

@@ -17,7 +17,6 @@ from nvcore.progress import Progress, part_of
 from nvcore.protocols import Protocol
 from nvcore.report.html import words
 from nvcore.report.html.blocks import Section, Sentences
-from nvcore.report.html.charts import theme_of
 from nvcore.report.html.cover import Cover, Inscription, cover_of
 from nvcore.report.html.encounter_sections import encounters_section, only_one_section
 from nvcore.report.html.evidence_sections import (
@@ -108,7 +107,7 @@ def report_content(
     detection = detection_section(result, protocol)
     plans = plan_measures(result, evidence, protocol, progress=part_of(progress, 0.2, 0.3))
     progress(0.3, "tables")
-    theme = theme_of(result)
+    theme = result.scheme("light")
     conclusion = judged(result, findings, evidence, companions, plans)
     sections = [
         verdict_section(conclusion),

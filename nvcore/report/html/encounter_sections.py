@@ -13,7 +13,6 @@ from nvcore.figures.venn import WORDS, venn_figure
 from nvcore.measures import MeasureTable
 from nvcore.report.html import words
 from nvcore.report.html.blocks import MAX_ROWS, Chart, Section, Sentences, Table, table
-from nvcore.report.html.charts import theme_of
 from nvcore.report.html.result_sections import names_of
 from nvcore.report.words import (
     FUSION_RULE,
@@ -65,14 +64,16 @@ def encounters_section(result: Result) -> Section:
             ),
             Chart(
                 "venn",
-                venn_figure(result.venn, names, theme=theme_of(result), encounters=encounters),
+                venn_figure(
+                    result.venn, names, theme=result.scheme("light"), encounters=encounters
+                ),
                 f"Encounters: {in_words}",
             ),
             _heaviest(result, encounters),
             Sentences(sentences),
             Chart(
                 "classes",
-                miss_classes_plot(encounters_table(result), names, theme=theme_of(result)),
+                miss_classes_plot(encounters_table(result), names, theme=result.scheme("light")),
                 "How many encounters each system fails in which way",
             ),
             table("How they were missed", ("Class", "X", "Y", "Meaning"), classes, right=(1, 2)),

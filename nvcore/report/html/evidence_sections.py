@@ -40,7 +40,7 @@ from nvcore.report.html.blocks import (
     Table,
     table,
 )
-from nvcore.report.html.charts import interval_plot, theme_of
+from nvcore.report.html.charts import interval_plot
 from nvcore.report.html.result_sections import MEASURES_HEAD, PART
 from nvcore.report.plan import verdict_plan
 from nvcore.report.verdict import Verdict, verdict
@@ -276,7 +276,7 @@ def detection_section(result: Result, protocol: Protocol) -> Section:
             thresholds,
             kind,
             [legend_text(summary, kind) for summary in summaries],
-            theme_of(result),
+            result.scheme("light"),
         )
         for kind in CURVES
     ]
@@ -321,7 +321,7 @@ def stability_section(
         Progress of the maps.
     """
     n_frames = len(result.dataset.frames)
-    intro = words.with_colours(words.STABILITY, theme_of(result))
+    intro = words.with_colours(words.STABILITY, result.scheme("light"))
     if is_wanted is False or (is_wanted is None and n_frames > AT_ONCE):
         why_not = Sentences((f"Not computed for these {n_frames:,} frames: not asked for.",))
         return Section("stability", STABILITY_TITLE, intro, (why_not,))
@@ -345,7 +345,9 @@ def stability_section(
     title = f"{PLANES[first.plane]}, by {CRITERIA[first.criterion]}: {sentences[0]}"
     blocks += [
         Sentences((title, *sentences[1:])),
-        Chart("stability", stability_map(first.stability, theme=theme_of(result)), sentences[0]),
+        Chart(
+            "stability", stability_map(first.stability, theme=result.scheme("light")), sentences[0]
+        ),
     ]
     return Section("stability", STABILITY_TITLE, intro, tuple(blocks))
 

@@ -20,7 +20,6 @@ from nvcore.report.equal_alarms import (
 )
 from nvcore.report.html import words
 from nvcore.report.html.blocks import MAX_ROWS, Chart, Section, Sentences, Table, table
-from nvcore.report.html.charts import theme_of
 from nvcore.report.html.input_sections import span_in_use
 from nvcore.report.terminal import SHORT_ROWS
 from nvcore.report.words import (
@@ -96,12 +95,12 @@ def similarity_section(result: Result) -> Section:
         (
             Chart(
                 "recordings",
-                recordings_plot(recordings, names_of(result), theme=theme_of(result)),
+                recordings_plot(recordings, names_of(result), theme=result.scheme("light")),
                 "Mean similarity of X and Y in every recording",
             ),
             Chart(
                 "loss-strip",
-                loss_strip_plot(result, loss_strip(result), theme=theme_of(result)),
+                loss_strip_plot(result, loss_strip(result), theme=result.scheme("light")),
                 "What the worse system loses over the time of every recording",
             ),
             table("Similarity by recording", head, rows, right=range(1, 7), note=note),
@@ -204,7 +203,7 @@ def saliency_section(result: Result) -> Section:
             Sentences(describe_saliency(result)),
             Chart(
                 "plane",
-                plane_plot(result, theme=theme_of(result)),
+                plane_plot(result, theme=result.scheme("light")),
                 "Mean similarity and saliency of X and Y in every recording",
             ),
             table("The most salient events", head, rows, right=range(3, 8)),
