@@ -6,7 +6,7 @@ import pytest
 from data_page import open_files, sent
 from streamlit.testing.v1 import AppTest
 
-from pages import press, texts
+from pages import checked, press, texts
 from ui.data.audit import entries
 
 TRUTH = b"frame,x,y,w,h\n0,9,9,40,90\n1,9,9,40,90\n2,9,9,40,90\n"
@@ -54,6 +54,17 @@ def test_an_entry_leads_to_its_frame_and_is_then_seen(monkeypatch: pytest.Monkey
     assert page.session_state["place"] == (0, 2)
     (button,) = [button for button in page.button if button.label == "Show all 2 boxes"]
     assert listed(press(page, button.key))["seen"].fillna("").tolist() == ["", "✓"]
+
+
+def test_other_thresholds_list_other_boxes():
+    """Both boxes of A count without a threshold, at 0.4 the first alone."""
+    a = BOTH.replace(b"2,300,100,40,90,0.5", b"2,300,100,40,90,0.3")
+    page = open_files(sent(TRUTH, ("a.csv", a), ("b.csv", BOTH + THIRD)))
+    (button,) = [button for button in page.button if button.label == "Show all 2 boxes"]
+    page = press(page, button.key)
+    assert listed(page)["frame"].tolist() == [1, 2]
+    page.number_input(key="data_threshold_x").set_value(0.4)
+    assert listed(checked(page.run()))["frame"].tolist() == [1]
 
 
 def test_the_list_is_offered_as_csv_and_for_annotators(page: AppTest):

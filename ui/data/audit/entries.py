@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from functools import partial
+from hashlib import sha256
 from typing import Final
 
 import numpy as np
@@ -23,7 +24,7 @@ from ui.widgets.text import UNDEFINED
 _OPEN: Final = "entries_open"
 """The finding whose list is open."""
 _SEEN: Final = "entries_seen"
-"""Which entries were looked at, by finding."""
+"""Which entries were looked at, by finding and its cases."""
 _NO_FRAME: Final = "entries_no_frame"
 NOUNS: Final = {
     "boxes": ("box", "boxes"),
@@ -75,6 +76,12 @@ def _name(finding: Finding) -> tuple[str, str, str]:
     return state.opened().dataset.fingerprint, finding.code, finding.subject
 
 
+def _key(finding: Finding, cases: Cases) -> tuple[str, ...]:
+    """Says which cases they are as well: thresholds, matching, X and Y change them."""
+    rows = np.ascontiguousarray(cases.rows, dtype=np.int64)
+    return *_name(finding), sha256(rows).hexdigest()[:12]
+
+
 def _toggle(name: tuple[str, str, str]) -> None:
     if st.session_state.get(_OPEN) == name:
         del st.session_state[_OPEN]
@@ -83,14 +90,15 @@ def _toggle(name: tuple[str, str, str]) -> None:
 
 
 def _draw_list(finding: Finding, cases: Cases) -> None:
-    table = _table(finding)
-    seen = st.session_state.get(_SEEN, {}).get(_name(finding), frozenset())
+    name = _key(finding, cases)
+    table = _table(finding, name)
+    seen = st.session_state.get(_SEEN, {}).get(name, frozenset())
     shown = table.head(MOST_ROWS)
     shown = shown.assign(seen=["✓" if row in seen else "" for row in range(len(shown))])
     st.caption("Click a row to see its frame on the Timeline; the browser's Back returns here.")
     if st.session_state.pop(_NO_FRAME, False):
         st.info("That frame is not evaluated: there is nothing to show.", icon=":material/info:")
-    key = f"entries_table_{finding.code}_{finding.subject}"
+    key = f"entries_table_{finding.code}_{finding.subject}_{name[-1]}"
     st.dataframe(
         shown,
         hide_index=True,
@@ -104,13 +112,13 @@ def _draw_list(finding: Finding, cases: Cases) -> None:
     )
     if note := rows_told(len(table), "first"):
         st.caption(note)
-    _draw_downloads(finding, cases)
+    _draw_downloads(finding, cases, table)
 
 
-def _table(finding: Finding) -> pd.DataFrame:
+def _table(finding: Finding, name: tuple[str, ...]) -> pd.DataFrame:
     dataset = state.opened().dataset
     table: pd.DataFrame = state.workspace().cached(
-        "finding_entries", _name(finding), lambda: finding_entries(dataset, [finding])
+        "finding_entries", name, lambda: finding_entries(dataset, [finding])
     )
     return table
 
@@ -121,7 +129,8 @@ def _go(key: str, finding: Finding, cases: Cases) -> None:
     if row is None:
         return
     seen = st.session_state.setdefault(_SEEN, {})
-    seen[_name(finding)] = seen.get(_name(finding), frozenset()) | {row}
+    name = _key(finding, cases)
+    seen[name] = seen.get(name, frozenset()) | {row}
     one = Cases(cases.table, np.asarray(cases.rows)[row : row + 1])
     frame_row = int(entry_frames(state.opened().dataset, one)[0])
     if frame_row == NO_ROW:
@@ -131,8 +140,8 @@ def _go(key: str, finding: Finding, cases: Cases) -> None:
     ask_for_page("timeline")
 
 
-def _draw_downloads(finding: Finding, cases: Cases) -> None:
-    dataset, table = state.opened().dataset, _table(finding)
+def _draw_downloads(finding: Finding, cases: Cases, table: pd.DataFrame) -> None:
+    dataset = state.opened().dataset
     stem = re.sub(r"[^\w.-]+", "_", f"{finding.code}-{finding.subject}")
     with st.container(horizontal=True):
         st.download_button(
