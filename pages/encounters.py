@@ -8,6 +8,7 @@ from nvcore.tables.result import encounters_table
 from ui.encounters import address, details, figures, filters, selection, table
 from ui.encounters.order import Order
 from ui.session import state
+from ui.session.chosen import choose_named, encounter_of, name_of
 from ui.shell.messages import draw_as_set_note, draw_warnings, needs_comparison
 from ui.shell.tab import back
 from ui.widgets.text import docs_link, plain
@@ -18,8 +19,8 @@ from ui.widgets.text import docs_link, plain
 def draw_filtered(result: Result) -> None:
     """What passes the filters; a filter that is moved redraws nothing but this."""
     encounters = encounters_table(result)
-    follow_link(encounters)
-    selection.go_along(result, encounters)
+    follow_link(result)
+    selection.go_along(result)
     chosen, matching = filters.draw(encounters)
     with st.container(key="encounters_review"):
         left, right = st.columns([5, 4], gap="medium")
@@ -33,17 +34,17 @@ def draw_filtered(result: Result) -> None:
             with left:
                 order = table.draw_order()
                 listed = order.sort(matching)
-                encounter = selection.shown(listed)
+                encounter = selection.shown(result, listed)
                 table.draw(listed, encounter)
                 table.draw_map(matching)
             with right:
                 details.draw(result, listed, encounter)
     if not matching.empty:
         figures.draw_classes(result, matching)
-    write_address(encounters, chosen, order)
+    write_address(result, matching, chosen, order)
 
 
-def follow_link(encounters: pd.DataFrame) -> None:
+def follow_link(result: Result) -> None:
     """Take filters, order and selection from the address that led here, or from another page."""
     link = back.page_link()
     if link is None:
@@ -54,9 +55,9 @@ def follow_link(encounters: pd.DataFrame) -> None:
     if choice.has_all_columns:
         st.session_state[table.ALL_COLUMNS] = True
     name = choice.encounter
-    if name is not None and address.encounter_of(encounters, name) is None:
+    if name is not None and encounter_of(result, name) is None:
         name, wrong = None, (*wrong, "there is no such encounter")
-    selection.take(name)
+    choose_named(name)
     if wrong:
         st.warning(
             f"The address could not be followed in all: {plain('; '.join(wrong))}.",
@@ -64,10 +65,12 @@ def follow_link(encounters: pd.DataFrame) -> None:
         )
 
 
-def write_address(encounters: pd.DataFrame, chosen: filters.Filters, order: Order) -> None:
+def write_address(
+    result: Result, matching: pd.DataFrame, chosen: filters.Filters, order: Order
+) -> None:
     """Keep the address in step with what is listed and selected."""
-    encounter = selection.selected(chosen.keep(encounters))
-    name = None if encounter is None else address.name_of(encounters, encounter)
+    encounter = selection.selected(result, matching)
+    name = None if encounter is None else name_of(result, encounter)
     choice = address.Choice(
         chosen,
         order,

@@ -7,11 +7,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final, TypeVar
 
-import pandas as pd
-
 from ui.encounters.filters import CATEGORIES, CLASSES, Filters
 from ui.encounters.order import Order, order_of
-from ui.session.address import MAX_DIGITS
 
 ENCOUNTER: Final = "encounter"
 ALL_COLUMNS: Final = "all"
@@ -92,23 +89,6 @@ def from_address(
         query.get(ENCOUNTER),
     )
     return choice, tuple(wrong)
-
-
-def name_of(encounters: pd.DataFrame, encounter: int) -> str:
-    """Name of an encounter in an address: its recording and its track."""
-    row = encounters.loc[encounter]
-    return f"{row['recording']}:{row['track']}"
-
-
-def encounter_of(encounters: pd.DataFrame, name: str) -> int | None:
-    """Row of the encounter of that name; None: there is none."""
-    recording, _, track = name.rpartition(":")
-    digits = track.removeprefix("-")
-    if not (digits.isascii() and digits.isdigit() and len(digits) <= MAX_DIGITS):
-        return None
-    is_it = (encounters["recording"] == recording) & (encounters["track"] == int(track))
-    rows = encounters.index[is_it.to_numpy()]
-    return int(rows[0]) if len(rows) else None
 
 
 def _joined(names: Sequence[str]) -> str:

@@ -11,9 +11,8 @@ import streamlit as st
 from nvcore.comparison import Result
 from nvcore.params.metadata import SEVERITY, THRESHOLD
 from nvcore.tables.moments import encounter_moments
-from ui.encounters.address import encounter_of
 from ui.session import state
-from ui.session.viewer_arguments import CHOSEN, choose_encounter, chosen_name
+from ui.session.chosen import choose_encounter, chosen_encounter
 
 _IS_NEW: Final = "encounters_just_chosen"
 _HAS_STEPPED: Final = "encounters_stepped"
@@ -33,22 +32,15 @@ def choose_clicked(encounter: int) -> None:
         choose(encounter)
 
 
-def take(name: str | None) -> None:
-    """Select the encounter of that name, as in an address; None: nothing."""
-    if name is None:
-        st.session_state.pop(CHOSEN, None)
-    else:
-        st.session_state[CHOSEN] = (state.opened().whole.fingerprint, name)
-
-
-def selected(encounters: pd.DataFrame) -> int | None:
+def selected(result: Result, encounters: pd.DataFrame) -> int | None:
     """The encounter that was selected, if it is among these."""
-    return encounter_of(encounters, chosen_name())
+    encounter = chosen_encounter(result)
+    return encounter if encounter in encounters.index else None
 
 
-def shown(listed: pd.DataFrame) -> int:
+def shown(result: Result, listed: pd.DataFrame) -> int:
     """The encounter that is shown: the one selected, or the first of the list."""
-    encounter = selected(listed)
+    encounter = selected(result, listed)
     return int(listed.index[0]) if encounter is None else encounter
 
 
@@ -67,9 +59,9 @@ def moments_of(result: Result) -> pd.DataFrame:
     )
 
 
-def go_along(result: Result, encounters: pd.DataFrame) -> None:
+def go_along(result: Result) -> None:
     """Let the current frame be that of an encounter that was selected just now."""
-    encounter = selected(encounters)
+    encounter = chosen_encounter(result)
     if st.session_state.pop(_IS_NEW, False) and encounter is not None:
         row = int(moments_of(result)["shown_row"].iloc[encounter])
         state.go_to(*state.place_of(row), writes=False)

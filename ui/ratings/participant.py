@@ -14,7 +14,7 @@ from nvcore.studies.ratings.store import MOST_NAME, RatingStore, Study
 from ui.ratings import links
 from ui.ratings.links import PARTICIPANT, STUDY
 from ui.session import state
-from ui.session.viewer_arguments import viewer_arguments
+from ui.session.drawing import viewer_arguments
 from ui.shell.navigate import open_page
 from ui.widgets.text import plain
 from ui.widgets.viewer import n_plays_in, viewer

@@ -15,7 +15,7 @@ from nvcore.params.metadata import Setting
 PLACE: Final = ("x", "y", "tags", "recording", "frame")
 """What an address says besides the parameters: systems and tags, if not as the app starts, and the
 frame."""
-MAX_DIGITS = 18
+MAX_DIGITS: Final = 18
 NO_VALUE = "none"
 """In place of the value of a parameter that may have none, and has a switch for it."""
 
@@ -36,13 +36,18 @@ def read_place(
         wrong.append("there is no such recording in what is open, the first one is shown")
     if frame is None or not len(numbers := frame_numbers(recording)):
         return (recording, 0), wrong
-    digits = frame.removeprefix("-")
-    if not (digits.isascii() and digits.isdigit() and len(digits) <= MAX_DIGITS):
+    if not is_whole_number(frame):
         return (recording, 0), [*wrong, "its frame is no number"]
     nearest = int(np.abs(numbers - int(frame)).argmin())
     if numbers[nearest] != int(frame):
         wrong.append("its frame is not an evaluated one, the nearest is shown")
     return (recording, nearest), wrong
+
+
+def is_whole_number(text: str) -> bool:
+    """Whether this is an integer in plain digits, of so few that every table can hold it."""
+    digits = text.removeprefix("-")
+    return digits.isascii() and digits.isdigit() and len(digits) <= MAX_DIGITS
 
 
 def read_systems(

@@ -1,12 +1,14 @@
-"""What pages draw of the open recordings: pictures, and what a miss would cost in them."""
+"""What pages draw of the open recordings: pictures, what a miss would cost, and their viewer."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Final
+from typing import Any, Final
 
+import numpy as np
 import streamlit as st
 
+from nvcore.comparison import Result
 from nvcore.metrics.cost_map import CostMap, map_cost
 from nvcore.params.metadata import COST
 from nvcore.pictures.recordings import STRETCH
@@ -39,3 +41,25 @@ def stretch() -> tuple[float, float]:
     lo, hi = st.session_state.get("stretch", STRETCH)
     lo = min(float(lo), 100 - LEAST_STRETCH)
     return lo, max(float(hi), lo + LEAST_STRETCH)
+
+
+def viewer_arguments(result: Result, recording: int) -> dict[str, Any]:
+    """The arguments of `viewer` that say which pictures, frames and boxes there are."""
+    space, frames = state.workspace(), result.dataset.frame_columns
+    in_recording = frames.rows_of(recording)
+    numbers = frames.frame[in_recording]
+    rows = space.picture_rows.get(recording)
+    return {
+        "token": space.token,
+        "recording": recording,
+        "n_rows": len(numbers),
+        "width": float(frames.width[recording]),
+        "height": float(frames.height[recording]),
+        "fps": float(frames.fps[recording]),
+        "frames": numbers,
+        "times_s": result.dataset.frames["time_s"].to_numpy()[in_recording],
+        "has_picture": np.zeros(len(numbers), dtype=bool) if rows is None else rows >= 0,
+        "version": space.version,
+        "picture_version": space.pictures_version,
+        "theme": state.theme(),
+    }

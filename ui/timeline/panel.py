@@ -21,7 +21,7 @@ from nvcore.tables.frame import (
 )
 from nvcore.wording import count_text
 from ui.session import drawing, state
-from ui.session.viewer_arguments import choose_encounter, chosen_encounter
+from ui.session.chosen import choose_encounter, chosen_encounter
 from ui.shell.navigate import open_page
 from ui.widgets.clicks import clicked_cell
 from ui.widgets.text import UNDEFINED, number, plain

@@ -14,7 +14,7 @@ from nvcore.figures.over_time.lanes import lane_order, lanes_figure
 from nvcore.figures.over_time.losses import loss_plot
 from nvcore.figures.over_time.similarity import TimeLayout, similarity_plot
 from ui.session import state
-from ui.session.viewer_arguments import choose_encounter, chosen_encounter
+from ui.session.chosen import choose_encounter, chosen_encounter
 from ui.shell import title
 from ui.timeline import panel, viewer
 from ui.widgets.charts import clicked_chart

@@ -11,8 +11,8 @@ from nvcore.comparison import Result
 from nvcore.tables.box_states import gather_boxes
 from nvcore.tables.moments import next_misses
 from ui.session import drawing, state
-from ui.session.drawing import cost_map_of
-from ui.session.viewer_arguments import choose_encounter, chosen_encounter, viewer_arguments
+from ui.session.chosen import choose_encounter, chosen_encounter
+from ui.session.drawing import cost_map_of, viewer_arguments
 from ui.widgets.viewer import settled_in, viewer
 
 HEIGHT_PX = 700

@@ -9,15 +9,14 @@ import pandas as pd
 import pytest
 from streamlit.testing.v1 import AppTest
 
-from nvcore.tables.result import encounters_table
 from pages import alone, begin_with, checked, press, session, texts
 from ui.encounters import details, figures, table
-from ui.encounters.address import Choice, encounter_of, from_address, name_of, to_address
+from ui.encounters.address import Choice, from_address, to_address
 from ui.encounters.filters import Filters
 from ui.encounters.order import Order
 from ui.encounters.picture import cut_out
 from ui.session import state
-from ui.session.viewer_arguments import CHOSEN
+from ui.session.chosen import CHOSEN, encounter_of, name_of
 from ui.session.workspace import Opened
 from ui.widgets import table_columns
 
@@ -41,8 +40,8 @@ def widget(page: AppTest, kind: str, label: str):
 
 def choose(page: AppTest, row: int) -> AppTest:
     space = page.session_state["workspace"]
-    name = name_of(encounters_table(space.result), row)
-    page.session_state[CHOSEN] = (space.opened.whole.fingerprint, name)
+    name = name_of(space.result, row)
+    page.session_state[CHOSEN] = (space.n_opened, name)
     return checked(page.run())
 
 
@@ -245,9 +244,19 @@ def tagged(page: AppTest, name: str) -> Opened:
 
 
 def test_an_encounter_is_named_by_its_recording_and_track():
-    encounters = pd.DataFrame({"recording": ["a", "a:b"], "track": [7, -1]}, index=[3, 5])
-    assert [encounter_of(encounters, name_of(encounters, row)) for row in (3, 5)] == [3, 5]
-    assert encounter_of(encounters, "a:8") is None
+    result = opened().session_state["workspace"].result
+    assert [encounter_of(result, name_of(result, row)) for row in (3, 45)] == [3, 45]
+    name = name_of(result, 3).rpartition(":")[0]
+    for other in (
+        "",
+        "7",
+        f"{name}:",
+        f"{name}:99",
+        f"{name}:1.0",
+        f"{name}:{'1' * 40}",
+        "other:1",
+    ):
+        assert encounter_of(result, other) is None
 
 
 def test_a_heading_sorts_and_the_selection_stays_with_its_pedestrian(monkeypatch):
@@ -264,7 +273,7 @@ def test_a_distant_encounter_has_dashes():
     assert "never came near enough" in texts(page)
     assert page.table[0].value["X"].tolist() == ["–"] * 7
     # one that was chosen in other data is forgotten: the first is shown
-    page.session_state[CHOSEN] = ("other data", "winter_frost:1")
+    page.session_state[CHOSEN] = (0, "winter_frost:1")
     assert "**1** of 46" in texts(checked(page.run()))
 
 

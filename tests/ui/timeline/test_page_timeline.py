@@ -5,12 +5,12 @@ from __future__ import annotations
 import json
 
 from pages import checked, opened, texts
-from ui.session.viewer_arguments import CHOSEN
+from ui.session.chosen import CHOSEN
 from ui.timeline import plots
 
 
 def choose(app, name):
-    app.session_state[CHOSEN] = (app.session_state["workspace"].opened.whole.fingerprint, name)
+    app.session_state[CHOSEN] = (app.session_state["workspace"].n_opened, name)
     return checked(app.run())
 
 

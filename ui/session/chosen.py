@@ -1,0 +1,57 @@
+"""Who is chosen, on whichever page: known by name, since rows depend on what is compared."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import streamlit as st
+
+from nvcore.comparison import Result
+from ui.session import state
+from ui.session.address import is_whole_number
+
+CHOSEN: Final = "encounters_chosen"
+"""Where the chosen encounter is kept: number of the opening, and the encounter's name in an
+address, "recording:track"."""
+
+
+def choose_encounter(result: Result, encounter: int) -> None:
+    """Make a row of ``result.encounters`` the chosen one of all pages; others are ignored."""
+    if 0 <= encounter < len(result.encounters):
+        choose_named(name_of(result, encounter))
+
+
+def choose_named(name: str | None) -> None:
+    """Make the encounter of that name the chosen one; None: nobody."""
+    if name is None:
+        st.session_state.pop(CHOSEN, None)
+    else:
+        st.session_state[CHOSEN] = (state.workspace().n_opened, name)
+
+
+def chosen_encounter(result: Result) -> int | None:
+    """Row of the chosen encounter; None where there is none in what is compared."""
+    name = _chosen_name()
+    return encounter_of(result, name) if name else None
+
+
+def name_of(result: Result, encounter: int) -> str:
+    """Name of an encounter in an address: its recording and its track."""
+    recording = result.dataset.recordings["name"].iloc[result.encounters.recording[encounter]]
+    return f"{recording}:{result.encounters.track[encounter]}"
+
+
+def encounter_of(result: Result, name: str) -> int | None:
+    """Row of the encounter of that name; None: there is none."""
+    recording, _, track = name.rpartition(":")
+    names = result.dataset.recordings["name"].tolist()
+    if recording not in names or not is_whole_number(track):
+        return None
+    encounters = result.encounters
+    is_it = (encounters.recording == names.index(recording)) & (encounters.track == int(track))
+    return int(is_it.argmax()) if is_it.any() else None
+
+
+def _chosen_name() -> str:
+    opening, name = st.session_state.get(CHOSEN, (None, ""))
+    return name if opening == state.workspace().n_opened else ""
