@@ -21,8 +21,8 @@ from nvcore.tables.frame import (
 )
 from nvcore.wording import count_text
 from ui.session import drawing, state
-from ui.session.chosen import choose_encounter, chosen_encounter
-from ui.shell.navigate import open_page
+from ui.session.chosen import choose_encounter, chosen_encounter, name_of
+from ui.shell.navigate import open_encounters
 from ui.widgets.clicks import clicked_cell
 from ui.widgets.text import UNDEFINED, number, plain
 
@@ -97,7 +97,7 @@ def _chosen(result: Result, row: int) -> None:
             where = plain(state.recording_names()[recording])
             st.markdown(f"**Pedestrian {track}** of {where} is chosen, and not in this frame.")
         if st.button("Open in Encounters", key="open_chosen", width="stretch"):
-            open_page("encounters")
+            open_encounters(encounter=name_of(result, encounter))
 
 
 def _choose(result: Result, tracks: list[int], row: int) -> None:
