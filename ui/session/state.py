@@ -364,7 +364,9 @@ def _follow_link() -> None:
         x, y = pair
         session, _ = with_systems(opened().session, opened().dataset, params(), x=x, y=y)
         compare_as(session)
-    tags, wrong_tags = address.read_tags(get("tags"), opened().whole.recordings["tags"])
+    every, only = opened().whole.recordings, opened().session.only
+    listed = every[every["name"].isin(only)] if only else every
+    tags, wrong_tags = address.read_tags(get("tags"), listed["tags"])
     if tags is not None and tags != opened().session.only_tags:
         compare_as(replace(opened().session, only_tags=tags))
     place, wrong = read_place(get("recording"), get("frame"), recording_names(), frame_numbers)

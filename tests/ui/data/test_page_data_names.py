@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pandas as pd
@@ -12,7 +13,7 @@ from streamlit.testing.v1 import AppTest
 
 from nvcore.errors import InputError
 from nvcore.inputs.session import RecordingEntry
-from pages import alone, checked, scripted, texts
+from pages import alone, begin_with, checked, scripted, session, texts
 from ui.data.recordings.edited import changes_in, filled
 from ui.session import state
 
@@ -170,6 +171,18 @@ def test_an_address_with_tags_shows_these_recordings():
     space = space_of(page)
     assert space.opened.dataset.recordings["name"].tolist() == ["rural_road", "rural_cyclist"]
     assert page.session_state["place"] == (1, 0)
+
+
+def test_an_address_with_tags_of_a_recording_that_is_not_compared_says_so(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    of_both = session(tmp_path, "fir.csv", "nir.csv")
+    entries = (RecordingEntry("urban", tags=("day",)), RecordingEntry("rural", tags=("night",)))
+    begin_with(replace(of_both, recordings=entries, only=("urban",)), monkeypatch)
+    words = f"{PAGE}\nst = __import__('streamlit')\nst.caption(state.bad_link())"
+    page = checked(scripted(words, tags="night").run())
+    assert "no recording has its tags" in texts(page)
+    assert space_of(page).opened.dataset.recordings["name"].tolist() == ["urban"]
 
 
 def test_an_address_with_unknown_tags_says_so():
