@@ -54,11 +54,13 @@ def choose_tags(tags: Sequence[str]) -> None:
     InputError
         If no recording has them.
     """
-    name, numbers = state.recording_names()[state.recording()], state.frame_numbers
-    frame = numbers(state.recording())[state.row()]
+    name, of_recording = state.recording_names()[state.recording()], state.frame_numbers
+    numbers = of_recording(state.recording())
+    frame = str(numbers[state.row()]) if len(numbers) else None
     state.compare_as(replace(state.opened().session, only_tags=tuple(tags)))
-    (recording, row), _ = read_place(name, str(frame), state.recording_names(), numbers)
-    state.go_to(recording, row)
+    names = state.recording_names()
+    place, _ = read_place(name, frame if name in names else None, names, of_recording)
+    state.go_to(*place)
 
 
 def _choose() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pytest
 import streamlit as st
@@ -157,6 +158,28 @@ def test_a_tag_chosen_in_the_sidebar_holds_for_what_is_compared():
     assert len(space_of(page).opened.dataset.recordings) == 10
     assert "tags" not in page.query_params
     assert space_of(page).opened is state.shared_start().opened
+
+
+def test_the_frame_stays_with_its_recording_alone():
+    page = checked(scripted(FILTERED).run())
+    names = space_of(page).opened.dataset.recordings["name"].tolist()
+    page.session_state["place"] = (names.index("rural_child"), 7)
+    page = checked(page.multiselect(key="tags_chosen").set_value(["rural"]).run())
+    assert page.session_state["place"] == (1, 7)
+    page.session_state["place"] = (1, 7)
+    page = checked(page.multiselect(key="tags_chosen").set_value(["winter"]).run())
+    assert "rural_child" not in space_of(page).opened.dataset.recordings["name"].tolist()
+    assert page.session_state["place"] == (0, 0)
+
+
+def test_tags_are_chosen_where_the_recording_has_no_evaluated_frame(
+    monkeypatch: pytest.MonkeyPatch,
+):
+    page = checked(scripted(FILTERED).run())
+    monkeypatch.setattr(state, "frame_numbers", lambda _: np.empty(0, dtype=int))
+    page = checked(page.multiselect(key="tags_chosen").set_value(["rural"]).run())
+    assert len(space_of(page).opened.dataset.recordings) == 3
+    assert page.session_state["place"] == (0, 0)
 
 
 def test_tags_that_no_recording_has_together_are_refused():
