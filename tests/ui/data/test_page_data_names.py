@@ -117,8 +117,17 @@ def test_an_impossible_change_is_said_and_changes_nothing(monkeypatch: pytest.Mo
 
 def test_a_table_of_strangers_is_refused_at_its_field():
     page = opened()
-    send(page, "recordings_csv", ("r.csv", b"recording,width\nnowhere,3\n"))
+    send(page, "recordings_csv_1_0", ("r.csv", b"recording,width\nnowhere,3\n"))
     assert "there is no recording 'nowhere'" in texts(checked(page.run()))
+
+
+def test_a_table_with_titles_is_applied_once():
+    page = opened()
+    send(page, "recordings_csv_1_0", ("r.csv", b"recording,title\nurban_crossing,Crossing\n"))
+    page = press_labelled(checked(page.run()), "Apply to the recordings")
+    assert "are used from now on" in texts(page)
+    assert [error.value for error in page.error] == []
+    assert space_of(page).opened.dataset.recordings["name"][0] == "Crossing"
 
 
 def test_the_systems_are_called_otherwise_and_keep_their_result():

@@ -53,15 +53,16 @@ def draw(choices: Mapping[str, str | None], labels: Mapping[str, str]) -> None:
         "Names, sizes, frame rates, traffic, tags and pictures. Sizes and rates that the files "
         "state need no change. The names are used on every page, in links and in exports."
     )
+    version = f"{state.workspace().n_opened}_{n_changes()}"
     file = st.file_uploader(
         "Fill the table from a CSV file",
-        key="recordings_csv",
+        key=f"recordings_csv_{version}",  # what was applied is not filled in again
         type=["csv", "tsv", "txt"],
         help="Columns recording, width, height, fps, context, tags, title; all but the first may "
         "be missing. Nothing changes until the table is applied.",
     )
     shown = before if file is None else _filled(before, file)
-    key = f"recordings_editor_{state.workspace().n_opened}_{n_changes()}"
+    key = f"recordings_editor_{version}"
     with st.form(f"{key}_form", border=False):
         after = st.data_editor(
             shown,
