@@ -262,12 +262,23 @@ def test_the_costs_by_place_are_drawn_once_unfolded_and_say_what_they_follow_fro
 
 def test_a_slider_in_motion_acts_for_its_run_and_keeps_its_own_value():
     page = app(alpha="0.4")
-    page.session_state["dragging_moved"] = ("alpha", 0.75)
+    page.session_state["dragging_moved"] = ("alpha", 0.75, 0.4)
     checked(page.run())
     assert live(page).alpha == 0.75
     assert page.slider(key="alpha").value == 0.4
     checked(page.run())  # whatever else causes a run: the slider's value holds
     assert live(page).alpha == 0.4
+
+
+def test_a_slider_that_was_let_go_has_its_own_value_though_another_was_on_its_way(
+    monkeypatch: pytest.MonkeyPatch,
+):
+    monkeypatch.setattr(st, "session_state", {"alpha": 0.4})
+    dragging.note({"name": "alpha", "value": 0.75, "id": 1})
+    st.session_state["alpha"] = 0.8  # the release cuts off the run that would have taken it
+    assert dragging.take_moved() == {}
+    dragging.note({"name": "alpha", "value": 0.75, "id": 2})
+    assert dragging.take_moved() == {"alpha": 0.75}
 
 
 @pytest.mark.parametrize(

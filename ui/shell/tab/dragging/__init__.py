@@ -51,10 +51,13 @@ def note(drag: Any) -> None:
         SETTINGS[name].check(name, float(value))
     except ParameterError:
         return
-    st.session_state[_MOVED] = (name, float(value))
+    st.session_state[_MOVED] = (name, float(value), st.session_state.get(name))
 
 
 def take_moved() -> dict[str, float]:
-    """The parameter whose slider is being dragged and its value, once for a run; else nothing."""
-    moved = st.session_state.pop(_MOVED, None)
-    return {} if moved is None else {moved[0]: moved[1]}
+    """The parameter whose slider is being dragged and its value, once for a run; else nothing.
+
+    Nothing too where the slider has another value of its own by now: it was let go.
+    """
+    name, value, own = st.session_state.pop(_MOVED, ("", 0.0, None))
+    return {name: value} if name and st.session_state.get(name) == own else {}

@@ -5,6 +5,7 @@ const SLIDER = '[data-testid="stSidebar"] [data-testid="stSlider"]';
 const MOST_WAIT_MS = 5000; // for an answer that was lost
 
 const drag = { field: null, name: "", start: "", sent: "", id: 0, sentAt: 0, isAnswered: true };
+let released = null; // where a slider was let go while a value was on its way
 let names = [];
 let send = () => {};
 
@@ -37,19 +38,28 @@ function begin(event) {
   const field = slider?.querySelector('input[type="range"]');
   const name = field && !field.disabled ? nameOf(slider) : "";
   if (!name || event.button !== 0) return;
+  released = null;
   Object.assign(drag, { field, name, start: field.value, sent: field.value });
   requestAnimationFrame(watch);
 }
 
-// What is let go is told by Streamlit, unless it ends where it began and so is no change.
+function sendLast(value) {
+  drag.id += 1;
+  send({ name: drag.name, value: Number(value), id: drag.id });
+}
+
+// What is let go is told by Streamlit, unless it ends where it began and so is no change. A value
+// that is on its way then may arrive with it and hold in its place: the last one follows that.
 function end() {
   const { field, start, sent } = drag;
   if (!field) return;
   requestAnimationFrame(() => {
     drag.field = null;
-    if (field.value !== start || sent === start) return;
-    drag.id += 1;
-    send({ name: drag.name, value: Number(start), id: drag.id });
+    if (field.value === start) {
+      if (sent !== start) sendLast(start);
+    } else if (!drag.isAnswered && field.value !== sent) {
+      released = field.value;
+    }
   });
 }
 
@@ -57,6 +67,10 @@ export default function ({ data, setTriggerValue }) {
   names = data.names;
   send = (value) => setTriggerValue("drag", value);
   if (data.answered >= drag.id) drag.isAnswered = true;
+  if (drag.isAnswered && released !== null) {
+    sendLast(released);
+    released = null;
+  }
   if (window.nvcoreDragging) return;
   window.nvcoreDragging = true;
   document.addEventListener("pointerdown", begin, { capture: true });
