@@ -6,19 +6,25 @@ from nvcore.comparison import Result
 from nvcore.report.equal_alarms import equal_alarms_of
 from ui.overview import companions, evidence, moments, plan, scorecard, strip, venn, verdict
 from ui.session import state
-from ui.session.evidence import measure_evidence
+from ui.session.evidence import known_evidence, measure_evidence
 from ui.shell.messages import needs_comparison
 
 
 @needs_comparison
 def draw(result: Result) -> None:
     """The verdict, then what it rests on."""
-    room = verdict.Room(result)  # the words come last: they wait for the audit
-    room.draw_values()
+    room = verdict.Room(result)
+    before, known = known_evidence(result), companions.known_companions(result)
+    findings = state.known_findings()
+    is_drawn = False
+    if before is not None and known is not None and findings is not None:
+        room.draw(findings, before, known, plan.known_sentence(result))
+        is_drawn = True
+    else:  # the words come last: they wait for the audit
+        room.draw_known(before, known)
     left, right = st.columns([1.15, 1], gap="large")
     with left:
-        known = companions.known_companions(result)
-        table = scorecard.scorecard(result, known)
+        table = scorecard.scorecard(result, before, known)
     with right:
         venn.draw(result)
     strip.draw(result)
@@ -26,7 +32,7 @@ def draw(result: Result) -> None:
     scorecard.by_recording(result)
     moments.worst_windows(result)
     measured = measure_evidence(result)
-    if table is not None:
+    if table is not None and before is None:
         table.draw(measured)
     evidence.draw(result, measured)
     with room.headline:
@@ -34,7 +40,8 @@ def draw(result: Result) -> None:
     if known is None and equal_alarms_of(result, of_both) is not None:
         st.rerun()  # the scorecard, which is above, shows it
     plan.draw(result, measured, of_both)
-    room.draw(state.findings(), measured, of_both, plan.known_sentence(result))
+    if not is_drawn:
+        room.draw(state.findings(), measured, of_both, plan.known_sentence(result))
 
 
 st.title("Overview")

@@ -36,10 +36,10 @@ BASES: Final = {Basis.AS_SET: "As set", Basis.EQUAL_ALARMS: "At equal false alar
 class Scorecard:
     """The table, drawn at once, and again with fewer decimals when the intervals are known."""
 
-    def __init__(self, result: Result) -> None:
+    def __init__(self, result: Result, evidence: pd.DataFrame | None) -> None:
         self._result = result
         self._place = st.empty()
-        self.draw(None)
+        self.draw(evidence)
 
     def draw(self, evidence: pd.DataFrame | None) -> None:
         """The table; with evidence, without the decimals that the intervals do not leave."""
@@ -57,14 +57,16 @@ def _widths(evidence: pd.DataFrame) -> dict[str, float]:
     return dict(zip(evidence["figure"], widths, strict=True))
 
 
-def scorecard(result: Result, companions: Companions | None) -> Scorecard | None:
+def scorecard(
+    result: Result, evidence: pd.DataFrame | None, companions: Companions | None
+) -> Scorecard | None:
     """Every measure of X beside that of Y, the difference, and which way is better.
 
     At unequal operating points as set, and where the verdict is about another comparison, of that.
 
     Parameters
     ----------
-    companions
+    evidence, companions
         Of the comparison; None: not known yet, or not needed.
 
     Returns
@@ -75,7 +77,7 @@ def scorecard(result: Result, companions: Companions | None) -> Scorecard | None
     equal = equal_alarms_of(result, companions)
     if equal is None:
         draw_as_set_note(result)
-        return _draw_scorecard(result)
+        return _draw_scorecard(result, evidence)
     assert companions is not None
     basis = choose_side_by_side(
         "What is compared",
@@ -86,7 +88,7 @@ def scorecard(result: Result, companions: Companions | None) -> Scorecard | None
     )
     if basis is Basis.AS_SET:
         draw_as_set_note(result)
-        return _draw_scorecard(result)
+        return _draw_scorecard(result, evidence)
     text, button = st.columns([3, 2], vertical_alignment="center")
     text.markdown(plain(f"{equal_alarms_title(companions)}, as in the verdict."))
     moved = companions.moved
@@ -98,7 +100,7 @@ def scorecard(result: Result, companions: Companions | None) -> Scorecard | None
         width="stretch",
         help="The whole page, and every other, is then at equal false alarms.",
     )
-    _draw_scorecard(equal)
+    _draw_scorecard(equal, None)
     st.caption(
         plain(
             f"Encounters detected by: {detected_text(equal)}. Severity, of encounters detected by "
@@ -108,8 +110,8 @@ def scorecard(result: Result, companions: Companions | None) -> Scorecard | None
     return None
 
 
-def _draw_scorecard(result: Result) -> Scorecard:
-    table = Scorecard(result)
+def _draw_scorecard(result: Result, evidence: pd.DataFrame | None) -> Scorecard:
+    table = Scorecard(result, evidence)
     little = f" {SHORT_ROWS}." if result.is_short else ""
     st.caption(
         "↑ higher is better, ↓ lower is better; the better value has a dot, which says nothing of "

@@ -26,7 +26,7 @@ LAST: Final = "last_verdict"
 
 
 class Room:
-    """The box of the verdict: the values at once, the rest when it is known; nothing moves then."""
+    """The box of the verdict: what is known at once, the rest later; nothing moves then."""
 
     def __init__(self, result: Result) -> None:
         self._result = result
@@ -36,20 +36,21 @@ class Room:
             self._tiles = st.container(key="verdict_tiles").empty()
             self._basis = st.container(key="verdict_basis").empty()
             self._rest = st.expander("What this rests on")
-        opening, last = st.session_state.get(LAST, (None, ""))
-        is_of_these = opening == self._opening()
-        words = last if is_of_these else "The differences are being tested."
-        self._words.markdown(f"## :gray[{words}]")
-        self._basis.caption(_short_extent(result, None))
 
     def _opening(self) -> tuple[object, ...]:
         """What the last headline was about; it stays, in grey, until that of other settings."""
         return state.workspace().n_opened, self._result.x.name, self._result.y.name
 
-    def draw_values(
-        self, evidence: pd.DataFrame | None = None, companions: Companions | None = None
-    ) -> None:
-        """The tiles with what is known so far."""
+    def draw_known(self, evidence: pd.DataFrame | None, companions: Companions | None) -> None:
+        """The tiles with what is known so far, and the last headline until there is a new one."""
+        opening, last = st.session_state.get(LAST, (None, ""))
+        is_of_these = opening == self._opening()
+        words = last if is_of_these else "The differences are being tested."
+        self._words.markdown(f"## :gray[{words}]")
+        self._basis.caption(_short_extent(self._result, companions))
+        self._draw_tiles(evidence, companions)
+
+    def _draw_tiles(self, evidence: pd.DataFrame | None, companions: Companions | None) -> None:
         four = tiles(self._result, evidence, companions, untested="being tested")
         self._tiles.html(tiles_html(four))
 
@@ -66,7 +67,7 @@ class Room:
         words = plain(conclusion.headline)
         self._words.markdown(f"## {words}")
         st.session_state[LAST] = self._opening(), words
-        self.draw_values(evidence, companions)
+        self._draw_tiles(evidence, companions)
         if conclusion.caveat:
             with self._basis.container(horizontal=True, vertical_alignment="center"):
                 st.markdown(f":material/warning: {plain(conclusion.caveat)}", width="stretch")

@@ -30,6 +30,12 @@ def measure_evidence(result: Result) -> pd.DataFrame:
     return evidence_kept_by(state.cached, result, state.protocol())
 
 
+def known_evidence(result: Result) -> pd.DataFrame | None:
+    """The same, if it is known already."""
+    known: pd.DataFrame | None = state.workspace().peek("evidence", comparison_key(result))
+    return known
+
+
 def evidence_kept_by(cached: Cached, result: Result, protocol: Protocol) -> pd.DataFrame:
     """The same, kept as `cached` keeps values: `state.cached`, or of what all visitors share."""
 

@@ -218,9 +218,18 @@ def of_boxes(settings: Params) -> Params:
 
 def findings() -> tuple[Finding, ...]:
     """What the audit found in the open inputs, worst first."""
-    x, y = systems()
-    relevant = params().only_for(THRESHOLD, MATCH, PROXIMITY)
-    return cached("findings", (relevant, x, y), lambda: _audit(relevant, x, y))
+    relevant, x, y = key = _findings_key()
+    return cached("findings", key, lambda: _audit(relevant, x, y))
+
+
+def known_findings() -> tuple[Finding, ...] | None:
+    """The same, if they are known already."""
+    known: tuple[Finding, ...] | None = workspace().peek("findings", _findings_key())
+    return known
+
+
+def _findings_key() -> tuple[Params, str, str | None]:
+    return (params().only_for(THRESHOLD, MATCH, PROXIMITY), *systems())
 
 
 def _audit(settings: Params, x: str, y: str | None) -> tuple[Finding, ...]:

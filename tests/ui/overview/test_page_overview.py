@@ -14,6 +14,7 @@ from ui.overview import companions, venn
 from ui.overview import evidence as evidence_page
 from ui.overview import verdict as verdict_page
 from ui.overview.moments import window_row
+from ui.overview.scorecard import Scorecard
 from ui.session import evidence as overview_evidence
 
 
@@ -69,6 +70,18 @@ def test_the_verdict_that_was_shown_stays_in_grey_until_the_next(
     app.slider(key="alpha").set_value(0.5).run()
     assert app.markdown[0].value == f"## :gray[{shown}]"
     assert tiles(app).count(">being tested<") == 3
+
+
+def test_what_is_known_is_drawn_once_and_not_first_as_unknown(
+    app: AppTest, monkeypatch: pytest.MonkeyPatch
+):
+    drawn: list[bool] = []
+    monkeypatch.setattr(Scorecard, "draw", lambda _, evidence: drawn.append(evidence is not None))
+    monkeypatch.setattr(verdict_page.Room, "draw_known", lambda *_: drawn.append(False))
+    checked(app.run())
+    assert drawn == [True]
+    assert app.markdown[0].value.startswith("## Nothing is claimed")
+    assert tiles(app).count(">not shown<") == 3
 
 
 @pytest.mark.parametrize(("x", "y"), [("FIR", "NIR"), ("NIR", "FIR")])
