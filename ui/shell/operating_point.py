@@ -16,7 +16,7 @@ from nvcore.detection.operating_point import (
     threshold_with_alarms,
 )
 from nvcore.params import Params
-from nvcore.params.metadata import MATCH
+from nvcore.params.metadata import MATCH, THRESHOLD
 from nvcore.wording import number
 from ui.session import state
 from ui.widgets.text import plain
@@ -48,11 +48,16 @@ class Move:
 
 def points(result: Result) -> tuple[OperatingPoint, OperatingPoint]:
     """What the thresholds in use leave of X and of Y."""
-    x, y = (
-        point_of_matches(result.dataset, system.matches, system.threshold)
-        for _, system in result.sides
-    )
-    return x, y
+
+    def make() -> tuple[OperatingPoint, OperatingPoint]:
+        x, y = (
+            point_of_matches(result.dataset, system.matches, system.threshold)
+            for _, system in result.sides
+        )
+        return x, y
+
+    key = (result.params.only_for(MATCH, THRESHOLD), result.x.name, result.y.name)
+    return state.cached("operating_points", key, make)
 
 
 def why_fixed(letter: str) -> str:
@@ -73,10 +78,10 @@ def move(letter: str) -> None:
         _move_to(result, letter, target)
 
 
-def move_both() -> None:
-    """Give both as many false alarms as the field says. For callbacks."""
+def move_both(field: str) -> None:
+    """Give both as many false alarms as the field of this key says. For callbacks."""
     result = state.result()
-    rate: float | None = st.session_state.get(RATE)
+    rate: float | None = st.session_state.get(field)
     if result is not None and rate is not None and not (why_fixed("x") or why_fixed("y")):
         _move_to(result, "xy", alarms_at_rate(result.dataset, rate))
 
@@ -134,14 +139,22 @@ def _draw_both(lower: float) -> None:
         why = "Without frames there are no false alarms an hour."
     with st.popover("Both to", disabled=bool(why), help=why or None, key="point_both"):
         if not why:
+            start = round(lower)
+            key = f"{RATE}_{start}"  # of another comparison it begins anew
             st.number_input(
                 "False alarms an hour, of X and of Y",
                 min_value=0.0,
-                value=float(round(lower)),
+                value=float(start),
                 format="%.0f",
-                key=RATE,
+                key=key,
             )
-            st.button("Set both thresholds", key="point_set", type="primary", on_click=move_both)
+            st.button(
+                "Set both thresholds",
+                key="point_set",
+                type="primary",
+                on_click=move_both,
+                args=(key,),
+            )
 
 
 def draw_change(place: str) -> None:

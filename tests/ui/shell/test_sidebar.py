@@ -6,11 +6,13 @@ from pathlib import Path
 
 import pytest
 from streamlit.testing.v1 import AppTest
+from streamlit.testing.v1.element_tree import NumberInput
 
 from nvcore.detection.operating_point import threshold_with_alarms
 from nvcore.params.metadata import RESULTS
 from pages import FRAMES, begin_with, checked, opened, press, rows, texts, write
 from ui.shell import pages
+from ui.shell.operating_point import RATE, points
 
 QUICK = "metrics"
 """The page that is quickly drawn."""
@@ -89,10 +91,15 @@ def test_where_no_threshold_comes_nearer_it_says_so():
     assert "X stays at the threshold 0.5" in texts(page)
 
 
+def rate_field(page: AppTest) -> NumberInput:
+    """The field for the false alarms an hour of both."""
+    return next(field for field in page.number_input if field.key.startswith(RATE))
+
+
 @pytest.mark.usefixtures("every_setting_acts")
 def test_both_get_as_many_false_alarms_as_are_asked_for_until_a_threshold_moves_again():
     page = checked(opened(QUICK))
-    page.number_input(key="point_rate").set_value(600.0)
+    rate_field(page).set_value(600.0)
     press(page, "point_set")
     result = page.session_state["workspace"].result
     hours = result.dataset.frame_columns.duration_s / 3600
@@ -102,6 +109,18 @@ def test_both_get_as_many_false_alarms_as_are_asked_for_until_a_threshold_moves_
     assert "Y: threshold 0.5 →" in texts(page)
     checked(page.slider(key="threshold_x").set_value(0.9).run())
     assert "→" not in texts(page)  # it no longer says what is in use
+
+
+@pytest.mark.usefixtures("every_setting_acts")
+def test_the_rate_for_both_begins_with_the_lower_one_of_each_comparison():
+    page = checked(opened(QUICK))
+    starts = {rate_field(page).value}
+    rate_field(page).set_value(600.0)
+    checked(page.slider(key="threshold_x").set_value(0.9).run())
+    result = page.session_state["workspace"].result
+    lower = min(point.false_alarms_per_hour for point in points(result))
+    assert rate_field(page).value == round(lower)
+    assert rate_field(page).value not in starts | {600.0}
 
 
 @pytest.mark.usefixtures("every_setting_acts")
