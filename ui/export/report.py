@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
 from typing import Final
 
 import streamlit as st
@@ -24,7 +25,7 @@ from ui.export.session import (
 )
 from ui.session import state
 from ui.session.opening import live_session
-from ui.shell.messages import shown_root, without_paths
+from ui.shell.messages import path_remover, shown_root
 from ui.widgets.text import UNDEFINED, docs_link, plain
 
 CONTENTS: Final = {
@@ -70,7 +71,13 @@ class _Report:
 
 def draw(result: Result) -> None:
     """Downloads of everything, of single files, and what their columns mean."""
-    report, result = _report(result), with_public_names(result, without_paths)
+    remove_paths = path_remover()
+    report = _report(result, remove_paths)
+
+    @cache
+    def public() -> Result:  # when a file is made, not in each run
+        return with_public_names(result, remove_paths)
+
     st.header("Report")
     st.markdown(
         "The files that `nvcore compare --out` writes, with the parameters in the sidebar. "
@@ -78,7 +85,7 @@ def draw(result: Result) -> None:
     )
     st.download_button(
         "All files (ZIP)",
-        lambda: report_zip(result, report.session, report.findings),
+        lambda: report_zip(public(), report.session, report.findings),
         "nvcore-report.zip",
         "application/zip",
         on_click="ignore",
@@ -86,14 +93,14 @@ def draw(result: Result) -> None:
         icon=":material/folder_zip:",
         key="export_zip",
     )
-    _draw_files(result, report)
+    _draw_files(result, report, public)
     st.markdown(TERMS)
     with st.expander("What the columns mean"):
         _draw_columns()
     _draw_session_note(report.session)
 
 
-def _report(result: Result) -> _Report:
+def _report(result: Result, remove_paths: Callable[[object], str]) -> _Report:
     x, y = state.systems()
     session = live_session(state.opened().session, result.dataset, result.params, x=x, y=y)
     is_upload = session.folder.is_relative_to(state.workspace().folder)
@@ -103,10 +110,10 @@ def _report(result: Result) -> _Report:
         recordings=names_in_files(session, state.opened().whole),
         root=shown_root(),
     )
-    return _Report(portable, public_findings(state.findings(), without_paths))
+    return _Report(portable, public_findings(state.findings(), remove_paths))
 
 
-def _draw_files(result: Result, report: _Report) -> None:
+def _draw_files(result: Result, report: _Report, public: Callable[[], Result]) -> None:
     counts = {
         "frames.csv": len(result.dataset.frames),
         "encounters.csv": len(result.encounters),
@@ -116,10 +123,19 @@ def _draw_files(result: Result, report: _Report) -> None:
         "findings.csv": len(report.findings),
         MATCHES: len(result.dataset.boxes),
     }
-    files = export_files(result, report.session, report.findings)
+
+    @cache
+    def files() -> dict[str, Callable[[], bytes]]:
+        return export_files(public(), report.session, report.findings)
+
+    def content(name: str) -> bytes:
+        return files()[name]()
+
+    names = export_files(result, report.session, report.findings)
+    makers: dict[str, Callable[[], bytes]] = {name: partial(content, name) for name in names}
     if counts[MATCHES] <= MOST_BOXES:
-        files[MATCHES] = partial(matches_parquet, result)
-    for name, make in files.items():
+        makers[MATCHES] = lambda: matches_parquet(public())
+    for name, make in makers.items():
         button, text = st.columns([1, 4], vertical_alignment="center")
         button.download_button(
             name,

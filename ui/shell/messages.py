@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
-from functools import wraps
+from functools import partial, wraps
 from pathlib import Path
 
 import streamlit as st
@@ -70,7 +70,12 @@ def _one_system_only() -> None:
 
 def without_paths(text: object) -> str:
     """The text without the paths of the machine; not yet plain."""
-    return public_text(text, _folders())
+    return path_remover()(text)
+
+
+def path_remover() -> Callable[[object], str]:
+    """`without_paths` for many texts, and for later, outside the run of a page."""
+    return partial(public_text, folders=_folders())
 
 
 def shown_error(error: BaseException) -> str:

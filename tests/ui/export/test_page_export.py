@@ -25,6 +25,7 @@ from pages import TIMEOUT_S, checked, press, texts, to_page
 from pages import opened as app_opened
 from ui.export.frame import file_stem, nearest_row
 from ui.export.link import link
+from ui.export.session import with_public_names
 from ui.export.video import JOB, LONGEST_S, Interval, chosen_interval, start_job, why_not
 from ui.jobs.background import FileJob, JobState, new_path, while_open
 
@@ -46,6 +47,30 @@ def test_the_reports_files_are_told_and_can_be_downloaded():
     assert "boxes of truth, X and Y: whom each matches" in texts(page)
     checked(page.button_group(key="export_columns").set_value("matches.parquet").run())
     assert "`iou_x`, `iou_y` | 0 to 1" in texts(page)
+
+
+def test_files_are_named_without_folders_when_they_are_made_and_not_in_each_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    made: list[Callable[[], bytes]] = []
+
+    def noted(_: object, label: str, data: Callable[[], bytes], *_args: object, **_more: object):
+        if label == "summary.json":
+            made.append(data)
+
+    renamed: list[Result] = []
+
+    def renamed_by(result: Result, public: Callable[[object], str]) -> Result:
+        renamed.append(with_public_names(result, public))
+        return renamed[-1]
+
+    monkeypatch.setattr("streamlit.delta_generator.DeltaGenerator.download_button", noted)
+    monkeypatch.setattr("ui.export.report.with_public_names", renamed_by)
+    opened_drive(tmp_path)
+    assert not renamed
+    assert str(tmp_path) not in made[-1]().decode()  # no page is drawn any more
+    (named,) = renamed
+    assert set(named.dataset.inputs["file"]) == {"truth.csv", "fir.csv", "nir.csv"}
 
 
 def test_with_one_system_the_page_says_what_to_do(tmp_path: Path):

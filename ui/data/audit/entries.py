@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from functools import partial
 from hashlib import sha256
 from typing import Final
@@ -15,7 +16,7 @@ from nvcore.findings import Cases, Finding
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.tables.inputs import NO_ROW, entries_as_cvat, entry_frames, finding_entries
 from ui.session import state
-from ui.shell.messages import without_paths
+from ui.shell.messages import path_remover
 from ui.shell.navigate import ask_for_page
 from ui.widgets.clicks import clicked_row
 from ui.widgets.table_columns import MOST_ROWS, rows_told, table_height
@@ -146,7 +147,7 @@ def _draw_downloads(finding: Finding, cases: Cases, table: pd.DataFrame) -> None
     with st.container(horizontal=True):
         st.download_button(
             "List (CSV)",
-            lambda: to_csv_bytes(table.assign(file=table["file"].map(without_paths, "ignore"))),
+            partial(_list_csv, table, path_remover()),
             f"{stem}.csv",
             "text/csv",
             on_click="ignore",
@@ -165,3 +166,8 @@ def _draw_downloads(finding: Finding, cases: Cases, table: pd.DataFrame) -> None
                 help="CVAT for images XML 1.1: these frames, with the boxes to look at under the "
                 f"label {finding.code}. Pictures are called recording/000012.png.",
             )
+
+
+def _list_csv(table: pd.DataFrame, remove_paths: Callable[[object], str]) -> bytes:
+    names = {file: remove_paths(file) for file in table["file"].dropna().unique()}
+    return to_csv_bytes(table.assign(file=table["file"].map(names)))
