@@ -47,6 +47,17 @@ def difference(x: float, y: float, form: str) -> str:
     return format(float(shown_x - shown_y), "+z" + form.replace("%", "f")) + unit
 
 
+def minus(text: str) -> str:
+    """A number as text, or some, with the sign that is as wide as a plus.
+
+    Examples
+    --------
+    >>> minus("-0.2 to +0.1")
+    '−0.2 to +0.1'
+    """
+    return text.replace("-", "−")
+
+
 def rounded_form(form: str, width: float) -> str:
     """The format with no more decimals than an interval of this width leaves: two of its half.
 

@@ -19,7 +19,7 @@ from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.evidence.units import BLOCKS
 from nvcore.figures.forest import forest_in_words, subgroup_forest
 from nvcore.measures import EVIDENCE_KEYS, evidence_form, inference_of
-from nvcore.wording import capitalised, difference, interval_text, number
+from nvcore.wording import capitalised, difference, interval_text, minus, number
 from ui.session import state
 from ui.shell.messages import draw_as_set_note
 from ui.widgets.charts import draw_chart
@@ -136,7 +136,7 @@ def shown_evidence(
         rows.append(
             MeasureRow(
                 label=with_arrow(row["label"], row["better"]),
-                cells=tuple(cell.replace("-", "−") for cell in cells),
+                cells=tuple(minus(cell) for cell in cells),
                 marks=" ".join(marks[note] for note in notes),
             )
         )

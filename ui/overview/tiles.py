@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from html import escape
 
 from nvcore.report.tiles import Tile
+from nvcore.wording import minus
 
 
 def tiles_html(tiles: Sequence[Tile]) -> str:
@@ -19,13 +20,13 @@ def _tile(tile: Tile) -> str:
         f"<i>{letter.upper()}</i>{escape(value)}</span>"
         for letter, value in (("x", tile.x), ("y", tile.y))
     )
-    interval = f"95 % interval {_minus(tile.interval)}" if tile.interval else "no interval"
+    interval = f"95 % interval {escape(minus(tile.interval))}" if tile.interval else "no interval"
     chip = f'<span class="chip {tile.winner}">{escape(tile.chip)}</span>'
     return (
         f'<section class="nv-tile" aria-label="{escape(tile.title, quote=True)}">'
         f"<h3>{escape(tile.title)}</h3><p>{escape(tile.unit)}</p>"
         f'<div class="values">{values}</div>'
-        f"<p>X − Y &nbsp;<b>{_minus(tile.difference)}</b></p>{_bar(tile)}"
+        f"<p>X − Y &nbsp;<b>{escape(minus(tile.difference))}</b></p>{_bar(tile)}"
         f"<p>{interval}</p>{chip}</section>"
     )
 
@@ -40,7 +41,3 @@ def _bar(tile: Tile) -> str:
         f'<span class="span" style="left:{low:.1f}%;width:{high - low:.1f}%"></span>'
         f'<span class="dot" style="left:{middle:.1f}%"></span></div>'
     )
-
-
-def _minus(text: str) -> str:
-    return escape(text.replace("-", "−"))

@@ -13,7 +13,7 @@ from nvcore.errors import InputError
 from nvcore.params import SETTINGS, Params
 from nvcore.progress import Progress
 from nvcore.studies.ratings.fit import Fit, fit_saliency
-from nvcore.wording import count_text
+from nvcore.wording import count_text, minus
 from ui.jobs.background import BackgroundJob, JobState, while_open
 from ui.jobs.progress import draw_job
 from ui.ratings import applied_fit
@@ -160,7 +160,7 @@ def _gain(fit: Fit, start: str) -> str:
 
 
 def _points(share: float) -> str:
-    return f"{100 * share:+.0f}".replace("-", "\u2212").replace("+0", "0")
+    return minus(f"{100 * share:+z.0f}").replace("+0", "0")
 
 
 def _draw_settings(

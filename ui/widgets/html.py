@@ -10,7 +10,7 @@ from typing import Final
 
 from nvcore.measures import Better, measure_of
 from nvcore.tables.scorecard import ScoreRow
-from nvcore.wording import ARROWS, difference, number, one_line, rounded_form
+from nvcore.wording import ARROWS, difference, minus, number, one_line, rounded_form
 
 MEANS_LITTLE: Final = " *"
 """Mark of a measure that means little where most encounters are one frame long."""
@@ -67,7 +67,7 @@ def score_row(row: ScoreRow, *, width: float = math.nan, is_short: bool = False)
     return MeasureRow(
         label=with_arrow(row.label, row.better)
         + (MEANS_LITTLE if row.needs_tracks and is_short else ""),
-        cells=(*values, difference(row.x, row.y, form).replace("-", "−")),
+        cells=(*values, minus(difference(row.x, row.y, form))),
         better=row._replace(form=form).winner,
         level=row.level,
         hint=measure_of(row.key).meaning if row.key else "",

@@ -17,7 +17,7 @@ from plotly.offline import get_plotlyjs
 from nvcore.figures.style import LOOK, axis, empty_figure, layout, plain
 from nvcore.measures import evidence_form, inference_of
 from nvcore.palette import Theme
-from nvcore.wording import difference, interval_text
+from nvcore.wording import difference, interval_text, minus
 
 INTERVAL_PX: Final = 82
 WORDS_PX: Final = 30
@@ -71,11 +71,11 @@ def interval_plot(evidence: pd.DataFrame, theme: Theme = "light") -> go.Figure:
         form = evidence_form(row["figure"])
         text = (
             f"{plain(row['label'], max_length=80)}: "
-            f"<b>{_with_minus(difference(row['difference'], 0, form))}</b>"
+            f"<b>{minus(difference(row['difference'], 0, form))}</b>"
         )
         if has_ends:
             span = interval_text(row["low"], row["high"], form)
-            text += f"   (95 % interval {_with_minus(span)})"
+            text += f"   (95 % interval {minus(span)})"
             _add_axis(
                 figure, row, form, theme, [1 - (top + edge) / total for edge in STRIP_PX[::-1]]
             )
@@ -110,10 +110,6 @@ def interval_plot(evidence: pd.DataFrame, theme: Theme = "light") -> go.Figure:
         )
     )
     return figure
-
-
-def _with_minus(text: str) -> str:
-    return text.replace("-", "−")
 
 
 def _add_axis(
