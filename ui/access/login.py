@@ -30,7 +30,7 @@ from streamlit.auth_util import get_secrets_auth_section, is_authlib_installed
 
 from nvcore.errors import InputError
 from nvcore.extras import needs
-from ui.settings.start import argument
+from ui.settings.start import argument, base_path
 
 FLAG: Final = "--login"
 VARIABLE: Final = "NVCORE_LOGIN"
@@ -119,12 +119,6 @@ def login() -> Login | None:
     if by.allow is None:
         _LOG.warning("everybody with an account at the provider may enter: [auth] has no 'allow'")
     return by
-
-
-def base_path() -> str:
-    """The path that the app is served below, as the start of an address; empty: none."""
-    base = str(st.get_option("server.baseUrlPath") or "").strip("/")
-    return f"/{base}" if base else ""
 
 
 def read_login(section: Mapping[str, Any], *, file: str, base: str = "") -> Login:

@@ -13,12 +13,12 @@ from urllib.parse import quote, unquote
 
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.requests import HTTPConnection
-from starlette.responses import HTMLResponse, PlainTextResponse, RedirectResponse, Response
+from starlette.responses import HTMLResponse, RedirectResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from streamlit.proto.ForwardMsg_pb2 import ForwardMsg
 from streamlit.user_info import generate_login_redirect_url
 
-from ui.access.login import CALLBACK, Login, base_path, login
+from ui.access.login import CALLBACK, Login, login
 from ui.access.origins import is_own_host, is_own_origin
 from ui.access.page import (
     LOG_IN,
@@ -30,8 +30,10 @@ from ui.access.page import (
     refusal_page,
 )
 from ui.access.people import Person, end_log_in, is_same, key_of, person_of
+from ui.serving.answers import PRIVATE, text_answer
 from ui.serving.visitors import METRICS, STREAM, UPLOAD
 from ui.session.workspace import workspace_of_session
+from ui.settings.start import base_path
 
 HEALTH: Final = "/_stcore/health"
 HOST_CONFIG: Final = "/_stcore/host-config"
@@ -42,7 +44,6 @@ WANTED_S: Final = 600
 SAFE: Final = ("GET", "HEAD", "OPTIONS")
 POLICY_VIOLATION: Final = 1008
 """Close code of a WebSocket."""
-PRIVATE: Final = {"Cache-Control": "no-store"}
 
 
 class OwnPages:
@@ -64,7 +65,7 @@ class OwnPages:
         elif scope["type"] == "websocket":
             await _refuse(receive, send)
         else:
-            await _text(*_stranger(host))(scope, receive, send)
+            await text_answer(*_stranger(host))(scope, receive, send)
 
 
 def _stranger(host: str | None) -> tuple[HTTPStatus, str]:
@@ -111,7 +112,7 @@ class Gate:
             return self._refusal(connection, scope["method"], person, by)
         upload = UPLOAD.search(path)
         if upload is not None and not _may_send(upload["session"], person.key):
-            return _text(HTTPStatus.FORBIDDEN, "the session is not yours")
+            return text_answer(HTTPStatus.FORBIDDEN, "the session is not yours")
         wanted = unquote(connection.cookies.get(WANTED, ""))
         if path in (self._base, f"{self._base}/") and wanted:
             known = is_own_address(wanted, self._base)
@@ -125,7 +126,7 @@ class Gate:
     ) -> Response:
         status = HTTPStatus.UNAUTHORIZED if person is None else HTTPStatus.FORBIDDEN
         if method != "GET" or "text/html" not in connection.headers.get("accept", ""):
-            return _text(status, "log in first" if person is None else "you may not enter")
+            return text_answer(status, "log in first" if person is None else "you may not enter")
         if person is not None:
             page = refusal_page(person.email, base=self._base)
         else:
@@ -138,7 +139,7 @@ class Gate:
         query = connection.query_params
         provider = query.get(PROVIDER, by.providers[0])
         if provider not in by.providers:
-            return _text(HTTPStatus.NOT_FOUND, "there is no such provider")
+            return text_answer(HTTPStatus.NOT_FOUND, "there is no such provider")
         answer = RedirectResponse(generate_login_redirect_url(provider), 302, PRIVATE)
         wanted = query.get(NEXT, "")
         if is_own_address(wanted, self._base):
@@ -228,7 +229,3 @@ def _with_private_cookies(send: Send, by: Login) -> Send:
         await send(message)
 
     return send_private
-
-
-def _text(status: int, text: str) -> Response:
-    return PlainTextResponse(text, status, PRIVATE)

@@ -15,10 +15,11 @@ from http import HTTPStatus
 from typing import Final
 
 from starlette.datastructures import Headers
-from starlette.responses import PlainTextResponse
+from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from streamlit import runtime
 
+from ui.serving.answers import text_answer
 from ui.settings.limits import MEBI, Limits
 
 METRICS_TOKEN: Final = "NVCORE_METRICS_TOKEN"  # noqa: S105  # its name
@@ -73,7 +74,7 @@ class VisitorLimits:
     async def _upload(self, session: str, scope: Scope, receive: Receive, send: Send) -> None:
         stated = Headers(scope=scope).get("content-length", "")
         if not (stated.isascii() and stated.isdigit() and len(stated) < 19):
-            await _answer(HTTPStatus.LENGTH_REQUIRED, "state the length")(scope, receive, send)
+            await text_answer(HTTPStatus.LENGTH_REQUIRED, "state the length")(scope, receive, send)
             return
         n_bytes, limits = int(stated), self.limits
         of_session = _held_bytes(session) + self._on_the_way[session] + n_bytes
@@ -84,7 +85,7 @@ class VisitorLimits:
                 if of_session > limits.max_upload_mb * MEBI
                 else "the server holds as many annotation files as it may; try again later"
             )
-            await _answer(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, text)(scope, receive, send)
+            await text_answer(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, text)(scope, receive, send)
             return
         self._on_the_way[session] += n_bytes
         try:
@@ -94,13 +95,13 @@ class VisitorLimits:
             if not self._on_the_way[session]:
                 del self._on_the_way[session]
 
-    def _refusal(self, path: str, scope: Scope) -> PlainTextResponse | None:
+    def _refusal(self, path: str, scope: Scope) -> Response | None:
         """Why this is not answered; None: it is."""
         if path.endswith(METRICS) and not _may_read_metrics(Headers(scope=scope)):
-            return _answer(HTTPStatus.NOT_FOUND, "not found")
+            return text_answer(HTTPStatus.NOT_FOUND, "not found")
         most = self.limits.max_visitors
         if self._n_visitors >= most and "text/html" in Headers(scope=scope).get("accept", ""):
-            return _answer(
+            return text_answer(
                 HTTPStatus.SERVICE_UNAVAILABLE,
                 f"This server takes {most} visitors at a time. Try again later.",
             )
@@ -117,10 +118,6 @@ def _impatient(receive: Receive) -> Receive:
             return {"type": "http.disconnect"}
 
     return receive_in_time
-
-
-def _answer(status: HTTPStatus, text: str) -> PlainTextResponse:
-    return PlainTextResponse(text, status, {"Cache-Control": "no-store"})
 
 
 def _held_bytes(session: str | None = None) -> int:

@@ -19,7 +19,6 @@ from dataclasses import asdict
 from http import HTTPStatus
 from typing import Final
 
-import streamlit as st
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
 from starlette.responses import JSONResponse, PlainTextResponse, RedirectResponse, Response
@@ -33,6 +32,7 @@ from ui.access.people import is_same, key_of
 from ui.session.packed_boxes import pack_boxes
 from ui.session.uploads import SLOTS, UploadError, receive
 from ui.session.workspace import Workspace, workspace_of
+from ui.settings.start import base_path
 
 ROWS_PER_CHUNK: Final = 1024
 QUALITY: Final = 85
@@ -147,14 +147,8 @@ async def overview(request: Request) -> Response:
     return RedirectResponse(f"./{'?' if query else ''}{query}", headers=_headers(NOT_CACHED))
 
 
-def _prefix(base: str) -> str:
-    base = base.strip("/")
-    return f"/{base}" if base else ""
-
-
-def routes_below(base: str) -> list[Route]:
-    """All routes, for an app that is served below the path `base`; empty: at the top."""
-    start = _prefix(base)
+def routes_below(start: str) -> list[Route]:
+    """All routes, for an app whose addresses start so, as `base_path` says."""
     return [
         Route(f"{start}/overview", overview, methods=["GET"]),
         Route(f"{start}/nv/{{token}}/frame/{{recording}}/{{row}}.jpg", frame, methods=["GET"]),
@@ -164,13 +158,13 @@ def routes_below(base: str) -> list[Route]:
     ]
 
 
-ROUTES: Final = routes_below(st.get_option("server.baseUrlPath") or "")
+ROUTES: Final = routes_below(base_path())
 """For ``st.App(routes=...)``, which does not put the base path before them by itself."""
 
 
-def address(space: Workspace, base: str = "") -> str:
-    """Start of the addresses of a workspace's routes, after the app's base path."""
-    return f"{_prefix(base)}/nv/{space.token}"
+def address(space: Workspace) -> str:
+    """Start of the addresses of a workspace's routes, below the app's base path."""
+    return f"{base_path()}/nv/{space.token}"
 
 
 def _index(request: Request, name: str) -> int:

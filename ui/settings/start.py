@@ -13,6 +13,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
+import streamlit as st
+
 SESSION_FLAG: Final = "--session"
 SESSION_VARIABLE: Final = "NVCORE_SESSION"
 
@@ -23,6 +25,12 @@ def start_file(
     """The session file that every visitor starts with; None: the sample."""
     path = argument(SESSION_FLAG, SESSION_VARIABLE, arguments, environment)
     return Path(path).absolute() if path else None
+
+
+def base_path() -> str:
+    """The path that the app is served below, as the start of an address; empty: none."""
+    base = str(st.get_option("server.baseUrlPath") or "").strip("/")
+    return f"/{base}" if base else ""
 
 
 def argument(

@@ -8,6 +8,7 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
+import streamlit as st
 from asgi import ask, put
 from builders import at, make_dataset, result_of
 
@@ -15,6 +16,7 @@ from nvcore.errors import MediaError
 from ui.session.packed_boxes import pack_boxes
 from ui.session.routes import ROWS_PER_CHUNK, address, routes_below
 from ui.session.workspace import Compared, Workspace
+from ui.settings.start import base_path
 
 PNG = b"\x89PNG\r\n\x1a\n" + bytes(100)
 N_ROWS = ROWS_PER_CHUNK + 2
@@ -200,10 +202,13 @@ def test_other_methods_are_not_allowed(space: Workspace, method: str):
 
 
 @pytest.mark.parametrize("base", ["apps/night", "/apps/night/"])
-def test_routes_and_addresses_lie_below_the_apps_base_path(space: Workspace, base: str):
-    paths = {route.path.split("{")[0] for route in routes_below(base)}
+def test_routes_and_addresses_lie_below_the_apps_base_path(
+    space: Workspace, base: str, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr(st, "get_option", lambda _: base)
+    paths = {route.path.split("{")[0] for route in routes_below(base_path())}
     assert paths == {"/apps/night/overview", "/apps/night/nv/"}
-    assert address(space, base) == f"/apps/night/nv/{space.token}"
+    assert address(space) == f"/apps/night/nv/{space.token}"
 
 
 @pytest.mark.parametrize("query", ["", "?alpha=0.4&recording=a%20b"])

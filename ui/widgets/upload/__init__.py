@@ -30,10 +30,9 @@ def upload_pictures(space: Workspace, *, key: str) -> list[str]:
 
     Returns which of the files last chosen were refused, and why: one text each, not yet plain.
     """
-    base = st.get_option("server.baseUrlPath") or ""
     state = _COMPONENT(
         data={
-            "url": f"{address(space, base)}/upload/{PICTURES}",
+            "url": f"{address(space)}/upload/{PICTURES}",
             "maxBytes": MAX_FILE_BYTES,
         },
         key=key,

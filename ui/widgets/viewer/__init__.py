@@ -21,6 +21,7 @@ import streamlit as st
 
 from nvcore.metrics.cost_map import CostMap
 from nvcore.palette import TRUTH_COLOUR, Theme, scheme_of
+from ui.settings.start import base_path
 from ui.widgets.viewer.packing import (
     decimate_minima,
     find_spans,
@@ -150,7 +151,7 @@ def viewer(
         key=key,
         data={
             "token": token,
-            "base": _route_prefix(),
+            "base": base_path(),
             "recording": int(recording),
             "n_rows": int(n_rows),
             "width": float(width),
@@ -239,11 +240,6 @@ def colours_of(theme: Theme) -> dict[str, dict[str, Any]]:
             **{f"line-{letter}": style.css for letter, style in styles.items()},
         },
     }
-
-
-def _route_prefix() -> str:
-    prefix = str(st.get_option("server.baseUrlPath") or "").strip("/")
-    return f"/{prefix}" if prefix else ""
 
 
 def _nothing() -> None:
