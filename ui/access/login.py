@@ -115,10 +115,10 @@ def login() -> Login | None:
         import httpx  # noqa: F401
     if not is_authlib_installed():
         raise InputError("log-in needs a newer Authlib: pip install --upgrade 'nvcore[login]'")
-    by = read_login(section, file=path or "secrets.toml", base=base_path())
-    if by.allow is None:
+    settings = read_login(section, file=path or "secrets.toml", base=base_path())
+    if settings.allow is None:
         _LOG.warning("everybody with an account at the provider may enter: [auth] has no 'allow'")
-    return by
+    return settings
 
 
 def read_login(section: Mapping[str, Any], *, file: str, base: str = "") -> Login:

@@ -58,8 +58,8 @@ def _is_number(name: str) -> bool:
 
 @cache
 def _own_names() -> frozenset[str]:
-    by = login()
-    addresses = [*allowlisted_origins(), *([] if by is None else [by.origin])]
+    settings = login()
+    addresses = [*allowlisted_origins(), *([] if settings is None else [settings.origin])]
     names = [urlsplit(address).hostname for address in addresses]
     names += [st.get_option("browser.serverAddress"), socket.gethostname(), socket.getfqdn()]
     return frozenset(name.lower().rstrip(".") for name in names if name)

@@ -56,9 +56,9 @@ _ended: dict[str, float] = {}
 _lock = threading.Lock()
 
 
-def person_of(cookies: Mapping[str, str], by: Login) -> Person | None:
+def person_of(cookies: Mapping[str, str], settings: Login) -> Person | None:
     """Who has logged in with the browser that has these cookies; None: nobody."""
-    signed = get_cookie_with_chunks(partial(_decoded, cookies, by), USER_COOKIE_NAME)
+    signed = get_cookie_with_chunks(partial(_decoded, cookies, settings), USER_COOKIE_NAME)
     if signed is None:
         return None
     log_in = hashlib.sha256(signed).hexdigest()
@@ -69,7 +69,7 @@ def person_of(cookies: Mapping[str, str], by: Login) -> Person | None:
         claims = json.loads(signed)
     except ValueError:
         return None
-    if not isinstance(claims, dict) or claims.get("origin") != by.origin:
+    if not isinstance(claims, dict) or claims.get("origin") != settings.origin:
         return None
     who = [claims.get(name) for name in ("provider", "iss", "sub")]
     if claims.get("is_logged_in") is not True or not all(isinstance(part, str) for part in who):
@@ -79,7 +79,7 @@ def person_of(cookies: Mapping[str, str], by: Login) -> Person | None:
         key=hashlib.sha256(json.dumps(who).encode()).hexdigest(),
         log_in=log_in,
         email=email,
-        may_enter=by.admits(email),
+        may_enter=settings.admits(email),
     )
 
 
@@ -88,10 +88,10 @@ def key_of(cookies: Mapping[str, str]) -> str | None:
 
     Where there is no log-in, everybody may, as `NOBODY`.
     """
-    by = login()
-    if by is None:
+    settings = login()
+    if settings is None:
         return NOBODY
-    person = person_of(cookies, by)
+    person = person_of(cookies, settings)
     return person.key if person is not None and person.may_enter else None
 
 
@@ -118,20 +118,20 @@ def is_same(owner: str, key: str | None) -> bool:
 
 def end_log_in(cookies: Mapping[str, str]) -> None:
     """From now on nobody gets in with these cookies."""
-    by = login()
-    person = None if by is None else person_of(cookies, by)
-    if by is None or person is None:
+    settings = login()
+    person = None if settings is None else person_of(cookies, settings)
+    if settings is None or person is None:
         return
     now = time.time()
     with _lock:
         for log_in, ended in list(_ended.items()):  # the oldest first
-            if now - ended < 3600 * by.hours:
+            if now - ended < 3600 * settings.hours:
                 break
             del _ended[log_in]
         _ended[person.log_in] = now
 
 
-def _decoded(cookies: Mapping[str, str], by: Login, name: str) -> bytes | None:
+def _decoded(cookies: Mapping[str, str], settings: Login, name: str) -> bytes | None:
     value = cookies.get(name)
     if value is None:
         return None
@@ -139,7 +139,9 @@ def _decoded(cookies: Mapping[str, str], by: Login, name: str) -> bytes | None:
         signed = value.encode("latin-1")
     except UnicodeEncodeError:
         return None
-    return decode_signed_value(by.cookie_secret, name, signed, max_age_days=by.hours / 24)
+    return decode_signed_value(
+        settings.cookie_secret, name, signed, max_age_days=settings.hours / 24
+    )
 
 
 def _verified_email(claims: Mapping[str, Any]) -> str:

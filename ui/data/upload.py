@@ -110,10 +110,10 @@ def draw() -> None:
     )
     truth, systems = _draw_truth(), _draw_systems()
     table = _draw_single("the recordings", "recordings", RECORDINGS_LABEL, RECORDINGS_HELP)
-    listed = _draw_single("the evaluated frames", "frames", FRAMES_LABEL, FRAMES_HELP)
-    _tell_lost(space, [truth, *systems, table, listed])
+    frame_list = _draw_single("the evaluated frames", "frames", FRAMES_LABEL, FRAMES_HELP)
+    _tell_lost(space, [truth, *systems, table, frame_list])
     with st.container():  # spinners go here: what comes below keeps its place, and its uploads
-        stored = _store(space, [truth, *systems, table, listed])
+        stored = _store(space, [truth, *systems, table, frame_list])
         truth_check = _check(stored, truth, None)
         checks = [_check(stored, system, truth_check) for system in systems]
     recordings = [] if truth_check is None else truth_check.recordings
@@ -126,9 +126,9 @@ def draw() -> None:
         with system.below:
             draw_file_check(check, truth_check)
     with table.below:
-        rows = _check_table(space, stored, table, [] if listed.files else recordings)
-    with listed.below:
-        frames = _check_list(stored, listed, recordings)
+        rows = _check_table(space, stored, table, [] if frame_list.files else recordings)
+    with frame_list.below:
+        frames = _check_list(stored, frame_list, recordings)
     pictures = _draw_pictures(space, recordings)
     titles = [field.title for field in (truth, *systems)]
     checks_by_title = dict(zip(titles, [truth_check, *checks], strict=True))
@@ -214,12 +214,12 @@ def _check_table(
     return draw_recordings(check_recordings(path, stored.folder), recordings, sent)
 
 
-def _check_list(stored: _Stored, listed: _Field, recordings: Sequence[str]) -> FrameList:
-    if not listed.files:
+def _check_list(stored: _Stored, frame_list: _Field, recordings: Sequence[str]) -> FrameList:
+    if not frame_list.files:
         return FrameList()
-    if listed.slot in stored.troubles:
-        return draw_frame_list(FrameList(trouble=stored.troubles[listed.slot]), recordings)
-    (path,) = stored.paths[listed.slot]
+    if frame_list.slot in stored.troubles:
+        return draw_frame_list(FrameList(trouble=stored.troubles[frame_list.slot]), recordings)
+    (path,) = stored.paths[frame_list.slot]
     return draw_frame_list(check_frame_list(path, stored.folder), recordings)
 
 

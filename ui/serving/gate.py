@@ -88,28 +88,32 @@ class Gate:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """ASGI."""
-        by = self._login
-        if by is None or scope["type"] not in ("http", "websocket"):
+        settings = self._login
+        if settings is None or scope["type"] not in ("http", "websocket"):
             await self.app(scope, receive, send)
             return
         cookies = HTTPConnection(scope).cookies
         if scope["type"] == "websocket":
             await self._connect(cookies, scope, receive, send)
             return
-        send = _with_private_cookies(send, by)
+        send = _with_private_cookies(send, settings)
         path: str = scope["path"]
         if path == f"{self._base}{LOG_OUT}":
             end_log_in(cookies)
-        answer = None if path in self._open else self._answer(scope, person_of(cookies, by), by)
+        answer = (
+            None
+            if path in self._open
+            else self._answer(scope, person_of(cookies, settings), settings)
+        )
         await (answer or self.app)(scope, receive, send)
 
-    def _answer(self, scope: Scope, person: Person | None, by: Login) -> Response | None:
+    def _answer(self, scope: Scope, person: Person | None, settings: Login) -> Response | None:
         """What is said instead of the app's answer; None: this is for the app."""
         connection, path = HTTPConnection(scope), str(scope["path"])
         if path == f"{self._base}{LOG_IN}":
-            return self._way_to_provider(connection, by)
+            return self._way_to_provider(connection, settings)
         if person is None or not person.may_enter:
-            return self._refusal(connection, scope["method"], person, by)
+            return self._refusal(connection, scope["method"], person, settings)
         upload = UPLOAD.search(path)
         if upload is not None and not _may_send(upload["session"], person.key):
             return text_answer(HTTPStatus.FORBIDDEN, "the session is not yours")
@@ -122,7 +126,7 @@ class Gate:
         return None
 
     def _refusal(
-        self, connection: HTTPConnection, method: str, person: Person | None, by: Login
+        self, connection: HTTPConnection, method: str, person: Person | None, settings: Login
     ) -> Response:
         status = HTTPStatus.UNAUTHORIZED if person is None else HTTPStatus.FORBIDDEN
         if method != "GET" or "text/html" not in connection.headers.get("accept", ""):
@@ -132,13 +136,13 @@ class Gate:
         else:
             wanted = quote(connection.url.path)
             wanted += f"?{connection.url.query}" if connection.url.query else ""
-            page = log_in_page(by.providers, base=self._base, wanted=wanted)
+            page = log_in_page(settings.providers, base=self._base, wanted=wanted)
         return HTMLResponse(page, status, PRIVATE)
 
-    def _way_to_provider(self, connection: HTTPConnection, by: Login) -> Response:
+    def _way_to_provider(self, connection: HTTPConnection, settings: Login) -> Response:
         query = connection.query_params
-        provider = query.get(PROVIDER, by.providers[0])
-        if provider not in by.providers:
+        provider = query.get(PROVIDER, settings.providers[0])
+        if provider not in settings.providers:
             return text_answer(HTTPStatus.NOT_FOUND, "there is no such provider")
         answer = RedirectResponse(generate_login_redirect_url(provider), 302, PRIVATE)
         wanted = query.get(NEXT, "")
@@ -213,13 +217,13 @@ async def _refuse(receive: Receive, send: Send) -> None:
     await send({"type": "websocket.close", "code": POLICY_VIOLATION})
 
 
-def _with_private_cookies(send: Send, by: Login) -> Send:
+def _with_private_cookies(send: Send, settings: Login) -> Send:
     """Cookies go by TLS alone, where there is TLS; what is cached is for this log-in."""
 
     async def send_private(message: Message) -> None:
         if message["type"] == "http.response.start":
             MutableHeaders(scope=message).add_vary_header("Cookie")
-            if by.is_secure:
+            if settings.is_secure:
                 message["headers"] = [
                     (name, value if b"; secure" in value.lower() else value + b"; Secure")
                     if name.lower() == b"set-cookie"

@@ -111,11 +111,11 @@ def _resolved(name: str, value: Any) -> Any:
     return live_params.of_share(name) if is_share else value
 
 
-def _is_same(name: str, one: Any, other: Any) -> bool:
-    one, other = _resolved(name, one), _resolved(name, other)
-    if isinstance(one, float | int) and isinstance(other, float | int):
-        return math.isclose(one, other, rel_tol=CLOSE, abs_tol=CLOSE)
-    return bool(one == other)
+def _is_same(name: str, value: Any, other: Any) -> bool:
+    value, other = _resolved(name, value), _resolved(name, other)
+    if isinstance(value, float | int) and isinstance(other, float | int):
+        return math.isclose(value, other, rel_tol=CLOSE, abs_tol=CLOSE)
+    return bool(value == other)
 
 
 def _text(name: str, value: Any) -> str:

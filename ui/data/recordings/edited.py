@@ -45,7 +45,7 @@ def filled(table: pd.DataFrame, entries: Iterable[RecordingEntry]) -> pd.DataFra
     """The table with what the rows of a CSV file say, by the names of the recordings."""
     table = table.set_index("name", drop=False)
     for entry in entries:  # a loop over recordings: at most hundreds
-        said: dict[str, Any] = {
+        values: dict[str, Any] = {
             "width": entry.width,
             "height": entry.height,
             "fps": entry.fps,
@@ -53,7 +53,7 @@ def filled(table: pd.DataFrame, entries: Iterable[RecordingEntry]) -> pd.DataFra
             "tags": "; ".join(entry.tags) or None,
             "name": entry.title,
         }
-        for column, value in said.items():
+        for column, value in values.items():
             if value is not None:
                 table.loc[entry.name, column] = value
     return table.reset_index(drop=True)
