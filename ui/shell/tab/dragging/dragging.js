@@ -5,7 +5,7 @@ const SLIDER = '[data-testid="stSidebar"] [data-testid="stSlider"]';
 const MOST_WAIT_MS = 5000; // for an answer that was lost
 
 const drag = { field: null, name: "", start: "", sent: "", id: 0, sentAt: 0, isAnswered: true };
-let released = null; // where a slider was let go while a value was on its way
+let released = null; // the field of a slider that was let go while a value was on its way
 let names = [];
 let send = () => {};
 
@@ -58,7 +58,7 @@ function end() {
     if (field.value === start) {
       if (sent !== start) sendLast(start);
     } else if (!drag.isAnswered && field.value !== sent) {
-      released = field.value;
+      released = field;
     }
   });
 }
@@ -67,8 +67,8 @@ export default function ({ data, setTriggerValue }) {
   names = data.names;
   send = (value) => setTriggerValue("drag", value);
   if (data.answered >= drag.id) drag.isAnswered = true;
-  if (drag.isAnswered && released !== null) {
-    sendLast(released);
+  if (drag.isAnswered && released) {
+    if (released.isConnected) sendLast(released.value);
     released = null;
   }
   if (window.nvcoreDragging) return;
