@@ -31,6 +31,7 @@ from nvcore.cli.report import report
 from nvcore.cli.session_options import session_from
 from nvcore.cli.steps import (
     ShownPath,
+    as_loaded,
     errors_of,
     exit_on_findings,
     findings_at_paths,
@@ -165,6 +166,7 @@ def compare(
     n_steps = 6 + len(session.systems) + (11 if out is not None else 0)
     with errors_of(session), _Steps(n_steps) as steps:
         dataset = load(session, progress=steps)
+        session = as_loaded(session, dataset)
         steps.begin("auditing the inputs")
         findings = audit(dataset)
         steps.begin("analysing")

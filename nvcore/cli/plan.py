@@ -146,7 +146,7 @@ def plan(
         margin=_amount("--margin", margin, key),
         candidate="x" if candidate == "x" else "y",
         n_tests=n_tests,
-        protocol=session.protocol,
+        protocol=result.dataset.settings.protocol,
     )
     row = study.evidence
     if row.unit != RECORDINGS or row.n < MIN_PILOT:

@@ -20,6 +20,7 @@ from nvcore.cli.options import (
 )
 from nvcore.cli.session_options import session_from
 from nvcore.cli.steps import (
+    as_loaded,
     compare_session,
     errors_of,
     exit_on_findings,
@@ -102,7 +103,7 @@ def report(
     with errors_of(session):
         result, findings = compare_session(session, progress=progress)
         write_html_report(
-            *(result, session, findings, out),
+            *(result, as_loaded(session, result.dataset), findings, out),
             stability=stability,
             inscription=Inscription(title, author, question, date),
             progress=progress,

@@ -17,6 +17,7 @@ from nvcore.wording import one_line
 
 if TYPE_CHECKING:
     from nvcore.comparison import Result
+    from nvcore.dataset import Dataset
     from nvcore.findings import Finding
     from nvcore.inputs.proposals import UsualInputs
     from nvcore.inputs.readers.base import Role
@@ -78,6 +79,11 @@ def exit_on_findings(findings: Iterable[Finding], strict: bool) -> None:
     bad = {"error", "warning"} if strict else {"error"}
     if any(finding.severity.value in bad for finding in findings):
         raise SystemExit(EXIT_FINDINGS)
+
+
+def as_loaded(session: Session, dataset: Dataset) -> Session:
+    """The session as the dataset carries it: recordings are chosen by what they are called."""
+    return dataset.settings if isinstance(dataset.settings, Session) else session
 
 
 @contextmanager

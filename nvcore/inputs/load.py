@@ -104,6 +104,7 @@ def load(
         loaded.append(_corrected(system, source))
     progress(len(loaded) / n_steps, "placing boxes in frames")
     dataset = _place(session.of_all.as_titled, _named_by_session(session, loaded), max_frames)
+    session = session.choosing_from(dataset.recordings["name"].tolist())
     return dataset.with_settings(session).only(session.only_tags, session.only)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -186,8 +186,8 @@ class Session(Settings):
         sha256 of each source when the session was written, by ``truth`` or the system's name;
         checked when it is loaded.
     only_tags, only
-        Compare only recordings that have all of these tags, and of these only those so named;
-        (): all.
+        Compare only recordings that have all of these tags, and of these only those so named, by
+        title or as in the data; (): all.
     x, y, params, protocol
         See `nvcore.settings.Settings`.
     """
@@ -237,6 +237,25 @@ class Session(Settings):
             replace(entry, name=entry.title or entry.name, title=None) for entry in self.recordings
         ]
         return replace(self, recordings=tuple(entries))
+
+    def choosing_from(self, titles: Collection[str]) -> Session:
+        """The session with recordings chosen by title where it chooses them as in the data.
+
+        Parameters
+        ----------
+        titles
+            What all recordings are called. A name that is a title means that recording.
+        """
+        title_of = {entry.name: entry.title for entry in self.recordings if entry.title in titles}
+
+        def called(names: tuple[str, ...]) -> tuple[str, ...]:
+            found = [name if name in titles else title_of.get(name) or name for name in names]
+            return tuple(dict.fromkeys(found))
+
+        only, counting = called(self.only), called(self.protocol.recordings)
+        if (only, counting) == (self.only, self.protocol.recordings):
+            return self
+        return replace(self, only=only, protocol=replace(self.protocol, recordings=counting))
 
     @property
     def has_unread_recordings(self) -> bool:

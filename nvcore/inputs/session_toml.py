@@ -38,7 +38,7 @@
     x = "FIR"
     y = "NIR"
     tags = ["night"]         only recordings that have all of these tags
-    recordings = ["urban_01"] only these, of those with the tags
+    recordings = ["urban_01"] only these, by title or name, of those with the tags
 
     [parameters]             any of nvcore.params.Params
 

@@ -13,6 +13,7 @@ from nvcore.errors import InputError, SessionError
 from nvcore.inputs.load import load
 from nvcore.inputs.session import RecordingEntry, Session
 from nvcore.inputs.session_toml import read_session, write_session
+from nvcore.protocols import PROTOCOLS
 
 URBAN, RURAL = RecordingEntry("urban", tags=("day",)), RecordingEntry("rural", tags=("night",))
 
@@ -71,6 +72,23 @@ def test_a_title_is_what_a_recording_is_called_everywhere(tmp_path: Path):
     assert dataset.recordings["fps"].tolist() == [20, 10]
     assert dataset.left_out.empty
     assert len(dataset.system("fir")) == 40
+
+
+def test_a_recording_is_chosen_by_its_title_or_as_in_the_data(tmp_path: Path):
+    named = replace(RURAL, title="Country road")
+    for name in ("Country road", "rural"):
+        protocol = replace(PROTOCOLS["all"], recordings=(name,))
+        session = session_of(
+            drive(tmp_path), recordings=(URBAN, named), only=(name,), protocol=protocol
+        )
+        dataset = load(session)
+        assert dataset.recordings["name"].tolist() == ["Country road"]
+        assert dataset.settings.protocol.recordings == ("Country road",)
+    # what is the title of one and the name of another in the data means the title
+    swapped = (replace(URBAN, title="rural"), replace(RURAL, title="urban"))
+    dataset = load(session_of(tmp_path, recordings=swapped, only=("rural",)))
+    assert dataset.left_out.empty
+    assert len(dataset.system("nir")) == 10  # those of the data's urban
 
 
 def test_a_title_survives_the_session_file(tmp_path: Path):

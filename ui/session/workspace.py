@@ -70,6 +70,7 @@ class Opened:
         InputError
             If the session chooses none of them.
         """
+        session = session.choosing_from(whole.recordings["name"].tolist())
         whole = whole if whole.settings is session else whole.with_settings(session)
         return cls(session, whole.only(session.only_tags, session.only), label, whole)
 
