@@ -195,6 +195,8 @@ class Dataset:
     def renamed(self, systems: Mapping[str, str], recordings: Mapping[str, str]) -> Dataset:
         """The same data with other names, by the old ones; what is not named stays.
 
+        The settings name them so, too.
+
         Raises
         ------
         InputError
@@ -209,8 +211,10 @@ class Dataset:
             return self
         subjects = {old: new for old, new in systems.items() if old in self.systems}
         text = "\n".join([self.fingerprint, *names, *titles])
+        own = self.systems, self.recordings["name"].tolist()
         return replace(
             self,
+            settings=self.settings.renamed(systems, recordings, of=own),
             recordings=self.recordings.assign(name=pd.Series(titles, dtype=object).array),
             systems=tuple(names),
             inputs=self.inputs.assign(

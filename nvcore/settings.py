@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Final
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Final, Self
 
 from nvcore.params import Params
 from nvcore.protocols import PROTOCOLS, Protocol
@@ -32,6 +33,31 @@ class Settings:
     params: Params = field(default_factory=Params)
     protocol: Protocol = PROTOCOLS["all"]
 
+    def renamed(
+        self,
+        systems: Mapping[str, str],
+        recordings: Mapping[str, str],
+        *,
+        of: tuple[Sequence[str], Sequence[str]],
+    ) -> Self:
+        """The same settings of data whose systems and recordings are called otherwise.
+
+        Parameters
+        ----------
+        systems, recordings
+            New names by the old ones; what is not named stays.
+        of
+            Names of the data's systems and recordings until now.
+        """
+        del of
+        counting = new_names(self.protocol.recordings, recordings)
+        return replace(
+            self,
+            x=None if self.x is None else systems.get(self.x, self.x),
+            y=None if self.y is None else systems.get(self.y, self.y),
+            protocol=replace(self.protocol, recordings=counting),
+        )
+
     def names(self, x: str | None, y: str | None) -> tuple[str | None, str | None]:
         """Names of X and Y: those given, else its own where the other is not called so."""
         own_x = None if self.x == y else self.x
@@ -42,3 +68,8 @@ class Settings:
     def thresholds(self) -> tuple[float | None, ...]:
         """Score threshold of each system, in their order; empty: every detection counts."""
         return ()
+
+
+def new_names(names: Sequence[str], new: Mapping[str, str]) -> tuple[str, ...]:
+    """The names, those that are called otherwise by their new ones."""
+    return tuple(new.get(name, name) for name in names)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from nvcore.errors import SessionError
 from nvcore.params.traffic import parse_context
-from nvcore.settings import MAX_FPS, MIN_FPS, Settings
+from nvcore.settings import MAX_FPS, MIN_FPS, Settings, new_names
 
 if TYPE_CHECKING:
     from nvcore.inputs.readers.base import Role
@@ -237,6 +237,29 @@ class Session(Settings):
             replace(entry, name=entry.title or entry.name, title=None) for entry in self.recordings
         ]
         return replace(self, recordings=tuple(entries))
+
+    def renamed(
+        self,
+        systems: Mapping[str, str],
+        recordings: Mapping[str, str],
+        *,
+        of: tuple[Sequence[str], Sequence[str]],
+    ) -> Session:
+        """See `Settings.renamed`; also of the sources, the titles and the choice of recordings."""
+        own_systems, own_recordings = of
+        entries = self.entries(own_recordings)
+        for name in own_recordings:
+            if recordings.get(name, name) != name:
+                entry = entries.get(name, RecordingEntry(name))
+                entries[name] = replace(entry, title=recordings[name])
+        named = zip(self.systems, new_names(own_systems, systems), strict=False)
+        return replace(
+            super().renamed(systems, recordings, of=of),
+            systems=tuple(replace(source, name=name) for source, name in named),
+            recordings=tuple(entries.values()),
+            hashes={systems.get(name, name): text for name, text in self.hashes.items()},
+            only=new_names(self.only, recordings),
+        )
 
     def choosing_from(self, titles: Collection[str]) -> Session:
         """The session with recordings chosen by title where it chooses them as in the data.

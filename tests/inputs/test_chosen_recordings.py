@@ -91,6 +91,19 @@ def test_a_recording_is_chosen_by_its_title_or_as_in_the_data(tmp_path: Path):
     assert len(dataset.system("nir")) == 10  # those of the data's urban
 
 
+def test_renamed_data_have_settings_that_name_them_so(tmp_path: Path):
+    protocol = replace(PROTOCOLS["all"], recordings=("rural",))
+    session = tagged_drive(tmp_path, x="nir", only=("rural",), protocol=protocol)
+    renamed = load(session).renamed({"nir": "NIR"}, {"rural": "Road"})
+    settings = renamed.settings
+    assert isinstance(settings, Session)
+    assert renamed.compared() == ("NIR", "fir")
+    assert (settings.only, settings.protocol.recordings) == (("Road",), ("Road",))
+    again = load(settings)
+    assert again.systems == renamed.systems == ("fir", "NIR")
+    assert again.recordings["name"].tolist() == ["Road"]
+
+
 def test_a_title_survives_the_session_file(tmp_path: Path):
     named = replace(RURAL, title="Country road")
     session = session_of(drive(tmp_path), recordings=(URBAN, named))

@@ -9,6 +9,7 @@ from typing import Any, Final
 import pandas as pd
 import streamlit as st
 
+from nvcore.dataset import Dataset
 from nvcore.errors import NvcoreError
 from nvcore.inputs.session import Session
 from ui.session import state
@@ -69,50 +70,34 @@ def use_names(systems: Mapping[str, str], changes: Mapping[str, Mapping[str, Any
     """
     opened = state.opened()
     titles = {name: change["title"] for name, change in changes.items() if "title" in change}
-    whole = opened.whole.renamed(systems, titles)
     own = opened.whole.recordings
     tags = [
         changes.get(name, {}).get("tags", tags)
         for name, tags in zip(own["name"], own["tags"], strict=True)
     ]
+    whole = opened.whole.with_settings(opened.session).renamed(systems, titles)
+    session = whole.settings
+    assert isinstance(session, Session)
     if tags != own["tags"].tolist():
         column = pd.Series(tags, dtype=object).array
         whole = replace(whole, recordings=whole.recordings.assign(tags=column))
-    state.compare_as(_renamed(opened.session, systems, changes, tags), whole)
+    others = {titles.get(name, name): _untitled(change) for name, change in changes.items()}
+    state.compare_as(_tagged(session, whole, others), whole)
     st.session_state[_N_CHANGES] = n_changes() + 1
     st.session_state[_DONE] = True
     st.rerun()
 
 
-def _renamed(
-    session: Session,
-    systems: Mapping[str, str],
-    changes: Mapping[str, Mapping[str, Any]],
-    tags: list[tuple[str, ...]],
-) -> Session:
-    """The session with these names; without a choice by tags that no recording has any longer."""
-    whole = state.opened().whole
-    names = whole.recordings["name"].tolist()
-    changed = with_recordings(session.of_all, names, changes)
-    own = zip(whole.systems, session.systems, strict=True)
+def _tagged(session: Session, whole: Dataset, changes: Mapping[str, Mapping[str, Any]]) -> Session:
+    """The session with these tags; without a choice by such that no recording has any longer."""
+    names, tags = whole.recordings["name"].tolist(), whole.recordings["tags"]
     is_left = any({*session.only_tags} <= {*of_one} for of_one in tags)
     return replace(
-        changed,
-        systems=tuple(replace(source, name=systems.get(name, name)) for name, source in own),
-        x=_new(session.x, systems),
-        y=_new(session.y, systems),
-        hashes={systems.get(name, name): text for name, text in session.hashes.items()},
+        with_recordings(session.of_all, names, changes),
         only_tags=session.only_tags if is_left else (),
-        only=_titled(session.only, changes),
-        protocol=replace(
-            session.protocol, recordings=_titled(session.protocol.recordings, changes)
-        ),
+        only=session.only,
     )
 
 
-def _new(name: str | None, systems: Mapping[str, str]) -> str | None:
-    return None if name is None else systems.get(name, name)
-
-
-def _titled(names: tuple[str, ...], changes: Mapping[str, Mapping[str, Any]]) -> tuple[str, ...]:
-    return tuple(changes.get(name, {}).get("title", name) for name in names)
+def _untitled(change: Mapping[str, Any]) -> dict[str, Any]:
+    return {key: value for key, value in change.items() if key != "title"}
