@@ -138,6 +138,8 @@ class Dataset:
     def only(self, tags: Collection[str] = (), names: Collection[str] = ()) -> Dataset:
         """The data of those recordings alone that have all of the tags and one of the names.
 
+        Their settings choose them so, too.
+
         Parameters
         ----------
         tags, names
@@ -169,7 +171,14 @@ class Dataset:
                 f"{' and one of these names' if names else ''}; "
                 + (f"the tags are {listed(known[:MOST_NAMED])}" if known else "there are no tags")
             )
-        return self if is_chosen.all() else self._of(is_chosen, tags)
+        if is_chosen.all():
+            return self
+        settings = self.settings
+        all_tags = tuple(dict.fromkeys([*settings.only_tags, *tags]))
+        chosen = replace(settings, only_tags=all_tags, only=tuple(names) or settings.only)
+        return replace(
+            self._of(is_chosen, tags), settings=chosen if chosen != settings else settings
+        )
 
     def _of(self, is_chosen: np.ndarray, tags: Collection[str]) -> Dataset:
         frames, boxes = self.frames, self.boxes

@@ -26,12 +26,17 @@ class Settings:
         Settings of the analysis. Thresholds given here override those of the systems.
     protocol
         Which pedestrians count in the detection measures.
+    only_tags, only
+        Compare only recordings that have all of these tags, and of these only those so named, by
+        title or as in the data; (): all.
     """
 
     x: str | None = None
     y: str | None = None
     params: Params = field(default_factory=Params)
     protocol: Protocol = PROTOCOLS["all"]
+    only_tags: tuple[str, ...] = ()
+    only: tuple[str, ...] = ()
 
     def renamed(
         self,
@@ -56,6 +61,7 @@ class Settings:
             x=None if self.x is None else systems.get(self.x, self.x),
             y=None if self.y is None else systems.get(self.y, self.y),
             protocol=replace(self.protocol, recordings=counting),
+            only=new_names(self.only, recordings),
         )
 
     def names(self, x: str | None, y: str | None) -> tuple[str | None, str | None]:

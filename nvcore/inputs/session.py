@@ -185,10 +185,7 @@ class Session(Settings):
     hashes
         sha256 of each source when the session was written, by ``truth`` or the system's name;
         checked when it is loaded.
-    only_tags, only
-        Compare only recordings that have all of these tags, and of these only those so named, by
-        title or as in the data; (): all.
-    x, y, params, protocol
+    x, y, params, protocol, only_tags, only
         See `nvcore.settings.Settings`.
     """
 
@@ -201,8 +198,6 @@ class Session(Settings):
     fps: float | None = None
     frames: str | None = None
     hashes: Mapping[str, str] = field(default_factory=dict)
-    only_tags: tuple[str, ...] = ()
-    only: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         _rate(self.fps)
@@ -258,7 +253,6 @@ class Session(Settings):
             systems=tuple(replace(source, name=name) for source, name in named),
             recordings=tuple(entries.values()),
             hashes={systems.get(name, name): text for name, text in self.hashes.items()},
-            only=new_names(self.only, recordings),
         )
 
     def choosing_from(self, titles: Collection[str]) -> Session:

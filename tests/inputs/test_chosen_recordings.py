@@ -40,6 +40,20 @@ def test_facts_of_one_recording_are_not_taken_for_the_only_one_left(tmp_path: Pa
     assert session.entries(["rural"]).get("rural") is None
 
 
+def test_a_choice_from_loaded_data_is_in_their_session_file(tmp_path: Path):
+    whole = load(tagged_drive(tmp_path))
+    for part in (
+        whole.only(["night"]),
+        whole.only(names=["rural"]),
+        whole.only(["night"], ["rural"]),
+    ):
+        settings = part.settings
+        assert isinstance(settings, Session)
+        path = tmp_path / "session.toml"
+        path.write_text(write_session(settings, version="1", fingerprint="2"))
+        assert load(read_session(path)).fingerprint == part.fingerprint
+
+
 def test_a_session_file_keeps_the_choice(tmp_path: Path):
     session = tagged_drive(tmp_path, only_tags=("night",), only=("rural",))
     path = tmp_path / "session.toml"
