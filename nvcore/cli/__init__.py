@@ -199,19 +199,20 @@ def _keep_inputs(
     """
     if out is None:
         return
+    from nvcore.report.files import SESSION_FILE
+    from nvcore.report.keep_inputs import files_read
+
     names = [*names]
     is_written_by_hand = not session.hashes
     if (
         file is not None
         and is_written_by_hand
-        and "session.toml" in names
-        and file.resolve() == (out / "session.toml").resolve()
+        and SESSION_FILE in names
+        and file.resolve() == (out / SESSION_FILE).resolve()
     ):
         raise click.UsageError("the report would replace the session file; give another --out")
-    from nvcore.report.keep_inputs import files_read
-
     refuse_among_inputs(out, session)
-    refuse_to_replace((out / name for name in names if name != "session.toml"), files_read(session))
+    refuse_to_replace((out / name for name in names if name != SESSION_FILE), files_read(session))
 
 
 @main.command(

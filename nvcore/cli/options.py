@@ -219,7 +219,7 @@ def input_options(command: Callable[..., Any]) -> Callable[..., Any]:
             "--recordings",
             metavar="FILE",
             help="CSV file with a line for each recording: recording,width,height,fps,context,tags,"
-            "pictures (docs/formats.md). --size and --fps go before it.",
+            "title,pictures (docs/formats.md). --size and --fps go before it.",
         ),
         grouped_option(
             FACTS,

@@ -30,7 +30,7 @@ from nvcore.palette import Shade
 from nvcore.pictures.base import Picture, Pictures
 from nvcore.pictures.stretch import png, stretch
 from nvcore.schema import NO_TRACK, TruthState
-from nvcore.tables.box_states import DetectedBoxes, TruthBoxes, gather_boxes
+from nvcore.tables.boxes.states import DetectedBoxes, TruthBoxes, gather_boxes
 from nvcore.wording import one_line, shortened
 
 LAYERS: Final = ("truth", "x", "y")

@@ -14,7 +14,7 @@ from nvcore.metrics.encounters import RELEVANT_K
 from nvcore.metrics.proximity import in_use
 from nvcore.metrics.similarity import border_of, miss_terms
 from nvcore.schema import MISS_CLASS_TEXT, DetectionState, MissClass, TruthState
-from nvcore.tables.box_states import gather_boxes
+from nvcore.tables.boxes.states import gather_boxes
 from nvcore.wording import capitalised, number
 
 NOBODY: Final = -1
@@ -33,8 +33,8 @@ class BoxReason:
     title, lines
         Who it is and what became of it; then a sentence each.
     encounter, track
-        Row of ``result.encounters`` and track (as in `nvcore.tables.box_states.TruthBoxes`) of the
-        pedestrian, or of the one that the detection matches; -1: nobody.
+        Row of ``result.encounters`` and track (as in `nvcore.tables.boxes.states.TruthBoxes`) of
+        the pedestrian, or of the one that the detection matches; -1: nobody.
     truth
         Of a matched detection: which of these boxes is its pedestrian; -1: none.
     """

@@ -1,6 +1,6 @@
 """A result as tables, and what each column means."""
 
-from nvcore.tables.box_states import FrameBoxes, gather_boxes
+from nvcore.tables.boxes.states import FrameBoxes, gather_boxes
 from nvcore.tables.columns import REPORT_COLUMNS, column_names
 from nvcore.tables.frame import FrameSummary, frame_summary
 from nvcore.tables.inputs import (

@@ -15,7 +15,7 @@ from nvcore.metrics.proximity import in_use
 from nvcore.metrics.similarity import border_of, miss_terms
 from nvcore.schema import DetectionState, TruthState
 from nvcore.scoring import SystemResult
-from nvcore.tables.box_states import gather_boxes
+from nvcore.tables.boxes.states import gather_boxes
 
 
 class Words(NamedTuple):

@@ -9,7 +9,7 @@ from builders import at, make_dataset, result_of
 from nvcore.comparison import Result
 from nvcore.overlay import explain
 from nvcore.overlay.explain import explain_boxes, explain_similarity, overlaps_of
-from nvcore.tables.box_states import gather_boxes
+from nvcore.tables.boxes.states import gather_boxes
 
 
 @pytest.fixture(scope="module")

@@ -12,7 +12,7 @@ from scenes import draw_scene, three_frames
 from nvcore.comparison import compare
 from nvcore.params import Params
 from nvcore.schema import DetectionState, TruthState
-from nvcore.tables.box_states import FrameBoxes, gather_boxes
+from nvcore.tables.boxes.states import FrameBoxes, gather_boxes
 
 
 @pytest.fixture(scope="module")

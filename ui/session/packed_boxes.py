@@ -18,7 +18,7 @@ import numpy as np
 
 from nvcore.comparison import Result
 from nvcore.schema import TruthState
-from nvcore.tables.box_states import TruthBoxes, gather_boxes
+from nvcore.tables.boxes.states import TruthBoxes, gather_boxes
 
 SOURCE_TRUTH: Final = 0
 SOURCE_X: Final = 1
@@ -38,7 +38,7 @@ COLUMNS: Final = {
     "w": "<f4",
     "h": "<f4",
     "score": "<f4",  # NaN: none
-    "track": "<i4",  # as in `nvcore.tables.box_states.TruthBoxes`
+    "track": "<i4",  # as in `nvcore.tables.boxes.states.TruthBoxes`
     "source": "|u1",  # SOURCE_TRUTH, SOURCE_X or SOURCE_Y
     "state": "|u1",  # truth: the BIT_ constants, added; detections: their `DetectionState`
 }

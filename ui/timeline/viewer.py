@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from nvcore.comparison import Result
-from nvcore.tables.box_states import gather_boxes
+from nvcore.tables.boxes.states import gather_boxes
 from nvcore.tables.moments import next_misses
 from ui.session import drawing, state
 from ui.session.chosen import choose_encounter, chosen_encounter

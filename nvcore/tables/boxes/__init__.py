@@ -1,1 +1,1 @@
-"""Every box of truth, X and Y as a row: what became of it, and whom it matches."""
+"""What became of every box of truth, X and Y: in one frame, and of all in a table."""
