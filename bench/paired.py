@@ -1,6 +1,6 @@
 """Ratios that hold on a busy machine: opening beside reading, nvcore beside evaluators of COCO.
 
-    python -m bench.paired [--quick] [--only opening evaluators] [--rounds 3] [--out FILE]
+    python -m bench.paired [--quick] [--only opening|evaluators] [--rounds N] [--out FILE]
 
 What is compared runs one right after the other, round after round; each ratio is taken within a
 round, and the table has the median of the rounds. With ``--out`` it writes its sections of that
@@ -117,7 +117,8 @@ def _row(shape: str, name: str, rounds: Sequence[dict[str, dict[str, Any]]]) -> 
 
 def _seconds(figures: dict[str, Any]) -> float:
     seconds = figures["seconds"]
-    return median(seconds["analyse"] if isinstance(seconds, dict) else seconds)
+    middle: float = median(seconds["analyse"] if isinstance(seconds, dict) else seconds)
+    return middle
 
 
 def _agreement(ours: dict[str, Any], theirs: dict[str, Any]) -> str:
@@ -126,13 +127,16 @@ def _agreement(ours: dict[str, Any], theirs: dict[str, Any]) -> str:
     return "same recall" if off < 1e-9 else f"recall differs by {off:.1e}"
 
 
-def paired_sections(*, quick: bool) -> str:
-    """Both sections."""
-    if quick:
-        sizes = {"our frames": 5_000, "pictures as COCO's": 500}
-        return "\n".join([opening_section(20_000, 2), evaluators_section(sizes, 1, 2)])
-    sizes = {shape: n for shape, (n, _) in SHAPES.items()}
-    return "\n".join([opening_section(1_000_000, 3), evaluators_section(sizes, 3, 5)])
+def paired_sections(*, quick: bool, only: str = "", rounds: int | None = None) -> list[str]:
+    """Both sections, or one of ``opening`` and ``evaluators``."""
+    rounds = rounds or (1 if quick else 3)
+    sections = []
+    if only != "evaluators":
+        sections.append(opening_section(20_000 if quick else 1_000_000, rounds))
+    if only != "opening":
+        sizes = {shape: n // 10 if quick else n for shape, (n, _) in SHAPES.items()}
+        sections.append(evaluators_section(sizes, rounds, 2 if quick else 5))
+    return sections
 
 
 def _run(module: str, *arguments: str) -> None:
@@ -144,17 +148,11 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--quick", action="store_true")
-    parser.add_argument("--only", choices=("opening", "evaluators"))
-    parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--only", choices=("opening", "evaluators"), default="")
+    parser.add_argument("--rounds", type=int, help="default: 3; 1 if quick")
     parser.add_argument("--out", type=Path)
     options = parser.parse_args()
-    sections = []
-    if options.only != "evaluators":
-        sections.append(opening_section(20_000 if options.quick else 1_000_000, options.rounds))
-    if options.only != "opening":
-        divisor = 20 if options.quick else 1
-        sizes = {shape: n // divisor for shape, (n, _) in SHAPES.items()}
-        sections.append(evaluators_section(sizes, options.rounds, 3))
+    sections = paired_sections(quick=options.quick, only=options.only, rounds=options.rounds)
     for section in sections:
         print(section)
         if options.out:

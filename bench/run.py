@@ -93,7 +93,7 @@ def main() -> None:
     web = run_worker(Path(sys.executable), "bench.web", "--frames", *frames)
     text = write_tables(ours, beside, others_at, command_line) + "\n" + web_section(web)
     print("opening, and COCO's evaluators ...", file=sys.stderr)
-    text += "\n" + paired_sections(quick=quick)
+    text += "\n" + "\n".join(paired_sections(quick=quick))
     print(text)
     if out:
         out.write_text(text, encoding="utf-8")
