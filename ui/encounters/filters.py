@@ -65,7 +65,7 @@ class Filters:
 
 def key(name: str) -> str:
     """Key of a filter's widget; other data have other recordings and ranges."""
-    return f"encounters_{name}_{state.opened().whole.fingerprint[:12]}"
+    return f"encounters_{name}_{state.workspace().n_opened}"
 
 
 def draw(encounters: pd.DataFrame) -> tuple[Filters, pd.DataFrame]:

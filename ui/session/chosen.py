@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Final
 
 import streamlit as st
@@ -50,6 +51,13 @@ def encounter_of(result: Result, name: str) -> int | None:
     encounters = result.encounters
     is_it = (encounters.recording == names.index(recording)) & (encounters.track == int(track))
     return int(is_it.argmax()) if is_it.any() else None
+
+
+def rename_chosen(titles: Mapping[str, str]) -> None:
+    """Keep the chosen encounter where recordings are called otherwise; `titles` by old names."""
+    recording, colon, track = _chosen_name().rpartition(":")
+    if recording in titles:
+        choose_named(f"{titles[recording]}{colon}{track}")
 
 
 def _chosen_name() -> str:

@@ -16,7 +16,7 @@ from ui.shell import live_params
 
 KEY: Final = "preset"
 BASE: Final = "preset_chosen"
-"""Name of the preset that was chosen last, with the data it was chosen for."""
+"""Name of the preset that was chosen last, with the number of the opening it was chosen for."""
 MARK: Final = ":primary[●]"
 """Beside the name of a setting that was moved."""
 CLOSE: Final = 1e-9
@@ -73,7 +73,7 @@ def _take() -> None:
     """A preset was chosen; the one in use, pressed again, stays."""
     name: str | None = st.session_state[KEY]
     if name is not None:
-        st.session_state[BASE] = state.opened().whole.fingerprint, name
+        st.session_state[BASE] = state.workspace().n_opened, name
         live_params.set_preset(_BY_NAME[name])
 
 
@@ -99,8 +99,8 @@ def _live() -> dict[str, Any]:
 def _base() -> dict[str, Any]:
     start = state.session_params()
     base = {name: getattr(start, name) for name in SETTINGS}
-    fingerprint, name = st.session_state.get(BASE, ("", ""))
-    if fingerprint == state.opened().whole.fingerprint:
+    opening, name = st.session_state.get(BASE, (None, ""))
+    if opening == state.workspace().n_opened:
         base |= _BY_NAME[name].values(live_params.picture_height())
     return base
 

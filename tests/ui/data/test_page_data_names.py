@@ -17,6 +17,7 @@ from nvcore.inputs.session import RecordingEntry
 from pages import alone, begin_with, checked, scripted, session, texts
 from ui.data.recordings.edited import changes_in, filled
 from ui.session import state
+from ui.session.chosen import CHOSEN
 
 BEFORE = pd.DataFrame(
     {
@@ -73,9 +74,11 @@ def test_a_csv_fills_only_what_it_says():
     ]
 
 
-def with_edit(monkeypatch: pytest.MonkeyPatch, **values: object) -> AppTest:
+def with_edit(
+    monkeypatch: pytest.MonkeyPatch, page: AppTest | None = None, **values: object
+) -> AppTest:
     """The page on which a person changed cells of the first recording and applied it."""
-    page = opened()
+    page = page or opened()
     editor = st.data_editor
     changes = dict(values)
 
@@ -101,6 +104,16 @@ def test_a_recording_is_called_otherwise_without_reading_it_again(monkeypatch: p
     entry = space.opened.session.recordings[0]
     assert (entry.name, entry.title, entry.tags) == ("urban_crossing", "Crossing", ("wet",))
     assert space.pictures[0].name == "urban_crossing.mp4"  # they stay open
+
+
+def test_a_rename_keeps_who_is_chosen_and_which_preset(monkeypatch: pytest.MonkeyPatch):
+    page = opened()
+    page.session_state[CHOSEN] = (1, "urban_crossing:2")
+    page = checked(page.button_group(key="preset").set_value("Rural").run())
+    page = with_edit(monkeypatch, page, name="Crossing")
+    assert space_of(page).opened.dataset.recordings["name"][0] == "Crossing"
+    assert page.session_state[CHOSEN] == (1, "Crossing:2")
+    assert not [button for button in page.button if (button.key or "").startswith("reset_")]
 
 
 def test_a_size_is_used_by_reading_again(monkeypatch: pytest.MonkeyPatch):

@@ -14,11 +14,6 @@ def choose(app, name):
     return checked(app.run())
 
 
-def filter_key(app, name):
-    space = app.session_state["workspace"]
-    return f"encounters_{name}_{space.opened.whole.fingerprint[:12]}"
-
-
 def test_the_page_opens_at_the_frame_of_the_address_which_stays_while_parameters_change():
     app = checked(opened("timeline", alpha="0.4", recording="rural_child", frame="57"))
     assert any("**Frame 57**, 2.85 s" in text.value for text in app.markdown)
@@ -61,7 +56,8 @@ def test_the_chosen_pedestrian_is_told_of_marked_in_the_lanes_and_open_in_encoun
     assert "Takes 0.715 of Y's similarity" in said
     assert any(shape.get("name") == "chosen" for shape in lanes_layout(app)["shapes"])
     # filters of an earlier visit leave him out: they are cleared
-    app.session_state[filter_key(app, "recording")] = ["urban_crossing"]
+    key = f"encounters_recording_{app.session_state['workspace'].n_opened}"
+    app.session_state[key] = ["urban_crossing"]
     checked(app.button(key="open_chosen").click().run())
     assert app.title[0].value == "Encounters"
     assert "Pedestrian 3 in rural_child" in texts(app)

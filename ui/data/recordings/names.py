@@ -13,6 +13,7 @@ from nvcore.dataset import Dataset
 from nvcore.errors import NvcoreError
 from nvcore.inputs.session import Session
 from ui.session import state
+from ui.session.chosen import rename_chosen
 from ui.session.opening import with_recordings
 from ui.shell.page_words import page_text
 from ui.widgets.text import plain
@@ -83,6 +84,7 @@ def use_names(systems: Mapping[str, str], changes: Mapping[str, Mapping[str, Any
         whole = replace(whole, recordings=whole.recordings.assign(tags=column))
     others = {titles.get(name, name): _untitled(change) for name, change in changes.items()}
     state.compare_as(_tagged(session, whole, others), whole)
+    rename_chosen(titles)
     st.session_state[_N_CHANGES] = n_changes() + 1
     st.session_state[_DONE] = True
     st.rerun()
