@@ -39,7 +39,7 @@ class Room:
 
     def _opening(self) -> tuple[object, ...]:
         """What the last headline was about; it stays, in grey, until that of other settings."""
-        return state.workspace().n_opened, self._result.x.name, self._result.y.name
+        return state.opened().dataset.fingerprint, self._result.x.name, self._result.y.name
 
     def draw_known(self, evidence: pd.DataFrame | None, companions: Companions | None) -> None:
         """The tiles with what is known so far, and the last headline until there is a new one."""

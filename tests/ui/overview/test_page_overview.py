@@ -70,6 +70,8 @@ def test_the_verdict_that_was_shown_stays_in_grey_until_the_next(
     app.slider(key="alpha").set_value(0.5).run()
     assert app.markdown[0].value == f"## :gray[{shown}]"
     assert tiles(app).count(">being tested<") == 3
+    app.multiselect(key="tags_chosen").set_value(["rural"]).run()  # it was not about these alone
+    assert app.markdown[0].value == "## :gray[The differences are being tested.]"
 
 
 def test_what_is_known_is_drawn_once_and_not_first_as_unknown(
