@@ -25,7 +25,7 @@ def is_own_host(host: str | None) -> bool:
         return is_host_allowed(host)
     name = _hostname(host)
     return name is not None and (
-        _is_number(name) or "." not in name or name.endswith(".localhost") or name in _own_names()
+        _is_number(name) or "." not in name or name.endswith(".localhost") or name in own_names()
     )
 
 
@@ -57,7 +57,8 @@ def _is_number(name: str) -> bool:
 
 
 @cache
-def _own_names() -> frozenset[str]:
+def own_names() -> frozenset[str]:
+    """Names of this server; the first call asks the network, which may take seconds."""
     settings = login()
     addresses = [*allowlisted_origins(), *([] if settings is None else [settings.origin])]
     names = [urlsplit(address).hostname for address in addresses]

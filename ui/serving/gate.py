@@ -19,7 +19,7 @@ from streamlit.proto.ForwardMsg_pb2 import ForwardMsg
 from streamlit.user_info import generate_login_redirect_url
 
 from ui.access.login import CALLBACK, Login, login
-from ui.access.origins import is_own_host, is_own_origin
+from ui.access.origins import is_own_host, is_own_origin, own_names
 from ui.access.page import (
     LOG_IN,
     LOG_OUT,
@@ -51,6 +51,7 @@ class OwnPages:
 
     def __init__(self, app: ASGIApp):
         self.app, self._health = app, f"{base_path()}{HEALTH}"
+        own_names()  # before there are requests, which all would wait for it
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """ASGI."""

@@ -22,7 +22,7 @@ def names(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
     monkeypatch.setattr(config, "get_option", lambda name: options.get(name, own(name)))
     monkeypatch.setattr(st, "get_option", lambda name: options.get(name, own(name)))
     monkeypatch.setattr("socket.getfqdn", lambda: "lab-3.corp.example")
-    origins._own_names.cache_clear()
+    origins.own_names.cache_clear()
     return options
 
 

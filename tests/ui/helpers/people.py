@@ -42,7 +42,7 @@ def log_in_by(folder: Path, **more: Any) -> Iterator[None]:
 
 def _forget() -> None:
     login_module.login.cache_clear()
-    origins._own_names.cache_clear()
+    origins.own_names.cache_clear()
     people._ended.clear()
 
 

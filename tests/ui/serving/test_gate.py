@@ -15,6 +15,7 @@ from starlette.types import Receive, Scope, Send
 from streamlit.proto.ForwardMsg_pb2 import ForwardMsg
 
 from ui.access import people as module
+from ui.access.origins import own_names
 from ui.access.people import end_log_in, key_of
 from ui.serving import gate
 from ui.serving.gate import Gate, OwnPages
@@ -202,6 +203,17 @@ def test_frames_boxes_and_uploads_are_for_the_owner_alone(space: Workspace, behi
 
     assert statuses() == statuses(**header(cookies("bert"))) == [403] * 4
     assert statuses(**header(cookies("anna"))) == [404, 404, 404, 415]
+
+
+def test_the_machine_s_name_is_asked_for_before_the_first_request(
+    monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
+):
+    request.addfinalizer(own_names.cache_clear)
+    own_names.cache_clear()
+    monkeypatch.setattr("socket.getfqdn", lambda: "lab-3.corp.example")
+    app = OwnPages(inner)
+    monkeypatch.setattr("socket.getfqdn", None)  # whoever asks again fails
+    assert ask("/data", headers={"host": "lab-3.corp.example"}, app=app).status == 200
 
 
 def test_pages_of_others_and_names_of_others_are_refused():
