@@ -216,12 +216,18 @@ def test_a_folder_that_may_not_be_looked_into_is_said(
         names(tmp_path, path, role="detections")
 
 
-@pytest.mark.skipif(sys.platform == "win32" or os.getuid() == 0, reason="root may read everything")
-def test_a_recording_that_may_not_be_read_is_not_passed_over(tmp_path: Path):
+def test_a_recording_that_may_not_be_read_is_not_passed_over(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
     folder = mot_layout(tmp_path / "drives")
-    (folder / "A").chmod(0)
-    try:
-        with pytest.raises(InputError, match=r"drives/A.*\(Permission denied\)"):
-            names(tmp_path, "drives")
-    finally:
-        (folder / "A").chmod(0o700)
+    refused(folder / "A", monkeypatch)
+    stat = os.stat
+
+    def deny(path: str | Path, **more: bool) -> os.stat_result:
+        if folder / "A" in Path(path).parents:
+            raise PermissionError(13, "Permission denied", str(path))
+        return stat(path, **more)
+
+    monkeypatch.setattr(os, "stat", deny)
+    with pytest.raises(InputError, match=r"drives/A.*\(Permission denied\)"):
+        names(tmp_path, "drives")
