@@ -79,7 +79,7 @@ def _name(finding: Finding) -> tuple[str, str, str]:
 
 def _key(finding: Finding, cases: Cases) -> tuple[str, ...]:
     """Says which cases they are as well: thresholds, matching, X and Y change them."""
-    rows = np.ascontiguousarray(cases.rows, dtype=np.int64)
+    rows = np.asarray(cases.rows, dtype=np.int64).tobytes()
     return *_name(finding), sha256(rows).hexdigest()[:12]
 
 
