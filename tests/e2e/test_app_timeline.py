@@ -98,6 +98,7 @@ def test_what_a_click_in_a_plot_moves_is_in_sight_and_can_be_closed(timeline, wi
     page.set_viewport_size({"width": width, "height": 800})
     timeline.viewer.press("Home")
     timeline.panel_shows(0)
+    timeline.wait_until_drawn()  # until then there may be an old plot beside the new one
     timeline.keyed(f"lanes_{RECORDING}").evaluate("plot => plot.scrollIntoView({block: 'end'})")
     expect(timeline.viewer).to_have_attribute("data-docked", "true")
     timeline.click_plot(f"lanes_{RECORDING}", SHARE, [share, 0.3])
@@ -108,6 +109,7 @@ def test_what_a_click_in_a_plot_moves_is_in_sight_and_can_be_closed(timeline, wi
     expect(timeline.viewer.locator("canvas.picture")).not_to_be_in_viewport()
     timeline.heading("Timeline", level=1).scroll_into_view_if_needed()
     expect(timeline.viewer).to_have_attribute("data-docked", "false")
+    timeline.wait_until_drawn()
     timeline.keyed(f"lanes_{RECORDING}").evaluate("plot => plot.scrollIntoView({block: 'end'})")
     timeline.viewer.get_by_role("button", name="Back to the large picture").click()
     expect(timeline.viewer).to_have_attribute("data-docked", "false")
