@@ -82,23 +82,7 @@ def _hotcoco(boxes: BoxSet, *, compare: bool) -> Work:
 def _ultrafast(boxes: BoxSet) -> Work:
     from ultrafast_pycocotools import COCO, COCOeval
 
-    truth = COCO(_coco_truth(boxes))
-    results = [truth.loadRes(_coco_detections(s)) for s in boxes.systems]
-
-    def work() -> list[dict[str, float]]:
-        recalls = []
-        for result in results:
-            evaluation = COCOeval(truth, result, "bbox", print_function=lambda *_: None)
-            evaluation.params.iouThrs = np.array([IOU])
-            evaluation.params.areaRng = [[0.0, 1e10]]
-            evaluation.params.areaRngLbl = ["all"]
-            evaluation.params.maxDets = [100]
-            evaluation.evaluate()
-            evaluation.accumulate()
-            recalls.append({"recall": float(np.max(evaluation.eval["recall"]))})
-        return recalls
-
-    return work
+    return _like_pycocotools(boxes, COCO, COCOeval)
 
 
 def _vernier(boxes: BoxSet) -> Work:
@@ -128,13 +112,18 @@ def _vernier(boxes: BoxSet) -> Work:
 def _faster_coco_eval(boxes: BoxSet) -> Work:
     from faster_coco_eval import COCO, COCOeval_faster
 
-    truth = COCO(_coco_truth(boxes))
+    return _like_pycocotools(boxes, COCO, COCOeval_faster)
+
+
+def _like_pycocotools(boxes: BoxSet, coco: Any, evaluator: Any) -> Work:
+    """The work of a package with classes like those of pycocotools, which can be kept quiet."""
+    truth = coco(_coco_truth(boxes))
     results = [truth.loadRes(_coco_detections(s)) for s in boxes.systems]
 
     def work() -> list[dict[str, float]]:
         recalls = []
         for result in results:
-            evaluation = COCOeval_faster(truth, result, "bbox", print_function=lambda *_: None)
+            evaluation = evaluator(truth, result, "bbox", print_function=lambda *_: None)
             evaluation.params.iouThrs = np.array([IOU])
             evaluation.params.areaRng = [[0.0, 1e10]]
             evaluation.params.areaRngLbl = ["all"]

@@ -8,13 +8,13 @@ import numpy as np
 
 from nvcore.auditing.boxes import repeated_rows
 from nvcore.auditing.cases import BoxSource, place_of_frame, truth_source
-from nvcore.auditing.overlaps import iou_of_pairs, rows_in_ranges
+from nvcore.auditing.overlaps import rows_in_ranges
 from nvcore.columns import BoxColumns
 from nvcore.dataset import Dataset
 from nvcore.findings import Cases, Finding, Severity
 from nvcore.metrics.kernels import over_ranges
 from nvcore.metrics.kernels.pairs import pair_frames
-from nvcore.metrics.matching import Matches, match_system
+from nvcore.metrics.matching import Matches, iou_of_pairs, match_system
 from nvcore.params import Params
 from nvcore.wording import count_text
 

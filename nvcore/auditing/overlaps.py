@@ -21,25 +21,11 @@ MAX_SHIFT: Final = 5
 """Largest time offset that is tried, in listed frames."""
 
 
-Boxes = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
-"""x, y, w, h of boxes, px."""
-
-
 def rows_in_ranges(start: np.ndarray, n: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The rows of ranges that begin at `start` and have `n` rows: number of the range, and row."""
     end = np.cumsum(n)
     number = np.repeat(np.arange(len(n)), n)
     return number, np.arange(n.sum()) - np.repeat(end - n - start, n)
-
-
-def iou_of_pairs(a: Boxes, b: Boxes) -> np.ndarray:
-    """Intersection over union of boxes with those in the same place of the other arrays."""
-    (ax, ay, aw, ah), (bx, by, bw, bh) = a, b
-    across = np.minimum(ax + aw, bx + bw) - np.maximum(ax, bx)
-    down = np.minimum(ay + ah, by + bh) - np.maximum(ay, by)
-    shared = np.maximum(across, 0) * np.maximum(down, 0)
-    iou: np.ndarray = shared / (aw * ah + bw * bh - shared)
-    return iou
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,9 @@ from nvcore.metrics.kernels.frames import match_frames
 from nvcore.params import Params
 from nvcore.schema import DetectionState
 
+Boxes = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
+"""x, y, w, h of boxes, px."""
+
 
 @dataclass(frozen=True)
 class Matches:
@@ -125,3 +128,13 @@ def count_per_frame(boxes: BoxColumns, member: np.ndarray) -> np.ndarray:
     total = np.concatenate([[0], np.cumsum(member)])
     counts: np.ndarray = np.diff(total[boxes.offsets])
     return counts
+
+
+def iou_of_pairs(a: Boxes, b: Boxes) -> np.ndarray:
+    """Intersection over union of boxes with those in the same place of the other arrays."""
+    (ax, ay, aw, ah), (bx, by, bw, bh) = a, b
+    across = np.minimum(ax + aw, bx + bw) - np.maximum(ax, bx)
+    down = np.minimum(ay + ah, by + bh) - np.maximum(ay, by)
+    shared = np.maximum(across, 0) * np.maximum(down, 0)
+    iou: np.ndarray = shared / (aw * ah + bw * bh - shared)
+    return iou

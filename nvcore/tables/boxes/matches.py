@@ -12,6 +12,7 @@ import pandas as pd
 from nvcore.columns import BOX_COLUMNS, BoxColumns
 from nvcore.comparison import Result
 from nvcore.metrics.encounters import RELEVANT_K
+from nvcore.metrics.matching import iou_of_pairs
 from nvcore.metrics.proximity import in_use
 from nvcore.metrics.similarity import border_of, miss_terms
 from nvcore.output.parquet import to_parquet_bytes
@@ -278,11 +279,8 @@ def _iou(boxes: BoxColumns, others: BoxColumns, partner: np.ndarray) -> np.ndarr
     iou = np.full(len(boxes), np.nan)
     rows = np.flatnonzero(partner >= 0)
     of = partner[rows]
-    across = np.minimum(boxes.x[rows] + boxes.w[rows], others.x[of] + others.w[of])
-    across = across - np.maximum(boxes.x[rows], others.x[of])
-    down = np.minimum(boxes.y[rows] + boxes.h[rows], others.y[of] + others.h[of])
-    down = down - np.maximum(boxes.y[rows], others.y[of])
-    shared = np.maximum(across, 0) * np.maximum(down, 0)
-    areas = boxes.w[rows] * boxes.h[rows] + others.w[of] * others.h[of]
-    iou[rows] = shared / (areas - shared)
+    iou[rows] = iou_of_pairs(
+        (boxes.x[rows], boxes.y[rows], boxes.w[rows], boxes.h[rows]),
+        (others.x[of], others.y[of], others.w[of], others.h[of]),
+    )
     return iou
