@@ -39,8 +39,6 @@ END: Final = "<!-- end of claims -->"
 
 SIZES: Final = (1, 2, 4, 6, 8, 16, 50)
 POWER_SIZES: Final = (8, 16, 50)
-GOAL: Final = 0.05
-"""Largest share of verdicts that may claim anything where there is no difference."""
 BOUND_99: Final = 32
 """Of 400 verdicts that claim in 5 % of the cases, more than so many come in one of 200 runs."""
 

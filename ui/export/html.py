@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from datetime import date
 from pathlib import Path
@@ -19,12 +20,12 @@ from nvcore.protocols import Protocol
 from nvcore.report.html import Inscription, write_html_report
 from nvcore.report.html.cover import MOST_SIGNS
 from nvcore.report.html.evidence_sections import AT_ONCE
-from ui.export.session import public_findings
+from ui.export.session import public_findings, with_public_names
 from ui.jobs.background import FileJob, JobState, new_path, while_open
 from ui.jobs.progress import draw_file, draw_job, start_as_made
 from ui.session import drawing, state
 from ui.session.workspace import Workspace
-from ui.shell.messages import without_paths
+from ui.shell.messages import path_remover
 from ui.widgets.text import plain
 
 NAME: Final = "nvcore-report.html"
@@ -120,20 +121,20 @@ def _start(result: Result, key: ReportKey) -> None:
     space = state.workspace()
     space.drop_job(JOB)
     pictures = RecordingPictures(dict(space.pictures), dict(space.picture_rows), drawing.stretch())
-    findings = public_findings(state.findings(), without_paths)
+    public = path_remover()
+    findings = public_findings(state.findings(), public)
     path = new_path(space, ".html")
     job = start_job(
-        space, key, shown_result(result), state.opened().session, findings, path, pictures
+        space, key, shown_result(result, public), state.opened().session, findings, path, pictures
     )
     space.put_job(JOB, job)
 
 
-def shown_result(result: Result) -> Result:
-    """The result with files named without the folders of the machine."""
-    inputs = result.dataset.inputs
-    table = inputs.assign(file=[without_paths(name) for name in inputs["file"]])
-    notes = tuple(without_paths(note) for note in result.dataset.notes)
-    return replace(result, dataset=replace(result.dataset, inputs=table, notes=notes))
+def shown_result(result: Result, public: Callable[[object], str]) -> Result:
+    """The result with files and notes made `public`: named without the folders of the machine."""
+    named = with_public_names(result, public)
+    notes = tuple(public(note) for note in result.dataset.notes)
+    return replace(named, dataset=replace(named.dataset, notes=notes))
 
 
 def start_job(
